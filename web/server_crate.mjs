@@ -1,2 +1,2 @@
-// Where the labelling service is: its OpenAPI document is read, and the built page is written, in this crate.
+// Where the labeling service is: its OpenAPI document is read, and the built page is written, in this crate.
 export const server = "../crates/whyroad-server";

@@ -94,7 +94,7 @@ fn signals_code(signals: &[Node]) -> String {
     }
     let (ids, values) = typed(signals);
     format!(
-        "/// A signal of the catalogue. Generated from `schema/signals.yaml`; ordered as the names are.\n\
+        "/// A signal of the catalog. Generated from `schema/signals.yaml`; ordered as the names are.\n\
          #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]\n#[repr(u16)]\n\
          pub enum SignalId {{\n{variants}}}\n\
          impl SignalId {{\n    /// Every signal, ordered by name.\n    pub const ALL: &'static [SignalId] = &[{all}];\n}}\n\
@@ -178,7 +178,7 @@ fn enum_code(id: &str, signal: &str, names: &[&str]) -> String {
          \x20   #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]\n    #[repr(u16)]\n\
          \x20   pub enum {id} {{\n{variants}    }}\n\
          \x20   impl {id} {{\n\
-         \x20       /// The values' names, in the catalogue's order.\n\
+         \x20       /// The values' names, in the catalog's order.\n\
          \x20       pub const NAMES: &'static [&'static str] = &{names:?};\n    }}\n\
          \x20   impl CategoryValue for {id} {{\n\
          \x20       const ALL: &'static [Self] = &[{all}];\n\

@@ -1,4 +1,4 @@
-//! States the version of the signals: a hash of the code that derives them and of the catalogue. What a lake keeps of
+//! States the version of the signals: a hash of the code that derives them and of the catalog. What a lake keeps of
 //! an older version is then derived again, without anybody having to remember to count a number up.
 
 #[path = "../whyroad-model/build/code_version.rs"]

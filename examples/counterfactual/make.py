@@ -8,8 +8,8 @@ Krauss, EIDM and ACC, none of them the model that `whyroad_label::counterfactual
     python3 make.py            # writes pairs.jsonl beside this file, equal bytes each time
 
 One line of pairs.jsonl is a scene: leaf, driver, history and future of the ego and of the objects every 0.5 s (position
-of the box centre along and beside the ego's lane, in decimetres), light, and for each removed thing how much farther the
-ego came in 8 s, in decimetres.
+of the box center along and beside the ego's lane, in decimeters), light, and for each removed thing how much farther the
+ego came in 8 s, in decimeters.
 """
 import json, os, random, subprocess, sys, tempfile
 import sumo
@@ -86,7 +86,7 @@ class Scene:
             ego_x = 605 - r.uniform(35, 60) - BEFORE * v
             self.put("ego", ego_x, 1, v, "ego")
             self.moves = []
-            # Reaches the kerb about when the ego sees to it, and somebody who stays on the other pavement.
+            # Reaches the curb about when the ego sees to it, and somebody who stays on the other pavement.
             traci.person.add("o1", "ac", 606 - 1.3 * (BEFORE + r.uniform(0.0, 2.0)))
             traci.person.appendWalkingStage("o1", ["ac", "ca"], 540)
             traci.person.setSpeed("o1", 1.3)

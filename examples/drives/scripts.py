@@ -63,7 +63,7 @@ def multilane(traci, t, state):
         vehicle.setSpeedMode("cutter", ATTENTIVE)
 
 
-# People who cross where there is no crosswalk: when they step off, from where to where (x, y in metres in
+# People who cross where there is no crosswalk: when they step off, from where to where (x, y in meters in
 # the network's own coordinates). SUMO's cars do not see them, so the ego is told to slow and when to go on.
 JAYWALKERS = {
     "straight_over": (3.6, (103.0, 4.8), (103.0, -4.8)),
@@ -73,7 +73,7 @@ WALKING_MPS = 1.35
 
 
 def walk(traci, name, t):
-    """Puts a person on the straight line of its crossing; before and after it stands at the kerb."""
+    """Puts a person on the straight line of its crossing; before and after it stands at the curb."""
     begins, (x0, y0), (x1, y1) = JAYWALKERS[name]
     length_m = math.hypot(x1 - x0, y1 - y0)
     share = min(max((t - begins) * WALKING_MPS / length_m, 0.0), 1.0)

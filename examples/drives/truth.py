@@ -4,7 +4,7 @@
 Nothing here comes from Whyroad's signals or rules. Used: positions and lanes (FCD), lane changes with their
 reasons (lanechange output), what turns lanes make and where crossings are (network), sizes (types). Keyframes
 follow LABELING.md 4. The first line names the classes for which the list is complete in that drive; classes in
-which judgement is needed (was it a response?) are listed where they are plain, and are not called complete.
+which judgment is needed (was it a response?) are listed where they are plain, and are not called complete.
 """
 
 import gzip

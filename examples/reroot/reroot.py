@@ -10,7 +10,7 @@ A new ego is a vehicle that was seen without a gap for `--least-seconds` and got
 `--window` and `--every` also cut each drive into windows of that many seconds, started that far apart.
 What the recording car did not see, the new drive does not contain: it is emptier around its ego than a drive of its own.
 
-Needs numpy, pandas and pyarrow. The output keeps the licence of its source.
+Needs numpy, pandas and pyarrow. The output keeps the license of its source.
 """
 
 import argparse

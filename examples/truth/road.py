@@ -14,7 +14,7 @@ Every 0.5 s of simulated time in which an ego is on a lane outside junctions:
   turns              directions of the lane's connections, sorted: l, r, s, t
   exits              other nodes that the edge's connections lead to, not counting the one it comes from
   ramp               the edge leads into nothing but acceleration lanes
-  left, right        neighbour for cars on that side in the same direction
+  left, right        neighbor for cars on that side in the same direction
 """
 
 import csv

@@ -34,7 +34,7 @@ REPORT = ["drive_id", STATUS, ROWS, FAILURE]
 
 @lru_cache(maxsize=2)
 def _opened(path: str) -> whyroad.Lake:
-    """The lake, opened once per process: a catalogue of many drives is read once, and again when it is replaced."""
+    """The lake, opened once per process: a catalog of many drives is read once, and again when it is replaced."""
     return whyroad.open_lake(path)
 
 

@@ -1,4 +1,4 @@
-// How evenly the labelling screen plays a made-up scene: `node e2e/bench.mjs [objects] [seconds] [cameras]`, after `npm
+// How evenly the labeling screen plays a made-up scene: `node e2e/bench.mjs [objects] [seconds] [cameras]`, after `npm
 // run build`. A camera has a new image of 1280 x 720 at every frame of the clip. Measures the time between frames in
 // Chromium while the scene plays, and what the main thread does in each.
 import { readFile } from "node:fs/promises";

@@ -1,4 +1,4 @@
-// Drafts and judgements by a language model, end to end: a lead has tasks drafted, an annotator sees the model's
+// Drafts and judgments by a language model, end to end: a lead has tasks drafted, an annotator sees the model's
 // components in Stage I and its decision and trace only in Stage II, a lead has the label judged, a checker answers the
 // same questions and then sees the model's. The model is a script that is also busy, broken and unwilling.
 import assert from "node:assert/strict";

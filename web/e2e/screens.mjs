@@ -100,7 +100,7 @@ async function held(day) {
     await checkAccessibility(page, `Stage I, ${lang}, ${theme}`);
     await fits(page, `Stage I, ${lang}, ${theme}`);
   }
-  // A manoeuvre of the ego's own has no object that the rule could propose.
+  // A maneuver of the ego's own has no object that the rule could propose.
   if ((await page.locator("[data-component]").count()) === 0) {
     await page.keyboard.press("n");
     await page.keyboard.press("c");
@@ -114,6 +114,8 @@ async function held(day) {
   for (const [lang, theme] of APPEARANCES) {
     await setAppearance(page, lang, theme);
     await checkAccessibility(page, `Stage II, ${lang}, ${theme}`);
+    const below = await page.locator(".form").evaluate((form) => form.scrollHeight - form.clientHeight);
+    assert.ok(below <= 0, `Stage II, ${lang}, ${theme}: ${below} px are below the screen`);
     if (lang === "en" && theme === "dark") await shot(day, page, "stage2-en-dark");
   }
   // The language also changes by key, and while a field has the focus.

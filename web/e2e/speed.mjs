@@ -1,4 +1,4 @@
-// Twenty tasks of different classes labelled through both stages by keyboard alone: `node e2e/speed.mjs [TASKS]`, with
+// Twenty tasks of different classes labeled through both stages by keyboard alone: `node e2e/speed.mjs [TASKS]`, with
 // what `whyroad demo --out` wrote in WHYROAD_DEMO. Reports key presses and the page's own time per task, and the time
 // that a person takes by the keystroke-level model (Card, Moran, Newell 1980): K = 0.28 s per key of an average typist,
 // H = 0.4 s for a change between keys and the input method, M = 1.35 s for a decision. Assumed: one M per component

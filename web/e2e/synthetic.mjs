@@ -1,4 +1,4 @@
-// A task made up by arithmetic, and answers to every request of the labelling screen about it: for measuring the page
+// A task made up by arithmetic, and answers to every request of the labeling screen about it: for measuring the page
 // without a server and without recorded data. The scene is a curved motorway of four lanes with any number of objects,
 // and cameras with an image at every frame.
 import { picture } from "./png.mjs";
@@ -7,7 +7,7 @@ const HZ = 10;
 const iso = (i) => new Date(Date.UTC(2026, 0, 15, 10, 30, 0) + i * 100).toISOString();
 const round = (v) => Math.round(v * 1000) / 1000;
 
-/** A point `s` metres along the road, `d` metres left of its centre, and the road's heading there. */
+/** A point `s` meters along the road, `d` meters left of its center, and the road's heading there. */
 function onRoad(s, d) {
   const heading = 0.35 * Math.sin(s / 180);
   const y = -63 * Math.cos(s / 180);
@@ -82,7 +82,7 @@ export function scene({ objects, seconds, stage, cameras = 0 }) {
       "target.wheel_over_line": rows.map((i) => i > key),
     },
     about: {
-      "target.lateral_offset": { kind: "number", unit: "m", meaning: { zh: "到车道中心的横向偏移", en: "Offset from the lane's centre" } },
+      "target.lateral_offset": { kind: "number", unit: "m", meaning: { zh: "到车道中心的横向偏移", en: "Offset from the lane's center" } },
       "target.ttc": { kind: "number", unit: "s", meaning: { zh: "碰撞时间", en: "Time to collision" } },
       "target.wheel_over_line": { kind: "flag", unit: null, meaning: { zh: "车轮压线", en: "A wheel is over the line" } },
     },
@@ -191,7 +191,7 @@ export function task(view, { stage }) {
       leaf: "reactive_agent.cutin.urgent",
       keyframe: { type: "reactive", ...rule("他车任一车轮越过车道线的时刻", "any wheel of the other vehicle crosses the lane line") },
       start: { ...rule("关键帧前 2 s", "2 s before the keyframe") },
-      end: { ...rule("他车中心与车道中心的距离小于 0.5 m", "its centre is less than 0.5 m from the lane centre"), fallback: rule("关键帧后 3 s", "3 s after the keyframe") },
+      end: { ...rule("他车中心与车道中心的距离小于 0.5 m", "its center is less than 0.5 m from the lane center"), fallback: rule("关键帧后 3 s", "3 s after the keyframe") },
       pack: { before_s: 3, after_s: 3 },
       records: [{ id: "min_ttc", name: pair("最小 TTC", "Least TTC"), unit: "s" }],
       uncertainty_high: false,

@@ -46,7 +46,7 @@ fn descriptors(n: usize) -> Vec<Vec<f32>> {
     out
 }
 
-/// How many of the true neighbours of all queries were found, and how many there are, by comparing every query with
+/// How many of the true neighbors of all queries were found, and how many there are, by comparing every query with
 /// every descriptor.
 fn against_full_scan(views: &[&[f32]], asked: &[usize], found: &[Vec<u32>]) -> (usize, usize) {
     let square = (RADIUS * RADIUS * DIMENSIONS as f64) as f32;

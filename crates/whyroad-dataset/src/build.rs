@@ -33,7 +33,7 @@ pub struct Inputs<'a> {
     pub spec_text: String,
     /// Classes and the label checker's knowledge.
     pub framework: &'a Framework,
-    /// Known licences.
+    /// Known licenses.
     pub licences: &'a LicenceTable,
     /// Drives.
     pub lake: &'a Lake,
@@ -83,7 +83,7 @@ pub(crate) struct State<'a> {
 /// do; when it returns false the build stops, and the next one with the same inputs goes on from there.
 ///
 /// # Errors
-/// When the output exists, an input cannot be read, a licence forbids it, or `progress` stopped it.
+/// When the output exists, an input cannot be read, a license forbids it, or `progress` stopped it.
 pub fn build(
     inputs: &Inputs<'_>,
     streams: Vec<LabelStream>,

@@ -2,6 +2,7 @@
 //! images, other classes, and its own hashes. The old one stays as it is. Samples that a person has to decide are left
 //! out and listed; tables of the stages stay those of the build.
 
+use crate::aside::empty_partial;
 use crate::freeze::manifest::{Counts, FileEntry, Manifest};
 use crate::freeze::{
     CARD, CHARTS, CHECKSUMS, CROISSANT, DATA, MANIFEST, QUERIES, card, checksums, croissant, shards,
@@ -47,7 +48,7 @@ pub struct UndecidedSample {
     pub drive_id: String,
     /// Its clip.
     pub clip_id: String,
-    /// Its task, where the labelling service made it.
+    /// Its task, where the labeling service made it.
     pub task_id: Option<String>,
     /// Class before.
     pub from: String,
@@ -76,11 +77,7 @@ pub fn carry_release(
         return Err(DatasetError::Exists(out.to_owned()));
     }
     // Aside and renamed: whole or not there.
-    let name = out.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let aside = out.with_file_name(format!(".{name}.partial"));
-    if aside.exists() {
-        fs::remove_dir_all(&aside).map_err(DatasetError::io(&aside))?;
-    }
+    let aside = empty_partial(out)?;
     let manifest = write(release, mapping, &aside, &mut done, &mut ids)?;
     finish(&aside, manifest)?;
     fs::rename(&aside, out).map_err(DatasetError::io(out))?;

@@ -1,4 +1,4 @@
-//! What differs between two releases: samples added, removed, moved between splits, relabelled, and the counts by
+//! What differs between two releases: samples added, removed, moved between splits, relabeled, and the counts by
 //! class.
 
 use crate::sample::schema::from_batch;

@@ -15,6 +15,7 @@ mod parquet_file;
 mod qwen;
 mod webdataset;
 
+use crate::aside::empty_partial;
 use crate::item::SplitName;
 use crate::sample::Sample;
 use crate::{DatasetError, Release};
@@ -190,12 +191,7 @@ pub fn export(
     if out.exists() {
         return write(release, format, out, options, progress);
     }
-    let name = out.file_name().unwrap_or_default().to_string_lossy();
-    let aside = out.with_file_name(format!(".{name}.partial"));
-    match fs::remove_dir_all(&aside) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(DatasetError::io(&aside)(e)),
-        _ => {}
-    }
+    let aside = empty_partial(out)?;
     let exported = write(release, format, &aside, options, progress);
     if exported.is_ok() {
         fs::rename(&aside, out).map_err(DatasetError::io(out))?;

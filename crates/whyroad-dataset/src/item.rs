@@ -17,7 +17,7 @@ pub const SKETCH: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
-    /// By class, status, quality, place, weather, source, licence.
+    /// By class, status, quality, place, weather, source, license.
     Select,
     /// Cut from the drive.
     Sample,
@@ -154,7 +154,7 @@ pub(crate) struct Cut {
 pub(crate) struct Position {
     /// `geo`, or `map:<place>`.
     pub frame: String,
-    /// m. Of `geo`: on a sphere around the Earth's centre, so that distances hold everywhere.
+    /// m. Of `geo`: on a sphere around the Earth's center, so that distances hold everywhere.
     pub p: [f64; 3],
     /// For polygons and cells: map x and y in m, or longitude and latitude in degrees.
     pub plane: [f64; 2],

@@ -26,7 +26,7 @@ pub struct LabelStream {
 
 /// State of labels that come from a plain file.
 pub const IMPORTED: &str = "imported";
-/// States of the labelling service in which a label is finished.
+/// States of the labeling service in which a label is finished.
 pub const FINISHED: &[&str] = &["accepted", "checked", "submitted", "rework"];
 /// State of what no person has finished.
 pub const DRAFT: &str = "draft";

@@ -4,7 +4,7 @@
 //! describes the spec and the files.
 //!
 //! It derives nothing itself: speeds, accelerations and classes come from [`whyroad_engine::states`]. It opens no
-//! store of the labelling service: labels come as lines of its export.
+//! store of the labeling service: labels come as lines of its export.
 
 pub mod baseline;
 pub mod build;
@@ -19,6 +19,7 @@ pub mod similar;
 pub mod spec;
 pub mod verify;
 
+mod aside;
 mod balance;
 mod cut;
 pub mod dedup;

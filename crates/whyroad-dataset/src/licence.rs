@@ -1,4 +1,4 @@
-//! Licences: which are known, what a release that contains them may be used for, and which one it declares. The
+//! Licenses: which are known, what a release that contains them may be used for, and which one it declares. The
 //! knowledge is `schema/licences.yaml`.
 
 use crate::spec::{Licences, Use};
@@ -9,14 +9,14 @@ use whyroad_model::{Bilingual, Diagnostic, Severity};
 
 /// The table that is built in.
 pub const BUNDLED: &str = include_str!("../../../schema/licences.yaml");
-/// What a release declares that may only be used internally and has no single licence.
+/// What a release declares that may only be used internally and has no single license.
 const INTERNAL: &str = "LicenseRef-Internal";
 
 const TABLE: &str = "dataset.licence.table";
 static FORM: FormCodes =
     FormCodes { syntax: TABLE, missing: TABLE, unknown: TABLE, kind: TABLE, duplicate: TABLE, empty: TABLE };
 
-/// One licence.
+/// One license.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Licence {
     /// SPDX id, or `LicenseRef-...`.
@@ -36,12 +36,12 @@ pub struct Licence {
     pub attribution: Option<String>,
 }
 
-/// All known licences, in the order of the file.
+/// All known licenses, in the order of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LicenceTable {
     /// Version of the file.
     pub version: String,
-    /// The licences.
+    /// The licenses.
     pub licences: Vec<Licence>,
 }
 
@@ -67,7 +67,7 @@ impl LicenceTable {
         }
     }
 
-    /// The licence that a drive states, by id or by another name.
+    /// The license that a drive states, by id or by another name.
     pub fn find(&self, stated: &str) -> Option<&Licence> {
         let same = |name: &String| name.eq_ignore_ascii_case(stated.trim());
         self.licences.iter().find(|l| same(&l.id) || l.names.iter().any(same))
@@ -83,7 +83,7 @@ impl LicenceTable {
                 "dataset.licence.forbidden",
                 Bilingual::new(
                     format!("许可 {id} 不允许用途 {purpose}"),
-                    format!("licence {id} does not permit the purpose {purpose}"),
+                    format!("license {id} does not permit the purpose {purpose}"),
                 ),
             );
             return Some(d.with_hint(Bilingual::new(
@@ -96,16 +96,16 @@ impl LicenceTable {
         None
     }
 
-    /// True when the spec's `allow` lists the licence, or lists nothing.
+    /// True when the spec's `allow` lists the license, or lists nothing.
     pub fn is_allowed(&self, licence: &Licence, spec: &Licences) -> bool {
         let same = |stated: &String| self.find(stated).is_some_and(|l| l.id == licence.id);
         spec.allow.is_empty() || spec.allow.iter().any(same)
     }
 
-    /// The licence that a release with drives under `ids` declares, or why they cannot be combined.
+    /// The license that a release with drives under `ids` declares, or why they cannot be combined.
     ///
     /// # Errors
-    /// A share-alike licence together with one that it cannot be combined with.
+    /// A share-alike license together with one that it cannot be combined with.
     pub fn declared(&self, ids: &BTreeSet<String>, purpose: Use) -> Result<String, Box<Diagnostic>> {
         let all: Vec<&Licence> = self.licences.iter().filter(|l| ids.contains(&l.id)).collect();
         let shared = all.iter().filter(|l| l.share_alike);
@@ -225,7 +225,7 @@ mod tests {
                 assert_eq!(code(id, purpose), Some("dataset.licence.forbidden"), "{id}");
             }
             assert_eq!(code(id, Use::Internal), None);
-            // Together with open data it stays what it is; with share-alike data neither licence can be kept.
+            // Together with open data it stays what it is; with share-alike data neither license can be kept.
             assert_eq!(declared(&[id, "MIT"], Use::Internal).unwrap(), id);
             assert_eq!(
                 declared(&[id, "CC-BY-NC-SA-4.0"], Use::Research).unwrap_err(),

@@ -50,11 +50,11 @@ pub(crate) fn cell(position: &Position, split: &Split) -> String {
     format!("{}:{}:{}", position.frame, index(x), index(y))
 }
 
-/// Even-odd rule.
-fn contains(points: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+/// Whether the closed polygon has the point inside, by the even-odd rule.
+pub(crate) fn contains<P: Copy + Into<[f64; 2]>>(points: &[P], [x, y]: [f64; 2]) -> bool {
     let mut inside = false;
-    for (i, a) in points.iter().enumerate() {
-        let b = points[(i + points.len() - 1) % points.len()];
+    for (i, &a) in points.iter().enumerate() {
+        let (a, b): ([f64; 2], [f64; 2]) = (a.into(), points[(i + points.len() - 1) % points.len()].into());
         if (a[1] > y) != (b[1] > y) && x < (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]) + a[0] {
             inside = !inside;
         }
@@ -101,7 +101,7 @@ impl<'a> Grid<'a> {
 }
 
 fn bucket(p: [f64; 3], edge: f64) -> [i64; 3] {
-    // The bound keeps the neighbours of the farthest bucket representable.
+    // The bound keeps the neighbors of the farthest bucket representable.
     p.map(|v| (v / edge).floor().clamp(-1e15, 1e15) as i64)
 }
 

@@ -135,7 +135,7 @@ pub struct Lineage {
     pub episode_id: Option<String>,
     /// Track that the episode's rule bound.
     pub target_id: Option<String>,
-    /// Task of the labelling service.
+    /// Task of the labeling service.
     pub task_id: Option<String>,
     /// Time of t0, nanoseconds since 1970 as the log states it.
     pub keyframe_time_ns: i64,
@@ -145,7 +145,7 @@ pub struct Lineage {
     pub label_sha256: String,
     /// Format version of the label.
     pub label_version: Option<String>,
-    /// State in the labelling service (`accepted`, `submitted`, ...), or `draft`, or `imported` for labels of a plain
+    /// State in the labeling service (`accepted`, `submitted`, ...), or `draft`, or `imported` for labels of a plain
     /// file.
     pub label_status: String,
     /// True when a person other than the author accepted it; false for every draft.
@@ -179,12 +179,12 @@ pub struct Groups {
     pub date: Option<String>,
     /// Source of the drive.
     pub source: String,
-    /// Licence of the drive: an id of `schema/licences.yaml`.
+    /// License of the drive: an id of `schema/licences.yaml`.
     pub licence: String,
     /// Frame of `position`: `geo` (on the Earth) or `map:<place>`; `None`: no position that other drives can be
     /// compared with.
     pub position_frame: Option<String>,
-    /// The reference point at t0, m: x, y, 0 of the map, or a point of the Earth's sphere around its centre, so that
+    /// The reference point at t0, m: x, y, 0 of the map, or a point of the Earth's sphere around its center, so that
     /// distances of samples can be computed by subtraction.
     pub position: Option<Vec<f64>>,
     /// Longitude and latitude at t0, degrees, where the drive states its position on Earth.
@@ -210,7 +210,7 @@ pub struct EgoBox {
     pub height_m: Option<f32>,
     /// `rear_axle` or `box_centre`: the point that every pose of the sample refers to.
     pub reference: String,
-    /// From the reference point forward to the box centre, m.
+    /// From the reference point forward to the box center, m.
     pub reference_to_centre_m: f32,
 }
 
@@ -258,7 +258,7 @@ pub struct Object {
     pub height_m: Option<f32>,
     /// Seconds from t0, ascending; rows with `t_s > 0` are future.
     pub t_s: Vec<f32>,
-    /// Box centre, m.
+    /// Box center, m.
     pub x: Vec<Option<f32>>,
     /// m.
     pub y: Vec<Option<f32>>,
@@ -278,7 +278,7 @@ pub struct MapElement {
     /// `lane`, `junction_lane`, `bus_lane`, `bike_lane`, `sidewalk`, `other_lane`, `crosswalk`, `stop_line`,
     /// `junction`.
     pub kind: String,
-    /// Centre line of a lane in driving direction, the line of a stop line, the outline of an area, m; points of one
+    /// Center line of a lane in driving direction, the line of a stop line, the outline of an area, m; points of one
     /// line that is cut by the radius several times follow each other.
     pub x: Vec<f32>,
     /// m.

@@ -1,4 +1,4 @@
-//! Stage 1: which labels become samples, by status, class, source, place, quality and licence. Weather is checked
+//! Stage 1: which labels become samples, by status, class, source, place, quality and license. Weather is checked
 //! when the drive is open (stage 2), and reported here all the same.
 
 use crate::item::{Dropped, Item, Stage};
@@ -15,7 +15,7 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId, ScenarioId};
 pub(crate) struct Selected {
     /// Metadata by drive index; only drives with a candidate.
     pub drives: BTreeMap<u32, DriveMeta>,
-    /// Licence id by drive index.
+    /// License id by drive index.
     pub licences: BTreeMap<u32, String>,
     pub diagnostics: Vec<Diagnostic>,
     /// Reasons to refuse the build.
@@ -62,7 +62,7 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
         };
     }
     labels.items = items;
-    // A drive that no candidate is left of is not asked for its licence.
+    // A drive that no candidate is left of is not asked for its license.
     let used: BTreeSet<u32> = labels.items.iter().filter(|i| i.kept()).map(|i| i.drive).collect();
     out.drives.retain(|d, _| used.contains(d));
     for name in &missing {
@@ -99,7 +99,7 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
 fn unknown_in_spec(name: &str) -> Diagnostic {
     let message = Bilingual::new(
         format!("spec 的 licences.allow 中的许可 '{name}' 未知"),
-        format!("licences.allow in the spec names the unknown licence '{name}'"),
+        format!("licences.allow in the spec names the unknown license '{name}'"),
     );
     Diagnostic::error("dataset.licence.unknown", message)
         .with_hint(Bilingual::new("用 schema/licences.yaml 中的编号", "use an id of schema/licences.yaml"))
@@ -110,12 +110,12 @@ fn unknown_licence(stated: &str, drives: &BTreeSet<String>) -> Diagnostic {
     let message = if stated.is_empty() {
         Bilingual::new(
             format!("{n} 个行程没有许可信息，例如 {first}"),
-            format!("{n} drives state no licence, for example {first}"),
+            format!("{n} drives state no license, for example {first}"),
         )
     } else {
         Bilingual::new(
             format!("{n} 个行程的许可 '{stated}' 未知，例如 {first}"),
-            format!("{n} drives have the unknown licence '{stated}', for example {first}"),
+            format!("{n} drives have the unknown license '{stated}', for example {first}"),
         )
     };
     Diagnostic::error("dataset.licence.unknown", message).with_hint(Bilingual::new(

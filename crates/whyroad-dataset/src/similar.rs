@@ -1,5 +1,5 @@
 //! Episodes by the descriptors that near-duplicates are found by: how similar two moments are before anybody has
-//! labelled them.
+//! labeled them.
 
 use crate::cut::{Cutter, Media};
 use crate::{Spec, descriptor};

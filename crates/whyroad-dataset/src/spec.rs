@@ -27,7 +27,7 @@ pub struct Spec {
     pub labels: Labels,
     /// Which samples are taken.
     pub select: Select,
-    /// Licences.
+    /// Licenses.
     pub licences: Licences,
     /// How a sample is cut.
     pub sample: Cut,
@@ -44,7 +44,7 @@ pub struct Spec {
 /// Which labels are taken.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Labels {
-    /// States of the labelling service; labels of plain files have the state `imported`.
+    /// States of the labeling service; labels of plain files have the state `imported`.
     pub statuses: Vec<String>,
     /// Unchecked drafts by rule or model too, marked `label_status = draft`.
     pub drafts: bool,
@@ -79,14 +79,14 @@ pub enum Use {
     Commercial,
 }
 
-/// Licences.
+/// Licenses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Licences {
     /// What the release may be used for.
     pub purpose: Use,
-    /// Only these licences; empty: all that the purpose permits.
+    /// Only these licenses; empty: all that the purpose permits.
     pub allow: Vec<String>,
-    /// Licence of drives that state none. Unset: such drives are refused.
+    /// License of drives that state none. Unset: such drives are refused.
     pub assume: Option<String>,
 }
 
@@ -104,9 +104,9 @@ pub enum Incomplete {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reference {
-    /// The rear axle, where the source states how far it is from the box centre.
+    /// The rear axle, where the source states how far it is from the box center.
     RearAxle,
-    /// The box centre.
+    /// The box center.
     BoxCentre,
 }
 

@@ -1,5 +1,5 @@
 //! Checking a release: every file's hash, no file missing or extra, no group or sample in two splits, no sample of
-//! one split near one of another, no near-duplicate across splits, licences, and every label against the framework of
+//! one split near one of another, no near-duplicate across splits, licenses, and every label against the framework of
 //! today.
 
 use crate::dedup::search::{Neighbours, Projection};
@@ -287,7 +287,7 @@ fn licence(release: &Release, table: &LicenceTable, stated: &BTreeSet<String>, o
         match table.find(id) {
             None => out.push(Diagnostic::error(
                 "dataset.licence.unknown",
-                Bilingual::new(format!("许可 '{id}' 未知"), format!("licence '{id}' is unknown")),
+                Bilingual::new(format!("许可 '{id}' 未知"), format!("license '{id}' is unknown")),
             )),
             Some(l) => {
                 out.extend(table.objection(l, spec));
@@ -296,7 +296,7 @@ fn licence(release: &Release, table: &LicenceTable, stated: &BTreeSet<String>, o
                         "dataset.licence.forbidden",
                         Bilingual::new(
                             format!("许可 {id} 不在 licences.allow 中"),
-                            format!("licence {id} is not in licences.allow"),
+                            format!("license {id} is not in licences.allow"),
                         ),
                     ));
                 }

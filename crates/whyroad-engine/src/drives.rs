@@ -16,6 +16,7 @@ pub fn map_drives<T: Send, E>(
     work: impl Fn(&DriveId) -> T + Sync,
     mut each: impl FnMut(T) -> Result<(), E>,
 ) -> Result<(), E> {
+    crate::memory::keep_freed();
     let pool = jobs.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
     let cores = pool.as_ref().map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
     for some in ids.chunks(cores.max(1) * DRIVES_PER_CORE) {

@@ -1,13 +1,15 @@
 //! What a lake holds, counted: numbers of clips, objects, map features, and how much of each signal is known.
 
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_lake::{Lake, LakeError, SignalFile, clip_metadata, cut_clip};
 use whyroad_model::messages::clip::ClipMetadata;
 use whyroad_model::road_map::{LayerState, MapLayer};
 use whyroad_model::scene::{Ego, FrameOfReference};
 use whyroad_model::signal::is_deviation;
 use whyroad_model::{ClipId, Drive, DriveId, FrameRange, Need, SignalId, SignalTable};
+use whyroad_signals::Catalogue;
+use whyroad_signals::estimate;
 use whyroad_signals::estimate::{LogNoise, Noise};
 
 /// One drive, or one clip of it.
@@ -19,7 +21,7 @@ pub struct DriveSummary {
     pub format: String,
     /// Where it was recorded; `None` is unknown.
     pub place: Option<String>,
-    /// Licence of the recording; `None` is unknown.
+    /// License of the recording; `None` is unknown.
     pub licence: Option<String>,
     /// Its clips.
     pub clips: Vec<ClipMetadata>,
@@ -39,7 +41,8 @@ pub struct DriveSummary {
     pub missing: Vec<Need>,
     /// Signals that the log supports.
     pub signals: BTreeMap<String, SignalShare>,
-    /// Signals that it does not support, with what they need.
+    /// Signals that it does not support, with what the log lacks of what they need; nothing where the log has a part of
+    /// each, and too little for this signal.
     pub unavailable: BTreeMap<String, Vec<Need>>,
 }
 
@@ -96,7 +99,7 @@ fn noise(drive: &Drive) -> Option<NoiseSummary> {
     if drive.meta.frame_of_reference == FrameOfReference::Ego {
         return None;
     }
-    let noise = whyroad_signals::estimate::noise(drive);
+    let noise = estimate::noise(drive);
     Some(NoiseSummary {
         ego: drive.ego.is_some().then(|| NoiseOf::new(&noise.ego)),
         vehicles: NoiseOf::new(&noise.vehicles),
@@ -142,10 +145,11 @@ impl DriveSummary {
             Some(of_whole_drive) => of_whole_drive,
             None => {
                 let table = crate::drives::signals_of(lake, id)?;
-                let speeds = speeds(&crate::estimated(drive.clone()), frames);
+                let speeds = speeds(&estimate(&drive), frames);
                 ((shares(&table, frames), table.unavailable), speeds)
             }
         };
+        let unavailable = lacking(unavailable, &signals);
         let meta = &drive.meta;
         Ok(Self {
             drive_id: meta.drive_id.0.clone(),
@@ -199,6 +203,21 @@ impl LakeSummary {
             *self.tables.entry(table).or_default() += 1;
         }
     }
+}
+
+/// The needs that the log lacks: those of which no signal with a value shows that they are there.
+fn lacking(
+    mut unavailable: BTreeMap<String, Vec<Need>>,
+    signals: &BTreeMap<String, SignalShare>,
+) -> BTreeMap<String, Vec<Need>> {
+    let valued = |name: &str| signals.get(name).is_some_and(|share| share.known > 0);
+    let there: BTreeSet<Need> = Catalogue::bundled()
+        .iter()
+        .filter(|def| valued(&def.name))
+        .flat_map(|def| def.needs.iter().copied())
+        .collect();
+    unavailable.values_mut().for_each(|needs| needs.retain(|n| !there.contains(n)));
+    unavailable
 }
 
 /// How much of each signal is known, and what the log cannot support.

@@ -8,6 +8,7 @@ pub mod drives;
 pub mod inspect;
 pub mod label_drives;
 pub mod media;
+pub mod memory;
 pub mod mine;
 pub mod objects;
 pub mod output;

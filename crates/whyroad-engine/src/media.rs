@@ -1,4 +1,4 @@
-//! Camera images beside a log, attached to a drive of a lake, so that the labelling service shows them.
+//! Camera images beside a log, attached to a drive of a lake, so that the labeling service shows them.
 
 mod error;
 mod images;

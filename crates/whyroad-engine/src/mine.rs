@@ -266,7 +266,8 @@ impl<'a> Miner<'a> {
         // Without a hash nobody can say that the content is the same.
         let content = self.lake.note(id, kept::FILE).filter(|_| !hash.is_empty());
         let mut kept = Kept::parse(content, &kept::state(hash));
-        let mut found: Vec<Option<Found>> = self.keys.iter().map(|key| kept.get(key)).collect();
+        let mut found: Vec<Option<Found>> =
+            self.keys.iter().zip(&self.rules.rules).map(|(key, rule)| kept.get(key, rule)).collect();
         let new: Vec<usize> = (0..found.len()).filter(|i| found[*i].is_none()).collect();
         if !new.is_empty() {
             for (i, of_rule) in new.iter().zip(self.run(id, &new)?) {

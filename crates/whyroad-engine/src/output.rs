@@ -7,7 +7,6 @@ pub mod query;
 pub mod record;
 pub mod removal;
 pub mod result;
-mod wording;
 
 pub use coverage::Searched;
 pub use folder::{EpisodeExample, FolderWriter, KnownDrive, SameDrive, Summary, write_folder};

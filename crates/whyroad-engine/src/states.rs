@@ -11,7 +11,7 @@ use whyroad_signals::estimate;
 pub struct States {
     /// Number of frames that were seen.
     pub frames: usize,
-    /// The ego's box centre, one row per frame; `None` when the log has no ego.
+    /// The ego's box center, one row per frame; `None` when the log has no ego.
     pub ego: Option<Motion>,
     /// Objects with at least one observation, ordered by id.
     pub objects: Vec<ObjectStates>,
@@ -26,7 +26,7 @@ pub struct ObjectStates {
     pub class: ObjectClass,
     /// Frame of each row, strictly ascending; may have gaps.
     pub frames: Vec<u32>,
-    /// Motion of the box centre, a row per entry of `frames`; NaN is unknown.
+    /// Motion of the box center, a row per entry of `frames`; NaN is unknown.
     pub motion: Motion,
     /// Box length in m, a row each; NaN is unknown.
     pub length_m: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The stable codes of what this crate finds in taxonomies and labelling specs. Each has a page in
+//! The stable codes of what this crate finds in taxonomies and labeling specs. Each has a page in
 //! `docs/diagnostics/`; tests hold this list equal to the pages and show that each code is emitted.
 //! Codes of labels are in `validate`.
 
@@ -33,7 +33,7 @@ pub const TAXONOMY: &[&str] = &[
     "taxonomy.yaml",
 ];
 
-/// Codes of labelling specs.
+/// Codes of labeling specs.
 pub const SPEC: &[&str] = &[
     "spec.class.missing",
     "spec.class.unknown",

@@ -1,8 +1,10 @@
 //! Which decisions a class goes with (`scenarios/decisions.yaml`, which says what each part means), leaves with what
 //! they inherit from their L2.
 
+mod causes;
 mod read;
 
+pub use causes::{CauseKinds, Causes};
 pub use read::parse;
 
 use crate::label_words::GroupSet;
@@ -100,6 +102,8 @@ impl ClassDecisions {
 pub struct DecisionTable {
     /// By leaf.
     pub leaves: BTreeMap<ScenarioId, ClassDecisions>,
+    /// What can bring about what.
+    pub causes: Causes,
     /// Decisions that do not go together in any class.
     pub impossible_pairs: Vec<(Longitudinal, Lateral)>,
 }

@@ -64,4 +64,11 @@ impl DecisionSets {
     pub fn lateral(&self, id: Lateral) -> Option<&DecisionText> {
         self.lateral.iter().find(|d| d.id == id).map(|d| &d.text)
     }
+
+    /// Name of a decision of either channel, for people; its id where the file has no name.
+    pub fn name(&self, id: &str) -> Bilingual {
+        let along = Longitudinal::from_id(id).and_then(|d| self.longitudinal(d));
+        let text = along.or_else(|| Lateral::from_id(id).and_then(|d| self.lateral(d)));
+        text.map_or_else(|| Bilingual::same(id), |t| t.name.clone())
+    }
 }

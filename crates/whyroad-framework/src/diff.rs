@@ -6,7 +6,7 @@
 //! else is wording, order or reference: **patch**.
 //!
 //! What a definition, condition or deciding rule means is judged in `wording`. Two whole frameworks are compared by
-//! [`diff_frameworks`]: their labelling specs (`labelling`) and mining rules (`mining`) too.
+//! [`diff_frameworks`]: their labeling specs (`labelling`) and mining rules (`mining`) too.
 
 mod framework;
 mod labelling;
@@ -80,7 +80,7 @@ pub enum ChangeKind {
     Reworded,
     /// Order among siblings, or a reference.
     Arranged,
-    /// Another labelling spec, inheritance applied. The id of an L1 or L2 stands for all leaves below it.
+    /// Another labeling spec, inheritance applied. The id of an L1 or L2 stands for all leaves below it.
     Labelling,
     /// Another mining rule, as written.
     Mining,

@@ -90,7 +90,7 @@ fn section_l2(f: &Framework, l1: &L1, l2: &L2, overlaps: &Overlaps<'_>, out: &mu
     if !typical.is_empty() {
         let _ = writeln!(out, "典型决策 · Typical decisions: {typical}\n");
     }
-    out.push_str("| L3 ID | 名称 | Name | 条件 | Condition | 标注要求 · Labelling |\n|-------|------|------|------|------|------|\n");
+    out.push_str("| L3 ID | 名称 | Name | 条件 | Condition | 标注要求 · Labeling |\n|-------|------|------|------|------|------|\n");
     for l3 in &l2.l3 {
         let spec = f.specs.get(&ScenarioId::leaf(&l1.id, &l2.id, &l3.id));
         let _ = writeln!(
@@ -126,7 +126,7 @@ fn decisions(typical: &TypicalDecisions) -> String {
     ids.map(|id| format!("`{id}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// What a labeller must do beyond keyframe, start and end; those are in `whyroad taxonomy show`.
+/// What a labeler must do beyond keyframe, start and end; those are in `whyroad taxonomy show`.
 fn labelling(spec: Option<&ResolvedSpec>) -> String {
     let Some(spec) = spec else { return "?".to_owned() };
     let mut parts = vec![format!("keyframe: {}", spec.keyframe.kind)];

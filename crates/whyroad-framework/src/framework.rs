@@ -12,7 +12,7 @@ use std::sync::{Arc, OnceLock};
 use whyroad_model::yaml::{Mark, Node};
 use whyroad_model::{Diagnostic, ScenarioId};
 
-/// Classes, decisions, labelling specs, rule sources, and the texts that other crates parse.
+/// Classes, decisions, labeling specs, rule sources, and the texts that other crates parse.
 #[derive(Clone, Debug, Default)]
 pub struct Framework {
     /// The classes.
@@ -27,7 +27,7 @@ pub struct Framework {
     pub l2_specs: BTreeMap<ScenarioId, ResolvedSpec>,
     /// One `mining:` block an L2 or leaf that has one, in taxonomy order, an L2 before its leaves.
     pub rules: Vec<RuleSource>,
-    /// Every expression of the labelling specs as written, in the order of the files.
+    /// Every expression of the labeling specs as written, in the order of the files.
     pub expressions: Vec<ExpressionSource>,
     /// Version that each file of `scenarios/` states, by relative path.
     pub spec_versions: BTreeMap<String, String>,
@@ -66,10 +66,10 @@ pub struct RuleSource {
     pub text: Arc<str>,
 }
 
-/// An `expr` of a labelling spec as written: a moment of the rule language. whyroad-mining gives it meaning.
+/// An `expr` of a labeling spec as written: a moment of the rule language. whyroad-mining gives it meaning.
 #[derive(Clone, Debug)]
 pub struct ExpressionSource {
-    /// The class whose labelling it belongs to: an L1, an L2 or a leaf.
+    /// The class whose labeling it belongs to: an L1, an L2 or a leaf.
     pub class: ScenarioId,
     /// `scenarios/<l1>.yaml` or `scenarios/<l1>/<l2>.yaml`.
     pub file: String,

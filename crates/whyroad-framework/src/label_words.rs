@@ -6,14 +6,13 @@ mod clauses;
 mod compared;
 mod compile;
 
-pub use aftermath::{Aftermath, TellWord};
+pub use aftermath::{Aftermath, NewSubject, TellWord};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
 
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
-use whyroad_model::decision::Longitudinal;
 use whyroad_model::{Bilingual, Diagnostic, yaml};
 
 use crate::lexicon::trie::{Found, Trie};
@@ -38,6 +37,12 @@ impl GroupSet {
         GroupSet(self.0 | other.0)
     }
 
+    /// What is not in `other`.
+    #[must_use]
+    pub fn without(self, other: GroupSet) -> GroupSet {
+        GroupSet(self.0 & !other.0)
+    }
+
     /// True when there is no group.
     pub fn is_empty(self) -> bool {
         self.0 == 0
@@ -59,6 +64,10 @@ pub struct KnownKinds {
     pub no_cause: GroupSet,
     /// Lights.
     pub light: GroupSet,
+    /// Road users and animals.
+    pub actor: GroupSet,
+    /// Signs, lights and stop lines, whose names say what is to be done there.
+    pub sign: GroupSet,
 }
 
 /// A group of words for one kind of thing.
@@ -89,6 +98,20 @@ pub enum SaidState {
     Reversing,
 }
 
+impl SaidState {
+    /// The state of this name in `states` of the file.
+    pub fn from_id(id: &str) -> Option<Self> {
+        Some(match id {
+            "standing" => Self::Standing,
+            "slowing" => Self::Slowing,
+            "crossing" => Self::Crossing,
+            "cutting_in" => Self::CuttingIn,
+            "reversing" => Self::Reversing,
+            _ => return None,
+        })
+    }
+}
+
 /// What a word is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WordRole {
@@ -112,6 +135,8 @@ pub enum WordRole {
     Denied,
     /// Says that what follows in the clause is only supposed.
     Supposed,
+    /// Says that whatever the clause names may be there or not.
+    Uncertain,
     /// Says that whoever the ego responds to is out of the way: nobody responds to that.
     Resolved,
     /// Says that the ego goes on as before.
@@ -160,8 +185,6 @@ pub struct LabelWords {
     pub road_users: Vec<String>,
     /// Kinds that the checks ask for.
     pub known: KnownKinds,
-    /// By decision, what brings it about; a decision that is not here can have any cause.
-    pub causes: Vec<(Longitudinal, GroupSet)>,
     /// What texts are compared without.
     pub compared: Compared,
 }
@@ -270,11 +293,11 @@ struct File {
     denied: Words,
     supposed: Words,
     unchanged: Words,
+    uncertain: Words,
     hindsight: RawHindsight,
     resolved: Words,
     aftermath: aftermath::RawAftermath,
     clauses: clauses::RawClauses,
-    causes: BTreeMap<String, Vec<String>>,
     compared: compared::RawCompared,
     placeholder: Words,
     plain: Words,

@@ -26,6 +26,8 @@ pub struct Lexicon {
     pub phrases: Vec<Says>,
     /// Beginnings of words that support a decision which no phrase states.
     pub stems: Stems,
+    /// Words behind a decision that say that it is over, in Chinese.
+    pub behind_decision: Vec<String>,
     /// Words between two phrases that are both taken back.
     pub joined: Vec<String>,
     /// Words that stand for the ego behind a decision marker.
@@ -55,6 +57,8 @@ pub struct Limits {
     pub negation_reach: usize,
     /// Bytes.
     pub adjacent_reach: usize,
+    /// Bytes of Chinese, back to the phrase before.
+    pub behind_reach: usize,
 }
 
 /// The decisions that a phrase goes with, by channel.
@@ -79,6 +83,14 @@ pub struct Says {
     /// What it says of the ego's speed, whatever the decision.
     #[serde(skip)]
     pub speed: Option<SaidSpeed>,
+}
+
+impl Says {
+    /// True when it names one of the two.
+    pub fn has(&self, along: Option<Longitudinal>, across: Option<Lateral>) -> bool {
+        along.is_some_and(|d| self.longitudinal.contains(&d))
+            || across.is_some_and(|d| self.lateral.contains(&d))
+    }
 }
 
 /// What a phrase says of the ego's speed.
@@ -123,6 +135,10 @@ struct File {
     #[serde(default)]
     stems: Vec<stems::StemWords>,
     #[serde(default)]
+    effects: Vec<stems::EffectWords>,
+    #[serde(default)]
+    behind_decision: Words,
+    #[serde(default)]
     stem_denied: Words,
 }
 
@@ -138,6 +154,7 @@ struct Sides {
 struct RoleWords {
     sentence_end: Words,
     clause_end: Words,
+    permits: Words,
     decision_marker: Words,
     duty: Words,
     reason: Words,

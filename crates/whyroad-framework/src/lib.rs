@@ -1,4 +1,4 @@
-//! The framework as data: text in, validated taxonomy, decisions, labelling specs and rule sources out.
+//! The framework as data: text in, validated taxonomy, decisions, labeling specs and rule sources out.
 //!
 //! Nothing here reads a file or a clock: callers pass texts, or take the copy that is built in. Mining rules
 //! are carried, not interpreted.

@@ -103,7 +103,7 @@ pub struct Detail {
     pub decides: Vec<Boundary>,
     /// Classes directly below.
     pub children: Vec<Row>,
-    /// How a leaf is labelled, inheritance applied.
+    /// How a leaf is labeled, inheritance applied.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub labeling: Option<ResolvedSpec>,
     /// Where a leaf's mining rule is.

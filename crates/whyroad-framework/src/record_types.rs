@@ -1,5 +1,5 @@
 //! What the required records of a label may hold (`scenarios/records.yaml`), and the form in which they are stored:
-//! without language. Which leaf owes which record is in the labelling specs.
+//! without language. Which leaf owes which record is in the labeling specs.
 
 use serde::Deserialize;
 use serde_json::Value;

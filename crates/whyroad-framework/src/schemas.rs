@@ -1,4 +1,4 @@
-//! JSON Schemas (draft 2020-12) of every message and of the labelling specs, generated from the Rust types.
+//! JSON Schemas (draft 2020-12) of every message and of the labeling specs, generated from the Rust types.
 //! What JSON Schema can express of the rules between fields is added in `rules`, from the framework's data.
 
 mod rules;
@@ -72,7 +72,7 @@ pub fn schemas(framework: &Framework) -> Vec<SchemaFile> {
     let result = of::<MiningResultMessage>("mining_result", "DATA_FORMAT.md 5.2: what was found.");
     let spec = of::<SpecFile>(
         "labeling_spec",
-        "A file of scenarios/: how an L1, or an L2 and its leaves, are labelled.",
+        "A file of scenarios/: how an L1, or an L2 and its leaves, are labeled.",
     );
     [
         ("scenario_label", scenario_label),

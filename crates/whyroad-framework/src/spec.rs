@@ -1,4 +1,4 @@
-//! Labelling specs after inheritance: what a labeller of one leaf has to do (LABELING.md 4, TAXONOMY.md last
+//! Labeling specs after inheritance: what a labeler of one leaf has to do (LABELING.md 4, TAXONOMY.md last
 //! column). An L3 says what differs from its L2, an L2 what differs from its L1's default.
 
 mod expressions;
@@ -14,7 +14,7 @@ use whyroad_model::decision::Lateral;
 use whyroad_model::messages::KeyframeType;
 use whyroad_model::{Bilingual, ScenarioId};
 
-/// Everything about labelling one leaf.
+/// Everything about labeling one leaf.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ResolvedSpec {
     /// Which leaf.

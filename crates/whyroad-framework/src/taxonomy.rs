@@ -54,7 +54,7 @@ pub struct L2 {
     pub typical_decisions: TypicalDecisions,
     /// What mining looks for, in words.
     pub mining_conditions: Vec<Bilingual>,
-    /// Where the labelling spec is written, as the file names it.
+    /// Where the labeling spec is written, as the file names it.
     pub labeling_spec_ref: Option<String>,
     /// What decides against classes of overlapping meaning (LABELING.md 8).
     pub decides: Vec<Decides>,
@@ -77,13 +77,13 @@ pub struct L3 {
     pub typical_decisions: TypicalDecisions,
     /// What mining looks for, in words; empty where the L2's say it all.
     pub mining_conditions: Vec<Bilingual>,
-    /// Where the labelling spec is written; the L2's where the leaf states none.
+    /// Where the labeling spec is written; the L2's where the leaf states none.
     pub labeling_spec_ref: Option<String>,
     /// What decides against classes of overlapping meaning (LABELING.md 8).
     pub decides: Vec<Decides>,
 }
 
-/// Decisions that are usual in a class, in file order. A guide for labellers, not a constraint.
+/// Decisions that are usual in a class, in file order. A guide for labelers, not a constraint.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct TypicalDecisions {
     /// Along the path.

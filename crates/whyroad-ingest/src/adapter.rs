@@ -162,7 +162,7 @@ impl<'a> DriveSink<'a> {
             if let Some(map) = self.map {
                 map.attach(drive, &mut report);
             }
-            report.diagnostics.extend(finish(drive));
+            report.diagnostics.extend(finish(drive).into_iter().map(|d| d.in_file(report.source.clone())));
         }
         (self.each)(drive, report);
     }

@@ -15,12 +15,12 @@ pub const START: OptionSpec = OptionSpec::new(
     "TIME",
     "start of drives whose log has no clock (default: 2026-01-01T00:00:00Z)",
 );
-/// Licence of the data.
+/// License of the data.
 pub const LICENCE: OptionSpec = OptionSpec::new(
     "licence",
     OptionType::Text,
     "ID",
-    "licence of the data (SPDX id), for logs that do not state it",
+    "license of the data (SPDX id), for logs that do not state it",
 );
 
 /// Type of an option's value.
@@ -214,7 +214,7 @@ impl Options {
             .unwrap_or(DEFAULT_START)
     }
 
-    /// Licence of the data (SPDX id), for logs that do not state it.
+    /// License of the data (SPDX id), for logs that do not state it.
     pub fn licence(&self) -> Option<String> {
         self.texts(&LICENCE).pop()
     }

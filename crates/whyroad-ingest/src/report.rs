@@ -111,7 +111,7 @@ pub fn reason_text(key: &str) -> Bilingual {
         "invalid" => ("数值无效", "invalid values"),
         "no_pose" => ("该时刻没有位姿", "no pose at that time"),
         "not_observed" => ("未观测到", "not observed"),
-        "line" => ("标线与路缘", "lines and kerbs"),
+        "line" => ("标线与路缘", "lines and curbs"),
         "sign" => ("标志", "signs"),
         "facility" => ("设施", "facilities"),
         "no_list" => ("没有对象列表", "no list of objects"),

@@ -1,6 +1,6 @@
 //! How fast a label is checked, as ratios to a bare serde_json parse measured in the same run:
 //! `cargo bench -p whyroad-label --bench validate`. No harness: the numbers wanted are ratios, of the
-//! fastest rounds, because on a shared machine everything else measures the neighbours.
+//! fastest rounds, because on a shared machine everything else measures the neighbors.
 #![allow(clippy::print_stdout)] // printing is what a bench is for
 
 use std::hint::black_box;

@@ -1,6 +1,6 @@
 //! Label skeletons: what mining and the ego's own motion already tell, filled in; the rest left for a person.
 //!
-//! A skeleton is never a finished label. Its provenance is a rule, the label checks recognise its trace where a
+//! A skeleton is never a finished label. Its provenance is a rule, the label checks recognize its trace where a
 //! person hands it in unchanged, and its notes say what was inferred from what, and what the annotator still owes.
 //! Causes are taken only from what could be observed at or before the keyframe; decisions only from the motion
 //! after it (LABELING.md 6).

@@ -56,7 +56,7 @@ impl Judgement {
     }
 }
 
-/// One task of the labelling service in short.
+/// One task of the labeling service in short.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaskFacts {
     /// Id of the task.

@@ -1,4 +1,4 @@
-//! What is known about a drive beside its log: session, vehicle, position, place, licence, stated later and kept when
+//! What is known about a drive beside its log: session, vehicle, position, place, license, stated later and kept when
 //! the drive is ingested again.
 
 use crate::lake::{Lake, MANIFEST, write_json};
@@ -19,7 +19,7 @@ pub struct DriveFacts {
     pub position: Option<GeoPosition>,
     /// City or road network.
     pub place: Option<String>,
-    /// Licence of the data.
+    /// License of the data.
     pub licence: Option<String>,
 }
 

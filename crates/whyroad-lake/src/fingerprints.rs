@@ -38,7 +38,7 @@ impl Lake {
     /// Reads what the fingerprints of drives have in common.
     pub fn fingerprints(&self) -> Fingerprints<'_> {
         let names = fs::read_dir(self.dir().join("drives")).into_iter().flatten().flatten();
-        // Before the catalogue: a drive that is being packed is in the catalogue before its folder is gone.
+        // Before the catalog: a drive that is being packed is in the catalog before its folder is gone.
         let folders = names.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
         let catalogue = self.last_catalogue();
         let mut packs = BTreeMap::new();

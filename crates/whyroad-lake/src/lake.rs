@@ -219,10 +219,10 @@ impl Lake {
         self.drive_dir(id).join(MANIFEST).is_file()
     }
 
-    /// Ids of all drives, sorted: those of the catalogue, and those with a folder of their own.
+    /// Ids of all drives, sorted: those of the catalog, and those with a folder of their own.
     pub fn drive_ids(&self) -> Vec<DriveId> {
         let mut loose = Vec::new();
-        // Folders first: a drive that is being packed is in the catalogue before its folder is gone.
+        // Folders first: a drive that is being packed is in the catalog before its folder is gone.
         for entry in fs::read_dir(self.dir.join("drives")).into_iter().flatten().flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
             // A name with a leading dot is a drive being written.

@@ -3,7 +3,7 @@
 //! folders. This crate knows how these are *stored*; it knows no input format and derives nothing.
 //!
 //! What holds for every drive in a lake: it appears whole or not at all (a folder written aside, then renamed; or many
-//! drives in one pack, which the catalogue names); rows are ordered by clip, then target, then frame, one row group
+//! drives in one pack, which the catalog names); rows are ordered by clip, then target, then frame, one row group
 //! holds the whole drive, and both are recorded in the file and checked on read; unknown is null on disk and NaN or
 //! `None` in memory.
 

@@ -1,4 +1,4 @@
-//! The drives of a lake as a list: of packed ones from the catalogue, of the others from their `drive.json` and the
+//! The drives of a lake as a list: of packed ones from the catalog, of the others from their `drive.json` and the
 //! footer of their frames.
 
 use crate::lake::Lake;

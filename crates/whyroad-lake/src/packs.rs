@@ -34,7 +34,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use whyroad_model::DriveId;
 
-/// A catalogue that is in use.
+/// A catalog that is in use.
 pub(crate) type CatalogueRef = Arc<Catalogue>;
 
 pub(crate) const FOLDER: &str = "packs";
@@ -51,7 +51,7 @@ impl Lake {
         self.dir().join(FOLDER)
     }
 
-    /// The catalogue as it is now; read again only when it was replaced.
+    /// The catalog as it is now; read again only when it was replaced.
     pub(crate) fn catalogue(&self) -> Result<Arc<Catalogue>, LakeError> {
         let path = self.packs_dir().join(catalogue::FILE);
         let identity = fingerprint::identity(&path);
@@ -62,7 +62,7 @@ impl Lake {
         Ok(Arc::clone(&held))
     }
 
-    /// The catalogue as it is now, or as it was when it could last be read; opening a lake has read it.
+    /// The catalog as it is now, or as it was when it could last be read; opening a lake has read it.
     pub(crate) fn last_catalogue(&self) -> Arc<Catalogue> {
         self.catalogue().unwrap_or_else(|_| Arc::clone(&guard(&self.packs.catalogue)))
     }

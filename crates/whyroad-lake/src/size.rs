@@ -1,4 +1,4 @@
-//! How large a drive is, from the catalogue or its `drive.json` alone: what a plan for several workers goes by.
+//! How large a drive is, from the catalog or its `drive.json` alone: what a plan for several workers goes by.
 
 use crate::{Lake, LakeError};
 use whyroad_model::DriveId;
@@ -17,7 +17,7 @@ pub struct DriveSize {
 impl Lake {
     /// The size of a drive; no table is opened.
     pub fn size(&self, id: &DriveId) -> Result<DriveSize, LakeError> {
-        // For a packed drive the catalogue is enough.
+        // For a packed drive the catalog is enough.
         self.checked_dir(id)?;
         if !self.is_loose(id)
             && let Some((hash, frames, object_rows)) = self.packed_size(id)

@@ -29,7 +29,7 @@ pub struct Episode {
     pub keyframe: usize,
     /// The second keyframe, where the spec has one and it was found.
     pub second_keyframe: Option<usize>,
-    /// `time_range` of the labelling spec; contains the keyframe.
+    /// `time_range` of the labeling spec; contains the keyframe.
     pub range: FrameRange,
     /// The time range with the context that its spec asks for.
     pub context: FrameRange,

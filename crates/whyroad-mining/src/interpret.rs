@@ -2,7 +2,7 @@
 //! that a faster evaluator must equal, so it is written to be checked by eye. Pure: signals in, truth out.
 //!
 //! Every condition yields, a row, a three-valued truth and a *margin*: by how many typical magnitudes
-//! (`scale` in the catalogue) the nearest deciding comparison is fulfilled (positive) or missed (negative).
+//! (`scale` in the catalog) the nearest deciding comparison is fulfilled (positive) or missed (negative).
 //! That is the robustness of signal temporal logic, cut off at [`MARGIN_LIMIT`].
 
 mod objects;

@@ -1,5 +1,5 @@
 //! A rule: one program that says when a scenario happens, and how its moments are found. Made from a
-//! `mining:` block and the leaf's labelling spec ([`source`]) or from a JSON query ([`query`]).
+//! `mining:` block and the leaf's labeling spec ([`source`]) or from a JSON query ([`query`]).
 
 mod block;
 pub mod file;
@@ -16,9 +16,10 @@ pub mod text;
 pub use set::{Precedence, RuleSet};
 
 use crate::episode::score;
+use crate::language::check::PartText;
 use crate::language::program::{Atom, Moment, NodeId, Op, Program, Subject};
 use crate::language::{Checker, Expr, Fault};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::messages::KeyframeType;
 use whyroad_model::signal::is_on_demand;
 use whyroad_model::{Bilingual, Nanos, ScenarioId};
@@ -36,6 +37,7 @@ pub const CODES: &[&str] = &[
     "rule.block",
     "rule.name",
     "rule.precedence",
+    "rule.words",
     "rule.case",
     "rule.case.skipped",
     "mine.drive.unreadable",
@@ -82,6 +84,8 @@ pub struct Rule {
     pub max_duration: Option<Nanos>,
     /// Matches of one target that are no further apart are one.
     pub merge_gap: Nanos,
+    /// Conditions that people are shown at length, by the definition that could have a name in `names`.
+    pub lengthy: BTreeMap<String, Bilingual>,
     /// Keyframe, start, end, context.
     pub timing: Timing,
 }
@@ -113,6 +117,8 @@ pub struct Part {
     pub place: PartPlace,
     /// As written, names replaced by what they stand for.
     pub text: String,
+    /// In words.
+    pub words: Bilingual,
     /// Its truth.
     pub condition: NodeId,
     /// What it measures.
@@ -201,7 +207,13 @@ impl RuleParts {
         checker.atoms(expr, &mut self.atoms)?;
         let mut parts = Vec::new();
         checker.parts(expr, &mut parts)?;
-        let part = |(text, condition, atoms)| Part { place, text, condition, atoms };
+        let part = |p: PartText| Part {
+            place,
+            text: p.text,
+            words: p.words,
+            condition: p.condition,
+            atoms: p.atoms,
+        };
         self.parts.extend(parts.into_iter().map(part));
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! The signals of the catalogue as types, generated from `schema/signals.yaml` by the build script of this crate.
+//! The signals of the catalog as types, generated from `schema/signals.yaml` by the build script of this crate.
 //!
 //! [`SignalId`] names a signal. The constants of [`id`] also carry its scope and type, so that writing a value of the
 //! wrong type, or one per frame where one per target belongs, does not compile. The enums of [`value`] are the values
@@ -30,7 +30,7 @@ impl SignalScope {
         matches!(self, Self::Object | Self::Pair)
     }
 
-    /// The word for it in the catalogue.
+    /// The word for it in the catalog.
     pub fn word(self) -> &'static str {
         match self {
             Self::Frame => "frame",
@@ -44,7 +44,7 @@ impl SignalScope {
 /// Type of a signal's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SignalType {
-    /// A number; the symbol of the unit in which the catalogue displays it. Stored in the base unit.
+    /// A number; the symbol of the unit in which the catalog displays it. Stored in the base unit.
     Number(&'static str),
     /// True, false or unknown.
     Flag,
@@ -71,7 +71,7 @@ impl SignalId {
         self.facts().name
     }
 
-    /// The signal with this full name; aliases are known to the catalogue of whyroad-signals only.
+    /// The signal with this full name; aliases are known to the catalog of whyroad-signals only.
     pub fn from_name(name: &str) -> Option<Self> {
         let at = FACTS.binary_search_by(|f| f.name.cmp(name)).ok()?;
         Some(Self::ALL[at])
@@ -92,7 +92,7 @@ impl SignalId {
         self.facts().needs
     }
 
-    /// The unit in which the bundled catalogue displays it; `None` for flags and categories.
+    /// The unit in which the bundled catalog displays it; `None` for flags and categories.
     pub fn unit(self) -> Option<&'static Unit> {
         match self.kind() {
             SignalType::Number(symbol) => Unit::parse(symbol),
@@ -114,12 +114,12 @@ impl std::fmt::Display for SignalId {
 
 /// A value of a category signal: one of a closed set of names.
 pub trait CategoryValue: Copy + Eq + 'static {
-    /// Every value, in the catalogue's order.
+    /// Every value, in the catalog's order.
     const ALL: &'static [Self];
     /// Their names, in the same order.
     const NAMES: &'static [&'static str];
 
-    /// Index in the catalogue's values: the code in a column.
+    /// Index in the catalog's values: the code in a column.
     fn code(self) -> u16;
 
     /// The value's name.

@@ -87,7 +87,7 @@ pub enum Column {
     Category {
         /// Index into `names`, or [`UNKNOWN_CODE`].
         codes: Vec<u16>,
-        /// The closed set, in the catalogue's order.
+        /// The closed set, in the catalog's order.
         names: Arc<[String]>,
     },
 }

@@ -36,7 +36,7 @@ closed_set!(
         LeadFollowing = "lead_following",
         /// Slow for a road feature.
         RoadSpeedAdaptation = "road_speed_adaptation",
-        /// Fit or create a gap for a lateral manoeuvre.
+        /// Fit or create a gap for a lateral maneuver.
         GapMatching = "gap_matching",
         /// Speed up to pass a slower lead.
         AccelerationForPassing = "acceleration_for_passing",
@@ -68,7 +68,7 @@ closed_set!(
         Turn = "turn",
         /// Towards the edge or a stop area.
         PullOver = "pull_over",
-        /// Cancel a lateral manoeuvre.
+        /// Cancel a lateral maneuver.
         ManeuverAbort = "maneuver_abort",
         /// Drive backwards.
         Reverse = "reverse",

@@ -43,7 +43,7 @@ pub use object::ObjectClass;
 pub use road_map::RoadMap;
 pub use scene::Drive;
 pub use signal::SignalTable;
-pub use text::{Bilingual, Lang};
+pub use text::{Bilingual, Lang, counted};
 pub use time::{FrameRange, Nanos};
 
 /// Version of the exchange format (DATA_FORMAT.md 1.3) that this build writes. It reads every 2.x: the minor step

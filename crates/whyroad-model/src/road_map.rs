@@ -48,11 +48,11 @@ pub struct RoadMap {
 pub struct Lane {
     /// Id within the map.
     pub id: String,
-    /// Left edge in driving direction; empty when the source has only a centre line and no width.
+    /// Left edge in driving direction; empty when the source has only a center line and no width.
     pub left: Vec<Point3>,
     /// Right edge in driving direction.
     pub right: Vec<Point3>,
-    /// Centre line in driving direction; made from the edges where the source has none.
+    /// Center line in driving direction; made from the edges where the source has none.
     pub centre: Vec<Point3>,
     /// Mark on the left edge.
     pub left_mark: LaneMark,

@@ -1,6 +1,6 @@
 //! Scene tables in memory: one drive as every format is brought to it. Positions are in a right-handed
 //! metric world frame (x east-ish, y left of x, z up), headings in radians counter-clockwise from x in
-//! (-pi, pi]. **Every pose, the ego's included, is the centre of the object's box.** NaN in a number
+//! (-pi, pi]. **Every pose, the ego's included, is the center of the object's box.** NaN in a number
 //! means that the log does not state it.
 //!
 //! **Only what was measured.** A log without velocities has none here: they are estimated from the part of the drive
@@ -53,7 +53,7 @@ pub struct DriveMeta {
     pub place: Option<String>,
     /// Identity of the map, when there is one.
     pub map_ref: Option<String>,
-    /// Licence of the data, as an SPDX id where there is one.
+    /// License of the data, as an SPDX id where there is one.
     pub licence: Option<String>,
     /// Recording session: drives of one session are never split between training and test. `None` is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -108,10 +108,10 @@ pub struct Ego {
     pub width_m: f64,
     /// Box height, m.
     pub height_m: f64,
-    /// From the source's reference point (rear axle, front bumper, ...) forward to the box centre, m; already applied
+    /// From the source's reference point (rear axle, front bumper, ...) forward to the box center, m; already applied
     /// to the poses.
     pub reference_to_centre_m: f64,
-    /// Motion of the box centre.
+    /// Motion of the box center.
     pub motion: Motion,
     /// Vehicle bus signals; empty vectors where the log has none.
     pub bus: EgoBus,
@@ -120,7 +120,7 @@ pub struct Ego {
     pub known_at: Vec<Nanos>,
 }
 
-/// Motion of a box centre in the world frame; all vectors have one length (`forward` may be empty), NaN is unknown.
+/// Motion of a box center in the world frame; all vectors have one length (`forward` may be empty), NaN is unknown.
 /// Velocities, acceleration and yaw rate are known only where the log states them.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
@@ -233,7 +233,7 @@ pub struct Track {
     pub class_changes: Vec<ClassChange>,
     /// Frame of each row, strictly ascending; may have gaps.
     pub frames: Vec<u32>,
-    /// Motion of the box centre, one row a frame in `frames`.
+    /// Motion of the box center, one row a frame in `frames`.
     pub motion: Motion,
     /// Box length in m, a row each; NaN where the log has no sizes.
     pub length_m: Vec<f64>,
@@ -328,7 +328,7 @@ pub struct LightState {
     pub countdown_s: Option<f64>,
 }
 
-/// Colour of a traffic light.
+/// Color of a traffic light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LightColour {

@@ -1,4 +1,4 @@
-//! Signal tables: what is derived from one drive, by name. The catalogue of names is `schema/signals.yaml`.
+//! Signal tables: what is derived from one drive, by name. The catalog of names is `schema/signals.yaml`.
 
 use crate::pair::PairTable;
 use crate::{Column, DriveId, FrameRange, Nanos, Need, ObjectClass, TrackId};
@@ -30,7 +30,7 @@ pub fn deviation_name(signal: &str) -> String {
     format!("{signal}{DEVIATION}")
 }
 
-/// True for the name of a column of standard deviations: it is no signal of the catalogue.
+/// True for the name of a column of standard deviations: it is no signal of the catalog.
 pub fn is_deviation(column: &str) -> bool {
     column.ends_with(DEVIATION)
 }
@@ -39,7 +39,7 @@ const DEVIATION: &str = ".sd";
 
 /// All signals of one drive.
 ///
-/// Names are as in the catalogue: `ego.speed`, `target.gap`, `map.distance_to_junction`. A signal is in
+/// Names are as in the catalog: `ego.speed`, `target.gap`, `map.distance_to_junction`. A signal is in
 /// exactly one of `frame_columns`, `target_columns` and `unavailable`. Number signals that are estimated from noisy
 /// measurements have their standard deviations in a column of [`deviation_name`].
 #[derive(Clone, Debug, Default)]

@@ -62,3 +62,8 @@ impl fmt::Display for Bilingual {
         f.write_str(&self.en)
     }
 }
+
+/// A number with its English noun: `1 drive`, `2 drives`.
+pub fn counted(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}

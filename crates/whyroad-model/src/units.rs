@@ -1,4 +1,4 @@
-//! Units of measure as rule texts and signal catalogues name them. Every value inside the system is in the
+//! Units of measure as rule texts and signal catalogs name them. Every value inside the system is in the
 //! dimension's base unit (m, s, m/s, m/s2, m/s3, rad, rad/s, 1/m, ratio); conversion happens where text is read.
 
 /// What kind of quantity a number is. Two numbers compare only when their dimensions are equal.
@@ -6,7 +6,7 @@
 pub enum Dimension {
     /// A pure number, a ratio or a count.
     Ratio,
-    /// Base unit metre.
+    /// Base unit meter.
     Length,
     /// Base unit second.
     Time,
@@ -65,6 +65,19 @@ pub const UNITS: &[Unit] = &[
 ];
 
 impl Unit {
+    /// A number in this unit as people write it: `30 km/h`, `20°`, `3 m/s²`.
+    pub fn of(&self, number: &str) -> String {
+        match self.symbol {
+            "" => number.to_owned(),
+            "%" => format!("{number}%"),
+            "deg" => format!("{number}°"),
+            "deg/s" => format!("{number}°/s"),
+            "m/s2" => format!("{number} m/s²"),
+            "m/s3" => format!("{number} m/s³"),
+            symbol => format!("{number} {symbol}"),
+        }
+    }
+
     /// The unit written as `symbol`, if there is one.
     pub fn parse(symbol: &str) -> Option<&'static Unit> {
         UNITS.iter().find(|u| u.symbol == symbol)

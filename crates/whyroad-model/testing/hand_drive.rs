@@ -165,6 +165,7 @@ pub(crate) fn episode(drive: &Drive) -> EpisodeRecord {
             condition: "target.ttc < 5 s".into(),
             actual_value: serde_json::json!(4.2),
             description: None,
+            actual_words: None,
         }],
         signals: ["ego.speed", "light.state", "target.in_ego_lane", "target.relation", "target.ttc"]
             .map(String::from)

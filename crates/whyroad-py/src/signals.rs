@@ -95,7 +95,7 @@ fn array(column: Column) -> ArrayRef {
         Column::Category { codes, names } => {
             let keys: UInt16Array = codes.into_iter().map(|c| (c != UNKNOWN_CODE).then_some(c)).collect();
             let words = StringArray::from_iter_values(names.iter());
-            // Codes come from the catalogue; one beyond the words cannot be stored, and would be null here.
+            // Codes come from the catalog; one beyond the words cannot be stored, and would be null here.
             match DictionaryArray::<UInt16Type>::try_new(keys, Arc::new(words)) {
                 Ok(array) => Arc::new(array),
                 Err(_) => arrow_array::new_null_array(

@@ -1,5 +1,5 @@
 //! The bird's-eye picture of one moment: road, crosswalks, lights, boxes with heading, the ego's and the
-//! target's way before and after. Ego heading is up; coordinates in the SVG are decimetres.
+//! target's way before and after. Ego heading is up; coordinates in the SVG are decimeters.
 
 use crate::markup::Markup;
 use crate::view::{Spot, View, path};

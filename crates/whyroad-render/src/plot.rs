@@ -2,7 +2,6 @@
 
 use crate::markup::Markup;
 use std::collections::BTreeMap;
-use whyroad_model::signal::short_meaning;
 use whyroad_model::units::{Dimension, Unit};
 use whyroad_model::{Bilingual, Column, Displayed, FrameRange, SignalTable, TrackId, Tri};
 
@@ -13,11 +12,13 @@ const RIGHT: f64 = 424.0;
 const TOP: f64 = 8.0;
 const BOTTOM: f64 = 78.0;
 
-/// What a plot says of a signal; from the catalogue, which this crate does not read.
+/// What a plot says of a signal; from the catalog, which this crate does not read.
 #[derive(Clone, Debug, Default)]
 pub struct SignalInfo {
     /// Unit in which a number is displayed; `None` for flags and categories.
     pub unit: Option<&'static Unit>,
+    /// What it is called.
+    pub title: Bilingual,
     /// What it means.
     pub meaning: Bilingual,
     /// Typical magnitude in the base unit.
@@ -35,14 +36,15 @@ pub struct Span {
     pub keyframe: usize,
 }
 
-/// What a signal is called: its meaning, shortened; its id without a meaning.
+/// What a signal is called; its id where the catalog does not have it.
 fn caption(infos: &BTreeMap<String, SignalInfo>, name: &str) -> Bilingual {
-    let in_words = |zh: bool| {
-        let meaning = |id: &str| infos.get(id).map(|i| if zh { &*i.meaning.zh } else { &*i.meaning.en });
-        let words = meaning(name).map(|text| short_meaning(text, meaning)).filter(|words| !words.is_empty());
-        words.unwrap_or_else(|| name.to_owned())
-    };
-    Bilingual::new(in_words(true), in_words(false))
+    let title = infos.get(name).map(|info| &info.title).filter(|title| !title.zh.is_empty());
+    title.map_or_else(|| Bilingual::same(name), |t| Bilingual::new(t.zh.clone(), capitalized(&t.en)))
+}
+
+fn capitalized(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
 }
 
 /// The plot of signal `name`, with its value at the keyframe in the caption.
@@ -57,8 +59,6 @@ pub fn render(
     let info = infos.get(name).cloned().unwrap_or_default();
     let series = Series::find(signals, target, name, info.unit);
     m.raw("<figure class=\"plot\"><figcaption title=\"")
-        .text(name)
-        .raw(": ")
         .text(&info.meaning.zh)
         .raw(" / ")
         .text(&info.meaning.en);
@@ -148,8 +148,8 @@ impl<'a> Series<'a> {
                 None => "–".to_owned(),
             },
             Column::Flag(_) => match self.column.flag(row) {
-                Tri::True => "✓ true".to_owned(),
-                Tri::False => "✗ false".to_owned(),
+                Tri::True => "✓".to_owned(),
+                Tri::False => "✗".to_owned(),
                 Tri::Unknown => "–".to_owned(),
             },
             Column::Category { .. } => self.column.category(row).unwrap_or("–").to_owned(),
@@ -175,7 +175,7 @@ fn frame(m: &mut Markup, signals: &SignalTable, span: Span) {
     let Some(zero) = time(span.keyframe) else { return };
     let last = span.shown.end.saturating_sub(1);
     let key = x_of(span, span.keyframe as f64);
-    // The ends are labelled where they do not run into the keyframe's label.
+    // The ends are labeled where they do not run into the keyframe's label.
     let apart = |f: usize| (x_of(span, f as f64) - key).abs() >= 34.0;
     let ends = [(span.shown.start, "start"), (last, "end")].into_iter().filter(|(f, _)| apart(*f));
     for (frame, anchor) in ends.chain([(span.keyframe, "middle")]) {
@@ -337,17 +337,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_plot_is_named_by_the_first_clause_of_its_meaning() {
-        let info =
-            |zh: &str, en: &str| SignalInfo { meaning: Bilingual::new(zh, en), ..SignalInfo::default() };
-        let infos = BTreeMap::from([
-            ("target.gap".to_owned(), info("净距：沿路径", "Clear distance, along the path.")),
-            (
-                "lead.gap".to_owned(),
-                info("前车的 target.gap；无则未知", "target.gap of the lead. Else unknown."),
-            ),
-        ]);
-        assert_eq!(caption(&infos, "lead.gap"), Bilingual::new("前车的 净距", "Clear distance of the lead"));
+    fn a_plot_is_named_by_the_title_of_its_signal() {
+        let gap =
+            SignalInfo { title: Bilingual::new("净距", "gap to the target"), ..SignalInfo::default() };
+        let infos = BTreeMap::from([("target.gap".to_owned(), gap)]);
+        assert_eq!(caption(&infos, "target.gap"), Bilingual::new("净距", "Gap to the target"));
         assert_eq!(caption(&infos, "no.such"), Bilingual::same("no.such"));
     }
 }

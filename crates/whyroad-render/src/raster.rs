@@ -14,7 +14,7 @@ use whyroad_model::{Drive, ObjectClass};
 pub struct Raster {
     /// Width and height, pixels.
     pub size_px: u32,
-    /// Metres per pixel.
+    /// Meters per pixel.
     pub m_per_px: f64,
 }
 

@@ -1,5 +1,5 @@
 //! The frame of a bird's-eye picture: ego at the origin, its heading up, and only what lies inside the window.
-//! Picture coordinates are metres, x to the right and y down.
+//! Picture coordinates are meters, x to the right and y down.
 
 use crate::markup::Markup;
 use whyroad_model::road_map::Point3;
@@ -12,11 +12,11 @@ pub type Spot = (f64, f64);
 pub struct View {
     origin: (f64, f64),
     heading: f64,
-    /// Metres shown in front of the origin.
+    /// Meters shown in front of the origin.
     pub ahead_m: f64,
-    /// Metres shown behind it.
+    /// Meters shown behind it.
     pub behind_m: f64,
-    /// Metres shown on either side.
+    /// Meters shown on either side.
     pub side_m: f64,
 }
 
@@ -43,7 +43,7 @@ impl View {
         (dx * s - dy * c, -(dx * c + dy * s))
     }
 
-    /// `left, top, width, height` in metres.
+    /// `left, top, width, height` in meters.
     pub fn bounds(&self) -> (f64, f64, f64, f64) {
         (-self.side_m, -self.ahead_m, 2.0 * self.side_m, self.ahead_m + self.behind_m)
     }
@@ -119,14 +119,14 @@ impl View {
             }
         }
         let at = |t: f64| (a.0 + t * dx, a.1 + t * dy);
-        // The ends are kept as they are, so that a whole segment joins its neighbours exactly.
+        // The ends are kept as they are, so that a whole segment joins its neighbors exactly.
         let from = if t0 == 0.0 { a } else { at(t0) };
         let to = if t1 == 1.0 { b } else { at(t1) };
         (t0 <= t1).then_some((from, to))
     }
 }
 
-/// Ramer-Douglas-Peucker: leaves out points that lie within `tolerance` of the line between their neighbours.
+/// Ramer-Douglas-Peucker: leaves out points that lie within `tolerance` of the line between their neighbors.
 fn thin(line: &[Spot], tolerance: f64) -> Vec<Spot> {
     let (Some(&a), Some(&b)) = (line.first(), line.last()) else { return Vec::new() };
     let length = (b.0 - a.0).hypot(b.1 - a.1);
@@ -150,7 +150,7 @@ fn thin(line: &[Spot], tolerance: f64) -> Vec<Spot> {
     }
 }
 
-/// Writes path data in decimetres.
+/// Writes path data in decimeters.
 pub fn path(m: &mut Markup, spots: &[Spot], end: &'static str) {
     for (i, (x, y)) in spots.iter().enumerate() {
         m.raw(if i == 0 { "M" } else { "L" }).num(x * 10.0, 0).raw(" ").num(y * 10.0, 0);

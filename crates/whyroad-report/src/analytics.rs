@@ -1,4 +1,4 @@
-//! One model of what there is, how good it is, and what is missing: from mining, the labelling service and releases.
+//! One model of what there is, how good it is, and what is missing: from mining, the labeling service and releases.
 //! `whyroad report`, the page of the service, the tables and the text all show this value.
 //!
 //! Nothing here opens a file or asks a clock: inputs are handed in ([`AnalyticsInputs`]). A number that no input gives
@@ -59,7 +59,7 @@ pub struct Analytics {
     pub contexts: Vec<ContextRow>,
     /// What people changed of drafts; `None` without tasks.
     pub corrections: Option<Corrections>,
-    /// How far people agree who labelled the same episode; empty without overlaps.
+    /// How far people agree who labeled the same episode; empty without overlaps.
     pub agreement: Vec<AgreementRow>,
     /// Throughput, finish, cost; `None` without tasks.
     pub progress: Option<Progress>,
@@ -74,7 +74,7 @@ pub struct Analytics {
 pub struct Given {
     /// A mined folder.
     pub mined: bool,
-    /// Tasks of the labelling service.
+    /// Tasks of the labeling service.
     pub tasks: bool,
     /// Releases.
     pub releases: bool,

@@ -178,7 +178,7 @@ struct Bin<'a> {
     episodes: Vec<&'a JudgedEpisode>,
 }
 
-/// Tenths of the margin score, neighbours taken together until each has enough episodes.
+/// Tenths of the margin score, neighbors taken together until each has enough episodes.
 fn binned<'a>(episodes: &[&'a JudgedEpisode]) -> Vec<Bin<'a>> {
     let mut tenths: BTreeMap<u32, Vec<&JudgedEpisode>> = BTreeMap::new();
     for e in episodes {

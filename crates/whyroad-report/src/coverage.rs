@@ -156,6 +156,14 @@ pub fn counts(rows: &[LeafRow<'_>]) -> StateCounts {
 }
 
 impl LeafRow<'_> {
+    /// Drives on which the rule could be decided, and all drives, where these are some and not all: what was not found
+    /// then is not known of the others.
+    pub fn searched_in_part(&self) -> Option<(u64, u64)> {
+        let blind: usize = self.gaps.iter().map(|g| g.drives.len()).sum();
+        let all = self.drives_searched + blind as u64;
+        (self.drives_searched > 0 && blind > 0).then_some((self.drives_searched, all))
+    }
+
     /// Signals that some drive lacked for this leaf, sorted, each once.
     pub fn missing_signals(&self) -> Vec<&str> {
         let mut out: Vec<&str> =

@@ -1,4 +1,4 @@
-//! Results of mining and labelling: coverage over all leaves, the report that shows it, and episodes evaluated against
+//! Results of mining and labeling: coverage over all leaves, the report that shows it, and episodes evaluated against
 //! ground truth.
 //!
 //! Nothing here finds episodes or derives signals: both are handed in, because this crate must not depend on

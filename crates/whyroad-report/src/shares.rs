@@ -1,6 +1,6 @@
 //! Shares of judged episodes: their interval, and how they are made monotone in a score.
 
-/// Neighbouring episodes with one estimate, `sum / weight`.
+/// Neighboring episodes with one estimate, `sum / weight`.
 pub(crate) struct Block {
     /// Least score.
     pub from: f64,

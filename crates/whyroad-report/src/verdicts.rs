@@ -1,4 +1,4 @@
-//! Verdicts that people gave on mined episodes (the export of the labelling service, docs/reference/verdicts.md): as
+//! Verdicts that people gave on mined episodes (the export of the labeling service, docs/reference/verdicts.md): as
 //! moments that judge a comparison, and as the share of episodes that is right by class and score.
 
 use crate::comparison::AcceptedMoment;

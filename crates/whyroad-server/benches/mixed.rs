@@ -1,4 +1,4 @@
-//! `serve/mixed`: a labelling day in one process. 200 annotators save a change every second, 20 dashboards are read
+//! `serve/mixed`: a labeling day in one process. 200 annotators save a change every second, 20 dashboards are read
 //! every second, and one export after the other goes out; the service and its clients share the machine. On SQLite.
 //!
 //! `cargo bench -p whyroad-server --bench mixed -- [--seconds 30] [--annotators 200] [--dashboards 20] [--tasks 2000]`.

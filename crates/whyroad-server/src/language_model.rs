@@ -1,4 +1,4 @@
-//! What the service needs of a language model: drafts and judgements. Handed in by the caller, so that this crate calls
+//! What the service needs of a language model: drafts and judgments. Handed in by the caller, so that this crate calls
 //! no model, knows no prompt and holds no key.
 
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use whyroad_label::judged::JudgedLabel;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::{Bilingual, Lang, ModelSpent};
 
-/// Why a draft or a judgement was not made.
+/// Why a draft or a judgment was not made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModelFailure {
     /// For people; never the endpoint's key.
@@ -17,7 +17,7 @@ pub struct ModelFailure {
 
 /// A model at some endpoint.
 pub trait LanguageModel: Send + Sync {
-    /// Its name: drafts and judgements are marked with it.
+    /// Its name: drafts and judgments are marked with it.
     fn name(&self) -> &str;
 
     /// Questions that are put at once.

@@ -1,4 +1,4 @@
-//! The labelling service: tasks from episodes, two-stage labels, check and audit, in a store of its own.
+//! The labeling service: tasks from episodes, two-stage labels, check and audit, in a store of its own.
 //!
 //! `workflow` says who may do what; `store` keeps it; `service` does it; `api` puts it on the wire. Recordings are
 //! handed in by the caller: this crate reads no lake and derives no signal.

@@ -1,4 +1,4 @@
-//! Signing in at an OpenID provider: authorisation code flow with PKCE (OpenID Connect Core 1.0, RFC 7636, RFC 9207).
+//! Signing in at an OpenID provider: authorization code flow with PKCE (OpenID Connect Core 1.0, RFC 7636, RFC 9207).
 //! Says *who* the provider vouches for; which account that is and what it may do is `service::identities`.
 //!
 //! Nothing is stored for a sign-in that has only begun: `state`, `nonce` and the PKCE verifier are derived from a

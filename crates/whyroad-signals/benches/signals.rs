@@ -1,7 +1,7 @@
 //! How fast signals are derived from a drive, by number of objects: `cargo bench -p whyroad-signals --bench signals`.
 //! Told are rows (an object in a frame) a second on one core, and the ratio to reading the same drive from its log in
 //! the same run. No harness: the fastest of some rounds, because on a shared machine the rest measures the
-//! neighbours. Recorded AV2 logs are measured where they are.
+//! neighbors. Recorded AV2 logs are measured where they are.
 #![allow(clippy::print_stdout)] // printing is what a bench is for
 
 use std::hint::black_box;
@@ -16,7 +16,7 @@ fn milliseconds(f: &mut dyn FnMut()) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 
-/// `drive` with every track copied until there are `objects`, each copy some metres farther along the world's x: they
+/// `drive` with every track copied until there are `objects`, each copy some meters farther along the world's x: they
 /// lie over one another, but each costs what an object costs.
 fn crowded(drive: &Drive, objects: usize) -> Drive {
     let mut crowd = drive.clone();

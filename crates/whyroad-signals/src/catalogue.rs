@@ -1,6 +1,6 @@
-//! The catalogue of signals, read from `schema/signals.yaml`: what each signal means, in what unit it is displayed, and
+//! The catalog of signals, read from `schema/signals.yaml`: what each signal means, in what unit it is displayed, and
 //! what a log must have for it. How a value is computed is code; name, scope and type of a signal are compiled in
-//! ([`SignalId`]), so a framework folder's catalogue is checked against them.
+//! ([`SignalId`]), so a framework folder's catalog is checked against them.
 
 mod page;
 mod read;
@@ -25,7 +25,7 @@ pub enum SignalKind {
     Category(Arc<[String]>),
 }
 
-/// One entry of the catalogue.
+/// One entry of the catalog.
 #[derive(Clone, Debug)]
 pub struct SignalDef {
     /// Which signal it is.
@@ -38,6 +38,8 @@ pub struct SignalDef {
     pub kind: SignalKind,
     /// Unit in which a number is displayed; `None` for flags and categories. Values are stored in the base unit.
     pub unit: Option<&'static Unit>,
+    /// What people are shown of it: a noun of a number or category, a clause of a flag.
+    pub title: Bilingual,
     /// What it means, with its formula.
     pub meaning: Bilingual,
     /// What the log must have.
@@ -76,17 +78,18 @@ pub enum TargetRestriction {
 /// All signals by name.
 #[derive(Clone, Debug, Default)]
 pub struct Catalogue {
-    /// Version of the catalogue.
+    /// Version of the catalog.
     pub version: String,
     defs: Vec<SignalDef>,
     by_name: BTreeMap<String, usize>,
+    values: BTreeMap<String, Bilingual>,
 }
 
 static BUNDLED: LazyLock<Catalogue> =
     LazyLock::new(|| Catalogue::parse(include_str!("../../../schema/signals.yaml")).0);
 
 impl Catalogue {
-    /// The catalogue that this build was made with; the one [`crate::derive`] follows. A test asserts that it has no
+    /// The catalog that this build was made with; the one [`crate::derive`] follows. A test asserts that it has no
     /// errors.
     pub fn bundled() -> &'static Catalogue {
         &BUNDLED
@@ -99,9 +102,14 @@ impl Catalogue {
         read::read(text)
     }
 
-    /// All signals in the catalogue's order.
+    /// All signals in the catalog's order.
     pub fn iter(&self) -> impl Iterator<Item = &SignalDef> {
         self.defs.iter()
+    }
+
+    /// What people are shown of a value of a category; the value's own word without a name for it.
+    pub fn value_name(&self, value: &str) -> Bilingual {
+        self.values.get(value).cloned().unwrap_or_else(|| Bilingual::same(value.replace('_', " ")))
     }
 
     /// The signal with this name or alias; `target_vehicle.` and `target_vru.` stand for `target.`.

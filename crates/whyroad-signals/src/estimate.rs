@@ -8,7 +8,7 @@
 //! the engine's `estimated` for pictures and summaries. An estimated drive must not be estimated again.
 //!
 //! An object of which all that is stated is exact and complete keeps it; what the log does not state of it (`vx`, `vy`,
-//! `accel`, `yaw_rate` of [`Motion`]) is completed row by row from its neighbours. Any other object is smoothed.
+//! `accel`, `yaw_rate` of [`Motion`]) is completed row by row from its neighbors. Any other object is smoothed.
 //! In a drive cut between two measurements, rows that rest on the later one are missing at the end (`known_at` in the
 //! scene tables); they are predicted until the next measurement is due.
 //! docs/explanation/estimates.md says how. Not here: signals, and everything that needs a map.

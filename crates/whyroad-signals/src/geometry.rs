@@ -13,7 +13,7 @@ pub use box_grid::BoxGrid;
 pub use last_place::LastPlace;
 pub use oriented_box::OrientedBox;
 pub use polygon::Polygon;
-pub use polyline::{Polyline, Projection, Ray, Window, interpolate};
+pub use polyline::{Foot, Polyline, Projection, Ray, Window, interpolate};
 
 use std::ops::{Add, Mul, Sub};
 
@@ -59,6 +59,10 @@ impl P2 {
         } else {
             self.norm() <= reach
         }
+    }
+    /// True for the same bits, so that whatever is worked out from either is the same.
+    pub fn has_bits_of(self, o: P2) -> bool {
+        self.x.to_bits() == o.x.to_bits() && self.y.to_bits() == o.y.to_bits()
     }
     /// Turned left by a right angle.
     pub fn left(self) -> P2 {

@@ -39,5 +39,5 @@ pub use occluders::occluders;
 pub use road::lane_ids::ego_lane_ids;
 pub use sight::Occluder;
 
-/// Version of the signals: changes with the catalogue and with the code that derives them.
+/// Version of the signals: changes with the catalog and with the code that derives them.
 pub const VERSION: &str = env!("WHYROAD_SIGNALS_VERSION");

@@ -74,7 +74,7 @@ fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<TargetRe
     })
 }
 
-/// Lanes that a target is on: the assigned one, else all that hold its centre.
+/// Lanes that a target is on: the assigned one, else all that hold its center.
 fn lanes_of(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, centre: P2) -> Vec<usize> {
     if let Some(place) = scene.lanes.and_then(|l| l.at(k, r)) {
         return vec![place.lane];
@@ -113,7 +113,7 @@ fn following(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, p: &Place
     Tri::from((same && at.y.abs() < FOLLOWING_BESIDE_M) || (beside && reaches_in))
 }
 
-/// An object seen from another in one row: where its centre is and how fast it goes across (to the left), in the axes
+/// An object seen from another in one row: where its center is and how fast it goes across (to the left), in the axes
 /// of the other one, whose half length and half width are `front` and `side`; m, m/s.
 pub(crate) struct Passing {
     pub row: usize,
@@ -242,13 +242,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     table.flag(id::TARGET_REFAV_CROSSED_BY, rows.spread(targets, Tri::Unknown, |k, r, _| crossed[k][r]));
     let standing: Vec<Tri> = targets.iter().map(|t| stationary(&t.track.motion)).collect();
     table.flag(id::TARGET_REFAV_STATIONARY, rows.spread(targets, Tri::Unknown, |k, _, _| standing[k]));
-    let turns: Vec<_> = targets
-        .iter()
-        .map(|t| {
-            let times: Vec<f64> = t.track.frames.iter().map(|&f| scene.times[f as usize]).collect();
-            turning::turning(&times, &t.track.motion.heading)
-        })
-        .collect();
+    let turns: Vec<_> = targets.iter().map(|t| turning::turning(&t.times, &t.track.motion.heading)).collect();
     table.category(id::TARGET_REFAV_TURNING, rows.spread(targets, None, |k, r, _| turns[k][r]));
     table.category(
         id::TARGET_REFAV_HEADING,

@@ -3,12 +3,12 @@
 
 use whyroad_model::{Drive, Tri};
 
-/// Two neighbouring samples further apart than this are not neighbours: 2.5 nominal frames.
+/// Two neighboring samples further apart than this are not neighbors: 2.5 nominal frames.
 pub const GAP_S: f64 = 0.25;
 
 /// Rows `[first, last]` around `row` within `reach` seconds, not reaching over gaps or unknown values.
 fn window(times: &[f64], values: &[f64], row: usize, reach: f64) -> (usize, usize) {
-    // A tolerance: 10 Hz logs are jittered (0.100196 s), and the second neighbour still belongs to 0.2 s.
+    // A tolerance: 10 Hz logs are jittered (0.100196 s), and the second neighbor still belongs to 0.2 s.
     let reach = reach + 0.02;
     let joined =
         |a: usize, b: usize| times[b] - times[a] <= GAP_S && !values[a].is_nan() && !values[b].is_nan();

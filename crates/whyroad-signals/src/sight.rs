@@ -1,5 +1,5 @@
 //! Sight: what of each target the ego can see, what hides it, when it comes out; how far and how wide the ego sees of
-//! the road ahead and beside. Seen from the centre of the ego's box over the ground plan: heights matter only for
+//! the road ahead and beside. Seen from the center of the ego's box over the ground plan: heights matter only for
 //! crests, for what is too low to hide anything, and for what is on another level.
 
 mod ahead;
@@ -22,7 +22,7 @@ pub fn hidden_by(scene: &Scene<'_>) -> Vec<Vec<(usize, Occluder)>> {
     let obstacles = Obstacles::new(scene);
     let mut occlusion = occlusion::Occlusion::new(scene);
     for frame in 0..scene.ego.len() {
-        occlusion.look(frame, obstacles.view(frame).as_ref());
+        occlusion.look(frame, obstacles.view(frame).as_ref(), &obstacles);
     }
     let hider = |seen: &occlusion::Seen| Some((seen.frame, obstacles.id(seen.occluder?)));
     occlusion.rows.iter().map(|rows| rows.iter().filter_map(hider).collect()).collect()
@@ -38,7 +38,7 @@ pub fn write(scene: &Scene<'_>, table: &mut TableBuilder<'_>) {
     let mut arms = scene.road.map(|road| crossing_arms::CrossingArms::new(scene, road, &obstacles));
     for frame in 0..scene.ego.len() {
         let view = obstacles.view(frame);
-        occlusion.look(frame, view.as_ref());
+        occlusion.look(frame, view.as_ref(), &obstacles);
         beside.look(frame, view.as_ref(), scene, &obstacles);
         ahead.look(frame, view.as_ref());
         if let Some(arms) = &mut arms {

@@ -10,6 +10,7 @@ pub mod lane_changes;
 pub mod lanes;
 pub mod line_crossing;
 pub mod motion;
+pub mod on_lines;
 pub mod placement;
 pub mod ramp;
 pub mod relations;

@@ -1,4 +1,4 @@
-//! The labelling service under load: `cargo bench -p whyroad --bench serve [-- ANNOTATORS SECONDS]` (200 and 20 unless
+//! The labeling service under load: `cargo bench -p whyroad --bench serve [-- ANNOTATORS SECONDS]` (200 and 20 unless
 //! said). `serve/<n>`: n annotators, each with a separate task and connection, each saving a
 //! change every second, as the page does while somebody types. The service is the real one, on SQLite in a temporary
 //! folder; every answer was given after its commit was on disk. `WHYROAD_BIN` names another build of the program.

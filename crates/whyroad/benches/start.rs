@@ -1,4 +1,4 @@
-//! The labelling service with large mined folders: `cargo bench -p whyroad --bench start [-- EPISODES TASKS]`
+//! The labeling service with large mined folders: `cargo bench -p whyroad --bench start [-- EPISODES TASKS]`
 //! (1,000,000 and 350). `start/<episodes>`: from the start of the program until it answers, three times.
 //! `browse/<episodes>`: the first page of the episodes, and one of a class. `create/<tasks>`: tasks of as many drives,
 //! until they are there, while somebody saves every 50 ms, and until the last draft is made in the background.

@@ -1,4 +1,4 @@
-//! What the analytics are made from, read where it is: a mined folder, the store of the labelling service, releases.
+//! What the analytics are made from, read where it is: a mined folder, the store of the labeling service, releases.
 //! `whyroad report` and the page of the service share it.
 
 mod service;
@@ -53,7 +53,7 @@ pub(crate) fn mined(
     Ok((out, lost))
 }
 
-/// Tasks of the labelling service and what its projects want.
+/// Tasks of the labeling service and what its projects want.
 pub(crate) struct Labelling {
     pub tasks: Vec<TaskFacts>,
     pub wanted: BTreeMap<ScenarioId, u64>,

@@ -9,7 +9,7 @@ use whyroad_framework::Framework;
 use whyroad_model::Diagnostic;
 use whyroad_signals::Catalogue;
 
-/// The framework in force; what is wrong in it, its signal catalogue included, is reported on stderr. An error when it
+/// The framework in force; what is wrong in it, its signal catalog included, is reported on stderr. An error when it
 /// has no usable taxonomy.
 pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic>)> {
     let Some(dir) = &global.framework else { return Ok((Framework::bundled().clone(), Vec::new())) };

@@ -24,7 +24,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         &[
             ("A commented mapping to fill in", "whyroad taxonomy migrate mapping.yaml --init"),
             (
-                "Try it on the store of the labelling service",
+                "Try it on the store of the labeling service",
                 "whyroad taxonomy migrate mapping.yaml --store whyroad-data --dry-run",
             ),
             (
@@ -273,7 +273,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         &[
             ("As a page with scenes", "whyroad other --episodes mined --lake lake --page other.html"),
             (
-                "A labelling task for each of the ten largest groups",
+                "A labeling task for each of the ten largest groups",
                 "whyroad other --episodes mined --lake lake --limit 10 --to-tasks first --data labels",
             ),
         ],
@@ -325,7 +325,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ("Bundled drives, nothing to prepare", "whyroad serve"),
             ("A lake and mined episodes", "whyroad serve --lake lake --mined mined --data labels"),
             (
-                "With a language model for drafts and judgements",
+                "With a language model for drafts and judgments",
                 "whyroad serve --lake lake --mined mined --data labels --model https://host/v1 --model-name vlm --key-env VLM_KEY",
             ),
         ],
@@ -375,7 +375,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "whyroad report --lake lake --mined mined --max-episodes 100 --lang zh",
             ),
             (
-                "With labelling and releases, and the numbers as CSV and Parquet",
+                "With labeling and releases, and the numbers as CSV and Parquet",
                 "whyroad report --lake lake --mined mined --labels whyroad-data --release release --tables tables",
             ),
             (

@@ -1,4 +1,4 @@
-//! The language model of the labelling service: `whyroad-chat`, with the drives and images that the service shows,
+//! The language model of the labeling service: `whyroad-chat`, with the drives and images that the service shows,
 //! behind the traits that the service knows. The key stays in the client's settings.
 
 use crate::arguments::share;

@@ -92,9 +92,9 @@ enum Command {
     Calibrate(cmd::calibrate::Args),
     /// Compare two mined folders, two frameworks over one lake, or two releases
     Compare(cmd::compare::Args),
-    /// Run the labelling service: the page and its API
+    /// Run the labeling service: the page and its API
     Serve(Box<cmd::serve::Args>),
-    /// Make, list, export and import labelling tasks
+    /// Make, list, export and import labeling tasks
     Tasks(cmd::tasks::Args),
     /// Import causal texts of other tools as drafts of labels
     Labels(cmd::labels::Args),
@@ -106,9 +106,9 @@ enum Command {
     Agreement(cmd::agreement::Args),
     /// Bring labels of older layouts to the current format, or back to 2.0
     Migrate(cmd::migrate::Args),
-    /// List the accounts of the labelling service, and give one a new password
+    /// List the accounts of the labeling service, and give one a new password
     Accounts(cmd::accounts::Args),
-    /// Write the store of the labelling service into one file
+    /// Write the store of the labeling service into one file
     Backup(cmd::backup::BackupArgs),
     /// Read a backup into an empty store
     Restore(cmd::backup::RestoreArgs),

@@ -1,4 +1,4 @@
-//! The engine's recordings, handed to the labelling service: each answer is one call.
+//! The engine's recordings, handed to the labeling service: each answer is one call.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
@@ -166,13 +166,13 @@ impl Recordings for ServiceRecordings {
     fn about(&self, name: &str) -> Option<SignalAbout> {
         let def = Catalogue::bundled().get(name)?;
         let (kind, unit) = match &def.kind {
-            // Columns hold base units, whatever the catalogue writes.
+            // Columns hold base units, whatever the catalog writes.
             Kind::Number(dimension) => (SignalKind::Number, dimension.base().symbol),
             Kind::Flag => (SignalKind::Flag, ""),
             Kind::Category(_) => (SignalKind::Category, ""),
         };
         let unit = (!unit.is_empty()).then(|| unit.to_owned());
-        Some(SignalAbout { kind, unit, meaning: def.meaning.clone() })
+        Some(SignalAbout { kind, unit, title: def.title.clone(), meaning: def.meaning.clone() })
     }
 
     fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel {

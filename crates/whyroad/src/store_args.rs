@@ -1,4 +1,4 @@
-//! Where the labelling service keeps its work: the options that `serve`, `tasks`, `accounts`, `backup` and `restore`
+//! Where the labeling service keeps its work: the options that `serve`, `tasks`, `accounts`, `backup` and `restore`
 //! share.
 
 use crate::{Global, framework_folder};

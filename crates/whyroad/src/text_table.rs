@@ -45,14 +45,15 @@ pub(crate) fn aligned<const N: usize>(columns: [Align; N], lines: &[[String; N]]
 /// `text` in lines of at most [`MAX_WIDTH`] cells, broken between words, those after the first indented.
 pub(crate) fn wrapped(text: &str, indent: usize) -> String {
     let mut out = String::new();
-    let mut line = String::new();
-    for word in text.split(' ') {
+    let words = text.trim_start_matches(' ');
+    let mut line = " ".repeat(text.len() - words.len());
+    for word in words.split(' ') {
         if !line.trim().is_empty() && width(&line) + 1 + width(word) > MAX_WIDTH {
             out.push_str(line.trim_end());
             out.push('\n');
             line = " ".repeat(indent) + word;
         } else {
-            if !line.is_empty() {
+            if !line.trim().is_empty() {
                 line.push(' ');
             }
             line.push_str(word);
@@ -117,5 +118,6 @@ mod tests {
         let text = wrapped(&"word ".repeat(60), 2);
         assert!(text.lines().count() > 1 && text.lines().all(|l| width(l) <= MAX_WIDTH), "{text}");
         assert_eq!(text.split_whitespace().count(), 60);
+        assert_eq!(wrapped("  map layers: all", 4), "  map layers: all\n");
     }
 }

@@ -38,7 +38,7 @@ class Crossing(World):
         self.note("route", actor, arm=come_from, turn=turn, lane=lane)
 
     def enters(self, type_, come_from, turn, to_middle, v, lane=0):
-        """Somebody so many metres (of his path) before the middle of the crossing."""
+        """Somebody so many meters (of his path) before the middle of the crossing."""
         a = self.add(type_, ARM_M - to_middle, 0.0, v, move=along)
         a.memory["want"] = v
         self.route(a, come_from, turn, lane)

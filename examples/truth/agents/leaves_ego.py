@@ -40,7 +40,7 @@ def avoidances(log):
 
 
 def steering(log):
-    """The order to steer hard; half a metre within the second after it starts to act, with under 2 s to the thing."""
+    """The order to steer hard; half a meter within the second after it starts to act, with under 2 s to the thing."""
     for e in events(log, "steers_hard"):
         t = e["t"]
         i = e.get("id") or next(f["id"] for f in reversed(events(log, "falls_down")) if f["t"] <= t)

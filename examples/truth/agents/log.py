@@ -1,4 +1,4 @@
-"""Reads a drive back from what was written: SUMO's FCD and the script beside it. Places are (s, d) along and left of the road's centre
+"""Reads a drive back from what was written: SUMO's FCD and the script beside it. Places are (s, d) along and left of the road's center
 line, found by projecting the FCD positions on the scripted road; nothing here knows Whyroad."""
 
 import bisect

@@ -150,7 +150,7 @@ def on_ramp(w, type_, begins, s, v):
 
 
 def joins_ahead(w, type_, slower, gap):
-    """Joins from a ramp in front of the ego, `slower` m/s slower than it, with so many metres left."""
+    """Joins from a ramp in front of the ego, `slower` m/s slower than it, with so many meters left."""
     u = w.draw
     begins = ramp_begins(w)
     v = w.ego.v - slower
@@ -208,7 +208,7 @@ def decoy_overtaken(w):
 
 
 def from_kerb(w):
-    """Moves off from the kerb in front of the ego."""
+    """Moves off from the curb in front of the ego."""
     u = w.draw
     a = w.add("car", w.ego.s + 84, w.road.edge - 1.2, move=cruise(0.0), solid=False)
     yield from near(w, a, u.uniform(2.4, 2.8) * w.ego.v)
@@ -227,7 +227,7 @@ def from_kerb(w):
 
 
 def pulls_over(w):
-    """To the kerb, a halt, and on."""
+    """To the curb, a halt, and on."""
     u = w.draw
     lane = w.ego.d
     w.note("pulls_over")

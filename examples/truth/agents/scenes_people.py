@@ -6,7 +6,7 @@ from moves import LEFT, RIGHT, cruise, gone, near, past, settle, slide, wait, wa
 
 
 def crossing(w, psi_deg, type_="walker"):
-    """Walks over the road in open view, from the kerb or from further back."""
+    """Walks over the road in open view, from the curb or from further back."""
     u = w.draw
     speed = u.uniform(1.1, 1.7) if type_ == "walker" else u.uniform(2.5, 3.5)
     from_right = u.random() < 0.5

@@ -1,5 +1,5 @@
 """A stretch of road on which everybody moves by script, the ego included: what SUMO cannot be made to do (people who step out,
-cars that reverse, weave or come the wrong way, swerves within the lane). Places are (s, d): metres along the road's centre line and
+cars that reverse, weave or come the wrong way, swerves within the lane). Places are (s, d): meters along the road's center line and
 to the left of it. The log is SUMO's FCD format; the network is netconvert's. Nothing here knows Whyroad.
 """
 

@@ -21,7 +21,7 @@ from commonroad_crime.measure import BTN, DST, HW, THW, TTC, ALongReq
 DT_S = 0.1
 # CriMe looks for the time headway on the recorded trajectory: long enough that the ego gets there.
 STEPS = 60
-# Id, x of the box centre (m), speed (m/s), acceleration (m/s2), length (m), width (m).
+# Id, x of the box center (m), speed (m/s), acceleration (m/s2), length (m), width (m).
 VEHICLES = [(100, 0.0, 15.0, 0.0, 4.6, 1.8), (200, 45.0, 10.0, 0.0, 12.0, 2.4), (300, 30.0, 17.0, 0.0, 2.2, 0.9),
             (400, 25.0, 8.0, 1.0, 4.6, 1.8), (500, 75.0, 14.0, -2.0, 4.6, 1.8)]
 

@@ -5,7 +5,7 @@
     python3 compare.py --counts LOG_FOLDER...   prints how often each answer is given: counts.csv, which a test holds us to
 
 Written from refAV/atomic_functions.py (MIT), with its median filter over seven positions and velocities; nothing of it is imported, and
-nothing of ours. Where it differs from that file on purpose: the ego's box is centred in the middle of the car (there its rear end
+nothing of ours. Where it differs from that file on purpose: the ego's box is centered in the middle of the car (there its rear end
 has the wrong sign), exactly 180 deg is opposite, and lanes near a position are found by distance to the polygon (there by mitred corners).
 Needs numpy and pyarrow.
 """

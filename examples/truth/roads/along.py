@@ -132,7 +132,7 @@ def dark_entry(b, answers):
 
 
 def spot(leaf, value):
-    """A hole or a pool of some metres."""
+    """A hole or a pool of some meters."""
     def lay(b, answers):
         s0 = b.straight(b.draw.uniform(14, 20))
         b.state("surface", "dry", s0, b.road.length, value)

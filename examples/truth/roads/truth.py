@@ -1,7 +1,7 @@
 """What happened in a drive, from what was laid, what the driver was told and what the simulator logged: entries of `truth.jsonl`.
 
 Nothing here comes from Whyroad's signals or rules; the moments are those of LABELING.md 4 and the taxonomy's conditions. Being in or
-on something is meant of the car's middle, coming within so many metres of it of the front bumper. B is the first step in which the
+on something is meant of the car's middle, coming within so many meters of it of the front bumper. B is the first step in which the
 car brakes for its order. Each kind of moment is one function below; the kinds are named where the features are laid.
 """
 

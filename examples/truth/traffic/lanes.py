@@ -55,7 +55,7 @@ def own_changes(run, ego):
     """proactive.lane_change.*, special_lane.bus_lane and, over ramps, merge_interaction.*
 
     `strategic` is for the route: navigation, when the lane that it leaves leads away from the route within 500 m (`leads_off_in`), which is where
-    the last sign before an exit or a lane's end stands; the simulator plans kilometres ahead, which nobody sees: optional, as is a reason that lies
+    the last sign before an exit or a lane's end stands; the simulator plans kilometers ahead, which nobody sees: optional, as is a reason that lies
     beyond the log's end. Onto or off an acceleration or deceleration lane it is a merge or an exit. `speedGain` is overtake when the vehicle
     that was ahead in the old lane is behind 30 s later at most, escape when the ego had stood behind a standing vehicle, else efficiency. `keepRight` and `cooperative` are no reason that a leaf names: the L2. What a second change within 4 s makes of the
     first, or a change at a standstill, nobody can see: optional.
@@ -149,7 +149,7 @@ def is_exit_lane(run, lane):
 
 
 def ramps(run, ego):
-    """merge_interaction: normal_merge from the acceleration lane's first metre until the change off it is done; split_exit from the
+    """merge_interaction: normal_merge from the acceleration lane's first meter until the change off it is done; split_exit from the
     change into the deceleration lane (over the line) until the ego is on the ramp."""
     rows = run.rows[ego]
     on = lambda test: runs([k for k, o in rows.items() if not o.lane.startswith(":") and test(run.road.lanes[o.lane])])

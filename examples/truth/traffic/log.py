@@ -1,7 +1,7 @@
 """What SUMO wrote of one run, in the form the derivations use. Reads nothing of Whyroad's.
 
 Times are whole tenths of a second since the start (`k`). A vehicle's place is its front bumper's; `centre_k` tells when its middle gets
-to where its front was, because recordings and their truth speak of box centres.
+to where its front was, because recordings and their truth speak of box centers.
 """
 
 import math

@@ -10,6 +10,7 @@ import gzip
 import os
 import random
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -71,6 +72,10 @@ def main():
     which = sys.argv[1] if len(sys.argv) > 1 else "all"
     out = Path(sys.argv[2]) if len(sys.argv) > 2 else HERE
     only = sys.argv[3:] or list(NETWORKS)
+    if out.resolve() != HERE:
+        # The sizes of vehicles, which ingestion looks for beside the drives: without them every box is unknown.
+        out.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(HERE / "types.rou.xml", out / "types.rou.xml")
     for variant, group in enumerate(SEEDS):
         for name in only if which in (group, "all") else []:
             target = out / f"{group}-{name}"

@@ -48,7 +48,7 @@ def crossings(run, ego, all_passages, lead):
                 off = math.hypot(xy[j][0] - o.x, xy[j][1] - o.y)
                 side = dx * (o.y - xy[j][1]) - dy * (o.x - xy[j][0])
                 place.append((k, math.copysign(off, side), way[j], o))
-        # The front is at `at`; up to where its middle has passed, and a metre more than the band.
+        # The front is at `at`; up to where its middle has passed, and a meter more than the band.
         band = [(k, off, o) for k, off, s, o in place if abs(off) < 8 and -3 < s - at[k] < 50]
         for first, last in runs([k for k, _, _ in band]):
             here = [(k, off, o) for k, off, o in band if first <= k <= last]

@@ -9,6 +9,10 @@ MODEL = {
     "ACC": 'carFollowModel="ACC"',
     "W99": 'carFollowModel="W99"',
     "W74": 'carFollowModel="Wiedemann"',
+    "IDMM": 'carFollowModel="IDMM" adaptFactor="1.6" adaptTime="300"',
+    "CACC": 'carFollowModel="CACC"',
+    "Orig1": 'carFollowModel="KraussOrig1" sigma="0.3"',
+    "Wagner": 'carFollowModel="PWagner2009"',
 }
 
 

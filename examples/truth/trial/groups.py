@@ -22,6 +22,7 @@ from networks import (
     web_town,
 )
 from networks_drawn import circles, country, knotted, motorway, street
+from networks_planned import arterial, collector, estate, one_way_blocks
 
 # Name: (maker, seed, seconds, step s, drivers' model, lateral: seconds of a change or "sublane", vehicles per second,
 # people)
@@ -63,4 +64,14 @@ SETS = {
         "leftcountry": (partial(country, left=True), 4027, 200, 0.05, "Krauss", 3, 0.35, 0),
         "knots": (partial(knotted, left=False), 4049, 220, 0.1, "ACC+moto", 2.5, 0.6, 0),
     },
+    "held4": {
+        "blocks": (one_way_blocks, 5003, 220, 0.1, "Orig1+moto", 3, 0.7, 0.15),
+        "estate": (estate, 5009, 220, 0.1, "IDMM", 2.5, 0.45, 0.15),
+        "arterial": (arterial, 5011, 220, 0.05, "Wagner+moto", 3.5, 0.6, 0),
+        "collector": (collector, 5021, 160, 0.1, "CACC", "sublane", 0.9, 0),
+    },
 }
+
+# What is recorded of the runs of a group is noisy: deviations of a position of one frame, and of 1 s (m); of a speed (m/s).
+# The truth is of what happened.
+NOISE = {"held4": (0.04, 0.08, 0.15)}

@@ -108,6 +108,10 @@ def junctions(w, ego, lead):
     yield from unfinished(w, ego)
     for p in w.passing[ego]:
         if not p.node.real:
+            # Whether who drives on past an opening in the median passes a junction is not said.
+            if any(l.dir in "lrt" for l in net.out.get(p.link.lane, [])) or any(l.a == p.link.a and l.dir in "lrt" for links in net.out.values() for l in links):
+                into = w.later(ego, p.first, w.length(ego) / 2)
+                yield w.entry("proactive.turn.straight", ego, into - 30, into, w.later(ego, p.last, w.length(ego) / 2) + 20, optional=True)
             continue
         into, out = w.later(ego, p.first, w.length(ego) / 2), w.later(ego, p.last, w.length(ego) / 2)
         near = False

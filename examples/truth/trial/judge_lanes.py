@@ -53,7 +53,7 @@ def visits(w, ego):
 
 
 def leaves_route(w, ego, c):
-    """Metres until the lane that it leaves stops leading where the ego drives, and whether a junction comes before that;
+    """Meters until the lane that it leaves stops leading where the ego drives, and whether a junction comes before that;
     None if the log does not tell.
     """
     rows, edges = w.rows[ego], [edge_of(c.a)]

@@ -31,9 +31,10 @@ def lights(w, ego):
             letter = w.letter(p.link, a)
             mixed = moved_over or len(before_it(w, ego, a)) != len(before_it(w, ego, a, True))
             if not before_it(w, ego, a) and letter in ("r", "y", "u") and (not far or a in on_last and left(a) < 15):
-                # The last metres are often rolled out softly: the slowing that ends here began before them.
+                # The last meters are often rolled out softly: the slowing that ends here began before them.
                 slow = next((k for k in range(a, a - 40, -1) if k in rows and rows[k].a < -0.5), a)
-                while slow - 1 in rows and any(rows[u].a < -0.5 for u in range(slow - 5, slow) if u in rows):
+                # Some drivers' models slow in pulses.
+                while slow - 1 in rows and any(rows[u].a < -0.5 for u in range(slow - 20, slow) if u in rows):
                     slow -= 1
                 turned = w.turned_to(p.link, a, "ryu")
                 key = max(slow - 5, turned)

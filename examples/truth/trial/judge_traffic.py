@@ -41,8 +41,9 @@ def following(w, ego, lead):
     rests = lambda a, b: min(rows[k].v for k in range(a, b + 1) if k in rows) < 0.1
     stretches = congested(rows, halts, behind)
     for a, b, n in congested(rows, [s for s in spans([k for k, o in rows.items() if o.v < 0.6], gap=5) if s[1] > s[0]], lambda k: behind(k, 22)):
-        # By a looser reading of standing and of the gap.
-        yield w.entry(F + "stop_and_go", ego, a, a, b, optional=True)
+        # By a looser reading of standing and of the gap: which of the halts is the first is open, too.
+        for first, _ in [(a, b), *(h for h in halts if a < h[0] < b)]:
+            yield w.entry(F + "stop_and_go", ego, first, first, b, optional=True)
     for a, b, n in stretches:
         yield w.entry(F + "stop_and_go", ego, a, a, b, optional=n < 3 or not all(rests(*h) for h in halts if a <= h[0] <= b) or max(rows[k].v for k in range(a, b) if k in rows) < 1.5)
     inside = lambda k: any(a - 100 <= k <= b + 60 for a, b, n in stretches)
@@ -66,6 +67,13 @@ def following(w, ego, lead):
             hard = min((its[k].a for k in range(halted[0] - 60, halted[0]) if k in its), default=0)
             changed = any(c.k > a - 50 and c.k < a + 10 for c in w.changes[name] + w.changes[ego])
             yield w.entry(F + "follow_stop", ego, h - 20, h, a + 10, name, optional=gap > 13 or hard < -2.7 or inside(a) or fast < 4 or changed or b - a < 10 or not rests(a, b))
+        elif min((its[k].v for k in range(a - 40, a + 41) if k in its), default=9) < 1 and max(rows[k].v for k in range(a - 300, a + 1) if k in rows) > 1.5:
+            # Drivers that crawl up to a lead and never come quite to rest, or behind one that does not: when it stops is open.
+            for least in (2, 0.3):
+                slow = next((k for k in range(a - 300, a + 41) if k in its and its[k].v < least and all(its[u].v < least for u in range(k, a) if u in its)), None)
+                if slow is not None:
+                    for key in range(slow, a + 1, 40):
+                        yield w.entry(F + "follow_stop", ego, key - 20, key, a + 10, name, optional=True)
         starts = next((k for k in range(a, b + 40) if k in its and its[k].v >= 0.3 and all(its[u].v < 0.3 for u in range(k - 10, k) if u in its)), None)
         went = any(rows[k].v > 2 for k in range(b, b + 60) if k in rows)
         if starts is not None and b - a >= 8 and went:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Generates the trial's drives with known truth: `python3 make.py develop|varied|held|held2|held3 OUT_DIR [NETWORK ...]`.
+"""Generates the trial's drives with known truth: `python3 make.py develop|varied|held|held2|held3|held4 OUT_DIR [NETWORK ...]`.
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). `develop` may be looked at while rules are changed; `held` has
 other networks, drivers and steps, and is evaluated once (docs/reference/accuracy.md says when). Nothing generated is
@@ -9,6 +9,7 @@ egos.txt, truth.jsonl.
 
 import gzip
 import hashlib
+import math
 import os
 import random
 import re
@@ -23,7 +24,7 @@ import sumolib  # noqa: E402
 
 import judge  # noqa: E402
 from demand import trips, types  # noqa: E402
-from groups import SETS  # noqa: E402
+from groups import NOISE, SETS  # noqa: E402
 from networks import document, tool  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
@@ -62,6 +63,28 @@ def store(text, target):
         packed.write(re.sub(r"<!--.*?-->\s*", "", text, flags=re.S).encode())
 
 
+def noisy(text, draw, step, white, slow, speed):
+    """Positions and speeds of all vehicles as a sensor gives them; accelerations are not measured. The deviation that
+    lasts 1 s is an autoregressive one for each vehicle.
+    """
+    keep, drift = math.exp(-step), {}
+
+    def measured(m):
+        name, row = m.group(2), m.group(0)
+        old = drift.get(name, (draw.gauss(0, slow), draw.gauss(0, slow)))
+        drift[name] = tuple(keep * d + math.sqrt(1 - keep**2) * draw.gauss(0, slow) for d in old)
+        x, y = (drift[name][i] + draw.gauss(0, white) for i in (0, 1))
+        moved = lambda attribute, more: lambda v: f' {attribute}="{max(0.0, float(v.group(1)) + more) if attribute == "speed" else float(v.group(1)) + more:.2f}"'
+        for attribute, more in (("x", x), ("y", y)):
+            row = re.sub(rf' {attribute}="([^"]*)"', moved(attribute, more), row)
+        fast = re.search(r' speed="([^"]*)"', row)
+        if fast and float(fast.group(1)) > 0.5:
+            row = re.sub(r' speed="([^"]*)"', moved("speed", draw.gauss(0, speed)), row)
+        return re.sub(r' acceleration="[^"]*"', "", row)
+
+    return re.sub(r'<(vehicle|person) id="([^"]*)"[^>]*>', measured, text)
+
+
 def generate(group, out, only):
     for name, (maker, seed, seconds, step, model, lateral, rate, people) in SETS[group].items():
         if only and name not in only:
@@ -74,7 +97,10 @@ def generate(group, out, only):
             egos = simulate(work, draw, seed, seconds, step, model, lateral, rate, people)
             egos, lines = judge.derive(work, name, egos, lateral)
             # The leader, lane and reasons are the simulator's knowledge, not a recording's.
-            store(re.sub(r' (?:leaderID|leaderSpeed|leaderGap|lane|edge|pos)="[^"]*"', "", (work / "fcd.xml").read_text()), target / "fcd.xml.gz")
+            text = re.sub(r' (?:leaderID|leaderSpeed|leaderGap|lane|edge|pos)="[^"]*"', "", (work / "fcd.xml").read_text())
+            if group in NOISE:
+                text = noisy(text, random.Random(seed + 1), step, *NOISE[group])
+            store(text, target / "fcd.xml.gz")
             for kind in ("net", "tls"):
                 if (work / f"{kind}.xml").exists():
                     store((work / f"{kind}.xml").read_text(), target / f"{kind}.xml.gz")
@@ -93,7 +119,7 @@ def sums(out):
 
 def main():
     match sys.argv[1:]:
-        case [("develop" | "varied" | "held" | "held2" | "held3") as group, out, *only]:
+        case [("develop" | "varied" | "held" | "held2" | "held3" | "held4") as group, out, *only]:
             generate(group, Path(out), only)
         case ["record", out]:
             (HERE / "manifest.txt").write_text("# eclipse-sumo 1.28.0\n" + "".join(f"{v} {k}\n" for k, v in sums(Path(out)).items()))

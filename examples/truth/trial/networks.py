@@ -27,7 +27,7 @@ def node(name, x, y, kind="priority"):
 
 
 def edge(name, start, end, lanes, speed, kind="", priority=5, shape=(), bay=0):
-    """A road one way; with `bay`, one more lane on the far side over its last metres."""
+    """A road one way; with `bay`, one more lane on the far side over its last meters."""
     points = f' shape="{" ".join(",".join(f"{c:.2f}" for c in p) for p in shape)}"' if shape else ""
     more = (f' type="{kind}"' if kind else "") + points
     return f'<edge id="{name}" from="{start}" to="{end}" numLanes="{lanes + bool(bay)}" speed="{speed}" priority="{priority}"{more}>{widening(lanes, bay)}</edge>'
@@ -36,6 +36,16 @@ def edge(name, start, end, lanes, speed, kind="", priority=5, shape=(), bay=0):
 def widening(lanes, bay):
     names = lambda n: " ".join(map(str, range(n)))
     return f'<split pos="0" lanes="{names(lanes)}"/><split pos="{-bay}" lanes="{names(lanes + 1)}"/>' if bay else ""
+
+
+def smooth(points, steps=8):
+    """The same way in bends instead of corners (Catmull-Rom), heights as well; the ends stay."""
+    out = []
+    for i in range(1, len(points) - 2):
+        a, b, c, d = points[i - 1:i + 3]
+        for t in (n / steps for n in range(steps)):
+            out.append(tuple(0.5 * (2 * q + (r - p) * t + (2 * p - 5 * q + 4 * r - s) * t**2 + (3 * q - p - 3 * r + s) * t**3) for p, q, r, s in zip(a, b, c, d)))
+    return [*out, points[-2]]
 
 
 def link(start, end, a, b):
@@ -207,7 +217,7 @@ def old_town(work, draw):
 
 def left_rings(work, draw):
     """Left-hand traffic: netconvert mirrors the driving side, so a ring runs clockwise; four small roundabouts on
-    a square and a signalled middle.
+    a square and a signaled middle.
     """
     nodes, edges = [], []
     for name, x, y in (("p", 0, 0), ("q", 260, 0)):
@@ -227,16 +237,16 @@ def left_rings(work, draw):
 
 
 def clover_motorway(work, draw):
-    """Half a cloverleaf: loops join and leave through one weaving lane; a lane joins for good after a long ramp;
-    the left lane ends.
+    """Half a cloverleaf: loops join and leave through one weaving lane and pass over the main road; a lane joins for
+    good after a long ramp; the left lane ends.
     """
     s = 30.56
     nodes = [node("a", -800, 0), node("b", -120, 0), node("c", 130, 0), node("d", 520, 20), node("e", 900, 20), node("f", 1300, -10),
              node("la", -30, 190), node("lb", 60, 190), node("r", 200, -160)]
     edges = [edge("ab", "a", "b", 2, s, "highway.trunk", 12), edge("bc", "b", "c", 3, s, "highway.trunk", 12), edge("cd", "c", "d", 2, s, "highway.trunk", 12, [(260, 0), (380, 16)]),
              edge("de", "d", "e", 3, s, "highway.trunk", 12), edge("ef", "e", "f", 2, s, "highway.trunk", 12, [(1050, 22), (1180, -6)]),
-             edge("lb1", "la", "b", 1, 11.11, "highway.trunk_link", 8, [(-60, 150), (-190, 120), (-280, 40), (-240, -22), (-180, -16)]),
-             edge("cl", "c", "lb", 1, 11.11, "highway.trunk_link", 8, [(190, -14), (270, -20), (330, 40), (260, 110), (130, 150)]),
+             edge("lb1", "la", "b", 1, 11.11, "highway.trunk_link", 8, smooth([(-30, 190, 0), (-60, 150, 3), (-190, 120, 6), (-280, 40, 6), (-250, -22, 4.5), (-190, -20, 1.5), (-120, 0, 0)])),
+             edge("cl", "c", "lb", 1, 11.11, "highway.trunk_link", 8, smooth([(130, 0, 0), (200, -20, 1.5), (270, -22, 4.5), (320, 40, 6), (260, 110, 6), (130, 150, 3), (60, 190, 0)])),
              edge("rd", "r", "d", 1, 22.22, "highway.trunk_link", 8, [(330, -70), (450, 0)])]
     links = [link("lb1", "bc", 0, 0), link("ab", "bc", 0, 1), link("ab", "bc", 1, 2), link("bc", "cl", 0, 0), link("bc", "cd", 1, 0), link("bc", "cd", 2, 1),
              link("rd", "de", 0, 0), link("cd", "de", 0, 1), link("cd", "de", 1, 2), link("de", "ef", 0, 0), link("de", "ef", 1, 1)]

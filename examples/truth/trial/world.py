@@ -170,7 +170,7 @@ class World:
         return self.odo[i]
 
     def later(self, i, k, metres):
-        """When the vehicle has come so many metres further."""
+        """When the vehicle has come so many meters further."""
         way = self.way(i)
         return next((u for u in sorted(way) if u >= k and way[u] - way[k] >= metres), max(way))
 

@@ -443,6 +443,7 @@ export interface components {
         };
         MatchedCondition: {
             actual_value: unknown;
+            actual_words?: components["schemas"]["Bilingual"] | null;
             condition: string;
             description?: components["schemas"]["Bilingual"] | null;
         };
@@ -847,6 +848,7 @@ export interface components {
         SignalAbout: {
             kind: components["schemas"]["SignalKind"];
             meaning: components["schemas"]["Bilingual"];
+            title: components["schemas"]["Bilingual"];
             unit?: string | null;
         };
         SignalKind: "number" | "flag" | "category";

@@ -2,7 +2,7 @@
 // km/h).
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { comparison, decidingRank, isAbout, noteOf, signalName, thresholdsOf } from "./conditions.ts";
+import { comparison, decidingRank, isAbout, noteOf, thresholdsOf } from "./conditions.ts";
 import { scaleOf } from "./units.ts";
 
 const met = (condition: string, actual_value: unknown = null) => ({ condition, actual_value });
@@ -54,14 +54,4 @@ test("the condition of the class itself decides more than what it shares, a comp
   const order = ["target.gap", "target.thw", "target.ttc"].sort((a, b) => decidingRank(a, conditions) - decidingRank(b, conditions));
   assert.deepEqual(order, ["target.ttc", "target.thw", "target.gap"]);
   assert.equal(decidingRank("target.speed", conditions), Infinity);
-});
-
-test("a signal is named by the first clause of its meaning", () => {
-  assert.equal(signalName("target.ttc", "沿路径的碰撞时间：target.gap / 接近速度。仅对路径内"), "沿路径的碰撞时间");
-  assert.equal(signalName("x", "Velocity of the target across the ego's lane, towards its line positive."), "Velocity of the target across the ego's lane");
-  assert.equal(signalName("x", "More than 0.1 m inside."), "More than 0.1 m inside");
-  assert.equal(signalName("target.x", ""), "target.x");
-  const others: Record<string, string> = { "target.ttc": "碰撞时间：沿路径" };
-  assert.equal(signalName("lead.ttc", "前车的 target.ttc；无前车为无穷大。", (id) => others[id]), "前车的碰撞时间");
-  assert.equal(signalName("lead.gap", "前车的 target.gap；无", (id) => others[id]), "前车的 target.gap");
 });

@@ -121,14 +121,3 @@ export function decidingRank(signal: string, conditions: readonly MatchedConditi
   });
   return Math.min(Infinity, ...ranks);
 }
-
-const FIRST_CLAUSE = /^(.*?)(?:[，。；：（,;:(]|\.(?=\s|$)|$)/;
-
-/**
- * A short name of a signal: its meaning up to the first clause, with names for the ids of other signals in it; its id
- * without a meaning.
- */
-export function signalName(id: string, meaning: string | undefined, meaningOf: (id: string) => string | undefined = () => undefined): string {
-  const clause = FIRST_CLAUSE.exec(meaning ?? "")?.[1]?.trim();
-  return clause?.replace(/[a-z]+\.[a-z_0-9]+/g, (other) => FIRST_CLAUSE.exec(meaningOf(other) ?? "")?.[1]?.trim() || other).replace(/(\p{Script=Han}) (?=\p{Script=Han})/gu, "$1") || id;
-}

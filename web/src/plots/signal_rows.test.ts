@@ -4,7 +4,7 @@ import { test } from "vitest";
 import type { SceneView } from "../api/types.ts";
 import { signalRows } from "./signal_rows.ts";
 
-const about = (unit: string | null, zh: string) => ({ kind: "number" as const, unit, meaning: { zh, en: `${zh} en` } });
+const about = (unit: string | null, zh: string) => ({ kind: "number" as const, unit, title: { zh: zh.split(/[，。：]/)[0] ?? zh, en: `${zh} en` }, meaning: { zh, en: `${zh} en` } });
 const scene = {
   signals: {
     "target.lane_lateral_speed": [0.4, 0],

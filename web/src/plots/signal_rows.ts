@@ -1,6 +1,6 @@
 // Signal rows of the timeline: the signals that the rule reads, beside the four plots of LABELING.md 6. Pure.
 import type { MatchedCondition, SceneView } from "../api/types.ts";
-import { decidingRank, noteOf, signalName, thresholdsOf } from "./conditions.ts";
+import { decidingRank, noteOf, thresholdsOf } from "./conditions.ts";
 import { type Column, columnOf } from "./series.ts";
 import { type Scale, scaled, scaleOf, type SpeedUnit } from "./units.ts";
 
@@ -49,7 +49,6 @@ export function signalRows(
   const before = (a: number, b: number): number => (a < b ? -1 : a > b ? 1 : 0);
   const isEmpty = (id: string): number => ((scene.signals[id] ?? []).every((v) => v === null || v === "none") ? 1 : 0);
   const position = (id: string): number => (read.includes(id) ? read.indexOf(id) : Infinity);
-  const meaningOf = (id: string): string | undefined => scene.about[id]?.meaning[reader.lang];
   return Object.keys(scene.signals)
     .sort((a, b) => rank(a) - rank(b) || isEmpty(a) - isEmpty(b) || before(compared(a), compared(b)) || before(position(a), position(b)))
     .filter((id) => !SHOWN.has(id))
@@ -58,10 +57,10 @@ export function signalRows(
       // Lateral speeds are tenths of a meter per second, and rules state them in m/s.
       const scale = scaleOf(about?.unit, id.includes("lateral") ? "m/s" : reader.speeds);
       const column = columnOf(scene.signals[id] ?? [], about?.kind ?? "category");
-      const meaning = meaningOf(id) ?? "";
+      const [title, meaning] = [about?.title[reader.lang] ?? "", about?.meaning[reader.lang] ?? ""];
       return {
         id,
-        name: signalName(id, meaning, meaningOf),
+        name: title ? title[0]?.toUpperCase() + title.slice(1) : id,
         column: column?.kind === "line" ? { ...column, values: scaled(column.values, scale) } : column,
         scale,
         meaning: [meaning, id].filter(Boolean).join("\n"),

@@ -137,7 +137,7 @@ export const labelTexts = {
   "dec.mandated": ["此 L3 场景规定横向决策：{what}", "This L3 scenario prescribes the lateral decision: {what}"],
 
   "cause.title": ["原因", "Causes"],
-  "cause.unobserved": ["未观测到 (UNOBSERVED)", "Not observed (UNOBSERVED)"],
+  "cause.unobserved": ["未观测到", "Not observed"],
   "cause.reason": ["未观测到的理由", "Why the cause could not be observed"],
   "cause.none": ["没有决策变化，不需要原因。", "No change of decision, so no cause is needed."],
 

@@ -243,7 +243,7 @@ fn nearest_ahead(map: &[MapElement], kind: &str) -> f64 {
     ahead.fold(f64::NAN, f64::min)
 }
 
-/// The lane whose centre line comes nearest to the ego.
+/// The lane whose center line comes nearest to the ego.
 fn own_lane(map: &[MapElement]) -> Option<&MapElement> {
     let near = |e: &MapElement| e.x.iter().zip(&e.y).map(|(x, y)| x.hypot(*y)).fold(f32::INFINITY, f32::min);
     map.iter().filter(|e| e.kind.ends_with("lane")).min_by(|a, b| near(a).total_cmp(&near(b)))

@@ -96,7 +96,7 @@ fn cut_drive(state: &State<'_>, drive: u32, items: &[usize]) -> Result<Vec<Outco
     };
     let candidates: Vec<Candidate<'_>> =
         items.iter().map(|&i| candidate(state, &state.labels.items[i])).collect::<Result<_, _>>()?;
-    // Signals of the whole drive are needed only to draft what nobody has labelled.
+    // Signals of the whole drive are needed only to draft what nobody has labeled.
     let signals = if candidates.iter().any(|c| c.label.is_episode) {
         let version = whyroad_engine::SIGNALS_VERSION;
         let stored = inputs.lake.signals(&id, version)?.and_then(|file| file.read_table(0).ok());

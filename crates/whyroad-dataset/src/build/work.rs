@@ -1,6 +1,7 @@
 //! The work folder `.<name>.partial` beside the output.
 
 use crate::DatasetError;
+use crate::aside::partial;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
@@ -14,8 +15,7 @@ pub(super) struct Work {
 impl Work {
     /// Opens or makes the folder. Another build that works in it is not disturbed: this one is refused.
     pub fn open(out: &Path) -> Result<Self, DatasetError> {
-        let name = out.file_name().unwrap_or_default().to_string_lossy();
-        let dir = out.with_file_name(format!(".{name}.partial"));
+        let dir = partial(out);
         fs::create_dir_all(&dir).map_err(DatasetError::io(&dir))?;
         let path = dir.join("lock");
         let lock = File::create(&path).map_err(DatasetError::io(&path))?;

@@ -26,7 +26,7 @@ pub(crate) struct Window {
     /// Known afterwards.
     pub whole: States,
     pub pose: Pose,
-    /// From the reference point forward to the box centre, m.
+    /// From the reference point forward to the box center, m.
     pub to_centre: f64,
     past_actions: Option<MetaActions>,
     whole_actions: Option<MetaActions>,
@@ -43,7 +43,7 @@ impl Window {
         let (past, whole) = (states(&stretch, t0 + 1), states(&stretch, stretch.frame_count()));
         let ego = stretch.ego.as_ref()?;
         let to_centre = match cut.reference {
-            // Only a point behind the box centre can be a rear axle; a front bumper or the centre itself cannot.
+            // Only a point behind the box center can be a rear axle; a front bumper or the center itself cannot.
             Reference::RearAxle if ego.reference_to_centre_m > 0.3 && ego.reference_to_centre_m < 6.0 => {
                 ego.reference_to_centre_m
             }

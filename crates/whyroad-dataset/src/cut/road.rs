@@ -1,5 +1,6 @@
 //! The map of a sample: lines and areas within the radius, thinned, in the frame of t0.
 
+use crate::place::contains;
 use crate::pose::Pose;
 use crate::sample::MapElement;
 use whyroad_model::RoadMap;
@@ -63,7 +64,7 @@ impl Road {
                     clip(*a, next, radius).is_some()
                 };
                 let near = local.iter().any(inside)
-                    || contains_origin(&local)
+                    || contains(&local, [0.0, 0.0])
                     || local.iter().enumerate().any(crossed);
                 if near { vec![local] } else { vec![] }
             } else {
@@ -113,14 +114,6 @@ fn width(lane: &Lane) -> Option<f64> {
         _ => None,
     };
     lane.width_m.filter(|w| w.is_finite()).or(measured).filter(|w| w.is_finite())
-}
-
-/// Even-odd rule.
-fn contains_origin(points: &[(f64, f64)]) -> bool {
-    let pairs = points.iter().zip(points.iter().cycle().skip(1));
-    let crossings = pairs
-        .filter(|(a, b)| (a.1 > 0.0) != (b.1 > 0.0) && 0.0 < (b.0 - a.0) * (0.0 - a.1) / (b.1 - a.1) + a.0);
-    crossings.count() % 2 == 1
 }
 
 /// The parts of a line inside the circle, ends cut at the circle.

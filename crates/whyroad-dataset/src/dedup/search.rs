@@ -1,6 +1,6 @@
 //! Vectors within a radius, exactly: buckets over the three directions in which the vectors differ most. A projection
 //! never makes a distance larger, so whatever is nearer than the radius lies in the same or an adjacent bucket, and
-//! no neighbour is missed. An approximate graph (HNSW) would miss some, and its result would depend on the order of
+//! no neighbor is missed. An approximate graph (HNSW) would miss some, and its result would depend on the order of
 //! threads.
 
 use std::collections::HashMap;
@@ -94,7 +94,7 @@ impl<'a> Neighbours<'a> {
     pub fn new(vectors: &'a [&'a [f32]], projection: &'a Projection, radius: f64) -> Self {
         let n = vectors.first().map_or(1, |v| v.len().max(1)) as f64;
         let euclidean = (radius * n.sqrt()) as f32;
-        // Rounding of the projection must not put a neighbour two buckets away.
+        // Rounding of the projection must not put a neighbor two buckets away.
         let edge = (euclidean * 1.001).max(1e-4);
         Self { vectors, projection, square: euclidean * euclidean, edge, buckets: HashMap::new() }
     }

@@ -61,7 +61,7 @@ fn confident_joint(labels: &[usize], probabilities: &[Vec<f64>], classes: usize)
         counts[*label] += 1;
         own[*label] += row[*label];
     }
-    // Mean probability of a class over the samples labelled as it; above any probability for a class without samples.
+    // Mean probability of a class over the samples labeled as it; above any probability for a class without samples.
     let threshold =
         |k: usize| if counts[k] > 0 { (own[k] / counts[k] as f64).max(2.0 * TOLERANCE) } else { 2.0 };
     let thresholds: Vec<f64> = (0..classes).map(threshold).collect();

@@ -185,7 +185,7 @@ fn card(m: &Manifest) -> String {
         }
     }
     let _ = writeln!(out, "---\n\n# {title}\n\nVersion {}, {} samples.\n", m.version, m.counts.samples);
-    out += "| licence of the drives | drives | samples | attribution |\n|---|---|---|---|\n";
+    out += "| license of the drives | drives | samples | attribution |\n|---|---|---|---|\n";
     for l in &m.licences {
         let _ = writeln!(
             out,

@@ -172,7 +172,7 @@ fn splits(t: &mut String, m: &Manifest) {
 fn licences(t: &mut String, m: &Manifest) {
     let _ = writeln!(
         t,
-        "## Licence · 许可\n\nDeclared: **{}**.\n\n| licence | drives | samples | obliges to |\n|---|---|---|---|",
+        "## License · 许可\n\nDeclared: **{}**.\n\n| license | drives | samples | obliges to |\n|---|---|---|---|",
         m.licence
     );
     for l in &m.licences {

@@ -33,9 +33,9 @@ pub struct Manifest {
     pub versions: BTreeMap<String, String>,
     /// Seed.
     pub seed: u64,
-    /// The licence that the release declares.
+    /// The license that the release declares.
     pub licence: String,
-    /// Licences of the drives in it.
+    /// Licenses of the drives in it.
     pub licences: Vec<LicenceCount>,
     /// Inputs.
     pub inputs: Inputs,
@@ -53,7 +53,7 @@ pub struct Manifest {
     pub files: Vec<FileEntry>,
 }
 
-/// A licence and how much comes under it.
+/// A license and how much comes under it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LicenceCount {
     /// Id.

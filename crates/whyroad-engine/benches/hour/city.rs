@@ -15,9 +15,9 @@ pub const LANE_M: f64 = 3.5;
 /// A point, m.
 pub type Point = (f64, f64);
 
-/// A lane by its centre line.
+/// A lane by its center line.
 pub struct Lane {
-    /// Points of the centre line.
+    /// Points of the center line.
     pub line: Vec<Point>,
     /// Arc length at each point, m.
     pub s: Vec<f64>,

@@ -41,7 +41,7 @@ enum Motion {
 /// One object.
 pub struct Agent {
     motion: Motion,
-    /// Centre, m.
+    /// Center, m.
     pub at: Point,
     /// rad.
     pub heading: f64,
@@ -59,7 +59,7 @@ pub struct Seen {
     pub agent: usize,
     /// Index of the frame.
     pub frame: usize,
-    /// Centre, m.
+    /// Center, m.
     pub at: Point,
     /// rad.
     pub heading: f64,
@@ -69,7 +69,7 @@ pub struct Seen {
 pub struct Recording {
     /// The town's objects; the ego is the first.
     pub agents: Vec<Agent>,
-    /// Centre and heading of the ego by frame.
+    /// Center and heading of the ego by frame.
     pub ego: Vec<(Point, f64)>,
     /// By agent, then frame.
     pub seen: Vec<Seen>,
@@ -134,7 +134,7 @@ fn around(junction: (usize, usize), half: f64, s: f64) -> (Point, f64) {
     ((m.0 + x, m.1 + y), [0.0, 0.5, 1.0, -0.5][k] * std::f64::consts::PI)
 }
 
-/// A person waits at the kerb until the road that they cross has red.
+/// A person waits at the curb until the road that they cross has red.
 fn may_walk(time: f64, junction: (usize, usize), half: f64, s: f64) -> bool {
     let (k, t) = (((s / (2.0 * half)) as usize) % 4, s % (2.0 * half) - half);
     // Sides 0 and 2 run along the avenue and cross the street.

@@ -16,7 +16,7 @@ use whyroad_signals::Catalogue;
 pub struct Question {
     name: &'static str,
     rule: &'static str,
-    /// What a row must fulfil, as SQL.
+    /// What a row must fulfill, as SQL.
     sql: &'static str,
     /// For how long, in ns, by 10 ms less: the tolerance of a clock.
     least_ns: i64,

@@ -1,4 +1,4 @@
-//! Where the labelling service finds the images of a drive: in the lake's own folder, or where they are.
+//! Where the labeling service finds the images of a drive: in the lake's own folder, or where they are.
 
 use super::{AddImages, Image, MediaError};
 use std::fs;

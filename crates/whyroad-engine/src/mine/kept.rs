@@ -93,10 +93,10 @@ impl Kept {
         Self { of: file.of, rules }
     }
 
-    /// What the rule found; `None` where it has not been run.
-    pub fn get(&self, key: &str) -> Option<Found> {
+    /// What the rule of this key found; `None` where it has not been run.
+    pub fn get(&self, key: &str, rule: &Rule) -> Option<Found> {
         let kept = self.rules.get(key)?;
-        let episodes = kept.episodes.iter().map(KeptEpisode::read).collect();
+        let episodes = kept.episodes.iter().map(|e| e.read(rule)).collect();
         Some(Found { episodes, missing: kept.missing.iter().cloned().collect() })
     }
 
@@ -154,16 +154,20 @@ impl KeptEpisode {
         }
     }
 
-    fn read(&self) -> Episode {
+    fn read(&self, rule: &Rule) -> Episode {
         let range = |(start, end): (usize, usize)| FrameRange::new(start, end);
         let value = |v: &KeptValue| match v {
             KeptValue::Number(bits) => Json::from(f64::from_bits(*bits)),
             KeptValue::Other(v) => v.clone(),
         };
-        let condition = |(text, v): &(String, KeptValue)| MatchedCondition {
-            condition: text.clone(),
-            actual_value: value(v),
-            description: None,
+        let condition = |(text, v): &(String, KeptValue)| match rule.atoms.iter().find(|a| a.text == *text) {
+            Some(atom) => atom.matched(value(v)),
+            None => MatchedCondition {
+                condition: text.clone(),
+                actual_value: value(v),
+                description: None,
+                actual_words: None,
+            },
         };
         Episode {
             scenario: self.scenario.clone(),

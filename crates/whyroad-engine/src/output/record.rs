@@ -2,7 +2,6 @@
 //! frames: an episode belongs to the clip that its keyframe is in; times stay those of the drive where a
 //! message allows, frames are clamped to the clip.
 
-use super::wording::in_words;
 use serde::{Deserialize, Serialize};
 use whyroad_mining::episode::{Episode, Rank};
 use whyroad_mining::interpret::STEP;
@@ -10,16 +9,15 @@ use whyroad_model::messages::{
     EpisodeRecord, Keyframe, KeyframeSuggestion, KeyframeType, MatchedCondition, ScenarioPreLabel, TimeRange,
 };
 use whyroad_model::{ClipCut, ClipId, DriveId, FrameRange, Lang, Nanos};
-use whyroad_signals::Catalogue;
 
 /// An episode with everything that is written about it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MinedEpisode {
     /// The episode.
     pub record: EpisodeRecord,
-    /// Proposal for the labeller: class.
+    /// Proposal for the labeler: class.
     pub pre_label: ScenarioPreLabel,
-    /// Proposal for the labeller: moment and context.
+    /// Proposal for the labeler: moment and context.
     pub suggestion: KeyframeSuggestion,
 }
 
@@ -82,7 +80,7 @@ pub fn write_down(
             },
             ego_response: Some(e.response),
             keyframe_rule: e.keyframe_rule.clone(),
-            conditions_matched: e.conditions.iter().map(described).collect(),
+            conditions_matched: e.conditions.clone(),
             signals: e.signals.clone(),
             // Who knows the rule says which.
             rule_version: None,
@@ -93,7 +91,7 @@ pub fn write_down(
             suggested_timestamp: times[e.keyframe],
             suggested_frame_idx: frame_in(clip, e.keyframe),
             detection_rule: e.keyframe_rule.get(lang).to_owned(),
-            // What a labeller can open is the clip: here the times are clamped with the frames.
+            // What a labeler can open is the clip: here the times are clamped with the frames.
             context_range: TimeRange {
                 start_timestamp: times[context.start],
                 end_timestamp: end_time(times, context.end),
@@ -115,14 +113,8 @@ pub fn write_down(
     episodes.iter().enumerate().map(one).collect()
 }
 
-/// A condition with its words.
-fn described(condition: &MatchedCondition) -> MatchedCondition {
-    let description = in_words(&condition.condition, Catalogue::bundled());
-    MatchedCondition { description, ..condition.clone() }
-}
-
 fn words(condition: &MatchedCondition, lang: Lang) -> String {
-    let described = described(condition).description;
+    let described = condition.description.as_ref();
     described.map_or_else(|| condition.condition.clone(), |d| d.get(lang).to_owned())
 }
 
@@ -198,7 +190,7 @@ mod tests {
         assert_eq!((record.time_range.start_frame_idx, record.time_range.end_frame_idx), (Some(0), Some(40)));
         assert_eq!(record.time_range.start_timestamp, Nanos(19_000_000_000));
         assert_eq!(record.time_range.end_timestamp, Nanos(24_000_000_000));
-        // What a labeller is shown is clamped in time too; 50 frames are the whole second clip.
+        // What a labeler is shown is clamped in time too; 50 frames are the whole second clip.
         let context = mined(None, ClipCut::Fixed).suggestion.context_range;
         assert_eq!(
             (context.start_timestamp, context.end_timestamp),

@@ -1,4 +1,4 @@
-//! The taxonomy and its labelling specs, arranged for quick questions about one label, and the answers to
+//! The taxonomy and its labeling specs, arranged for quick questions about one label, and the answers to
 //! "what could have been meant" for wrong ids.
 
 use crate::decision_table::ClassDecisions;

@@ -62,6 +62,11 @@ impl Finding {
         Self { severity: Severity::Warning, ..Self::error(code, pointer) }
     }
 
+    /// A hint at a pointer: likely, not certain.
+    pub fn note(code: &'static str, pointer: impl Into<Cow<'static, str>>) -> Self {
+        Self { severity: Severity::Note, ..Self::error(code, pointer) }
+    }
+
     /// Only these bytes of the text there.
     #[must_use]
     pub fn part(mut self, start: usize, end: usize) -> Self {

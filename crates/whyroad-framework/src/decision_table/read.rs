@@ -1,6 +1,6 @@
 //! Reads `scenarios/decisions.yaml` and compares it with the taxonomy.
 
-use super::{ClassDecisions, DecisionTable, Fit, LateralEntry};
+use super::{Causes, ClassDecisions, DecisionTable, Fit, LateralEntry};
 use crate::Taxonomy;
 use crate::label_words::{GroupSet, LabelWords};
 use crate::taxonomy::did_you_mean;
@@ -19,6 +19,7 @@ struct File {
     version: String,
     #[serde(default)]
     impossible_pairs: Vec<(String, String)>,
+    causes: BTreeMap<String, Vec<String>>,
     classes: BTreeMap<String, RawClass>,
 }
 
@@ -57,6 +58,11 @@ pub fn parse(
     };
     let mut reader = Reader { file, words, out: Vec::new() };
     let mut table = DecisionTable::default();
+    let (causes, problems) = Causes::read(&raw.causes, words);
+    table.causes = causes;
+    for problem in problems {
+        reader.problem(problem.zh, problem.en);
+    }
     for (along, across) in &raw.impossible_pairs {
         let pair =
             reader.longitudinal(along, "impossible_pairs").zip(reader.lateral(across, "impossible_pairs"));
@@ -243,6 +249,12 @@ mod tests {
             |from: &str, to: &str| table(from, to).iter().map(|d| d.message.en.clone()).collect::<Vec<_>>();
         assert!(said("classes:", "klasses:").iter().any(|m| m.contains("cannot be read")));
         assert!(said("reactive_agent.cutin.ramp:", "reactive_agent.cutin.rump:")[0].contains("did you mean"));
+        assert!(
+            said("  turn: [route", "  tern: [route")
+                .iter()
+                .any(|m| m.contains("no row for the decision 'turn'"))
+        );
+        assert!(said("vehicle@standing", "vehicle@sitting").iter().any(|m| m.contains("unknown state")));
         assert!(said("about: [vru]", "about: [vrus]").iter().any(|m| m.contains("has no 'vrus'")));
         assert!(said("usual: [turn/left]", "usual: [turn/up]").iter().any(|m| m.contains("turn/up")));
         let typical = said(

@@ -1,4 +1,4 @@
-//! Two whole frameworks: their classes, labelling specs and mining rules, and for each file that states a version
+//! Two whole frameworks: their classes, labeling specs and mining rules, and for each file that states a version
 //! whether that version is high enough.
 
 use super::{Change, TaxonomyDiff, VersionCheck, diff, labelling, mining};
@@ -39,7 +39,7 @@ impl FileVersion {
     }
 }
 
-/// Compares B with A in everything that labels and mining depend on: classes, labelling specs, mining rules.
+/// Compares B with A in everything that labels and mining depend on: classes, labeling specs, mining rules.
 pub fn diff_frameworks(a: &Framework, b: &Framework) -> TaxonomyDiff {
     let mut out = diff(&a.taxonomy, &b.taxonomy);
     let specs: Vec<Change> = labelling::changes(a, b).into_iter().chain(mining::changes(a, b)).collect();
@@ -50,7 +50,7 @@ pub fn diff_frameworks(a: &Framework, b: &Framework) -> TaxonomyDiff {
     out
 }
 
-/// The file in which a class's labelling and mining are written, with the files above it that it inherits from.
+/// The file in which a class's labeling and mining are written, with the files above it that it inherits from.
 fn written_in(id: &ScenarioId) -> Vec<String> {
     let l1 = format!("scenarios/{}.yaml", id.l1);
     match &id.l2 {

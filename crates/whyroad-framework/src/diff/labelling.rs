@@ -1,4 +1,4 @@
-//! Changes of labelling specs, inheritance applied, as steps: **major** where an old label may now be wrong or lacks
+//! Changes of labeling specs, inheritance applied, as steps: **major** where an old label may now be wrong or lacks
 //! what is demanded (keyframe type, another rule, a new record, `uncertainty: high`, a mandated lateral decision, a
 //! second keyframe), **minor** where something is added that binds nobody or a demand is taken back, **patch** for
 //! wording.

@@ -1,7 +1,7 @@
 //! Whether a changed text still says the same. A program cannot know; these rules err towards "meaning".
 //!
 //! 1. Texts that differ only in blanks, punctuation, letter case or full-width forms are the same.
-//! 2. The *hard parts* are what a labeller measures or excludes by: numbers, comparison signs, words of negation,
+//! 2. The *hard parts* are what a labeler measures or excludes by: numbers, comparison signs, words of negation,
 //!    and words of comparison or bound ("over", "at most", "至少"). Other hard parts: another meaning.
 //! 3. With equal hard parts, a text that changed in one language only was reworded: the other language pins the
 //!    meaning. Changed in both, it was reworded when each is still close to what it was, else it means something else.
@@ -11,7 +11,7 @@ use whyroad_model::Bilingual;
 /// How alike two texts must be, 0 to 1, to count as close. A changed word in ten leaves about this.
 const CLOSE: f64 = 0.8;
 
-/// Judgement on a pair of texts.
+/// Judgment on a pair of texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wording {
     /// No difference that counts.
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn thresholds_and_negations_are_meaning() {
-        // By what a labeller would do with each text.
+        // By what a labeler would do with each text.
         let before = ("TTC < 3s", "TTC < 3 s");
         assert_eq!(judge(before, ("TTC < 4s", "TTC < 4 s")), Wording::Meaning);
         assert_eq!(judge(before, ("TTC >= 3s", "TTC >= 3 s")), Wording::Meaning);
@@ -129,7 +129,7 @@ mod tests {
             judge(before, ("前车突然急刹", "The vehicle ahead suddenly brakes sharply")),
             Wording::Reworded
         );
-        assert_eq!(judge(before, ("旁车缓慢靠近", "A neighbour drifts closer")), Wording::Meaning);
+        assert_eq!(judge(before, ("旁车缓慢靠近", "A neighbor drifts closer")), Wording::Meaning);
     }
 
     #[test]

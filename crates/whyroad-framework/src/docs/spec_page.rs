@@ -1,4 +1,4 @@
-//! The generated parts of `docs/reference/SPEC.md`: the decision tables and the labelling of every L2. They stand
+//! The generated parts of `docs/reference/SPEC.md`: the decision tables and the labeling of every L2. They stand
 //! between `<!-- generated: NAME -->` and `<!-- end generated -->`; everything else on that page is written by hand.
 
 use super::cell;

@@ -26,6 +26,19 @@ pub enum TellWord {
     Event,
 }
 
+/// Words by which a clause has a new subject before a past tense (`new_subject` of the file), in lower case.
+#[derive(Clone, Debug, Default)]
+pub struct NewSubject {
+    /// It begins with one of these.
+    pub begins: Vec<String>,
+    /// None of these is in it.
+    pub breaks: Vec<String>,
+    /// Its last word is none of these.
+    pub own: Vec<String>,
+    /// One of these follows the verb, unless the clause ends.
+    pub behind: Vec<String>,
+}
+
 /// The words of traces, as one search; those of components are found with all others (`WordRole::AfterResponse`).
 #[derive(Clone, Debug, Default)]
 pub struct Aftermath {
@@ -35,6 +48,8 @@ pub struct Aftermath {
     pub subjects: Vec<String>,
     /// Words that may stand between a subject and its verb.
     pub between: Vec<String>,
+    /// What begins a clause about somebody else.
+    pub new_subject: NewSubject,
     /// Irregular past tenses of decisions.
     pub decided: Vec<String>,
 }
@@ -51,12 +66,23 @@ impl Aftermath {
     }
 }
 
+/// As written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawNewSubject {
+    begins: Words,
+    breaks: Words,
+    own: Words,
+    behind: Words,
+}
+
 /// The lists as written.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawAftermath {
     subjects: Words,
     between: Words,
+    new_subject: RawNewSubject,
     decided: Words,
     exempt: Words,
     past: Words,
@@ -89,6 +115,12 @@ impl RawAftermath {
             tells: tells.into_values().collect(),
             subjects: list(&self.subjects),
             between: list(&self.between),
+            new_subject: NewSubject {
+                begins: list(&self.new_subject.begins),
+                breaks: list(&self.new_subject.breaks),
+                own: list(&self.new_subject.own),
+                behind: list(&self.new_subject.behind),
+            },
             decided: list(&self.decided),
         }
     }

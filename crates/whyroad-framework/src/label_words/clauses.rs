@@ -4,6 +4,7 @@
 use super::Words;
 use crate::lexicon::units::{Mark, Unit, Units};
 use serde::Deserialize;
+use std::ops::Range;
 
 /// What a punctuation mark ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub struct Clauses {
     dividers: Vec<(char, Divider)>,
     /// Keys of the units of each, a space before and behind.
     joints: Vec<Vec<u64>>,
+    /// The same as written, in lower case.
+    pub joint: Vec<String>,
     /// Words that are followed by a reason, wherever they are, in lower case.
     pub because: Vec<String>,
     /// Words that join what has nothing to do with the reason before them, in lower case.
@@ -63,11 +66,18 @@ impl Clauses {
         joint.map_or(mark, |i| clause[i].start)
     }
 
-    /// First byte of the clause that holds `at`, and the byte at which it ends: between marks.
-    pub fn around(&self, units: &Units, at: usize, text_end: usize) -> (usize, usize) {
-        let divides = |m: &&Mark| self.divides(**m).is_some();
-        let from = units.marks().iter().take_while(|m| m.start < at).filter(divides).last();
-        let to = units.marks().iter().find(|m| m.start >= at && divides(m));
+    /// First byte of the part that holds `inside`, and the byte at which it ends: between marks of which `divides` is
+    /// true. What is inside may hold such marks itself.
+    pub fn around(
+        &self,
+        units: &Units,
+        inside: Range<usize>,
+        text_end: usize,
+        divides: &dyn Fn(Divider) -> bool,
+    ) -> (usize, usize) {
+        let divides = |m: &&Mark| self.divides(**m).is_some_and(divides);
+        let from = units.marks().iter().take_while(|m| m.start < inside.start).filter(divides).last();
+        let to = units.marks().iter().find(|m| m.start >= inside.end && divides(m));
         (from.map_or(0, |m| m.end()), to.map_or(text_end, |m| m.start))
     }
 
@@ -109,6 +119,7 @@ impl RawClauses {
             joints: (self.joint.all())
                 .map(|j| Units::of(&format!(" {j} ")).all().iter().map(|u| u.key).collect())
                 .collect(),
+            joint: list(&self.joint),
             because: list(&self.because),
             beside: list(&self.beside),
             reason: list(&self.reason),

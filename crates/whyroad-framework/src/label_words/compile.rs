@@ -5,7 +5,6 @@ use crate::lexicon::expand::choices;
 use crate::lexicon::trie::Trie;
 use std::collections::{BTreeMap, HashSet};
 use whyroad_model::Bilingual;
-use whyroad_model::decision::Longitudinal;
 
 /// Groups of things that a set can hold.
 const MAX_GROUPS: usize = 64;
@@ -39,6 +38,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     b.all(raw.denied.all(), WordRole::Denied);
     b.all(raw.supposed.all(), WordRole::Supposed);
     b.all(raw.unchanged.all(), WordRole::Unchanged);
+    b.all(raw.uncertain.all(), WordRole::Uncertain);
     b.all(raw.aftermath.component.all(), WordRole::AfterResponse);
     b.all(raw.hindsight.plain.all(), WordRole::Plain);
     b.all(raw.plain.all(), WordRole::Plain);
@@ -57,32 +57,20 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         *known = known.with(set);
     }
 
-    let mut causes = Vec::new();
-    for (decision, members) in &raw.causes {
-        let mut set = GroupSet::default();
-        for member in members {
-            match kinds.get(member) {
-                Some(kind) => set = set.with(*kind),
-                None => b.unknown_group(member),
-            }
-        }
-        match Longitudinal::from_id(decision) {
-            Some(d) => causes.push((d, set)),
-            None => b.unknown_decision(decision),
-        }
-    }
     let kind = |id: &str| kinds.get(id).copied().unwrap_or_default();
+    let acts = ["vehicle", "vru", "animal"].into_iter().fold(GroupSet::default(), |set, k| set.with(kind(k)));
     let known = KnownKinds {
+        actor: acts,
         lead: kind("lead"),
         queue: kind("queue"),
         vehicle: kind("vehicle"),
         elsewhere: kind("oncoming").with(kind("parked_vehicle")).with(kind("broken_down")),
         no_cause: kind("gap").with(kind("lane")),
         light: kind("light"),
+        sign: kind("sign"),
     };
 
     // A queue is waited in, and "no car" does nothing.
-    let acts = ["vehicle", "vru", "animal"].into_iter().fold(GroupSet::default(), |set, k| set.with(kind(k)));
     let is_user = |role: &WordRole| matches!(role, WordRole::Object(i) if objects[*i].own.meets(acts) && !objects[*i].own.meets(known.queue));
     let road_users = (b.texts.iter())
         .filter(|(text, role)| is_user(role) && !text.starts_with(['有', '无', '没']))
@@ -125,7 +113,6 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         clauses,
         road_users,
         known,
-        causes,
         compared,
     };
     (words, problems)
@@ -213,13 +200,6 @@ impl Builder {
                 }
             }
         }
-    }
-
-    fn unknown_decision(&mut self, name: &str) {
-        self.problems.push(Bilingual::new(
-            format!("causes 中的 '{name}' 不是纵向决策"),
-            format!("'{name}' in causes is not a longitudinal decision"),
-        ));
     }
 
     fn unknown_group(&mut self, name: &str) {

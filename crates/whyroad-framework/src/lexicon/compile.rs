@@ -41,6 +41,8 @@ pub enum Role {
     Agent,
     /// Makes the next noun an object.
     ObjectOf,
+    /// Leaves what follows to somebody else, such as "allows".
+    Permits,
     /// Hides the words inside it.
     Neutral,
     /// The identifier of a decision, which does not belong in a trace.
@@ -101,6 +103,7 @@ pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
         (Role::Ego, &w.ego),
         (Role::Agent, &w.agent),
         (Role::ObjectOf, &w.object_of),
+        (Role::Permits, &w.permits),
         (Role::Neutral, &w.neutral),
     ] {
         for pattern in words.all() {
@@ -146,7 +149,8 @@ pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
         limits: raw.limits,
         null_allows: raw.null_allows.clone(),
         phrases,
-        stems: super::Stems::new(&raw.stems, &raw.stem_denied),
+        stems: super::Stems::new(&raw.stems, &raw.effects, &raw.stem_denied),
+        behind_decision: list(&raw.behind_decision),
         joined: list(&w.joined),
         pronouns: list(&w.pronoun),
         gives_way: list(&w.gives_way),

@@ -1,4 +1,4 @@
-//! The rule-language expressions of a labelling file with their places, so that whoever knows the language can check
+//! The rule-language expressions of a labeling file with their places, so that whoever knows the language can check
 //! each one where it is written. Nothing is interpreted here.
 
 use whyroad_model::yaml::{Node, Value};

@@ -1,4 +1,4 @@
-//! Labelling specs as written, before inheritance. `schema/labeling_spec_schema.json` is generated from these
+//! Labeling specs as written, before inheritance. `schema/labeling_spec_schema.json` is generated from these
 //! types; `read` fills them. What a file leaves out is `None` and comes from the level above.
 
 use indexmap::IndexMap;
@@ -36,7 +36,7 @@ pub struct SpecFile {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LeafLayer {
-    /// Where its labelling differs from its L2's.
+    /// Where its labeling differs from its L2's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub labeling: Option<LabelingLayer>,
     /// Its mining rule (docs/reference/rules.md); absent while there is none.
@@ -44,7 +44,7 @@ pub struct LeafLayer {
     pub mining: Option<serde_json::Map<String, serde_json::Value>>,
 }
 
-/// One level's labelling rules.
+/// One level's labeling rules.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LabelingLayer {

@@ -31,7 +31,7 @@ pub(crate) struct ReadSpec {
     pub mining: IndexMap<String, Entry>,
     /// The L2's own `mining:` block.
     pub l2_mining: Option<Entry>,
-    /// Every expression of the labelling blocks.
+    /// Every expression of the labeling blocks.
     pub expressions: Vec<Written>,
 }
 

@@ -247,7 +247,7 @@ impl<'n> Reading<'_, '_, 'n> {
         self.report.push(d, mark, &node.pointer);
     }
 
-    /// An L1 or L2 without children holds no leaf, so nothing can ever be labelled with it.
+    /// An L1 or L2 without children holds no leaf, so nothing can ever be labeled with it.
     fn childless(&mut self, l1: &[L1]) {
         let empty_l1 = l1.iter().filter(|a| a.l2.is_empty()).map(|a| (a.id.clone(), "L2"));
         let empty_l2 = l1.iter().flat_map(|a| {

@@ -75,7 +75,7 @@ fn every_class_is_described_and_every_l2_has_typical_decisions() {
 #[test]
 fn typical_decisions_fit_the_leaf() {
     // By the meanings of the decisions in LABELING.md 2: `resume` is a start from standstill, so it is typical only of
-    // leaves about starting; `stop_for_regulation` alone answers a light that stops the ego; `turn` needs a manoeuvre
+    // leaves about starting; `stop_for_regulation` alone answers a light that stops the ego; `turn` needs a maneuver
     // onto another road.
     let f = Framework::bundled();
     let mut resuming = Vec::new();

@@ -1,4 +1,4 @@
-//! `diff_frameworks`: which changes of labelling specs and mining rules call for which step. The steps are those of
+//! `diff_frameworks`: which changes of labeling specs and mining rules call for which step. The steps are those of
 //! docs/how-to/edit-the-framework.md "Which version", after DATA_FORMAT.md 1.3 of the specification: what makes an
 //! old label invalid is major, what only adds is minor.
 

@@ -107,7 +107,7 @@ mod tests {
             assert!(metres(there, (gcj_lat, gcj_lon)) < 1e-3, "{there:?}");
             let back = Datum::Gcj02.to_wgs84(gcj_lat, gcj_lon);
             assert!(metres(back, (lat, lon)) < 0.01, "{back:?}");
-            // The shift is there to be undone: hundreds of metres.
+            // The shift is there to be undone: hundreds of meters.
             assert!(metres((lat, lon), (gcj_lat, gcj_lon)) > 400.0);
         }
     }

@@ -1,9 +1,9 @@
-//! Maps made of centre lines with references to painted lines and kerbs, as the Waymo motion set has them and
+//! Maps made of center lines with references to painted lines and curbs, as the Waymo motion set has them and
 //! ScenarioNet keeps them, as a [`RoadMap`].
 //!
-//! A lane's edges are its centre line moved sideways by the distance to the line or kerb that the map names for each
+//! A lane's edges are its center line moved sideways by the distance to the line or curb that the map names for each
 //! stretch; stretches without one take the width of the nearest stretch that has it. A side of which no stretch is
-//! named has no edge, and then the lane has none. Neighbours are the ones along the longest stretch. A stop line is
+//! named has no edge, and then the lane has none. Neighbors are the ones along the longest stretch. A stop line is
 //! drawn across a lane at the point that its light names.
 
 use crate::assemble::geometry::{distance, length};
@@ -18,13 +18,13 @@ const HALF_WIDTH_M: std::ops::RangeInclusive<f64> = 0.5..=6.0;
 /// Half a stop line where the lane has no width, m.
 const NOMINAL_HALF_WIDTH_M: f64 = 1.75;
 
-/// A stretch of a lane with one line or kerb beside it.
+/// A stretch of a lane with one line or curb beside it.
 #[derive(Clone, Debug)]
 pub(crate) struct Boundary {
-    /// Indices into the lane's centre line, both included.
+    /// Indices into the lane's center line, both included.
     pub start: usize,
     pub end: usize,
-    /// Id of the line or kerb.
+    /// Id of the line or curb.
     pub feature: String,
     pub mark: LaneMark,
 }
@@ -37,7 +37,7 @@ pub(crate) struct Neighbour {
     pub lane: String,
 }
 
-/// A lane as the source describes it: `lane` has everything but edges, marks and neighbours.
+/// A lane as the source describes it: `lane` has everything but edges, marks and neighbors.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CentreLane {
     pub lane: Lane,
@@ -50,7 +50,7 @@ pub(crate) struct CentreLane {
 #[derive(Clone, Debug)]
 pub(crate) enum Feature {
     Lane(Box<CentreLane>),
-    /// Painted line or kerb.
+    /// Painted line or curb.
     Line(Vec<Point3>),
     Crosswalk(Vec<Point3>),
     StopSign {
@@ -183,7 +183,7 @@ fn longest_mark(side: &[Boundary]) -> LaneMark {
     by_mark.into_iter().max_by_key(|&(_, n)| n).map_or(LaneMark::Unknown, |(m, _)| m)
 }
 
-/// Distance from each point of the centre line to the edge on one side; `None` when the side names none.
+/// Distance from each point of the center line to the edge on one side; `None` when the side names none.
 fn half_widths(
     centre: &[Point3],
     side: &[Boundary],
@@ -257,7 +257,7 @@ fn stop_line(lane: &Lane, point: Point3) -> Vec<Point3> {
         .into()
 }
 
-/// Mean width of a lane from its outline: area over the length of its centre line, m.
+/// Mean width of a lane from its outline: area over the length of its center line, m.
 pub(crate) fn mean_width(outline: &[Point3], centre: &[Point3]) -> Option<f64> {
     let n = outline.len();
     let twice: f64 =

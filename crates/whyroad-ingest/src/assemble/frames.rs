@@ -51,7 +51,7 @@ pub(crate) fn every_tenth(times: &[f64]) -> Vec<f64> {
 pub(crate) struct Sampled {
     /// s on the log's clock, strictly ascending.
     pub times: Vec<f64>,
-    /// Box centre, m.
+    /// Box center, m.
     pub x: Vec<f64>,
     pub y: Vec<f64>,
     pub z: Vec<f64>,

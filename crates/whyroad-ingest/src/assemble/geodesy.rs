@@ -5,7 +5,7 @@ const A: f64 = 6_378_137.0;
 /// First eccentricity squared of the WGS 84 ellipsoid.
 const E2: f64 = 6.694_379_990_141_33e-3;
 
-/// A local frame: x east, y north, z up, metres from its origin. Flat: at 10 km the ground is 8 m below.
+/// A local frame: x east, y north, z up, meters from its origin. Flat: at 10 km the ground is 8 m below.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalFrame {
     origin: [f64; 3],

@@ -1,10 +1,10 @@
-//! Geometry that every map adapter needs: lines by arc length, centre lines, lines beside lines, unions of areas.
+//! Geometry that every map adapter needs: lines by arc length, center lines, lines beside lines, unions of areas.
 
 use geo::algorithm::bool_ops::unary_union;
 use geo::{Coord, LineString, Polygon};
 use whyroad_model::road_map::Point3;
 
-/// Spacing of the points of a centre line that is made from edges, m.
+/// Spacing of the points of a center line that is made from edges, m.
 pub const CENTRE_SPACING_M: f64 = 1.0;
 
 /// Distance in the ground plane, m.
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn centre_of_a_straight_lane_is_half_way_whatever_the_corners() {
-        // Left edge at y = 4 with a needless corner near its start, right edge at y = 0: the centre is y = 2.
+        // Left edge at y = 4 with a needless corner near its start, right edge at y = 0: the center is y = 2.
         let c = centre_line(&line(&[(0.0, 4.0), (0.5, 4.0), (10.0, 4.0)]), &line(&[(0.0, 0.0), (10.0, 0.0)]));
         assert_eq!(c.len(), 11);
         for (i, p) in c.iter().enumerate() {

@@ -3,7 +3,7 @@
 use whyroad_model::Nanos;
 use whyroad_model::scene::{LightColour, LightState};
 
-/// The colour that a state's name means: Waymo's `LANE_STATE_*` and MetaDrive's `TRAFFIC_LIGHT_*`. `None` for a name
+/// The color that a state's name means: Waymo's `LANE_STATE_*` and MetaDrive's `TRAFFIC_LIGHT_*`. `None` for a name
 /// that neither defines.
 ///
 /// A green that is not stated to be an arrow is taken for the ordinary round light, under which a left turn gives way
@@ -20,7 +20,7 @@ pub(crate) fn colour(name: &str) -> Option<LightColour> {
     })
 }
 
-/// One state for each change. A step in which the light was not seen is unknown, so that the colour before it does
+/// One state for each change. A step in which the light was not seen is unknown, so that the color before it does
 /// not go on holding.
 pub(crate) fn changes(
     lane: &str,

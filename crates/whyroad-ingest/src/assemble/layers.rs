@@ -75,7 +75,7 @@ fn rolls(lane: &Lane) -> bool {
     matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike)
 }
 
-/// Direction of the first (`at_end` false) or last metre of a line, rad.
+/// Direction of the first (`at_end` false) or last meter of a line, rad.
 fn heading(line: &[Point3], at_end: bool) -> Option<f64> {
     let order: Box<dyn Iterator<Item = &Point3>> =
         if at_end { Box::new(line.iter().rev()) } else { Box::new(line.iter()) };

@@ -1,4 +1,4 @@
-//! Degrees to metres of a log's frame: UTM around an origin, as Lanelet2's `UtmProjector` places its maps, or the
+//! Degrees to meters of a log's frame: UTM around an origin, as Lanelet2's `UtmProjector` places its maps, or the
 //! tangent plane at the origin.
 
 use crate::assemble::geodesy::LocalFrame;
@@ -64,7 +64,7 @@ fn zone(lat: f64, lon: f64) -> u8 {
 }
 
 /// Easting and northing from the equator (also in the south): Krueger's series in the third flattening, to its fourth
-/// power, which is good to less than a millimetre.
+/// power, which is good to less than a millimeter.
 fn utm(lat: f64, lon: f64, meridian: f64) -> [f64; 2] {
     let n = F / (2.0 - F);
     let (n2, n3, n4) = (n * n, n * n * n, n * n * n * n);

@@ -163,7 +163,7 @@ fn circle(line: &[Point3]) -> Option<f64> {
     (0..n).all(|i| straight(i) <= longest).then_some(turned)
 }
 
-/// Points every metre along a closed line.
+/// Points every meter along a closed line.
 fn sampled(line: &[Point3]) -> Vec<Point3> {
     let mut out = Vec::new();
     let mut left = 0.0;

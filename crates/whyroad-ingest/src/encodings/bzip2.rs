@@ -1,5 +1,5 @@
 //! bzip2, unpacked in memory: Huffman codes, move to front, the Burrows-Wheeler transform and its run lengths, with the
-//! checksums of every block. Written here because the maintained crate brings a C library's port and its licence for
+//! checksums of every block. Written here because the maintained crate brings a C library's port and its license for
 //! chunks of ROS 1 bags alone.
 
 use std::num::Wrapping;

@@ -2,10 +2,13 @@
 //! asked for.
 
 use super::cells;
-use arrow_array::{Array, RecordBatch};
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::{Array, ArrayRef, RecordBatch};
 use bytes::Bytes;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::reader::ChunkReader;
+use std::collections::HashMap;
 use std::fs::File;
 use std::path::Path;
 
@@ -47,16 +50,16 @@ impl Columns {
         self.0.iter().map(RecordBatch::num_rows).sum()
     }
 
-    /// The cells of a column, batch by batch.
+    /// A column, batch by batch; `read` appends the cells of a batch.
     fn cells<T>(
         &self,
         name: &str,
-        read: impl Fn(&dyn Array) -> Result<Vec<Option<T>>, String>,
-    ) -> Result<Vec<Option<T>>, String> {
+        read: impl Fn(&ArrayRef, &mut Vec<T>) -> Result<(), String>,
+    ) -> Result<Vec<T>, String> {
         let mut out = Vec::with_capacity(self.rows());
         for batch in &self.0 {
             let column = batch.column_by_name(name).ok_or_else(|| format!("column '{name}' is missing"))?;
-            out.extend(read(column.as_ref()).map_err(|e| format!("column '{name}': {e}"))?);
+            read(column, &mut out).map_err(|e| format!("column '{name}': {e}"))?;
         }
         Ok(out)
     }
@@ -68,16 +71,72 @@ impl Columns {
 
     /// A column of numbers; null is NaN.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
-        Ok(self.cells(name, cells::numbers)?.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect())
+        self.cells(name, |column, out| {
+            // The two types that tables of measurements mostly have need no look at each cell.
+            if let Some(floats) = column.as_primitive_opt::<Float64Type>() {
+                match floats.null_count() {
+                    0 => out.extend_from_slice(floats.values()),
+                    _ => out.extend(floats.iter().map(|v| v.unwrap_or(f64::NAN))),
+                }
+            } else if let Some(integers) = column.as_primitive_opt::<Int64Type>() {
+                out.extend(integers.iter().map(|v| v.map_or(f64::NAN, |v| v as f64)));
+            } else {
+                out.extend(cells::numbers(column)?.into_iter().map(|v| v.unwrap_or(f64::NAN)));
+            }
+            Ok(())
+        })
     }
 
     /// A column of integers.
     pub fn integers(&self, name: &str) -> Result<Vec<Option<i64>>, String> {
-        self.cells(name, cells::integers)
+        self.cells(name, |column, out| {
+            match column.as_primitive_opt::<Int64Type>() {
+                Some(integers) => out.extend(integers.iter()),
+                None => out.extend(cells::integers(column)?),
+            }
+            Ok(())
+        })
     }
 
     /// A column of texts, whatever their encoding.
     pub fn texts(&self, name: &str) -> Result<Vec<Option<String>>, String> {
-        self.cells(name, cells::texts)
+        self.cells(name, |column, out| {
+            out.extend(cells::texts(column)?);
+            Ok(())
+        })
     }
+
+    /// A column of texts of which there are few, each held once.
+    pub fn words(&self, name: &str) -> Result<Words, String> {
+        let (mut texts, mut numbers) = (Vec::new(), HashMap::<Box<str>, usize>::new());
+        let mut number = |text: &str| match numbers.get(text) {
+            Some(number) => *number,
+            None => {
+                let new = texts.len();
+                texts.push(text.to_owned());
+                numbers.insert(text.into(), new);
+                new
+            }
+        };
+        let mut rows = Vec::with_capacity(self.rows());
+        for batch in &self.0 {
+            let column = batch.column_by_name(name).ok_or_else(|| format!("column '{name}' is missing"))?;
+            match column.as_string_opt::<i32>() {
+                Some(texts) => rows.extend(texts.iter().map(|text| text.map(&mut number))),
+                None => {
+                    let texts = cells::texts(column).map_err(|e| format!("column '{name}': {e}"))?;
+                    rows.extend(texts.iter().map(|text| text.as_deref().map(&mut number)));
+                }
+            }
+        }
+        Ok(Words { texts, rows })
+    }
+}
+
+/// A column of texts that come again: each text once, and of each row which one it is.
+pub(crate) struct Words {
+    /// The texts, in the order of their first rows.
+    pub texts: Vec<String>,
+    /// Index into `texts` of each row; `None` is null.
+    pub rows: Vec<Option<usize>>,
 }

@@ -1,4 +1,4 @@
-//! Opens a file, plain or compressed: gzip, xz and zstd are recognised by their first bytes, whatever the name says.
+//! Opens a file, plain or compressed: gzip, xz and zstd are recognized by their first bytes, whatever the name says.
 //! Everything is unpacked as a stream, and not more than a log of this size can hold: see [`limit`].
 
 use std::fs::File;

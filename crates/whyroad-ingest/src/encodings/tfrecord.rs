@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn checksums_of_the_standard() {
-        // RFC 3720 B.4: 32 zeros, 32 ones, 0..31; and the check value of the CRC catalogue.
+        // RFC 3720 B.4: 32 zeros, 32 ones, 0..31; and the check value of the CRC catalog.
         let rising: Vec<u8> = (0..32).collect();
         assert_eq!(
             [crc32c(&[0; 32]), crc32c(&[0xff; 32]), crc32c(&rising)],

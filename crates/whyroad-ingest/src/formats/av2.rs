@@ -139,6 +139,7 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
     let times: BTreeSet<i64> = rows.objects.iter().chain(&rows.ego).map(|c| c.time).collect();
     let posed: BTreeMap<i64, Se3> =
         poses.iter().flat_map(|p| times.iter().filter_map(|&t| Some((t, p.at(t)?)))).collect();
+    let annotated = times.len();
     // A pose file that covers no frame is as good as none.
     let with_pose = !posed.is_empty();
     let times: Vec<i64> =
@@ -158,7 +159,9 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
         missing.push(Need::CameraPictures);
     }
 
-    drop_uncovered(&mut rows, &posed, with_pose, dir, report);
+    if with_pose && times.len() < annotated {
+        drop_uncovered(&mut rows, &posed, dir, report);
+    }
     let (ego_box, at_axle) = match rows.ego.first() {
         Some(row) => ego_box::from_row(row.size, row.t),
         None => (ego_box::FORD_FUSION, false),
@@ -166,7 +169,8 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
     if at_axle {
         report.diagnostics.push(findings::box_at_axle(&label));
     }
-    let mut ego = with_pose.then(|| ego(&times, &posed, ego_box));
+    let posed: Vec<Se3> = posed.into_values().collect();
+    let mut ego = with_pose.then(|| ego(&posed, ego_box));
     let mut unknown_categories = BTreeMap::new();
     let mut tracks = tracks(&rows, &times, &posed, &mut unknown_categories, &label, report);
     if let Some(poses) = &poses {
@@ -270,16 +274,7 @@ fn city(map_ref: &str) -> Option<&'static str> {
 }
 
 /// Rows of frames without an ego pose cannot be placed in the city: they go, counted.
-fn drop_uncovered(
-    rows: &mut Annotations,
-    posed: &BTreeMap<i64, Se3>,
-    with_pose: bool,
-    dir: &Path,
-    report: &mut SourceReport,
-) {
-    if !with_pose {
-        return;
-    }
+fn drop_uncovered(rows: &mut Annotations, posed: &BTreeMap<i64, Se3>, dir: &Path, report: &mut SourceReport) {
     let mut frames = BTreeSet::new();
     let mut keep = |c: &Cuboid| {
         let covered = posed.contains_key(&c.time);
@@ -304,10 +299,9 @@ fn drop_uncovered(
     }
 }
 
-fn ego(times: &[i64], posed: &BTreeMap<i64, Se3>, shape: EgoBox) -> Ego {
-    let mut motion = Motion::unknown(times.len());
-    for (i, t) in times.iter().enumerate() {
-        let pose = posed[t];
+fn ego(posed: &[Se3], shape: EgoBox) -> Ego {
+    let mut motion = Motion::unknown(posed.len());
+    for (i, pose) in posed.iter().enumerate() {
         let centre = pose.apply(shape.centre);
         (motion.x[i], motion.y[i], motion.z[i]) = (centre[0], centre[1], centre[2]);
         motion.heading[i] = se3::heading(pose.q);
@@ -322,37 +316,44 @@ fn ego(times: &[i64], posed: &BTreeMap<i64, Se3>, shape: EgoBox) -> Ego {
     }
 }
 
+/// `times` of the frames; `posed` is where the ego was in them, empty where that is not known.
 fn tracks(
     rows: &Annotations,
     times: &[i64],
-    posed: &BTreeMap<i64, Se3>,
+    posed: &[Se3],
     unknown_categories: &mut BTreeMap<String, usize>,
     label: &str,
     report: &mut SourceReport,
 ) -> Vec<Track> {
-    let mut by_track: BTreeMap<&str, Vec<&Cuboid>> = BTreeMap::new();
+    let mut by_track: Vec<Vec<&Cuboid>> = vec![Vec::new(); rows.tracks.len()];
     for c in &rows.objects {
-        by_track.entry(&c.track).or_default().push(c);
+        by_track[c.track].push(c);
     }
+    let mut by_id: Vec<(&str, Vec<&Cuboid>)> = rows.tracks.iter().map(String::as_str).zip(by_track).collect();
+    by_id.retain(|(_, cuboids)| !cuboids.is_empty());
+    by_id.sort_by_key(|(id, _)| *id);
+    let classes: Vec<_> = rows.categories.iter().map(|name| classes::class_of(name)).collect();
     let mut impossible = BTreeMap::new();
-    let tracks = by_track
+    let tracks = by_id
         .into_iter()
         .map(|(id, mut cuboids)| {
             cuboids.sort_by_key(|c| c.time);
             let mut stated = Vec::with_capacity(cuboids.len());
             for c in &cuboids {
-                let class = classes::class_of(&c.category).unwrap_or_else(|| {
-                    *unknown_categories.entry(c.category.to_string()).or_default() += 1;
+                let category = rows.categories[c.category].as_str();
+                let class = classes[c.category].unwrap_or_else(|| {
+                    *unknown_categories.entry(category.to_owned()).or_default() += 1;
                     Default::default()
                 });
-                stated.push((class, &*c.category));
+                stated.push((class, category));
             }
             let mut track = Track::default();
             track.state_classes(stated);
             let class = track.class;
             let mut motion = Motion::unknown(cuboids.len());
-            for (i, c) in cuboids.iter().enumerate() {
-                let (p, q) = match posed.get(&c.time) {
+            let frames = frames_of(&cuboids, times);
+            for (i, (c, &frame)) in cuboids.iter().zip(&frames).enumerate() {
+                let (p, q) = match posed.get(frame as usize) {
                     Some(pose) => (pose.apply(c.t), se3::compose(pose.q, c.q)),
                     None => (c.t, c.q),
                 };
@@ -367,10 +368,9 @@ fn tracks(
                     impossible.insert(id.to_owned(), rows);
                 }
             }
-            let frame_of = |t: i64| times.partition_point(|&x| x < t) as u32;
             Track {
                 id: TrackId::from(id),
-                frames: cuboids.iter().map(|c| frame_of(c.time)).collect(),
+                frames,
                 motion,
                 length_m: cuboids.iter().map(|c| c.size[0]).collect(),
                 width_m: cuboids.iter().map(|c| c.size[1]).collect(),
@@ -382,6 +382,18 @@ fn tracks(
         .collect();
     report.diagnostics.extend(impossible_speeds(label, &impossible));
     tracks
+}
+
+/// Frames of the cuboids of a track, which ascend; each has one.
+fn frames_of(cuboids: &[&Cuboid], times: &[i64]) -> Vec<u32> {
+    let mut frame = 0;
+    let of = |c: &&Cuboid| {
+        while times.get(frame).is_some_and(|t| *t < c.time) {
+            frame += 1;
+        }
+        frame as u32
+    };
+    cuboids.iter().map(of).collect()
 }
 
 /// States how much later than their frames rows were known that were placed by a pose between two of the log's.

@@ -1,5 +1,5 @@
 //! AV2 motion forecasting scenarios (Argoverse 2, Wilson et al. 2021): 11 s of tracks at 10 Hz in the city frame, with
-//! velocities and headings as the tracker had them, and a map that has centre lines.
+//! velocities and headings as the tracker had them, and a map that has center lines.
 //!
 //! Nothing has a size and there is no height. The track `AV` is the ego; it is taken for the middle of the car that
 //! AV2's sensor logs were recorded with, as every other row is the middle of its object (if it were the rear axle, the
@@ -158,7 +158,7 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
     })
 }
 
-/// These maps write their centre lines at height 0 though the edges have heights: they get the height half way between
+/// These maps write their center lines at height 0 though the edges have heights: they get the height half way between
 /// the edges.
 fn lift_centre_lines(map: &mut RoadMap) {
     for lane in map.lanes.iter_mut().filter(|l| l.centre.iter().all(|p| p.z == 0.0)) {

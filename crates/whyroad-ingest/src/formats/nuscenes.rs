@@ -3,7 +3,7 @@
 //!
 //! Objects are annotated at keyframes, 2 Hz. In between they are interpolated as the devkit does (place linearly,
 //! heading the shorter way), never over more than 0.6 s; velocities are the devkit's `box_velocity` (central difference
-//! over the neighbouring keyframes), interpolated likewise. **What an object does within half a second is not in the
+//! over the neighboring keyframes), interpolated likewise. **What an object does within half a second is not in the
 //! set**: its accelerations are smooth, and a short brake of another car cannot be seen. The ego's poses are the
 //! lidar's, 20 Hz. Not read: radar and lidar points, attributes, visibility bins, the scene's description.
 
@@ -35,7 +35,7 @@ const SCENES_TOGETHER: usize = 50;
 const REVISION: u32 = 2;
 /// Keyframes are 0.5 s apart; over more nothing is interpolated, s.
 const MAX_GAP_S: f64 = 0.6;
-/// The devkit's limit for a velocity between two keyframes, s; twice that over both neighbours.
+/// The devkit's limit for a velocity between two keyframes, s; twice that over both neighbors.
 const MAX_VELOCITY_SPAN_S: f64 = 1.5;
 /// The recording cars are Renault Zoe: 4.084 x 1.730 x 1.562 m (maker's data sheet). The pose is the rear axle's; the
 /// overhang behind it is 0.657 m, so that the middle of the car is 1.385 m ahead of it.
@@ -351,7 +351,7 @@ fn tracks(t: &SceneTables, frames: &[f64], zero: i64, label: &str, report: &mut 
     out
 }
 
-/// The devkit's `box_velocity`: difference between the keyframes before and after; at an end, to the one neighbour.
+/// The devkit's `box_velocity`: difference between the keyframes before and after; at an end, to the one neighbor.
 fn with_velocities(mut samples: Vec<Sample>) -> Vec<Sample> {
     let velocities: Vec<[f64; 2]> = (0..samples.len())
         .map(|i| {

@@ -326,7 +326,7 @@ impl Rows {
     }
 }
 
-/// A box: centre, then a quaternion x, y, z, w or angles about x, y, z, then sizes along its own axes.
+/// A box: center, then a quaternion x, y, z, w or angles about x, y, z, then sizes along its own axes.
 fn cuboid(v: &Value) -> Option<(Se3, [f64; 3])> {
     let n = numbers(v.get("val")?)?;
     let (q, size) = match n.len() {

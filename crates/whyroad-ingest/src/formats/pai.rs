@@ -2,7 +2,7 @@
 //! chunk, clips of 20 s. One clip is one drive.
 //!
 //! Poses are the rig's (rear axle, on the ground) in the rig's frame at the clip's start, and become those of the box
-//! centre where the vehicle's dimensions are there. The set has no map, lanes, lights, route or bus. Not read: pictures
+//! center where the vehicle's dimensions are there. The set has no map, lanes, lights, route or bus. Not read: pictures
 //! (they are named, and stay where they are), lidar, radar, accelerations and curvature of `egomotion`, which follow
 //! from the poses, and month and hour of `data_collection`.
 
@@ -35,7 +35,7 @@ const CLIPS_TOGETHER: usize = 100;
 const EGOMOTION: [&str; 2] = ["egomotion", "egomotion.offline"];
 const OBSTACLES: &str = "obstacle.offline";
 const DIMENSIONS: &str = "vehicle_dimensions";
-/// The set's own agreement: not an SPDX licence.
+/// The set's own agreement: not an SPDX license.
 const LICENCE_ID: &str = "LicenseRef-NVIDIA-Autonomous-Vehicle-Dataset";
 /// Objects missing for longer than this at an end of the drive are reported, s.
 const UNCOVERED_S: f64 = 0.5;

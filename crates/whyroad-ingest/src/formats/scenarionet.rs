@@ -1,7 +1,7 @@
 //! ScenarioNet databases (Li et al. 2023, arXiv 2306.12241): one pickle per scenario, as ScenarioNet and MetaDrive
 //! write them (`ScenarioDescription` of MetaDrive 0.4: tracks, dynamic map states, map features, metadata).
 //!
-//! Positions are box centres, metres, headings counter-clockwise from x: as here. Times are `start` plus the
+//! Positions are box centers, meters, headings counter-clockwise from x: as here. Times are `start` plus the
 //! scenario's own seconds, which begin at 0. Rows that the scenario marks as not valid are no observations.
 //! A `VEHICLE` is taken for a car: ScenarioNet does not tell trucks and buses apart. The pickle is read as data;
 //! nothing that it names is imported or called (see [`crate::encodings::pickle`]).

@@ -1,8 +1,8 @@
 //! SUMO simulations: floating car data (`--fcd-output`, XML or CSV, plain or compressed) with the network as map, and
 //! any vehicles as egos, one drive per ego.
 //!
-//! FCD places vehicles by the centre of their front bumper and turns them clockwise from north in degrees; scene
-//! tables want box centres and radians from x. A person's place is taken as its centre (its front is at most half a
+//! FCD places vehicles by the center of their front bumper and turns them clockwise from north in degrees; scene
+//! tables want box centers and radians from x. A person's place is taken as its center (its front is at most half a
 //! body's depth away). A vehicle's speed along its heading is the simulator's own, its sideways speed comes from
 //! positions; a person's motion comes from positions altogether, because a person moved by script is not where
 //! its speed says. Times are `start` plus simulated time.

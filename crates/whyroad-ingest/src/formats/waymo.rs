@@ -1,7 +1,7 @@
 //! Waymo Open Motion Dataset (Ettinger et al. 2021): TFRecord files of `Scenario` messages, about 9 s at 10 Hz each.
 //! One record is one drive.
 //!
-//! Positions are box centres in a frame of the scenario's own, metres; headings counter-clockwise from x: as here.
+//! Positions are box centers in a frame of the scenario's own, meters; headings counter-clockwise from x: as here.
 //! Times are `start` plus the scenario's own seconds. States that are not valid are no observations. A vehicle is taken
 //! for a car: the set does not tell trucks and buses apart. Not read: lidar, camera tokens, tracks to predict.
 

@@ -20,7 +20,7 @@ pub const MAP_ORIGIN: OptionSpec = OptionSpec::new(
     "Lanelet2 map in degrees: latitude and longitude of the origin of the log's frame",
 )
 .requires("map");
-/// How degrees become metres.
+/// How degrees become meters.
 pub const MAP_PROJECTION: OptionSpec = OptionSpec::new(
     "map-projection",
     OptionType::Text,

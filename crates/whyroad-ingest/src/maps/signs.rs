@@ -1,4 +1,4 @@
-//! Numbers of sign catalogues as our words: the German one (StVO), which OpenDRIVE's and Lanelet2's examples use, and
+//! Numbers of sign catalogs as our words: the German one (StVO), which OpenDRIVE's and Lanelet2's examples use, and
 //! the American one (MUTCD).
 
 /// The word for a sign; `None` for those that have none.

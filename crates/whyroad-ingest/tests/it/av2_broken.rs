@@ -163,7 +163,7 @@ fn a_lead_at_a_constant_distance_has_the_egos_speed_and_not_zero() {
         t(a.motion.vy[i], 10.0);
         t(a.motion.accel[i], 0.0);
         t(a.motion.heading[i], FRAC_PI_2);
-        // The box centre is 1.339 m ahead of the rear axle.
+        // The box center is 1.339 m ahead of the rear axle.
         t(ego.motion.y[i], y + 1.339);
         t(ego.motion.forward_speed(i), 10.0);
     }

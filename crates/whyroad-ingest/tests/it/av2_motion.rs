@@ -141,7 +141,7 @@ fn the_map_keeps_its_own_centre_lines() {
     assert_eq!(lane.centre.len(), 18);
     assert_eq!((lane.centre[0].x, lane.centre[0].y), (-438.53, 1317.34));
     assert_eq!((lane.centre[17].x, lane.centre[17].y), (-435.94, 1350.0));
-    // The file's centre lines have no height; ours have the edges'.
+    // The file's center lines have no height; ours have the edges'.
     assert!(near(lane.centre[0].z, (lane.left[0].z + lane.right[0].z) / 2.0, 0.2), "{:?}", lane.centre[0]);
     assert!(!report.diagnostics.iter().any(|d| d.severity == Severity::Error), "{:?}", report.diagnostics);
 }

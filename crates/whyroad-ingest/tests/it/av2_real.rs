@@ -74,7 +74,7 @@ fn ego_speed_is_that_of_the_raw_poses() {
         let drive = crate::estimated(drive);
         let ego = drive.ego.unwrap();
         for (frame, expected) in speeds {
-            // The centre swings round the axle in a bend, and our window is twice as long: 0.1 m/s of room.
+            // The center swings round the axle in a bend, and our window is twice as long: 0.1 m/s of room.
             let speed = ego.motion.speed(frame);
             assert!(near(speed, expected, 0.1), "{prefix} frame {frame}: {speed} for {expected}");
             assert!(near(ego.motion.forward_speed(frame), expected, 0.1));

@@ -65,13 +65,13 @@ fn rear_axle_poses_become_the_motion_of_the_box_centre() {
     assert_eq!((drive.times[0], drive.times[2]), (Nanos(start.0 - 200_000_000), start));
     let ego = drive.ego.as_ref().unwrap();
     assert_eq!((ego.length_m, ego.reference_to_centre_m), (4.8, 1.4));
-    // At t = 3 s: heading 0.3, rear axle (100 sin 0.3, 100 (1 - cos 0.3)), centre 1.4 m ahead of it.
+    // At t = 3 s: heading 0.3, rear axle (100 sin 0.3, 100 (1 - cos 0.3)), center 1.4 m ahead of it.
     let a = 0.3f64;
     let (x, y) = (100.0 * a.sin() + 1.4 * a.cos(), 100.0 * (1.0 - a.cos()) + 1.4 * a.sin());
     let m = &ego.motion;
     assert!((m.x[32] - x).abs() < 1e-6 && (m.y[32] - y).abs() < 1e-6 && (m.z[32] - 0.8).abs() < 1e-9);
     assert!((m.heading[32] - a).abs() < 1e-9 && (m.yaw_rate[32] - 0.1).abs() < 1e-6);
-    // The centre moves on a circle of sqrt(100^2 + 1.4^2) m; its velocity along the heading is the rear axle's.
+    // The center moves on a circle of sqrt(100^2 + 1.4^2) m; its velocity along the heading is the rear axle's.
     assert!((m.speed(32) - 0.1 * 100.0f64.hypot(1.4)).abs() < 1e-4, "{}", m.speed(32));
     assert!((m.forward_speed(32) - 10.0).abs() < 1e-4);
     let missing = [Need::Map, Need::TrafficLights, Need::Route, Need::VehicleBus];

@@ -88,7 +88,7 @@ fn lanes_get_their_edges_from_the_lines_they_name() {
     let (drive, _) = read("p4");
     let map = drive.map.unwrap();
     let lane = map.lane("100").unwrap();
-    // The line 1.8 m to the left, the kerb 1.6 m to the right; the kerb is named for the first half only.
+    // The line 1.8 m to the left, the curb 1.6 m to the right; the curb is named for the first half only.
     assert!(
         lane.left.iter().all(|p| near(p.y, 1.8)) && lane.right.iter().all(|p| near(p.y, -1.6)),
         "{lane:?}"

@@ -105,7 +105,7 @@ fn bumpers_become_centres_and_degrees_from_north_radians_from_east() {
     assert_eq!(ego.bus.brake[3..5], [Some(false), Some(true)]);
 
     assert!(drive.track(&"ego".into()).is_none(), "the ego is not among the tracks");
-    // The oncoming lorry: 9 m long by its vType, heading west (270 degrees), so its centre is east of its bumper.
+    // The oncoming lorry: 9 m long by its vType, heading west (270 degrees), so its center is east of its bumper.
     let lorry = drive.track(&"lorry".into()).unwrap();
     assert_eq!((lorry.class, lorry.source_class.as_str()), (ObjectClass::Truck, "truck/lorry9"));
     assert!(

@@ -113,7 +113,7 @@ fn each_ego_is_a_drive_and_the_others_are_its_tracks() {
     let drive = found[0].0.as_ref().unwrap();
     assert!(drive.meta.drive_id.as_str().ends_with("-b"), "{}", drive.meta.drive_id);
     assert_eq!(drive.tracks.iter().map(|t| t.id.as_str()).collect::<Vec<_>>(), ["a", "c"]);
-    // b's front bumper is at 30 m, its centre half of 5 m behind.
+    // b's front bumper is at 30 m, its center half of 5 m behind.
     assert_eq!(drive.ego.as_ref().unwrap().motion.x[0], 27.5);
     assert!(found[1].0.is_none() && found[1].1.diagnostics.iter().any(|d| d.code == "sumo.ego.missing"));
     let other = found[2].0.as_ref().unwrap();
@@ -157,7 +157,7 @@ fn a_share_draws_motor_vehicles_only_and_the_same_ones_again() {
 #[test]
 fn the_sensor_sees_so_far() {
     let dir = tempfile::tempdir().unwrap();
-    // The gap of centres grows from 79 m by 1 m/s: over 80 m from 1.1 s on, so 11 of 20 frames are within.
+    // The gap of centers grows from 79 m by 1 m/s: over 80 m from 1.1 s on, so 11 of 20 frames are within.
     let file = log(
         dir.path(),
         &[("ego", CAR, 0.0, 0.0, 10.0), ("fast", CAR, 79.0, 0.0, 11.0), ("far", CAR, 200.0, 0.0, 10.0)],
@@ -303,7 +303,7 @@ fn a_roundabout_reaches_to_the_give_way_lines() {
             assert!(midst.clone().all(|p| within(area, *p)), "{}", lane.id);
             inside += midst.count();
         } else if lane.id.starts_with('o') {
-            // Half a metre before and beyond the line.
+            // Half a meter before and beyond the line.
             assert!(!within(area, between(last[1], last[0], 0.5)), "{}", lane.id);
             assert!(within(area, between(last[1], last[0], -0.5)), "{}", lane.id);
             arms += 1;

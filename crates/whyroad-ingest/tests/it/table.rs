@@ -92,7 +92,7 @@ fn the_example_is_what_its_formulas_say() {
         (map.facilities[0].kind.as_str(), map.stop_lines[0].lane_ids[0].as_str()),
         ("speed_bump", "east-1")
     );
-    // The second lane has no centre line: it lies half way between its edges, at y = 3.5.
+    // The second lane has no center line: it lies half way between its edges, at y = 3.5.
     let second = map.lane("east-2").unwrap();
     assert!(second.centre.iter().all(|p| near(p.y, 3.5, 1e-9)) && second.speed_limit_mps == Some(13.89));
     let lights = drive.lights.as_ref().unwrap();
@@ -211,7 +211,7 @@ fn bad_cells_and_rows_are_counted_with_their_numbers() {
     ] {
         assert!(messages.contains(&part), "'{part}' is not in {messages:?}");
     }
-    // A single lost row is less than 0.25 s away from its neighbours and is filled; an unknown length is not.
+    // A single lost row is less than 0.25 s away from its neighbors and is filled; an unknown length is not.
     let car = drive.track(&"car-1".into()).unwrap();
     assert!(near(car.motion.x[1], (30.0 + 31.98) / 2.0, 1e-9));
     assert!(car.length_m[2].is_nan() && car.length_m[4] == 4.5);

@@ -1,5 +1,5 @@
 //! The labels of one episode by several people: from two exports, by clip and nearest keyframe; or from tasks of the
-//! labelling service, by episode.
+//! labeling service, by episode.
 
 use super::ComponentMatch;
 use super::components::match_components;

@@ -5,3 +5,4 @@ pub(super) mod plausible;
 pub(super) mod text;
 pub(super) mod trace;
 pub(super) mod trace_rules;
+mod trace_stems;

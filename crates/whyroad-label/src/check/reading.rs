@@ -1,9 +1,9 @@
-//! What a text of a label names: things with their side, colour and state, clause by clause. Not a parser of language;
+//! What a text of a label names: things with their side, color and state, clause by clause. Not a parser of language;
 //! what is said under an "if" or denied is marked as such, and the checks leave it alone.
 
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{Divider, GroupSet, SaidState, WordRole};
-use whyroad_framework::lexicon::units::{Mark, Units};
+use whyroad_framework::lexicon::units::Units;
 
 /// A thing that a text names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,8 +149,11 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             }
             // Behind a name in English, before it in Chinese.
             WordRole::Ahead if word.is_ascii() => {
-                if let Some(n) = out.named.last_mut().filter(|n| n.clause == clause.number) {
-                    n.ahead = true;
+                // Of whoever acts rather than of a place: "has pulled up at the line ahead of us".
+                let own = || (0..out.named.len()).rev().take_while(|i| out.named[*i].clause == clause.number);
+                let acts = |i: &usize| words.objects[out.named[*i].group].own.meets(words.known.actor);
+                if let Some(i) = own().find(acts).or_else(|| own().next()) {
+                    out.named[i].ahead = true;
                 }
             }
             WordRole::Ahead => clause.ahead = true,
@@ -159,7 +162,19 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 (clause.absent, clause.denied) = (Some(word), Some(word));
             }
             WordRole::Denied => clause.denied = Some(Denial { end: hit.end, is_latin: word.is_ascii() }),
-            WordRole::Supposed => clause.supposed = true,
+            WordRole::Supposed => {
+                clause.supposed = true;
+                // "A person could step out": nobody is said to be there.
+                let last = out.named.last_mut().filter(|n| n.clause == clause.number && word.is_ascii());
+                if let Some(n) = last.filter(|n| words.objects[n.group].named) {
+                    n.supposed |= is_indefinite(&text[..n.start]);
+                }
+            }
+            WordRole::Uncertain => {
+                clause.supposed = true;
+                let own = out.named.iter_mut().rev().take_while(|n| n.clause == clause.number);
+                own.for_each(|n| n.supposed = true);
+            }
             WordRole::Unchanged => out.unchanged = Some((hit.start, hit.end)),
             WordRole::Plain => {}
         }
@@ -171,20 +186,25 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
 /// "Otherwise it hits us", "at this speed it hits us in two seconds", "the paths cross two seconds later": what would
 /// happen, not what did. `at`: bytes of the words that say so.
 fn is_imagined(text: &str, at: (usize, usize), units: &Units, words: &LabelWords) -> bool {
-    let begin = |ends: &dyn Fn(Divider) -> bool| {
-        let before = units.marks().iter().take_while(|m| m.start < at.0);
-        before.filter(|m| words.clauses.divides(**m).is_some_and(ends)).last().map_or(0, |m| m.start)
-    };
-    let divides = |m: &&Mark| words.clauses.divides(**m).is_some_and(|d| d != Divider::Aside);
-    let clause_end = units.marks().iter().find(|m| m.start >= at.1 && divides(m));
+    let around = |ends| words.clauses.around(units, at.0..at.1, text.len(), ends);
+    let (clause, clause_end) = around(&|d| d != Divider::Aside);
+    let (sentence, _) = around(&|d| d == Divider::Sentence);
     let has = |part: &str, all: &[String]| {
         let part = part.to_lowercase();
         all.iter().any(|w| part.contains(w.as_str()))
     };
     // "At this speed, two seconds later": said in the sentence before it, or in the clause behind it.
-    has(&text[begin(&|d| d != Divider::Aside)..at.0], &words.imagined)
-        || has(&text[begin(&|d| d == Divider::Sentence)..at.0], &words.predicted)
-        || has(&text[at.1..clause_end.map_or(text.len(), |m| m.start)], &words.predicted)
+    has(&text[clause..at.0], &words.imagined)
+        || has(&text[sentence..at.0], &words.predicted)
+        || has(&text[at.1..clause_end], &words.predicted)
+}
+
+/// What a text of Latin letters names next is any of its kind: no article or pronoun within three words before it.
+fn is_indefinite(before: &str) -> bool {
+    const DEFINITE: [&str; 12] =
+        ["the", "this", "that", "these", "those", "his", "her", "its", "their", "our", "my", "same"];
+    let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).take(3);
+    !last.into_iter().any(|w| DEFINITE.iter().any(|d| w.eq_ignore_ascii_case(d)))
 }
 
 /// The side of a lane that says where somebody is or comes from: "the car in the left lane", "右侧车道的轿车". Not that

@@ -65,6 +65,7 @@ impl Rulebook<'_> {
     /// `impossible`: the decision contradicts the class, so what the texts say about it is the same fault.
     fn texts(&self, label: &View<'_>, class: Option<&Prescribed>, impossible: bool, sink: &mut dyn Sink) {
         let (words, lexicon) = (&self.framework.label_words, &self.framework.lexicon);
+        let background = self.framework.decision_table.causes.background;
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
         text::duplicates(label, &texts, words, sink);
@@ -74,18 +75,19 @@ impl Rulebook<'_> {
             .get()
             .zip(reading.as_mut())
             .and_then(|(text, r)| trace_rules::aftermath(text, label, &texts, r, words, lexicon));
-        cause_text::hindsight(label, &texts, after, sink);
+        cause_text::hindsight(label, &texts, after, lexicon, sink);
         cause_text::unobserved(label, words, sink);
-        let another_class = class.is_some_and(|c| text::class(&texts, words, c, sink));
+        let another_class = class.is_some_and(|c| text::class(&texts, words, background, c, sink));
         cause_text::proximate(label, &texts, words, sink);
         if !another_class && !impossible {
-            cause_text::kind(label, &texts, words, &self.framework.decisions, sink);
+            cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink);
         }
         if placeholder::trace(label, words, sink) || placeholder::draft(label, self.framework, sink) {
             return;
         }
         text::unchanged(label, &texts, sink);
-        if !another_class && text::unrelated(label, &texts, words, sink) {
+        let acts = reading.as_ref().is_some_and(|r| !r.mentions.is_empty() || r.names_ego);
+        if !another_class && text::unrelated(label, &texts, words, background, acts, sink) {
             return;
         }
         if impossible {
@@ -97,7 +99,7 @@ impl Rulebook<'_> {
         let decides =
             |from: usize, to: usize| trace_rules::states_decision(&reading, lexicon, label, from, to);
         if states && !cause_text::circular(label, &texts, words, &decides, sink) && !another_class {
-            text::unnamed(label, &texts, words, reading.end, sink);
+            text::unnamed(label, &texts, words, background, reading.end, sink);
         }
     }
 

@@ -1,5 +1,5 @@
 //! What could be observed at the keyframe, in words: the target, the light, the road, and the route as it was commanded
-//! or signaled by then. Nothing after it is read: the manoeuvre that follows is not the intention that caused it.
+//! or signaled by then. Nothing after it is read: the maneuver that follows is not the intention that caused it.
 
 use whyroad_framework::Framework;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};

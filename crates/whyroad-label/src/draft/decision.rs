@@ -37,7 +37,7 @@ pub(super) struct Asked<'a> {
     pub typical: &'a TypicalDecisions,
     /// Which decisions go with the class; `None` where the framework has no table.
     pub allowed: Option<&'a ClassDecisions>,
-    /// The lateral decision that the labelling spec prescribes.
+    /// The lateral decision that the labeling spec prescribes.
     pub mandated: Option<Lateral>,
     pub target: Option<ObjectClass>,
     pub is_safety: bool,
@@ -204,14 +204,10 @@ fn lateral(
     notes: &mut Vec<Bilingual>,
 ) -> (Option<Lateral>, Option<LateralDirection>) {
     if let Some(lateral) = asked.mandated {
-        let name =
-            asked.names.lateral(lateral).map_or_else(|| Bilingual::same(lateral.id()), |t| t.name.clone());
+        let name = asked.names.name(lateral.id());
         notes.push(Bilingual::new(
             format!("横向决策由标注规格规定：{}；方向请确认", name.zh),
-            format!(
-                "the labelling spec prescribes the lateral decision \"{}\"; state its direction",
-                name.en
-            ),
+            format!("the labeling spec prescribes the lateral decision \"{}\"; state its direction", name.en),
         ));
         return (Some(lateral), None);
     }

@@ -1,5 +1,5 @@
 //! How far a judge agrees with people: question by question with the answers of a file, or label by label with what
-//! checkers of the labelling service did.
+//! checkers of the labeling service did.
 
 use super::{JudgedLabel, QuestionKind};
 use crate::agreement::{Estimate, bootstrap, cohen};
@@ -62,7 +62,7 @@ pub fn agreement_with_people(judged: &[JudgedLabel], people: &[JudgedLabel], see
     PeopleAgreement { labels, unmatched: people.len() - labels, kinds }
 }
 
-/// Compares whole labels with tasks of the labelling service (`tasks export --content tasks`): people find no fault in
+/// Compares whole labels with tasks of the labeling service (`tasks export --content tasks`): people find no fault in
 /// a label that was accepted without being returned.
 pub fn agreement_with_tasks(judged: &[JudgedLabel], tasks: &[Value], seed: u64) -> PeopleAgreement {
     let index: BTreeMap<(&str, Nanos), bool> =

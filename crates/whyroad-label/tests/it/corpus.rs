@@ -11,6 +11,7 @@ use build::{Base, bases, forms, styles, unseen};
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
+use whyroad_model::{Diagnostic, Severity};
 
 /// Share of faults that must be found, of each half and of each kind with ten or more.
 const FOUND: f64 = 0.95;
@@ -21,8 +22,11 @@ const FALSE_ALARMS: f64 = 0.05;
 /// The same of the half of the third set that was run once; it was 253 of 274 and 11 of 75 then.
 const OTHER_HALF: (f64, f64) = (0.94, FALSE_ALARMS);
 
-/// The same of the fifth set, which nothing was improved on: 55 of 64 and 12 of 48.
-const FIFTH: (f64, f64) = (0.85, 0.25);
+/// The same of the fifth set; it was 55 of 64 and 12 of 48 when it was first run.
+const FIFTH: (f64, f64) = (0.89, FALSE_ALARMS);
+
+/// The same of the sixth set, written by somebody who had not seen the checks; it was 62 of 80 and 20 of 80 then.
+const SIXTH: (f64, f64) = (0.83, FALSE_ALARMS);
 
 #[derive(Default)]
 struct Tally {
@@ -117,8 +121,10 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
     for base in all {
         for form in forms(base, language).into_iter().step_by(5) {
             let found = checker.check_text(&form.to_string());
-            note("true label flagged", !found.is_empty());
-            if let Some(d) = found.first() {
+            let flagged = found.iter().find(|d| d.severity != Severity::Note);
+            note("true label flagged", flagged.is_some());
+            note("true label flagged or noted", !found.is_empty());
+            if let Some(d) = flagged {
                 let text = form["coc_trace"].as_str().unwrap_or_default();
                 println!("FALSE ALARM {}: {} | {text}", d.code, d.message.en);
             }
@@ -126,9 +132,18 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
         for fault in faults::written(base, language) {
             let found = checker.check_text(&fault.label.to_string());
             let expected = faults::codes(fault.kind);
-            let hit = found.iter().any(|d| expected.iter().any(|c| d.code.starts_with(c)));
+            let names = |d: &&Diagnostic| expected.iter().any(|c| d.code.starts_with(c));
+            let hit = found.iter().filter(names).any(|d| d.severity != Severity::Note);
             note(fault.kind, hit);
+            note("fault found or noted", found.iter().any(|d| names(&d)));
             if !hit {
+                if found.iter().any(|d| names(&d)) {
+                    println!(
+                        "HINT {} ({}): {} | {}",
+                        fault.kind, base.class, found[0].message.en, fault.what
+                    );
+                    continue;
+                }
                 let codes: Vec<_> = found.iter().map(|d| d.code).collect();
                 println!("MISSED {} ({}): {codes:?} | {}", fault.kind, base.class, fault.what);
             }
@@ -140,7 +155,7 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
 /// must not get worse.
 #[test]
 fn labels_that_were_unseen_stay_found() {
-    let [first, second, third, fourth, fifth] = unseen();
+    let [first, second, third, fourth, fifth, sixth] = unseen();
     // Of the third set the bases with an even number were improved on, the others were run once, at the end.
     let half = |odd: usize| -> Vec<(&'static str, Vec<Base>)> {
         third.iter().map(|(l, all)| (*l, all.iter().skip(odd).step_by(2).cloned().collect())).collect()
@@ -152,7 +167,9 @@ fn labels_that_were_unseen_stay_found() {
         ("third set, other half", half(1), (250, 70), OTHER_HALF),
         ("fourth set", fourth, (160, 90), (FOUND, FALSE_ALARMS)),
         ("fifth set", fifth, (55, 48), FIFTH),
+        ("sixth set", sixth, (80, 80), SIXTH),
     ];
+    let mut worse = Vec::new();
     for (name, bases, least, (found_of, flagged_of)) in &sets {
         println!("{name}");
         let mut tally = BTreeMap::new();
@@ -160,15 +177,21 @@ fn labels_that_were_unseen_stay_found() {
             written(language, all, &mut tally);
         }
         let flagged = tally.remove("true label flagged").unwrap();
+        let [noted, found_or_noted] =
+            ["true label flagged or noted", "fault found or noted"].map(|k| tally[k].0);
+        tally.retain(|kind, _| !kind.ends_with("or noted"));
         let (found, all) = tally.values().fold((0, 0), |a, t| (a.0 + t.0, a.1 + t.1));
         for (kind, (found, all)) in &tally {
             println!("{kind:<24} {found:>4}/{all}");
         }
         println!("found {found}/{all}, true labels flagged {}/{}", flagged.0, flagged.1);
+        println!("with notes: found {found_or_noted}, flagged {noted}");
         assert!(all >= least.0 && flagged.1 >= least.1);
-        assert!(found as f64 >= found_of * all as f64);
-        assert!(flagged.0 as f64 <= flagged_of * flagged.1 as f64);
+        if (found as f64) < found_of * all as f64 || flagged.0 as f64 > flagged_of * flagged.1 as f64 {
+            worse.push(*name);
+        }
     }
+    assert!(worse.is_empty(), "{worse:?}");
 }
 
 /// Twenty true labels of each language, terse, chatty and technical.

@@ -3,30 +3,34 @@
 
 #![allow(clippy::print_stdout)] // the sentences are what a reader wants to see
 
-use serde_json::json;
+use serde_json::{Value, json};
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
 
-/// A label of a pedestrian who crosses, for whom the ego yields, with this trace.
-fn found(trace: &str) -> bool {
-    let zh = !trace.is_ascii();
-    let part = if zh {
-        "一名行人从右侧路边走上车道，离自车很近"
-    } else {
-        "A pedestrian steps into our lane from the right, close to us"
-    };
-    let label = json!({
+/// A label of a crossing with one component, `part`, and this trace; `decision` as in the message.
+fn label(decision: Value, part: &str, trace: &str) -> Value {
+    json!({
         "version": "2.1.0",
         "clip_id": "clip_1",
         "scenario": { "l1": "reactive_agent", "l2": "vru_crossing", "l3": "horizontal" },
         "time_range": { "start_timestamp": "2026-01-15T10:30:10.000Z", "end_timestamp": "2026-01-15T10:30:14.000Z" },
         "keyframe": { "timestamp": "2026-01-15T10:30:10.000Z", "frame_idx": 100, "type": "reactive" },
-        "driving_decision": { "longitudinal": "yield_to_agent", "lateral": null },
+        "driving_decision": decision,
         "critical_components": [{ "id": "c1", "description": part, "evidence_times": ["2026-01-15T10:30:09.500Z"] }],
         "coc_trace": trace,
         "causes": { "longitudinal": { "components": ["c1"] } },
         "provenance": { "source": "person" },
-    });
+    })
+}
+
+/// A label of a pedestrian who crosses, for whom the ego yields, with this trace, has a finding of hindsight.
+fn found(trace: &str) -> bool {
+    let part = if trace.is_ascii() {
+        "A pedestrian steps into our lane from the right, close to us"
+    } else {
+        "一名行人从右侧路边走上车道，离自车很近"
+    };
+    let label = label(json!({ "longitudinal": "yield_to_agent", "lateral": null }), part, trace);
     let checker = Checker::new(Framework::bundled());
     checker.check_text(&label.to_string()).iter().any(|d| d.code == "label.text.hindsight")
 }
@@ -182,16 +186,10 @@ fn what_follows_the_decision_is_an_event_or_is_not() {
 fn hindsight_may_precede_the_last_sentence() {
     let checker = Checker::new(Framework::bundled());
     for along in ["yield_to_agent", "stop_for_obstacle", "lead_following", "resume"] {
-        let label = json!({
-            "version": "2.1.0",
-            "clip_id": "clip_1",
-            "scenario": { "l1": "reactive_agent", "l2": "vru_crossing", "l3": "horizontal" },
-            "time_range": { "start_timestamp": "2026-01-15T10:30:10.000Z", "end_timestamp": "2026-01-15T10:30:14.000Z" },
-            "keyframe": { "timestamp": "2026-01-15T10:30:10.000Z", "frame_idx": 100, "type": "reactive" },
-            "driving_decision": { "longitudinal": along, "lateral": "in_lane_nudge", "lateral_direction": "left" },
-            "critical_components": [{ "id": "c1", "description": "前头一个大坑，占了半条车道" }],
-            "coc_trace": "赶紧刹停，自车加速抢着会过去。前头一个大坑，",
-        });
+        let decision =
+            json!({ "longitudinal": along, "lateral": "in_lane_nudge", "lateral_direction": "left" });
+        let trace = "赶紧刹停，自车加速抢着会过去。前头一个大坑，";
+        let label = label(decision, "前头一个大坑，占了半条车道", trace);
         assert!(!checker.check_text(&label.to_string()).is_empty(), "{along}");
     }
 }

@@ -31,7 +31,7 @@ pub struct DriveEntry {
     pub format: String,
     /// City or road network.
     pub place: Option<String>,
-    /// Licence of the data.
+    /// License of the data.
     pub licence: Option<String>,
     /// Recording session.
     pub session: Option<String>,
@@ -49,7 +49,7 @@ pub struct DriveEntry {
     pub bytes: u64,
 }
 
-/// A catalogue in memory, in columns: a million drives take some 200 MB.
+/// A catalog in memory, in columns: a million drives take some 200 MB.
 #[derive(Debug)]
 pub(crate) struct Catalogue {
     /// Of the file from which it was read.
@@ -107,7 +107,7 @@ impl Catalogue {
         Ok(Self { identity, next_pack, table: Some(table), numbers })
     }
 
-    /// Writes a catalogue aside and puts it in its place by one rename.
+    /// Writes a catalog aside and puts it in its place by one rename.
     pub fn publish(dir: &Path, entries: &[DriveEntry], next_pack: u64) -> Result<(), LakeError> {
         let whole = |n: u64| i64::try_from(n).unwrap_or(i64::MAX);
         let all = || entries.iter();

@@ -1,8 +1,8 @@
 //! Compaction: loose drives into packs, small packs into larger ones; and taking drives out of packs.
 //!
-//! What holds at every moment, also after a kill: the drives are those of the catalogue and those with a folder of
-//! their own, each once. New packs are complete on the disk before the catalogue names them; the folders that went into
-//! them, and packs that the catalogue no longer names, are removed after that. A folder is removed only while it is
+//! What holds at every moment, also after a kill: the drives are those of the catalog and those with a folder of
+//! their own, each once. New packs are complete on the disk before the catalog names them; the folders that went into
+//! them, and packs that the catalog no longer names, are removed after that. A folder is removed only while it is
 //! still the one that was packed, which the pack records; a killed removal is finished by the next compaction.
 
 use super::catalogue::{Catalogue, DriveEntry};
@@ -64,7 +64,7 @@ struct Folder {
     bytes: u64,
 }
 
-/// New packs that the catalogue does not name yet.
+/// New packs that the catalog does not name yet.
 struct Written {
     packs: usize,
     /// Number of the next pack.
@@ -190,7 +190,7 @@ impl Lake {
         Ok(ids.into_iter().zip(found).collect())
     }
 
-    /// Removes the folders that went into the packs of the catalogue as they are now; gives the others.
+    /// Removes the folders that went into the packs of the catalog as they are now; gives the others.
     fn remove_packed(
         &self,
         folders: BTreeMap<DriveId, Folder>,
@@ -343,7 +343,7 @@ impl Lake {
         Ok(member)
     }
 
-    /// Puts a catalogue in place that has `entries` instead of the drives of the packs written again.
+    /// Puts a catalog in place that has `entries` instead of the drives of the packs written again.
     fn put_catalogue(
         &self,
         old: &Catalogue,
@@ -358,7 +358,7 @@ impl Lake {
         self.catalogue()
     }
 
-    /// Removes packs that the catalogue does not name; how many.
+    /// Removes packs that the catalog does not name; how many.
     fn remove_unnamed(&self) -> Result<usize, LakeError> {
         let (dir, catalogue) = (self.packs_dir(), self.catalogue()?);
         let named = packs_of(&catalogue);
@@ -386,7 +386,7 @@ impl Compaction {
     }
 }
 
-/// Positions in the catalogue of each pack's drives, in the order of their rows.
+/// Positions in the catalog of each pack's drives, in the order of their rows.
 fn packs_of(catalogue: &Catalogue) -> BTreeMap<String, Vec<usize>> {
     let mut packs: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for at in 0..catalogue.len() {

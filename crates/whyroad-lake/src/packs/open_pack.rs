@@ -35,9 +35,8 @@ pub(crate) struct OpenPack {
 impl OpenPack {
     pub fn read(dir: PathBuf) -> Result<Self, LakeError> {
         let path = dir.join(DRIVES);
-        let table = file::read_table(&path, DRIVES_ORDER)?.ok_or_else(|| {
-            LakeError::broken(&path, "the file is missing, although the catalogue names it")
-        })?;
+        let table = file::read_table(&path, DRIVES_ORDER)?
+            .ok_or_else(|| LakeError::broken(&path, "the file is missing, although the catalog names it"))?;
         let manifest = |text: &str| -> Result<DriveManifest, LakeError> {
             serde_json::from_str(text).map_err(|e| LakeError::broken(&path, e))
         };

@@ -140,11 +140,14 @@ fn write_file(
 fn repeats(column: &Column) -> bool {
     let Column::Number(values) = column else { return true };
     let sample = &values[..values.len().min(8192)];
-    let mut distinct = HashSet::new();
+    let (mut distinct, mut last) = (HashSet::new(), None);
     // Of most columns the first few rows tell.
     !sample.is_empty()
-        && sample.iter().all(|x| {
-            distinct.insert(x.to_bits());
+        && sample.iter().map(|x| x.to_bits()).all(|bits| {
+            // Mostly it is the value of the row before.
+            if last.replace(bits) != Some(bits) {
+                distinct.insert(bits);
+            }
             distinct.len() * 8 < sample.len()
         })
 }

@@ -1,5 +1,5 @@
 //! The folder in which a process works on a lake in an object store: it looks like a lake on disk, and its files are
-//! fetched when they are needed. `drive.json` of loose drives and the catalogue are fetched at once, so that listing
+//! fetched when they are needed. `drive.json` of loose drives and the catalog are fetched at once, so that listing
 //! works as ever; the folder of a drive or pack is there from the start, and empty until it is used.
 //!
 //! A file that was fetched is known by its identity (length, time, number): so what the process has changed is found by

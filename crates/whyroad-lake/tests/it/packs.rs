@@ -209,7 +209,7 @@ fn a_packed_drive_is_replaced_changed_and_deleted_like_any_other() {
     assert_eq!(Lake::open(dir.path()).unwrap().drive_ids(), std::slice::from_ref(&c));
     assert_eq!(lake.read_drive(&c).unwrap().tracks.len(), 2);
     let packs = fs::read_dir(dir.path().join("packs")).unwrap().count();
-    assert_eq!(packs, 2, "the catalogue and the pack written again");
+    assert_eq!(packs, 2, "the catalog and the pack written again");
     lake.remove_drive(&c).unwrap();
     assert!(lake.drive_ids().is_empty());
     // A number is not used again: another process may have the old pack in mind.
@@ -303,7 +303,7 @@ fn folders_that_are_in_packs_already_are_removed_and_not_packed_again() {
 fn a_change_during_a_compaction_is_kept() {
     let dir = tempfile::tempdir().unwrap();
     let lake = lake_of(dir.path(), &["a", "b"]);
-    // The callback runs when a pack is written, before the catalogue names it.
+    // The callback runs when a pack is written, before the catalog names it.
     let mut other = small("a", "2");
     other.tracks.pop();
     lake.compact(&options(10), |_, _| {
@@ -346,7 +346,7 @@ fn what_cannot_be_read_stays_where_it_is_and_is_named() {
     assert_eq!(lake.drive_ids().len(), 4);
     assert!(dir.path().join("drives/a").is_dir() && dir.path().join("drives/b/mine").is_dir());
     assert_eq!(lake.read_drive(&"b".into()).unwrap().tracks.len(), 2);
-    // A catalogue that cannot be read: the lake is refused rather than read without its packs.
+    // A catalog that cannot be read: the lake is refused rather than read without its packs.
     fs::write(dir.path().join("packs/catalogue.parquet"), "PAR1").unwrap();
     assert_eq!(Lake::open(dir.path()).unwrap_err().code(), "lake.table_broken");
     assert!(lake.ready().is_err());

@@ -35,7 +35,7 @@ pub struct DrawnCase {
 pub struct DrawnTrace {
     /// As written: `target.gap`, or `obstacle.gap` of another object.
     pub name: String,
-    /// Unit of the catalogue; none for flags, categories and pure numbers.
+    /// Unit of the catalog; none for flags, categories and pure numbers.
     pub unit: Option<&'static Unit>,
     /// 10 Hz from the start of the case, numbers in base units.
     pub column: Column,

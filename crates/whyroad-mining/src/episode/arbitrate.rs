@@ -1,7 +1,7 @@
 //! One primary class per decision (LABELING.md 1, MECE), by the order of `schema/precedence.yaml`.
 //!
 //! Episodes are taken from the most to the least preferred; each becomes primary unless one that is primary
-//! already has its keyframe in the neighbourhood. Nothing is dropped but an L2's episode of which a leaf of
+//! already has its keyframe in the neighborhood. Nothing is dropped but an L2's episode of which a leaf of
 //! the same L2 says more, and a decision moment (`other`) that some class explains.
 
 use super::{Episode, Rank};

@@ -297,7 +297,7 @@ fn conditions<'a>(
     let one = |i: usize| {
         let atom = listed[i].0;
         let actual_value = measured(atom, row, evaluator, pass);
-        MatchedCondition { condition: atom.text.clone(), actual_value, description: None }
+        atom.matched(actual_value)
     };
     super::deciding(&margins).into_iter().map(one).collect()
 }

@@ -1,4 +1,4 @@
-//! Where a moment of the labelling spec lies in one episode.
+//! Where a moment of the labeling spec lies in one episode.
 
 use crate::interpret::{Evaluator, Pass, Row, Series};
 use crate::language::program::{Moment, NodeId};

@@ -132,14 +132,14 @@ pub fn previously(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
     Truth::bounded(sure_out, &possible_out)
 }
 
-/// The first index from `from` on that fulfils a condition that, once fulfilled, stays so; `to` where none does. Where
+/// The first index from `from` on that fulfills a condition that, once fulfilled, stays so; `to` where none does. Where
 /// a clock keeps its rate, it is the one that is guessed.
 fn first_in_near(from: usize, to: usize, guess: usize, fulfilled: impl Fn(usize) -> bool) -> usize {
     let right = from < guess && guess < to && fulfilled(guess) && !fulfilled(guess - 1);
     if right { guess } else { from + first_in(from, to, fulfilled) }
 }
 
-/// How many indices from `from` on do not fulfil a condition that, once fulfilled, stays so. Looks near first.
+/// How many indices from `from` on do not fulfill a condition that, once fulfilled, stays so. Looks near first.
 fn first_in(from: usize, to: usize, fulfilled: impl Fn(usize) -> bool) -> usize {
     let n = to.saturating_sub(from);
     let mut step = 1;

@@ -165,7 +165,7 @@ fn what_is_not_of_the_target_is_judged_over_the_whole_drive() {
 
 #[test]
 fn margins_are_in_typical_magnitudes() {
-    // ego.speed has scale 5 m/s in the catalogue.
+    // ego.speed has scale 5 m/s in the catalog.
     let mut checker = Checker::new(Catalogue::bundled());
     let id = checker.condition(&parse::parse("ego.speed > 5 m/s").unwrap()).unwrap();
     let t = table(&tenths(3), &[10.0, 2.5, 500.0]);

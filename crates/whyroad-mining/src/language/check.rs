@@ -10,8 +10,10 @@ mod every;
 mod moments;
 mod names;
 mod pairs;
+mod wording;
 mod words;
 
+pub use atoms::PartText;
 pub use names::nearest;
 
 use words::{kind_en, kind_zh, mismatch};
@@ -20,8 +22,8 @@ use super::Fault;
 use super::program::{NodeId, Op, Program, Subject, ValueKind, ValueScope};
 use super::syntax::{ArithmeticOp, Expr, ExprKind, Extent, Quantity, Span};
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::Nanos;
 use whyroad_model::units::Dimension;
+use whyroad_model::{Bilingual, Nanos};
 use whyroad_signals::catalogue::{Catalogue, SignalDef, SignalKind, TargetRestriction};
 
 /// Turns expressions into nodes of one program.
@@ -31,6 +33,11 @@ pub struct Checker<'a> {
     pub parameters: BTreeMap<String, Quantity>,
     /// Named conditions or numbers of the rule, in terms of which others may be written.
     pub(crate) definitions: BTreeMap<String, Definition>,
+    /// What people are shown of definitions.
+    pub names: BTreeMap<String, Bilingual>,
+    /// Conditions that people are shown at length because nothing in them has a name, by the definition that could
+    /// have one.
+    pub(crate) lengthy: BTreeMap<String, Bilingual>,
     /// Values of categories that have been compared with: they cannot be names of something else as well.
     values: BTreeSet<String>,
     /// What has been built so far.
@@ -81,6 +88,8 @@ impl<'a> Checker<'a> {
             catalogue,
             parameters: BTreeMap::new(),
             definitions: BTreeMap::new(),
+            names: BTreeMap::new(),
+            lengthy: BTreeMap::new(),
             values: BTreeSet::new(),
             program: Program::default(),
             subject: None,

@@ -2,10 +2,12 @@
 //! one node, so that a condition that several leaves share is evaluated once per drive.
 
 use super::syntax::CompareOp;
-use std::collections::BTreeSet;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use whyroad_model::messages::MatchedCondition;
 use whyroad_model::signal::is_of_object;
 use whyroad_model::units::{Dimension, Unit};
-use whyroad_model::{Nanos, ObjectClass};
+use whyroad_model::{Bilingual, Nanos, ObjectClass};
 
 /// Index of a node in its program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -102,12 +104,12 @@ pub enum Op {
     Constant(f64),
     /// `true` or `false` of the rule.
     Truth(bool),
-    /// A signal of any kind, by its name in the catalogue; `target.*` and `object.*` are of the object in the first
+    /// A signal of any kind, by its name in the catalog; `target.*` and `object.*` are of the object in the first
     /// role.
     Signal(String),
-    /// A `target.*` or `object.*` signal of the object in the second role, by its name in the catalogue.
+    /// A `target.*` or `object.*` signal of the object in the second role, by its name in the catalog.
     SecondSignal(String),
-    /// A `pair.*` signal of the two, by its name in the catalogue.
+    /// A `pair.*` signal of the two, by its name in the catalog.
     PairSignal {
         /// Name.
         name: String,
@@ -212,7 +214,7 @@ pub struct Node {
     pub needs_episode: bool,
 }
 
-/// A moment of the labelling spec. What "true" ranges over (the match, before or after the keyframe) is the
+/// A moment of the labeling spec. What "true" ranges over (the match, before or after the keyframe) is the
 /// business of who resolves it: see [`crate::episode::moment`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Moment {
@@ -263,6 +265,8 @@ impl Moment {
 pub struct Atom {
     /// As written, parameters replaced by their values.
     pub text: String,
+    /// In words.
+    pub words: Bilingual,
     /// Truth of the atom.
     pub condition: NodeId,
     /// The measured number or category; the condition itself where nothing is measured.
@@ -271,6 +275,38 @@ pub struct Atom {
     pub signals: BTreeSet<String>,
     /// Unit in which the measured number is shown.
     pub unit: &'static Unit,
+    /// What people are shown of the values of a measured category.
+    pub value_names: BTreeMap<String, Bilingual>,
+}
+
+impl Atom {
+    /// The condition as an episode lists it, with the value that it had.
+    pub fn matched(&self, actual_value: Value) -> MatchedCondition {
+        let actual_words = self.value_in_words(&actual_value);
+        let (condition, description) = (self.text.clone(), Some(self.words.clone()));
+        MatchedCondition { condition, actual_value, description, actual_words }
+    }
+
+    fn value_in_words(&self, value: &Value) -> Option<Bilingual> {
+        match value {
+            Value::Bool(true) => Some(Bilingual::new("成立", "holds")),
+            Value::Bool(false) => Some(Bilingual::new("不成立", "does not hold")),
+            Value::Number(n) => {
+                let value = n.as_f64()?;
+                // Curvatures are hundredths.
+                let places = if value.abs() < 0.1 { 1e4 } else { 1e2 };
+                let rounded = (value * places).round() / places;
+                Some(Bilingual::same(self.unit.of(&(rounded + 0.0).to_string().replace('-', "−"))))
+            }
+            Value::String(word) => Some(
+                self.value_names
+                    .get(word)
+                    .cloned()
+                    .unwrap_or_else(|| Bilingual::same(word.replace('_', " "))),
+            ),
+            _ => None,
+        }
+    }
 }
 
 /// All nodes of one rule.

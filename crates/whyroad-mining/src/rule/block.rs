@@ -4,8 +4,8 @@
 use super::origin::{Origin, SourceFile};
 use crate::language::check::nearest;
 use crate::language::{Fault, Span};
-use whyroad_model::Diagnostic;
 use whyroad_model::yaml::{Entry, Mark, Node, Value};
+use whyroad_model::{Bilingual, Diagnostic};
 
 /// The fields of a block, in the order of `docs/reference/rules.md`.
 const FIELDS: &[&str] = &[
@@ -13,6 +13,7 @@ const FIELDS: &[&str] = &[
     "roles",
     "parameters",
     "define",
+    "names",
     "when",
     "require",
     "response",
@@ -32,6 +33,8 @@ pub(super) struct Block<'n> {
     /// Entry and value.
     pub parameters: Vec<(&'n Entry, &'n Node)>,
     pub define: Vec<&'n Entry>,
+    /// What people are shown of definitions.
+    pub names: Vec<(&'n Entry, Bilingual)>,
     pub when: Vec<&'n Node>,
     pub require: Vec<&'n Node>,
     pub response: Vec<&'n Node>,
@@ -86,6 +89,9 @@ pub(super) fn read<'n>(block: &'n Node, origin: &Origin<'_>, found: &mut Vec<Dia
             Some(_) => out.define.push(entry),
             None => out.broken.push(entry.key.clone()),
         }
+    }
+    for entry in of("names").map(|e| reader.mapping(e)).unwrap_or_default() {
+        out.names.extend(reader.bilingual(entry).map(|words| (entry, words)));
     }
     out
 }
@@ -178,6 +184,22 @@ impl Reader<'_> {
         let (zh, en) =
             (format!("{name} 应为{zh}，实为{found_zh}"), format!("{name} is {en}, not {found_en}"));
         self.fault(entry.mark, &entry.node.pointer, &zh, &en);
+    }
+
+    /// A text in both languages.
+    fn bilingual(&mut self, entry: &Entry) -> Option<Bilingual> {
+        self.unknown(entry.node.entries(), &["zh", "en"]);
+        let text = |key: &str| entry.node.get(key).and_then(Node::text).filter(|t| !t.trim().is_empty());
+        let words = text("zh").zip(text("en")).map(|(zh, en)| Bilingual::new(zh, en));
+        if words.is_none() {
+            self.fault(
+                entry.mark,
+                &entry.node.pointer,
+                "名称须写明 zh 与 en，例如 { zh: 目标已转向, en: the target has turned }",
+                "a name has both languages, as in { zh: 目标已转向, en: the target has turned }",
+            );
+        }
+        words
     }
 
     /// The value of a parameter; one without a reason is reported, and used to find what else is wrong.

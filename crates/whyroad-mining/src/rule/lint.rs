@@ -1,5 +1,5 @@
 //! Everything of a framework that is written in the rule language, checked: rules, order of precedence, and the
-//! moments of labelling specs, also of classes that have no rule yet. Mining needs only the rules ([`RuleSet`]).
+//! moments of labeling specs, also of classes that have no rule yet. Mining needs only the rules ([`RuleSet`]).
 
 use super::RuleSet;
 use super::origin::SourceFile;
@@ -8,13 +8,14 @@ use crate::language::Checker;
 use crate::language::parse::parse;
 use crate::language::syntax::{ExprKind, Quantity};
 use whyroad_framework::{ExpressionSource, Framework};
-use whyroad_model::{Diagnostic, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// All that is wrong, in the order of the files.
 pub fn lint(framework: &Framework, catalogue: &Catalogue) -> Vec<Diagnostic> {
-    let (_, mut found) = RuleSet::of_framework(framework, catalogue);
-    // A rule takes over the moments of its labelling spec; those are checked below where they are written, once each.
+    let (rules, mut found) = RuleSet::of_framework(framework, catalogue);
+    found.extend(unnamed(&rules, framework));
+    // A rule takes over the moments of its labeling spec; those are checked below where they are written, once each.
     found.retain(|d| !d.location.pointer.as_ref().is_some_and(|p| p.contains("/labeling/")));
     for source in &framework.expressions {
         found.extend(moment(source, framework, catalogue));
@@ -23,6 +24,38 @@ pub fn lint(framework: &Framework, catalogue: &Catalogue) -> Vec<Diagnostic> {
         let key = |d: &Diagnostic| (d.location.file.clone(), d.location.line, d.location.column);
         key(a).cmp(&key(b))
     });
+    found
+}
+
+/// A note for each definition without a name that people are shown at length: once where it is written.
+fn unnamed(rules: &RuleSet, framework: &Framework) -> Vec<Diagnostic> {
+    let mut found: Vec<Diagnostic> = Vec::new();
+    for rule in &rules.rules {
+        let l2 = ScenarioId { l3: None, ..rule.scenario.clone() };
+        for (name, words) in &rule.lengthy {
+            let entry = |class: &ScenarioId| {
+                let source = framework.rule(class)?;
+                let define = source.rule.get("define")?.entries();
+                let entry = define.iter().find(|e| e.key == *name)?;
+                Some((source, entry.mark, entry.node.pointer.clone()))
+            };
+            let written = entry(&rule.scenario).or_else(|| entry(&l2));
+            let Some((source, mark, pointer)) = written else { continue };
+            let file = SourceFile { name: &source.file, text: &source.text };
+            let message = Bilingual::new(
+                format!("'{name}' 没有名称，界面与报告中显示为：{}", words.zh),
+                format!("'{name}' has no name; people are shown: {}", words.en),
+            );
+            let hint = Bilingual::new(
+                format!("在 names 中写明：{name}: {{ zh: …, en: … }}"),
+                format!("name it under `names`: {name}: {{ zh: ..., en: ... }}"),
+            );
+            let at = file.location(mark, &pointer);
+            if found.iter().all(|d| d.location.pointer != at.pointer || d.location.file != at.file) {
+                found.push(Diagnostic::note("rule.words", message).with_hint(hint).at(at));
+            }
+        }
+    }
     found
 }
 

@@ -22,7 +22,7 @@ pub struct Origin<'a> {
     pub file: SourceFile<'a>,
     /// Position of the block's key.
     pub mark: Mark,
-    /// The moments of labelling specs as written; a rule takes over those of its class.
+    /// The moments of labeling specs as written; a rule takes over those of its class.
     pub expressions: &'a [ExpressionSource],
 }
 
@@ -35,7 +35,12 @@ impl SourceFile<'_> {
 
     /// The diagnostic for a fault at a position.
     pub fn at(&self, mark: Mark, pointer: &str, fault: Fault) -> Diagnostic {
-        fault.at(Location {
+        fault.at(self.location(mark, pointer))
+    }
+
+    /// A position in the file.
+    pub fn location(&self, mark: Mark, pointer: &str) -> Location {
+        Location {
             file: Some(self.name.to_owned()),
             line: Some(mark.line),
             column: Some(mark.column),
@@ -43,7 +48,7 @@ impl SourceFile<'_> {
             snippet: self.text.lines().nth(mark.line.saturating_sub(1)).map(str::to_owned),
             snippet_start: 0,
             span: mark.span,
-        })
+        }
     }
 }
 

@@ -29,7 +29,7 @@ pub(crate) fn is_decision_moment(episode: &Episode) -> bool {
 }
 
 impl RuleSet {
-    /// The same rules, and the one for decision moments that none of them explains. A catalogue without the signal for
+    /// The same rules, and the one for decision moments that none of them explains. A catalog without the signal for
     /// decision moments leaves the set as it is.
     #[must_use]
     pub fn with_decision_moments(mut self, catalogue: &Catalogue) -> Self {

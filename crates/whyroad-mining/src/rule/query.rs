@@ -143,6 +143,7 @@ pub fn compile_query(
         min_duration: Nanos::from_secs_f64(bounds.condition_duration_min.unwrap_or(0.0)),
         max_duration: bounds.condition_duration_max.map(Nanos::from_secs_f64),
         merge_gap: Nanos::default(),
+        lengthy: checker.lengthy,
         timing: Timing::of_match(),
         program: checker.program,
     }))

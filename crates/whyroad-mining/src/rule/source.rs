@@ -3,6 +3,7 @@
 use super::block;
 use super::origin::Origin;
 use super::{Listed, PartPlace, ResponseCondition, Rule, RuleParts, TARGET, Timing};
+use crate::language::check::nearest;
 use crate::language::program::{Moment, NodeId, Op, Subject, ValueKind};
 use crate::language::syntax::{ExprKind, Quantity};
 use crate::language::{Checker, Fault, Span, parse};
@@ -11,7 +12,7 @@ use whyroad_framework::ResolvedSpec;
 use whyroad_framework::spec::MomentSpec;
 use whyroad_model::units::Dimension;
 use whyroad_model::yaml::{Entry, Node, Value};
-use whyroad_model::{Diagnostic, Nanos, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Nanos, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// Matches nearer together than this are one unless the block says otherwise: a signal that drops out for a
@@ -35,12 +36,24 @@ pub fn inherit(l2: Option<&Node>, leaf: &Node) -> Node {
             None => out.push(entry.clone()),
         }
     }
+    without_replaced_names(&mut out, leaf);
     Node { value: Value::Map(out), ..leaf.clone() }
+}
+
+/// What the L2 calls a definition is no name for what the leaf writes in its place.
+fn without_replaced_names(block: &mut [Entry], leaf: &Node) {
+    let of = |key: &str| leaf.get(key).map_or(&[][..], Node::entries);
+    let has = |entries: &[Entry], key: &str| entries.iter().any(|e| e.key == key);
+    if let Some(Entry { node: Node { value: Value::Map(names), .. }, .. }) =
+        block.iter_mut().find(|e| e.key == "names")
+    {
+        names.retain(|e| has(of("names"), &e.key) || !has(of("define"), &e.key));
+    }
 }
 
 fn merged(key: &str, upper: &Node, own: &Node) -> Node {
     let value = match (key, &upper.value, &own.value) {
-        ("parameters" | "define", Value::Map(a), Value::Map(b)) => {
+        ("parameters" | "define" | "names", Value::Map(a), Value::Map(b)) => {
             let kept = a.iter().filter(|e| b.iter().all(|o| o.key != e.key));
             Value::Map(kept.chain(b).cloned().collect())
         }
@@ -78,7 +91,9 @@ pub fn compile(
     };
     let roles = c.roles(block.target, &block.roles);
     c.parameters(&block.parameters);
+    c.checker.names = block.names.iter().map(|(e, words)| (e.key.clone(), words.clone())).collect();
     c.define(&block.define);
+    c.names_of_definitions(&block.names);
     let subject = roles.target;
     let mut described = RuleParts::default();
     let when: Vec<NodeId> =
@@ -131,6 +146,7 @@ pub fn compile(
         min_duration,
         max_duration,
         merge_gap,
+        lengthy: c.checker.lengthy,
         timing,
         program: c.checker.program,
     })
@@ -255,6 +271,27 @@ impl Compiler<'_> {
         }
     }
 
+    /// Every name in `names` is that of a definition.
+    fn names_of_definitions(&mut self, names: &[(&Entry, Bilingual)]) {
+        for (entry, _) in names {
+            let key = &entry.key;
+            if !self.checker.definitions.contains_key(key) && !self.broken.contains(key) {
+                let fault = Fault::new(
+                    "rule.name",
+                    Span::default(),
+                    format!("names 里的 '{key}' 不是 define 中的定义"),
+                    format!("'{key}' in `names` is not a definition in `define`"),
+                );
+                let near = nearest(key, self.checker.definitions.keys().map(String::as_str));
+                let fault = match near {
+                    Some(n) => fault.hint(format!("是否想写 '{n}'？"), format!("did you mean '{n}'?")),
+                    None => fault,
+                };
+                self.report_key(entry, fault);
+            }
+        }
+    }
+
     /// False, and reported, where the name is not free.
     fn claim(&mut self, entry: &Entry) -> bool {
         let claimed = self.checker.claim(&entry.key);
@@ -266,7 +303,7 @@ impl Compiler<'_> {
         free
     }
 
-    /// The moments of a labelling spec, whose expressions are checked here, with the rule that they serve.
+    /// The moments of a labeling spec, whose expressions are checked here, with the rule that they serve.
     fn timing(&mut self, spec: &ResolvedSpec, subject: Option<Subject>) -> Timing {
         let mut timing = Timing::of_match();
         timing.kind = spec.keyframe.kind;

@@ -1,5 +1,5 @@
 //! A rule in one line, as it is asked on the command line: a condition, and perhaps what its target is. It has no
-//! labelling spec: its moments are those of the match itself.
+//! labeling spec: its moments are those of the match itself.
 
 use super::source::{DEFAULT_MERGE_GAP, needs_a_match};
 use super::{Listed, PartPlace, Rule, RuleParts, TARGET, Timing};
@@ -44,6 +44,7 @@ pub fn compile_text(
         min_duration: Nanos::default(),
         max_duration: None,
         merge_gap: DEFAULT_MERGE_GAP,
+        lengthy: checker.lengthy,
         timing: Timing::of_match(),
         program: checker.program,
     })

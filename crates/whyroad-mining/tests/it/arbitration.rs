@@ -151,7 +151,7 @@ fn every_class_with_a_rule_has_a_stated_place() {
 
 #[test]
 fn moments_apart_do_not_compete() {
-    // The neighbourhood is 1 s: ten frames.
+    // The neighborhood is 1 s: ten frames.
     let at = |k| episode("proactive.turn.straight", "", k, 0.7);
     let vru = |k| episode("reactive_agent.vru_crossing.crosswalk", "p", k, 0.6);
     assert_eq!(primaries(vec![vru(100), at(109)]).len(), 1);

@@ -3,10 +3,13 @@
 
 use std::fmt::Write as _;
 use whyroad_framework::Framework;
+use whyroad_mining::RuleSet;
 use whyroad_mining::rule::file::check_file;
+use whyroad_mining::rule::lint::lint;
 use whyroad_mining::rule::origin::SourceFile;
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
+use whyroad_model::diagnostic::Severity;
 use whyroad_model::{Diagnostic, ScenarioId};
 use whyroad_signals::Catalogue;
 
@@ -22,6 +25,74 @@ fn faults(text: &str) -> Vec<(&'static str, String)> {
         line.chars().skip(d.location.column.unwrap_or(1) - 1).take(d.location.span).collect()
     };
     check(text).iter().map(|d| (d.code, marked(d))).collect()
+}
+
+/// What people are shown of a condition has no ids and no operators of the rule language: docs/reference/rules.md,
+/// "Names for people".
+#[test]
+fn no_condition_that_people_are_shown_has_syntax() {
+    let (rules, found) = RuleSet::of_framework(Framework::bundled(), Catalogue::bundled());
+    assert!(found.is_empty(), "{found:?}");
+    let mut count = 0;
+    for rule in &rules.rules {
+        let parts = rule.parts.iter().map(|p| (&p.text, &p.words));
+        for (text, words) in rule.atoms.iter().map(|a| (&a.text, &a.words)).chain(parts) {
+            count += 1;
+            for said in [&words.zh, &words.en] {
+                assert!(!said.is_empty(), "{text}");
+                for syntax in ["_", "==", "<=", ">=", "!=", "{", "abs(", "previously(", "exists("] {
+                    assert!(!said.contains(syntax), "{}: {text}: {said}", rule.scenario);
+                }
+                let dotted =
+                    said.split(|c: char| c.is_whitespace()).any(|w| Catalogue::bundled().get(w).is_some());
+                assert!(!dotted, "{}: {text}: {said}", rule.scenario);
+            }
+        }
+    }
+    assert!(count > 2000, "{count}");
+}
+
+#[test]
+fn a_long_definition_without_a_name_is_noted_and_a_name_of_nothing_is_a_fault() {
+    let mut files = Framework::bundled_files();
+    let text = files.get_mut("scenarios/reactive_road/blind_spot_slowdown.yaml").unwrap();
+    let name = "    seen_crossing: { zh: 有可见的横穿车辆, en: a crossing vehicle is seen }\n";
+    assert_eq!(text.matches(name).count(), 1);
+    *text = text.replace(name, "");
+    let noted = lint(&Framework::from_files(&files).0.unwrap(), Catalogue::bundled());
+    let [note] = noted.as_slice() else { panic!("{noted:?}") };
+    assert_eq!((note.code, note.severity), ("rule.words", Severity::Note));
+    let line = note.location.snippet.clone().unwrap();
+    assert!(line.trim_start().starts_with("seen_crossing:"), "{line}");
+
+    let rule = "mining:\n  define: { fast: \"ego.speed > 20 m/s\" }\n  names: { fsat: { zh: 快, en: fast } }\n  when: fast\n";
+    assert_eq!(faults(rule), [("rule.name", "fsat".to_owned())]);
+    let rule =
+        "mining:\n  define: { fast: \"ego.speed > 20 m/s\" }\n  names: { fast: { zh: 快 } }\n  when: fast\n";
+    assert_eq!(faults(rule), [("rule.block", "fast".to_owned())]);
+}
+
+#[test]
+fn a_leaf_that_writes_a_definition_in_another_way_does_not_inherit_its_name() {
+    let mut files = Framework::bundled_files();
+    let text = files.get_mut("scenarios/reactive_agent/cutin.yaml").unwrap();
+    let at = "      define:\n        rolls:";
+    assert_eq!(text.matches(at).count(), 1);
+    *text = text.replace(at, "      define:\n        over_the_line: \"target.wheel_over_line and ego.speed < 1 m/s within 2 s\"\n        rolls:");
+    let (rules, found) =
+        RuleSet::of_framework(&Framework::from_files(&files).0.unwrap(), Catalogue::bundled());
+    assert!(found.is_empty(), "{found:?}");
+    let words = |leaf: &str| {
+        let rule = rules.rules.iter().find(|r| r.scenario.to_string() == leaf).unwrap();
+        rule.parts.iter().map(|p| p.words.en.clone()).collect::<Vec<_>>()
+    };
+    let own = "Within the next 2 s: (the target is over the ego's lane line and speed of the ego < 1 m/s)";
+    assert!(
+        words("reactive_agent.cutin.congestion").iter().any(|w| w == own),
+        "{:?}",
+        words("reactive_agent.cutin.congestion")
+    );
+    assert!(words("reactive_agent.cutin.urgent").iter().all(|w| w != own));
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Diagnostics as people and machines read them: rustc-like text, JSON lines' array, SARIF 2.1.0.
 
 use super::{Diagnostic, Severity};
-use crate::Lang;
+use crate::{Lang, counted};
 use serde_json::json;
 use std::fmt::Write as _;
 
-/// Text form, legible without colour:
+/// Text form, legible without color:
 ///
 /// ```text
 /// error[label.enum.longitudinal]: 'brake' is not a longitudinal decision
@@ -192,11 +192,7 @@ pub fn sarif_result(d: &Diagnostic, lang: Lang) -> serde_json::Value {
 /// One line that counts errors and warnings.
 pub fn summary(errors: usize, warnings: usize, lang: Lang) -> String {
     match lang {
-        Lang::En => format!(
-            "{errors} error{}, {warnings} warning{}",
-            if errors == 1 { "" } else { "s" },
-            if warnings == 1 { "" } else { "s" }
-        ),
+        Lang::En => format!("{}, {}", counted(errors, "error"), counted(warnings, "warning")),
         Lang::Zh => format!("{errors} 个错误，{warnings} 个警告"),
     }
 }

@@ -41,7 +41,7 @@ pub struct ClipMetadata {
     /// Identity of the map.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map_ref: Option<String>,
-    /// Licence of the data.
+    /// License of the data.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub licence: Option<String>,
 }

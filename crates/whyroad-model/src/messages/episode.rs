@@ -30,7 +30,7 @@ pub struct EpisodeRecord {
     pub time_range: TimeRange,
     /// The keyframe; its frame counts from the clip's first frame.
     pub keyframe: Keyframe,
-    /// The second keyframe, where the labelling spec has two and it was found.
+    /// The second keyframe, where the labeling spec has two and it was found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_keyframe: Option<Keyframe>,
     /// Match score, 0 to 1: the share of such episodes that is right where `calibrated`, else the margin score.
@@ -51,11 +51,11 @@ pub struct EpisodeRecord {
     /// Whether the ego answered the trigger; absent in files of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ego_response: Option<EgoResponse>,
-    /// How the keyframe was found, from the labelling spec.
+    /// How the keyframe was found, from the labeling spec.
     pub keyframe_rule: Bilingual,
     /// Conditions of the rule with their values at the keyframe.
     pub conditions_matched: Vec<MatchedCondition>,
-    /// Signals that the rule read, by catalogue name, sorted.
+    /// Signals that the rule read, by catalog name, sorted.
     pub signals: Vec<String>,
     /// The rule that found it: a hash of all that the rule is made of, 12 hex digits; absent in files of earlier
     /// versions.

@@ -121,6 +121,9 @@ pub struct MatchedCondition {
     /// The condition in words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<Bilingual>,
+    /// The value in words, with its unit; unset where it is unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub actual_words: Option<Bilingual>,
 }
 
 /// Figures over the clips of the result.

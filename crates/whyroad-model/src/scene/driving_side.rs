@@ -75,7 +75,7 @@ impl Drive {
 }
 
 impl RoadMap {
-    /// By lanes whose neighbour runs the other way: on the left of the lane in right-hand traffic.
+    /// By lanes whose neighbor runs the other way: on the left of the lane in right-hand traffic.
     pub fn driving_side(&self) -> Option<DrivingSide> {
         let against = |lane: &Lane, id: &Option<String>| {
             let other = id.as_deref().and_then(|id| self.lane(id));
@@ -107,7 +107,7 @@ fn dot(a: (f64, f64), b: (f64, f64)) -> f64 {
 mod tests {
     use super::*;
 
-    /// Two-way streets; the neighbour that comes towards one is on the given side.
+    /// Two-way streets; the neighbor that comes towards one is on the given side.
     fn map(oncoming_left: bool) -> RoadMap {
         let lane = |id: String, towards: f64, other: String| {
             let centre = [0.0, 50.0].map(|x| Point3 { x: towards * x, y: 0.0, z: 0.0 }).to_vec();

@@ -1,4 +1,4 @@
-//! How far people agree who labelled the same episode independently: labels as first handed in, before any check could
+//! How far people agree who labeled the same episode independently: labels as first handed in, before any check could
 //! bring them together. Kappas are those of `whyroad_label::agreement`.
 
 use super::decisions::{lateral, longitudinal};
@@ -55,7 +55,7 @@ pub struct AgreementRow {
 /// Keyframes that differ by no more than this are the same, s.
 const SAME_KEYFRAME_S: f64 = 0.5;
 
-/// A row for each measure; nothing without an episode that two people labelled.
+/// A row for each measure; nothing without an episode that two people labeled.
 pub(super) fn rows(tasks: &[TaskFacts]) -> Vec<AgreementRow> {
     let mut groups: BTreeMap<&str, Vec<(&str, &Judgement)>> = BTreeMap::new();
     for t in tasks {

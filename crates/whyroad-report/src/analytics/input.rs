@@ -11,7 +11,7 @@ use whyroad_model::{DriveId, Nanos, ScenarioId};
 pub struct AnalyticsInputs<'a> {
     /// A mined folder.
     pub mined: Option<&'a MinedFacts>,
-    /// Tasks of the labelling service.
+    /// Tasks of the labeling service.
     pub tasks: Option<&'a [TaskFacts]>,
     /// Releases, each with its name.
     pub releases: Option<&'a [ReleaseFacts]>,

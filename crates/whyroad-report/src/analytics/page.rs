@@ -1,5 +1,5 @@
 //! The analytics as a piece of a page: with its own style, without script, both languages in it. The report holds it,
-//! and so does the page of the labelling service; `html[lang]` decides which language is seen.
+//! and so does the page of the labeling service; `html[lang]` decides which language is seen.
 
 mod context_section;
 mod label_section;

@@ -1,4 +1,4 @@
-//! Throughput, trend, finish and cost of labelling.
+//! Throughput, trend, finish and cost of labeling.
 
 use super::forecast::{DaysLeft, NoForecast, days_left};
 use super::input::HourlyRate;
@@ -15,7 +15,7 @@ const DAY_NS: i64 = 86_400_000_000_000;
 pub struct Progress {
     /// Tasks that are neither accepted nor left out.
     pub unfinished: u64,
-    /// Time that people worked, h: labelling, rework, check, audit.
+    /// Time that people worked, h: labeling, rework, check, audit.
     pub worked_h: f64,
     /// By week (Monday, UTC), oldest first, without gaps.
     pub weeks: Vec<WeekRow>,

@@ -1,4 +1,4 @@
-//! The tree of classes with counts by stage: mined, tasked, labelled, accepted, released. An episode counts once,
+//! The tree of classes with counts by stage: mined, tasked, labeled, accepted, released. An episode counts once,
 //! however many people label it.
 
 use super::input::AnalyticsInputs;

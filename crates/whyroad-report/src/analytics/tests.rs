@@ -95,7 +95,7 @@ fn task(name: &str, episode: &str, stage: LabelStage) -> TaskFacts {
     }
 }
 
-/// e1 accepted as another class, e2 labelled by two people, e3 waiting, e4 rejected.
+/// e1 accepted as another class, e2 labeled by two people, e3 waiting, e4 rejected.
 fn tasks() -> Vec<TaskFacts> {
     let judged =
         |class: &str, lateral| Judgement { scenario: Some(id(class)), lateral, ..Judgement::default() };
@@ -152,7 +152,7 @@ fn row<'a>(a: &'a Analytics, class: &str) -> &'a StageRow {
 fn stages_count_episodes_by_the_class_that_they_have_there() {
     let a = analytics(true, true);
     let (urgent, slow) = (row(&a, URGENT), row(&a, SLOW));
-    // Mined and tasked as urgent; e1 was labelled slow; e2 counts once although two people label it.
+    // Mined and tasked as urgent; e1 was labeled slow; e2 counts once although two people label it.
     let counts = |r: &StageRow| r.counts.all().map(|c| c.1);
     assert_eq!(counts(urgent), [Some(3), Some(4), Some(1), Some(0), None]);
     assert_eq!(counts(slow), [Some(0), Some(0), Some(1), Some(1), None]);

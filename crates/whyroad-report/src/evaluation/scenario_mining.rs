@@ -2,7 +2,7 @@
 //! timestamp and by log, as its published evaluation defines them (`av2.evaluation.scenario_mining`, with HOTA of
 //! TrackEval):
 //!
-//! - objects farther than 50 m from the ego are left out ([`RANGE_M`]); two centres are similar by
+//! - objects farther than 50 m from the ego are left out ([`RANGE_M`]); two centers are similar by
 //!   `1 - distance / 2 m`;
 //! - each prompt is a class of its own; ten score thresholds at recalls 1.0 to 0.1 are tried and the best HOTA counts;
 //! - HOTA-Temporal compares the frames in which an object is referred to, HOTA-Track the whole of its track;
@@ -27,7 +27,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Objects farther from the ego are not evaluated, m.
 pub const RANGE_M: f64 = 50.0;
-/// Centres this far apart have similarity 0, m.
+/// Centers this far apart have similarity 0, m.
 pub const MATCH_DISTANCE_M: f64 = 2.0;
 
 /// The four figures of one prompt, or their means over prompts; 0 to 1.
@@ -151,7 +151,7 @@ fn in_range(s: &Sequence) -> Sequence {
     out
 }
 
-/// 1 where the centres coincide, 0 from [`MATCH_DISTANCE_M`] apart.
+/// 1 where the centers coincide, 0 from [`MATCH_DISTANCE_M`] apart.
 fn similarity(a: &Object, b: &Object) -> f64 {
     (1.0 - (a.x - b.x).hypot(a.y - b.y) / MATCH_DISTANCE_M).max(0.0)
 }

@@ -58,7 +58,7 @@ pub(super) fn render(
         m.piece(&draft_box::render(context.framework, drive, signals, episode));
     }
     m.raw("</div><div class=\"facts\">");
-    head(&mut m, context, episode, &id);
+    head(&mut m, context, episode);
     times(&mut m, drive, episode);
     conditions(&mut m, episode);
     m.raw("</div><div class=\"plots\">");
@@ -69,9 +69,9 @@ pub(super) fn render(
     Card { leaf: episode.scenario_id.clone(), html: m }
 }
 
-fn head(m: &mut Markup, context: &ReportContext<'_>, episode: &EpisodeRecord, id: &str) {
+fn head(m: &mut Markup, context: &ReportContext<'_>, episode: &EpisodeRecord) {
     let name = class_title(&context.framework.taxonomy, &episode.scenario_id);
-    m.raw("<h3>").both(&name).raw("</h3><p class=\"sub\"><code>").text(id).raw("</code> ");
+    m.raw("<h3>").both(&name).raw("</h3><p class=\"sub\">");
     if episode.is_primary {
         m.raw("<span class=\"badge primary\">").say("主场景", "primary").raw("</span>");
     } else {
@@ -156,18 +156,20 @@ fn conditions(m: &mut Markup, episode: &EpisodeRecord) {
     m.raw("<table class=\"conditions\"><thead><tr><th>").say("命中条件", "condition").raw("</th><th>");
     m.say("关键帧实际值", "at the keyframe").raw("</th></tr></thead><tbody>");
     for c in &episode.conditions_matched {
-        m.raw("<tr><td title=\"").text(&c.condition).raw("\">");
+        m.raw("<tr><td>");
         match &c.description {
             Some(words) => m.both(words),
-            // A combination of several: the rule's own text is all there is.
+            // Of results that were mined before conditions had words, or elsewhere.
             None => m.raw("<code>").text(&c.condition).raw("</code>"),
         };
         m.raw("</td><td>");
-        match &c.actual_value {
-            serde_json::Value::Null => m.raw("–"),
-            serde_json::Value::Number(n) => m.num(n.as_f64().unwrap_or(f64::NAN), 2),
-            serde_json::Value::String(s) => m.text(s),
-            other => m.text(&other.to_string()),
+        match (&c.actual_words, &c.actual_value) {
+            (Some(words), _) => m.both(words),
+            (None, serde_json::Value::Number(n)) => m.num(n.as_f64().unwrap_or(f64::NAN), 2),
+            (None, serde_json::Value::String(s)) => m.text(s),
+            (None, serde_json::Value::Bool(true)) => m.say("成立", "holds"),
+            (None, serde_json::Value::Bool(false)) => m.say("不成立", "does not hold"),
+            (None, _) => m.raw("–"),
         };
         m.raw("</td></tr>");
     }

@@ -229,7 +229,7 @@ fn episodes_section(
     m.raw("</section>");
 }
 
-/// What the colours and lines of the pictures mean.
+/// What the colors and lines of the pictures mean.
 fn key(m: &mut Markup) {
     m.raw("<ul class=\"key\">");
     for (class, zh, en) in [

@@ -17,6 +17,11 @@ pub(super) fn legend(rows: &[LeafRow<'_>]) -> Markup {
             .raw(mark(state));
         m.raw("</text></svg> <b>").int(counts.get(state)).raw("</b> ").both(&state_name(state)).raw("</li>");
     }
+    let in_part = rows.iter().filter(|r| r.searched_in_part().is_some()).count();
+    if in_part > 0 {
+        m.raw("<li>k/n <b>").int(in_part).raw("</b> ");
+        m.say("只在 n 个行程中的 k 个上可观测", "observable on k of the n drives only").raw("</li>");
+    }
     m.raw("</ul>");
     m
 }
@@ -82,11 +87,10 @@ fn leaf(m: &mut Markup, row: &LeafRow<'_>) {
     for (i, signal) in row.missing_signals().iter().enumerate() {
         m.raw(if i == 0 { "<code>" } else { ", <code>" }).text(signal).raw("</code>");
     }
-    let blind: usize = row.gaps.iter().map(|g| g.drives.len()).sum();
-    if blind > 0 && row.drives_searched > 0 {
+    if let Some((searched, all)) = row.searched_in_part() {
         m.raw(" <span class=\"faint\">")
             .say("（", "(")
-            .int(blind)
+            .int(all - searched)
             .say(" 个行程）", " drives)")
             .raw("</span>");
     }

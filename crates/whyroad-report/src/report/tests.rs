@@ -4,6 +4,7 @@ use super::*;
 use crate::fixture::{coverage, drive, episode, signals};
 use whyroad_framework::Taxonomy;
 use whyroad_model::Bilingual;
+use whyroad_model::messages::DriveGap;
 
 pub(crate) fn taxonomy() -> Taxonomy {
     let text = include_str!("../../../../schema/scenario_taxonomy.yaml");
@@ -12,6 +13,7 @@ pub(crate) fn taxonomy() -> Taxonomy {
 
 pub(crate) fn infos() -> BTreeMap<String, SignalInfo> {
     let info = |unit: &str, zh: &str, en: &str| SignalInfo {
+        title: Bilingual::new(zh, en),
         unit: whyroad_model::units::Unit::parse(unit),
         meaning: Bilingual::new(zh, en),
         scale: 1.0,
@@ -60,6 +62,23 @@ fn the_four_states_have_their_own_fill_and_mark() {
         assert!(page.contains(&format!(".st-{state} {{ fill: ")), "{state} has a fill");
     }
     assert!(page.contains("<code>light.state</code>"), "what is missing is named");
+}
+
+#[test]
+fn a_leaf_that_some_drives_cannot_show_says_how_many_can() {
+    let mut found_by_mining = coverage();
+    let found = found_by_mining.leaves.iter_mut().find(|l| l.drives_searched > 0).unwrap();
+    found.drives_searched = 3;
+    let drives = vec![DriveId::from("a")].into();
+    found.gaps = vec![DriveGap { drives, missing_signals: vec!["light.state".into()] }];
+    let taxonomy = taxonomy();
+    let rows = coverage::rows(&taxonomy, &found_by_mining);
+    let part: Vec<_> = rows.iter().filter_map(coverage::LeafRow::searched_in_part).collect();
+    // The one changed here, and one of the fixture's.
+    assert_eq!(part, [(3, 4), (1, 2)]);
+    let map = tree_map::render(&rows, &[]).into_string();
+    assert_eq!(map.matches(">3/4</text>").count(), 1);
+    assert!(summary::legend(&rows).into_string().contains("k/n <b>2</b>"));
 }
 
 #[test]
@@ -123,7 +142,7 @@ fn a_card_has_picture_conditions_and_a_plot_of_each_signal() {
     assert!(card.contains("Label draft (needs a person)"));
     // At the keyframe, 4 s in: ego at x = 40, the car at x = 58 and y = 1.2, so 18 m up and 1.2 m to the left.
     assert!(card.contains("<title>d · 轿车 / car · 7 m/s</title>"));
-    // Its front right corner: (58 + 2.25 - 40, 1.2 - 0.9) is 20.25 m ahead, 0.3 m left: (-3, -203) in decimetres.
+    // Its front right corner: (58 + 2.25 - 40, 1.2 - 0.9) is 20.25 m ahead, 0.3 m left: (-3, -203) in decimeters.
     assert!(card.contains("L-3 -203") || card.contains("L-3 -202"));
 }
 
@@ -131,7 +150,7 @@ fn a_card_has_picture_conditions_and_a_plot_of_each_signal() {
 fn unknown_is_a_gap_and_infinite_is_not_drawn_as_a_number() {
     let page = page("d", 10);
     let plot =
-        page.split("<figcaption title=\"target.ttc: ").nth(1).unwrap().split("</figure>").next().unwrap();
+        page.split("<figcaption title=\"碰撞时间 / ").nth(1).unwrap().split("</figure>").next().unwrap();
     let line = plot.split("class=\"line\" d=\"").nth(1).unwrap().split('"').next().unwrap();
     // Frames 10 to 99 are shown (3 s around 20..70); 10 to 19 are unknown.
     assert_eq!(line.matches('M').count(), 1);

@@ -1,5 +1,5 @@
 //! Coverage as a tree map: every leaf a cell of equal area inside its L2, inside its L1. States differ by fill,
-//! by pattern and by the mark in the cell, so that the map can be read without colour.
+//! by pattern and by the mark in the cell, so that the map can be read without color.
 
 use crate::coverage::{LeafRow, UnresolvedRow, state_name};
 use whyroad_model::Bilingual;
@@ -157,7 +157,12 @@ fn leaf_cell(m: &mut Markup, row: &LeafRow<'_>, cell: Rect) {
     m.text(row.state.id()).raw("\"><title>").text(&id).raw(" · ").text(&row.l3.name.zh).raw(" · ");
     m.text(&row.l3.name.en).raw(" · ");
     let state = state_name(row.state);
-    m.text(&state.zh).raw(" / ").text(&state.en).raw("</title>");
+    m.text(&state.zh).raw(" / ").text(&state.en);
+    let part = row.searched_in_part();
+    if let Some((searched, all)) = part {
+        m.raw(" · ").int(searched).raw("/").int(all).raw(" 个行程 / drives");
+    }
+    m.raw("</title>");
     rect(
         m,
         cell,
@@ -175,6 +180,13 @@ fn leaf_cell(m: &mut Markup, row: &LeafRow<'_>, cell: Rect) {
             m.raw("<text class=\"tm-name\" lang=\"").text(lang).raw("\" x=\"").num(cell.x + 3.5, 1);
             m.raw("\" y=\"").num(cell.y + 12.0 + 12.0 * i as f64, 1).raw("\">").text(line).raw("</text>");
         }
+    }
+    if let Some((searched, all)) = part {
+        m.raw("<text class=\"tm-part\" x=\"")
+            .num(cell.x + 3.5, 1)
+            .raw("\" y=\"")
+            .num(cell.y + cell.h - 4.0, 1);
+        m.raw("\">").int(searched).raw("/").int(all).raw("</text>");
     }
     m.raw("<text class=\"tm-mark\" x=\"").num(cell.x + cell.w - 4.0, 1).raw("\" y=\"");
     m.num(cell.y + cell.h - 4.0, 1).raw("\">");

@@ -46,7 +46,7 @@ pub fn document(routes: &[Route]) -> Value {
     json!({
         "openapi": "3.1.0",
         "info": {
-            "title": "Whyroad labelling service",
+            "title": "Whyroad labeling service",
             "version": "1",
             "description": "Every call but GET needs the header x-csrf-token (value of GET /session) or a bearer token.",
             "license": { "name": "Apache-2.0", "identifier": "Apache-2.0" },

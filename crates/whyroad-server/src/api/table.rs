@@ -1,4 +1,4 @@
-//! All routes of `/api/v1`. Adding one here makes it served, guarded, documented and tested for authorisation.
+//! All routes of `/api/v1`. Adding one here makes it served, guarded, documented and tested for authorization.
 
 use super::handlers::{
     accounts, drafts, mined, model, oidc, projects, scenes, session, talk, tasks, transfer, webhooks,

@@ -1,4 +1,4 @@
-//! Mined episodes as people browse and judge them, without labelling.
+//! Mined episodes as people browse and judge them, without labeling.
 
 use super::scene::{MapView, SceneView};
 use super::task::Task;

@@ -1,4 +1,4 @@
-//! Work of a language model in a project: drafts and judgements in runs, what they cost, and how far the judge agrees
+//! Work of a language model in a project: drafts and judgments in runs, what they cost, and how far the judge agrees
 //! with people.
 
 use schemars::JsonSchema;
@@ -13,7 +13,7 @@ use whyroad_model::{Bilingual, ModelSpent};
 pub enum ModelRunKind {
     /// Drafts of tasks that nobody has begun.
     Draft,
-    /// Judgements of labels that were handed in.
+    /// Judgments of labels that were handed in.
     Judge,
 }
 
@@ -87,7 +87,7 @@ pub struct ModelRun {
     pub ended: Option<i64>,
     /// Tasks in it.
     pub total: i64,
-    /// Tasks with a draft or a judgement.
+    /// Tasks with a draft or a judgment.
     pub done: i64,
     /// Tasks for which the model gave nothing usable.
     pub failed: i64,
@@ -118,7 +118,7 @@ pub struct ModelWork {
     /// Name of the model; null where the service was started without one.
     pub model: Option<String>,
     /// Tasks that nobody has begun and that no model has drafted. While a run of drafts goes on: those of it that were
-    /// not tried yet; while one of judgements does, counted at most 10 s ago.
+    /// not tried yet; while one of judgments does, counted at most 10 s ago.
     pub to_draft: i64,
     /// Labels that were handed in and that no model has judged as they are; while a run goes on, as `to_draft`.
     pub to_judge: i64,

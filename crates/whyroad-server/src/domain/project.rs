@@ -266,7 +266,7 @@ pub struct Ageing {
     pub hours: f64,
 }
 
-/// Agreement on tasks that several people labelled, as first submitted. Kappas are null where there is too little to
+/// Agreement on tasks that several people labeled, as first submitted. Kappas are null where there is too little to
 /// compare, or where chance alone would explain all agreement.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Agreement {
@@ -295,7 +295,7 @@ pub struct Agreement {
 pub struct PairAgreement {
     /// Display names.
     pub users: [String; 2],
-    /// Episodes that both labelled.
+    /// Episodes that both labeled.
     pub labels: u32,
     /// Cohen's kappa of the longitudinal decision.
     pub longitudinal_kappa: Option<f64>,

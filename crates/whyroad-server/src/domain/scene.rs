@@ -1,4 +1,4 @@
-//! What a drive looks like from the labelling screen. Columns have one value a frame of `times`; null is unknown.
+//! What a drive looks like from the labeling screen. Columns have one value a frame of `times`; null is unknown.
 
 use super::workflow::Stage;
 use schemars::JsonSchema;
@@ -51,6 +51,8 @@ pub struct SignalAbout {
     pub kind: SignalKind,
     /// Unit of its numbers, a base unit (`m`, `m/s2`, `rad`); null for pure numbers, truth values and words.
     pub unit: Option<String>,
+    /// What it is called.
+    pub title: Bilingual,
     /// What it means.
     pub meaning: Bilingual,
 }
@@ -187,7 +189,7 @@ pub struct LaneView {
     pub left: Vec<[f64; 2]>,
     /// Right edge.
     pub right: Vec<[f64; 2]>,
-    /// Centre line.
+    /// Center line.
     pub centre: Vec<[f64; 2]>,
     /// Mark on the left edge.
     pub left_mark: String,

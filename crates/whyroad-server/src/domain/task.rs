@@ -354,7 +354,7 @@ pub enum ActionName {
     Submit,
     /// Leaves out.
     Skip,
-    /// Says that it cannot be labelled.
+    /// Says that it cannot be labeled.
     Reject,
     /// Finds it good.
     Accept,

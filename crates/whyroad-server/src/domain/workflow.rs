@@ -59,7 +59,7 @@ words!(
         Accepted = "accepted",
         /// Left out with a reason.
         Skipped = "skipped",
-        /// Not fit to be labelled, with a reason.
+        /// Not fit to be labeled, with a reason.
         Rejected = "rejected",
     }
 );
@@ -71,9 +71,9 @@ words!(
         Lead = "lead",
         /// Labels.
         Annotator = "annotator",
-        /// Checks what others labelled.
+        /// Checks what others labeled.
         Checker = "checker",
-        /// Audits what others labelled and checked.
+        /// Audits what others labeled and checked.
         Auditor = "auditor",
     }
 );
@@ -91,7 +91,7 @@ words!(
         Submit = "submit",
         /// Leaves the task out.
         Skip = "skip",
-        /// Says that the clip cannot be labelled.
+        /// Says that the clip cannot be labeled.
         Reject = "reject",
         /// Finds the label good.
         Accept = "accept",
@@ -202,7 +202,7 @@ impl Position {
         }
     }
 
-    /// Who labels or labelled it.
+    /// Who labels or labeled it.
     pub fn author(&self) -> Option<&str> {
         self.authors.last().map(String::as_str)
     }

@@ -193,7 +193,7 @@ struct Scored {
     fields: Option<BTreeMap<&'static str, bool>>,
 }
 
-/// Gold tasks of a project, newest first; of one author where one is given. A copy that somebody else labelled counts
+/// Gold tasks of a project, newest first; of one author where one is given. A copy that somebody else labeled counts
 /// for them.
 fn scored(tx: &mut dyn Tx, project: &str, author: Option<&str>) -> Answer<Vec<Scored>> {
     let rows = tx.rows(

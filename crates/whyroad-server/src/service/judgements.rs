@@ -1,4 +1,4 @@
-//! Judgements of labels: true/false questions with a model's answers, and with people's for the labels that were drawn
+//! Judgments of labels: true/false questions with a model's answers, and with people's for the labels that were drawn
 //! for them. An opinion: nothing that may be done with a task depends on it.
 
 use crate::domain::model::{JudgeAgreement, JudgeReport, Judgement, JudgementAnswers};

@@ -1,4 +1,4 @@
-//! Browsing mined episodes and judging them without labelling. Whoever looks at an episode has seen its drive beyond
+//! Browsing mined episodes and judging them without labeling. Whoever looks at an episode has seen its drive beyond
 //! the keyframe, and is kept from the Stage I of its tasks like anybody else who has.
 
 use crate::app::App;

@@ -333,7 +333,7 @@ pub fn waiting(tx: &mut dyn Tx, run: &str) -> Answer<Vec<String>> {
 /// What came of a task of a run.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// It has a draft or a judgement.
+    /// It has a draft or a judgment.
     Done,
     /// The model gave nothing usable.
     Failed(Bilingual),

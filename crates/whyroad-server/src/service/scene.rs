@@ -49,22 +49,9 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     };
     let about = |name: &String| Some((name.clone(), app.recordings.about(name)?));
     view.about = view.signals.keys().filter_map(about).collect();
-    // Meanings name other signals: so that these have names, too.
-    let named: Vec<String> = view.about.values().flat_map(|a| signals_in(&a.meaning.zh)).collect();
-    view.about.extend(named.iter().filter_map(about).collect::<Vec<_>>());
     let view = Arc::new(view);
     app.scenes.put(key, &view);
     Ok(view)
-}
-
-/// Words of a text that may be ids of signals, such as `target.gap`.
-fn signals_in(text: &str) -> Vec<String> {
-    let part_of_id = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '_' | '.');
-    text.split(|c| !part_of_id(c))
-        .map(|w| w.trim_matches('.'))
-        .filter(|w| w.contains('.'))
-        .map(str::to_owned)
-        .collect()
 }
 
 fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &SignalTable) -> SceneView {

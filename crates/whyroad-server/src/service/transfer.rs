@@ -83,21 +83,29 @@ impl ExportFormat {
 /// Tasks read in one transaction: an export goes on beside the work of others, and holds no connection while its
 /// receiver is slow.
 const EXPORTED_AT_ONCE: usize = 200;
+/// Fewer, once they are this long, bytes: a task that was edited all day has a long history.
+const BYTES_AT_ONCE: usize = 1 << 20;
 
 /// Writes the lines of an export, by clip, then class, then number in the overlap group; each task as it is when its
 /// turn comes. Never whole in memory.
 pub fn export_to(store: &Store, project: &str, format: &ExportFormat, out: &mut dyn Write) -> Answer<()> {
     let names = store.report(user_names)?;
     let ids = store.report(|tx| exported_ids(tx, project, format))?;
-    for part in ids.chunks(EXPORTED_AT_ONCE) {
-        let text = store.report(|tx| {
-            let mut text = String::new();
-            for id in part {
+    let mut rest = ids.as_slice();
+    while !rest.is_empty() {
+        let (text, lines) = store.report(|tx| {
+            let (mut text, mut lines) = (String::new(), 0);
+            for id in rest.iter().take(EXPORTED_AT_ONCE) {
                 line(tx, id, format, &names, &mut text)?;
+                lines += 1;
+                if text.len() >= BYTES_AT_ONCE {
+                    break;
+                }
             }
-            Ok(text)
+            Ok((text, lines))
         })?;
         out.write_all(text.as_bytes()).map_err(Problem::store)?;
+        rest = &rest[lines..];
     }
     Ok(())
 }

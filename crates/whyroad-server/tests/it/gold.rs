@@ -116,7 +116,7 @@ pub fn order_and_history_of_gold_tasks_are_those_of_others(world: &World) {
             if ids.len() > 12 || ids.iter().filter(|id| **id == work.task).count() > 1 {
                 break;
             }
-            // A task that was given back is the next one again: it is labelled instead.
+            // A task that was given back is the next one again: it is labeled instead.
             Work::label(who, &work.task);
         }
         ids

@@ -1,4 +1,4 @@
-//! Mined episodes: browsed and judged by leads without labelling.
+//! Mined episodes: browsed and judged by leads without labeling.
 
 use crate::work::Work;
 use crate::world::{Person, World};

@@ -1,4 +1,4 @@
-//! Drafts and judgements by a language model: what of them is seen when and by whom, runs that are stopped, fail and go
+//! Drafts and judgments by a language model: what of them is seen when and by whom, runs that are stopped, fail and go
 //! on. The model here is made by hand; the future that it knows is a word that can be looked for.
 
 use crate::recorded::episode;

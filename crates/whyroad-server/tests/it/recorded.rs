@@ -262,8 +262,9 @@ impl Recordings for Recorded {
             "target.gap" => "m",
             _ => return None,
         };
-        let meaning = Bilingual::new("信号", "a signal");
-        Some(SignalAbout { kind: SignalKind::Number, unit: Some(unit.to_owned()), meaning })
+        let title = Bilingual::new("信号", "a signal");
+        let meaning = title.clone();
+        Some(SignalAbout { kind: SignalKind::Number, unit: Some(unit.to_owned()), title, meaning })
     }
 
     fn draft(&self, drive: &Drive, signals: &SignalTable, e: &EpisodeRecord, _: Lang) -> CocLabel {

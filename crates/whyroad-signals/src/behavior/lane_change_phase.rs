@@ -13,9 +13,9 @@ use whyroad_model::Tri;
 use whyroad_model::catalogue::{id, value::EgoLaneChangePhase};
 use whyroad_model::road_map::LaneKind;
 
-/// Within this of the lane's centre it is centred, m (LABELING.md 4).
+/// Within this of the lane's center it is centered, m (LABELING.md 4).
 const CENTRED_M: f64 = 0.3;
-/// Farther off the centre than this it has left it, m.
+/// Farther off the center than this it has left it, m.
 const LEFT_CENTRE_M: f64 = 0.5;
 /// A peak is the largest of many values: this many standard deviations of it are noise.
 const PEAK_DEVIATIONS: f64 = 2.5;
@@ -62,15 +62,15 @@ fn codes(
     codes
 }
 
-/// A stretch off the lane's centre, to one side.
+/// A stretch off the lane's center, to one side.
 struct Excursion {
     first: usize,
-    /// One past the last frame off the centre: there it is centred again.
+    /// One past the last frame off the center: there it is centered again.
     end: usize,
     side: usize,
 }
 
-/// Unbroken stretches off the centre of one lane (and its successors), that begin and end centred.
+/// Unbroken stretches off the center of one lane (and its successors), that begin and end centered.
 fn excursions(scene: &Interaction<'_>, road: &Road) -> Vec<Excursion> {
     let Some(lanes) = scene.around.lanes else { return Vec::new() };
     let (mut found, mut open): (Vec<Excursion>, Option<Excursion>) = (Vec::new(), None);
@@ -100,7 +100,7 @@ fn excursions(scene: &Interaction<'_>, road: &Road) -> Vec<Excursion> {
     found
 }
 
-/// Frames from the turn back until centred, for an excursion that was an attempt.
+/// Frames from the turn back until centered, for an excursion that was an attempt.
 fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::ops::Range<usize>> {
     let (lanes, ego) = (scene.around.lanes?, scene.around.ego);
     let sign = if x.side == 0 { 1.0 } else { -1.0 };
@@ -125,7 +125,7 @@ fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::
     // What it steered itself: beside a lane that widens or forks, who drives straight on gave nothing up.
     let place = |i: usize| OnWay { position: ego.position[i], direction: scene.around.path.ego_heading[i] };
     let span = |from: usize, to: usize| (from..=to).step_by(3).map(place).collect::<Vec<_>>();
-    // From before it left the centre to after it was back, where it drives along the lane.
+    // From before it left the center to after it was back, where it drives along the lane.
     let (first, last) = (x.first.saturating_sub(ALONG_ROWS), (x.end + ALONG_ROWS).min(ego.len() - 1));
     let out = most_shifted(&span(first, peak), &span(peak, peak), sign);
     let back = most_shifted(&span(peak, peak), &span(peak, last), -sign);

@@ -12,7 +12,7 @@ use whyroad_model::{ObjectClass, Tri};
 
 /// From this distance ahead of the front bumper on two pass each other, m.
 const AHEAD_M: f64 = 30.0;
-/// Maximum distance beside the path for passing, m: centre to path.
+/// Maximum distance beside the path for passing, m: center to path.
 const BESIDE_M: f64 = 6.0;
 /// Two that near each other slower than this do not pass, m/s.
 const CLOSING_LEAST_MPS: f64 = 0.5;

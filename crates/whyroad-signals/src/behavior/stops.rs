@@ -1,7 +1,5 @@
 //! Standing and moving off, of the ego and of targets: how long, how often, when it ends.
 
-use crate::ego::motion::{STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS};
-use crate::series::below_with_hysteresis;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use whyroad_model::Tri;
@@ -70,13 +68,7 @@ impl Standing {
 
 /// Standing of all targets.
 pub fn targets_standing(scene: &Interaction<'_>) -> Vec<Standing> {
-    let of = |target: &crate::target::placement::Target<'_>| {
-        let track = target.track;
-        let times: Vec<f64> = track.frames.iter().map(|&f| scene.times[f as usize]).collect();
-        let speeds: Vec<f64> = (0..track.motion.len()).map(|r| track.motion.speed(r)).collect();
-        Standing::new(&times, &below_with_hysteresis(&speeds, STANDSTILL_SET_MPS, STANDSTILL_RELEASE_MPS))
-    };
-    scene.targets.iter().map(of).collect()
+    scene.targets.iter().map(|t| Standing::new(&t.times, &t.standstill)).collect()
 }
 
 /// Mean of `values` over the frames of the last `over` seconds, each weighted by the time until the next; NaN where

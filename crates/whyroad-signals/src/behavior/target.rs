@@ -91,21 +91,10 @@ fn brakes_suddenly(speed: f64, accel: f64) -> Tri {
 pub fn write(scene: &Interaction<'_>, standing: &[Standing], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let targets = scene.targets;
-    let mean_accel: Vec<Vec<f64>> = targets
-        .iter()
-        .map(|t| {
-            let times: Vec<f64> = t.track.frames.iter().map(|&f| scene.times[f as usize]).collect();
-            smooth(&times, &t.accel, MEAN_REACH_S)
-        })
-        .collect();
-    let backwards: Vec<Vec<Tri>> = targets
-        .iter()
-        .map(|t| {
-            let times: Vec<f64> = t.track.frames.iter().map(|&f| scene.times[f as usize]).collect();
-            let speeds: Vec<f64> = (0..times.len()).map(|r| t.track.motion.forward_speed(r)).collect();
-            reverses(t.track.class.is_vehicle(), &times, &speeds)
-        })
-        .collect();
+    let mean_accel: Vec<Vec<f64>> =
+        targets.iter().map(|t| smooth(&t.times, &t.accel, MEAN_REACH_S)).collect();
+    let backwards: Vec<Vec<Tri>> =
+        targets.iter().map(|t| reverses(t.track.class.is_vehicle(), &t.times, &t.forward_speed)).collect();
     table.flag(id::TARGET_REVERSES, rows.spread(targets, Tri::Unknown, |k, r, _| backwards[k][r]));
     table.flag(id::TARGET_STARTS, rows.spread(targets, Tri::Unknown, |k, r, _| standing[k].moves_off[r]));
     table.number(id::TARGET_TIME_STANDING, rows.spread(targets, f64::NAN, |k, r, _| standing[k].time[r]));
@@ -113,6 +102,6 @@ pub fn write(scene: &Interaction<'_>, standing: &[Standing], table: &mut TableBu
         id::TARGET_WAS_PARKED,
         rows.spread(targets, Tri::Unknown, |k, r, _| was_parked(&standing[k], r)),
     );
-    let sudden = |k: usize, r: usize| brakes_suddenly(targets[k].track.motion.speed(r), mean_accel[k][r]);
+    let sudden = |k: usize, r: usize| brakes_suddenly(targets[k].speed[r], mean_accel[k][r]);
     table.flag(id::TARGET_SUDDEN_BRAKE, rows.spread(targets, Tri::Unknown, |k, r, _| sudden(k, r)));
 }

@@ -1,4 +1,4 @@
-//! The catalogue as a page for readers: `docs/reference/signals.md`, written from `schema/signals.yaml` and checked
+//! The catalog as a page for readers: `docs/reference/signals.md`, written from `schema/signals.yaml` and checked
 //! by a test. The text before the tables is in `src/catalogue/preface.md`.
 
 use super::{Catalogue, SignalDef, SignalKind, SignalScope};
@@ -18,8 +18,10 @@ fn row(def: &SignalDef) -> String {
     let needs = if ids.is_empty() { "-".to_owned() } else { ids.join(", ") };
     let aliases: String = def.aliases.iter().map(|a| format!("<br>`{a}`")).collect();
     format!(
-        "| `{}`{aliases} | {} | {}<br>{} | {} | {} |\n",
+        "| `{}`{aliases}<br>{}<br>{} | {} | {}<br>{} | {} | {} |\n",
         def.name,
+        escape(&def.title.en),
+        escape(&def.title.zh),
         values(def),
         escape(&def.meaning.en),
         escape(&def.meaning.zh),

@@ -1,8 +1,9 @@
 //! Reading `schema/signals.yaml` entry by entry, each checked against the signal of that name that is compiled in.
 
 use super::{Catalogue, SignalDef, SignalKind};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::catalogue::{SignalScope, SignalType};
+use whyroad_model::signal::short_meaning;
 use whyroad_model::suggest::suggestion_or_known;
 use whyroad_model::units::{UNITS, Unit};
 use whyroad_model::yaml::{Fields, FileReport, FormCodes, Mark, Node};
@@ -33,7 +34,7 @@ static FORM: FormCodes = FormCodes {
     empty: "signals.text.empty",
 };
 
-/// The catalogue's file, relative to the framework's folder.
+/// The catalog's file, relative to the framework's folder.
 const FILE: &str = "schema/signals.yaml";
 
 /// The usable entries, and what is wrong with the others.
@@ -46,9 +47,10 @@ pub(super) fn read(text: &str) -> (Catalogue, Vec<Diagnostic>) {
 fn document(root: &Node, report: &mut FileReport<'_>) -> Option<Catalogue> {
     let mut fields = Fields::open(root, report)?;
     let version = fields.text("version", report).unwrap_or_default();
+    let values = fields.get("values").map_or_else(BTreeMap::new, |n| value_names(n, report));
     let signals = fields.need("signals", report);
     fields.close(report);
-    let mut catalogue = Catalogue { version, ..Catalogue::default() };
+    let mut catalogue = Catalogue { version, values, ..Catalogue::default() };
     let signals = signals?;
     // An entry with another fault is not missing.
     let mut listed: BTreeSet<SignalId> = BTreeSet::new();
@@ -61,7 +63,7 @@ fn document(root: &Node, report: &mut FileReport<'_>) -> Option<Catalogue> {
     for id in SignalId::ALL.iter().filter(|id| !listed.contains(id)) {
         let message = Bilingual::new(
             format!("信号目录缺少 '{id}'"),
-            format!("the catalogue has no entry for the signal '{id}'"),
+            format!("the catalog has no entry for the signal '{id}'"),
         );
         let at = Mark { span: 1, ..signals.mark };
         report.push(Diagnostic::error("signals.missing", message), at, &signals.pointer);
@@ -79,6 +81,7 @@ struct Written<'n> {
     scale: Option<(f64, &'n Node)>,
     values: (Vec<String>, Option<&'n Node>),
     needs: (Vec<Need>, &'n Node),
+    title: Option<Bilingual>,
     meaning: Bilingual,
     source: String,
     aliases: Vec<String>,
@@ -109,7 +112,8 @@ fn written<'n>(node: &'n Node, report: &mut FileReport<'_>) -> Option<Written<'n
     let values = values_node.map_or_else(Vec::new, |n| texts(n, report));
     let needs_node = f.need("needs", report);
     let needs = needs_node.map(|n| needs(n, report));
-    let meaning = f.need("meaning", report).and_then(|n| meaning(n, report));
+    let title = f.get("title").and_then(|n| bilingual(n, report));
+    let meaning = f.need("meaning", report).and_then(|n| bilingual(n, report));
     let source = f.text("source", report);
     let aliases = f.get("aliases").map_or_else(Vec::new, |n| texts(n, report));
     f.close(report);
@@ -122,6 +126,7 @@ fn written<'n>(node: &'n Node, report: &mut FileReport<'_>) -> Option<Written<'n
         scale,
         values: (values, values_node),
         needs: (needs?, needs_node?),
+        title,
         meaning: meaning?,
         source: source?,
         aliases,
@@ -160,7 +165,13 @@ fn scale(node: &Node, report: &mut FileReport<'_>) -> Option<f64> {
     value
 }
 
-fn meaning(node: &Node, report: &mut FileReport<'_>) -> Option<Bilingual> {
+/// `values`: what people are shown of the values of categories.
+fn value_names(node: &Node, report: &mut FileReport<'_>) -> BTreeMap<String, Bilingual> {
+    let entries = report.entries(node).unwrap_or_default();
+    entries.into_iter().filter_map(|e| Some((e.key.clone(), bilingual(&e.node, report)?))).collect()
+}
+
+fn bilingual(node: &Node, report: &mut FileReport<'_>) -> Option<Bilingual> {
     let mut f = Fields::open(node, report)?;
     let (zh, en) = (f.text("zh", report), f.text("en", report));
     f.close(report);
@@ -214,12 +225,19 @@ fn resolve(w: Written<'_>, report: &mut FileReport<'_>) -> Option<SignalDef> {
         scope: w.scope.0,
         kind,
         unit,
+        title: w.title.unwrap_or_else(|| beginning(&w.meaning)),
         meaning: w.meaning,
         needs: w.needs.0,
         source: w.source,
         scale: w.scale.map_or(1.0, |(s, _)| s * to_base),
         aliases: w.aliases,
     })
+}
+
+/// A title for a signal without one: the first words of its meaning.
+fn beginning(meaning: &Bilingual) -> Bilingual {
+    let short = |text: &str| short_meaning(text, |_| None);
+    Bilingual::new(short(&meaning.zh), short(&meaning.en))
 }
 
 /// The type of the entry, if it is the one that is compiled in, with the unit of a number.

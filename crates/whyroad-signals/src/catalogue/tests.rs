@@ -1,4 +1,4 @@
-//! The bundled catalogue is sound, and broken ones are refused with their own codes.
+//! The bundled catalog is sound, and broken ones are refused with their own codes.
 
 use super::*;
 
@@ -25,14 +25,14 @@ fn the_bundled_catalogue_has_no_errors_and_the_named_signals() {
     }
 }
 
-/// The bundled text with `from`, which it holds, replaced once by `to`; what is wrong with it, and the catalogue.
+/// The bundled text with `from`, which it holds, replaced once by `to`; what is wrong with it, and the catalog.
 fn changed(from: &str, to: &str) -> (Catalogue, Vec<Diagnostic>) {
     let text = include_str!("../../../../schema/signals.yaml");
     assert!(text.contains(from), "{from}");
     Catalogue::parse(&text.replacen(from, to, 1))
 }
 
-const SPEED: &str = "  - name: ego.speed\n    scope: frame\n    type: number\n    unit: m/s\n    scale: 5.0\n    needs: [ego pose]\n";
+const SPEED: &str = "  - name: ego.speed\n    title: { zh: 自车速度, en: speed of the ego }\n    scope: frame\n    type: number\n    unit: m/s\n    scale: 5.0\n    needs: [ego pose]\n";
 
 #[test]
 fn broken_entries_are_refused_one_by_one_where_they_are() {
@@ -41,21 +41,21 @@ fn broken_entries_are_refused_one_by_one_where_they_are() {
     let first = first.unwrap() + 1;
     // The change, the code, and the line below that of the name.
     let cases = [
-        ("unit: m/s", "unit: furlong", "signals.type", 3),
-        ("scale: 5.0", "scale: -1", "signals.type", 4),
-        ("    scale: 5.0\n", "", "signals.type", 2),
-        ("scope: frame", "scope: world", "signals.type", 1),
-        ("type: number", "type: figure", "signals.type", 2),
-        ("needs: [ego pose]", "needs: [luck]", "signals.needs", 5),
-        ("type: number", "type: flag", "signals.changed", 2),
-        ("scope: frame", "scope: target", "signals.changed", 1),
-        ("unit: m/s", "unit: m", "signals.changed", 3),
-        ("needs: [ego pose]", "needs: [map]", "signals.changed", 5),
+        ("unit: m/s", "unit: furlong", "signals.type", 4),
+        ("scale: 5.0", "scale: -1", "signals.type", 5),
+        ("    scale: 5.0\n", "", "signals.type", 3),
+        ("scope: frame", "scope: world", "signals.type", 2),
+        ("type: number", "type: figure", "signals.type", 3),
+        ("needs: [ego pose]", "needs: [luck]", "signals.needs", 6),
+        ("type: number", "type: flag", "signals.changed", 3),
+        ("scope: frame", "scope: target", "signals.changed", 2),
+        ("unit: m/s", "unit: m", "signals.changed", 4),
+        ("needs: [ego pose]", "needs: [map]", "signals.changed", 6),
         ("scale: 5.0", "scale: 5.0\n    aliases: [ego.accel]", "signals.name", 0),
-        ("unit: m/s", "units: m/s", "signals.field.unknown", 3),
+        ("unit: m/s", "units: m/s", "signals.field.unknown", 4),
         ("    scope: frame\n", "", "signals.field.missing", 0),
-        ("needs: [ego pose]", "needs: ego pose", "signals.field.type", 5),
-        ("unit: m/s", "unit: m/s\n    unit: m/s", "signals.field.duplicate", 4),
+        ("needs: [ego pose]", "needs: ego pose", "signals.field.type", 6),
+        ("unit: m/s", "unit: m/s\n    unit: m/s", "signals.field.duplicate", 5),
     ];
     for (from, to, code, below) in cases {
         let (catalogue, found) = changed(SPEED, &SPEED.replacen(from, to, 1));

@@ -54,7 +54,7 @@ fn dst(Approach { gap, closing }: Approach, theirs: impl FnOnce() -> f64) -> f64
     if room <= 0.0 { f64::INFINITY } else { 3.0 * closing * closing / (2.0 * room) }
 }
 
-/// Least lateral acceleration with which the ego (its centre on the path) is beside the target after `ttc`, m/s2. The
+/// Least lateral acceleration with which the ego (its center on the path) is beside the target after `ttc`, m/s2. The
 /// target keeps its sideways speed.
 fn a_lat_req(p: &Placement, ttc: f64, ego_width: f64) -> f64 {
     if ttc.is_nan() || ttc.is_infinite() {
@@ -94,20 +94,19 @@ fn exposure(target: &Target<'_>, ttc: impl Fn(&Placement) -> f64, times: &[f64])
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let (targets, around) = (scene.targets, scene.around);
-    let of = |value: &dyn Fn(usize, usize, &Placement, Approach) -> f64| {
-        rows.spread(targets, f64::NAN, |k, r, p| match p.and_then(|p| Some((p, closing_pair(p)?))) {
-            Some((p, pair)) => value(k, r, p, pair),
-            None => f64::NAN,
-        })
-    };
-    let needed = of(&|k, r, p, pair| a_long_req(pair, || accel_along(p, targets[k].accel[r])));
-    table.number(id::TARGET_BTN, needed.map(|a| a.abs() / BRAKE_MPS2));
+    let [needed, brake, steer, safety] = rows.placed_columns(targets, |k, r, p| {
+        let Some(pair) = closing_pair(p) else { return [f64::NAN; 4] };
+        let needed = a_long_req(pair, || accel_along(p, targets[k].accel[r]));
+        let aside = a_lat_req(p, ttc(pair), around.ego.width);
+        [needed, needed.abs() / BRAKE_MPS2, aside / STEER_MPS2, dst(pair, || along(p))]
+    });
     table.number(id::TARGET_A_LONG_REQ, needed);
-    let steer = |p: &Placement, pair| a_lat_req(p, ttc(pair), around.ego.width);
-    table.number(id::TARGET_STN, of(&|_, _, p, pair| steer(p, pair) / STEER_MPS2));
-    table.number(id::TARGET_DST, of(&|_, _, p, pair| dst(pair, || along(p))));
+    table.number(id::TARGET_BTN, brake);
+    table.number(id::TARGET_STN, steer);
+    table.number(id::TARGET_DST, safety);
     let ttc_of = |p: &Placement| closing_pair(p).map_or(f64::NAN, ttc);
     let sums: Vec<Vec<(f64, f64)>> = targets.iter().map(|t| exposure(t, ttc_of, scene.times)).collect();
-    table.number(id::TARGET_TET, rows.spread(targets, f64::NAN, |k, r, _| sums[k][r].0));
-    table.number(id::TARGET_TIT, rows.spread(targets, f64::NAN, |k, r, _| sums[k][r].1));
+    let [exposed, integrated] = rows.columns(|k, r, _| sums[k][r].into());
+    table.number(id::TARGET_TET, exposed);
+    table.number(id::TARGET_TIT, integrated);
 }

@@ -4,7 +4,7 @@
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{OrientedBox, P2, wrap};
 use crate::road::network::LEVEL_M;
-use crate::target::placement::Target;
+use crate::target::placement::{Placement, Target};
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
 use std::collections::BTreeSet;
@@ -132,17 +132,17 @@ impl EgoSweep {
     /// its size is unknown.
     pub fn pet(&self, target: &Target<'_>, times: &[f64]) -> Vec<f64> {
         let known: Vec<_> = target.places.iter().flatten().filter(|p| p.is_sized()).collect();
-        let travelled = known.first().zip(known.last()).map_or(0.0, |(a, _)| {
-            known.iter().map(|p| (p.footprint.centre - a.footprint.centre).norm()).fold(0.0, f64::max)
+        let travelled = known.first().is_some_and(|first| {
+            let away = |p: &&Placement| p.footprint.centre - first.footprint.centre;
+            known.iter().any(|p| away(p).norm() >= LEAST_TRAVEL_M)
         });
-        let encounters = if travelled >= LEAST_TRAVEL_M {
+        let encounters = if travelled {
             self.encounters(&stands(known.iter().map(|p| (times[p.frame], p.z, p.footprint))))
         } else {
             Vec::new()
         };
         let at = |t: f64| encounters.iter().filter(move |e| e.from <= t && t <= e.until).map(|e| e.pet);
-        let value =
-            |p: &crate::target::placement::Placement| at(times[p.frame]).fold(f64::INFINITY, f64::min);
+        let value = |p: &Placement| at(times[p.frame]).fold(f64::INFINITY, f64::min);
         target.places.iter().map(|p| p.as_ref().filter(|p| p.is_sized()).map_or(f64::NAN, value)).collect()
     }
 }

@@ -7,6 +7,7 @@ use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use crate::target::placement::{MOVING_MPS, Placement, Surroundings, Target};
 use crate::target::rows::Rows;
+use std::ops::Range;
 use whyroad_model::Tri;
 use whyroad_model::catalogue::id;
 
@@ -41,8 +42,16 @@ struct Crossing {
     s: f64,
 }
 
-/// The first crossing of the course with the path ahead of the ego's rear.
-fn crossing(p: &Placement, around: &Surroundings<'_>) -> Option<Crossing> {
+/// The segments of the path on which a crossing can be while the ego is at `ego_s`: from its rear to 150 m ahead.
+fn ahead(around: &Surroundings<'_>, ego_s: f64) -> Range<usize> {
+    let at = around.path.line.arc_lengths();
+    let first = at.partition_point(|&s| s <= ego_s - around.ego.length / 2.0).saturating_sub(1);
+    // The last point begins no segment.
+    first..at.partition_point(|&s| s <= ego_s + 150.0).min(at.len() - 1).max(first)
+}
+
+/// The first crossing of the course with these segments of the path, ahead of the ego's rear.
+fn crossing(p: &Placement, around: &Surroundings<'_>, among: &Range<usize>) -> Option<Crossing> {
     if p.speed() < MOVING_MPS || !p.same_level || !p.within_reach() {
         return None;
     }
@@ -51,17 +60,14 @@ fn crossing(p: &Placement, around: &Surroundings<'_>) -> Option<Crossing> {
     let rear = p.footprint.centre - direction * (length / 2.0);
     let (ego_s, half) = (around.path.ego_s[p.frame], around.ego.length / 2.0);
     let line = &around.path.line;
-    let (points, at) = (line.points(), line.arc_lengths());
-    let first = at.partition_point(|&s| s <= ego_s - half).saturating_sub(1);
+    let (points, at, lengths) = (line.points(), line.arc_lengths(), line.segment_lengths());
+    let least_sine = CROSSING_LEAST_RAD.sin();
     let mut best: Option<(f64, f64)> = None;
-    for i in line.segments_met(Ray { from: rear, direction, reach: REACH_M }, first) {
-        if at[i] > ego_s + 150.0 {
-            break;
-        }
+    for i in line.segments_met(Ray { from: rear, direction, reach: REACH_M }, among.clone()) {
         let segment = points[i + 1] - points[i];
         let across = direction.cross(segment);
         // sin of the angle, times the segment's length.
-        if across.abs() < CROSSING_LEAST_RAD.sin() * segment.norm() {
+        if across.abs() < least_sine * lengths[i] {
             continue;
         }
         let to = points[i] - rear;
@@ -87,7 +93,7 @@ fn crossing(p: &Placement, around: &Surroundings<'_>) -> Option<Crossing> {
     Some(Crossing { theirs: (x - length).max(0.0) / p.speed(), own, s })
 }
 
-/// Times at which the target's centre is recorded to pass over the path ahead of the ego, s.
+/// Times at which the target's center is recorded to pass over the path ahead of the ego, s.
 fn recorded(target: &Target<'_>, around: &Surroundings<'_>, times: &[f64]) -> Vec<f64> {
     let known: Vec<&Placement> = target.places.iter().flatten().collect();
     let crosses = |a: &Placement, b: &Placement| {
@@ -113,22 +119,20 @@ fn junction_ahead(junctions: &[Stretch], around: &Surroundings<'_>, frame: usize
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let (targets, around, times) = (scene.targets, scene.around, scene.times);
-    let found: Vec<Vec<Option<Crossing>>> = targets
-        .iter()
-        .map(|t| {
-            t.places.iter().map(|p| p.as_ref().filter(|p| p.is_sized()).and_then(|p| crossing(p, around)))
-        })
-        .map(Iterator::collect)
-        .collect();
-    let number = |value: fn(&Crossing) -> f64| {
-        rows.spread(targets, f64::NAN, |k, r, p| match p {
-            Some(p) if p.is_sized() && p.velocity.is_finite() => {
-                found[k][r].as_ref().map_or(f64::INFINITY, value)
-            }
-            _ => f64::NAN,
-        })
+    let path_ahead: Vec<Range<usize>> = around.path.ego_s.iter().map(|s| ahead(around, *s)).collect();
+    let crossed = |p: &Option<Placement>| {
+        let p = p.as_ref().filter(|p| p.is_sized())?;
+        crossing(p, around, &path_ahead[p.frame])
     };
-    let (theirs, own) = (number(|c| c.theirs), number(|c| c.own));
+    let found: Vec<Vec<Option<Crossing>>> =
+        targets.iter().map(|t| t.places.iter().map(crossed).collect()).collect();
+    let [theirs, own] = rows.placed_columns(targets, |k, r, p| {
+        if p.is_sized() && p.velocity.is_finite() {
+            found[k][r].map_or([f64::INFINITY; 2], |c| [c.theirs, c.own])
+        } else {
+            [f64::NAN; 2]
+        }
+    });
     table.number(id::TARGET_TIME_TO_CONFLICT, theirs);
     table.number(id::TARGET_EGO_TIME_TO_CONFLICT, own);
     let passed: Vec<Vec<f64>> = targets.iter().map(|t| recorded(t, around, times)).collect();

@@ -7,7 +7,7 @@ use crate::target::approach::CLOSING_LEAST_MPS;
 use crate::target::placement::{Approach, Placement, Surroundings, Target};
 use crate::target::rows::Rows;
 use whyroad_model::ObjectClass;
-use whyroad_model::catalogue::{Number, PerTarget, Signal, id};
+use whyroad_model::catalogue::id;
 use whyroad_model::scene::Drive;
 
 /// Below this speed the ego is at standstill, and has no headway, m/s.
@@ -73,16 +73,20 @@ fn ttc_box(p: &Placement, class: ObjectClass, ego: &EgoMotion) -> f64 {
 pub fn write(drive: &Drive, around: &Surroundings<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     let ego = around.ego;
-    let mut number = |id: Signal<PerTarget, Number>, value: &dyn Fn(&Placement) -> f64| {
-        table.number(id, rows.placed(targets, f64::NAN, value));
-    };
-    number(id::TARGET_DISTANCE, &|p| p.distance);
-    number(id::TARGET_GAP, &|p| p.approach.gap);
-    number(id::TARGET_TTC, &|p| ttc(p.approach));
-    number(id::TARGET_DRAC, &|p| drac(p.approach));
-    number(id::TARGET_THW, &|p| thw(p.approach.gap, ego.forward_speed[p.frame]));
-    let boxes = |k: usize, p: Option<&Placement>| {
-        p.map_or(f64::NAN, |p: &Placement| ttc_box(p, targets[k].track.class, ego))
-    };
-    table.number(id::TARGET_TTC_BOX, rows.spread(targets, f64::NAN, |k, _, p| boxes(k, p)));
+    let [distance, gap, along_path, effort, headway, boxes] = rows.placed_columns(targets, |k, _, p| {
+        [
+            p.distance,
+            p.approach.gap,
+            ttc(p.approach),
+            drac(p.approach),
+            thw(p.approach.gap, ego.forward_speed[p.frame]),
+            ttc_box(p, targets[k].track.class, ego),
+        ]
+    });
+    table.number(id::TARGET_DISTANCE, distance);
+    table.number(id::TARGET_GAP, gap);
+    table.number(id::TARGET_TTC, along_path);
+    table.number(id::TARGET_DRAC, effort);
+    table.number(id::TARGET_THW, headway);
+    table.number(id::TARGET_TTC_BOX, boxes);
 }

@@ -20,7 +20,7 @@ const HORIZON_S: f64 = 30.0;
 const BOX_HORIZON_S: f64 = 10.0;
 /// Boxes nearer than this touch, m.
 const TOUCH_M: f64 = 0.01;
-/// Boxes are not looked at more often than this, s: what it can hide is a graze of centimetres.
+/// Boxes are not looked at more often than this, s: what it can hide is a graze of centimeters.
 const LEAST_STEP_S: f64 = 0.02;
 
 /// Motion along a line: speed m/s and acceleration m/s2; it ends where the speed reaches zero.
@@ -56,7 +56,7 @@ impl Line {
     }
 }
 
-/// First time at which `behind` has gained `gap` metres on `ahead`, s; infinite beyond the horizon.
+/// First time at which `behind` has gained `gap` meters on `ahead`, s; infinite beyond the horizon.
 fn time_to_close(gap: f64, behind: Line, ahead: Line) -> f64 {
     let mut borders = [0.0, behind.stops_after(), ahead.stops_after(), HORIZON_S];
     borders.sort_by(f64::total_cmp);

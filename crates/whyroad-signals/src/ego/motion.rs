@@ -21,9 +21,9 @@ const CURVATURE_LEAST_SPEED_MPS: f64 = 0.5;
 /// The ego's motion by frame, each vector as long as the drive; NaN is unknown.
 #[derive(Clone, Debug)]
 pub struct EgoMotion {
-    /// Box centre, m, world.
+    /// Box center, m, world.
     pub position: Vec<P2>,
-    /// Height of the box centre, m.
+    /// Height of the box center, m.
     pub z: Vec<f64>,
     /// rad, (-pi, pi].
     pub heading: Vec<f64>,
@@ -54,7 +54,7 @@ pub(crate) fn given_or_slope(given: &[f64], times: &[f64], values: &[f64]) -> Ve
 }
 
 /// Speed and distance that no vehicle exceeds between two known positions, m/s and m. What is derived walks along the
-/// driven path in steps of a metre or less: a position that leaps to another continent would make it walk there.
+/// driven path in steps of a meter or less: a position that leaps to another continent would make it walk there.
 const LEAP_MPS: f64 = 150.0;
 const LEAP_M: f64 = 500.0;
 /// Maximum length of the driven path, m.
@@ -128,7 +128,7 @@ impl EgoMotion {
         self.sd.as_ref().map_or_else(Vec::new, of)
     }
 
-    /// From the box centre to the front bumper, m; 0 where the length is unknown.
+    /// From the box center to the front bumper, m; 0 where the length is unknown.
     pub fn front(&self) -> f64 {
         if self.length.is_finite() { self.length / 2.0 } else { 0.0 }
     }

@@ -1,4 +1,4 @@
-//! How a vehicle moves: a bicycle whose rear axle follows its heading. State: position of the box centre (m), heading
+//! How a vehicle moves: a bicycle whose rear axle follows its heading. State: position of the box center (m), heading
 //! (rad), forward speed (m/s, negative in reverse), yaw rate (rad/s), acceleration along the heading (m/s2).
 //! Acceleration changes by white jerk, yaw rate so that the lateral acceleration does.
 
@@ -35,7 +35,7 @@ const DRIFT_RAD: f64 = 0.005;
 /// The model for one vehicle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bicycle {
-    /// From the rear axle to the box centre, m.
+    /// From the rear axle to the box center, m.
     pub rear_to_centre_m: f64,
 }
 

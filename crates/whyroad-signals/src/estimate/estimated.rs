@@ -304,7 +304,7 @@ fn noise_of(drive: &Drive, measured: &[Measured], ego: Option<&Measured>) -> Dri
 }
 
 /// The noise of one track: that of its kind, or its own where it is badly tracked (a box that jumps to and fro along a
-/// long vehicle, or one far off that is placed anew twice a second).
+/// long vehicle, or one far off that is placed again twice a second).
 fn of_one(kind: LogNoise, measured: &Measured) -> LogNoise {
     let known = measured.x.iter().filter(|x| x.is_finite()).count();
     let (Some(first), Some(last)) = (measured.times.first(), measured.times.last()) else { return kind };

@@ -64,7 +64,9 @@ pub fn smooth<const N: usize, M: Model<N>>(
             let dt = times[row] - times[row - 1];
             let noise = model.noise(&state, dt);
             (state, transition) = model.predict(&state, dt);
-            let moved = product(&product(&transition, &covariance), &transposed(&transition));
+            // F P F', with the mostly empty F on the left both times.
+            let moved = product(&transition, &transposed(&product(&transition, &covariance)));
+            let moved = transposed(&moved);
             covariance = symmetric(&sum(&moved, &noise));
         }
         let predicted = (state, covariance);

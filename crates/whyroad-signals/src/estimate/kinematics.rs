@@ -19,7 +19,7 @@ const ACCELERATION_REACH: usize = 3;
 /// A heading that turns by more than this between two rows was re-labelled (front and rear swapped), not turned, rad.
 const MAX_HEADING_STEP_RAD: f64 = FRAC_PI_2;
 
-/// What follows from positions; one value a row, NaN where a row has too few neighbours.
+/// What follows from positions; one value a row, NaN where a row has too few neighbors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Derived {
     /// m/s along x.

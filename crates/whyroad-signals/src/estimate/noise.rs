@@ -23,7 +23,7 @@ const MOST_SAMPLES: usize = 40_000;
 const MEDIAN_OF_SQUARE: f64 = 0.454_936;
 /// Variance of a difference of third order of white noise of variance 1.
 const OF_WHITE_THIRD: f64 = 20.0;
-/// Steps further apart than this are no neighbours, s.
+/// Steps further apart than this are no neighbors, s.
 const MAX_STEP_S: f64 = 1.1;
 
 /// Noise of one measured quantity, standard deviations in its unit.

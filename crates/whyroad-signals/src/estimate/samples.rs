@@ -58,7 +58,7 @@ pub(super) fn follow(measured: &Measured, given: &Motion, motion: &mut Motion) {
 }
 
 /// Velocity at a sample: what the log states of it; else along the heading the mean of the slopes either side, and
-/// across it one that passes neither neighbour.
+/// across it one that passes neither neighbor.
 fn velocity(
     measured: &Measured,
     row: usize,

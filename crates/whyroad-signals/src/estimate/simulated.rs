@@ -32,7 +32,7 @@ impl Truth {
             let w = if (5.0..9.0).contains(&t) { 0.15 * ((t - 5.0).min(9.0 - t)).min(1.0) } else { 0.0 };
             if k % 100 == 0 {
                 out.times.push(t);
-                // The pose is that of the box centre, ahead of the rear axle.
+                // The pose is that of the box center, ahead of the rear axle.
                 out.x.push(x + lever * f64::cos(heading));
                 out.y.push(y + lever * f64::sin(heading));
                 out.heading.push(wrap(heading));

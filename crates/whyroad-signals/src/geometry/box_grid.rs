@@ -112,7 +112,7 @@ impl BoxGrid {
         cell.into_iter().flat_map(|cell| self.in_cell(cell)).filter(holds).map(|(k, _)| *k as usize)
     }
 
-    /// Numbers of the boxes within `reach` metres of `p` on each axis, ascending, each once.
+    /// Numbers of the boxes within `reach` meters of `p` on each axis, ascending, each once.
     pub fn near(&self, p: P2, reach: f64) -> Vec<usize> {
         let mut found = Vec::new();
         if self.boxes.is_empty() {

@@ -7,7 +7,7 @@ use super::polyline::segment_distance2;
 /// made: each box is asked for them many times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
-    /// Centre, m.
+    /// Center, m.
     pub centre: P2,
     /// Direction of the length, rad.
     pub heading: f64,
@@ -29,6 +29,12 @@ impl OrientedBox {
     /// A box without extent.
     pub fn point(centre: P2) -> Self {
         Self { centre, heading: 0.0, length: 0.0, width: 0.0, direction: P2 { x: 1.0, y: 0.0 }, radius: 0.0 }
+    }
+
+    /// True for the same bits, so that whatever is worked out from either is the same.
+    pub fn has_bits_of(&self, other: &OrientedBox) -> bool {
+        let bits = |b: &OrientedBox| [b.heading, b.length, b.width].map(f64::to_bits);
+        self.centre.has_bits_of(other.centre) && bits(self) == bits(other)
     }
 
     /// The same box elsewhere.

@@ -1,6 +1,11 @@
-//! A polyline by arc length: the driven path, a lane's centre line, an edge. Beyond its ends it goes on straight.
+//! A polyline by arc length: the driven path, a lane's center line, an edge. Beyond its ends it goes on straight. The
+//! search for the point on it that is nearest to a place is in `nearest`.
+
+mod nearest;
 
 use super::P2;
+use nearest::{BLOCK, Block, Segments};
+pub use nearest::{Foot, Projection, Window};
 use std::ops::Range;
 
 /// A polyline with the arc length at each point.
@@ -8,10 +13,11 @@ use std::ops::Range;
 pub struct Polyline {
     points: Vec<P2>,
     s: Vec<f64>,
-    blocks: Vec<Block>,
-    segments: Vec<Segment>,
+    segments: Segments,
     /// Unit vectors of the segments.
     directions: Vec<P2>,
+    /// Lengths of the segments, m.
+    lengths: Vec<f64>,
     places: Places,
 }
 
@@ -38,73 +44,6 @@ impl Places {
     }
 }
 
-/// A segment as the search for the nearest one reads it.
-#[derive(Clone, Copy, Debug)]
-struct Segment {
-    from: P2,
-    /// From its first point to its second.
-    along: P2,
-    /// One divided by its squared length.
-    inverse: f64,
-    /// Shares of the segment between which a foot point can be: the first and the last segment go on straight.
-    low: f64,
-    high: f64,
-}
-
-impl Segment {
-    /// Squared distance of `p`, to within rounding: without division.
-    fn about(&self, p: P2) -> f64 {
-        let to = p - self.from;
-        let share = to.dot(self.along) * self.inverse;
-        let share = if share < self.low { self.low } else { share };
-        let share = if share > self.high { self.high } else { share };
-        let away = to - self.along * share;
-        away.dot(away)
-    }
-}
-
-/// Number of segments per block.
-const BLOCK: usize = 16;
-
-/// Up to this number of segments are looked at together.
-const MOST: usize = 2 * BLOCK;
-
-/// Some segments of a polyline, one after another.
-#[derive(Clone, Copy, Debug)]
-pub struct Window {
-    first: usize,
-    end: usize,
-}
-
-/// A circle around some segments: who is farther from it than from a segment elsewhere need not look at these.
-#[derive(Clone, Copy, Debug)]
-struct Block {
-    centre: P2,
-    radius: f64,
-}
-
-impl Block {
-    fn around(points: &[P2]) -> Self {
-        let (first, last) = (points[0], points[points.len() - 1]);
-        let centre = (first + last) * 0.5;
-        let radius = points.iter().map(|p| (*p - centre).norm()).fold(0.0, f64::max);
-        Self { centre, radius }
-    }
-
-    /// Squared distance of `p` from its centre.
-    fn away2(&self, p: P2) -> f64 {
-        let away = p - self.centre;
-        away.dot(away)
-    }
-
-    /// True when a segment of it can be as near to `p` as `distance`. Sometimes true where it is not: the foot points
-    /// are rounded too, and one that is left out must not have been the nearest.
-    fn may_be_within(&self, p: P2, distance: f64) -> bool {
-        let reach = (self.radius + distance) * (1.0 + 1e-8) + 1e-5;
-        self.away2(p) <= reach * reach
-    }
-}
-
 /// A straight way from a point, up to some distance.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
@@ -125,30 +64,20 @@ impl Ray {
     }
 }
 
-/// Where a point lies along and beside a polyline.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Projection {
-    /// Arc length of the foot point, m; negative before the start, beyond the length after the end.
-    pub s: f64,
-    /// Signed distance, left positive, m.
-    pub lateral: f64,
-    /// The segment used.
-    pub segment: usize,
-}
-
 impl Polyline {
     /// A polyline through `points`, repeated ones dropped; `None` when fewer than two distinct points are left.
     pub fn new(points: impl IntoIterator<Item = P2>) -> Option<Self> {
         let mut kept: Vec<P2> = Vec::new();
-        let mut s = Vec::new();
+        let (mut s, mut lengths) = (Vec::new(), Vec::new());
         for p in points {
             match (kept.last(), s.last()) {
                 (Some(&q), Some(&at)) => {
                     let d = (p - q).norm();
-                    // A millimetre: shorter segments have no usable direction.
+                    // A millimeter: shorter segments have no usable direction.
                     if d > 1e-3 {
                         kept.push(p);
                         s.push(at + d);
+                        lengths.push(d);
                     }
                 }
                 _ if p.is_finite() => {
@@ -161,23 +90,11 @@ impl Polyline {
         if kept.len() < 2 {
             return None;
         }
-        let last = kept.len() - 1;
-        let blocks = (0..last).step_by(BLOCK).map(|i| Block::around(&kept[i..=(i + BLOCK).min(last)]));
-        let segment = |i: usize| {
-            let length = s[i + 1] - s[i];
-            let low = if i > 0 { 0.0 } else { f64::NEG_INFINITY };
-            let high = if i + 1 < last { 1.0 } else { f64::INFINITY };
-            let (from, along) = (kept[i], kept[i + 1] - kept[i]);
-            Segment { from, along, inverse: 1.0 / (length * length), low, high }
-        };
-        let segments = (0..last).map(segment).collect();
-        let unit = |w: &[P2]| {
-            let d = w[1] - w[0];
-            d * (1.0 / d.norm())
-        };
-        let directions = kept.windows(2).map(unit).collect();
-        let (blocks, places) = (blocks.collect(), Places::new(&s));
-        Some(Self { blocks, segments, points: kept, s, directions, places })
+        let segments = Segments::new(&kept, &s);
+        let unit = |(w, length): (&[P2], &f64)| (w[1] - w[0]) * (1.0 / length);
+        let directions = kept.windows(2).zip(&lengths).map(unit).collect();
+        let places = Places::new(&s);
+        Some(Self { segments, points: kept, s, directions, lengths, places })
     }
 
     /// The points.
@@ -188,6 +105,11 @@ impl Polyline {
     /// Arc length at each point.
     pub fn arc_lengths(&self) -> &[f64] {
         &self.s
+    }
+
+    /// Lengths of its segments, m.
+    pub fn segment_lengths(&self) -> &[f64] {
+        &self.lengths
     }
 
     /// Length, m.
@@ -236,7 +158,7 @@ impl Polyline {
 
     /// Nearest foot point of `p` over the whole line.
     pub fn project(&self, p: P2) -> Projection {
-        self.project_segments(p, 0, self.points.len() - 1)
+        self.project_within(p, Window { first: 0, end: self.points.len() - 1 })
     }
 
     /// Nearest foot point of `p` among the segments that touch arc lengths `from..=to`. Keeps lines that cross
@@ -252,74 +174,26 @@ impl Polyline {
 
     /// Nearest foot point of `p` among these segments.
     pub fn project_within(&self, p: P2, window: Window) -> Projection {
-        self.project_segments(p, window.first, window.end)
+        self.foot(p, window, None).at
     }
 
-    fn project_segments(&self, p: P2, first: usize, end: usize) -> Projection {
-        let mut best = Nearest::none(first);
-        if end - first <= MOST {
-            self.look(p, first..end, &mut best);
-            return best.at;
-        }
-        // The block that is nearest first: with what is found there, most of the others need no look.
-        let blocks = first / BLOCK..end.div_ceil(BLOCK);
-        let segments = |b: usize| (b * BLOCK).max(first)..((b + 1) * BLOCK).min(end);
-        let mut nearest = (f64::INFINITY, blocks.start);
-        for b in blocks.clone() {
-            let away2 = self.blocks[b].away2(p);
-            if away2 < nearest.0 {
-                nearest = (away2, b);
-            }
-        }
-        self.look(p, segments(nearest.1), &mut best);
-        // The ends go on beyond their blocks.
-        let open = |b: usize| b == 0 || b + 1 == self.blocks.len();
-        for b in blocks.filter(|b| *b != nearest.1) {
-            if open(b) || self.blocks[b].may_be_within(p, best.d2.sqrt()) {
-                self.look(p, segments(b), &mut best);
-            }
-        }
-        best.at
+    /// Nearest foot point of `p` among these segments; the search begins near `before`, the foot point of a place that
+    /// was near. The result does not depend on it.
+    pub fn foot(&self, p: P2, window: Window, before: Option<&Foot>) -> Foot {
+        self.segments.foot(p, window, before)
     }
 
-    /// Looks for a nearer foot point on these segments, at most [`MOST`]; of equally near ones the first on the line is
-    /// taken.
-    fn look(&self, p: P2, segments: Range<usize>, best: &mut Nearest) {
-        let n = self.points.len() - 1;
-        // Without division, to within rounding: which segments can be the nearest.
-        let mut about = [f64::INFINITY; MOST];
-        for (segment, about) in self.segments[segments.clone()].iter().zip(&mut about) {
-            *about = segment.about(p);
-        }
-        let least = least_of(&about).min(best.d2);
-        let enough = least * (1.0 + 1e-9) + 1e-8;
-        for (i, _) in segments.zip(&about).filter(|(_, about)| **about <= enough) {
-            let Segment { from: a, along: ab, .. } = self.segments[i];
-            let length = self.s[i + 1] - self.s[i];
-            let mut along = (p - a).dot(ab) / length;
-            // The first and last segment go on straight; between them the foot stays on the segment.
-            if i > 0 {
-                along = along.max(0.0);
-            }
-            if i + 1 < n {
-                along = along.min(length);
-            }
-            let foot = a + ab * (along / length);
-            let away = p - foot;
-            let d2 = away.dot(away);
-            if d2 < best.d2 || (d2 == best.d2 && i < best.at.segment) {
-                let side = if ab.cross(p - a) >= 0.0 { 1.0 } else { -1.0 };
-                let at = Projection { s: self.s[i] + along, lateral: side * d2.sqrt(), segment: i };
-                *best = Nearest { d2, at };
-            }
-        }
+    /// [`Polyline::foot`] of the place `p` whose foot point was `before`, now among other segments: only those are
+    /// looked at that were not among the ones before.
+    pub fn foot_again(&self, p: P2, window: Window, before: &Foot) -> Foot {
+        self.segments.foot_again(p, window, before)
     }
 
-    /// The segments from `first` on that the ray can meet, and some more, ascending.
-    pub fn segments_met(&self, ray: Ray, first: usize) -> impl Iterator<Item = usize> {
-        let n = self.points.len() - 1;
-        let blocks = (first / BLOCK..self.blocks.len()).filter(move |b| ray.may_touch(&self.blocks[*b]));
-        blocks.flat_map(move |b| (b * BLOCK).max(first)..((b + 1) * BLOCK).min(n))
+    /// Those of these segments that the ray can meet, and some more, ascending.
+    pub fn segments_met(&self, ray: Ray, among: Range<usize>) -> impl Iterator<Item = usize> {
+        let blocks = among.start / BLOCK..among.end.div_ceil(BLOCK);
+        let touched = blocks.filter(move |b| ray.may_touch(&self.segments.blocks[*b]));
+        touched.flat_map(move |b| (b * BLOCK).max(among.start)..((b + 1) * BLOCK).min(among.end))
     }
 
     /// Smallest distance of `p` from the line itself (not its continuation), m.
@@ -338,19 +212,6 @@ impl Polyline {
     }
 }
 
-fn least_of(values: &[f64; MOST]) -> f64 {
-    // Four by four: none waits for the one before it.
-    let mut least = [f64::INFINITY; 4];
-    for four in values.chunks_exact(4) {
-        for (least, value) in least.iter_mut().zip(four) {
-            if *value < *least {
-                *least = *value;
-            }
-        }
-    }
-    least.into_iter().fold(f64::INFINITY, f64::min)
-}
-
 /// Linear interpolation of `values` over ascending `at`, constant outside.
 pub fn interpolate(at: &[f64], values: &[f64], s: f64) -> f64 {
     between(at, values, s, at.partition_point(|&v| v <= s))
@@ -366,18 +227,6 @@ fn between(at: &[f64], values: &[f64], s: f64, i: usize) -> f64 {
     }
     let t = (s - at[i - 1]) / (at[i] - at[i - 1]);
     values[i - 1] + t * (values[i] - values[i - 1])
-}
-
-/// The nearest foot point so far.
-struct Nearest {
-    d2: f64,
-    at: Projection,
-}
-
-impl Nearest {
-    fn none(segment: usize) -> Self {
-        Self { d2: f64::INFINITY, at: Projection { s: 0.0, lateral: 0.0, segment } }
-    }
 }
 
 /// Squared distance of `p` from the segment `a b`.

@@ -12,9 +12,9 @@ pub struct Body {
     pub class: ObjectClass,
     /// Frames from its first to its last observation.
     pub frames: FrameRange,
-    /// Box centre, m, world; NaN where it is not observed.
+    /// Box center, m, world; NaN where it is not observed.
     pub position: Vec<P2>,
-    /// Height of the box centre, m.
+    /// Height of the box center, m.
     pub z: Vec<f64>,
     /// rad.
     pub heading: Vec<f64>,

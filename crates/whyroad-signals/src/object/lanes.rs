@@ -24,7 +24,7 @@ const MOST_SEGMENTS: usize = 200;
 pub struct BodyLanes {
     /// Places assigned to what drives in lanes, by object and row.
     pub places: Vec<Vec<Option<LanePlace>>>,
-    /// The lane of each, by object and row: the assigned one, else that under the centre.
+    /// The lane of each, by object and row: the assigned one, else that under the center.
     pub lanes: Vec<Vec<Option<usize>>>,
     chains: RefCell<BTreeMap<usize, Rc<BTreeSet<usize>>>>,
     sides: RefCell<BTreeMap<usize, Rc<Sides>>>,
@@ -101,7 +101,7 @@ fn places(road: &Road, body: &Body) -> Vec<Option<LanePlace>> {
     assign(road, &rows, tether)
 }
 
-/// The lane under the centre; of several (in junctions they overlap) the one whose centre line is nearest.
+/// The lane under the center; of several (in junctions they overlap) the one whose center line is nearest.
 fn lane_under(road: &Road, body: &Body, i: usize) -> Option<usize> {
     let p = body.position[i];
     if !p.is_finite() {
@@ -154,7 +154,7 @@ fn chain(road: &Road, lane: usize) -> BTreeSet<usize> {
     found
 }
 
-/// A lane of the other direction beside this one: beyond the edge that has no neighbour of the same direction.
+/// A lane of the other direction beside this one: beyond the edge that has no neighbor of the same direction.
 fn opposite_of(road: &Road, lane: usize) -> Option<usize> {
     let own = &road.lanes[lane];
     if own.in_junction {

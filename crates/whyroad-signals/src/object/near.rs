@@ -56,7 +56,7 @@ pub fn pairs(bodies: &[Body], between: Option<&PairClasses>) -> (Vec<PairSpan>, 
 struct Outline {
     is_first: bool,
     is_second: bool,
-    /// From the box centre to a corner by frame, m; 0 where a size is unknown.
+    /// From the box center to a corner by frame, m; 0 where a size is unknown.
     radius: Vec<f64>,
     /// The least and greatest position of a box, with its radius.
     least: P2,
@@ -109,7 +109,7 @@ fn radius_of(body: &Body, i: usize) -> f64 {
     if radius.is_finite() { radius } else { 0.0 }
 }
 
-/// Box to box within reach; by the centres where a size is unknown.
+/// Box to box within reach; by the centers where a size is unknown.
 fn is_near((a, i, of_a): (&Body, usize, f64), (b, k, of_b): (&Body, usize, f64)) -> bool {
     let apart = b.position[k] - a.position[i];
     if apart.dot(apart) <= PAIR_REACH_M * PAIR_REACH_M * (1.0 - 1e-9) {

@@ -33,7 +33,7 @@ impl Meeting<'_> {
         sized(self.a, self.i) && sized(self.b, self.k)
     }
 
-    /// The second one's centre in the first one's axes.
+    /// The second one's center in the first one's axes.
     fn seen(&self) -> P2 {
         self.a.sees(self.i, self.b.position[self.k])
     }

@@ -35,7 +35,7 @@ fn touches(edge: &(P2, P2), strip: &[P2; 4]) -> bool {
 }
 
 /// Parts of the path that lie in the facility or have some of it straight beside them, no farther than `reach` m. To
-/// half a metre.
+/// half a meter.
 pub fn parts(path: &DrivenPath, facility: &Facility, reach: f64) -> Vec<Stretch> {
     let corners: Vec<P2> = facility.boundary.iter().map(|p| p2(p.x, p.y)).collect();
     let n = corners.len();

@@ -13,7 +13,7 @@ pub const BEHIND_M: f64 = 110.0;
 /// A lane and its continuation, by arc length.
 #[derive(Clone, Debug)]
 pub struct Corridor {
-    /// Centre line.
+    /// Center line.
     pub line: Polyline,
     left: Vec<f64>,
     right: Vec<f64>,
@@ -97,7 +97,7 @@ impl Corridor {
         self.base_start + place.s
     }
 
-    /// Distances from the centre line to the left and right edge at `s`, m.
+    /// Distances from the center line to the left and right edge at `s`, m.
     pub fn widths_at(&self, s: f64) -> (f64, f64) {
         (self.line.interpolate(&self.left, s), self.line.interpolate(&self.right, s))
     }

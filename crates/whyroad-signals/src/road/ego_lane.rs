@@ -12,7 +12,7 @@ use whyroad_model::Tri;
 use whyroad_model::catalogue::{Number, PerFrame, Signal, id};
 use whyroad_model::road_map::LaneKind;
 
-/// A side must be this far over a line to count, m: boxes and maps are good to about a decimetre.
+/// A side must be this far over a line to count, m: boxes and maps are good to about a decimeter.
 pub const OVER_LINE_M: f64 = 0.1;
 
 /// A side must be this far inside a lane of oncoming traffic to take up room there, m.
@@ -32,9 +32,9 @@ pub struct EgoLane {
 pub struct OnCorridor<'a> {
     /// The corridor of the ego's lane.
     pub corridor: &'a Corridor,
-    /// Arc length of the ego's centre on it, m.
+    /// Arc length of the ego's center on it, m.
     pub s: f64,
-    /// Offset of the ego's centre, left positive, m.
+    /// Offset of the ego's center, left positive, m.
     pub lateral: f64,
     /// The lane.
     pub lane: usize,
@@ -76,7 +76,7 @@ pub fn lane_count(road: &Road, lane: usize) -> f64 {
     let mut count = 1;
     for side in 0..2 {
         let mut at = lane;
-        // Bounded: a map whose neighbours form a ring must not hang us.
+        // Bounded: a map whose neighbors form a ring must not hang us.
         for _ in 0..16 {
             let Some(next) = road.lanes[at].neighbours[side] else { break };
             at = next;

@@ -61,7 +61,7 @@ pub fn stretches(
     found
 }
 
-/// Distance from the front bumper to the next stretch, 0 from reaching it until the centre has left it.
+/// Distance from the front bumper to the next stretch, 0 from reaching it until the center has left it.
 pub fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
     if ego_s.is_nan() {
         return f64::NAN;
@@ -187,7 +187,7 @@ impl Encounters {
         Self { junctions, crosswalks, ways }
     }
 
-    /// The junction in which the ego's centre is at `ego_s`, else the next whose distance from its front is within
+    /// The junction in which the ego's center is at `ego_s`, else the next whose distance from its front is within
     /// `reach`.
     pub fn here_or_next(&self, ego_s: f64, front: f64, reach: f64) -> Option<usize> {
         let next = self.junctions.iter().position(|j| j.to >= ego_s)?;

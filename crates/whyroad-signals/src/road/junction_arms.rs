@@ -12,7 +12,7 @@ use whyroad_model::road_map::LaneKind;
 const SAME_ARM_RAD: f64 = 25.0 * PI / 180.0;
 /// And when they are no farther apart than this: two carriageways with a strip between them, m.
 const SAME_ARM_M: f64 = 20.0;
-/// The direction of an arm is that of its first metres, m.
+/// The direction of an arm is that of its first meters, m.
 const DIRECTION_M: f64 = 10.0;
 /// Two arms this near to a straight line are opposite, rad: 30 deg.
 const OPPOSITE_RAD: f64 = 30.0 * PI / 180.0;

@@ -1,4 +1,4 @@
-//! Lane changes of an actor from its sequence of lanes: from where it leaves the old lane's centre until it is
+//! Lane changes of an actor from its sequence of lanes: from where it leaves the old lane's center until it is
 //! stable in the new one (LABELING.md 4: phases execute and complete). The two lanes lie beside each other and run
 //! the same way; a successor is no lane change, however the map draws the joint.
 
@@ -15,9 +15,9 @@ use whyroad_model::catalogue::value::EgoLaneChange;
 const LATERAL_MPS: f64 = 0.1;
 /// Standard deviations that the speed across and the offset must exceed too.
 const DEVIATIONS: f64 = 1.5;
-/// Within this of the new lane's centre it has arrived, m (LABELING.md 4).
+/// Within this of the new lane's center it has arrived, m (LABELING.md 4).
 const CENTRED_M: f64 = 0.3;
-/// Without lateral motion for this long it is stable too, if not in the centre, s.
+/// Without lateral motion for this long it is stable too, if not in the center, s.
 const SETTLED_S: f64 = 2.0;
 /// A pause in the lateral motion shorter than this does not part the beginning, s.
 const PAUSE_S: f64 = 0.5;
@@ -46,7 +46,7 @@ pub enum Side {
 /// One lane change, in rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// First row: it leaves the old lane's centre.
+    /// First row: it leaves the old lane's center.
     pub start: usize,
     /// First row in the new lane: half of it is there.
     pub crossing: usize,
@@ -99,12 +99,12 @@ impl Rows<'_> {
         self.aside.get(row).map_or(LATERAL_MPS, |a| LATERAL_MPS.max(DEVIATIONS * a.speed_mps))
     }
 
-    /// Distance from the centre within which it has arrived, m: not less than its noise.
+    /// Distance from the center within which it has arrived, m: not less than its noise.
     fn centred_m(&self, row: usize) -> f64 {
         self.aside.get(row).map_or(CENTRED_M, |a| CENTRED_M.max(DEVIATIONS * a.place_m))
     }
 
-    /// Offset from a corridor's centre and speed across it, both positive towards `sign`.
+    /// Offset from a corridor's center and speed across it, both positive towards `sign`.
     fn across(&self, corridor: &Corridor, row: usize, sign: f64) -> (f64, f64) {
         let at = corridor.line.project(self.position[row]);
         let left = P2::from_heading(corridor.line.smooth_heading_at(at.s, 2.0)).left();

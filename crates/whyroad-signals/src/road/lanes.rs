@@ -12,18 +12,18 @@ use whyroad_model::road_map::LaneKind;
 pub struct LanePlace {
     /// Index into [`Road::lanes`].
     pub lane: usize,
-    /// Arc length along the centre line, m.
+    /// Arc length along the center line, m.
     pub s: f64,
-    /// Offset from the centre line, left positive, m.
+    /// Offset from the center line, left positive, m.
     pub lateral: f64,
 }
 
 /// How firmly an actor is held to lanes. Costs are per frame and without unit; only their ratios matter.
 #[derive(Clone, Copy, Debug)]
 pub struct Tether {
-    /// Cost of having no lane. A lane beyond whose edge the centre is by about this many metres loses.
+    /// Cost of having no lane. A lane beyond whose edge the center is by about this many meters loses.
     none: f64,
-    /// Lanes are considered until the centre is this far beyond their edge, m.
+    /// Lanes are considered until the center is this far beyond their edge, m.
     reach_m: f64,
     /// What the actor's kind pays for a bicycle lane.
     bike_lane: f64,
@@ -40,7 +40,7 @@ impl Tether {
 
 /// Headings that differ more than this from the lane's cannot be in it.
 const HEADING_LIMIT_RAD: f64 = 75.0 * std::f64::consts::PI / 180.0;
-/// Slack at lane ends, so that a centre between two joints has a lane, m.
+/// Slack at lane ends, so that a center between two joints has a lane, m.
 const END_SLACK_M: f64 = 0.5;
 const CHANGE_COST: f64 = 1.5;
 const ENTER_OR_LEAVE_COST: f64 = 1.5;
@@ -130,8 +130,9 @@ impl Steps {
 /// The lane of each row, `None` where the actor is in no lane or its pose is unknown.
 /// `rows` gives position (m), height (m) and heading (rad) of an actor in ascending time.
 pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Option<LanePlace>> {
-    // One column of states per row: the candidates and, last, "no lane".
-    let mut columns: Vec<Vec<(Option<LanePlace>, f64, usize)>> = Vec::with_capacity(rows.len());
+    // The states of all rows, one after another: for each row the candidates and, last, "no lane".
+    let mut states: Vec<State> = Vec::with_capacity(3 * rows.len());
+    let mut starts: Vec<usize> = Vec::with_capacity(rows.len());
     let mut steps = Steps::default();
     let mut here: Vec<(LanePlace, f64)> = Vec::new();
     let mut last: Option<[u64; 3]> = None;
@@ -144,39 +145,47 @@ pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Optio
             last = at;
         }
         let on_level = here.iter().filter(|(c, _)| known && road.lanes[c.lane].on_level(z));
-        let states = on_level.map(|(c, cost)| (Some(*c), *cost));
-        let column = states
-            .chain([(None, if known { tether.none } else { 0.0 })])
-            .map(|(state, emission)| {
-                let Some(before) = columns.last() else { return (state, emission, 0) };
-                let mut best = (f64::INFINITY, 0);
-                for (i, (from, cost, _)) in before.iter().enumerate() {
-                    let step = match (from, state) {
-                        (Some(a), Some(b)) if a.lane == b.lane => 0.0,
-                        (Some(a), Some(b)) => steps.between(road, a.lane, b.lane),
-                        (None, None) => 0.0,
-                        _ => ENTER_OR_LEAVE_COST,
-                    };
-                    if cost + step < best.0 {
-                        best = (cost + step, i);
-                    }
+        let candidates = on_level.map(|(c, cost)| (Some(*c), *cost));
+        let before = starts.last().copied().unwrap_or(0)..states.len();
+        starts.push(states.len());
+        for (place, emission) in candidates.chain([(None, if known { tether.none } else { 0.0 })]) {
+            if before.is_empty() {
+                states.push(State { place, cost: emission, from: 0 });
+                continue;
+            }
+            let mut best = (f64::INFINITY, before.start);
+            for (i, from) in states[before.clone()].iter().enumerate() {
+                let step = match (from.place, place) {
+                    (Some(a), Some(b)) if a.lane == b.lane => 0.0,
+                    (Some(a), Some(b)) => steps.between(road, a.lane, b.lane),
+                    (None, None) => 0.0,
+                    _ => ENTER_OR_LEAVE_COST,
+                };
+                if from.cost + step < best.0 {
+                    best = (from.cost + step, before.start + i);
                 }
-                (state, best.0 + emission, best.1)
-            })
-            .collect();
-        columns.push(column);
+            }
+            states.push(State { place, cost: best.0 + emission, from: best.1 });
+        }
     }
     let mut result = vec![None; rows.len()];
-    let cheapest = |column: &Vec<(Option<LanePlace>, f64, usize)>| {
-        (0..column.len()).min_by(|&a, &b| column[a].1.total_cmp(&column[b].1)).unwrap_or(0)
-    };
-    let mut at = columns.last().map_or(0, cheapest);
-    for (row, column) in columns.iter().enumerate().rev() {
-        let (state, _, from) = column[at];
-        result[row] = state;
-        at = from;
+    let last = starts.last().copied().unwrap_or(0)..states.len();
+    let cheapest = last.min_by(|&a, &b| states[a].cost.total_cmp(&states[b].cost));
+    let mut at = cheapest.unwrap_or(0);
+    for place in result.iter_mut().rev() {
+        *place = states[at].place;
+        at = states[at].from;
     }
     result
+}
+
+/// A lane, or none, in one row.
+struct State {
+    place: Option<LanePlace>,
+    /// Of the cheapest sequence that ends here.
+    cost: f64,
+    /// The state of the row before in that sequence.
+    from: usize,
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
 //! Ramps, merges and splits outside junctions: where another stream of traffic joins the ego's way, where its lanes
-//! part, and on what kind of lane it is meanwhile. From the lanes' links and neighbours; tags where the source has
+//! part, and on what kind of lane it is meanwhile. From the lanes' links and neighbors; tags where the source has
 //! them.
 
 use crate::road::network::Road;
@@ -42,7 +42,7 @@ fn others_into<'a>(road: &'a Road, way: &'a Way, k: usize) -> impl Iterator<Item
     others.filter(|&p| !road.lanes[p].in_junction && for_vehicles(road, p))
 }
 
-/// True when the lanes run side by side just before they become one: they are neighbours, or those before them are.
+/// True when the lanes run side by side just before they become one: they are neighbors, or those before them are.
 fn side_by_side(road: &Road, a: usize, b: usize) -> bool {
     let before = |lane: usize| road.lanes[lane].predecessors.clone();
     beside(road, a).contains(&b)
@@ -61,7 +61,7 @@ fn shift(road: &Road, lane: usize, into: usize) -> f64 {
     shift_of(lane)
 }
 
-/// True when the lane of step `k` ends by becoming one with its neighbour, and is the one of the two that gives way.
+/// True when the lane of step `k` ends by becoming one with its neighbor, and is the one of the two that gives way.
 pub fn merges_away(on: &OnRoad<'_>, way: &Way, k: usize) -> bool {
     let (road, own, into) = (on.road, way.steps[k].lane, way.steps[k + 1].lane);
     others_into(road, way, k + 1).any(|other| {
@@ -97,7 +97,7 @@ fn parts(road: &Road, lane: usize) -> bool {
     let after = |l: usize| road.lanes[l].successors.iter().copied().collect::<BTreeSet<usize>>();
     let (joined, beyond) = (|l: &usize| same.contains(l), after(first));
     next.iter().any(|l| {
-        // Short pieces between two roads are not always stated to be neighbours; those behind them are.
+        // Short pieces between two roads are not always stated to be neighbors; those behind them are.
         let meets = after(*l).iter().any(|b| beyond.iter().any(|a| a == b || beside(road, *a).contains(b)));
         !joined(l) && !meets
     })

@@ -1,4 +1,4 @@
-//! The map made ready for questions: lanes with centre line, widths and links by index, areas as polygons,
+//! The map made ready for questions: lanes with center line, widths and links by index, areas as polygons,
 //! and a spatial index over the lanes. Frame: world, plane.
 
 use crate::geometry::{BoxGrid, P2, Polygon, Polyline, p2};
@@ -14,15 +14,15 @@ pub const LEVEL_M: f64 = 4.0;
 pub struct LaneShape {
     /// Id in the map.
     pub id: String,
-    /// Centre line in driving direction.
+    /// Center line in driving direction.
     pub centre: Polyline,
-    /// Distance from the centre line to the left edge at each of its points, m.
+    /// Distance from the center line to the left edge at each of its points, m.
     pub left_width: Vec<f64>,
     /// The same to the right edge.
     pub right_width: Vec<f64>,
     /// The lane's area.
     pub area: Option<Polygon>,
-    /// Lowest and highest point of the centre line, m; NaN when the map is flat.
+    /// Lowest and highest point of the center line, m; NaN when the map is flat.
     pub height: (f64, f64),
     /// Who it is for.
     pub kind: LaneKind,
@@ -42,7 +42,7 @@ impl LaneShape {
         (self.centre.interpolate(&self.left_width, s), self.centre.interpolate(&self.right_width, s))
     }
 
-    /// True when an object whose box centre has height `z` can be on this lane (or heights are unknown).
+    /// True when an object whose box center has height `z` can be on this lane (or heights are unknown).
     pub fn on_level(&self, z: f64) -> bool {
         let known = z.is_finite() && self.height.0.is_finite();
         !known || (z > self.height.0 - LEVEL_M && z < self.height.1 + LEVEL_M)
@@ -119,7 +119,7 @@ fn shape(lane: &Lane) -> Option<LaneShape> {
     })
 }
 
-/// Half way along, both lanes point the same way (neighbours in a map may run against each other).
+/// Half way along, both lanes point the same way (neighbors in a map may run against each other).
 fn same_direction(a: &LaneShape, b: &LaneShape) -> bool {
     let middle = a.centre.length() / 2.0;
     let there = b.centre.project(a.centre.point_at(middle));
@@ -128,7 +128,7 @@ fn same_direction(a: &LaneShape, b: &LaneShape) -> bool {
 }
 
 impl Road {
-    /// From the scene table. Lanes without a centre line and links to lanes that are not there are left out
+    /// From the scene table. Lanes without a center line and links to lanes that are not there are left out
     /// (ingest reports them).
     pub fn new(map: &RoadMap) -> Self {
         let usable: Vec<(&Lane, LaneShape)> = map.lanes.iter().filter_map(|l| Some((l, shape(l)?))).collect();
@@ -161,7 +161,7 @@ impl Road {
         }
     }
 
-    /// Lanes whose bounding box is within `reach` metres of `p` on each axis, in ascending order.
+    /// Lanes whose bounding box is within `reach` meters of `p` on each axis, in ascending order.
     pub fn lanes_near(&self, p: P2, reach: f64) -> Vec<usize> {
         self.lane_grid.near(p, reach)
     }

@@ -1,9 +1,9 @@
-//! The ego's driven path: the recorded ("posterior") trajectory of its box centre by arc length. Before its
+//! The ego's driven path: the recorded ("posterior") trajectory of its box center by arc length. Before its
 //! first and beyond its last recorded point it goes on along the lane (fading in from the ego's own offset),
 //! or straight where there is no lane. What was driven and what is continuation is marked.
 
 use crate::ego::motion::EgoMotion;
-use crate::geometry::{P2, Polyline, Projection, interpolate};
+use crate::geometry::{P2, Polyline, Projection, Window, interpolate};
 use crate::road::corridor::Corridor;
 use crate::road::ego_lane::EgoLane;
 
@@ -13,7 +13,7 @@ const SPACING_M: f64 = 0.5;
 const CONTINUATION_M: f64 = 160.0;
 /// Heights are means over this far either side, m: altitude is the noisiest part of a pose.
 const HEIGHT_REACH_M: f64 = 3.0;
-/// Over this distance the continuation comes from the ego's offset to the lane's centre, m.
+/// Over this distance the continuation comes from the ego's offset to the lane's center, m.
 const FADE_M: f64 = 20.0;
 /// Targets are sought on the path this far behind and ahead of the ego, m.
 pub const WINDOW_M: (f64, f64) = (110.0, 160.0);
@@ -25,7 +25,7 @@ pub struct DrivenPath {
     pub line: Polyline,
     /// Arc lengths between which it was really driven, m.
     pub driven: (f64, f64),
-    /// Arc length of the ego's centre in each frame; NaN where its pose is unknown.
+    /// Arc length of the ego's center in each frame; NaN where its pose is unknown.
     pub ego_s: Vec<f64>,
     /// Direction of the path where the ego is in each frame, rad; NaN where its pose is unknown.
     pub ego_heading: Vec<f64>,
@@ -122,14 +122,19 @@ impl DrivenPath {
         self.line.arc_lengths().iter().map(|&at| interpolate(&s, &z, at)).collect()
     }
 
-    /// Height of the path at `s` (of the ego's box centre, constant beyond the driven part); NaN when unknown.
+    /// Height of the path at `s` (of the ego's box center, constant beyond the driven part); NaN when unknown.
     pub fn z_at(&self, s: f64) -> f64 {
         if self.z.is_empty() { f64::NAN } else { self.line.interpolate(&self.z, s) }
     }
 
     /// Foot point of `p` on the part of the path around the ego in a frame where its arc length is `ego_s`.
     pub fn project_near(&self, p: P2, ego_s: f64) -> Projection {
-        self.line.project_between(p, ego_s - WINDOW_M.0, ego_s + WINDOW_M.1)
+        self.line.project_within(p, self.window_near(ego_s))
+    }
+
+    /// The part of the path on which targets are sought while the ego is at `ego_s`.
+    pub fn window_near(&self, ego_s: f64) -> Window {
+        self.line.window(ego_s - WINDOW_M.0, ego_s + WINDOW_M.1)
     }
 
     /// Direction of the path at `s`, rad.

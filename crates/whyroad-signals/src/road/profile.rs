@@ -25,7 +25,7 @@ const WIDTH_AHEAD_M: f64 = 50.0;
 const COUNT_AHEAD_M: f64 = 100.0;
 const STEP_M: f64 = 2.0;
 
-/// Height of a lane's centre line by arc length; `None` where the map has no heights.
+/// Height of a lane's center line by arc length; `None` where the map has no heights.
 struct Heights {
     s: Vec<f64>,
     z: Vec<f64>,
@@ -75,7 +75,7 @@ impl Profile<'_> {
         Some((self.z(at, high)? - self.z(at, low)?) / (high - low))
     }
 
-    /// Grade of the road at `ds` ahead of the ego's centre; of its path where it has no lane with heights.
+    /// Grade of the road at `ds` ahead of the ego's center; of its path where it has no lane with heights.
     fn grade(&self, frame: usize, ds: f64) -> Option<f64> {
         self.raw_grade(frame, ds).filter(|g| g.abs() <= STEEPEST)
     }

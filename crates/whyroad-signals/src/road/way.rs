@@ -1,5 +1,5 @@
 //! The ego's way ahead over the lanes of the map: from its lane through the lanes that it takes later, else through
-//! those beside them, else the straightest. Where a lane ends and its neighbour goes on, the way goes on there.
+//! those beside them, else the straightest. Where a lane ends and its neighbor goes on, the way goes on there.
 //! Inside the corridor of a lane (`corridor.rs`) one stays in a lane; the way follows the road.
 
 use crate::geometry::wrap;
@@ -59,7 +59,7 @@ pub fn beside(road: &Road, lane: usize) -> Vec<usize> {
     let mut sides: [Vec<usize>; 2] = Default::default();
     for (side, found) in sides.iter_mut().enumerate() {
         let mut at = lane;
-        // Bounded: a map whose neighbours form a ring must not hang us.
+        // Bounded: a map whose neighbors form a ring must not hang us.
         while let Some(next) = road.lanes[at].neighbours[side].filter(|_| found.len() < 16) {
             found.push(next);
             at = next;

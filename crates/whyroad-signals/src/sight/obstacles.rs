@@ -1,10 +1,11 @@
-//! What can hide something, and of what kind it is: the boxes of targets by frame, and the buildings of the map.
+//! What is tracked in each frame with its box, what of it can hide something, and of what kind it is; the buildings of
+//! the map.
 
 use super::scene::Occluder;
 use super::scene::Scene;
 use super::view::{Owner, View};
 use crate::geometry::{OrientedBox, P2, p2};
-use crate::target::placement::{MOVING_MPS, Placement, Target};
+use crate::target::placement::MOVING_MPS;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
@@ -30,11 +31,23 @@ pub enum ObstacleKind {
 
 type Wall = GeomWithData<Line<[f64; 2]>, usize>;
 
-/// Everything that hides, over the whole drive.
+/// A target in one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Tracked {
+    /// Index of the target.
+    pub target: usize,
+    /// Row of its track.
+    pub row: usize,
+    /// Its box, where it is known.
+    pub footprint: Option<OrientedBox>,
+    /// Whether it can hide something.
+    hides: bool,
+}
+
+/// Everything that is tracked and everything that hides, over the whole drive.
 pub struct Obstacles<'a> {
     scene: &'a Scene<'a>,
-    /// Targets and their boxes.
-    by_frame: Vec<Vec<(usize, OrientedBox)>>,
+    by_frame: Vec<Vec<Tracked>>,
     walls: RTree<Wall>,
     /// Whether the map has buildings; if not, no area is known to be free of them.
     pub covers_buildings: bool,
@@ -45,10 +58,15 @@ impl<'a> Obstacles<'a> {
     pub fn new(scene: &'a Scene<'a>) -> Self {
         let mut by_frame = vec![Vec::new(); scene.ego.len()];
         for (k, target) in scene.targets.iter().enumerate() {
-            for (row, place) in target.places.iter().enumerate() {
-                if let Some(p) = place.as_ref().filter(|p| hides(target, row, p)) {
-                    by_frame[p.frame].push((k, p.footprint));
-                }
+            for (row, (&frame, place)) in target.track.frames.iter().zip(&target.places).enumerate() {
+                let known = place.as_ref().filter(|p| p.is_sized() && p.footprint.heading.is_finite());
+                let low = target.track.height_m[row] < LEAST_HEIGHT_M;
+                by_frame[frame as usize].push(Tracked {
+                    target: k,
+                    row,
+                    footprint: known.map(|p| p.footprint),
+                    hides: known.is_some_and(|p| p.same_level) && !low,
+                });
             }
         }
         let map = scene.drive.map.as_ref();
@@ -65,6 +83,11 @@ impl<'a> Obstacles<'a> {
         Self { scene, by_frame, walls: RTree::bulk_load(walls), covers_buildings }
     }
 
+    /// What is tracked in `frame`, in the order of the targets.
+    pub fn tracked(&self, frame: usize) -> &[Tracked] {
+        &self.by_frame[frame]
+    }
+
     /// What the ego has around it in `frame`; `None` while its pose is unknown.
     pub fn view(&self, frame: usize) -> Option<View> {
         let ego = self.scene.ego;
@@ -73,9 +96,10 @@ impl<'a> Obstacles<'a> {
         }
         let eye = ego.position[frame];
         let mut view = View::from(eye);
-        for (k, footprint) in &self.by_frame[frame] {
-            if (footprint.centre - eye).is_within(REACH_M) {
-                view.add_box(Owner::Target(*k), *footprint);
+        for tracked in self.by_frame[frame].iter().filter(|t| t.hides) {
+            let near = |footprint: &OrientedBox| (footprint.centre - eye).is_within(REACH_M);
+            if let Some(footprint) = tracked.footprint.filter(near) {
+                view.add_box(Owner::Target(tracked.target), footprint);
             }
         }
         let around =
@@ -119,13 +143,8 @@ impl<'a> Obstacles<'a> {
     /// Whether the owner moves in `frame`; `None` when its speed is unknown or it is not observed then.
     pub fn moves(&self, owner: Owner, frame: usize) -> Option<bool> {
         let Owner::Target(k) = owner else { return Some(false) };
-        let track = self.scene.targets[k].track;
-        let speed = track.motion.speed(track.row_at(frame)?);
+        let target = &self.scene.targets[k];
+        let speed = target.speed[target.track.row_at(frame)?];
         (!speed.is_nan()).then_some(speed >= MOVING_MPS)
     }
-}
-
-fn hides(target: &Target<'_>, row: usize, place: &Placement) -> bool {
-    let low = target.track.height_m[row] < LEAST_HEIGHT_M;
-    place.is_sized() && place.footprint.heading.is_finite() && place.same_level && !low
 }

@@ -1,7 +1,7 @@
 //! The visible share of each target and what hides it; also where a target must have been before it was first seen,
 //! to report behind what it appeared. Writes `target.visible_share`, `occluder`, `occluder_moving`.
 
-use super::obstacles::{ObstacleKind, Obstacles};
+use super::obstacles::{ObstacleKind, Obstacles, Tracked};
 use super::scene::Scene;
 use super::view::{Owner, View};
 use crate::geometry::OrientedBox;
@@ -43,8 +43,6 @@ pub struct Occlusion<'a> {
     /// By target: before which row, and what was seen of the place then; frames ascend.
     pub traced: Vec<Vec<(usize, Seen)>>,
     traces: Vec<Vec<Trace>>,
-    /// Target and row of what is tracked, by frame, with its box where that is known.
-    by_frame: Vec<Vec<(usize, usize, Option<OrientedBox>)>>,
 }
 
 impl<'a> Occlusion<'a> {
@@ -53,21 +51,14 @@ impl<'a> Occlusion<'a> {
         let unseen = |frame: &u32| Seen { frame: *frame as usize, share: f64::NAN, occluder: None };
         let rows = scene.targets.iter().map(|t| t.track.frames.iter().map(unseen).collect()).collect();
         let mut traces: Vec<Vec<Trace>> = (0..scene.ego.len()).map(|_| Vec::new()).collect();
-        let mut by_frame = vec![Vec::new(); scene.ego.len()];
-        for (k, target) in scene.targets.iter().enumerate() {
-            trace_back(scene, k, &mut traces);
-            for (row, (&frame, place)) in target.track.frames.iter().zip(&target.places).enumerate() {
-                let known = place.as_ref().filter(|p| p.is_sized() && p.footprint.heading.is_finite());
-                by_frame[frame as usize].push((k, row, known.map(|p| p.footprint)));
-            }
-        }
-        Self { scene, rows, traced: vec![Vec::new(); scene.targets.len()], traces, by_frame }
+        (0..scene.targets.len()).for_each(|k| trace_back(scene, k, &mut traces));
+        Self { scene, rows, traced: vec![Vec::new(); scene.targets.len()], traces }
     }
 
     /// Looks at all targets of one frame.
-    pub fn look(&mut self, frame: usize, view: Option<&View>) {
+    pub fn look(&mut self, frame: usize, view: Option<&View>, obstacles: &Obstacles<'_>) {
         let eye = self.scene.ego.position[frame];
-        for (k, row, footprint) in std::mem::take(&mut self.by_frame[frame]) {
+        for &Tracked { target: k, row, footprint, .. } in obstacles.tracked(frame) {
             let near = |footprint: &OrientedBox| (footprint.centre - eye).is_within(REACH_M);
             let seen = &mut self.rows[k][row];
             if let (Some(view), Some(footprint)) = (view, footprint.filter(near))

@@ -1,10 +1,10 @@
 //! The road's heights along the driven path and how far the eye sees over them. Writes `map.crest_ahead`.
 //!
 //! Heights are the ego's own where it drove; beyond the recording's end they go on by the map's, set level with the
-//! ego's at the joint. Only differences count, so it does not matter how high the box's centre is over the road.
+//! ego's at the joint. Only differences count, so it does not matter how high the box's center is over the road.
 
 use super::scene::Scene;
-use crate::geometry::P2;
+use crate::geometry::{P2, p2};
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
 use whyroad_model::catalogue::id;
@@ -20,7 +20,7 @@ const STEP_M: f64 = 2.0;
 const HORIZON_M: f64 = 150.0;
 /// A crest nearer than this counts for `map.crest_ahead`, m.
 const CREST_M: f64 = 60.0;
-/// A lane's centre line this near gives the height, m.
+/// A lane's center line this near gives the height, m.
 const MAP_REACH_M: f64 = 4.0;
 
 /// Heights by arc length of the path.
@@ -45,12 +45,9 @@ impl Profile {
         let (first, driven_to) = path.driven;
         let count = ((path.line.length() - first) / STEP_M).max(0.0) as usize + 1;
         let at_end = path.z_at(driven_to);
-        let map_z = |s: f64| {
-            scene
-                .road
-                .and(scene.drive.map.as_ref())
-                .map_or(f64::NAN, |m| height_at(m, path.line.point_at(s), at_end))
-        };
+        let lanes = scene.road.and(scene.drive.map.as_ref()).map(Lanes::new);
+        let map_z =
+            |s: f64| lanes.as_ref().map_or(f64::NAN, |lanes| lanes.height_at(path.line.point_at(s), at_end));
         let offset = at_end - map_z(driven_to);
         let height = |i: usize| {
             let s = first + i as f64 * STEP_M;
@@ -105,11 +102,36 @@ impl Profile {
     }
 }
 
-/// Height of the nearest lane's centre line at `p`; of several levels the one nearest to `about`. NaN when there is
-/// none.
-fn height_at(map: &RoadMap, p: P2, about: f64) -> f64 {
-    let near = map.lanes.iter().flat_map(|l| l.centre.windows(2)).filter_map(|w| near_segment(w, p));
-    near.min_by(|a, b| (a - about).abs().total_cmp(&(b - about).abs())).unwrap_or(f64::NAN)
+/// The lanes of the map, each with the bounding box of its center line.
+struct Lanes<'a> {
+    map: &'a RoadMap,
+    bounds: Vec<(P2, P2)>,
+}
+
+impl<'a> Lanes<'a> {
+    fn new(map: &'a RoadMap) -> Self {
+        let bounds = map.lanes.iter().map(|lane| {
+            let around = |f: fn(f64, f64) -> f64, start: f64| {
+                let fold = |acc: P2, p: &Point3| p2(f(acc.x, p.x), f(acc.y, p.y));
+                lane.centre.iter().fold(p2(start, start), fold)
+            };
+            (around(f64::min, f64::INFINITY), around(f64::max, f64::NEG_INFINITY))
+        });
+        Self { map, bounds: bounds.collect() }
+    }
+
+    /// Height of the nearest lane's center line at `p`; of several levels the one nearest to `about`. NaN when there is
+    /// none.
+    fn height_at(&self, p: P2, about: f64) -> f64 {
+        // A little more than the reach: rounding must not leave a lane out.
+        let reach = MAP_REACH_M + 1e-3;
+        let near = |(low, high): &(P2, P2)| {
+            p.x >= low.x - reach && p.x <= high.x + reach && p.y >= low.y - reach && p.y <= high.y + reach
+        };
+        let lanes = self.map.lanes.iter().zip(&self.bounds).filter(|(_, bounds)| near(bounds));
+        let heights = lanes.flat_map(|(l, _)| l.centre.windows(2)).filter_map(|w| near_segment(w, p));
+        heights.min_by(|a, b| (a - about).abs().total_cmp(&(b - about).abs())).unwrap_or(f64::NAN)
+    }
 }
 
 /// Height of the segment's point nearest to `p`, when that is near.
@@ -119,7 +141,7 @@ fn near_segment(w: &[Point3], p: P2) -> Option<f64> {
     let length2 = dx * dx + dy * dy;
     let share =
         if length2 > 0.0 { (((p.x - a.x) * dx + (p.y - a.y) * dy) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    let away = (a.x + dx * share - p.x).hypot(a.y + dy * share - p.y);
+    let away = p2(a.x + dx * share - p.x, a.y + dy * share - p.y);
     let z = a.z + (b.z - a.z) * share;
-    (away <= MAP_REACH_M && z.is_finite()).then_some(z)
+    (away.is_within(MAP_REACH_M) && z.is_finite()).then_some(z)
 }

@@ -54,14 +54,21 @@ impl Sector {
     /// The angles under which a convex shape is seen from the origin, which is outside of it.
     fn of(corners: &[P2]) -> Self {
         let first = corners[0].heading();
-        let (low, high) = corners.iter().fold((0.0_f64, 0.0_f64), |(low, high), c| {
+        let (mut low, mut high) = ((0.0, corners[0]), (0.0, corners[0]));
+        for c in &corners[1..] {
             let turned = wrap(c.heading() - first);
-            (low.min(turned), high.max(turned))
-        });
+            if turned < low.0 {
+                low = (turned, *c);
+            }
+            if turned > high.0 {
+                high = (turned, *c);
+            }
+        }
+        let ((low, from), (high, to)) = (low, high);
         let (mid, half) = (wrap(first + (low + high) / 2.0), (high - low) / 2.0);
         // A line along the very edge counts as within.
         let (direction, least_cosine) = (P2::from_heading(mid), half.cos() - 1e-12);
-        Self { mid, half, direction, least_cosine, ranges: ranges(mid, half) }
+        Self { mid, half, direction, least_cosine, ranges: ranges(half, from, to) }
     }
 
     /// The part of `other` in this sector, relative to this one's middle.
@@ -76,13 +83,14 @@ impl Sector {
     }
 }
 
-fn ranges(mid: f64, half: f64) -> Ranges {
-    let half = half + RANGE_SLACK_RAD;
-    if half.is_nan() || half >= std::f64::consts::FRAC_PI_2 {
+/// The ranges from one corner to the other, which are seen twice `half` apart.
+fn ranges(half: f64, from: P2, to: P2) -> Ranges {
+    if half.is_nan() || half + RANGE_SLACK_RAD >= std::f64::consts::FRAC_PI_2 {
         return (0, RANGES);
     }
-    let (from, to) = (mid - half, mid + half);
-    let (from, to) = (range_of(P2::from_heading(from)), range_of(P2::from_heading(to)));
+    // Turned by a small angle, almost: a little of the vector across is added.
+    let (from, to) = (from - from.left() * RANGE_SLACK_RAD, to + to.left() * RANGE_SLACK_RAD);
+    let (from, to) = (range_of(from), range_of(to));
     (from, (to + RANGES - from) % RANGES + 1)
 }
 
@@ -138,9 +146,21 @@ fn nearest_point(corners: &[P2]) -> f64 {
         let along = b - a;
         let length2 = along.dot(along);
         let share = if length2 > 0.0 { (-a.dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-        (a + along * share).norm()
+        a + along * share
     };
-    (0..n).map(|i| to_origin(corners[i], corners[(i + 1) % n])).fold(f64::INFINITY, f64::min)
+    let mut nearest = [P2::default(); 4];
+    for (i, nearest) in nearest[..n].iter_mut().enumerate() {
+        *nearest = to_origin(corners[i], corners[(i + 1) % n]);
+    }
+    // A root only of what can be the least.
+    let least = nearest[..n].iter().map(|p| p.dot(*p)).fold(f64::INFINITY, f64::min) * (1.0 + 1e-12);
+    nearest[..n].iter().filter(|p| p.dot(**p) <= least).map(|p| p.norm()).fold(f64::INFINITY, f64::min)
+}
+
+/// Distance of the farthest corner from the origin.
+fn farthest_corner(corners: &[P2; 4]) -> f64 {
+    let most = corners.iter().map(|c| c.dot(*c)).fold(0.0, f64::max) * (1.0 - 1e-12);
+    corners.iter().filter(|c| c.dot(**c) >= most).map(|c| c.norm()).fold(0.0, f64::max)
 }
 
 /// How much of a box is seen.
@@ -222,7 +242,7 @@ impl View {
             return None;
         }
         let sector = self.sector_of(own, target).unwrap_or_else(|| Sector::of(&corners));
-        let farthest = corners.iter().map(|c| c.norm()).fold(0.0, f64::max);
+        let farthest = farthest_corner(&corners);
         let mut hidden: Vec<(Owner, f64, (f64, f64))> = Vec::new();
         let around = self.pieces_in(sector.ranges);
         for piece in around.filter(|p| Some(p.owner) != own && p.nearest < farthest) {

@@ -1,4 +1,4 @@
-//! Places of targets on the map: crosswalks, road, junction. Distances are to the target's box centre.
+//! Places of targets on the map: crosswalks, road, junction. Distances are to the target's box center.
 
 use crate::geometry::{LastPlace, p2};
 use crate::road::network::Road;

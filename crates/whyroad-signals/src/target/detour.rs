@@ -1,10 +1,10 @@
 //! Whether the way that the ego drove goes round a target: how far it bulges away from it where it passes it.
 //!
-//! It is measured on the driven path alone, so that neither a lane drawn off its place nor a bend of the road looks like
-//! going round: the path where it is level with the target, against the curve of constant curvature through its points
-//! before and behind.
+//! It is measured on the driven path alone, so that neither a lane drawn off its place nor a bend of the road looks
+//! like going round: the path where it is level with the target, against the curve of constant curvature through its
+//! points before and behind.
 
-use crate::geometry::P2;
+use crate::geometry::{LastPlace, P2, p2};
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
@@ -15,15 +15,16 @@ use whyroad_model::catalogue::id;
 /// The points before and behind are this far, and twice this far, from where the two are level, m.
 const REACHES_M: [f64; 6] = [8.0, 12.0, 20.0, 30.0, 45.0, 60.0];
 
-/// Bulge of the path at arc length `s` over points `reach` apart, left positive, m: the fourth difference, which a line
-/// and a curve of constant curvature leave at zero. `None` where the points were not all driven.
-fn bulge(path: &DrivenPath, s: f64, reach: f64) -> Option<f64> {
+/// Bulge of the path at arc length `s`, where it is `here`, over points `reach` apart, left positive, m: the fourth
+/// difference, which a line and a curve of constant curvature leave at zero. `None` where the points were not all
+/// driven.
+fn bulge(path: &DrivenPath, (s, here): (f64, P2), reach: f64) -> Option<f64> {
     let inside = s - 2.0 * reach >= path.driven.0 && s + 2.0 * reach <= path.driven.1;
     if !inside {
         return None;
     }
     let at = |k: f64| path.line.point_at(s + k * reach);
-    let (first, last, here) = (at(-2.0), at(2.0), at(0.0));
+    let (first, last) = (at(-2.0), at(2.0));
     let left = P2::from_heading((last - first).heading()).left();
     let height = |p: P2| (p - first).dot(left);
     let inner = (height(at(-1.0)) + height(at(1.0))) * (4.0 / 6.0);
@@ -31,10 +32,10 @@ fn bulge(path: &DrivenPath, s: f64, reach: f64) -> Option<f64> {
     Some(height(here) - (inner - outer))
 }
 
-fn detour(path: &DrivenPath, p: &Placement) -> f64 {
-    let s = path.ego_s[p.frame] + p.ahead;
-    let away = if p.path.lateral > 0.0 { -1.0 } else { 1.0 };
-    let found = REACHES_M.iter().filter_map(|&reach| bulge(path, s, reach)).map(|b| b * away);
+/// How far the path bulges at arc length `s`, to the left (`away` 1) or to the right (-1), m.
+fn bulges(path: &DrivenPath, s: f64, away: f64) -> f64 {
+    let here = path.line.point_at(s);
+    let found = REACHES_M.iter().filter_map(|&reach| bulge(path, (s, here), reach)).map(|b| b * away);
     found.fold(f64::NAN, f64::max)
 }
 
@@ -42,6 +43,15 @@ fn detour(path: &DrivenPath, p: &Placement) -> f64 {
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let path = scene.around.path;
-    let value = |p: &Placement| if p.within_reach() { detour(path, p) } else { 0.0 };
+    // While both stand, they are level in the same place.
+    let last = LastPlace::new();
+    let value = |p: &Placement| {
+        if !p.within_reach() {
+            return 0.0;
+        }
+        let s = path.ego_s[p.frame] + p.ahead;
+        let away = if p.path.lateral > 0.0 { -1.0 } else { 1.0 };
+        last.at(p2(s, away), || bulges(path, s, away))
+    };
     table.number(id::TARGET_DETOUR, rows.placed(scene.targets, f64::NAN, value));
 }

@@ -90,7 +90,7 @@ impl Edges {
 }
 
 /// The part of `other` beside the ego's box: nearest distance from the side of the ego, left then right, m. What
-/// overlaps the ego's box has distance 0 on the side of its centre.
+/// overlaps the ego's box has distance 0 on the side of its center.
 fn beside(ego: &OrientedBox, other: &OrientedBox) -> [f64; 2] {
     let (forward, left) = (ego.direction(), ego.direction().left());
     let half = ego.length / 2.0;
@@ -160,6 +160,19 @@ fn room_beside(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize
     room
 }
 
+/// Arc lengths of the ego's center and of its front bumper, where the corridor ahead begins.
+fn corridor_ahead(on: &OnRoad<'_>, frame: usize) -> (f64, f64) {
+    let s = on.path.ego_s[frame];
+    (s, s + on.ego.front())
+}
+
+/// Those of the objects that are along the corridor ahead.
+fn along_corridor<'t>(on: &OnRoad<'_>, near: &[&'t Placement], frame: usize) -> Vec<&'t Placement> {
+    let (s, from) = corridor_ahead(on, frame);
+    let beyond = |p: &Placement| s + p.far < from || s + p.near > from + AHEAD_M;
+    near.iter().copied().filter(|p| !beyond(p)).collect()
+}
+
 /// Least width of the corridor ahead between the road's edges and those objects that `counts` tells.
 fn room_ahead(
     on: &OnRoad<'_>,
@@ -168,8 +181,7 @@ fn room_ahead(
     frame: usize,
     counts: fn(&Placement) -> bool,
 ) -> f64 {
-    let s = on.path.ego_s[frame];
-    let from = s + on.ego.front();
+    let (s, from) = corridor_ahead(on, frame);
     let range = edges.between(from, from + AHEAD_M);
     let mut room: Vec<[f64; 2]> =
         edges.stations[range.clone()].iter().map(|e| e.map(|d| d.min(FREE_M))).collect();
@@ -216,12 +228,15 @@ pub fn write(on: &OnRoad<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'
     let room: Vec<[f64; 2]> = frames().map(beside).collect();
     table.number(id::MAP_FREE_WIDTH_LEFT, room.iter().map(|r| r[0]).collect());
     table.number(id::MAP_FREE_WIDTH_RIGHT, room.iter().map(|r| r[1]).collect());
-    let ahead = |i: usize, counts: fn(&Placement) -> bool| {
-        if on.ego.is_known(i) { room_ahead(on, &edges, &near[i], i, counts) } else { f64::NAN }
+    let ahead = |i: usize| {
+        if !on.ego.is_known(i) {
+            return (f64::NAN, f64::NAN);
+        }
+        let along = along_corridor(on, &near[i], i);
+        let room = |counts: fn(&Placement) -> bool| room_ahead(on, &edges, &along, i, counts);
+        (room(|p| !moves_along(p)), room(|p| p.speed() < MOVING_MPS))
     };
-    table.number(id::MAP_FREE_WIDTH_AHEAD, frames().map(|i| ahead(i, |p| !moves_along(p))).collect());
-    table.number(
-        id::MAP_MEETING_WIDTH_AHEAD,
-        frames().map(|i| ahead(i, |p| p.speed() < MOVING_MPS)).collect(),
-    );
+    let (free, meeting): (Vec<f64>, Vec<f64>) = frames().map(ahead).unzip();
+    table.number(id::MAP_FREE_WIDTH_AHEAD, free);
+    table.number(id::MAP_MEETING_WIDTH_AHEAD, meeting);
 }

@@ -4,11 +4,11 @@
 use crate::geometry::wrap;
 use crate::target::placement::Placement;
 
-/// A target that moves across the lane faster than this towards its centre is coming in, m/s.
+/// A target that moves across the lane faster than this towards its center is coming in, m/s.
 const COMING_IN_MPS: f64 = 0.1;
 
-/// Arc length from the ego's centre to the nearest part of a target ahead in its path, m; `None` when the target is
-/// not. In path is what is in the band that the ego sweeps along its driven path; what has its centre in the ego's
+/// Arc length from the ego's center to the nearest part of a target ahead in its path, m; `None` when the target is
+/// not. In path is what is in the band that the ego sweeps along its driven path; what has its center in the ego's
 /// lane; and what is partly over the line into the lane and moving in. A car parked with one wheel in the lane,
 /// which the ego passes, is none of these.
 fn nearest_in_path(p: &Placement) -> Option<f64> {
@@ -23,7 +23,7 @@ fn nearest_in_path(p: &Placement) -> Option<f64> {
     (p.ahead > 0.0 && (p.blocks_way() || coming_in)).then_some(p.near)
 }
 
-/// Velocity across the ego's lane, towards its centre line positive, m/s. `None` without a lane.
+/// Velocity across the ego's lane, towards its center line positive, m/s. `None` without a lane.
 pub fn lane_lateral_speed(p: &Placement) -> Option<f64> {
     let (at, _, _) = p.lane?;
     let across = p.velocity.dot(crate::geometry::P2::from_heading(at.heading).left());

@@ -125,7 +125,7 @@ fn off_chords(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], ha
         .collect()
 }
 
-/// Lateral position in the lanes by row, m, without the step from one lane's centre line to the next: a move across a
+/// Lateral position in the lanes by row, m, without the step from one lane's center line to the next: a move across a
 /// line counts with the sideways travel `across`. `offsets` are those in each row's lane.
 fn within_lanes(places: &[Option<LanePlace>], offsets: &[f64], across: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
@@ -170,7 +170,7 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
     }
     let across = sideways(road, target, places, times);
     let time = |r: usize| times[target.track.frames[r] as usize];
-    // A lane that shifts to the side moves its vehicles across its own direction, and a centre line with a corner moves
+    // A lane that shifts to the side moves its vehicles across its own direction, and a center line with a corner moves
     // them in it for a moment; who weaves swings in both, and about the line without its corners as well.
     let own_half = target.track.length_m.iter().copied().find(|l| l.is_finite()).map(|l| l / 2.0);
     let weaving = |least: &dyn Fn(usize) -> f64| {
@@ -272,11 +272,11 @@ mod tests {
 
     #[test]
     fn swings_by_hand() {
-        assert_eq!(swings(&[0.0, 0.2, 0.4, 0.2, 0.0], SWING_M), 0, "none is half a metre wide");
+        assert_eq!(swings(&[0.0, 0.2, 0.4, 0.2, 0.0], SWING_M), 0, "none is half a meter wide");
         assert_eq!(swings(&[0.0, 1.0, 2.0, 3.5], SWING_M), 1, "a lane change");
         assert_eq!(swings(&[0.0, 0.6, 0.0], SWING_M), 2, "out and back");
         assert_eq!(swings(&[0.0, 0.6, 0.5, 0.7, 0.0, -0.1, 0.5], SWING_M), 3);
         assert_eq!(swings(&[], SWING_M), 0);
-        assert_eq!(swings(&[0.0, 0.6, -0.1, 0.7], 1.0), 0, "none is a metre wide");
+        assert_eq!(swings(&[0.0, 0.6, -0.1, 0.7], 1.0), 0, "none is a meter wide");
     }
 }

@@ -1,5 +1,5 @@
 //! A target at the edge of the ego's lane: whether it is across the line, how deep it has come in, how far from
-//! the lane's centre it is and how fast it comes nearer. All against the lane as the map draws it.
+//! the lane's center it is and how fast it comes nearer. All against the lane as the map draws it.
 
 use crate::road::ego_lane::OVER_LINE_M;
 use crate::table::TableBuilder;
@@ -7,10 +7,10 @@ use crate::target::gaps::lane_lateral_speed;
 use crate::target::placement::{Placement, Target};
 use crate::target::rows::Rows;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{Number, PerTarget, Signal, id};
+use whyroad_model::catalogue::id;
 use whyroad_model::scene::Drive;
 
-/// Across an edge: more than a decimetre inside and more than a decimetre outside.
+/// Across an edge: more than a decimeter inside and more than a decimeter outside.
 fn across_line(p: &Placement) -> Tri {
     let Some((at, left, right)) = p.lane else { return Tri::Unknown };
     if !p.is_sized() {
@@ -29,10 +29,11 @@ fn across_line(p: &Placement) -> Tri {
 pub fn write(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     table.flag(id::TARGET_WHEEL_OVER_LINE, rows.placed(targets, Tri::Unknown, across_line));
-    let mut number = |id: Signal<PerTarget, Number>, value: &dyn Fn(&Placement) -> Option<f64>| {
-        table.number(id, rows.placed(targets, f64::NAN, |p| value(p).unwrap_or(f64::NAN)));
-    };
-    number(id::TARGET_LATERAL_OFFSET, &Placement::intrusion);
-    number(id::TARGET_LANE_CENTRE_DISTANCE, &|p| p.lane.map(|(at, _, _)| at.lateral.abs()));
-    number(id::TARGET_LANE_LATERAL_SPEED, &lane_lateral_speed);
+    let [depth, from_centre, speed] = rows.placed_columns(targets, |_, _, p| {
+        let from_centre = p.lane.map(|(at, _, _)| at.lateral.abs());
+        [p.intrusion(), from_centre, lane_lateral_speed(p)].map(|value| value.unwrap_or(f64::NAN))
+    });
+    table.number(id::TARGET_LATERAL_OFFSET, depth);
+    table.number(id::TARGET_LANE_CENTRE_DISTANCE, from_centre);
+    table.number(id::TARGET_LANE_LATERAL_SPEED, speed);
 }

@@ -1,10 +1,9 @@
 //! What a target is and does by itself, and where it is in the ego's axes (x forward, y left of the ego's box
-//! centre). In logs without an ego pose, positions are given relative to the log's own ego reference point.
+//! center). In logs without an ego pose, positions are given relative to the log's own ego reference point.
 
 use crate::ego::bus::turn_signal;
-use crate::ego::motion::{EgoMotion, STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS};
+use crate::ego::motion::EgoMotion;
 use crate::geometry::{P2, angle_between_lines, p2, wrap};
-use crate::series::below_with_hysteresis;
 use crate::table::TableBuilder;
 use crate::target::placement::Target;
 use crate::target::rows::Rows;
@@ -44,17 +43,17 @@ pub fn write_relative(drive: &Drive, ego: Option<&EgoMotion>, table: &mut TableB
         let d = t.motion.heading[r] - own;
         if d.is_nan() { d } else { wrap(d) }
     };
-    table.number(id::TARGET_LONGITUDINAL, rows.numbers(|t, r| relative(t, r).x));
-    table.number(id::TARGET_LATERAL, rows.numbers(|t, r| relative(t, r).y));
-    table.number(id::TARGET_HEADING_DIFFERENCE, rows.numbers(turned));
-    table.flag(
-        id::TARGET_OPPOSITE_DIRECTION,
-        rows.flags(|t, r| {
-            let d = turned(t, r);
-            // A tolerance: exactly 135 deg must not depend on rounding.
-            if d.is_nan() { Tri::Unknown } else { Tri::from(d.abs() >= OPPOSITE_RAD - 1e-9) }
-        }),
-    );
+    let [ahead, aside, turned] = rows.columns(|_, r, t| {
+        let at = relative(t, r);
+        [at.x, at.y, turned(t, r)]
+    });
+    // A tolerance: exactly 135 deg must not depend on rounding.
+    let opposite =
+        |d: &f64| if d.is_nan() { Tri::Unknown } else { Tri::from(d.abs() >= OPPOSITE_RAD - 1e-9) };
+    table.number(id::TARGET_LONGITUDINAL, ahead);
+    table.number(id::TARGET_LATERAL, aside);
+    table.flag(id::TARGET_OPPOSITE_DIRECTION, turned.map(opposite));
+    table.number(id::TARGET_HEADING_DIFFERENCE, turned);
 }
 
 fn known_class(class: ObjectClass, value: bool) -> Tri {
@@ -64,25 +63,17 @@ fn known_class(class: ObjectClass, value: bool) -> Tri {
 /// Writes the targets' motion over ground and their place along the ego's path.
 pub fn write(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
-    table.number(id::TARGET_SPEED, rows.numbers(|t, r| t.motion.speed(r)));
-    let mut standstill = Vec::with_capacity(targets.len());
-    for target in targets {
-        let m = &target.track.motion;
-        let speeds: Vec<f64> = (0..m.len()).map(|r| m.speed(r)).collect();
-        standstill.push(below_with_hysteresis(&speeds, STANDSTILL_SET_MPS, STANDSTILL_RELEASE_MPS));
-    }
-    table.flag(id::TARGET_STANDSTILL, rows.spread(targets, Tri::Unknown, |k, r, _| standstill[k][r]));
-    table.number(id::TARGET_ACCEL, rows.spread(targets, f64::NAN, |k, r, _| targets[k].accel[r]));
-    table.number(id::TARGET_PATH_LONGITUDINAL, rows.placed(targets, f64::NAN, |p| p.ahead));
-    table.number(id::TARGET_PATH_LATERAL, rows.placed(targets, f64::NAN, |p| p.path.lateral));
-    table.number(
-        id::TARGET_CROSSING_ANGLE,
-        rows.placed(targets, f64::NAN, |p| {
-            if p.speed() >= DIRECTION_LEAST_SPEED_MPS {
-                angle_between_lines(p.direction(), p.path.heading)
-            } else {
-                f64::NAN
-            }
-        }),
-    );
+    let [speed, accel] = rows.columns(|k, r, _| [targets[k].speed[r], targets[k].accel[r]]);
+    table.number(id::TARGET_SPEED, speed);
+    table.number(id::TARGET_ACCEL, accel);
+    let standstill = |k: usize, r: usize| targets[k].standstill[r];
+    table.flag(id::TARGET_STANDSTILL, rows.spread(targets, Tri::Unknown, |k, r, _| standstill(k, r)));
+    let [ahead, aside, crossing] = rows.placed_columns(targets, |_, _, p| {
+        let moves = p.speed() >= DIRECTION_LEAST_SPEED_MPS;
+        let crossing = if moves { angle_between_lines(p.direction(), p.path.heading) } else { f64::NAN };
+        [p.ahead, p.path.lateral, crossing]
+    });
+    table.number(id::TARGET_PATH_LONGITUDINAL, ahead);
+    table.number(id::TARGET_PATH_LATERAL, aside);
+    table.number(id::TARGET_CROSSING_ANGLE, crossing);
 }

@@ -1,13 +1,18 @@
 //! Where each target is in each frame, once for all signals that ask: in the ego's axes, along and beside the
 //! ego's driven path, and along and beside the ego's lane.
 
-use crate::ego::motion::{EgoMotion, given_or_slope};
+use crate::ego::motion::{EgoMotion, STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS, given_or_slope};
 use crate::estimate::Deviations;
-use crate::geometry::{OrientedBox, P2, Projection, Window, p2, wrap};
-use crate::road::ego_lane::{EgoLane, lateral_extent};
+use crate::geometry::{OrientedBox, P2, Projection, p2, wrap};
+use crate::road::ego_lane::EgoLane;
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
 use crate::road::path::DrivenPath;
+use crate::series::below_with_hysteresis;
+use crate::target::on_lines::{OnLines, around_foot, extents};
+use whyroad_model::Tri;
 use whyroad_model::scene::Track;
+
+pub use crate::target::on_lines::Beside;
 
 /// From this speed on a target moves, m/s.
 pub const MOVING_MPS: f64 = 0.5;
@@ -16,25 +21,20 @@ pub const MOVING_MPS: f64 = 0.5;
 pub struct Target<'a> {
     /// The track.
     pub track: &'a Track,
+    /// Seconds of its rows.
+    pub times: Vec<f64>,
+    /// Speed over ground, m/s.
+    pub speed: Vec<f64>,
+    /// Velocity along its heading, m/s, negative in reverse.
+    pub forward_speed: Vec<f64>,
     /// Forward acceleration, m/s2.
     pub accel: Vec<f64>,
+    /// As [`EgoMotion::standstill`].
+    pub standstill: Vec<Tri>,
     /// One entry a row of the track; `None` where the ego's or the target's pose is unknown.
     pub places: Vec<Option<Placement>>,
     /// Standard deviations of its states; `None` where they are exact.
     pub sd: Option<&'a Deviations>,
-}
-
-/// A place beside a line: signed distances, left positive, m.
-#[derive(Clone, Copy, Debug)]
-pub struct Beside {
-    /// Of the centre.
-    pub lateral: f64,
-    /// Of the rightmost corner.
-    pub low: f64,
-    /// Of the leftmost corner.
-    pub high: f64,
-    /// Direction of the line there, rad.
-    pub heading: f64,
 }
 
 /// Where a target is in one frame.
@@ -46,9 +46,9 @@ pub struct Placement {
     pub footprint: OrientedBox,
     /// Velocity over ground, m/s, world.
     pub velocity: P2,
-    /// Arc length from the ego's centre to the target's along the path, forward positive, m.
+    /// Arc length from the ego's center to the target's along the path, forward positive, m.
     pub ahead: f64,
-    /// The same to its nearest corner, m; the centre where sizes are unknown.
+    /// The same to its nearest corner, m; the center where sizes are unknown.
     pub near: f64,
     /// The same to its farthest corner, m.
     pub far: f64,
@@ -56,9 +56,9 @@ pub struct Placement {
     pub path: Beside,
     /// Beside the ego's lane, with the distances to its left and right edge; `None` while the ego has none.
     pub lane: Option<(Beside, f64, f64)>,
-    /// Arc length from the ego's centre to the target's along the ego's lane, m; NaN while the ego has none.
+    /// Arc length from the ego's center to the target's along the ego's lane, m; NaN while the ego has none.
     pub lane_ahead: f64,
-    /// Nearest and farthest arc length (from the ego's centre) of the part of the footprint that is in the band which
+    /// Nearest and farthest arc length (from the ego's center) of the part of the footprint that is in the band which
     /// the ego sweeps along its path, m; `None` when no part is.
     pub band: Option<(f64, f64)>,
     /// In the ego's lane, see [`Placement::centre_in_way`]; inside junctions, where no lines are drawn, a target
@@ -74,7 +74,7 @@ pub struct Placement {
     pub heading_at_ego: f64,
     /// Shortest distance between the boxes of the ego and the target, m; NaN where the target's size is unknown.
     pub distance: f64,
-    /// Gap and closing speed; of a target placed by [`crate::target::approach::place`].
+    /// Gap and closing speed, by [`crate::target::approach::place`].
     pub approach: Approach,
     going: Going,
 }
@@ -134,7 +134,7 @@ impl Placement {
         self.lane.unwrap_or((self.path, DEFAULT_HALF_WIDTH_M, DEFAULT_HALF_WIDTH_M))
     }
 
-    /// True when the centre is between the edges of [`Placement::way`], on its level and within reach.
+    /// True when the center is between the edges of [`Placement::way`], on its level and within reach.
     fn centre_in_way(&self) -> bool {
         let (at, left, right) = self.way();
         self.same_level && self.within_reach() && at.lateral <= left && at.lateral >= -right
@@ -185,13 +185,17 @@ const PATH_MARGIN_M: f64 = 0.3;
 /// Points around a footprint are this close, m.
 const BAND_STEP_M: f64 = 0.5;
 
-impl Surroundings<'_> {
-    /// Places `track` in all its rows, without gaps and closing speeds; `times` in seconds by frame.
-    pub fn place<'t>(&self, track: &'t Track, times: &[f64]) -> Target<'t> {
+impl<'a> Surroundings<'a> {
+    /// Places `track` in all its rows, without gaps and closing speeds, which [`crate::target::approach::place`] adds;
+    /// `times` in seconds by frame.
+    pub(super) fn place<'t>(&self, track: &'t Track, times: &[f64]) -> Target<'t> {
         let m = &track.motion;
-        let row_times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
-        let forward: Vec<f64> = (0..m.len()).map(|r| m.forward_speed(r)).collect();
-        let mut places: Vec<Option<Placement>> = (0..m.len()).map(|row| self.at(track, row)).collect();
+        let times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
+        let forward_speed: Vec<f64> = (0..m.len()).map(|r| m.forward_speed(r)).collect();
+        let speed: Vec<f64> = (0..m.len()).map(|r| m.speed(r)).collect();
+        let mut before = None;
+        let mut places: Vec<Option<Placement>> =
+            (0..m.len()).map(|row| self.at(track, row, &mut before)).collect();
         let mut was_in_way = false;
         for place in &mut places {
             let Some(p) = place else { continue };
@@ -202,11 +206,13 @@ impl Surroundings<'_> {
             p.in_way = p.centre_in_way() || (was_in_way && held(p));
             was_in_way = p.in_way;
         }
-        Target { track, accel: given_or_slope(&m.accel, &row_times, &forward), places, sd: None }
+        let accel = given_or_slope(&m.accel, &times, &forward_speed);
+        let standstill = below_with_hysteresis(&speed, STANDSTILL_SET_MPS, STANDSTILL_RELEASE_MPS);
+        Target { track, times, speed, forward_speed, accel, standstill, places, sd: None }
     }
 
     /// First and last arc length of the points around a footprint that are in the band swept by the ego while its
-    /// centre is at `ego_s`. Points, not corners: where the path bends away, a car beside the ego can have corners
+    /// center is at `ego_s`. Points, not corners: where the path bends away, a car beside the ego can have corners
     /// on either side of it and yet be clear. Beside the ego's own body the band has no margin.
     fn in_band(
         &self,
@@ -221,7 +227,7 @@ impl Surroundings<'_> {
         if beside.low > widest || beside.high < -widest {
             return None;
         }
-        let window = self.window(footprint, at);
+        let window = around_foot(self.path, footprint, at);
         let corners = footprint.corners();
         // Arc length and how far inside the band (negative: outside), point by point around the footprint.
         let probe = |p: P2| {
@@ -253,39 +259,20 @@ impl Surroundings<'_> {
         extent
     }
 
-    /// Where on the path a part of a footprint can be whose centre is there.
-    fn window(&self, footprint: &OrientedBox, at: &Projection) -> Window {
-        let reach = footprint.radius() + 3.0;
-        self.path.line.window(at.s - reach, at.s + reach)
-    }
-
-    /// Extents of a footprint along and beside the path around its foot point: first and last arc length, and place.
-    fn extents(&self, footprint: &OrientedBox, at: &Projection) -> (f64, f64, Beside) {
-        let heading = self.path.heading_at(at.s);
-        let mut beside = Beside { lateral: at.lateral, low: at.lateral, high: at.lateral, heading };
-        let (mut near, mut far) = (at.s, at.s);
-        let window = self.window(footprint, at);
-        for corner in footprint.corners() {
-            let on = self.path.line.project_within(corner, window);
-            (near, far) = (near.min(on.s), far.max(on.s));
-            (beside.low, beside.high) = (beside.low.min(on.lateral), beside.high.max(on.lateral));
-        }
-        (near, far, beside)
-    }
-
     /// True when the target, keeping its velocity, is in the swept band where the ego is after `seconds`.
     pub fn meets(&self, p: &Placement, seconds: f64) -> bool {
         let ego_s = self.path.ego_s[p.frame] + self.ego.forward_speed[p.frame] * seconds;
         let footprint = p.footprint.moved_to(p.footprint.centre + p.velocity * seconds);
         let at = self.path.project_near(footprint.centre, ego_s);
-        let (_, _, beside) = self.extents(&footprint, &at);
+        let (_, _, beside) = extents(self.path, &footprint, &at);
         let front = ego_s + self.ego.length / 2.0;
-        // A metre of grace: the gap was closed along the path, which is not quite where the target moved.
+        // A meter of grace: the gap was closed along the path, which is not quite where the target moved.
         self.in_band(&footprint, ego_s, &at, &beside)
             .is_some_and(|(near, far)| near <= front + 1.0 && far >= ego_s - self.ego.length / 2.0)
     }
 
-    fn at(&self, track: &Track, row: usize) -> Option<Placement> {
+    /// `before` is what was found for the row before, and then for this one.
+    fn at(&self, track: &Track, row: usize, before: &mut Option<OnLines<'a>>) -> Option<Placement> {
         let frame = track.frames[row] as usize;
         let m = &track.motion;
         let centre = p2(m.x[row], m.y[row]);
@@ -296,26 +283,16 @@ impl Surroundings<'_> {
             OrientedBox::new(centre, wrap(m.heading[row]), track.length_m[row], track.width_m[row]);
         let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
         let sized = sizes_known && footprint.heading.is_finite();
-        let ego_s = self.path.ego_s[frame];
-        let on_path = self.path.project_near(centre, ego_s);
-        let (near, far, beside) = if sized {
-            self.extents(&footprint, &on_path)
-        } else {
-            let heading = self.path.heading_at(on_path.s);
-            let lateral = on_path.lateral;
-            (on_path.s, on_path.s, Beside { lateral, low: lateral, high: lateral, heading })
-        };
+        let found = OnLines::new(self.path, self.lanes, (footprint, sized), frame, before.as_ref());
+        let on = &*before.insert(found);
+        let (ego_s, on_path) = (self.path.ego_s[frame], on.foot.at);
+        let (near, far, beside) = on.extents;
         let band = if sized { self.in_band(&footprint, ego_s, &on_path, &beside) } else { None };
-        let mut lane_ahead = f64::NAN;
-        let lane = self.lanes.and_then(|l| l.at(frame)).map(|on| {
-            let at = on.corridor.line.project_between(centre, on.s - 105.0, on.s + 155.0);
-            lane_ahead = at.s - on.s;
-            let (low, high) =
-                if sized { lateral_extent(on.corridor, &footprint, at.s) } else { (at.lateral, at.lateral) };
-            let heading = on.corridor.line.smooth_heading_at(at.s, 2.0);
-            let (left, right) = on.corridor.widths_at(at.s);
-            (Beside { lateral: at.lateral, low, high, heading }, left, right)
-        });
+        let lane = on.lane.as_ref().map(|lane| lane.beside);
+        let lane_ahead = match (&on.lane, self.lanes.and_then(|l| l.at(frame))) {
+            (Some(lane), Some(own)) => lane.foot.at.s - own.s,
+            _ => f64::NAN,
+        };
         let (z, path_z) = (m.z[row], self.path.z_at(on_path.s));
         // Where the path is only continued, the road may climb: 6 % over the distance beyond what was driven.
         let beyond = (on_path.s - self.path.driven.1).max(self.path.driven.0 - on_path.s).max(0.0);

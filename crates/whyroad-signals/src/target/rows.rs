@@ -40,6 +40,34 @@ impl<'a> Rows<'a> {
         self.fill(f64::NAN, |_, t, r| value(t, r))
     }
 
+    /// Several columns of numbers in one pass, from `(target index, row, track)`.
+    pub fn columns<const N: usize>(
+        &self,
+        value: impl Fn(usize, usize, &Track) -> [f64; N],
+    ) -> [TargetRows<f64>; N] {
+        let mut columns = [(); N].map(|()| vec![f64::NAN; self.count]);
+        for (k, (track, first)) in self.tracks.iter().zip(&self.first_rows).enumerate() {
+            let start = track.frames[0];
+            for (row, frame) in track.frames.iter().enumerate() {
+                let at = first + (frame - start) as usize;
+                for (column, value) in columns.iter_mut().zip(value(k, row, track)) {
+                    column[at] = value;
+                }
+            }
+        }
+        columns.map(TargetRows)
+    }
+
+    /// Several columns of numbers in one pass, from `(target index, row, placement)`; unknown where there is no
+    /// placement.
+    pub fn placed_columns<const N: usize>(
+        &self,
+        targets: &[Target<'_>],
+        value: impl Fn(usize, usize, &Placement) -> [f64; N],
+    ) -> [TargetRows<f64>; N] {
+        self.columns(|k, r, _| targets[k].places[r].as_ref().map_or([f64::NAN; N], |p| value(k, r, p)))
+    }
+
     /// A flag per row, unknown where not observed.
     pub fn flags(&self, value: impl Fn(&Track, usize) -> Tri) -> TargetRows<Tri> {
         self.flags_or(Tri::Unknown, value)

@@ -32,7 +32,7 @@ fn turns(road: &Road, target: &Target<'_>) -> Vec<Option<TargetTurns>> {
     if !drives(target.track.class) {
         return codes;
     }
-    // Distance travelled; what stands does not add its noise up to a way.
+    // Distance traveled; what stands does not add its noise up to a way.
     let mut travelled = vec![0.0; n];
     for r in 1..n {
         let step = (p2(m.x[r], m.y[r]) - p2(m.x[r - 1], m.y[r - 1])).norm();

@@ -169,7 +169,7 @@ fn slower_traffic_is_overtaken() {
 
 #[test]
 fn the_queue_before_the_line() {
-    // Stop line at 60. Two cars stand at 56 and 50 (centres), one stands beyond the line at 70; the ego comes to
+    // Stop line at 60. Two cars stand at 56 and 50 (centers), one stands beyond the line at 70; the ego comes to
     // stand with its front at 46. They move off at 8 and 9 s, the ego at 10 s.
     let goes = |from: f64, at: f64| move |t: f64| (from + 1.0 * (t - at).max(0.0).powi(2), 0.0, 0.0);
     let mut d = drive(130, |t| (20.0 + 8.0 * t.min(3.0) + (t - 10.0).max(0.0).powi(2), 0.0, 0.0));
@@ -249,7 +249,7 @@ fn the_lead_leaves_and_is_what_it_is() {
     assert_eq!(t.ego_flag("lead.large", 20), True);
     assert_eq!(t.ego_flag("lead.changes_lane", 20), False);
     assert_eq!(t.ego_flag("lead.changes_lane", 50), True);
-    // Its centre is over the line at 6 s: the car ahead is the lead then.
+    // Its center is over the line at 6 s: the car ahead is the lead then.
     let (from, to) = when(&t, "lead.left_lane", 120).unwrap();
     assert!((60..=61).contains(&from) && (9..=10).contains(&(to - from)), "{from} {to}");
     assert_eq!(t.ego_category("lead.class", 70), Some("car"));
@@ -282,7 +282,7 @@ fn a_target_turns_by_its_heading() {
 
 #[test]
 fn lanes_that_shift_to_and_fro_make_nobody_weave() {
-    // The road itself swings by 3 m to either side every 80 m, with corners; who keeps its centre does not weave, who
+    // The road itself swings by 3 m to either side every 80 m, with corners; who keeps its center does not weave, who
     // swings by 1 m about it does.
     let kink = |x: f64| 3.0 * (1.0 - ((x / 40.0).rem_euclid(2.0) - 1.0).abs() * 2.0);
     let points: Vec<(f64, f64)> = (0..=8).map(|i| (f64::from(i) * 40.0, kink(f64::from(i) * 40.0))).collect();

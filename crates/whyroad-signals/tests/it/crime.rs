@@ -18,7 +18,7 @@ fn theirs(vehicle: &str) -> Vec<(usize, [f64; 6])> {
     of.collect()
 }
 
-/// The scene of make.py: centres, speeds, accelerations and sizes.
+/// The scene of make.py: centers, speeds, accelerations and sizes.
 fn table() -> Table {
     let mut drive = crate::scene::drive(60, |t| (15.0 * t, 0.0, 0.0));
     let ego = drive.ego.as_mut().expect("an ego");
@@ -62,13 +62,13 @@ fn acceleration_measures_are_crimes() {
     for vehicle in ["200", "400"] {
         for (step, [hw, _, ttc, dst, required, btn]) in theirs(vehicle) {
             let ours = |name: &str| table.num(vehicle, name, step);
-            // CriMe rounds the headway's ends on its smoothed lane: centimetres.
+            // CriMe rounds the headway's ends on its smoothed lane: centimeters.
             near(ours("target.gap"), hw, 0.02);
             near(ours("target.ttc_accel"), ttc, 0.02);
             near(ours("target.a_long_req"), required, 0.0051);
             near(ours("target.btn"), btn, 0.0051 / 11.5 + 1e-4);
             if dst >= 0.0 {
-                // The safety time leaves little room at 400: a centimetre of headway moves the quotient by per cents.
+                // The safety time leaves little room at 400: a centimeter of headway moves the quotient by per cents.
                 near(ours("target.dst"), dst, 0.006 + 0.02 * dst);
             } else {
                 // A negative one means that the safety time is used up.

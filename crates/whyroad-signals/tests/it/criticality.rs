@@ -118,7 +118,7 @@ fn an_oncoming_car_leaves_a_gap_to_a_left_turn() {
     d.map = Some(m);
     let t = Table::of(&d);
     let crossing = 40.0 + 10.0 * (1.0_f64 - 0.65 * 0.65).sqrt();
-    // At 5 s the car's centre is at 90, its front at 88: to the crossing of the lines at 47.6.
+    // At 5 s the car's center is at 90, its front at 88: to the crossing of the lines at 47.6.
     near(t.num("oncoming", "target.oncoming_gap", 50), (88.0 - crossing) / 10.0, 0.05);
     // At 0 s the junction is 36 m ahead of the front, but the crossing more than 85 m from the car: within 100 m.
     near(t.num("oncoming", "target.oncoming_gap", 10), (128.0 - crossing) / 10.0, 0.05);
@@ -128,7 +128,7 @@ fn an_oncoming_car_leaves_a_gap_to_a_left_turn() {
 
 #[test]
 fn room_beside_the_path_and_passing() {
-    // Ego half width 1 m, bus 2.6 m wide: centre 3.3 m left of the path: 3.3 - 1.3 - 1 = 1 m between them.
+    // Ego half width 1 m, bus 2.6 m wide: center 3.3 m left of the path: 3.3 - 1.3 - 1 = 1 m between them.
     let mut d = drive(60, |t| (10.0 * t, 0.0, 0.0));
     add(&mut d, "bus", Bus, (12.0, 2.6), |t| (120.0 - 10.0 * t, 3.3, PI));
     add(&mut d, "wall", Bus, (12.0, 2.6), |_| (40.0, -2.0, 0.0));
@@ -154,7 +154,7 @@ fn room_beside_the_path_and_passing() {
 #[test]
 fn time_to_line_by_hand() {
     // Drifting left at 0.5 m/s from the middle of a 3.5 m lane: the side at 1 m has 0.75 m to go: 1.5 s. The car in the
-    // left lane (centre 3.5, side at 2.5) comes in at 0.25 m/s: 0.75 / 0.25 = 3 s.
+    // left lane (center 3.5, side at 2.5) comes in at 0.25 m/s: 0.75 / 0.25 = 3 s.
     let mut d = drive(10, |t| (10.0 * t, 0.5 * t, 0.05_f64.atan()));
     car(&mut d, "comes", |t| (20.0 + 10.0 * t, 3.5 - 0.25 * t, 0.0));
     car(&mut d, "stays", |t| (40.0 + 10.0 * t, 3.5, 0.0));

@@ -19,7 +19,7 @@ fn gap_is_bumper_to_bumper_and_distance_is_box_to_box() {
     car(&mut d, "ahead", |t| (25.0 + 5.0 * t, 0.0, 0.0));
     car(&mut d, "behind", |t| (-20.0 + 10.0 * t, 0.0, 0.0));
     let t = Table::of(&d);
-    // Centres 25 m apart, half lengths 2 m each: 21 m clear, closing at 5 m/s.
+    // Centers 25 m apart, half lengths 2 m each: 21 m clear, closing at 5 m/s.
     near(t.num("ahead", "target.longitudinal", 0), 25.0, 1e-6);
     near(t.num("ahead", "target.path_longitudinal", 0), 25.0, 1e-6);
     near(t.num("ahead", "target.gap", 0), 21.0, 1e-6);
@@ -147,7 +147,7 @@ fn a_walker_in_the_path_counts_while_they_stay_in_it() {
 #[test]
 fn a_car_that_cuts_in_crosses_the_line_by_hand_geometry() {
     let mut d = ego_at(10.0, 70);
-    // From the left lane's centre at 1 s to the ego lane's at 6 s: 0.7 m/s across.
+    // From the left lane's center at 1 s to the ego lane's at 6 s: 0.7 m/s across.
     let y = |t: f64| 3.5 - 0.7 * (t - 1.0).clamp(0.0, 5.0);
     car(&mut d, "cuts", move |t| (20.0 + 8.0 * t, y(t), 0.0));
     let t = Table::of(&d);
@@ -156,14 +156,14 @@ fn a_car_that_cuts_in_crosses_the_line_by_hand_geometry() {
     assert_eq!(first("target.wheel_over_line", True), 23);
     // The left side y + 1 is within 0.1 m of the line when y = 0.85: at 4.786 s.
     assert_eq!((23..70).find(|&i| t.flag("cuts", "target.wheel_over_line", i) == False), Some(48));
-    // The centre crosses at y = 1.75: exactly 3.5 s.
+    // The center crosses at y = 1.75: exactly 3.5 s.
     assert!((35..=36).contains(&first("target.in_ego_lane", True)));
     assert!((35..=36).contains(&first("target.is_lead", True)));
     // At 3 s: y = 2.1, right side 1.1: 0.65 m in.
     near(t.num("cuts", "target.lateral_offset", 30), 0.65, 1e-6);
     near(t.num("cuts", "target.lane_centre_distance", 30), 2.1, 1e-6);
     near(t.num("cuts", "target.lane_lateral_speed", 30), 0.7, 1e-6);
-    // Over the line and coming in, it is in path: centre 14 m ahead, 10 m clear, closing at 2 m/s.
+    // Over the line and coming in, it is in path: center 14 m ahead, 10 m clear, closing at 2 m/s.
     near(t.num("cuts", "target.gap", 30), 10.0, 1e-6);
     near(t.num("cuts", "target.ttc", 30), 5.0, 1e-2);
     assert_eq!(t.num("cuts", "target.gap", 10), INF, "in its own lane it is not in the ego's path");
@@ -205,7 +205,7 @@ fn far_away_on_a_bridge_and_unseen() {
     assert!(t.num("hidden", "target.gap", 17).is_nan());
     assert_eq!(t.flag("hidden", "target.is_lead", 26), True);
     assert_eq!(t.flag("hidden", "target.large_vehicle", 26), True);
-    // 30 m between centres, half lengths 6 and 2.
+    // 30 m between centers, half lengths 6 and 2.
     near(t.num("hidden", "target.gap", 26), 22.0, 1e-6);
 }
 

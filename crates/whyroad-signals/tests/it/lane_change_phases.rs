@@ -88,7 +88,7 @@ fn a_lane_change_given_up() {
     let (first, last) = when(&t, "ego.lane_change_aborted", 120).unwrap();
     // 0.05 m under the peak 0.26 s after 6 s.
     assert!((61..=64).contains(&first) && last == 73, "{first} {last}");
-    // It executes from 0.3 m off the centre, where the cosine is 0.5 (4.67 s), until it turns back; nothing was
+    // It executes from 0.3 m off the center, where the cosine is 0.5 (4.67 s), until it turns back; nothing was
     // completed.
     assert_eq!(t.span("ego.lane_change_phase", "execute"), Some((47, first - 1)));
     assert_eq!(t.span("ego.lane_change_phase", "complete"), None);

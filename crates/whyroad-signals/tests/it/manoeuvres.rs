@@ -90,7 +90,7 @@ fn a_lane_change_lasts_from_leaving_one_centre_to_resting_on_the_other() {
     near(t.ego("ego.lane_offset", 20), 0.0, 1e-6);
     near(t.ego("ego.lane_width", 20), 3.5, 1e-6);
     near(t.ego("map.lane_count", 20), 2.0, 0.0);
-    // Before the middle it is left of the old centre, after it right of the new one: shift(5) = 0.5126.
+    // Before the middle it is left of the old center, after it right of the new one: shift(5) = 0.5126.
     near(t.ego("ego.lane_offset", 50), 0.5126, 1e-3);
     near(t.ego("ego.lane_offset", 70), -0.5126, 1e-3);
     assert_eq!(t.ego_flag("ego.wheel_over_line", 60), True);
@@ -112,7 +112,7 @@ fn a_lane_change_begins_when_it_goes_the_right_way() {
 
 #[test]
 fn swinging_out_and_back_or_driving_on_is_no_lane_change() {
-    // 1.2 m out and back: over the line with the wheels, never with the centre.
+    // 1.2 m out and back: over the line with the wheels, never with the center.
     let mut swing =
         drive(120, |t| (12.0 * t, 0.6 * (1.0 - (PI * (t - 4.0).clamp(0.0, 4.0) / 2.0).cos()), 0.0));
     swing.map = Some(road());
@@ -177,7 +177,7 @@ fn turns_by_integrated_heading() {
     assert_eq!(t.ego_flag("ego.in_junction", 60), True);
     assert_eq!(t.ego_flag("ego.in_junction", 75), False);
     assert_eq!(t.ego_category("ego.movement", 20), None, "unknown outside");
-    // At 2 s: centre at 16, front bumper at 18; junction at 40, crosswalk at 34.
+    // At 2 s: center at 16, front bumper at 18; junction at 40, crosswalk at 34.
     near(t.ego("map.distance_to_junction", 20), 22.0, 0.6);
     near(t.ego("map.distance_to_crosswalk", 20), 16.0, 0.6);
     assert_eq!(t.ego("map.distance_to_junction", 60), 0.0);
@@ -243,7 +243,7 @@ fn a_standing_ego_looks_along_its_lane_and_a_blind_one_straight_on() {
     d.map = Some(m);
     let t = Table::of(&d);
     assert_eq!(t.flag("round_the_bend", "target.is_lead", 10), True);
-    // 25 m between centres along the lane, half lengths 2 m each; the continuation is drawn in 2 m steps.
+    // 25 m between centers along the lane, half lengths 2 m each; the continuation is drawn in 2 m steps.
     near(t.num("round_the_bend", "target.gap", 10), 21.0, 0.3);
 }
 

@@ -264,7 +264,7 @@ fn what_stands_beside_the_path_counts_where_it_bears_on_it() {
     let mut d = drive(200, |t| (10.0 * t, 0.0, 0.0));
     d.map = Some(m);
     let t = Table::of(&d);
-    // Frame 20: front at 22. To half a metre.
+    // Frame 20: front at 22. To half a meter.
     near(t.ego("map.distance_to_construction", 20), 78.0, 0.5);
     assert_eq!(
         (t.ego_flag("map.in_construction", 110), t.ego_flag("map.in_construction", 125)),
@@ -305,7 +305,7 @@ fn a_roundabout() {
     let mut d = drive(160, pose);
     d.map = Some(m);
     let t = Table::of(&d);
-    // The outline crosses y = 0 at x = 100 - sqrt(22^2 - 20^2) = 90.83 (chords of 5 deg: a few centimetres less).
+    // The outline crosses y = 0 at x = 100 - sqrt(22^2 - 20^2) = 90.83 (chords of 5 deg: a few centimeters less).
     let entry = 100.0 - 84.0_f64.sqrt();
     near(t.ego("map.distance_to_roundabout", 40), entry - 42.0, 0.1);
     assert_eq!((t.ego_flag("map.in_roundabout", 88), t.ego_flag("map.in_roundabout", 93)), (False, True));

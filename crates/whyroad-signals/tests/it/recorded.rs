@@ -42,11 +42,11 @@ fn pittsburgh_3bffdcff_follows_one_car_through_a_bend() {
         // It turns with the bend of the junction, 20 to -30 deg in the raw poses, without ever being out of the lane.
         assert_eq!(t.ego_category("ego.lane_change", i), Some("none"));
     }
-    // Raw: centres 21.98 m apart at first, 9.72 m at 15.0 s; lengths 4.877 m (ego) and 4.055 m.
+    // Raw: centers 21.98 m apart at first, 9.72 m at 15.0 s; lengths 4.877 m (ego) and 4.055 m.
     near(t.num(&lead, "target.gap", 0), 21.98 - (4.877 + 4.055) / 2.0, 0.15);
     near(t.num(&lead, "target.gap", 150), 9.72 - (4.877 + 4.055) / 2.0, 0.15);
     for i in 0..156 {
-        // The arc is never shorter than the way between the boxes (to the decimetre by which corners project).
+        // The arc is never shorter than the way between the boxes (to the decimeter by which corners project).
         assert!(t.num(&lead, "target.gap", i) >= t.num(&lead, "target.distance", i) - 0.15, "frame {i}");
     }
 }
@@ -65,7 +65,7 @@ fn pittsburgh_adcf7d18_waits_behind_one_car_and_a_bus_comes_in() {
     );
     let moves = (0..60).find(|&i| t.flag(&lead, "target.standstill", i) == False).unwrap();
     assert!((24..34).contains(&moves), "{moves}");
-    // Raw: the bus's centre enters the polygon of the ego's lane between 10.8 and 11.4 s, and stays.
+    // Raw: the bus's center enters the polygon of the ego's lane between 10.8 and 11.4 s, and stays.
     let enters = (0..156).find(|&i| t.flag(&bus, "target.in_ego_lane", i) == True).unwrap();
     assert!((108..=114).contains(&enters), "{enters}");
     for i in 115..156 {

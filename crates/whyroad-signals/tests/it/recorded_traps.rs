@@ -109,7 +109,7 @@ fn a_turn_that_goes_on_behind_its_junction_counts_whole() {
 fn where_ways_join_the_time_between_the_boxes_counts() {
     // The other comes up from the south, turns into the ego's road at x = 0 after 2 s and drives on at 10 m/s; the ego
     // passes x = 0 after 7.9 s at 10 m/s. At any place its front is there 5.9 s less half of both lengths after the
-    // other's centre, so after its rear has left: 5.9 s - (4.0 m + ego's length) / 2 / 10 m/s.
+    // other's center, so after its rear has left: 5.9 s - (4.0 m + ego's length) / 2 / 10 m/s.
     let mut d = drive(160, |t| (10.0 * t - 79.0, 0.0, 0.0));
     car(&mut d, "other", |t| {
         let s = 10.0 * (t - 2.0);

@@ -12,7 +12,7 @@ use whyroad_model::Tri::{False, True};
 #[test]
 fn relative_directions_by_hand() {
     let mut d = drive(10, |t| (10.0 * t, 0.0, 0.0));
-    // Boxes of 4 m: 50 m apart at a centre distance of 54 m.
+    // Boxes of 4 m: 50 m apart at a center distance of 54 m.
     for (id, x, y) in [
         ("f50", 53.9, 0.0),
         ("f51", 54.2, 0.0),

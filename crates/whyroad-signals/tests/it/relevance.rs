@@ -43,7 +43,7 @@ fn a_board_beyond_the_oncoming_lane_is_for_those_who_come_there() {
 #[test]
 fn a_board_concerns_whom_it_faces() {
     let pi = std::f64::consts::PI;
-    // On the right kerb with its back to the ego, and on the left with its face to it.
+    // On the right curb with its back to the ego, and on the left with its face to it.
     let t = Table::of(&east(vec![
         sign("no_entry", 60.0, -4.0, Some(0.0), None),
         sign("no_left_turn", 80.0, 10.0, Some(pi), None),
@@ -81,7 +81,7 @@ fn a_countdown_counts_down() {
     near(t.ego("light.countdown", 20), 3.0, 1e-9);
     assert!(t.ego("light.countdown", 60).is_nan(), "this state has none");
     near(t.ego("light.countdown", 80), 2.0, 1e-9);
-    // The line of lane r0 is at 100 m: the ego's centre is over it from frame 100 on.
+    // The line of lane r0 is at 100 m: the ego's center is over it from frame 100 on.
     assert_eq!(t.ego("light.countdown", 110), INF);
 }
 

@@ -210,7 +210,7 @@ fn limits_kinds_and_marks_are_the_maps() {
     assert_eq!((t.ego_flag("map.lane_marked", 50), t.ego_flag("map.lane_marked", 120)), (True, Unknown));
     assert_eq!(t.ego_category("map.left_mark", 120), None, "not stated is not unmarked");
     assert_eq!(t.ego_category("map.lane_kind", 50), Some("vehicle"));
-    // The left lane's left neighbour is the oncoming one.
+    // The left lane's left neighbor is the oncoming one.
     let mut d = drive(100, |t| (10.0 * t, 3.5, 0.0));
     d.map = Some(road());
     let t = Table::of(&d);
@@ -230,7 +230,7 @@ fn a_lane_that_narrows() {
     d.map = Some(map(vec![a]));
     let t = Table::of(&d);
     // 50 m from the front (x + 2): from x = 40 to 92, from x = 90 to 142.
-    // Widths are the least distances to the edges: near the slant a millimetre less than across.
+    // Widths are the least distances to the edges: near the slant a millimeter less than across.
     near(t.ego("map.lane_width_ahead", 40), 3.5, 2e-3);
     near(t.ego("map.lane_width_ahead", 90), 2.5, 2e-3);
 }

@@ -260,7 +260,7 @@ fn sight_over_a_crest_is_that_of_road_design() {
     }
 }
 
-/// A left bend of 50 m radius with a wall `inside` metres inside of the ego's path all along it.
+/// A left bend of 50 m radius with a wall `inside` meters inside of the ego's path all along it.
 fn bend(inside: f64) -> Drive {
     let at = |s: f64, r: f64| ((r * (s / 50.0).sin()), 50.0 - r * (s / 50.0).cos());
     let mut d = drive(60, |t| {
@@ -296,7 +296,7 @@ fn a_lead_cuts_sight_only_when_it_stands_or_is_large() {
         Table::of(&d).ego("map.sight_distance", 0)
     };
     near(behind(Car, 10.0), 150.0, 0.0);
-    // Rear ends at 38 m, places a metre apart.
+    // Rear ends at 38 m, places a meter apart.
     near(behind(Car, 0.0), 38.0, 1.0);
     near(behind(Truck, 10.0), 38.0, 1.0);
 }

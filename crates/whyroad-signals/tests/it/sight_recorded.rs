@@ -10,7 +10,7 @@ use whyroad_model::ObjectClass;
 struct Row {
     share: f64,
     points: f64,
-    /// Points for each square metre of a face across the line of sight at 1 m: what does not change with distance and
+    /// Points for each square meter of a face across the line of sight at 1 m: what does not change with distance and
     /// size.
     density: f64,
     tall: bool,

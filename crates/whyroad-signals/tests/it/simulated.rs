@@ -17,7 +17,7 @@ fn drive(name: &str) -> Table {
 fn the_ego_changes_lanes_when_the_simulator_says() {
     let t = drive("multilane");
     // lanechange.xml.gz: the ego goes from straight_1 to straight_2, dir="1" (left), at 43.70 s: the moment its front
-    // bumper is over the line. The box's centre is there within a frame or two; the movement lasts 4 s by SUMO's types.
+    // bumper is over the line. The box's center is there within a frame or two; the movement lasts 4 s by SUMO's types.
     assert_eq!(t.span("ego.lane_change", "right"), None);
     let (first, last) = t.span("ego.lane_change", "left").unwrap();
     assert!((415..430).contains(&first) && (450..462).contains(&last), "{first}..{last}");

@@ -89,7 +89,7 @@ fn compare(name: &str, tally: &mut Tally) {
         for (k, &row) in own.iter().enumerate() {
             let close = |i: &usize| (drive.times[*i].seconds_since(DEFAULT_START) - row.time).abs() < 0.01;
             let Some(i) = (0..drive.times.len()).find(close) else { continue };
-            // While the body is over a line, which lane it is in is a matter of a centimetre.
+            // While the body is over a line, which lane it is in is a matter of a centimeter.
             if t.ego("ego.lane_offset", i).is_nan() || t.ego("ego.lane_offset", i).abs() > 1.2 {
                 continue;
             }
@@ -111,7 +111,7 @@ fn compare(name: &str, tally: &mut Tally) {
             }
             // The ego's front is at the end of its lane when it reaches the junction; the path there bends a little.
             let distance = t.ego("map.distance_to_junction", i);
-            // The way over a lane change is longer than the lane, by metres where it is made at a crawl.
+            // The way over a lane change is longer than the lane, by meters where it is made at a crawl.
             let edge = |lane: &str| lane.rsplit_once('_').unwrap().0.to_owned();
             let stays = own[k..]
                 .iter()

@@ -6,7 +6,7 @@ use whyroad_model::{Drive, ObjectClass};
 
 const RADIUS_M: f64 = 60.0;
 
-/// A place `s` metres along the lane, `d` left of its centre, heading along it.
+/// A place `s` meters along the lane, `d` left of its center, heading along it.
 fn at(s: f64, d: f64) -> (f64, f64, f64) {
     let angle = s / RADIUS_M;
     ((RADIUS_M - d) * angle.sin(), RADIUS_M - (RADIUS_M - d) * angle.cos(), angle)

@@ -1,4 +1,4 @@
-//! The table as a whole: it agrees with the catalogue, and does not depend on where the world's origin is, how its
+//! The table as a whole: it agrees with the catalog, and does not depend on where the world's origin is, how its
 //! axes lie, or when the drive took place.
 use crate::scene::{Table, add, add_seen, area, car, drive, near, road};
 use proptest::prelude::*;
@@ -112,9 +112,9 @@ fn the_table_agrees_with_the_catalogue() {
                         def.name
                     );
                 }
-                _ => panic!("{} has values of another kind than the catalogue says", def.name),
+                _ => panic!("{} has values of another kind than the catalog says", def.name),
             }
-            // The way here is shorter than the 500 m over which these look: unknown, as the catalogue says.
+            // The way here is shorter than the 500 m over which these look: unknown, as the catalog says.
             let far = ["map.bends_around", "map.mean_grade"].contains(&def.name.as_str());
             if complete && !far {
                 assert!(column.known_count() > 0, "{} is known nowhere", def.name);
@@ -172,7 +172,7 @@ fn moved(mut d: Drive, angle: f64, dx: f64, dy: f64, later: i64) -> Drive {
     d
 }
 
-/// Values agree, numbers to within what moving the origin by kilometres costs in rounding.
+/// Values agree, numbers to within what moving the origin by kilometers costs in rounding.
 fn same(a: &Column, b: &Column, row: usize) -> bool {
     match (a.number(row), b.number(row)) {
         (Some(x), Some(y)) => x == y || (x - y).abs() < 1e-4 * (1.0 + x.abs()),
@@ -186,13 +186,13 @@ fn same(a: &Column, b: &Column, row: usize) -> bool {
 /// rad and share.
 fn step_of(name: &str) -> f64 {
     match name {
-        // The path is probed every half metre.
+        // The path is probed every half meter.
         "map.distance_to_junction" | "map.distance_to_crosswalk" => 0.5,
-        // Places along the path, a metre apart.
+        // Places along the path, a meter apart.
         "map.sight_distance" => 1.0,
         // Of 30 by 4 places, a row across or along.
         "map.hidden_beside" => 30.0 / 120.0,
-        // Until a place of that grid: a metre at the 9 m/s of this drive.
+        // Until a place of that grid: a meter at the 9 m/s of this drive.
         "map.time_to_hidden_beside" => 0.12,
         "map.sight_angle" => 0.05,
         _ => 0.0,
@@ -242,7 +242,7 @@ proptest! {
     ) {
         let (a, b) = (Table::of(&full()).0, Table::of(&moved(full(), angle, dx, dy, later)).0);
         for (name, column) in a.frame_columns.iter().chain(&a.target_columns) {
-            // The world's own quantity; and quotients that magnify a gap's millimetres where the denominator is small.
+            // The world's own quantity; and quotients that magnify a gap's millimeters where the denominator is small.
             if matches!(name.as_str(), "ego.heading" | "map.time_to_junction" | "map.time_to_crosswalk" | "target.dst") {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! The analytics as the labelling service shows them: the tasks come from its store, mining from the folders that
+//! The analytics as the labeling service shows them: the tasks come from its store, mining from the folders that
 //! `whyroad serve --mined` names.
 
 use super::{largest, mined};

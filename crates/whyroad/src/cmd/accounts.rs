@@ -1,4 +1,4 @@
-//! `whyroad accounts`: who can sign in to the labelling service, and a new password for one who cannot any more. For
+//! `whyroad accounts`: who can sign in to the labeling service, and a new password for one who cannot any more. For
 //! whoever runs the service: they have the store, and need no account of their own.
 
 use crate::output::Print;

@@ -1,4 +1,4 @@
-//! `whyroad backup` and `whyroad restore`: the whole store of the labelling service as one file, from either database
+//! `whyroad backup` and `whyroad restore`: the whole store of the labeling service as one file, from either database
 //! into either.
 
 use crate::output::reason::{cannot_read, exists};

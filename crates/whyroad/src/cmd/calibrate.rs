@@ -28,7 +28,7 @@ pub(crate) struct Args {
     /// Truth, JSON Lines: episodes of classes and drives that it declares complete are judged
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "verdicts")]
     truth: Vec<PathBuf>,
-    /// Verdicts on these episodes, as the labelling service exports them
+    /// Verdicts on these episodes, as the labeling service exports them
     #[arg(long, value_name = "FILE", num_args = 1..)]
     verdicts: Vec<PathBuf>,
     /// What is judged, for the readers of the table

@@ -30,7 +30,7 @@ enum What {
     Init(Init),
     /// Build a release: select, cut, split, de-duplicate, balance, freeze
     Build(build::Args),
-    /// Check a release: hashes, leaks between splits, near-duplicates, licences, labels
+    /// Check a release: hashes, leaks between splits, near-duplicates, licenses, labels
     Verify(verify::Args),
     /// Write a view of a release for a trainer or another tool
     Export(export::Args),
@@ -88,7 +88,7 @@ fn print(global: &Global, found: &[Diagnostic]) {
     }
 }
 
-/// The licences of the framework in force: those of its folder, else the built-in ones.
+/// The licenses of the framework in force: those of its folder, else the built-in ones.
 fn licences(global: &Global) -> anyhow::Result<LicenceTable> {
     let own = global.framework.as_ref().map(|dir| dir.join("schema/licences.yaml")).filter(|p| p.is_file());
     let (text, name) = match &own {

@@ -37,6 +37,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
     };
 
+    whyroad_engine::memory::keep_freed();
     let mut published = Instant::now();
     let bar = output::progress(sources.len());
     let mut reports = Vec::with_capacity(sources.len());

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use whyroad_engine::drives::map_drives;
 use whyroad_engine::inspect::{DriveSummary, LakeSummary, NoiseOf, SignalShare};
 use whyroad_lake::Lake;
-use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Need};
+use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Need, counted};
 
 /// Arguments of `whyroad inspect`.
 #[derive(clap::Args)]
@@ -118,7 +118,7 @@ fn lake_text(s: &LakeSummary, lang: Lang) -> String {
             format!("  有该数据表的行程：{tables}"),
         ],
         Lang::En => [
-            format!("{drives} drives, {clips} clips, {hours:.2} h"),
+            format!("{}, {}, {hours:.2} h", counted(drives, "drive"), counted(clips, "clip")),
             format!("  formats: {formats}"),
             format!("  objects: {objects}"),
             format!("  drives with the table: {tables}"),
@@ -145,6 +145,9 @@ fn label(key: &str, lang: Lang) -> String {
         "missing" => ("日志中没有", "not in the log"),
         "signals" => ("信号", "signals"),
         "needs" => ("缺少", "needs"),
+        "too little" => {
+            ("日志中各项都有一部分，但不足以得出", "the log has a part of what it needs, but too little")
+        }
         "unobservable" => ("不可观测", "not observable"),
         "lanes" => ("车道", "lanes"),
         "lanes in junctions" => ("路口内车道", "lanes in junctions"),
@@ -259,13 +262,11 @@ fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
         by_need.entry(needs).or_default().push(name);
     }
     for (needs, names) in by_need {
-        out += &format!(
-            "    {} ({} {}): {}\n",
-            label("unobservable", lang),
-            label("needs", lang),
-            Need::list(needs, lang),
-            names.join(", ")
-        );
+        let why = match needs {
+            [] => label("too little", lang),
+            _ => format!("{} {}", label("needs", lang), Need::list(needs, lang)),
+        };
+        out += &format!("    {} ({why}): {}\n", label("unobservable", lang), names.join(", "));
     }
     out
 }

@@ -47,7 +47,7 @@ pub(crate) struct Args {
     /// Also write a page with the scene of each group
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
-    /// Make a labelling task of each group's example, as an episode of the nearest class, in this project
+    /// Make a labeling task of each group's example, as an episode of the nearest class, in this project
     #[arg(long, value_name = "PROJECT")]
     to_tasks: Option<String>,
     /// Number of drives processed at once [default: all cores]

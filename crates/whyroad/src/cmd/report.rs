@@ -48,7 +48,7 @@ pub(crate) struct Args {
 /// What the numbers are made from beside the mined folder, and where they go.
 #[derive(clap::Args, Default)]
 pub(crate) struct Numbers {
-    /// Store of the labelling service: labels.db, the folder with it, or postgres://...
+    /// Store of the labeling service: labels.db, the folder with it, or postgres://...
     #[arg(long, value_name = "STORE")]
     labels: Option<String>,
     /// Only this project of the store [default: all projects together]
@@ -233,7 +233,12 @@ pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::R
     let signals: BTreeMap<String, SignalInfo> = catalogue
         .iter()
         .map(|d| {
-            let info = SignalInfo { unit: d.unit, meaning: d.meaning.clone(), scale: d.scale };
+            let info = SignalInfo {
+                unit: d.unit,
+                title: d.title.clone(),
+                meaning: d.meaning.clone(),
+                scale: d.scale,
+            };
             (d.name.clone(), info)
         })
         .collect();

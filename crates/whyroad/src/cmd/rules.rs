@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use whyroad_framework::Framework;
 use whyroad_mining::rule::file::{Checked, check_file};
 use whyroad_mining::rule::origin::SourceFile;
-use whyroad_model::Lang;
+use whyroad_model::{Lang, counted};
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad rules`.
@@ -72,9 +72,6 @@ fn tally(name: &str, checked: &Checked, lang: Lang) -> String {
     let (rules, cases) = (checked.rules, checked.cases);
     match lang {
         Lang::Zh => format!("{name}：{rules} 条规则，{cases} 个用例"),
-        Lang::En => {
-            let counted = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-            format!("{name}: {}, {}", counted(rules, "rule"), counted(cases, "case"))
-        }
+        Lang::En => format!("{name}: {}, {}", counted(rules, "rule"), counted(cases, "case")),
     }
 }

@@ -1,4 +1,4 @@
-//! `whyroad serve`: the labelling service on a lake, with its page. Without any argument it runs on the bundled drives,
+//! `whyroad serve`: the labeling service on a lake, with its page. Without any argument it runs on the bundled drives,
 //! so that a newcomer sees clips at once.
 
 mod first_run;
@@ -28,7 +28,7 @@ use whyroad_server::service::webhooks::Reach;
 /// Arguments of `whyroad serve`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Lake whose drives are labelled [default: the bundled drives]
+    /// Lake whose drives are labeled [default: the bundled drives]
     #[arg(long, value_name = "DIR")]
     lake: Option<PathBuf>,
     /// Folder that `whyroad mine` wrote, or a folder of such folders: tasks can be made from these; may be repeated
@@ -206,7 +206,7 @@ fn where_to_look(at: SocketAddr, account: &FirstAccount, drives: usize, lang: La
     match lang {
         Lang::Zh => format!("标注服务：http://{host}/{query}\n{first}{drives} 个行程；Ctrl-C 停止"),
         Lang::En => {
-            format!("labelling service: http://{host}/{query}\n{first}{drives} drives; stop with Ctrl-C")
+            format!("labeling service: http://{host}/{query}\n{first}{drives} drives; stop with Ctrl-C")
         }
     }
 }

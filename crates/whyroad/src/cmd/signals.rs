@@ -1,4 +1,4 @@
-//! `whyroad signals`: the catalogue of signals that rules can speak of.
+//! `whyroad signals`: the catalog of signals that rules can speak of.
 
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};

@@ -1,4 +1,4 @@
-//! `whyroad tasks`: labelling tasks from episodes, and tasks and labels out of and into the service's store, without
+//! `whyroad tasks`: labeling tasks from episodes, and tasks and labels out of and into the service's store, without
 //! the service running (or beside it: the store takes both).
 
 use crate::output::Print;

@@ -40,7 +40,7 @@ enum Command {
         #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
         format: ListingFormat,
     },
-    /// Show one class: meaning, decisions, rules against its neighbours, how it is labelled
+    /// Show one class: meaning, decisions, rules against its neighbors, how it is labeled
     Show {
         /// Full id (reactive_agent.cutin.urgent), prefix (reactive_agent.cutin) or a short id that only one class has
         /// (urgent)
@@ -51,7 +51,7 @@ enum Command {
     },
     /// Check the framework, a taxonomy file (.yaml), or the numbers and classes of a TAXONOMY.md
     ///
-    /// Without FILE: classes, decisions, labelling specs and their expressions, mining rules, signals, order of
+    /// Without FILE: classes, decisions, labeling specs and their expressions, mining rules, signals, order of
     /// precedence. Exit code 1 when anything is found.
     Lint {
         /// A .yaml or .md file; the whole framework when absent
@@ -61,7 +61,7 @@ enum Command {
     },
     /// Compare two frameworks or taxonomies, and say whether the step is major, minor or patch
     ///
-    /// A and B are framework folders or the word `bundled`: classes, labelling specs and mining rules are compared.
+    /// A and B are framework folders or the word `bundled`: classes, labeling specs and mining rules are compared.
     /// With a .yaml or .md file on either side only the classes are.
     /// Exit code 1 when a version that B states is too low for its changes.
     Diff {
@@ -77,7 +77,7 @@ enum Command {
     /// A mapping file says what became of each class. What a label does not decide is never guessed: its task goes back
     /// to its author, and it is listed. Originals stay: in the history of the task, and in the old files.
     Migrate(migrate::Args),
-    /// Write the generated pages of docs/: classes, leaves, signals, labelling tables, diagnostics index
+    /// Write the generated pages of docs/: classes, leaves, signals, labeling tables, diagnostics index
     ///
     /// Pages go to docs/ in the framework folder. SPEC.md, the diagnostics index and the book's SUMMARY.md are brought
     /// up to date only where they exist.
@@ -89,7 +89,7 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
-    /// Write the JSON Schemas of all messages and of the labelling specs
+    /// Write the JSON Schemas of all messages and of the labeling specs
     Schemas {
         /// Write nothing; exit code 1 when a file is not up to date
         #[arg(long)]

@@ -17,7 +17,7 @@ use whyroad_framework::check::{MessageKind, Piece, Verdict, problem};
 use whyroad_label::check::{Checker, ClipIndex};
 use whyroad_lake::Lake;
 use whyroad_mining::rule::query::{compile_query, parse_query};
-use whyroad_model::{Bilingual, Diagnostic, Lang, Severity};
+use whyroad_model::{Bilingual, Diagnostic, Lang, Severity, counted};
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad validate`.
@@ -260,10 +260,7 @@ impl Run<'_> {
             "label.input.foreign",
             Bilingual::new(
                 format!("未检查：文件中的 {n} 个文档都不是标注或交换消息"),
-                format!(
-                    "not checked: of its {n} document{} none is a label or message",
-                    if n == 1 { "" } else { "s" }
-                ),
+                format!("not checked: of its {} none is a label or message", counted(n, "document")),
             ),
         );
         self.found(name, d)?;
@@ -304,12 +301,7 @@ fn empty_folder() -> Diagnostic {
 fn summary(t: Totals, lang: Lang) -> String {
     let findings = whyroad_model::diagnostic::summary(t.errors, t.warnings, lang);
     match lang {
-        Lang::En => format!(
-            "checked {} document{}, {} valid: {findings}",
-            t.documents,
-            if t.documents == 1 { "" } else { "s" },
-            t.valid
-        ),
+        Lang::En => format!("checked {}, {} valid: {findings}", counted(t.documents, "document"), t.valid),
         Lang::Zh => format!("检查了 {} 个文档，{} 个有效：{findings}", t.documents, t.valid),
     }
 }

@@ -229,6 +229,25 @@ fn the_report_has_a_card_for_each_episode_and_fetches_nothing() {
 }
 
 #[test]
+fn conditions_on_cards_are_in_words_in_both_languages() {
+    let page = std::fs::read_to_string(demo().0.path().join("report.html")).unwrap();
+    let tables: Vec<&str> = page.split("<table class=\"conditions\">").skip(1).collect();
+    assert!(tables.len() > 10, "{}", tables.len());
+    for table in tables {
+        let (table, _) = table.split_once("</table>").unwrap();
+        // Between the marks of HTML: what people read, comparisons escaped as `&lt;`.
+        let shown: String =
+            table.split('<').filter_map(|part| part.split_once('>')).map(|(_, t)| format!("{t}\n")).collect();
+        assert!(!table.contains("<code>") && !table.contains("title="), "{table}");
+        for syntax in
+            ["_", "==", "&lt;=", "&gt;=", "{", "previously", "is known", "target.", "ego.", "True", "null"]
+        {
+            assert!(!shown.contains(syntax), "{syntax}: {shown}");
+        }
+    }
+}
+
+#[test]
 fn a_second_run_into_the_same_folder_gives_the_same_bytes() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().to_str().unwrap();

@@ -1,4 +1,4 @@
-//! What may befall the labelling service, done to the real one: after each, every acknowledged change is there and no
+//! What may befall the labeling service, done to the real one: after each, every acknowledged change is there and no
 //! task is held twice.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // in a test a panic is the report, and a skip is said

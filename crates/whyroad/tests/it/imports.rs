@@ -1,4 +1,4 @@
-//! Who may import whom (ARCHITECTURE.md "Code map"), and under which licences our dependencies come.
+//! Who may import whom (ARCHITECTURE.md "Code map"), and under which licenses our dependencies come.
 //! Compared with `cargo metadata`, so that the picture in the document cannot drift from the code.
 
 use serde_json::Value;

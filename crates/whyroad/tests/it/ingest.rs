@@ -37,7 +37,7 @@ fn a_drive_goes_in_once() {
     insta::assert_snapshot!("ingest_sumo", out(&first));
     assert_eq!(err(&first), "", "nothing to say about clean input");
 
-    // No format named: recognised; same content: not written again.
+    // No format named: recognized; same content: not written again.
     let second = whyroad(&["ingest", fixture, "--lake", lake, "--lang", "zh"]);
     assert_eq!(second.status.code(), Some(0));
     insta::assert_snapshot!("ingest_sumo_again_zh", out(&second));

@@ -31,7 +31,7 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
     // By the fixture: 5 frames, a lorry for 3 of them, a bicycle and a person for 5; 12 lanes, 3 of them internal, 2 at
     // J, which has lights (a facility of the map).
     for part in [
-        "1 drives",
+        "1 drive, 1 clip",
         "crossroads-ego_000  2026-01-01T00:00:00.000Z  0.5 s  5 frames",
         "ego: 5.00 x 1.80 m, 10.0 - 10.0 m/s",
         // The fixture's figures are exact.
@@ -51,7 +51,10 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
     let json: serde_json::Value = serde_json::from_str(&out(&clip)).unwrap();
     assert_eq!(json[0]["signals"]["ego.speed"], serde_json::json!({"known": 5, "rows": 5}));
     assert_eq!(json[0]["clips"][0]["total_frames"], 5);
-    assert!(json[0]["unavailable"]["light.state"].is_array());
+    // The log has a pose of the ego and a map, and no signs.
+    assert_eq!(json[0]["unavailable"]["light.state"], serde_json::json!(["traffic lights"]));
+    assert_eq!(json[0]["unavailable"]["sign.stop_distance"], serde_json::json!(["signs"]));
+    assert_eq!(json[0]["unavailable"]["ego.fair_speed"], serde_json::json!([]));
 
     let zh = out(&whyroad(&["inspect", "--lake", lake, "--lang", "zh"]));
     assert!(zh.contains("日志中没有: 交通信号灯") && zh.contains("人行横道 1"), "{zh}");

@@ -54,7 +54,7 @@ impl Service {
                 std::thread::sleep(Duration::from_millis(10));
             }
         };
-        let (at, ops) = (address("labelling service: http://"), address("for operators: http://"));
+        let (at, ops) = (address("labeling service: http://"), address("for operators: http://"));
         Self { child, at, ops, log }
     }
 

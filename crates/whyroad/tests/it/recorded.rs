@@ -89,7 +89,7 @@ fn a_pedestrian_nears_the_ego_s_path_over_a_crosswalk() {
     // *ego's* frame because the ego turns: what stands does not cross.
     assert!(all.iter().all(|e| !e.target.starts_with("cfb81c")));
     // Raw: the ego's yaw goes from -33 degrees at 11 s to +29 degrees at 15.4 s, inside the junction, up to 1.8 m to
-    // the left of the centre of the turning lane: more than 0.5 m inside is a cut corner, protected or not (taxonomy).
+    // the left of the center of the turning lane: more than 0.5 m inside is a cut corner, protected or not (taxonomy).
     let turn = the(&all, "proactive.turn.left_cut_corner", "");
     assert_eq!(turn.len(), 1);
     assert!((10.5..12.5).contains(&turn[0].keyframe), "{}", turn[0].keyframe);
@@ -97,7 +97,7 @@ fn a_pedestrian_nears_the_ego_s_path_over_a_crosswalk() {
 
 #[test]
 fn the_ego_follows_through_a_bend() {
-    // Raw: 23f72b is ahead in the ego's lane all the time, box centres 23 m apart at first and 11 m at last (15.5 s).
+    // Raw: 23f72b is ahead in the ego's lane all the time, box centers 23 m apart at first and 11 m at last (15.5 s).
     // The ego goes at 8.7 to 6 m/s until 5 s, gains on it to 9.1 m/s, brakes to 3.5 m/s by 10.9 s and stays below:
     // steady following ends at 3.5 m/s (taxonomy), and 4.6 s below it are too short for creeping.
     let Some(all) = episodes("3bffdcff") else { return };
@@ -118,7 +118,7 @@ fn the_ego_follows_through_a_bend() {
 fn the_ego_starts_behind_its_lead_and_a_bus_comes_in() {
     // Raw: f5e7cc stands 9 m ahead and moves off at about 3 s, the ego at about 5 s. The bus d1cc41 goes from 3.2 m
     // right of the ego's path (until 7 s) to 0.1 m (14 s); its near side crosses the lane's edge at about 8 s, its
-    // centre at 11 s.
+    // center at 11 s.
     let Some(all) = episodes("adcf7d18") else { return };
     let start = the(&all, "reactive_agent.following.follow_start", "f5e7cc");
     assert_eq!(start.len(), 1);

@@ -150,7 +150,7 @@ fn a_rule_in_one_line_is_mined() {
     assert!(run.out.contains("the best 1 of 1: clip, keyframe, target, score, values"), "{}", run.out);
     assert!(run.out.contains("multilane-ego_000  16.9 s  cutter"), "{}", run.out);
     assert!(
-        run.out.contains("1 drives, 1 episodes (1 primary)\n"),
+        run.out.contains("1 drive, 1 episode (1 primary)\n"),
         "of classes nothing is reported: {}",
         run.out
     );

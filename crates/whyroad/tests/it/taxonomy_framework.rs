@@ -143,7 +143,7 @@ fn without_line_numbers(line: &str) -> String {
     }
 }
 
-/// Labelling of the leaf `urgent` with another start and a record, a parameter of its rule, and an L1's default.
+/// Labeling of the leaf `urgent` with another start and a record, a parameter of its rule, and an L1's default.
 const CHANGES: &[(&str, &str, &str)] = &[
     (
         CUTIN,

@@ -16,6 +16,8 @@ interface Layers {
   /** Arrows of the objects' velocities. */
   velocities: boolean;
   legend: boolean;
+  /** What the shown decision must not be confused with. */
+  confusions: boolean;
 }
 
 function stored(): Partial<Layers> {
@@ -38,11 +40,12 @@ export const viewSettings = $state<Layers>({
   spec2: own.spec2 === true,
   velocities: own.velocities === true,
   legend: own.legend !== false,
+  confusions: own.confusions === true,
 });
 
 export function saveViewSettings(): void {
-  const { history, names, occlusion, velocities, legend, camera, spec, spec2 } = viewSettings;
-  localStorage.setItem(KEY, JSON.stringify({ history, names, occlusion, velocities, legend, camera, spec, spec2 }));
+  const { history, names, occlusion, velocities, legend, camera, spec, spec2, confusions } = viewSettings;
+  localStorage.setItem(KEY, JSON.stringify({ history, names, occlusion, velocities, legend, camera, spec, spec2, confusions }));
 }
 
 /** Position of a splitter in this browser, in percent. */

@@ -415,7 +415,7 @@ impl Plain {
         above(wrapped(p - q).abs().to_degrees(), 135.0)
     }
 
-    /// Centre within 5 m of the junction's lanes, which fill 0 to 30 m along and -3.5 to 10.5 m across.
+    /// Center within 5 m of the junction's lanes, which fill 0 to 30 m along and -3.5 to 10.5 m across.
     fn near_junction(s: &State) -> f64 {
         (-s.x).max(s.x - 30.0).max(0.0).hypot((-3.5 - s.y).max(s.y - 10.5).max(0.0))
     }

@@ -81,13 +81,15 @@ fn clip<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
             let (n, at) = (walk.need(&mut c, "condition"), c.at("condition"));
             walk.text(n, &at);
             walk.nullable(&mut c, "actual_value");
-            let at = c.at("description");
-            if let Some(mut d) = c.get("description").and_then(|n| walk.object(n, at)) {
-                for language in ["zh", "en"] {
-                    let (n, at) = (walk.need(&mut d, language), d.at(language));
-                    walk.text(n, &at);
+            for words in ["description", "actual_words"] {
+                let at = c.at(words);
+                if let Some(mut d) = c.get(words).and_then(|n| walk.object(n, at)) {
+                    for language in ["zh", "en"] {
+                        let (n, at) = (walk.need(&mut d, language), d.at(language));
+                        walk.text(n, &at);
+                    }
+                    walk.close(d, Severity::Warning);
                 }
-                walk.close(d, Severity::Warning);
             }
             walk.close(c, Severity::Warning);
         }

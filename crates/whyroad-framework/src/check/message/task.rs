@@ -1,4 +1,4 @@
-//! Labelling tasks: clip metadata, scenario pre-label, keyframe suggestion (DATA_FORMAT.md 3).
+//! Labeling tasks: clip metadata, scenario pre-label, keyframe suggestion (DATA_FORMAT.md 3).
 
 use super::values::{ordered, out_of_range, partial_class, share, suggested_type};
 use crate::check::class_index::ClassIndex;

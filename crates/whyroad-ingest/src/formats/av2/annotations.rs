@@ -4,20 +4,21 @@ use super::classes::EGO;
 use crate::assemble::se3::unit;
 use crate::encodings::columns::Columns;
 use crate::report::RowCount;
-use std::collections::{HashMap, HashSet};
-use std::rc::Rc;
+use std::collections::HashSet;
 
 /// One cuboid.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Cuboid {
     pub time: i64,
-    pub track: Rc<str>,
-    pub category: Rc<str>,
+    /// Index into [`Annotations::tracks`].
+    pub track: usize,
+    /// Index into [`Annotations::categories`].
+    pub category: usize,
     /// Length, width, height, m; NaN where the row's size is no size.
     pub size: [f64; 3],
     /// Rotation object to ego.
     pub q: [f64; 4],
-    /// Centre in the ego frame, m.
+    /// Center in the ego frame, m.
     pub t: [f64; 3],
     /// Lidar points in the box; NaN when not stated.
     pub points: f64,
@@ -26,6 +27,10 @@ pub(super) struct Cuboid {
 /// All usable cuboids in file order, and what was found on the way.
 #[derive(Default)]
 pub(super) struct Annotations {
+    /// Ids of the tracks.
+    pub tracks: Vec<String>,
+    /// Names of the categories.
+    pub categories: Vec<String>,
     pub objects: Vec<Cuboid>,
     /// Rows of the recording vehicle.
     pub ego: Vec<Cuboid>,
@@ -43,8 +48,8 @@ pub(super) struct Annotations {
 /// one track at one time the first is kept. Ego rows stay in `count.kept` as `ego`; tracks are counted by the caller.
 pub(super) fn read(file: &Columns) -> Result<Annotations, String> {
     let times = file.integers("timestamp_ns")?;
-    let tracks = file.texts("track_uuid")?;
-    let categories = file.texts("category")?;
+    let tracks = file.words("track_uuid")?;
+    let categories = file.words("category")?;
     let size = [file.numbers("length_m")?, file.numbers("width_m")?, file.numbers("height_m")?];
     let q = [file.numbers("qw")?, file.numbers("qx")?, file.numbers("qy")?, file.numbers("qz")?];
     let t = [file.numbers("tx_m")?, file.numbers("ty_m")?, file.numbers("tz_m")?];
@@ -56,17 +61,23 @@ pub(super) fn read(file: &Columns) -> Result<Annotations, String> {
         has_points,
         ..Annotations::default()
     };
-    let (mut ids, mut names) = (Words::default(), Words::default());
-    let mut seen: HashSet<(i64, usize)> = HashSet::with_capacity(times.len());
+    let mut seen: Vec<Times> = tracks.texts.iter().map(|_| Times::default()).collect();
+    // A row without a category has the one without a name.
+    let mut names = categories.texts;
+    let nameless = names.iter().position(String::is_empty).unwrap_or(names.len());
+    if nameless == names.len() {
+        names.push(String::new());
+    }
+    let own = names.iter().position(|name| name == EGO);
     for i in 0..times.len() {
         let translation = [t[0][i], t[1][i], t[2][i]];
         let rotation = unit([q[0][i], q[1][i], q[2][i], q[3][i]]);
         let (Some(time), Some(track), Some(q), true) =
-            (times[i], &tracks[i], rotation, translation.iter().all(|v| v.is_finite()))
+            (times[i], tracks.rows[i], rotation, translation.iter().all(|v| v.is_finite()))
         else {
             out.count.drop_rows("invalid", 1);
             out.invalid_example.get_or_insert_with(|| {
-                let id = tracks[i].as_deref().unwrap_or("null");
+                let id = tracks.rows[i].map_or("null", |track| &tracks.texts[track]);
                 let what = if rotation.is_none() {
                     "its quaternion is not a rotation"
                 } else {
@@ -76,10 +87,9 @@ pub(super) fn read(file: &Columns) -> Result<Annotations, String> {
             });
             continue;
         };
-        let (number, track) = ids.word(track);
-        if !seen.insert((time, number)) {
+        if !seen[track].insert(time) {
             out.count.drop_rows("duplicate", 1);
-            out.duplicate_example.get_or_insert_with(|| format!("{track} at {time}"));
+            out.duplicate_example.get_or_insert_with(|| format!("{} at {time}", tracks.texts[track]));
             continue;
         }
         let raw_size = [size[0][i], size[1][i], size[2][i]];
@@ -88,27 +98,33 @@ pub(super) fn read(file: &Columns) -> Result<Annotations, String> {
         let cuboid = Cuboid {
             time,
             track,
-            category: names.word(categories[i].as_deref().unwrap_or_default()).1,
+            category: categories.rows[i].unwrap_or(nameless),
             size: if sized { raw_size } else { [f64::NAN; 3] },
             q,
             t: translation,
             points: points[i],
         };
-        if &*cuboid.category == EGO { out.ego.push(cuboid) } else { out.objects.push(cuboid) }
+        if Some(cuboid.category) == own { out.ego.push(cuboid) } else { out.objects.push(cuboid) }
     }
     out.count.keep("ego", out.ego.len());
+    (out.tracks, out.categories) = (tracks.texts, names);
     Ok(out)
 }
 
-/// Texts of which there are few, each held once.
+/// The times of one track. Most files have them in their order.
 #[derive(Default)]
-struct Words<'a>(HashMap<&'a str, (usize, Rc<str>)>);
+struct Times {
+    ascending: Vec<i64>,
+    others: HashSet<i64>,
+}
 
-impl<'a> Words<'a> {
-    /// Its number in the order of appearance, and the one copy of it.
-    fn word(&mut self, text: &'a str) -> (usize, Rc<str>) {
-        let next = self.0.len();
-        let (number, word) = self.0.entry(text).or_insert_with(|| (next, Rc::from(text)));
-        (*number, Rc::clone(word))
+impl Times {
+    /// False where the time is there already.
+    fn insert(&mut self, time: i64) -> bool {
+        if self.ascending.last().is_none_or(|last| *last < time) {
+            self.ascending.push(time);
+            return true;
+        }
+        self.ascending.binary_search(&time).is_err() && self.others.insert(time)
     }
 }

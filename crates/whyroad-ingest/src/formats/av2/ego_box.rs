@@ -1,13 +1,13 @@
-//! The recording vehicle's box in its own frame. AV2 states poses of the rear axle's centre; scene tables want the box
-//! centre.
+//! The recording vehicle's box in its own frame. AV2 states poses of the rear axle's center; scene tables want the box
+//! center.
 //!
 //! AV2 documents no box for its car (a Ford Fusion Hybrid). Some copies of the annotations carry one as
-//! `EGO_VEHICLE`, 4.877 x 2.000 x 1.473 m, with its centre *at the origin*, that is on the rear axle: half a metre
+//! `EGO_VEHICLE`, 4.877 x 2.000 x 1.473 m, with its center *at the origin*, that is on the rear axle: half a meter
 //! of bumper would then hang in the air behind the car and 1.3 m of bonnet be missing in front. Its size is used,
-//! its place is not. The way from axle to centre, 1.339 m forward and 0.438 m up, is what py123d measured from
+//! its place is not. The way from axle to center, 1.339 m forward and 0.438 m up, is what py123d measured from
 //! the car's drawing and AV2's own lidar returns; with 2.850 m of wheelbase it leaves overhangs of 1.100 m and 0.927 m.
 
-/// A box and where its centre is in the ego frame (origin rear axle, x forward, y left, z up), m.
+/// A box and where its center is in the ego frame (origin rear axle, x forward, y left, z up), m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EgoBox {
     pub length_m: f64,
@@ -20,10 +20,10 @@ pub(crate) struct EgoBox {
 pub(crate) const FORD_FUSION: EgoBox =
     EgoBox { length_m: 4.877, width_m: 2.0, height_m: 1.473, centre: [1.339, 0.0, 0.438] };
 
-/// A stated centre nearer to the origin than this is the axle, not a box centre, m.
+/// A stated center nearer to the origin than this is the axle, not a box center, m.
 const AT_ORIGIN_M: f64 = 0.05;
 
-/// What the log's own `EGO_VEHICLE` row says, with the centre corrected when it is on the axle (second value: it was).
+/// What the log's own `EGO_VEHICLE` row says, with the center corrected when it is on the axle (second value: it was).
 pub(crate) fn from_row(size: [f64; 3], centre: [f64; 3]) -> (EgoBox, bool) {
     let size_known = size.iter().all(|v| *v > 0.0);
     let [length_m, width_m, height_m] =

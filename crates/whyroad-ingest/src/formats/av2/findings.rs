@@ -148,7 +148,7 @@ pub(super) fn box_at_axle(file: &str) -> Diagnostic {
         "av2.ego.box_at_axle",
         Bilingual::new(
             "EGO_VEHICLE 的框中心被写在后轴处；采用其尺寸，并将中心前移到车身中心",
-            "the EGO_VEHICLE box has its centre on the rear axle; its size is used, its centre is moved forward to the middle of the car",
+            "the EGO_VEHICLE box has its center on the rear axle; its size is used, its center is moved forward to the middle of the car",
         ),
     )
     .in_file(file)

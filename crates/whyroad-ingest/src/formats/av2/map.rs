@@ -1,6 +1,6 @@
 //! `map/log_map_archive_*.json`: AV2's vector map of the log's surroundings, in the city frame.
 //!
-//! What AV2 does not have is made or left out: centre lines come from the edges, junction areas are the outlines
+//! What AV2 does not have is made or left out: center lines come from the edges, junction areas are the outlines
 //! (holes filled) of the union of the lanes marked `is_intersection`, and there are no stop lines, signs or speed
 //! limits. Sensor maps list successors fully and predecessors only in part, so each link is completed from its
 //! other end. Maps are local crops: ids of lanes beyond the border are kept, though no such lane is there.
@@ -174,7 +174,7 @@ fn lane(s: LaneSegment, turned_edges: &mut usize) -> Lane {
     }
 }
 
-/// AV2's mark types, colour left out (Wilson et al. 2021; `LaneMarkType` of the AV2 map API).
+/// AV2's mark types, color left out (Wilson et al. 2021; `LaneMarkType` of the AV2 map API).
 fn mark(name: &str) -> LaneMark {
     match name {
         "NONE" => LaneMark::None,

@@ -44,8 +44,8 @@ impl PoseTrack {
         self.times.get(next).map_or(0, |t| t - time)
     }
 
-    /// The pose at `time`: the log's own when it has one at that nanosecond, else between its two neighbours.
-    /// `None` outside the log and inside a gap. Neighbours 1 ns apart, which AV2 has, do no harm: nothing is divided by
+    /// The pose at `time`: the log's own when it has one at that nanosecond, else between its two neighbors.
+    /// `None` outside the log and inside a gap. Neighbors 1 ns apart, which AV2 has, do no harm: nothing is divided by
     /// less.
     pub fn at(&self, time: i64) -> Option<Se3> {
         let next = self.times.partition_point(|&t| t < time);

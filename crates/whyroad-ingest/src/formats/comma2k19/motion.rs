@@ -1,4 +1,4 @@
-//! Camera poses (earth-centred) to the motion of the car's box centre in a local frame, at frame times.
+//! Camera poses (earth-centred) to the motion of the car's box center in a local frame, at frame times.
 
 use super::recording::Pose;
 use crate::assemble::angles::wrap_angle;

@@ -14,7 +14,7 @@ const MAX_SILENCE_S: f64 = 0.25;
 
 /// Tracks at `frames`, and how the returns were used; `None` without radar.
 ///
-/// Position: the ego's box centre, half its length forward, then the return. Velocity: the ego's along its heading plus
+/// Position: the ego's box center, half its length forward, then the return. Velocity: the ego's along its heading plus
 /// the relative speed; a radar of this kind does not see sideways motion, so the heading is taken as the ego's (or
 /// against it).
 pub(super) fn tracks(rows: &[RadarRow], frames: &[f64], ego: &Motion) -> (Vec<Track>, Option<RowCount>) {

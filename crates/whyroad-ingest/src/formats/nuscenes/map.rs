@@ -12,7 +12,7 @@ use whyroad_model::road_map::{Lane, LaneKind, LaneMark, Point3, StopLine};
 
 /// Farther from the ego's way than this, features are left out, m.
 const REACH_M: f64 = 200.0;
-/// Spacing of the points of centre lines, m.
+/// Spacing of the points of center lines, m.
 const SPACING_M: f64 = 1.0;
 
 #[derive(Deserialize)]
@@ -112,7 +112,7 @@ fn along(arc: &Arc, out: &mut Vec<Point3>) {
     }
 }
 
-/// nuScenes' divider types, colour left out; `NIL` is no line.
+/// nuScenes' divider types, color left out; `NIL` is no line.
 fn mark(name: &str) -> LaneMark {
     match name.rsplit_once('_').map_or(name, |(kind, _colour)| kind) {
         "NIL" => LaneMark::None,

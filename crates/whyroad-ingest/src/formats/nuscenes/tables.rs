@@ -39,7 +39,7 @@ struct Sample {
 pub(super) struct Annotation {
     pub sample_token: String,
     pub instance_token: String,
-    /// Box centre, m, in the map's frame.
+    /// Box center, m, in the map's frame.
     pub translation: [f64; 3],
     /// Width, length, height, m.
     pub size: [f64; 3],
@@ -237,7 +237,7 @@ fn categories(dir: &Path, instances: &HashSet<String>) -> Result<HashMap<String,
     Ok(out)
 }
 
-/// One localisation gave all poses, but those of the lidar are the ones that keyframes are annotated in.
+/// One localization gave all poses, but those of the lidar are the ones that keyframes are annotated in.
 fn keep_lidar_poses(t: &mut SceneTables) {
     let of_lidar = t.data.iter().filter(|d| d.filename.contains("LIDAR_TOP"));
     let lidar: HashSet<&str> = of_lidar.map(|d| d.ego_pose_token.as_str()).collect();

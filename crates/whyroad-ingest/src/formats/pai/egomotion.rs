@@ -55,7 +55,7 @@ pub(super) fn read(table: &Columns) -> Result<(PoseTrack, RowCount), String> {
 }
 
 impl PoseTrack {
-    /// The pose at `time` (us): the log's own, or between its two neighbours. `None` outside the log and inside a gap.
+    /// The pose at `time` (us): the log's own, or between its two neighbors. `None` outside the log and inside a gap.
     pub fn at(&self, time: i64) -> Option<Se3> {
         let next = self.times.partition_point(|&t| t < time);
         if self.times.get(next) == Some(&time) {
@@ -114,7 +114,7 @@ impl PoseTrack {
         errors.sort_by(f64::total_cmp);
         let agree = errors.get(errors.len() / 2).is_some_and(|e| *e <= MAX_VELOCITY_ERROR_MPS);
         if agree {
-            // The table's velocity is the rear axle's: a turning car's box centre also goes sideways, but as fast along
+            // The table's velocity is the rear axle's: a turning car's box center also goes sideways, but as fast along
             // the heading.
             let along = |i: usize| {
                 let (s, c) = motion.heading[i].sin_cos();

@@ -103,7 +103,7 @@ pub(super) fn dimensions(clip: &str, reason: Option<&str>) -> Diagnostic {
         Bilingual::new(
             format!("{zh}：自车尺寸未知，自车位置为后轴而非车身中心"),
             format!(
-                "{en}: the size of the ego is unknown, and its position is the rear axle, not the box centre"
+                "{en}: the size of the ego is unknown, and its position is the rear axle, not the box center"
             ),
         ),
     )

@@ -11,7 +11,7 @@ use whyroad_model::ObjectClass;
 
 /// Frame of reference of the boxes.
 const RIG: &str = "rig";
-/// A track whose box centre stays within this of the ego's is the ego, m: no other object can be there.
+/// A track whose box center stays within this of the ego's is the ego, m: no other object can be there.
 const EGO_REACH_M: [f64; 2] = [1.0, 0.5];
 
 /// What the table has.
@@ -38,7 +38,7 @@ struct Row {
     q: [f64; 4],
 }
 
-/// Reads the rows; `ego_centre` is the ego's box centre in the rig, m.
+/// Reads the rows; `ego_centre` is the ego's box center in the rig, m.
 pub(super) fn read(table: &Columns, poses: &PoseTrack, ego_centre: [f64; 3]) -> Result<Obstacles, String> {
     let times = table.integers("timestamp_us")?;
     let (ids, classes) = (table.texts("track_id")?, table.texts("label_class")?);
@@ -50,7 +50,7 @@ pub(super) fn read(table: &Columns, poses: &PoseTrack, ego_centre: [f64; 3]) -> 
     let w = table.numbers("orientation_w")?;
     let optional = |name: &str| if table.has(name) { table.texts(name) } else { Ok(vec![None; times.len()]) };
     let (frames, sources) = (optional("reference_frame")?, optional("source")?);
-    // Two labellers number their tracks independently.
+    // Two labelers number their tracks independently.
     let several = sources.iter().flatten().collect::<BTreeSet<_>>().len() > 1;
 
     let mut out = Obstacles {

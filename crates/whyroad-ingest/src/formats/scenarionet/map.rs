@@ -1,4 +1,4 @@
-//! `map_features`: lanes by centre line, painted lines, kerbs, crosswalks, signs.
+//! `map_features`: lanes by center line, painted lines, curbs, crosswalks, signs.
 
 use crate::assemble::feature_map::{Boundary, Built, CentreLane, Feature, Neighbour, build, mean_width};
 use crate::encodings::pickle::Value;
@@ -113,7 +113,7 @@ fn boundaries(f: Value<'_>, key: &str) -> Vec<Boundary> {
 fn neighbours(f: Value<'_>, key: &str) -> Vec<Neighbour> {
     let Some(items) = f.get(key).and_then(|v| v.items()) else { return Vec::new() };
     let one = |n: Value<'_>| {
-        // nuPlan's and nuScenes' neighbours are bare ids, beside the whole of the lane.
+        // nuPlan's and nuScenes' neighbors are bare ids, beside the whole of the lane.
         if let Some(lane) = n.id() {
             return Some(Neighbour { start: 0, end: 0, lane });
         }

@@ -1,4 +1,4 @@
-//! Where a network ends. SUMO's vehicles vanish at its dead ends; those on the border of what was modelled stand for
+//! Where a network ends. SUMO's vehicles vanish at its dead ends; those on the border of what was modeled stand for
 //! roads that go on, those within it are what they look like.
 
 use crate::encodings::xml::Element;

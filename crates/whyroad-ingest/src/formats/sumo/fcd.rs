@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-/// One object at one time, as FCD states it but for units: positions are still the front bumper's centre.
+/// One object at one time, as FCD states it but for units: positions are still the front bumper's center.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
     /// Simulated time, ns.

@@ -47,7 +47,7 @@ pub(super) fn frames(steps: &[i64], ego: &Object) -> (Vec<i64>, Cadence) {
     (ticks.filter(covered).collect(), Cadence::Filled(step))
 }
 
-/// The object at `time`: its own sample, or between its two neighbours. `None` when it was not there.
+/// The object at `time`: its own sample, or between its two neighbors. `None` when it was not there.
 pub(super) fn at(samples: &[Sample], time: i64) -> Option<Sample> {
     let next = samples.partition_point(|s| s.time < time);
     let b = samples.get(next)?;

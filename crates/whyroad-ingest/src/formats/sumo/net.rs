@@ -22,7 +22,7 @@ use whyroad_model::road_map::{
 
 /// SUMO's width of a lane that states none, m.
 const DEFAULT_WIDTH_M: f64 = 3.2;
-/// Opposite lanes are neighbours when their left edges are no further apart than this, m.
+/// Opposite lanes are neighbors when their left edges are no further apart than this, m.
 const OPPOSITE_GAP_M: f64 = 1.0;
 
 /// One movement that a light controls.
@@ -380,12 +380,12 @@ fn real_junctions<'e>(
     meetings.iter().filter(|(_, here)| is_real(here)).map(|(node, _)| *node).collect()
 }
 
-/// The neighbour on the side of the road's middle: on the left in right-hand traffic.
+/// The neighbor on the side of the road's middle: on the left in right-hand traffic.
 fn towards_middle(lane: &mut Lane, left_hand: bool) -> &mut Option<String> {
     if left_hand { &mut lane.right_neighbour } else { &mut lane.left_neighbour }
 }
 
-/// The innermost lanes of an edge and of the one that runs the other way are neighbours where they touch.
+/// The innermost lanes of an edge and of the one that runs the other way are neighbors where they touch.
 fn join_opposites(edges: &BTreeMap<String, Edge>, lanes: &mut BTreeMap<String, Lane>, left_hand: bool) {
     let inner = |l: &Lane, at: fn(&[Point3]) -> Option<&Point3>| {
         at(if left_hand { &l.right } else { &l.left }).copied()

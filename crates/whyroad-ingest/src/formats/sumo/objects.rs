@@ -1,4 +1,4 @@
-//! Objects of FCD as scene tables want them: motion of the box centre, the ego's bus, tracks.
+//! Objects of FCD as scene tables want them: motion of the box center, the ego's bus, tracks.
 
 use super::fcd::{Fcd, Object, Sample};
 use super::frames;
@@ -44,7 +44,7 @@ fn lags(rows: &[(u32, Sample)]) -> Vec<Nanos> {
     rows.iter().map(|(_, s)| Nanos(s.lag)).collect()
 }
 
-/// Motion of the box centre.
+/// Motion of the box center.
 fn motion(
     id: &str,
     rows: &[(u32, Sample)],
@@ -92,7 +92,7 @@ fn side_jump(a: &Sample, b: &Sample) -> bool {
     side.abs() > MAX_SIDE_STEP_M * (dt / 0.1).max(1.0)
 }
 
-/// SUMO's `signals` bits (TraCI documentation, "Signalling"): 1 right, 2 left indicator, 4 hazard, 8 brake light.
+/// SUMO's `signals` bits (TraCI documentation, "Signaling"): 1 right, 2 left indicator, 4 hazard, 8 brake light.
 fn turn_signal(bits: u32) -> TurnSignal {
     match (bits & 4 != 0, bits & 2 != 0, bits & 1 != 0) {
         (true, _, _) | (_, true, true) => TurnSignal::Hazard,

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_3;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Lane, LaneKind, Point3};
 
-/// The front of a vehicle lies this near to a lane's centre line, m: half a lane, and as much for a change of lane, for
+/// The front of a vehicle lies this near to a lane's center line, m: half a lane, and as much for a change of lane, for
 /// overtaking and for stops beside the road.
 const NEAR_M: f64 = 4.0;
 /// Less than this share of the probes on the network, and it is another log's. Of the log's own network a quarter may

@@ -1,6 +1,6 @@
 //! What a sensor on the ego would have seen: a range, and line of sight past other vehicles.
 //!
-//! Sight lines run in the plane from the centre of the ego's box to a target's outline, [`SIGHT_LINES`] of them evenly
+//! Sight lines run in the plane from the center of the ego's box to a target's outline, [`SIGHT_LINES`] of them evenly
 //! over the angle under which it is seen; one that meets another motor vehicle's box or a building (of an additional
 //! file) first is blocked. Heights play no part: a car hides a lorry behind it. A row that no line reaches is taken out
 //! of the track.
@@ -16,7 +16,7 @@ pub const SIGHT_LINES: usize = 100;
 /// How the ego senses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensing {
-    /// Objects whose box centre is farther than this from the ego's are not in the log, m.
+    /// Objects whose box center is farther than this from the ego's are not in the log, m.
     pub range_m: Option<f64>,
     /// Whether vehicles hide what is behind them.
     pub occlusion: Occlusion,
@@ -86,7 +86,7 @@ impl Footprint {
         self.x.hypot(self.y)
     }
 
-    /// Direction of its centre and the least and greatest angle of its corners from there, rad.
+    /// Direction of its center and the least and greatest angle of its corners from there, rad.
     fn span(&self) -> (f64, f64, f64) {
         let centre = self.y.atan2(self.x);
         let (sin, cos) = self.heading.sin_cos();

@@ -85,7 +85,7 @@ fn sign(e: &Element<'_>, kind: &str, map: &RoadMap) -> Option<Sign> {
     Some(Sign { id: e.text("id")?, kind: kind.to_owned(), position, lane_ids, value: None, facing: None })
 }
 
-/// The point `s` metres along a line, from its end where `s` is negative, as SUMO counts.
+/// The point `s` meters along a line, from its end where `s` is negative, as SUMO counts.
 fn along(line: &[Point3], s: f64) -> Option<Point3> {
     let length: f64 = line.windows(2).map(|w| distance(w[0], w[1])).sum();
     let mut left = if s < 0.0 { length + s } else { s }.clamp(0.0, length);

@@ -1,4 +1,4 @@
-//! `lanes` and `areas`: the road. A line is one cell, `x y; x y; ...` or `x y z; ...`, in metres of the drive's frame.
+//! `lanes` and `areas`: the road. A line is one cell, `x y; x y; ...` or `x y z; ...`, in meters of the drive's frame.
 
 use super::problems::Problems;
 use super::reader::Reader;

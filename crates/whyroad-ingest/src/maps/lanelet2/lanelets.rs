@@ -123,7 +123,7 @@ fn bounds(document: &Document, ground: &mut Ground, relation: &Relation) -> Resu
         nodes: [left_nodes, right_nodes],
         turned: [false; 2],
     };
-    // Ways are shared by neighbours and may run either way: first both the same way, then forward.
+    // Ways are shared by neighbors and may run either way: first both the same way, then forward.
     if edges_oppose(&out.left, &out.right) {
         out.right.reverse();
         out.nodes[1].reverse();
@@ -219,12 +219,12 @@ fn mark(tags: &Tags, turned: bool) -> LaneMark {
             ("dashed_solid", false) | ("solid_dashed", true) => LaneMark::DashedSolid,
             _ => LaneMark::Unknown,
         },
-        // Kerbs, walls and the like say nothing of paint.
+        // Curbs, walls and the like say nothing of paint.
         _ => LaneMark::Unknown,
     }
 }
 
-/// Followers and neighbours.
+/// Followers and neighbors.
 fn link(all: &mut [Lanelet]) {
     let walks = |l: &Lanelet| l.lane.kind == LaneKind::Sidewalk;
     let mut begins: HashMap<[i64; 2], Vec<usize>> = HashMap::new();

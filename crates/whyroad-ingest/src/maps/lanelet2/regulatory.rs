@@ -213,7 +213,7 @@ fn place_of(map: &RoadMap, id: &str) -> Option<usize> {
     map.lanes.binary_search_by(|l| l.id.as_str().cmp(id)).ok()
 }
 
-/// `de206`, `usR1-1`: a country's two letters and the number in its catalogue.
+/// `de206`, `usR1-1`: a country's two letters and the number in its catalog.
 fn sign_kind(name: &str) -> Option<&'static str> {
     let (country, number) = name.split_at_checked(2)?;
     signs::kind(country, number)

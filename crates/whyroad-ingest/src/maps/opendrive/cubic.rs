@@ -70,7 +70,7 @@ impl Profile {
         self.0.iter().map(|c| c.start)
     }
 
-    /// True when the record that holds between two neighbouring stations is a straight line.
+    /// True when the record that holds between two neighboring stations is a straight line.
     pub fn is_straight(&self, from: f64) -> bool {
         let record = self.0.partition_point(|c| c.start <= from + 1e-9).saturating_sub(1);
         self.0.get(record).is_none_or(Cubic::is_straight)

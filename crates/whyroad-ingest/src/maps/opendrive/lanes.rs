@@ -1,4 +1,4 @@
-//! Lanes of a road, placed: edges and centre lines in driving direction, with what the file says of them.
+//! Lanes of a road, placed: edges and center lines in driving direction, with what the file says of them.
 
 use super::cubic::Profile;
 use super::document::{DocLane, Mark, Road, Section};
@@ -178,7 +178,7 @@ impl Surface<'_> {
         (stated && out.iter().all(|t| t.abs() < 1e4)).then_some(out)
     }
 
-    /// Stations at which points are needed: where a record begins, and every metre of what is not straight; fewer than
+    /// Stations at which points are needed: where a record begins, and every meter of what is not straight; fewer than
     /// two when there would be more than `most`.
     fn stations(&self, side: &[&DocLane], most: usize) -> Vec<f64> {
         let (from, to) = self.range;

@@ -36,7 +36,7 @@ fn mark(kind: &str) -> LaneMark {
         "broken broken" => LaneMark::DoubleDashed,
         "solid broken" => LaneMark::SolidDashed,
         "broken solid" => LaneMark::DashedSolid,
-        // Grass, kerbs and what the file describes line by line.
+        // Grass, curbs and what the file describes line by line.
         _ => LaneMark::Unknown,
     }
 }

@@ -109,7 +109,7 @@ fn sections_follow_each_other_and_a_lane_may_end() {
     assert_eq!(r.map.lane("3_1_-1").unwrap().successors, ["beyond:3_1_-1"]);
     assert!(r.map.lane("3_0_-2").unwrap().successors.is_empty());
     assert!(r.map.lane("3_0_-2").unwrap().is_tagged("deceleration"));
-    // 3 m, then narrower by 0.1 m each metre from 50 m on: 2 m at the end.
+    // 3 m, then narrower by 0.1 m each meter from 50 m on: 2 m at the end.
     let right = &r.map.lane("3_1_-1").unwrap().right;
     assert!(near(right[0], 140.0, 47.0) && near(*right.last().unwrap(), 160.0, 48.0));
     assert_eq!(r.map.layer(MapLayer::Ramps), LayerState::Partial);

@@ -1,6 +1,5 @@
 //! Rules of the class: what it prescribes (TAXONOMY.md, LABELING.md 4).
 
-use crate::check::consistency::trace_rules::decision_name;
 use crate::check::view::View;
 use whyroad_framework::DecisionSets;
 use whyroad_framework::check::class_index::Prescribed;
@@ -55,9 +54,9 @@ pub(in crate::check) fn prescribed(
         };
         if given.is_some_and(|g| g != Some(wanted)) {
             sink.report(Finding::error("label.lateral.mandated", pointer::DRIVING_DECISION_LATERAL), &|| {
-                let wanted = decision_name(wanted.id(), names);
+                let wanted = names.name(wanted.id());
                 let found = match given.flatten() {
-                    Some(l) => decision_name(l.id(), names),
+                    Some(l) => names.name(l.id()),
                     None => names.null_decision.name.clone(),
                 };
                 Words::new(

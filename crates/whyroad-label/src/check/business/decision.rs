@@ -1,6 +1,6 @@
 //! Rules of the decision and its causes (LABELING.md 2 and 3).
 
-use crate::check::consistency::trace_rules::{decision_name, direction_name};
+use crate::check::consistency::trace_rules::direction_name;
 use crate::check::view::View;
 use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
@@ -16,7 +16,7 @@ pub(in crate::check) fn direction(label: &View<'_>, names: &DecisionSets, sink: 
         Slot::Broken => return,
     };
     let named = || match label.lateral.get() {
-        Some(l) => decision_name(l.id(), names),
+        Some(l) => names.name(l.id()),
         None => names.null_decision.name.clone(),
     };
     let list = |pick: fn(&Bilingual) -> &String, or: &str| {

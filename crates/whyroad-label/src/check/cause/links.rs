@@ -1,7 +1,6 @@
 //! Causal rules (LABELING.md 6): each decision has a cause that was there to be seen, or says why not. They speak only
 //! of what a document of format 2.1 may say; one of 2.0 says none of it.
 
-use crate::check::consistency::trace_rules::decision_name;
 use crate::check::view::{CauseView, View};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -119,7 +118,7 @@ pub(in crate::check) fn causes(label: &View<'_>, names: &DecisionSets, sink: &mu
 
 fn missing(channel: &CauseChannel, decision: &'static str, names: &DecisionSets, sink: &mut dyn Sink) {
     sink.report(Finding::error("label.cause.missing", channel.at), &|| {
-        let name = decision_name(decision, names);
+        let name = names.name(decision);
         Words::new(format!("决策“{}”没有原因", name.zh), format!("the decision '{}' has no cause", name.en)).hint(
             "选出引起它的关键要素；看不到原因时选“未观测到”并写明理由",
             "choose the components that cause it; where none could be observed, choose unobserved and say why",

@@ -1,14 +1,14 @@
 //! Texts against what could be known (LABELING.md 3, 6 and 7): no hindsight, no circle, a reason for UNOBSERVED, the
 //! proximate cause, and a cause of the kind that the decision has.
 
-use crate::check::consistency::trace_rules::decision_name;
 use crate::check::overlap;
-use crate::check::reading::Named;
+use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::label_words::{Clauses, Divider, KnownKinds, SaidState};
-use whyroad_framework::{DecisionSets, LabelWords};
+use whyroad_framework::{Framework, LabelWords, Lexicon};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
@@ -17,6 +17,7 @@ pub(in crate::check) fn hindsight(
     label: &View<'_>,
     texts: &Texts,
     after: Option<(usize, usize)>,
+    lexicon: &Lexicon,
     sink: &mut dyn Sink,
 ) {
     let report = |sink: &mut dyn Sink, at: String, text: &str, (start, end): (usize, usize)| {
@@ -34,13 +35,32 @@ pub(in crate::check) fn hindsight(
     };
     for (c, facts) in label.parts.iter().zip(&texts.components) {
         let Some(text) = c.description.get() else { continue };
-        if let Some(at) = facts.hindsight.or(facts.after_response) {
+        if let Some(at) =
+            facts.hindsight.or(facts.after_response).or_else(|| after_decision(text, facts, label, lexicon))
+        {
             return report(sink, pointer::critical_components_item_description(c.index), text, at);
         }
     }
     if let (Some(text), Some(at)) = (label.trace.get(), texts.trace.hindsight.or(after)) {
         report(sink, pointer::COC_TRACE.to_owned(), text, at);
     }
+}
+
+/// Bytes of a component that say what comes after the label's own decision: "after merging" in whatever words, where
+/// nobody else is named before it.
+fn after_decision(
+    text: &str,
+    facts: &TextFacts,
+    label: &View<'_>,
+    lexicon: &Lexicon,
+) -> Option<(usize, usize)> {
+    let behind =
+        lexicon.behind_decision.iter().filter_map(|w| Some((text.find(w.as_str())?, w.len()))).min()?;
+    let (at, length) = behind;
+    let from = text[..at].rfind(['，', '。', '；']).map_or(0, |i| i + '，'.len_utf8());
+    let other = facts.named.iter().any(|n| (from..at).contains(&n.start));
+    let decided = lexicon.stems.find(&text[from..at], label.longitudinal.get(), label.lateral.get());
+    (!other && decided.is_some()).then_some((from, at + length))
 }
 
 /// UNOBSERVED says why.
@@ -120,7 +140,8 @@ pub(in crate::check) fn circular(
         return false;
     }
     // What no list knows may still be a cause: words that the components have, apart from those of the decision.
-    let apart = |at: usize| !decision_in(at.saturating_sub(6), at + 6);
+    let is_name = |at: usize| texts.trace.named.iter().any(|n| (n.start..n.end).contains(&at));
+    let apart = |at: usize| !decision_in(at.saturating_sub(6), at + 6) && !is_name(at);
     if overlap::shared(label, text, &words.compared, &apart) >= if text.is_ascii() { 1 } else { 2 }
         || overlap::says_more(text, &words.compared, &apart)
     {
@@ -174,46 +195,54 @@ fn is_own_duty(part: &str, clauses: &Clauses) -> bool {
     clauses.own_duty.iter().any(|w| begins(part, w))
 }
 
-/// The components that are named as the cause of the longitudinal decision speak of something that can cause it.
+/// The components that are named as the cause of a decision speak of something that can bring it about: by the table of
+/// causes, or because the class is about it. Only where every one of them has been read.
 pub(in crate::check) fn kind(
     label: &View<'_>,
+    class: Option<&ClassDecisions>,
     texts: &Texts,
-    words: &LabelWords,
-    names: &DecisionSets,
+    framework: &Framework,
     sink: &mut dyn Sink,
 ) {
-    let Some(decision) = label.longitudinal.get() else { return };
-    let Some(&(_, wanted)) = words.causes.iter().find(|(d, _)| *d == decision) else { return };
-    if wanted.is_empty() || texts.components.is_empty() {
-        return;
-    }
     let Slot::Is(causes) = &label.causes else { return };
-    let Slot::Is(cause) = &causes.longitudinal else { return };
-    let named: Vec<usize> = cause
-        .components
-        .iter()
-        .filter_map(|id| label.parts.iter().position(|c| c.id.get().is_some() && c.id.get() == id.get()))
-        .collect();
-    let known = |i: usize| !texts.components[i].groups.is_empty();
-    // Whoever stands in the way is an obstacle, to go slowly past.
-    let stands = |i: usize| {
-        decision == Longitudinal::RoadSpeedAdaptation
-            && texts.components[i].there().any(|n| n.state == Some(SaidState::Standing))
-    };
-    let fits = |i: usize| texts.components[i].groups.meets(wanted) || stands(i);
-    if named.is_empty() || named.iter().any(|&i| fits(i) || !known(i)) {
+    let (words, table) = (&framework.label_words, &framework.decision_table);
+    let about = class.map(|c| c.about).unwrap_or_default();
+    let channels = [
+        (label.longitudinal.get().map(|d| d.id()), &causes.longitudinal, pointer::CAUSES_LONGITUDINAL),
+        (label.lateral.get().map(|d| d.id()), &causes.lateral, pointer::CAUSES_LATERAL),
+    ];
+    for (decision, cause, at) in channels {
+        let (Some(decision), Slot::Is(cause)) = (decision, cause) else { continue };
+        let Some(wanted) = table.causes.of(decision) else { continue };
+        let by_id = |id| label.parts.iter().position(|c| c.id.get().is_some() && c.id.get() == id);
+        let named: Vec<usize> = cause.components.iter().filter_map(|id| by_id(id.get())).collect();
+        let fits = |facts: &TextFacts| {
+            let in_state = |n: &Named| {
+                let own = words.objects[n.group].own;
+                wanted.in_state.iter().any(|(kinds, state)| own.meets(*kinds) && n.state == Some(*state))
+            };
+            facts.groups.meets(wanted.kinds) || facts.groups.meets(about) || facts.there().any(in_state)
+        };
+        // What is done by somebody whom no list knows may be the cause.
+        let read = |facts: &TextFacts| {
+            !facts.groups.without(table.causes.background).is_empty() && facts.states.is_empty()
+        };
+        let parts = || named.iter().map(|i| &texts.components[*i]);
+        if wanted.anything || named.is_empty() || parts().any(fits) || !parts().all(read) {
+            continue;
+        }
+        sink.report(Finding::warning("label.cause.kind", at), &|| {
+            let which = label.parts[named[0]].description.get().unwrap_or_default();
+            let name = framework.decisions.name(decision);
+            Words::new(
+                format!("“{which}”不会引起“{}”", name.zh),
+                format!("'{which}' does not bring about '{}'", name.en),
+            )
+            .hint(
+                "关联真正引起该决策的要素，或检查决策",
+                "name the component that causes the decision, or check the decision",
+            )
+        });
         return;
     }
-    sink.report(Finding::warning("label.cause.kind", pointer::CAUSES_LONGITUDINAL), &|| {
-        let which = label.parts[named[0]].description.get().unwrap_or_default();
-        let name = decision_name(decision.id(), names);
-        Words::new(
-            format!("“{which}”不会引起“{}”", name.zh),
-            format!("'{which}' does not bring about '{}'", name.en),
-        )
-        .hint(
-            "关联真正引起该决策的要素，或检查决策",
-            "name the component that causes the decision, or check the decision",
-        )
-    });
 }

@@ -1,5 +1,5 @@
 //! Times that are in order but cannot be right: evidence from before the history, a range of hours, a start that is not
-//! where the labelling spec puts it.
+//! where the labeling spec puts it.
 
 use crate::check::clips::ClipFacts;
 use crate::check::view::View;
@@ -8,7 +8,7 @@ use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::pointer;
 
-/// A clip is 20 s (LABELING.md 4); an episode that is labelled over several clips is longer.
+/// A clip is 20 s (LABELING.md 4); an episode that is labeled over several clips is longer.
 const LONGEST_S: f64 = 120.0;
 /// The shortest response that a label can speak of.
 const SHORTEST_S: f64 = 0.2;

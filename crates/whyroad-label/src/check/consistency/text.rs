@@ -23,6 +23,11 @@ const LEAST_WORDS: usize = 6;
 const LEAST_CHARACTERS: usize = 9;
 /// Fewer, where nearly all are the same.
 const FEW_CHARACTERS: usize = 7;
+/// No pair of texts is compared that shares less.
+const FEWEST_CONTENT: f64 = 0.5;
+/// Words and things, and the share of the shorter text that the longer one holds: of Latin letters, and Chinese.
+const CONCEPTS_LATIN: (usize, f64) = (5, 0.7);
+const CONCEPTS_CHINESE: (usize, f64) = (12, 0.62);
 /// Words without articles, pronouns and auxiliaries.
 const LEAST_CONTENT: usize = 4;
 
@@ -81,7 +86,7 @@ struct Pieces {
     /// Units that are not empty words.
     content: Vec<u64>,
     is_latin: bool,
-    /// Groups that it names, with side and colour: texts that differ in these differ.
+    /// Groups that it names, with side and color: texts that differ in these differ.
     named: Vec<Said>,
 }
 
@@ -130,8 +135,8 @@ impl Outline {
             || few(&other.units, &self.units, other.count)
             || few(&self.pairs, &other.pairs, self.count)
             || few(&other.pairs, &self.pairs, other.count)
-            || missing(&self.content, &other.units) == 0
-            || missing(&other.content, &self.units) == 0
+            || missing(&self.content, &other.units) as f64 <= (1.0 - FEWEST_CONTENT) * self.count as f64
+            || missing(&other.content, &self.units) as f64 <= (1.0 - FEWEST_CONTENT) * other.count as f64
     }
 }
 
@@ -202,18 +207,32 @@ fn is_alike(a: &Pieces, b: &Pieces) -> bool {
     };
     // The same words in another order: few words of Latin letters, or many Chinese characters.
     let (least, part) = if a.is_latin { (LEAST_WORDS, ALIKE_WORDS) } else { (LEAST_CHARACTERS, ALIKE) };
-    share(&a.pairs, &b.pairs, 5, ALIKE)
+    // The same things, sides and colors, in mostly the same words.
+    let concepts = |p: &Pieces| {
+        let groups = p.named.iter().map(|n| hashed(n.0 as u64 + 1, '#'));
+        let mut all: Vec<u64> = p.content.iter().copied().chain(groups).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    };
+    let (least_concepts, part_concepts) = if a.is_latin { CONCEPTS_LATIN } else { CONCEPTS_CHINESE };
+    let same_things = a.named.iter().any(|n| b.named.iter().any(|m| m.0 == n.0));
+    (same_things && share(&concepts(a), &concepts(b), least_concepts, part_concepts))
+        || share(&a.pairs, &b.pairs, 5, ALIKE)
         || share(&a.units, &b.units, least, part)
         || (!a.is_latin && share(&a.units, &b.units, FEW_CHARACTERS, 0.95))
         || (a.is_latin && share(&a.content, &b.content, LEAST_CONTENT, 1.0))
         || (a.is_latin && a.content.len() >= 3 && a.content == b.content)
 }
 
-/// The trace speaks of what the components speak of. True when it has nothing to do with them.
+/// The trace speaks of what the components speak of. True when it has nothing to do with them. `acts`: it names the
+/// ego, or something that a driver does.
 pub(in crate::check) fn unrelated(
     label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
+    background: GroupSet,
+    acts: bool,
     sink: &mut dyn Sink,
 ) -> bool {
     if words.is_empty() || label.trace.get().is_none_or(|t| t.trim().is_empty()) {
@@ -222,10 +241,10 @@ pub(in crate::check) fn unrelated(
     let components = texts.all_components(words);
     let nothing = texts.trace.groups.is_empty()
         && texts.trace.words == 0
-        && !label.trace.get().is_some_and(|t| words.is_of_driving(t));
-    if !nothing
-        && (components.is_empty() || texts.trace.groups.is_empty() || texts.trace.groups.meets(components))
-    {
+        && !label.trace.get().is_some_and(|t| words.is_of_driving(t))
+        || !acts && !texts.trace.groups.meets(components);
+    let speaks_of = texts.trace.groups.without(background);
+    if !nothing && (components.is_empty() || speaks_of.is_empty() || texts.trace.groups.meets(components)) {
         return false;
     }
     // Other words may still be shared.
@@ -249,19 +268,27 @@ pub(in crate::check) fn unnamed(
     label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
+    background: GroupSet,
     until: usize,
     sink: &mut dyn Sink,
 ) {
     let Some(text) = label.trace.get() else { return };
-    // What a component that cannot be read names is not known.
+    // What a component that cannot be read names is not known: that of a broken field, and one that says where
+    // something is in words that no list has ("a sheet of water on the right half of the road").
+    let place_only = |f: &TextFacts| {
+        let own = f.groups.without(background).is_empty() && f.states.is_empty();
+        own && !f.groups.is_empty() && !f.groups.meets(words.known.no_cause)
+    };
     let unread = label.parts.iter().any(|c| c.description.get().is_none());
+    let thing_unread = texts.components.iter().any(place_only);
     if unread || texts.all_components(words).is_empty() {
         return;
     }
     let (any, beside) = (texts.components_there(words, false), texts.components_there(words, true));
     let is_new = |n: &&Named| {
         let group = &words.objects[n.group];
-        group.named && !group.own.meets(if n.side.is_some() { beside } else { any })
+        let known = !thing_unread || group.own.meets(words.known.actor);
+        group.named && known && !group.own.meets(if n.side.is_some() { beside } else { any })
     };
     let Some(n) = texts.trace.there().filter(|n| n.start < until).find(is_new) else {
         return differs(label, texts, words, until, sink);
@@ -279,7 +306,7 @@ pub(in crate::check) fn unnamed(
     );
 }
 
-/// What the trace says of a thing's side and colour is what its component says.
+/// What the trace says of a thing's side and color is what its component says.
 fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, until: usize, sink: &mut dyn Sink) {
     let Some(text) = label.trace.get() else { return };
     let meant = |n: &Named| -> Vec<&Named> {
@@ -399,10 +426,12 @@ pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, sink: &mut dy
     );
 }
 
-/// The texts speak of what the class is about.
+/// The texts speak of what the class is about. Reported only where they speak of something else, and nobody acts in
+/// them whom no list knows. `background`: what no text is about.
 pub(in crate::check) fn class(
     texts: &Texts,
     words: &LabelWords,
+    background: GroupSet,
     prescribed: &Prescribed,
     sink: &mut dyn Sink,
 ) -> bool {
@@ -411,8 +440,8 @@ pub(in crate::check) fn class(
         return false;
     }
     let all = texts.components.iter().fold(texts.trace.groups, |set, f| set.with(f.groups));
-    // Where nothing is recognised, nothing can be said.
-    if all.is_empty() || all.meets(class.about) {
+    let unknown_actor = texts.components.iter().any(|f| !f.states.is_empty());
+    if all.meets(class.about) || all.without(background).is_empty() || unknown_actor {
         return false;
     }
     sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {

@@ -1,10 +1,10 @@
 //! Rules of the trace text (LABELING.md 7): its form, and what it says against the decisions.
 
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
+use crate::check::consistency::trace_stems::{self, ByStem};
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
-use whyroad_framework::label_words::Divider;
 use whyroad_framework::lexicon::Lexicon;
 use whyroad_framework::{DecisionSets, LabelWords};
 use whyroad_model::Bilingual;
@@ -115,10 +115,22 @@ pub(in crate::check) fn trace(
             _ => false,
         };
         if !unreadable {
-            let not_stated = matches!(v, TraceVerdict::NotStated { .. });
-            if not_stated && by_stem(text, reading, lexicon, label, texts, words) {
-                return;
+            let mut v = v;
+            if let TraceVerdict::NotStated { label: decision, .. } = v {
+                // Which channel is not stated is known: the other one's stems say nothing of it.
+                let across = lateral.get().filter(|d| d.id() == decision);
+                let both = match across {
+                    Some(_) => (None, across),
+                    None => (longitudinal.get(), lateral.get()),
+                };
+                match trace_stems::read(text, reading, lexicon, both, texts, words) {
+                    ByStem::Stated => return,
+                    ByStem::Denied(start, end) => v = TraceVerdict::Denied { label: decision, start, end },
+                    ByStem::Against(start, end) => v = TraceVerdict::Against { label: decision, start, end },
+                    ByStem::Unread => {}
+                }
             }
+            let not_stated = matches!(v, TraceVerdict::NotStated { .. });
             none |= not_stated;
             found = true;
             // A trace that is too short is reported as such.
@@ -127,6 +139,19 @@ pub(in crate::check) fn trace(
             }
         }
     });
+    // "Does not yield and turns left": the other channel is stated.
+    if let (false, Some(along), Some(_)) = (found, longitudinal.get(), lateral.get()) {
+        let stated = reading.mentions.iter().any(|m| {
+            !m.by_other
+                && m.force != Force::Negated
+                && lexicon.phrases[m.phrase].longitudinal.contains(&along)
+        });
+        let read = || trace_stems::read(text, reading, lexicon, (Some(along), None), texts, words);
+        if !stated && let ByStem::Denied(start, end) = read() {
+            found = true;
+            verdict(&TraceVerdict::Denied { label: along.id(), start, end }, text, names, sink);
+        }
+    }
     // A short one may still hold all three: "yellow, far away, stopping".
     let too_short = short
         && (none && seen.length < limits.too_short_below / 2
@@ -159,51 +184,11 @@ pub(in crate::check) fn states_decision(
     reading.mentions.iter().filter(inside).any(|m| says_label(m, lexicon, label))
 }
 
-/// A word that no phrase holds says of the ego what the label decides: its stem does, in a clause where the trace
-/// decides and in which nobody else acts before it.
-fn by_stem(
-    text: &str,
-    reading: &Reading,
-    lexicon: &Lexicon,
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-) -> bool {
-    let end = reading.end.min(text.len());
-    let begin = reading.decision_from.min(end);
-    let kinds = [Divider::Sentence, Divider::Clause, Divider::Item, Divider::Aside];
-    let ends = words.clauses.ends(&texts.units, &kinds, end).filter(|to| *to > begin && *to <= end);
-    let mut from = begin;
-    for to in ends.take(24) {
-        let Some(clause) = text.get(from..to) else { return false };
-        let stem = lexicon.stems.find(clause, label.longitudinal.get(), label.lateral.get());
-        let acts = |at: usize| {
-            // Behind "therefore" whoever is named is the object.
-            !(reading.marked && from == reading.decision_from)
-                && texts.trace.there().any(|n| n.start >= from && n.start < from + at)
-        };
-        let denied =
-            reading.mentions.iter().any(|m| (from..to).contains(&m.start) && m.force == Force::Negated);
-        if stem.is_some_and(|at| !acts(at)) && !denied {
-            return true;
-        }
-        from = to;
-    }
-    false
-}
-
 /// The mention goes with a decision of the label.
 fn says_label(m: &Mention, lexicon: &Lexicon, label: &View<'_>) -> bool {
     let says = &lexicon.phrases[m.phrase];
     label.longitudinal.get().is_some_and(|d| says.longitudinal.contains(&d))
         || label.lateral.get().is_some_and(|d| says.lateral.contains(&d))
-}
-
-/// A decision's name for people, by its id.
-pub(in crate::check) fn decision_name(id: &str, names: &DecisionSets) -> Bilingual {
-    let along = Longitudinal::from_id(id).and_then(|d| names.longitudinal(d));
-    let text = along.or_else(|| Lateral::from_id(id).and_then(|d| names.lateral(d)));
-    text.map_or_else(|| Bilingual::same(id), |t| t.name.clone())
 }
 
 /// A side for people.
@@ -216,7 +201,7 @@ pub(in crate::check) fn direction_name(direction: LateralDirection) -> Bilingual
 }
 
 fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, sink: &mut dyn Sink) {
-    let name = |id: &str| decision_name(id, names);
+    let name = |id: &str| names.name(id);
     let check_end = |words: Words| {
         words.hint("检查决策，或改写因果描述的结尾", "check the decision, or rewrite the end of the trace")
     };
@@ -246,6 +231,16 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, sink: &mut dyn Si
                 check_end(Words::new(
                     format!("决策是“{}”，因果描述却否定了“{phrase}”", label.zh),
                     format!("the decision is '{}', but the trace says not to '{phrase}'", label.en),
+                ))
+            });
+        }
+        TraceVerdict::Against { label, start, end } => {
+            let finding = Finding::warning("label.trace.contradicts", pointer::COC_TRACE);
+            sink.report(at(finding, start, end), &|| {
+                let (phrase, label) = (&text[*start..*end], name(label));
+                check_end(Words::new(
+                    format!("决策是“{}”，因果描述却说自车“{phrase}”", label.zh),
+                    format!("the decision is '{}', but the trace says of the ego '{phrase}'", label.en),
                 ))
             });
         }
@@ -280,7 +275,7 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, sink: &mut dyn Si
             });
         }
         TraceVerdict::NotStated { label, start, end } => {
-            let finding = Finding::warning("label.trace.decision_missing", pointer::COC_TRACE);
+            let finding = Finding::note("label.trace.decision_missing", pointer::COC_TRACE);
             sink.report(at(finding, start, end), &|| {
                 let (label, ending) = (name(label), excerpt(&text[*start..*end]));
                 Words::new(

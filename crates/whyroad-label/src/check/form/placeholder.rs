@@ -39,7 +39,12 @@ pub(in crate::check) fn components(
                 .hint("写看到了什么、在哪里、在做什么", "write what was seen, where, and what it does")
             });
         } else if facts.words == 0 && !says_something(text, lexicon) && !words.is_of_driving(text) {
-            sink.report(Finding::warning("label.text.unrelated", at), &|| {
+            // In a few words this says nothing; in more, something that no list knows.
+            let finding = match is_short(text) {
+                true => Finding::warning("label.text.unrelated", at),
+                false => Finding::note("label.text.unrelated", at),
+            };
+            sink.report(finding, &|| {
                 Words::new(
                     format!("“{text}”没有提到任何与驾驶有关的事物"),
                     format!("'{text}' names nothing that has to do with driving"),
@@ -54,6 +59,12 @@ pub(in crate::check) fn components(
 fn is_one_word(text: &str) -> bool {
     let mut letters = text.chars().filter(|c| c.is_alphanumeric());
     if text.is_ascii() { text.split_whitespace().nth(1).is_none() } else { letters.nth(2).is_none() }
+}
+
+/// At most four Latin words, or five Chinese characters.
+fn is_short(text: &str) -> bool {
+    let mut letters = text.chars().filter(|c| c.is_alphanumeric());
+    if text.is_ascii() { text.split_whitespace().nth(4).is_none() } else { letters.nth(5).is_none() }
 }
 
 fn says_something(text: &str, lexicon: &Lexicon) -> bool {

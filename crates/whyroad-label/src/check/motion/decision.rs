@@ -12,7 +12,7 @@ use whyroad_model::{Bilingual, Tri};
 
 /// A change of speed that is no noise, m/s.
 const PLAIN_MPS: f64 = 1.5;
-/// A change that a labeller cannot have overlooked, m/s.
+/// A change that a labeler cannot have overlooked, m/s.
 const LARGE_MPS: f64 = 3.0;
 /// What a car that keeps its speed varies by, m/s.
 const STEADY_MPS: f64 = 0.5;

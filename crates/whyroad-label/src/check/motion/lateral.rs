@@ -141,7 +141,7 @@ fn turn(w: &Window<'_>, direction: Option<LateralDirection>, sink: &mut dyn Sink
     }
 }
 
-/// Moves to the labelled side, and away from what it is labelled to avoid.
+/// Moves to the labeled side, and away from what it is labeled to avoid.
 fn nudge(
     label: &View<'_>,
     w: &Window<'_>,
@@ -153,7 +153,7 @@ fn nudge(
     let offset = |f: usize| w.number("ego.lane_offset", f);
     if let Some(start) = offset(w.keyframe) {
         let moved: Vec<f64> = (w.keyframe..w.end).filter_map(|f| Some(offset(f)? - start)).collect();
-        // A jump is another lane's centre line.
+        // A jump is another lane's center line.
         let jumps = moved.windows(2).any(|p| (p[1] - p[0]).abs() > 1.0);
         let (min, max) = moved.iter().fold((0.0_f64, 0.0_f64), |(a, b), m| (a.min(*m), b.max(*m)));
         let (to, away) = if left { (max, -min) } else { (-min, max) };

@@ -1,13 +1,13 @@
-//! Keyframe and class against what the rules found: the moment that the labelling spec prescribes, and another class at
+//! Keyframe and class against what the rules found: the moment that the labeling spec prescribes, and another class at
 //! the same moment.
 
 use crate::check::recording::Recorded;
 use crate::check::view::View;
 use whyroad_framework::check::class_index::ClassIndex;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_model::Bilingual;
 use whyroad_model::label_fields::pointer;
-use whyroad_model::messages::{EpisodeRecord, KeyframeType};
+use whyroad_model::messages::{EpisodeRecord, KeyframeType, MatchedCondition};
+use whyroad_model::{Bilingual, Lang};
 
 /// An episode this far away is another one, s.
 const OTHER_EPISODE_S: f64 = 6.0;
@@ -65,10 +65,21 @@ pub(super) fn check(label: &View<'_>, recorded: &Recorded, classes: &ClassIndex,
         let own = label.class_id();
         let name = own.as_ref().and_then(|id| classes.name(id)).cloned().unwrap_or_default();
         let rule = classes.name(&e.scenario_id).cloned().unwrap_or_else(|| Bilingual::same(&id));
-        let why: Vec<&str> = e.conditions_matched.iter().take(2).map(|c| c.condition.as_str()).collect();
+        let why = |lang: Lang| {
+            let words = |c: &MatchedCondition| match &c.description {
+                Some(words) => words.get(lang).to_owned(),
+                None => c.condition.clone(),
+            };
+            e.conditions_matched.iter().take(2).map(words).collect::<Vec<_>>()
+        };
         Words::new(
-            format!("规则在此时刻找到的是“{}”（{}），而不是“{}”", rule.zh, why.join("；"), name.zh),
-            format!("the rules find '{}' at this moment ({}), not '{}'", rule.en, why.join("; "), name.en),
+            format!("规则在此时刻找到的是“{}”（{}），而不是“{}”", rule.zh, why(Lang::Zh).join("；"), name.zh),
+            format!(
+                "the rules find '{}' at this moment ({}), not '{}'",
+                rule.en,
+                why(Lang::En).join("; "),
+                name.en
+            ),
         )
         .hint(
             "检查场景类别；另一触发可列为次场景",

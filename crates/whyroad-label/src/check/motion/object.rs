@@ -231,7 +231,7 @@ fn anybody(c: &ComponentView<'_>, n: &Named, words: &LabelWords, w: &Window<'_>,
     });
 }
 
-/// The light has the colour that the text gives it, at one of the evidence times or within the second before the
+/// The light has the color that the text gives it, at one of the evidence times or within the second before the
 /// keyframe.
 fn light<'n>(
     c: &ComponentView<'_>,

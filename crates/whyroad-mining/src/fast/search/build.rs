@@ -200,11 +200,7 @@ impl<'e> Building<'e, '_> {
             (a.text.as_str(), margins[0])
         };
         let margins: Vec<(&str, f64)> = atoms.iter().map(margin).collect();
-        let one = |i: usize| MatchedCondition {
-            condition: atoms[i].text.clone(),
-            actual_value: self.measured(atoms[i], row),
-            description: None,
-        };
+        let one = |i: usize| atoms[i].matched(self.measured(atoms[i], row));
         deciding(&margins).into_iter().map(one).collect()
     }
 

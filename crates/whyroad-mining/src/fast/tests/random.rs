@@ -313,6 +313,7 @@ pub fn plain_rule(program: Program, when: NodeId) -> Rule {
         min_duration: Nanos(0),
         max_duration: None,
         merge_gap: Nanos(0),
+        lengthy: BTreeMap::new(),
         timing: Timing::of_match(),
     }
 }
@@ -359,6 +360,8 @@ pub fn rule() -> impl Strategy<Value = Rule> {
             let unit = Unit::parse("m/s").expect("a unit");
             let atom = |condition, measured| crate::language::program::Atom {
                 text: "atom".into(),
+                words: Default::default(),
+                value_names: Default::default(),
                 condition,
                 measured,
                 signals: Default::default(),

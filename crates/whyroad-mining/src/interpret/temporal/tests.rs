@@ -52,7 +52,7 @@ fn worlds(value: &[Tri]) -> Vec<Vec<bool>> {
     all
 }
 
-/// `c for d` with nothing unknown and nothing outside: the row and its neighbours make up `d`.
+/// `c for d` with nothing unknown and nothing outside: the row and its neighbors make up `d`.
 fn naive_for(c: &[bool], rows: &[Row], d: Nanos, i: usize) -> bool {
     (0..=i).any(|a| {
         (i + 1..=rows.len())

@@ -5,23 +5,49 @@ use super::super::program::{Atom, NodeId, Op, ValueKind};
 use super::super::syntax::{Expr, ExprKind, Quantity};
 use super::compare::{Extreme, extreme_of};
 use super::{Checker, Fault};
+use std::collections::BTreeMap;
+use whyroad_model::Bilingual;
 use whyroad_model::units::{UNITS, Unit};
+
+/// Longest condition in words, in characters (a Chinese one counts twice), that needs no name.
+const LENGTHY: usize = 140;
+
+/// A definition as long as this makes what it is used in lengthy.
+const PART_OF_LENGTH: usize = 40;
+
+/// A part of a condition as people read it.
+pub struct PartText {
+    /// As written, names replaced by what they stand for.
+    pub text: String,
+    /// In words.
+    pub words: Bilingual,
+    /// Its truth.
+    pub condition: NodeId,
+    /// What it measures.
+    pub atoms: Vec<Atom>,
+}
 
 impl Checker<'_> {
     /// The conditions that must hold together for this one to hold, each with its text and its atoms: the members of
     /// a conjunction, also where it is written as a definition.
-    pub fn parts(&mut self, expr: &Expr, out: &mut Vec<(String, NodeId, Vec<Atom>)>) -> Result<(), Fault> {
+    pub fn parts(&mut self, expr: &Expr, out: &mut Vec<PartText>) -> Result<(), Fault> {
+        self.parts_of(expr, None, out)
+    }
+
+    /// As [`Self::parts`], of a condition that is written as a definition of this name.
+    fn parts_of(&mut self, expr: &Expr, name: Option<&str>, out: &mut Vec<PartText>) -> Result<(), Fault> {
         match &expr.kind {
             ExprKind::And(all) => all.iter().try_for_each(|e| self.parts(e, out)),
             ExprKind::Name(name) if self.definitions.contains_key(name) => {
                 let definition = self.definitions[name].expr.clone();
-                self.parts(&definition, out)
+                self.parts_of(&definition, Some(name), out)
             }
             _ => {
                 let mut atoms = Vec::new();
                 self.definitions_in_text(expr, &mut atoms)?;
-                self.atoms(expr, &mut atoms)?;
-                out.push((self.text_for_people(expr), self.condition(expr)?, atoms));
+                self.atoms_of(expr, name, &mut atoms)?;
+                let (text, words) = (self.text_for_people(expr), self.words_of(expr, name));
+                out.push(PartText { text, words, condition: self.condition(expr)?, atoms });
                 Ok(())
             }
         }
@@ -29,12 +55,17 @@ impl Checker<'_> {
 
     /// Appends the atoms of a condition that has been checked.
     pub fn atoms(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<(), Fault> {
+        self.atoms_of(expr, None, out)
+    }
+
+    /// As [`Self::atoms`], of a condition that is written as a definition of this name.
+    fn atoms_of(&mut self, expr: &Expr, name: Option<&str>, out: &mut Vec<Atom>) -> Result<(), Fault> {
         match &expr.kind {
             ExprKind::And(all) | ExprKind::Or(all) => all.iter().try_for_each(|e| self.atoms(e, out)),
-            ExprKind::For(of, _) | ExprKind::Gaps(of, _) => self.atoms(of, out),
+            ExprKind::For(of, _) | ExprKind::Gaps(of, _) => self.atoms_of(of, name, out),
             ExprKind::Name(name) if self.definitions.contains_key(name) => {
                 let definition = self.definitions[name].expr.clone();
-                self.atoms(&definition, out)
+                self.atoms_of(&definition, Some(name), out)
             }
             ExprKind::Compare(first, rest) => {
                 let mut left = first.as_ref();
@@ -46,14 +77,14 @@ impl Checker<'_> {
                     let (l, r) = (self.quantity(left), self.quantity(right));
                     let measured = if l.is_some() { right } else { left };
                     let unit = l.or(r).map(|q| q.unit);
-                    self.push_atom(&pair, measured, unit, out)?;
+                    self.push_atom(&pair, (measured, unit), name.filter(|_| rest.len() == 1), out)?;
                     left = right;
                 }
                 Ok(())
             }
-            ExprKind::In(of, _) => self.push_atom(expr, of, None, out),
+            ExprKind::In(of, _) => self.push_atom(expr, (of, None), name, out),
             _ => {
-                self.push_atom(expr, expr, None, out)?;
+                self.push_atom(expr, (expr, None), name, out)?;
                 self.named_atoms(expr, out)
             }
         }
@@ -77,16 +108,17 @@ impl Checker<'_> {
         for name in &names {
             let definition = self.definitions[name].expr.clone();
             let condition = self.condition(&definition)?;
+            let words = self.words_of(&definition, Some(name));
             let atom = Atom {
                 text: format!("{name}: {}", self.text_by_names(&definition)),
+                words,
+                value_names: BTreeMap::new(),
                 condition,
                 measured: condition,
                 signals: self.program.signals(condition),
                 unit: &UNITS[0],
             };
-            if !out.contains(&atom) {
-                out.push(atom);
-            }
+            push_once(atom, out);
         }
         Ok(names)
     }
@@ -103,27 +135,65 @@ impl Checker<'_> {
     fn push_atom(
         &mut self,
         expr: &Expr,
-        measured: &Expr,
-        unit: Option<&'static Unit>,
+        (measured, unit): (&Expr, Option<&'static Unit>),
+        name: Option<&str>,
         out: &mut Vec<Atom>,
     ) -> Result<(), Fault> {
         let condition = self.condition(expr)?;
         let measured = self.measure(measured, condition)?;
-        let base = match &self.program.node(measured).kind {
-            ValueKind::Number(d) => d.base(),
-            _ => &UNITS[0],
+        let (base, value_names) = match &self.program.node(measured).kind {
+            ValueKind::Number(d) => (d.base(), BTreeMap::new()),
+            ValueKind::Category(values) => {
+                let named = |v: &String| (v.clone(), self.catalogue.value_name(v));
+                (&UNITS[0], values.iter().map(named).collect())
+            }
+            ValueKind::Condition => (&UNITS[0], BTreeMap::new()),
         };
+        let words = self.words_of(expr, name);
         let atom = Atom {
             text: self.text_for_people(expr),
+            words,
+            value_names,
             condition,
             measured,
             signals: self.program.signals(condition),
             unit: unit.unwrap_or(base),
         };
-        if !out.contains(&atom) {
-            out.push(atom);
-        }
+        push_once(atom, out);
         Ok(())
+    }
+
+    /// A condition in words: by the name of its definition where it has one and is more than a short comparison.
+    fn words_of(&mut self, expr: &Expr, name: Option<&str>) -> Bilingual {
+        let words = self.in_words(expr);
+        let compares = matches!(expr.kind, ExprKind::Compare(..) | ExprKind::In(..));
+        // A comparison says more than its name, and has a value to go with it.
+        if let Some(named) = name.and_then(|n| self.name_of_definition(n))
+            && (!compares || is_lengthy(&words))
+        {
+            return named;
+        }
+        if is_lengthy(&words) {
+            let mut within = Vec::new();
+            self.lengthy_definitions(expr, &mut within);
+            let definition = name.map(str::to_owned).into_iter().chain(within).next();
+            if let Some(definition) = definition {
+                self.lengthy.entry(definition).or_insert_with(|| words.clone());
+            }
+        }
+        words
+    }
+
+    /// The outermost definitions without a name whose own words are long.
+    fn lengthy_definitions(&self, expr: &Expr, out: &mut Vec<String>) {
+        if let ExprKind::Name(name) = &expr.kind {
+            let definition = self.definitions.get(name).filter(|_| !self.names.contains_key(name));
+            if definition.is_some_and(|d| is_part_of_length(&self.in_words(&d.expr))) {
+                out.push(name.clone());
+            }
+            return;
+        }
+        expr.parts().into_iter().for_each(|e| self.lengthy_definitions(e, out));
     }
 
     /// The node of what was measured: the number, or, where the condition is about many, what sums it up.
@@ -151,4 +221,19 @@ impl Checker<'_> {
             _ => None,
         }
     }
+}
+
+fn push_once(atom: Atom, out: &mut Vec<Atom>) {
+    let key = |a: &Atom| (a.text.clone(), a.condition, a.measured);
+    if out.iter().all(|a| key(a) != key(&atom)) {
+        out.push(atom);
+    }
+}
+
+fn is_lengthy(words: &Bilingual) -> bool {
+    words.zh.chars().count() * 2 > LENGTHY || words.en.chars().count() > LENGTHY
+}
+
+fn is_part_of_length(words: &Bilingual) -> bool {
+    words.zh.chars().count() * 2 > PART_OF_LENGTH || words.en.chars().count() > PART_OF_LENGTH
 }

@@ -1,4 +1,4 @@
-//! Moments of labelling specs: `min(rises(target.turn_signal in {left, right}), keyframe - 5 s)`. The same
+//! Moments of labeling specs: `min(rises(target.turn_signal in {left, right}), keyframe - 5 s)`. The same
 //! grammar as conditions; what makes it a moment is its position in the rule.
 
 use super::super::program::Moment;

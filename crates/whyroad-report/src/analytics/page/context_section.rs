@@ -89,7 +89,7 @@ fn table(m: &mut Markup, dimension: Dimension, rows: &[&ContextRow], utc_offset_
     m.raw("</figure>");
 }
 
-/// Places and sources have the names that their drives state; the words for weather are those of the signal catalogue.
+/// Places and sources have the names that their drives state; the words for weather are those of the signal catalog.
 fn value_name(m: &mut Markup, dimension: Dimension, value: &str) {
     let zh = match (dimension, value) {
         (Dimension::Weather, "clear") => "晴",

@@ -1,4 +1,4 @@
-//! Labelling: throughput, finish and cost, agreement, what people correct, and which decisions they take.
+//! Labeling: throughput, finish and cost, agreement, what people correct, and which decisions they take.
 
 use super::{Align, ClassNames, count, head, number};
 use crate::analytics::corrections::SHIFTS_S;

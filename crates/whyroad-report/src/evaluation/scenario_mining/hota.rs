@@ -7,7 +7,7 @@ use super::similarity;
 use super::thresholds::thresholds;
 use std::collections::BTreeMap;
 
-/// Localisation thresholds: 0.05, 0.10, ... 0.95.
+/// Localization thresholds: 0.05, 0.10, ... 0.95.
 const ALPHAS: usize = 19;
 /// Rounding must not decide whether a similarity reaches its threshold.
 const EPSILON: f64 = f64::EPSILON;
@@ -24,7 +24,7 @@ pub fn best(pairs: &[(Sequence, Sequence)]) -> (f64, f64) {
     (best.0.max(0.0), best.1)
 }
 
-/// Mean HOTA over the localisation thresholds, of predictions with at least this score.
+/// Mean HOTA over the localization thresholds, of predictions with at least this score.
 pub fn hota(pairs: &[(Sequence, Sequence)], least_score: f64) -> f64 {
     let mut sum = Counts::default();
     for (t, p) in pairs {

@@ -25,7 +25,7 @@ pub struct Similarity {
     /// m.
     #[serde(rename = "t")]
     pub translation: [f64; 2],
-    /// Cells per metre.
+    /// Cells per meter.
     #[serde(rename = "s")]
     pub scale: f64,
 }
@@ -83,7 +83,7 @@ impl Region {
         within && self.cells[row as usize * self.columns + column as usize]
     }
 
-    /// The sequence without the objects whose centre is outside.
+    /// The sequence without the objects whose center is outside.
     #[must_use]
     pub fn inside(&self, sequence: &Sequence) -> Sequence {
         let mut out = sequence.clone();
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn cells_are_found_by_hand() {
-        // Two cells a metre, the origin of the raster at (100, 200).
+        // Two cells a meter, the origin of the raster at (100, 200).
         let sim = r#"{"R": [1, 0, 0, 1], "t": [-100, -200], "s": 2.0}"#;
         let region = Region::read(&raster(), sim).unwrap();
         assert!(region.contains(100.6, 200.2), "row 0, column 1");

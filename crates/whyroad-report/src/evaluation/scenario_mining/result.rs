@@ -38,7 +38,7 @@ pub struct ResultObject {
     pub track_id: String,
     /// What it is to the prompt.
     pub label: Label,
-    /// Box centre, m.
+    /// Box center, m.
     pub centre: [f64; 3],
     /// Length, width, height, m.
     pub size: [f64; 3],

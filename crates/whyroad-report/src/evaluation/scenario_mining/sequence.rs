@@ -1,6 +1,6 @@
 //! Sequences as JSON Lines, the pickle-free equivalent of the challenge's files: one line a log and prompt,
 //! `{"log_id", "prompt", "frames": [{"timestamp_ns", "ego": [x, y], "is_positive"?, "objects": [{"track_id",
-//! "label"?, "x", "y", "score"?}]}]}`. Positions are box centres in the city (world) frame, m.
+//! "label"?, "x", "y", "score"?}]}]}`. Positions are box centers in the city (world) frame, m.
 
 use serde::{Deserialize, Deserializer, Serialize};
 use whyroad_model::{Bilingual, Diagnostic, Location};
@@ -23,7 +23,7 @@ pub struct Sequence {
 pub struct Frame {
     /// Time.
     pub timestamp_ns: i64,
-    /// Centre of the ego, m.
+    /// Center of the ego, m.
     pub ego: [f64; 2],
     /// Does the prompt apply here? Absent: it does where an object is referred to. `null`: nobody can say.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "stated")]

@@ -1,4 +1,4 @@
-//! Runs of the language model, and judgements.
+//! Runs of the language model, and judgments.
 
 use super::tasks;
 use crate::api::call::Call;

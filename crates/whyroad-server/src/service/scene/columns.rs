@@ -10,7 +10,7 @@ use whyroad_model::{Column, Drive, FrameRange, SignalTable, TrackId};
 /// A number that is known to be none: no lead, no conflict.
 const NONE: &str = "none";
 
-/// To a thousandth: a millimetre, a millisecond, a twentieth of a degree. A scene is half as large so.
+/// To a thousandth: a millimeter, a millisecond, a twentieth of a degree. A scene is half as large so.
 pub(super) fn rounded(x: f64) -> f64 {
     let r = (x * 1000.0).round() / 1000.0;
     // No -0: it would be written as such.

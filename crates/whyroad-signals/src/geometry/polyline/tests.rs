@@ -39,7 +39,7 @@ fn a_window_keeps_the_right_branch() {
 /// Every segment, with the divisions that the definition has.
 fn one_by_one(line: &Polyline, p: P2, segments: Range<usize>) -> Projection {
     let n = line.points.len() - 1;
-    let mut best = Nearest::none(segments.start);
+    let mut best = (f64::INFINITY, Projection { s: 0.0, lateral: 0.0, segment: segments.start });
     for i in segments {
         let (a, length) = (line.points[i], line.s[i + 1] - line.s[i]);
         let ab = line.points[i + 1] - a;
@@ -50,13 +50,13 @@ fn one_by_one(line: &Polyline, p: P2, segments: Range<usize>) -> Projection {
         );
         let away = p - (a + ab * (along / length));
         let d2 = away.dot(away);
-        if d2 < best.d2 {
+        if d2 < best.0 {
             let side = if ab.cross(p - a) >= 0.0 { 1.0 } else { -1.0 };
             let at = Projection { s: line.s[i] + along, lateral: side * d2.sqrt(), segment: i };
-            best = Nearest { d2, at };
+            best = (d2, at);
         }
     }
-    best.at
+    best.1
 }
 
 #[test]
@@ -71,22 +71,31 @@ fn a_long_line_is_searched_as_a_short_one() {
         Polyline::new((0..900).map(wave)).unwrap(),
         Polyline::new((0..400).map(|i| p2(f64::from(i), 0.0))).unwrap(),
         Polyline::new((0..400).map(|i| p2(f64::from(i % 20), f64::from(i / 20)))).unwrap(),
-        // In the coordinates of a country, with steps of a few millimetres.
+        // In the coordinates of a country, with steps of a few millimeters.
         Polyline::new((0..900).map(|i| wave(i) * 0.01 + p2(682_312.7, 3_412_990.3))).unwrap(),
         Polyline::new((0..20).map(wave)).unwrap(),
     ];
     for line in &lines {
         let n = line.points.len() - 1;
+        let mut before: Option<Foot> = None;
         for k in 0..2000u32 {
             let p = p2(f64::from(k % 71) * 3.5 - 80.0, f64::from(k % 37) * 2.5 - 40.0);
             let p = if line.points[0].x > 1e5 { p * 0.02 + line.points[0] } else { p };
             let (a, b) = ((k as usize * 7) % n, (k as usize * 13) % n);
             for (first, end) in [(0, n), (a.min(b), a.max(b) + 1)] {
-                assert_eq!(
-                    line.project_segments(p, first, end),
-                    one_by_one(line, p, first..end),
-                    "{p:?} {first}..{end}"
-                );
+                let (window, nearest) = (Window { first, end }, one_by_one(line, p, first..end));
+                assert_eq!(line.project_within(p, window), nearest, "{p:?} {first}..{end}");
+                // Whatever the search begins with.
+                let found = line.foot(p, window, before.as_ref());
+                assert_eq!(found.at, nearest, "{p:?} {first}..{end}");
+                before = Some(found);
+                for (first, end) in [(0, n), (first / 2, (end + 3).min(n)), (first, end - (end - first) / 3)]
+                {
+                    let moved = line.foot_again(p, Window { first, end }, &found);
+                    assert_eq!(moved.at, one_by_one(line, p, first..end), "{p:?} {first}..{end}");
+                    let back = line.foot_again(p, window, &moved);
+                    assert_eq!(back.at, nearest, "{p:?} {first}..{end}");
+                }
             }
         }
     }
@@ -102,7 +111,7 @@ fn a_ray_meets_no_segment_that_was_left_out() {
         let from = p2(f64::from(k % 71) * 3.5 - 80.0, f64::from(k % 37) * 2.5 - 40.0);
         let ray = Ray { from, direction: P2::from_heading(f64::from(k) * 0.37), reach: 60.0 };
         let first = (k as usize * 7) % 800;
-        let kept: Vec<usize> = line.segments_met(ray, first).collect();
+        let kept: Vec<usize> = line.segments_met(ray, first..points.len() - 1).collect();
         looked_at += kept.len();
         for i in first..points.len() - 1 {
             let (segment, to) = (points[i + 1] - points[i], points[i] - from);
@@ -119,7 +128,7 @@ fn a_ray_meets_no_segment_that_was_left_out() {
 
 #[test]
 fn places_are_those_of_asking_every_point() {
-    // Steps of a millimetre beside steps of a kilometre.
+    // Steps of a millimeter beside steps of a kilometer.
     let steps = |i: u32| if i % 50 == 49 { 1000.0 } else { 0.002 + f64::from(i % 7) };
     let mut x = 0.0;
     let points = (0..300).map(|i| {

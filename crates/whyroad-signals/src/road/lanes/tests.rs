@@ -16,7 +16,7 @@ fn lane(id: &str, centre: &[(f64, f64)], successors: &[&str]) -> Lane {
     }
 }
 
-/// Lane a (y = 0) and its left neighbour b (y = 3.5), both to x = 50; a goes on into a junction where "left" bends
+/// Lane a (y = 0) and its left neighbor b (y = 3.5), both to x = 50; a goes on into a junction where "left" bends
 /// away and "on" goes straight, both beginning at the same place; c follows "on".
 fn road() -> Road {
     let bend: Vec<(f64, f64)> = (0..=10)

@@ -30,7 +30,7 @@ fn light_states_are_the_simulators() {
                 word(letters.as_bytes()[*link])
             };
             let expected = s.link_of.get(&next.lane).filter(|_| distance < 140.0).map(letter);
-            // Between 140 and 160 m either answer is right: our reach is 150 m from the centre.
+            // Between 140 and 160 m either answer is right: our reach is 150 m from the center.
             if expected.is_none() && s.link_of.contains_key(&next.lane) {
                 continue;
             }

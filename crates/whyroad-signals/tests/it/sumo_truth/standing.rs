@@ -7,8 +7,8 @@ use super::{GRID_RUN, Tally};
 /// Under this a vehicle halts for SUMO, m/s.
 const HALTING_MPS: f64 = 0.1;
 
-/// Steps at which the ego's speed in FCD falls under 0.3 m/s and was over 0.5 m/s since the last time (the catalogue's
-/// standstill; SUMO's own halting, under 0.1 m/s, counts a car that creeps up by half a metre as stopping twice).
+/// Steps at which the ego's speed in FCD falls under 0.3 m/s and was over 0.5 m/s since the last time (the catalog's
+/// standstill; SUMO's own halting, under 0.1 m/s, counts a car that creeps up by half a meter as stopping twice).
 fn stops(s: &Simulation, ego: &str, derived: &Derived) -> Vec<Step> {
     let (mut stands, mut found) = (false, Vec::new());
     for &step in derived.frames.keys() {

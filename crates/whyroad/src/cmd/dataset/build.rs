@@ -258,7 +258,7 @@ fn summary(built: &Built, out: &Path, lang: Lang) -> String {
     let n = m.counts.samples;
     let _ = match lang {
         Lang::Zh => writeln!(t, "{n} 个样本：训练 {train}，验证 {val}，测试 {test}；许可 {}", m.licence),
-        Lang::En => writeln!(t, "{n} samples: train {train}, val {val}, test {test}; licence {}", m.licence),
+        Lang::En => writeln!(t, "{n} samples: train {train}, val {val}, test {test}; license {}", m.licence),
     };
     for (stage, reasons) in &m.counts.dropped {
         let list = reasons.iter().map(|(r, n)| format!("{r} {n}")).collect::<Vec<_>>().join(", ");

@@ -118,7 +118,7 @@ fn text(s: &Sample, framework: &Framework, lang: Lang) -> String {
         ("作者", "author", format!("{} {}", or(&l.label_source), or(&l.label_by))),
         ("分类版本", "taxonomy version", or(&l.taxonomy_version)),
         ("规则版本", "rule version", or(&l.rule_version)),
-        ("来源 / 许可", "source / licence", format!("{} / {}", s.groups.source, s.groups.licence)),
+        ("来源 / 许可", "source / license", format!("{} / {}", s.groups.source, s.groups.licence)),
         (
             "会话 / 车辆",
             "session / vehicle",

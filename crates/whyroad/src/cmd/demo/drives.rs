@@ -5,7 +5,7 @@ use anyhow::Context as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Licence of the built-in drives (`examples/drives/README.md`).
+/// License of the built-in drives (`examples/drives/README.md`).
 pub(super) const LICENCE: &str = "Apache-2.0";
 
 macro_rules! drives {

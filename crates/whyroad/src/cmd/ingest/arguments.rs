@@ -1,5 +1,5 @@
 //! Arguments of `whyroad ingest`: one subcommand per format, built from the options that its adapter declares, and a
-//! form without a format, which recognises it.
+//! form without a format, which recognizes it.
 
 use crate::output::DataFormat;
 use clap::builder::ValueParser;

@@ -37,7 +37,7 @@ pub(super) struct Args {
     /// Folder outside the lake with camera images of the drives; may be repeated
     #[arg(long, value_name = "DIR")]
     media: Vec<PathBuf>,
-    /// Store of the labelling service: a SQLite file, its folder, or postgres://...; its caches are emptied
+    /// Store of the labeling service: a SQLite file, its folder, or postgres://...; its caches are emptied
     #[arg(long, value_name = "URL", env = "WHYROAD_STORE", hide_env_values = true)]
     store: Option<String>,
     /// Folder in which to look for releases that hold the drives; may be repeated

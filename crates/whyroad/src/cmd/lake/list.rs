@@ -1,4 +1,4 @@
-//! `whyroad lake list`: the drives, from the catalogue; tables are not opened.
+//! `whyroad lake list`: the drives, from the catalog; tables are not opened.
 
 use super::delete::moment;
 use crate::output::{Print, render_text};

@@ -9,7 +9,7 @@ use whyroad_framework::Taxonomy;
 use whyroad_framework::taxonomy::Resolution;
 use whyroad_model::messages::{CoverageState, LeafCoverage, MinedClip};
 use whyroad_model::scene::FRAME_RATE_HZ;
-use whyroad_model::{Lang, ScenarioId};
+use whyroad_model::{Lang, ScenarioId, counted};
 
 /// The results of a run.
 pub(in crate::cmd) struct Results<'a> {
@@ -72,16 +72,18 @@ impl Results<'_> {
 
     /// Classes that were asked for, in the order of the taxonomy.
     fn rows(&self, wanted: impl Fn(&LeafCoverage) -> bool) -> Vec<&LeafCoverage> {
-        let asked = |id: &ScenarioId| {
-            self.questions.iter().any(|q| id.is_within(&q.scenario) || q.scenario.is_within(id))
-        };
         let coverage = &self.summary.coverage;
         let all = coverage.unresolved.iter().chain(&coverage.leaves);
-        let mut rows: Vec<_> = all.filter(|l| wanted(l) && asked(&l.scenario_id)).collect();
+        let mut rows: Vec<_> = all.filter(|l| wanted(l) && self.is_asked(&l.scenario_id)).collect();
         let order = self.taxonomy.ids();
         let place = |id: &ScenarioId| order.iter().position(|o| o == id).unwrap_or(usize::MAX);
         rows.sort_by_key(|l| place(&l.scenario_id));
         rows
+    }
+
+    /// Whether one of the questions is about the class.
+    fn is_asked(&self, id: &ScenarioId) -> bool {
+        self.questions.iter().any(|q| id.is_within(&q.scenario) || q.scenario.is_within(id))
     }
 
     fn found(&self, rows: &[&LeafCoverage]) -> String {
@@ -120,20 +122,24 @@ impl Results<'_> {
         let (drives, episodes, primary) = (s.drives, s.episodes, s.primary_episodes);
         let totals = match self.lang {
             Lang::Zh => format!("{drives} 个行程，{episodes} 个事件（主要 {primary}）"),
-            Lang::En => format!("{drives} drives, {episodes} episodes ({primary} primary)"),
+            Lang::En => {
+                format!("{}, {} ({primary} primary)", counted(drives, "drive"), counted(episodes, "episode"))
+            }
         };
         if self.searched == Searched::Question {
             return totals;
         }
-        let count = |state: CoverageState| s.coverage.leaves.iter().filter(|l| l.state == state).count();
+        let asked = || s.coverage.leaves.iter().filter(|l| self.is_asked(&l.scenario_id));
+        let count = |state: CoverageState| asked().filter(|l| l.state == state).count();
         let (found, none) = (count(CoverageState::Found), count(CoverageState::NotFound));
+        let in_part = asked().filter(|l| l.state == CoverageState::NotFound && !l.gaps.is_empty()).count();
         let (blind, without) = (count(CoverageState::NotObservable), count(CoverageState::NoRule));
         match self.lang {
             Lang::Zh => format!(
-                "{totals}；L3 场景：找到 {found}，已搜索未找到 {none}，不可观测 {blind}，尚无规则 {without}"
+                "{totals}；L3 场景：找到 {found}，已搜索未找到 {none}（其中 {in_part} 个只搜索了部分行程），不可观测 {blind}，尚无规则 {without}"
             ),
             Lang::En => format!(
-                "{totals}; leaves: {found} found, {none} searched and not found, {blind} not observable, {without} without a rule"
+                "{totals}; leaves: {found} found, {none} searched and not found ({in_part} of them on some drives only), {blind} not observable, {without} without a rule"
             ),
         }
     }

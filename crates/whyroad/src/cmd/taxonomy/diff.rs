@@ -34,7 +34,7 @@ pub(super) fn run(global: &Global, a: &Path, b: &Path, print: Print) -> anyhow::
 
 /// What an argument names.
 enum Side {
-    /// A framework folder, or the built-in framework: classes, labelling specs, mining rules.
+    /// A framework folder, or the built-in framework: classes, labeling specs, mining rules.
     Framework(Box<Framework>),
     /// One file with classes.
     Classes(Taxonomy),
@@ -86,7 +86,7 @@ fn classes_only(file: &Path, lang: Lang) -> String {
     let file = file.display();
     match lang {
         Lang::Zh => format!("{file} 只有类别：未比较标注规格与挖掘规则"),
-        Lang::En => format!("{file} holds classes only: labelling specs and mining rules are not compared"),
+        Lang::En => format!("{file} holds classes only: labeling specs and mining rules are not compared"),
     }
 }
 
@@ -117,7 +117,7 @@ fn kind(k: ChangeKind, lang: Lang) -> &'static str {
         ChangeKind::MeaningChanged => ("含义变化", "meaning changed"),
         ChangeKind::Reworded => ("措辞变化", "reworded"),
         ChangeKind::Arranged => ("顺序或引用变化", "order or reference changed"),
-        ChangeKind::Labelling => ("标注规格变化", "labelling changed"),
+        ChangeKind::Labelling => ("标注规格变化", "labeling changed"),
         ChangeKind::Mining => ("挖掘规则变化", "mining rule changed"),
     };
     if lang == Lang::Zh { zh } else { en }

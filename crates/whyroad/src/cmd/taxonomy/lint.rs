@@ -65,7 +65,7 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
         let (version, specs, rules) = (&f.taxonomy.version, f.specs.len(), f.rules.len());
         match global.lang {
             Lang::En => say!(
-                "taxonomy {version}: {l1} L1, {l2} L2, {l3} L3; {specs} labelling specs, {rules} mining rules, {cases} cases"
+                "taxonomy {version}: {l1} L1, {l2} L2, {l3} L3; {specs} labeling specs, {rules} mining rules, {cases} cases"
             ),
             Lang::Zh => say!(
                 "分类体系 {version}：{l1} 个 L1，{l2} 个 L2，{l3} 个 L3；{specs} 份标注规格，{rules} 条挖掘规则，{cases} 个用例"

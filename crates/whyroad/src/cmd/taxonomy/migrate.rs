@@ -31,7 +31,7 @@ pub(super) struct Args {
     /// Framework folder (or `bundled`) before the change: classes before must be in it
     #[arg(long, value_name = "DIR")]
     from: Option<PathBuf>,
-    /// Store of the labelling service: labels.db, the folder with it, or postgres://...
+    /// Store of the labeling service: labels.db, the folder with it, or postgres://...
     #[arg(long, value_name = "STORE")]
     store: Option<String>,
     /// Labels, or tasks of `tasks export --format tasks` (JSON Lines); may be repeated
@@ -236,7 +236,7 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
     };
     let person = t("须由人决定", "for a person to decide");
     if let Some(s) = &done.store {
-        let _ = writeln!(out, "{}", t("标注服务的存储", "store of the labelling service"));
+        let _ = writeln!(out, "{}", t("标注服务的存储", "store of the labeling service"));
         moved(&mut out, &s.moved);
         if s.settings > 0 {
             let _ = writeln!(out, "  {}: {}", t("项目设置", "project settings"), s.settings);

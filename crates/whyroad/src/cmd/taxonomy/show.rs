@@ -100,7 +100,7 @@ impl Page<'_> {
             }
         }
         if !d.decides.is_empty() {
-            self.heading(&mut out, "与易混类别的判定", "What decides against neighbours");
+            self.heading(&mut out, "与易混类别的判定", "What decides against neighbors");
             for b in &d.decides {
                 let _ = writeln!(out, "  {} / {}", b.stated_by, b.against);
                 let _ = writeln!(out, "    {}", b.rule.get(self.lang));
@@ -127,7 +127,7 @@ impl Page<'_> {
     }
 
     fn labelling(&self, out: &mut String, s: &ResolvedSpec) {
-        self.heading(out, "标注规格", "Labelling");
+        self.heading(out, "标注规格", "Labeling");
         self.keyframe(out, self.word("关键帧", "keyframe"), &s.keyframe);
         if let Some(second) = &s.second_keyframe {
             self.keyframe(out, self.word("第二关键帧", "second keyframe"), second);

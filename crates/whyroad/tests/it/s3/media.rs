@@ -1,4 +1,4 @@
-//! Camera images in object storage as the labelling service hands them out: a link to one image each, none of a later
+//! Camera images in object storage as the labeling service hands them out: a link to one image each, none of a later
 //! one in Stage I, and never to a video.
 
 use super::store::{Fault, Proxy, Store};

@@ -66,7 +66,7 @@ impl Service {
         let mut said = Vec::new();
         let at = loop {
             let Some(line) = lines.next() else { panic!("the service did not start: {said:?}") };
-            if let Some(rest) = line.strip_prefix("labelling service: http://") {
+            if let Some(rest) = line.strip_prefix("labeling service: http://") {
                 break rest.split('/').next().unwrap().parse().unwrap();
             }
             said.push(line);

@@ -96,7 +96,7 @@ pub(in crate::check::consistency) fn resolved(
     let stated = || reading.mentions.iter().find(|m| !m.by_other && m.force == Force::Asserted && decides(m));
     let decision = if reading.marked { reading.decision_from } else { stated()?.start };
     let is_over = |&(start, end): &(usize, usize)| {
-        let (from, to) = words.clauses.around(&texts.units, start, text.len());
+        let (from, to) = words.clauses.around(&texts.units, start..end, text.len(), &|_| true);
         let mut exempt = false;
         words.aftermath.trace_hits(&texts.units, from..to, |tell, _, _| exempt |= tell == TellWord::Exempt);
         let another = |n: &Named| n.start >= end && n.start < decision && words.objects[n.group].named;
@@ -123,6 +123,9 @@ fn told(
 ) -> Told {
     let mut out = Told::Nothing;
     let mut ends = Vec::new();
+    let somebody_acts = |start: usize, end: usize| {
+        has_subject(clause, start, offset, &texts.trace, words) || is_new_subject(clause, start, end, words)
+    };
     words.aftermath.trace_hits(&texts.units, offset..offset + clause.len(), |tell, start, end| {
         let (start, end) = (start - offset, end - offset);
         ends.push((start, end));
@@ -134,9 +137,7 @@ fn told(
             TellWord::Outcome => Told::Event(start, end),
             TellWord::Past if !(own_decision && in_past) => Told::Event(start, end),
             TellWord::Event if !own_decision => Told::Event(start, end),
-            TellWord::PastOfSubject
-                if !(own_decision && in_past) && has_subject(clause, start, offset, &texts.trace, words) =>
-            {
+            TellWord::PastOfSubject if !(own_decision && in_past) && somebody_acts(start, end) => {
                 Told::Event(start, end)
             }
             _ => Told::Nothing,
@@ -151,7 +152,7 @@ fn told(
         let (start, end) = (at, at + word.len());
         at = end + 1;
         let past = word.len() >= 5 && word.ends_with("ed") && !word.ends_with("eed");
-        if past && !ends.contains(&(start, end)) && has_subject(clause, start, offset, &texts.trace, words) {
+        if past && !ends.contains(&(start, end)) && somebody_acts(start, end) {
             return Told::Event(start, end);
         }
     }
@@ -179,4 +180,21 @@ fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts, wor
             && has_subject(clause, before.len() - last.len(), offset, facts, words);
     }
     words.aftermath.subjects.iter().any(|s| last.eq_ignore_ascii_case(s))
+}
+
+/// What stands in the clause before the word `start..end` is a noun phrase, and what follows makes it a verb: "and two
+/// potatoes rolled out of her basket".
+fn is_new_subject(clause: &str, start: usize, end: usize, words: &LabelWords) -> bool {
+    const LONGEST: usize = 7;
+    let lists = &words.aftermath.new_subject;
+    let has = |list: &[String], word: &str| list.iter().any(|w| w.eq_ignore_ascii_case(word));
+    let of = |part| str::split(part, |c: char| !c.is_ascii_alphanumeric()).filter(|w: &&str| !w.is_empty());
+    let before: Vec<&str> = of(&clause[..start]).skip_while(|w| has(&words.clauses.joint, w)).collect();
+    let ([first, rest @ ..], Some(last)) = (before.as_slice(), before.last()) else { return false };
+    let is_noun = !has(&lists.own, last) && !last.ends_with("ly");
+    (2..=LONGEST).contains(&before.len())
+        && has(&lists.begins, first)
+        && !rest.iter().any(|w| has(&lists.breaks, w) || (w.len() > 5 && w.ends_with("ing")))
+        && is_noun
+        && of(&clause[end..]).next().is_none_or(|w| has(&lists.behind, w) || w.ends_with("ly"))
 }

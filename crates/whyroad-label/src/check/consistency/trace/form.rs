@@ -7,7 +7,7 @@ use whyroad_framework::lexicon::Limits;
 pub(in crate::check) struct Form {
     /// In Chinese characters; a Latin word counts as several (lexicon file, `limits`).
     pub length: usize,
-    /// Numbers written in digits; `G6` and `SUV2` are names, not numbers.
+    /// Different numbers written in digits; `G6` and `SUV2` are names, not numbers.
     pub numbers: usize,
 }
 
@@ -20,15 +20,21 @@ fn is_ideograph(c: char) -> bool {
 pub(in crate::check) fn form(text: &str, limits: &Limits) -> Form {
     let mut out = Form::default();
     let (mut in_word, mut in_number) = (false, false);
-    for c in text.chars() {
+    let mut numbers: Vec<&str> = Vec::new();
+    for (at, c) in text.char_indices() {
         if is_ideograph(c) {
             (in_word, in_number) = (false, false);
             out.length += 1;
         } else if c.is_ascii_digit() {
             if !in_word && !in_number {
                 in_number = true;
-                out.numbers += 1;
                 out.length += 1;
+                let end =
+                    text[at..].find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len() - at);
+                let number = text[at..at + end].trim_end_matches('.');
+                if !numbers.contains(&number) {
+                    numbers.push(number);
+                }
             }
         } else if c.is_ascii_alphabetic() || (c < '\u{2E80}' && c.is_alphabetic()) {
             // `12.5m`: the unit belongs to its number.
@@ -42,5 +48,6 @@ pub(in crate::check) fn form(text: &str, limits: &Limits) -> Form {
             in_word &= matches!(c, '\'' | '’' | '-');
         }
     }
+    out.numbers = numbers.len();
     out
 }

@@ -12,6 +12,8 @@ pub(in crate::check) enum TraceVerdict {
     OtherDecision { label: &'static str, says: Vec<&'static str>, start: usize, end: usize },
     /// The trace says that the label's decision is not taken.
     Denied { label: &'static str, start: usize, end: usize },
+    /// What the trace says of the ego contradicts the label's decision, in words that name no decision.
+    Against { label: &'static str, start: usize, end: usize },
     /// The trace goes to the other side.
     OtherSide { label: LateralDirection, says: LateralDirection, start: usize, end: usize },
     /// The trace decides for something in a channel that the label leaves null.

@@ -46,6 +46,8 @@ pub(in crate::check) struct Reading {
     pub marked: bool,
     /// One past the last byte that was read: final punctuation is left out.
     pub end: usize,
+    /// It names the ego.
+    pub names_ego: bool,
     /// Bytes of the first decision identifier.
     pub decision_id: Option<(usize, usize)>,
 }
@@ -177,17 +179,19 @@ impl Reader<'_> {
                 let limits = &self.lexicon.limits;
                 let reach = if adjacent { limits.adjacent_reach } else { limits.negation_reach };
                 let last = self.out.mentions.last();
-                if !adjacent
-                    && last.is_some_and(|m| {
-                        m.clause == self.clause && hit.start - m.end <= limits.adjacent_reach
-                    })
-                {
+                // "Braking is surely too late", in Chinese without a word between the two.
+                let is_latin = self.text[hit.start..].starts_with(|c: char| c.is_ascii());
+                let behind = if is_latin { limits.adjacent_reach } else { limits.behind_reach };
+                if !adjacent && last.is_some_and(|m| m.clause == self.clause && hit.start - m.end <= behind) {
                     self.back_negation = Some(self.out.mentions.len() - 1);
                 }
                 self.negation = Some(Negation { end: hit.end, reach, used: false });
             }
             Role::NegationEnd => self.negation = None,
-            Role::Ego => self.actor = Actor::Ego,
+            Role::Ego => {
+                self.actor = Actor::Ego;
+                self.out.names_ego = true;
+            }
             Role::Agent => match (self.governs, self.actor) {
                 (true, Actor::Unknown) => self.actor = Actor::Object,
                 (true, _) => {}
@@ -199,6 +203,8 @@ impl Reader<'_> {
             Role::DecisionId => {
                 self.out.decision_id.get_or_insert((hit.start, hit.end));
             }
+            // Whoever is named next does what follows.
+            Role::Permits => self.actor = Actor::Other,
             Role::ObjectOf | Role::Neutral => {}
         }
         if hit.role != Role::Neutral {

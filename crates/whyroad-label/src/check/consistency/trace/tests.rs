@@ -25,8 +25,9 @@ fn verdicts(lexicon: &Lexicon, decision: &str, text: &str) -> String {
                 format!("other {label}: {}", &text[start..end])
             }
             TraceVerdict::Denied { label, .. } => format!("denied {label}"),
+            TraceVerdict::Against { label, .. } => format!("against {label}"),
             TraceVerdict::OtherSide { says, .. } => format!("side {says}"),
-            TraceVerdict::Unlabelled { says, .. } => format!("unlabelled {says}"),
+            TraceVerdict::Unlabelled { says, .. } => format!("unlabeled {says}"),
             TraceVerdict::NotStated { .. } => "none".to_owned(),
         });
     });
@@ -87,7 +88,7 @@ const SENTENCES: &[(&str, &str, &str)] = &[
     ("lead_following/lane_change/right", "左侧有空档，因此考虑后认为变道不安全。", "ok"),
     ("lead_following/lane_change/right", "右侧货车并行，因此变道不可行，继续跟车。", "denied lane_change"),
     ("-/turn/left", "对向无车，无保护左转条件满足，因此左转通过路口。", "ok"),
-    // Other agents' manoeuvres.
+    // Other agents' maneuvers.
     ("yield_to_agent/lane_keeping", "左侧车辆打转向灯，变道切入本车道，自车减速让行。", "ok"),
     ("yield_to_agent/lane_keeping", "前车变道离开后露出静止障碍，因此减速让行。", "ok"),
     ("lead_following/lane_keeping", "因此前车变道离开，自车继续跟车行驶。", "ok"),
@@ -131,7 +132,7 @@ const SENTENCES: &[(&str, &str, &str)] = &[
     ),
     ("-/turn/left", "导航提示直行，因此向右变道。", "other turn: 向右变道"),
     ("stop_for_regulation/-", "前方绿灯，因此保持车速通过路口。", "other stop_for_regulation: 保持车速"),
-    ("set_speed_tracking/-", "前方无车，因此靠边停车。", "unlabelled pull_over"),
+    ("set_speed_tracking/-", "前方无车，因此靠边停车。", "unlabeled pull_over"),
     // Sides.
     ("-/lane_change/left", "前方货车缓慢，右侧空闲，因此向右变道。", "side right"),
     ("-/lane_change/right", "左侧车道有车，右侧空闲，因此变道至右侧车道。", "ok"),
@@ -139,7 +140,7 @@ const SENTENCES: &[(&str, &str, &str)] = &[
     ("-/in_lane_nudge/right", "左侧大车压线，因此在车道内向右偏移，避让左侧大车。", "ok"),
     ("-/in_lane_nudge/left", "左侧大车压线，因此在车道内向右偏移。", "side right"),
     // Null channels.
-    ("yield_to_agent/-", "行人横穿，因此向左变道并减速让行。", "unlabelled lane_change"),
+    ("yield_to_agent/-", "行人横穿，因此向左变道并减速让行。", "unlabeled lane_change"),
     ("-/lane_keeping", "道路通畅，因此沿车道匀速行驶。", "ok"),
     // No decision.
     ("yield_to_agent/-", "前方有行人，右侧有货车，道路湿滑，能见度较低。", "none"),
@@ -342,12 +343,12 @@ const SENTENCES: &[(&str, &str, &str)] = &[
     (
         "yield_to_agent/-",
         "对向车辆较远，路口空闲，因此无需让行，直接左转通过。",
-        "denied yield_to_agent; unlabelled turn",
+        "denied yield_to_agent; unlabeled turn",
     ),
     (
         "lead_following/-",
         "前车已停稳且打双闪，判断为故障车，因此不再跟车，向左变道绕行。",
-        "denied lead_following; unlabelled lane_change",
+        "denied lead_following; unlabeled lane_change",
     ),
     (
         "stop_for_regulation/-",

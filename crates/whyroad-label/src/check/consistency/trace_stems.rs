@@ -1,0 +1,113 @@
+//! What a trace decides in words that no phrase holds: by their stems it may still state the label's decision, deny it,
+//! or say of the ego what contradicts it. Asked only where no phrase states the decision.
+
+use crate::check::consistency::trace::{Force, Reading};
+use crate::check::reading::Named;
+use crate::check::texts::Texts;
+use whyroad_framework::LabelWords;
+use whyroad_framework::label_words::Divider;
+use whyroad_framework::lexicon::{Lexicon, Role};
+use whyroad_model::decision::{Lateral, Longitudinal};
+
+/// Clauses that are read.
+const MOST_CLAUSES: usize = 24;
+
+/// What the words that decide say of the label's decision.
+pub(super) enum ByStem {
+    /// They state it.
+    Stated,
+    /// They deny it: bytes of the trace.
+    Denied(usize, usize),
+    /// They say something that contradicts it.
+    Against(usize, usize),
+    /// Nothing that is understood.
+    Unread,
+}
+
+/// Reads the clauses in which the trace decides, for these decisions of the label.
+pub(super) fn read(
+    text: &str,
+    reading: &Reading,
+    lexicon: &Lexicon,
+    (along, across): (Option<Longitudinal>, Option<Lateral>),
+    texts: &Texts,
+    words: &LabelWords,
+) -> ByStem {
+    // To keep speed or lane is nothing that "does not" would deny.
+    let changes = along.filter(|d| *d != Longitudinal::SetSpeedTracking);
+    let moves = across.filter(|d| *d != Lateral::LaneKeeping);
+    let end = reading.end.min(text.len());
+    let begin = reading.decision_from.min(end);
+    let begin = begin + text[begin..end].find(char::is_alphanumeric).unwrap_or(0);
+    let kinds = [Divider::Sentence, Divider::Clause, Divider::Item, Divider::Aside];
+    let ends = words.clauses.ends(&texts.units, &kinds, end).filter(|to| *to > begin && *to <= end);
+    let (mut found, mut is_ego, mut from) = (ByStem::Unread, false, begin);
+    for to in ends.take(MOST_CLAUSES) {
+        let Some(clause) = text.get(from..to) else { break };
+        let (ego, other, hidden) = subjects(lexicon, texts, words, from, to);
+        let clause = without(clause, from, &hidden);
+        // Behind "therefore" whoever is named is the object.
+        let marked = reading.marked && from == begin;
+        let can_act = |n: &&Named| words.objects[n.group].named && (from..to).contains(&n.start);
+        let named = texts.trace.there().filter(can_act).map(|n| n.start).min();
+        let acts = |at: usize| !marked && named.is_some_and(|n| n < from + at);
+        let stem = lexicon.stems.find(&clause, along, across);
+        let denied =
+            reading.mentions.iter().any(|m| (from..to).contains(&m.start) && m.force == Force::Negated);
+        if stem.is_some_and(|at| !acts(at)) && !denied {
+            return ByStem::Stated;
+        }
+        // The ego acts on until somebody else does.
+        let other = other.into_iter().chain(named).min();
+        is_ego = marked || (is_ego && other.is_none()) || ego.is_some();
+        let by_ego = |(at, _): &(usize, usize)| {
+            let at = from + at;
+            is_ego && (marked || ego.is_some_and(|e| e < at) || other.is_none_or(|o| at <= o))
+        };
+        if matches!(found, ByStem::Unread) {
+            if let Some((a, b)) = lexicon.stems.denied(&clause, changes, moves).filter(by_ego) {
+                found = ByStem::Denied(from + a, from + b);
+            } else if let Some((a, b)) = lexicon.stems.against(&clause, along, across).filter(by_ego) {
+                found = ByStem::Against(from + a, from + b);
+            }
+        }
+        from = to;
+    }
+    found
+}
+
+/// Where a part of the trace first names the ego, and where somebody else; and what in it is the name of something:
+/// "the stop line" says no stop.
+fn subjects(
+    lexicon: &Lexicon,
+    texts: &Texts,
+    words: &LabelWords,
+    from: usize,
+    to: usize,
+) -> (Option<usize>, Option<usize>, Vec<(usize, usize)>) {
+    let (mut ego, mut other, mut hidden) = (None, None, Vec::new());
+    lexicon.hits(&texts.units, from..to, |hit| match hit.role {
+        // "So the ego" is one word.
+        Role::Ego | Role::DecisionMarker => drop(ego.get_or_insert(hit.start)),
+        Role::Agent => drop(other.get_or_insert(hit.start)),
+        Role::Neutral => hidden.push((hit.start, hit.end)),
+        _ => {}
+    });
+    let things = texts.trace.named.iter().filter(|n| (from..to).contains(&n.start));
+    let is_sign = |n: &&Named| words.objects[n.group].own.meets(words.known.sign);
+    hidden.extend(things.filter(is_sign).filter(|n| n.end <= to).map(|n| (n.start, n.end)));
+    (ego, other, hidden)
+}
+
+/// `clause`, which starts at `from`, with spaces for what is hidden.
+fn without(clause: &str, from: usize, hidden: &[(usize, usize)]) -> String {
+    let is_hidden = |at: usize| hidden.iter().any(|(a, b)| (*a..*b).contains(&(from + at)));
+    let mut out = String::with_capacity(clause.len());
+    for (at, c) in clause.char_indices() {
+        match is_hidden(at) {
+            true => out.extend(std::iter::repeat_n(' ', c.len_utf8())),
+            false => out.push(c),
+        }
+    }
+    out
+}

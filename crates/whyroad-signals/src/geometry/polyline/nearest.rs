@@ -1,0 +1,239 @@
+//! The point of a polyline that is nearest to a place. Segments are compared to within rounding first, without
+//! division, block by block; only those that can be the nearest are worked out exactly, so that the result is that of
+//! asking every segment.
+
+use crate::geometry::P2;
+use std::ops::Range;
+
+/// Number of segments per block.
+pub(super) const BLOCK: usize = 16;
+
+/// Up to this number of segments are looked at together.
+const MOST: usize = 2 * BLOCK;
+
+/// Some segments of a polyline, one after another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    pub(super) first: usize,
+    pub(super) end: usize,
+}
+
+/// Where a point lies along and beside a polyline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection {
+    /// Arc length of the foot point, m; negative before the start, beyond the length after the end.
+    pub s: f64,
+    /// Signed distance, left positive, m.
+    pub lateral: f64,
+    /// The segment used.
+    pub segment: usize,
+}
+
+/// The segments as the search reads them: their coordinates side by side, so that several are compared at once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Segments {
+    /// Circles around each [`BLOCK`] of them.
+    pub blocks: Vec<Block>,
+    /// Arc length at each point.
+    s: Vec<f64>,
+    /// Where each begins.
+    from_x: Vec<f64>,
+    from_y: Vec<f64>,
+    /// From its first point to its second.
+    along_x: Vec<f64>,
+    along_y: Vec<f64>,
+    /// One divided by its squared length.
+    inverse: Vec<f64>,
+}
+
+impl Segments {
+    /// Between these points with these arc lengths.
+    pub fn new(points: &[P2], s: &[f64]) -> Self {
+        let last = points.len() - 1;
+        let blocks = (0..last).step_by(BLOCK).map(|i| Block::around(&points[i..=(i + BLOCK).min(last)]));
+        let mut out = Self { blocks: blocks.collect(), s: s.to_vec(), ..Self::default() };
+        for (ends, s) in points.windows(2).zip(s.windows(2)) {
+            let (along, length) = (ends[1] - ends[0], s[1] - s[0]);
+            out.from_x.push(ends[0].x);
+            out.from_y.push(ends[0].y);
+            out.along_x.push(along.x);
+            out.along_y.push(along.y);
+            out.inverse.push(1.0 / (length * length));
+        }
+        out
+    }
+
+    /// Squared distances of `p` from these segments, to within rounding, without division. The first segment goes on
+    /// straight before its beginning, the last one beyond its end.
+    fn about(&self, p: P2, range: Range<usize>, about: &mut [f64]) {
+        let from = self.from_x[range.clone()].iter().zip(&self.from_y[range.clone()]);
+        let along = self.along_x[range.clone()].iter().zip(&self.along_y[range.clone()]);
+        let segments = from.zip(along).zip(&self.inverse[range.clone()]);
+        for (about, ((from, along), inverse)) in about.iter_mut().zip(segments) {
+            *about = squared((p.x - from.0, p.y - from.1), along, *inverse, 0.0, 1.0);
+        }
+        let last = self.inverse.len() - 1;
+        for i in [0, last] {
+            if range.contains(&i) {
+                let (low, high) = (
+                    if i == 0 { f64::NEG_INFINITY } else { 0.0 },
+                    if i == last { f64::INFINITY } else { 1.0 },
+                );
+                let to = (p.x - self.from_x[i], p.y - self.from_y[i]);
+                let along = (&self.along_x[i], &self.along_y[i]);
+                about[i - range.start] = squared(to, along, self.inverse[i], low, high);
+            }
+        }
+    }
+}
+
+/// Squared distance, to within rounding, of a place `to` from the beginning of a segment; its foot point is at a share
+/// of the segment between `low` and `high`.
+fn squared(to: (f64, f64), along: (&f64, &f64), inverse: f64, low: f64, high: f64) -> f64 {
+    let share = (to.0 * along.0 + to.1 * along.1) * inverse;
+    let share = if share < low { low } else { share };
+    let share = if share > high { high } else { share };
+    let away = (to.0 - along.0 * share, to.1 - along.1 * share);
+    away.0 * away.0 + away.1 * away.1
+}
+
+/// A circle around some segments: who is farther from it than from a segment elsewhere need not look at these.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    pub centre: P2,
+    pub radius: f64,
+}
+
+impl Block {
+    pub fn around(points: &[P2]) -> Self {
+        let (first, last) = (points[0], points[points.len() - 1]);
+        let centre = (first + last) * 0.5;
+        let radius = points.iter().map(|p| (*p - centre).norm()).fold(0.0, f64::max);
+        Self { centre, radius }
+    }
+
+    /// Squared distance of `p` from its center.
+    fn away2(&self, p: P2) -> f64 {
+        let away = p - self.centre;
+        away.dot(away)
+    }
+
+    /// True when a segment of it can be as near to `p` as `distance`. Sometimes true where it is not: the foot points
+    /// are rounded too, and one that is left out must not have been the nearest.
+    fn may_be_within(&self, p: P2, distance: f64) -> bool {
+        let reach = (self.radius + distance) * (1.0 + 1e-8) + 1e-5;
+        self.away2(p) <= reach * reach
+    }
+}
+
+/// The nearest foot point of a place among some segments, with what the search for the next one can begin with.
+#[derive(Clone, Copy, Debug)]
+pub struct Foot {
+    /// Where it is.
+    pub at: Projection,
+    d2: f64,
+    window: Window,
+}
+
+impl Foot {
+    fn none(window: Window) -> Self {
+        Self { d2: f64::INFINITY, at: Projection { s: 0.0, lateral: 0.0, segment: window.first }, window }
+    }
+}
+
+impl Segments {
+    /// Nearest foot point of `p` among these segments; the search begins near `before`, the foot point of a place that
+    /// was near. The result does not depend on it.
+    pub fn foot(&self, p: P2, window: Window, before: Option<&Foot>) -> Foot {
+        let Window { first, end } = window;
+        let mut best = Foot::none(window);
+        if end - first <= MOST {
+            self.look(p, first..end, &mut best);
+            return best;
+        }
+        // The block that is nearest first: with what is found there, most of the others need no look.
+        let blocks = first / BLOCK..end.div_ceil(BLOCK);
+        let segments = |b: usize| (b * BLOCK).max(first)..((b + 1) * BLOCK).min(end);
+        let begin = before.map(|foot| foot.at.segment / BLOCK).filter(|b| blocks.contains(b));
+        let begin = begin.unwrap_or_else(|| {
+            let mut nearest = (f64::INFINITY, blocks.start);
+            for b in blocks.clone() {
+                let away2 = self.blocks[b].away2(p);
+                if away2 < nearest.0 {
+                    nearest = (away2, b);
+                }
+            }
+            nearest.1
+        });
+        self.look(p, segments(begin), &mut best);
+        // The ends go on beyond their blocks.
+        let open = |b: usize| b == 0 || b + 1 == self.blocks.len();
+        for b in blocks.filter(|b| *b != begin) {
+            if open(b) || self.blocks[b].may_be_within(p, best.d2.sqrt()) {
+                self.look(p, segments(b), &mut best);
+            }
+        }
+        best
+    }
+
+    /// [`Segments::foot`] of the place `p` whose foot point was `before`, now among other segments: only those are
+    /// looked at that were not among the ones before.
+    pub fn foot_again(&self, p: P2, window: Window, before: &Foot) -> Foot {
+        let (Window { first, end }, known) = (window, before.window);
+        if before.d2.is_infinite() || !(first..end).contains(&before.at.segment) {
+            return self.foot(p, window, Some(before));
+        }
+        let mut best = Foot { window, ..*before };
+        for new in [first..known.first.max(first), known.end.min(end)..end] {
+            for start in new.clone().step_by(MOST) {
+                self.look(p, start..(start + MOST).min(new.end), &mut best);
+            }
+        }
+        best
+    }
+
+    /// Looks for a nearer foot point on these segments, at most [`MOST`]; of equally near ones the first on the line is
+    /// taken.
+    fn look(&self, p: P2, segments: Range<usize>, best: &mut Foot) {
+        let n = self.inverse.len();
+        // Without division, to within rounding: which segments can be the nearest.
+        let mut about = [f64::INFINITY; MOST];
+        self.about(p, segments.clone(), &mut about);
+        let least = least_of(&about).min(best.d2);
+        let enough = least * (1.0 + 1e-9) + 1e-8;
+        for (i, _) in segments.zip(&about).filter(|(_, about)| **about <= enough) {
+            let a = P2 { x: self.from_x[i], y: self.from_y[i] };
+            let ab = P2 { x: self.along_x[i], y: self.along_y[i] };
+            let length = self.s[i + 1] - self.s[i];
+            let mut along = (p - a).dot(ab) / length;
+            // The first and last segment go on straight; between them the foot stays on the segment.
+            if i > 0 {
+                along = along.max(0.0);
+            }
+            if i + 1 < n {
+                along = along.min(length);
+            }
+            let foot = a + ab * (along / length);
+            let away = p - foot;
+            let d2 = away.dot(away);
+            if d2 < best.d2 || (d2 == best.d2 && i < best.at.segment) {
+                let side = if ab.cross(p - a) >= 0.0 { 1.0 } else { -1.0 };
+                best.at = Projection { s: self.s[i] + along, lateral: side * d2.sqrt(), segment: i };
+                best.d2 = d2;
+            }
+        }
+    }
+}
+
+fn least_of(values: &[f64; MOST]) -> f64 {
+    // Four by four: none waits for the one before it.
+    let mut least = [f64::INFINITY; 4];
+    for four in values.chunks_exact(4) {
+        for (least, value) in least.iter_mut().zip(four) {
+            if *value < *least {
+                *least = *value;
+            }
+        }
+    }
+    least.into_iter().fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,160 @@
+//! Where a box is along and beside the ego's path and the ego's lane. What stands is where it was in the row before:
+//! then only those stretches of the lines are looked at that the ego has come near since, and what follows from the
+//! same foot point is not worked out again. The result is that of looking at all of it.
+
+use crate::geometry::{Foot, OrientedBox, P2, Polyline, Projection, Window};
+use crate::road::corridor::Corridor;
+use crate::road::ego_lane::{EgoLane, lateral_extent};
+use crate::road::path::DrivenPath;
+
+/// A place beside a line: signed distances, left positive, m.
+#[derive(Clone, Copy, Debug)]
+pub struct Beside {
+    /// Of the center.
+    pub lateral: f64,
+    /// Of the rightmost corner.
+    pub low: f64,
+    /// Of the leftmost corner.
+    pub high: f64,
+    /// Direction of the line there, rad.
+    pub heading: f64,
+}
+
+/// A box beside the ego's lines.
+pub struct OnLines<'a> {
+    footprint: OrientedBox,
+    /// Foot point of its center on the path.
+    pub foot: Foot,
+    /// First and last arc length of the box along the path, m, and its place beside it.
+    pub extents: (f64, f64, Beside),
+    /// Beside the ego's lane; `None` while it has none.
+    pub lane: Option<OnLane<'a>>,
+}
+
+/// A box beside the ego's lane.
+pub struct OnLane<'a> {
+    corridor: &'a Corridor,
+    /// Foot point of its center on the lane's line.
+    pub foot: Foot,
+    /// Its place, and the distances from the lane's line to the left and right edge there, m.
+    pub beside: (Beside, f64, f64),
+}
+
+/// The foot point of `place`; `before` is that of a place that was asked about before.
+fn foot_of(line: &Polyline, place: P2, window: Window, before: Option<(P2, &Foot)>) -> Foot {
+    match before {
+        Some((same, foot)) if same.has_bits_of(place) => line.foot_again(place, window, foot),
+        before => line.foot(place, window, before.map(|(_, foot)| foot)),
+    }
+}
+
+/// Where on the path a part of a footprint can be whose center is there.
+pub fn around_foot(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> Window {
+    let reach = footprint.radius() + 3.0;
+    path.line.window(at.s - reach, at.s + reach)
+}
+
+/// Extents of a footprint along and beside the path around its foot point: first and last arc length, and place.
+pub fn extents(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> (f64, f64, Beside) {
+    let heading = path.heading_at(at.s);
+    let mut beside = Beside { lateral: at.lateral, low: at.lateral, high: at.lateral, heading };
+    let (mut near, mut far) = (at.s, at.s);
+    let window = around_foot(path, footprint, at);
+    for corner in footprint.corners() {
+        let on = path.line.project_within(corner, window);
+        (near, far) = (near.min(on.s), far.max(on.s));
+        (beside.low, beside.high) = (beside.low.min(on.lateral), beside.high.max(on.lateral));
+    }
+    (near, far, beside)
+}
+
+impl<'a> OnLines<'a> {
+    /// Where a box is in `frame`; the flag says whether it has a direction and an extent. `before` is what was found
+    /// for the same object in another frame.
+    pub fn new(
+        path: &DrivenPath,
+        lanes: Option<&'a EgoLane>,
+        (footprint, sized): (OrientedBox, bool),
+        frame: usize,
+        before: Option<&OnLines<'a>>,
+    ) -> Self {
+        let centre = footprint.centre;
+        let same = before.filter(|b| b.footprint.has_bits_of(&footprint));
+        let window = path.window_near(path.ego_s[frame]);
+        let foot = foot_of(&path.line, centre, window, before.map(|b| (b.footprint.centre, &b.foot)));
+        let extents = match same.filter(|b| b.foot.at == foot.at) {
+            Some(before) => before.extents,
+            None if sized => extents(path, &footprint, &foot.at),
+            None => {
+                let (s, lateral) = (foot.at.s, foot.at.lateral);
+                let heading = path.heading_at(s);
+                (s, s, Beside { lateral, low: lateral, high: lateral, heading })
+            }
+        };
+        let lane = lanes.and_then(|l| l.at(frame)).map(|on| {
+            let last = before.and_then(|b| Some((b, b.lane.as_ref()?)));
+            let last = last.filter(|(_, lane)| std::ptr::eq(lane.corridor, on.corridor));
+            let line = &on.corridor.line;
+            let window = line.window(on.s - 105.0, on.s + 155.0);
+            let foot = foot_of(line, centre, window, last.map(|(b, lane)| (b.footprint.centre, &lane.foot)));
+            let known = last.filter(|(_, lane)| same.is_some() && lane.foot.at == foot.at);
+            let beside = known.map(|(_, lane)| lane.beside);
+            let beside = beside.unwrap_or_else(|| beside_lane(on.corridor, &footprint, sized, &foot));
+            OnLane { corridor: on.corridor, foot, beside }
+        });
+        OnLines { footprint, foot, extents, lane }
+    }
+}
+
+fn beside_lane(corridor: &Corridor, footprint: &OrientedBox, sized: bool, foot: &Foot) -> (Beside, f64, f64) {
+    let (s, lateral) = (foot.at.s, foot.at.lateral);
+    let (low, high) = if sized { lateral_extent(corridor, footprint, s) } else { (lateral, lateral) };
+    let heading = corridor.line.smooth_heading_at(s, 2.0);
+    let (left, right) = corridor.widths_at(s);
+    (Beside { lateral, low, high, heading }, left, right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ego::motion::EgoMotion;
+    use crate::geometry::p2;
+    use whyroad_model::scene::{Ego, Motion};
+
+    #[test]
+    fn what_is_remembered_changes_nothing() {
+        // The ego drives round two loops, at 8 m/s, and stands in between.
+        let n = 300;
+        let times: Vec<f64> = (0..n).map(|i| f64::from(i) * 0.1).collect();
+        let turned: Vec<f64> = (0..n).map(|i| 0.04 * f64::from(i.min(120) + (i - 180).max(0))).collect();
+        let motion = Motion {
+            x: turned.iter().map(|a| 20.0 * a.sin()).collect(),
+            y: turned.iter().map(|a| 20.0 - 20.0 * a.cos() + 0.5 * a).collect(),
+            heading: turned.clone(),
+            ..Motion::unknown(n as usize)
+        };
+        let ego = Ego { motion, length_m: 4.7, width_m: 1.9, ..Ego::default() };
+        let ego = EgoMotion::new(&ego, &times);
+        let path = DrivenPath::new(&ego, &times, None, None).unwrap();
+        for k in 0..40_i32 {
+            // Stands, turns where it stands, drives off, loses its size.
+            let (x, y) = (f64::from(k % 8) * 9.0 - 30.0, f64::from(k / 8) * 12.0 - 10.0);
+            let mut before: Option<OnLines<'_>> = None;
+            for frame in 0..n {
+                let away = 0.7 * f64::from((frame - 200).max(0));
+                let heading = f64::from(k) + 0.01 * f64::from((frame - 100).clamp(0, 30));
+                let length = if frame == 250 { f64::NAN } else { 4.0 };
+                let footprint = OrientedBox::new(p2(x + away, y), heading, length, 2.0);
+                let all = |before| {
+                    let found =
+                        OnLines::new(&path, None, (footprint, length.is_finite()), frame as usize, before);
+                    (format!("{:?} {:?}", found.foot.at, found.extents), found)
+                };
+                let (expected, _) = all(None);
+                let (remembered, found) = all(before.as_ref());
+                assert_eq!(remembered, expected, "{k} {frame}");
+                before = Some(found);
+            }
+        }
+    }
+}
