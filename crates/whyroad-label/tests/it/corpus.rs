@@ -155,7 +155,7 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
 /// must not get worse.
 #[test]
 fn labels_that_were_unseen_stay_found() {
-    let [first, second, third, fourth, fifth, sixth] = unseen();
+    let [first, second, third, fourth, fifth, sixth, seventh] = unseen();
     // Of the third set the bases with an even number were improved on, the others were run once, at the end.
     let half = |odd: usize| -> Vec<(&'static str, Vec<Base>)> {
         third.iter().map(|(l, all)| (*l, all.iter().skip(odd).step_by(2).cloned().collect())).collect()
@@ -168,6 +168,7 @@ fn labels_that_were_unseen_stay_found() {
         ("fourth set", fourth, (160, 90), (FOUND, FALSE_ALARMS)),
         ("fifth set", fifth, (55, 48), FIFTH),
         ("sixth set", sixth, (80, 80), SIXTH),
+        ("seventh set", seventh, (100, 100), (0.0, 1.0)),
     ];
     let mut worse = Vec::new();
     for (name, bases, least, (found_of, flagged_of)) in &sets {
