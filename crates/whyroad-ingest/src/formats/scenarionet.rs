@@ -29,7 +29,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, LightState};
 use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 /// Nothing is interpolated over more than this, s: two steps of the slowest sets (2 Hz) with room for jitter.
 const MAX_GAP_S: f64 = 0.6;
 /// Bytes of a pickle that are searched for the parts of a scenario.
@@ -71,6 +71,9 @@ impl Adapter for ScenarioNet {
         drives.put(read(&source.path, options));
     }
 }
+
+/// The data set whose poses have no heights: `ego_pose` of nuScenes is localized in a plane, z is 0 by definition.
+const IN_ONE_PLANE: &str = "nuscenes";
 
 /// Scenario files at or below `path`, sorted: `sd_*.pkl`, and with a database's `dataset_summary.pkl` beside or above
 /// them every pickle; a file that is named itself, whatever its name.
@@ -147,6 +150,11 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
     if read.key_frames.is_some() {
         report.diagnostics.push(findings::key_frames(&label, key_step_s));
     }
+    let text = |key: &str| metadata.and_then(|m| m.get(key)).and_then(|v| v.id());
+    let in_one_plane = text("dataset").as_deref() == Some(IN_ONE_PLANE);
+    if in_one_plane {
+        read.forget_heights();
+    }
     let max_gap_s = MAX_GAP_S.max(1.2 * key_step_s);
     read.finish(&frames.seconds, max_gap_s);
     report.diagnostics.extend(findings::of_tracks(&label, &read));
@@ -163,7 +171,10 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
     });
 
     let (lights, stops) = lights(root, &times, start);
-    let map = root.get("map_features").and_then(|f| map::read(f, &stops)).map(|built| {
+    let map = root.get("map_features").and_then(|f| map::read(f, &stops)).map(|mut built| {
+        if in_one_plane {
+            map::forget_heights(&mut built.map);
+        }
         report
             .diagnostics
             .extend(built.invalid_example.as_ref().map(|e| findings::map(&label, &built.count, e)));
@@ -178,7 +189,6 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
         (true, Need::WeatherAndSurface),
         (true, Need::CameraPictures),
     ]);
-    let text = |key: &str| metadata.and_then(|m| m.get(key)).and_then(|v| v.id());
     let name = file_label(path);
     let mut hash = ContentHash::new("scenarionet", REVISION);
     hash.add("start", &options.start().0.to_le_bytes());

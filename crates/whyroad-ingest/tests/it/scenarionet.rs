@@ -83,6 +83,27 @@ fn ego_and_objects_are_where_the_script_puts_them() {
     );
 }
 
+/// nuScenes is localized in a plane: https://www.nuscenes.org/nuscenes, schema of `ego_pose`: "the z-coordinate is always
+/// 0"; the boxes' heights are relative to that.
+#[test]
+fn a_set_localized_in_a_plane_has_no_heights() {
+    let (waymo, _) = read("p2");
+    assert!(waymo.ego.unwrap().motion.z.iter().all(|z| z.is_finite()));
+    let bytes = std::fs::read(fixtures().join("sd_byhand_p2.pkl")).unwrap();
+    // A string of protocol 2: X, its length in four bytes, the text.
+    let (from, to) = (b"X\x05\0\0\0waymo", b"X\x08\0\0\0nuscenes");
+    let at = bytes.windows(from.len()).position(|w| w == from).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("sd_x.pkl");
+    std::fs::write(&file, [&bytes[..at], to, &bytes[at + from.len()..]].concat()).unwrap();
+    let drive = scenarionet::read(&file, &Options::default()).0.unwrap();
+    assert_eq!(drive.meta.source, "nuscenes");
+    let tracks = drive.tracks.iter().flat_map(|t| &t.motion.z);
+    assert!(tracks.chain(&drive.ego.unwrap().motion.z).all(|z| z.is_nan()));
+    let lanes = drive.map.unwrap().lanes;
+    assert!(lanes.iter().flat_map(|l| l.centre.iter().chain(&l.left)).all(|p| p.z.is_nan()));
+}
+
 #[test]
 fn lanes_get_their_edges_from_the_lines_they_name() {
     let (drive, _) = read("p4");

@@ -23,6 +23,8 @@ const MOST_SAMPLES: usize = 40_000;
 const MEDIAN_OF_SQUARE: f64 = 0.454_936;
 /// Variance of a difference of third order of white noise of variance 1.
 const OF_WHITE_THIRD: f64 = 20.0;
+/// Of two such neighbors, the covariance with its sign turned.
+const OF_WHITE_THIRD_NEXT: f64 = 15.0;
 /// Steps further apart than this are no neighbors, s.
 const MAX_STEP_S: f64 = 1.1;
 
@@ -145,6 +147,24 @@ pub fn residuals(rows: Rows<'_>) -> (f64, f64) {
     (squares.iter().sum::<f64>() / OF_WHITE_THIRD, 0.5 * squares.len() as f64)
 }
 
+/// The variance, m2, by which one object's positions alternate about smooth motion, and the number of pairs that say so.
+/// Of independent noise neighboring differences of third order are opposed (covariance -15 of 20); of motion they are
+/// not, however hard it brakes, as long as that lasts for two rows. Zero and less: nothing alternates.
+pub fn alternation(rows: Rows<'_>) -> (f64, usize) {
+    let step = median_step(std::iter::once(rows));
+    let ascending = rows.times.windows(5).enumerate();
+    let even = ascending.filter(|(_, w)| (w[4] - w[0] - 4.0 * step).abs() <= 0.2 * step);
+    let (mut sum, mut pairs) = (0.0, 0_u32);
+    for (i, _) in even {
+        for v in [rows.x, rows.y] {
+            let third = |k: usize| v[k + 3] - 3.0 * v[k + 2] + 3.0 * v[k + 1] - v[k];
+            sum += third(i) * third(i + 1);
+        }
+        pairs += 1;
+    }
+    (-sum / OF_WHITE_THIRD_NEXT / f64::from(pairs.max(1)), pairs as usize)
+}
+
 /// True when a velocity is stated, and not only a speed.
 fn stated<'a>(mut objects: impl Iterator<Item = Rows<'a>>) -> bool {
     objects.any(|rows| rows.vx.iter().any(|v| v.is_finite()))
@@ -258,5 +278,23 @@ mod tests {
         let mut jumps = steady;
         jumps[4] += 1.2;
         assert!(residual(&jumps) > 0.3, "{}", residual(&jumps));
+    }
+
+    #[test]
+    fn what_alternates_is_noise_and_what_brakes_is_not() {
+        let of = |x: &[f64]| {
+            let times: Vec<f64> = (0..x.len()).map(|i| i as f64 / 2.0).collect();
+            let y = vec![0.0; x.len()];
+            alternation(Rows { times: &times, x, y: &y, ..Rows::default() })
+        };
+        // From 12 m/s with 8 m/s2 to a stop: differences -1, -1, 0, 1, 1, 0 m, whose neighbors agree: -(1 + 1) / 15 / 5.
+        let stop = [0.0, 6.0, 12.0, 17.0, 20.0, 21.0, 21.0, 21.0, 21.0];
+        assert!((of(&stop).0 + 2.0 / 75.0).abs() < 1e-9, "{}", of(&stop).0);
+        // 6 m a row, every second place 0.3 m off: differences of 1.2 m of alternating sign, 1.2^2 / 15.
+        let weaves: Vec<f64> =
+            (0..9).map(|i| 6.0 * f64::from(i) + if i % 2 == 0 { 0.3 } else { 0.0 }).collect();
+        let (variance, pairs) = of(&weaves);
+        assert!((variance - 1.44 / 15.0).abs() < 1e-9, "{variance}");
+        assert_eq!(pairs, 5);
     }
 }

@@ -3,7 +3,7 @@
 use crate::assemble::feature_map::{Boundary, Built, CentreLane, Feature, Neighbour, build, mean_width};
 use crate::encodings::pickle::Value;
 use std::collections::BTreeMap;
-use whyroad_model::road_map::{Lane, LaneKind, LaneMark, Point3};
+use whyroad_model::road_map::{Lane, LaneKind, LaneMark, Point3, RoadMap};
 
 const MPS_PER_KMH: f64 = 1.0 / 3.6;
 const MPS_PER_MPH: f64 = 0.44704;
@@ -18,6 +18,14 @@ pub(super) fn read(features: Value<'_>, stops: &BTreeMap<String, Point3>) -> Opt
         })
         .collect();
     (!all.is_empty()).then(|| build(all, stops))
+}
+
+/// Leaves the heights of all lanes open: the third column of nuScenes' polylines is a heading.
+pub(super) fn forget_heights(map: &mut RoadMap) {
+    for lane in &mut map.lanes {
+        let points = lane.centre.iter_mut().chain(&mut lane.left).chain(&mut lane.right);
+        points.for_each(|p| p.z = f64::NAN);
+    }
 }
 
 /// `None` for what is no part of a road's map here (buildings, ground).

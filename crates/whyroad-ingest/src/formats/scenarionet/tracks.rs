@@ -123,6 +123,14 @@ impl Tracks {
         Ok(sampled)
     }
 
+    /// Leaves all heights open: of a set whose poses lie in one plane, where a box's height says how far the road is off
+    /// that plane at the recording car, and nothing of the road.
+    pub fn forget_heights(&mut self) {
+        for object in self.objects.iter_mut().map(|(_, _, o)| o).chain(&mut self.ego) {
+            object.z.fill(f64::NAN);
+        }
+    }
+
     fn take_out_interpolated(&mut self, times: &[f64]) {
         self.key_frames = KeyFrames::find(self.objects.iter().map(|(_, _, o)| o), times);
         let Some(key_frames) = self.key_frames else { return };
