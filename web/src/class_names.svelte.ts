@@ -25,13 +25,18 @@ export function leafName(id: string): string {
   return name ? localized(name) : id;
 }
 
+const SEPARATOR = " › ";
+
 /** Names of the L1 and L2 of a leaf: `L1 › L2`; empty while they are unknown. */
 export function groupName(id: string): string {
   const parts = id.split(".").slice(0, -1);
   const leaves = loaded.now?.leaves;
   const names = parts.flatMap((_, n) => (leaves ? [className(leaves, parts.slice(0, n + 1).join("."))] : []));
-  return names.flatMap((name) => (name ? [localized(name)] : [])).join(" › ");
+  return names.flatMap((name) => (name ? [localized(name)] : [])).join(SEPARATOR);
 }
+
+/** Name of the L2 of a leaf, or of the L1 of an L2; empty while it is unknown. */
+export const parentName = (id: string): string => groupName(id).split(SEPARATOR).at(-1) ?? "";
 
 /** The localized name of a reason of the safety filter. */
 export function safetyReasonName(id: string): string {

@@ -121,6 +121,24 @@ impl LakeRecordings {
         whyroad_signals::derive(drive)
     }
 
+    /// Of [`LakeRecordings::signals`] those of `whyroad_signals::derive_places`.
+    pub fn places(&self, drive: &Drive) -> SignalTable {
+        whyroad_signals::derive_places(drive)
+    }
+
+    /// Signals of a whole drive of this lake, with its future: those that are stored of the drive's content, or derived
+    /// now.
+    pub fn whole_signals(&self, drive: &Drive) -> SignalTable {
+        self.stored_signals(drive).unwrap_or_else(|| whyroad_signals::derive(drive))
+    }
+
+    fn stored_signals(&self, drive: &Drive) -> Option<SignalTable> {
+        let file = self.lake.signals(&drive.meta.drive_id, whyroad_signals::VERSION).ok()??;
+        // The drive may have been replaced since it was read.
+        let same = file.contents().drives.first()?.content_hash == drive.meta.content_hash;
+        if same { file.read_table(0).ok() } else { None }
+    }
+
     /// The drive with complete motion; it may be cut at a keyframe, and nothing later has an influence then.
     pub fn estimated(&self, drive: &Arc<Drive>) -> Arc<Drive> {
         match whyroad_signals::estimate(drive) {

@@ -21,7 +21,7 @@ use whyroad_model::messages::{
     ScenarioLabel, Uncertainty,
 };
 use whyroad_model::time::frame_at;
-use whyroad_model::{Bilingual, Drive, Lang, ScenarioId, SignalTable};
+use whyroad_model::{Bilingual, Drive, Lang, Nanos, ScenarioId, SignalTable};
 
 /// A skeleton and what is to be said of it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -56,8 +56,7 @@ pub fn draft_with_seed(
     run: u64,
 ) -> Draft {
     let mut notes = Vec::new();
-    let keyframe =
-        frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1));
+    let keyframe = keyframe_of(drive, episode);
     let class = &episode.scenario_id;
     let spec = framework.specs.get(class);
     let typical = typical_decisions(&framework.taxonomy, class);
@@ -96,10 +95,7 @@ pub fn draft_with_seed(
     let records = spec
         .map(|s| records::known(signals, keyframe, episode.target_id.as_ref(), &s.records, &mut notes))
         .unwrap_or_default();
-    let mut components = components;
-    if let Some(seen) = trace::seen(framework, class, &components, lang) {
-        components.insert(0, seen);
-    }
+    let mut components = with_cause(framework, class, components, lang);
     let facts = trace::DraftFacts { framework, class, components: &components, decision: &decision, lang };
     let coc_trace = trace::trace(&facts, signals, keyframe, trace::seed(&episode.episode_id, run));
     notes.push(Bilingual::new(
@@ -108,10 +104,7 @@ pub fn draft_with_seed(
     ));
     let (time_range, moment) = clip::inside(drive, episode, &mut notes);
     let id = &episode.scenario_id;
-    for (i, c) in components.iter_mut().enumerate() {
-        c.id = Some(format!("c{}", i + 1));
-        c.evidence_times = vec![moment.timestamp];
-    }
+    number(&mut components, moment.timestamp);
     let causes = causes(&decision, &components);
     let label = CocLabel {
         version: Some(whyroad_model::FORMAT_VERSION.to_owned()),
@@ -141,6 +134,52 @@ pub fn draft_with_seed(
         }),
     };
     Draft { episode_id: episode.episode_id.clone(), label, notes }
+}
+
+/// Only the critical components of [`draft`]. Of the signals it needs those of `whyroad_signals::derive_places`, and
+/// asks for them only where anything of them is to be said.
+pub fn components(
+    framework: &Framework,
+    drive: &Drive,
+    signals: impl FnOnce() -> SignalTable,
+    episode: &EpisodeRecord,
+    lang: Lang,
+) -> Vec<CriticalComponent> {
+    let observed = if components::needs_signals(episode) {
+        components::observed(framework, drive, &signals(), episode, keyframe_of(drive, episode), lang)
+    } else {
+        Vec::new()
+    };
+    let mut all = with_cause(framework, &episode.scenario_id, observed, lang);
+    let (_, moment) = clip::inside(drive, episode, &mut Vec::new());
+    number(&mut all, moment.timestamp);
+    all
+}
+
+/// The frame of the keyframe, at most the last one.
+fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
+    frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1))
+}
+
+/// With the component that every moment of the class has, first, where the signals do not tell it.
+fn with_cause(
+    framework: &Framework,
+    class: &ScenarioId,
+    mut observed: Vec<CriticalComponent>,
+    lang: Lang,
+) -> Vec<CriticalComponent> {
+    if let Some(seen) = trace::seen(framework, class, &observed, lang) {
+        observed.insert(0, seen);
+    }
+    observed
+}
+
+/// Gives components their ids and the moment at which they are evident.
+fn number(components: &mut [CriticalComponent], at: Nanos) {
+    for (i, c) in components.iter_mut().enumerate() {
+        c.id = Some(format!("c{}", i + 1));
+        c.evidence_times = vec![at];
+    }
 }
 
 /// The draft's first component is what the rule saw: it is proposed as the cause of both decisions.

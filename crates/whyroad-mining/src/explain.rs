@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use whyroad_model::messages::EgoResponse;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{FrameRange, SignalTable, TrackId, Tri};
+use whyroad_model::{Bilingual, FrameRange, SignalTable, TrackId, Tri};
 
 /// How far a rule came, from least to most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,6 +61,8 @@ pub struct PartCourse {
     pub place: PartPlace,
     /// As written, names replaced by what they stand for.
     pub text: String,
+    /// In words.
+    pub words: Bilingual,
     /// Its truth over time.
     pub course: Course,
     /// What it measures.
@@ -72,10 +74,14 @@ pub struct PartCourse {
 pub struct AtomCourse {
     /// As written.
     pub text: String,
+    /// In words.
+    pub words: Bilingual,
     /// Its truth over time.
     pub course: Course,
     /// The measured value at the moment that is explained, in `unit`; null when unknown or infinite.
     pub actual: Value,
+    /// The same in words, with its unit.
+    pub actual_words: Option<Bilingual>,
     /// Symbol of the unit.
     pub unit: &'static str,
     /// What is compared, by frame of the clip, in `unit`; NaN where it is unknown or there is nothing to judge. Empty
@@ -250,7 +256,9 @@ fn explanation_at<'a>(
             let of_atom = course(atom.condition, evaluator, &mut pass);
             atoms.push(AtomCourse {
                 text: atom.text.clone(),
+                words: atom.words.clone(),
                 course: of_atom,
+                actual_words: atom.value_in_words(&actual),
                 actual,
                 unit: atom.unit.symbol,
                 values: curve(atom, &rows, clip, evaluator, &mut pass),
@@ -258,7 +266,8 @@ fn explanation_at<'a>(
             });
         }
         let of_part = course(part.condition, evaluator, &mut pass);
-        parts.push(PartCourse { place: part.place, text: part.text.clone(), course: of_part, atoms });
+        let (text, words) = (part.text.clone(), part.words.clone());
+        parts.push(PartCourse { place: part.place, text, words, course: of_part, atoms });
     }
     let second = rule.second.as_ref().map(|r| r.name.clone());
     let named = [(Some(rule.target_role.clone()), roles.target), (second, roles.second)];

@@ -23,6 +23,15 @@ pub struct SignalInfo {
     pub meaning: Bilingual,
     /// Typical magnitude in the base unit.
     pub scale: f64,
+    /// What the values of a category are called.
+    pub values: BTreeMap<String, Bilingual>,
+}
+
+impl SignalInfo {
+    /// The value itself where it has no name.
+    fn value_name(&self, value: &str) -> Bilingual {
+        self.values.get(value).cloned().unwrap_or_else(|| Bilingual::same(value))
+    }
 }
 
 /// Which frames a plot shows and what it marks in them; frames of the drive.
@@ -36,8 +45,8 @@ pub struct Span {
     pub keyframe: usize,
 }
 
-/// What a signal is called; its id where the catalog does not have it.
-fn caption(infos: &BTreeMap<String, SignalInfo>, name: &str) -> Bilingual {
+/// What a signal is called, as a caption; its id where the catalog does not have it.
+pub fn caption(infos: &BTreeMap<String, SignalInfo>, name: &str) -> Bilingual {
     let title = infos.get(name).map(|info| &info.title).filter(|title| !title.zh.is_empty());
     title.map_or_else(|| Bilingual::same(name), |t| Bilingual::new(t.zh.clone(), capitalized(&t.en)))
 }
@@ -80,7 +89,7 @@ pub fn render(
         return m;
     };
     m.raw("<b>")
-        .text(&series.value_text(span.keyframe))
+        .both(&series.value_text(span.keyframe, &info))
         .raw("</b> <span class=\"faint\">")
         .text(info.unit.map_or("", |u| u.symbol));
     m.raw("</span></figcaption><svg viewBox=\"0 0 ").num(WIDTH, 0).raw(" ").num(HEIGHT, 0).raw("\">");
@@ -88,7 +97,7 @@ pub fn render(
     match series.column {
         Column::Number(_) => numbers(&mut m, &series, &info, span),
         Column::Flag(_) => flags(&mut m, &series, span),
-        Column::Category { .. } => categories(&mut m, &series, span),
+        Column::Category { .. } => categories(&mut m, &series, &info, span),
     }
     let x = x_of(span, span.keyframe as f64);
     m.raw("<path class=\"keyframe\" d=\"M").num(x, 1).raw(" 8V78\"/></svg></figure>");
@@ -140,20 +149,22 @@ impl<'a> Series<'a> {
         Some(self.displayed(base).value())
     }
 
-    fn value_text(&self, frame: usize) -> String {
-        let Some(row) = self.row(frame) else { return "–".to_owned() };
-        match self.column {
-            Column::Number(_) => match self.column.number(row) {
-                Some(base) => self.displayed(base).number(2),
-                None => "–".to_owned(),
+    fn value_text(&self, frame: usize, info: &SignalInfo) -> Bilingual {
+        let text = match (self.row(frame), self.column) {
+            (None, _) => None,
+            (Some(row), Column::Number(_)) => {
+                self.column.number(row).map(|base| Bilingual::same(self.displayed(base).number(2)))
+            }
+            (Some(row), Column::Flag(_)) => match self.column.flag(row) {
+                Tri::True => Some(Bilingual::same("✓")),
+                Tri::False => Some(Bilingual::same("✗")),
+                Tri::Unknown => None,
             },
-            Column::Flag(_) => match self.column.flag(row) {
-                Tri::True => "✓".to_owned(),
-                Tri::False => "✗".to_owned(),
-                Tri::Unknown => "–".to_owned(),
-            },
-            Column::Category { .. } => self.column.category(row).unwrap_or("–").to_owned(),
-        }
+            (Some(row), Column::Category { .. }) => {
+                self.column.category(row).map(|value| info.value_name(value))
+            }
+        };
+        text.unwrap_or_else(|| Bilingual::same("–"))
     }
 }
 
@@ -294,21 +305,30 @@ fn flags(m: &mut Markup, series: &Series<'_>, span: Span) {
     }
 }
 
-fn categories(m: &mut Markup, series: &Series<'_>, span: Span) {
+fn categories(m: &mut Markup, series: &Series<'_>, info: &SignalInfo, span: Span) {
     let value = |f: usize| series.row(f).and_then(|r| series.column.category(r)).unwrap_or("");
     for (i, (frames, value)) in runs(span, value).into_iter().enumerate() {
         if value.is_empty() {
             continue;
         }
+        let name = info.value_name(value);
         let (x0, x1) = run_x(span, frames);
         let class = if i % 2 == 0 { "category" } else { "category odd" };
-        m.raw("<g class=\"").text(class).raw("\"><title>").text(value).raw("</title><rect x=\"").num(x0, 1);
+        m.raw("<g class=\"").text(class).raw("\"><title>").text(&name.zh);
+        if name.zh != name.en {
+            m.raw(" / ").text(&name.en);
+        }
+        m.raw("</title><rect x=\"").num(x0, 1);
         m.raw("\" y=\"28\" height=\"30\" width=\"").num((x1 - x0).max(0.8), 1).raw("\"/>");
-        if x1 - x0 > 6.0 * value.len() as f64 {
-            m.raw("<text class=\"tick\" text-anchor=\"middle\" y=\"46\" x=\"")
+        for (lang, text, character) in [("zh", &name.zh, 12.0), ("en", &name.en, 6.0)] {
+            if x1 - x0 <= character * text.chars().count() as f64 {
+                continue;
+            }
+            m.raw("<text lang=\"").text(lang);
+            m.raw("\" class=\"tick\" text-anchor=\"middle\" y=\"46\" x=\"")
                 .num((x0 + x1) / 2.0, 1)
                 .raw("\">");
-            m.text(value).raw("</text>");
+            m.text(text).raw("</text>");
         }
         m.raw("</g>");
     }
@@ -343,5 +363,25 @@ mod tests {
         let infos = BTreeMap::from([("target.gap".to_owned(), gap)]);
         assert_eq!(caption(&infos, "target.gap"), Bilingual::new("净距", "Gap to the target"));
         assert_eq!(caption(&infos, "no.such"), Bilingual::same("no.such"));
+    }
+
+    #[test]
+    fn values_of_a_category_are_shown_by_name() {
+        // Names as schema/signals.yaml has them.
+        let names = [("go_straight", ("直行", "go straight")), ("none", ("无", "none"))];
+        let values = names.map(|(id, (zh, en))| (id.to_owned(), Bilingual::new(zh, en))).into();
+        let infos =
+            BTreeMap::from([("ego.meta_lateral".to_owned(), SignalInfo { values, ..SignalInfo::default() })]);
+        let column = Column::Category { codes: vec![0; 40], names: ["go_straight".to_owned()].into() };
+        let signals = SignalTable {
+            times: (0..40).map(|i| whyroad_model::Nanos(i * 100_000_000)).collect(),
+            frame_columns: [("ego.meta_lateral".to_owned(), column)].into(),
+            ..SignalTable::default()
+        };
+        let shown = FrameRange::new(0, 40);
+        let span = Span { shown, episode: FrameRange::new(10, 20), keyframe: 12 };
+        let plot = render(&infos, &signals, None, "ego.meta_lateral", span).into_string();
+        assert!(!plot.contains("go_straight"), "{plot}");
+        assert_eq!((plot.matches("直行").count(), plot.matches("go straight").count()), (3, 3), "{plot}");
     }
 }

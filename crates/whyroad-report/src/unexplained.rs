@@ -11,7 +11,7 @@ pub use text::render;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::{ClipId, DriveId, Nanos, ScenarioId, TrackId};
+use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Nanos, ScenarioId, TrackId};
 
 /// Classes that are listed for a group.
 pub const LISTED_CLASSES: usize = 3;
@@ -35,6 +35,8 @@ pub struct UnexplainedMoment {
     /// What the ego does from there on, by the signals `ego.meta_longitudinal` and `ego.meta_lateral`; empty where
     /// unknown.
     pub ego_actions: Vec<String>,
+    /// What these are called.
+    pub ego_action_names: Vec<Bilingual>,
     /// Classes that come nearest, the nearest first.
     pub nearest: Vec<NearestClass>,
 }
@@ -60,8 +62,13 @@ pub struct NearestClass {
 pub struct UnmetPart {
     /// As written.
     pub condition: String,
+    /// In words.
+    pub description: Bilingual,
     /// What it measures, in `unit`; null where that is not known.
     pub actual_value: Value,
+    /// The same in words, with its unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub actual_words: Option<Bilingual>,
     /// Symbol of the unit.
     pub unit: String,
 }
@@ -90,17 +97,27 @@ pub struct Unexplained {
     pub drives: usize,
     /// The largest first, then by example.
     pub groups: Vec<UnexplainedGroup>,
+    /// What the classes are called.
+    pub names: BTreeMap<ScenarioId, Bilingual>,
 }
 
 impl Unexplained {
-    /// Moments by groups: the index of each group's example, and those of its members.
-    pub fn new(moments: &[UnexplainedMoment], groups: &[(usize, Vec<usize>)]) -> Self {
+    /// Moments by groups: the index of each group's example, and those of its members; `name` says what a class is
+    /// called.
+    pub fn new(
+        moments: &[UnexplainedMoment],
+        groups: &[(usize, Vec<usize>)],
+        name: impl Fn(&ScenarioId) -> Bilingual,
+    ) -> Self {
         let drives = |of: &[usize]| of.iter().map(|&m| &moments[m].drive_id).collect::<BTreeSet<_>>().len();
         let mut out = Self {
             moments: moments.len(),
             drives: drives(&(0..moments.len()).collect::<Vec<_>>()),
             groups: Vec::with_capacity(groups.len()),
+            names: BTreeMap::new(),
         };
+        let classes = moments.iter().flat_map(|m| &m.nearest).map(|near| &near.scenario_id);
+        out.names.extend(classes.map(|id| (id.clone(), name(id))));
         for (example, members) in groups {
             out.groups.push(UnexplainedGroup {
                 example: moments[*example].clone(),
@@ -115,6 +132,13 @@ impl Unexplained {
             by_size.then_with(|| a.example.episode_id.cmp(&b.example.episode_id))
         });
         out
+    }
+}
+
+impl Unexplained {
+    /// What a class is called; its id where it has no name.
+    fn name(&self, id: &ScenarioId, lang: Lang) -> String {
+        self.names.get(id).map_or_else(|| id.to_string(), |name| name.get(lang).to_owned())
     }
 }
 
@@ -135,7 +159,6 @@ fn most_often_near<'a>(moments: impl Iterator<Item = &'a UnexplainedMoment>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use whyroad_model::Lang;
 
     fn moment(drive: &str, at: f64, nearest: &[&str]) -> UnexplainedMoment {
         let near = |id: &&str| NearestClass {
@@ -145,7 +168,9 @@ mod tests {
             target_id: None,
             unmet: vec![UnmetPart {
                 condition: "target.ttc < 5 s".into(),
+                description: Bilingual::new("与目标的碰撞时间 < 5 s", "Time to collision < 5 s"),
                 actual_value: serde_json::json!(6.25),
+                actual_words: Some(Bilingual::same("6.25 s")),
                 unit: "s".into(),
             }],
         };
@@ -157,6 +182,7 @@ mod tests {
             keyframe_s: at,
             ego_speed_mps: Some(8.0),
             ego_actions: vec!["gentle_decelerate".into()],
+            ego_action_names: vec![Bilingual::new("轻减速", "gentle deceleration")],
             nearest: nearest.iter().map(near).collect(),
         }
     }
@@ -168,16 +194,23 @@ mod tests {
             moment("a", 9.0, &["r.x.q", "r.x.p"]),
             moment("b", 3.0, &["r.y.z"]),
         ];
-        let found = Unexplained::new(&moments, &[(2, vec![2]), (1, vec![0, 1])]);
+        let found = Unexplained::new(&moments, &[(2, vec![2]), (1, vec![0, 1])], |id| {
+            let l3 = id.l3.clone().unwrap_or_default();
+            Bilingual::new(format!("类别 {l3}"), format!("Class {l3}"))
+        });
         assert_eq!((found.moments, found.drives), (3, 2));
         let first = &found.groups[0];
         assert_eq!((first.moments, first.drives, first.example.keyframe_s), (2, 1, 9.0));
         let names: Vec<(String, usize)> = first.nearest.iter().map(|(id, n)| (id.to_string(), *n)).collect();
         assert_eq!(names, [("r.x.p".to_owned(), 2), ("r.x.q".to_owned(), 1)]);
         let text = render(&found, Lang::En);
-        assert!(text.contains("r.x.p") && text.contains("4 of 5") && text.contains("6.25 s"), "{text}");
+        // On a terminal the ids are there for the next command; a page is read.
+        assert!(text.contains("Class p (r.x.p): 4 of 5") && text.contains("< 5 s (is 6.25 s)"), "{text}");
         let html = page(&found, &[], Lang::Zh);
-        assert!(html.contains("r.y.z") && html.contains("target.ttc &lt; 5 s"), "{html}");
+        assert!(html.contains("类别 z：") && html.contains("碰撞时间 &lt; 5 s（实际 6.25 s）"), "{html}");
+        for id in ["gentle_decelerate", "target.ttc"] {
+            assert!(!html.contains(id) && !text.contains(id), "{id}: {html}{text}");
+        }
         assert!(render(&Unexplained::default(), Lang::En).contains("every decision moment is explained"));
     }
 }

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use whyroad_label::check::Recorded;
-use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
+use whyroad_model::messages::{
+    CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord,
+};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
@@ -65,6 +67,12 @@ pub trait Recordings: Send + Sync {
     /// nothing but the drive that is given.
     fn signals(&self, drive: &Drive) -> SignalTable;
 
+    /// The same of a whole drive, as this gave it out, with its future: never for Stage I. What is stored need not be
+    /// derived.
+    fn whole_signals(&self, drive: &Drive) -> SignalTable {
+        self.signals(drive)
+    }
+
     /// `drive` with what its log did not measure (velocities) estimated, from nothing but the drive that is given.
     fn estimated(&self, drive: &Arc<Drive>) -> Arc<Drive> {
         Arc::clone(drive)
@@ -75,6 +83,12 @@ pub trait Recordings: Send + Sync {
 
     /// A label skeleton for an episode of `drive`.
     fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel;
+
+    /// Only the critical components of [`Recordings::draft`], for a drive that was cut at the keyframe; the result must
+    /// depend on nothing but what is given, as that of [`Recordings::signals`].
+    fn components(&self, drive: &Drive, episode: &EpisodeRecord, lang: Lang) -> Vec<CriticalComponent> {
+        self.draft(drive, &self.signals(drive), episode, lang).critical_components
+    }
 
     /// The whole drive of a clip with its signals and what the rules find in it, for checks of labels whose Stage I is
     /// locked; `None` where it is not at hand. Never for anybody who must not see the future.

@@ -26,7 +26,7 @@ use crate::target::relations::{self, Neighbours};
 use crate::target::rows::{Rows, observed_tracks};
 use crate::target::{self, crosswalk, free_width, line_crossing};
 use crate::{behavior, refav, sight};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::catalogue::id;
 use whyroad_model::{Drive, Need, SignalTable};
 
@@ -35,6 +35,26 @@ use whyroad_model::{Drive, Need, SignalTable};
 ///
 /// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
 pub fn derive(drive: &Drive) -> SignalTable {
+    derive_part(drive, Part::All)
+}
+
+/// Of [`derive`] only what says what is where and how it moves: the ego, the road under it with its lights, and of each
+/// target the place, the motion and the lines that it crosses. What they do to each other, which is most of the work,
+/// is left out. Each column is that of [`derive`], value for value; of the others nothing is said.
+pub fn derive_places(drive: &Drive) -> SignalTable {
+    let table = derive_part(drive, Part::Places);
+    SignalTable { unavailable: BTreeMap::new(), ..table }
+}
+
+/// How much of a table is wanted.
+#[derive(Clone, Copy)]
+enum Part {
+    /// See [`derive_places`].
+    Places,
+    All,
+}
+
+fn derive_part(drive: &Drive, part: Part) -> SignalTable {
     let drive = with_possible_sizes(drive);
     let mut estimated = estimated(&drive);
     add_derived(&mut estimated.drive);
@@ -53,8 +73,13 @@ pub fn derive(drive: &Drive) -> SignalTable {
             on_road.write(&mut table);
             let mut placed = PlacedStage::new(&on_road);
             placed.note_deviations(&estimated.tracks);
-            placed.write(&mut table);
-            write_pairs(&placed, &mut table);
+            match part {
+                Part::Places => placed.write_places(&mut table),
+                Part::All => {
+                    placed.write(&mut table);
+                    write_pairs(&placed, &mut table);
+                }
+            }
         }
     }
     let mut table = table.finish(&missing);
@@ -209,6 +234,14 @@ impl<'a> PlacedStage<'a> {
         }
     }
 
+    /// What of the targets follows from their places alone.
+    fn write_places(&self, table: &mut TableBuilder<'_>) {
+        let drive = self.on_road.ego.drive;
+        target::motion::write(drive, &self.targets, table);
+        relations::write(drive, &self.targets, &self.near, table);
+        line_crossing::write(drive, &self.targets, table);
+    }
+
     fn write(&self, table: &mut TableBuilder<'_>) {
         let RoadStage { ego, road, lanes, path } = self.on_road;
         let (drive, times, motion) = (ego.drive, &ego.times[..], &ego.motion);
@@ -222,12 +255,10 @@ impl<'a> PlacedStage<'a> {
             free_width::write(&on, &self.targets, table);
         }
         terrain::write(path, table);
-        target::motion::write(drive, &self.targets, table);
-        relations::write(drive, &self.targets, &self.near, table);
+        self.write_places(table);
         ttc::write(drive, &self.around, &self.targets, table);
         ttc_lane::write(drive, &self.around, &self.targets, table);
         relations::write_lead(motion, &self.near, table);
-        line_crossing::write(drive, &self.targets, table);
         sight::write(&self.scene(), table);
         let rows = Rows::new(drive, table);
         let sweep = pet::EgoSweep::new(motion, times);

@@ -15,6 +15,7 @@ use service::{Service, annotators, demo, mined_folder};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use whyroad_engine::drives::signals_of;
 use whyroad_lake::mined::{Existing, MinedFolderWriter};
 use whyroad_lake::{Lake, MinedFolder};
 use whyroad_model::messages::EpisodeRecord;
@@ -35,6 +36,8 @@ fn many_drives(at: &Path, n: usize) {
         drive.meta.drive_id = id.clone();
         drive.meta.content_hash = format!("{}-{i}", drive.meta.content_hash);
         lake.write_drive(&drive).unwrap();
+        // As `mine` leaves them.
+        signals_of(&lake, &id).unwrap();
         let clip = episode.clip_id.as_str().replace(episode.drive_id.as_str(), id.as_str());
         let episode_id = format!("{id}_e");
         let clip_id = ClipId::from(clip.as_str());

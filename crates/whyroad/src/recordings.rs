@@ -11,7 +11,9 @@ use whyroad_framework::Framework;
 use whyroad_label::check::{Recorded, Recordings as _};
 use whyroad_label::draft;
 use whyroad_lake::{Lake, LakeError};
-use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
+use whyroad_model::messages::{
+    CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord,
+};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, ScenarioId, SignalTable};
 use whyroad_server::domain::scene::{SignalAbout, SignalKind};
@@ -159,6 +161,10 @@ impl Recordings for ServiceRecordings {
         self.lake.signals(drive)
     }
 
+    fn whole_signals(&self, drive: &Drive) -> SignalTable {
+        self.lake.whole_signals(drive)
+    }
+
     fn estimated(&self, drive: &Arc<Drive>) -> Arc<Drive> {
         self.lake.estimated(drive)
     }
@@ -177,6 +183,11 @@ impl Recordings for ServiceRecordings {
 
     fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel {
         draft::draft(self.framework, drive, signals, episode, lang).label
+    }
+
+    fn components(&self, drive: &Drive, episode: &EpisodeRecord, lang: Lang) -> Vec<CriticalComponent> {
+        let signals = || self.lake.places(drive);
+        draft::components(self.framework, drive, signals, episode, lang)
     }
 
     fn recorded(&self, clip_id: &str) -> Option<Arc<Recorded>> {

@@ -4,7 +4,7 @@ import { signalRows } from "../plots/signal_rows.ts";
 import { speedUnit } from "../plots/speed_unit.svelte.ts";
 import { scaleOf } from "../plots/units.ts";
 import { objectsAt } from "../scene/objects.ts";
-import { categoryName } from "../text/category_names.ts";
+import { objectClassName } from "../text/category_names.ts";
 import type { Lang } from "../text/text.svelte.ts";
 import { channels } from "./framework.ts";
 import { pointers } from "./field_pointers.ts";
@@ -56,7 +56,7 @@ export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
   if (typeof speed === "number") add(zh ? "自车速度" : "ego speed", `${number(speed * ofSpeed.by, 1)} ${ofSpeed.unit}`);
   const object = objectsAt(scene, i).find((o) => o.id === (editor.selected ?? editor.target));
   if (object) {
-    const what = categoryName(object.class, language);
+    const what = objectClassName(object.class, language);
     if (object.distance !== null) add(zh ? `与${what}相距` : `distance to the ${what}`, `${number(object.distance, 0)} m`);
     if (object.speed !== null) add(zh ? `${what}速度` : `speed of the ${what}`, `${number(object.speed * ofSpeed.by, 1)} ${ofSpeed.unit}`);
   }

@@ -44,6 +44,11 @@ test("signals that the rule compares with a number come before the others that i
   ]);
 });
 
+test("without conditions, as in Stage I, times to an event come first of what the rule reads", () => {
+  const rows = signalRows(scene, ["target.speed", "target.ttc"], [], { speeds: "km/h", lang: "zh" });
+  assert.deepEqual(rows.slice(0, 2).map((r) => r.id), ["target.ttc", "target.speed"]);
+});
+
 test("times to an event have an axis from 0 to 10 s, other signals fit their values; thresholds are drawn", () => {
   const rows = signalRows(scene, [], [{ condition: "target.ttc < 3s", actual_value: 2.48 }], { speeds: "km/h", lang: "en" });
   const ttc = rows.find((r) => r.id === "target.ttc");

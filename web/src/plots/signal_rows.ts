@@ -48,9 +48,17 @@ export function signalRows(
   const rank = (id: string): number => (compared(id) < Infinity ? 0 : read.includes(id) ? 1 : 2);
   const before = (a: number, b: number): number => (a < b ? -1 : a > b ? 1 : 0);
   const isEmpty = (id: string): number => ((scene.signals[id] ?? []).every((v) => v === null || v === "none") ? 1 : 0);
+  // Stage I is not told the conditions: of what the rule reads a time to an event decides most, a flag least.
+  const kind = (id: string): number => {
+    const about = scene.about[id];
+    return conditions.length > 0 || !read.includes(id) ? 0 : isTimeToEvent(id, about?.unit) ? 0 : about?.kind === "number" ? 1 : 2;
+  };
   const position = (id: string): number => (read.includes(id) ? read.indexOf(id) : Infinity);
   return Object.keys(scene.signals)
-    .sort((a, b) => rank(a) - rank(b) || isEmpty(a) - isEmpty(b) || before(compared(a), compared(b)) || before(position(a), position(b)))
+    .sort(
+      (a, b) =>
+        rank(a) - rank(b) || isEmpty(a) - isEmpty(b) || before(compared(a), compared(b)) || kind(a) - kind(b) || before(position(a), position(b)),
+    )
     .filter((id) => !SHOWN.has(id))
     .map((id) => {
       const about = scene.about[id];

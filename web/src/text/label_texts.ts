@@ -12,6 +12,7 @@ export const labelTexts = {
   "label.occlusion": ["遮挡区", "Occlusion"],
   "label.unseen": ["被遮挡", "occluded"],
   "label.target": ["规则目标", "rule target"],
+  "label.target_short": ["规则目标", "target"],
   "label.is_linked": ["已关联要素", "linked to a component"],
   "label.more_objects": ["再显示 {n} 个", "{n} more"],
   "label.no_picture": ["没有图像", "No image"],

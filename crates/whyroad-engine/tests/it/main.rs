@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 mod again;
+mod drafts;
 mod incremental;
 mod label_checks;
 mod quality;

@@ -9,6 +9,23 @@ use whyroad_model::{Bilingual, Drive, Lang, ObjectClass, SignalTable, TrackId};
 /// The L2 that is about lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
 
+/// Where nothing of this holds, [`observed`] finds nothing.
+pub(super) fn needs_signals(episode: &EpisodeRecord) -> bool {
+    episode.target_id.is_some() || is_of_lights(episode) || is_of_bend(episode) || is_of_route(episode)
+}
+
+fn is_of_lights(episode: &EpisodeRecord) -> bool {
+    episode.scenario_id.l2.as_deref() == Some(TRAFFIC_LIGHT)
+}
+
+fn is_of_bend(episode: &EpisodeRecord) -> bool {
+    episode.signals.iter().any(|s| s.starts_with("map.curvature"))
+}
+
+fn is_of_route(episode: &EpisodeRecord) -> bool {
+    episode.signals.iter().any(|s| s == "ego.movement")
+}
+
 pub(super) fn observed(
     framework: &Framework,
     drive: &Drive,
@@ -25,13 +42,13 @@ pub(super) fn observed(
         found.extend(text.map(|text| ("critical_objects", text)));
     }
     // What bears on the decision: beside a lead or a crossing pedestrian, the light does not.
-    if episode.scenario_id.l2.as_deref() == Some(TRAFFIC_LIGHT) {
+    if is_of_lights(episode) {
         found.extend(light(signals, keyframe).map(|text| ("traffic_lights", text)));
     }
-    if episode.signals.iter().any(|s| s.starts_with("map.curvature")) {
+    if is_of_bend(episode) {
         found.extend(bend(signals, keyframe).map(|text| ("road_events", text)));
     }
-    if episode.signals.iter().any(|s| s == "ego.movement") {
+    if is_of_route(episode) {
         found.extend(route(signals, keyframe).map(|text| ("routing_intent", text)));
     }
     found

@@ -6,7 +6,7 @@ use crate::episode::build::{locate, measured, truth_at};
 use crate::interpret::{Evaluator, Roles, Series};
 use crate::rule::{PartPlace, Rule};
 use serde_json::Value;
-use whyroad_model::{FrameRange, Nanos, ScenarioId, SignalTable, TrackId, Tri};
+use whyroad_model::{Bilingual, FrameRange, Nanos, ScenarioId, SignalTable, TrackId, Tri};
 
 /// A class, and what is missing for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +35,12 @@ pub struct NearClass {
 pub struct UnmetCondition {
     /// As written, names replaced by what they stand for.
     pub text: String,
+    /// In words.
+    pub words: Bilingual,
     /// What it measures, in `unit`; null where nothing is measured, or it is not known.
     pub actual: Value,
+    /// The same in words, with its unit.
+    pub actual_words: Option<Bilingual>,
     /// Symbol of the unit.
     pub unit: &'static str,
 }
@@ -91,14 +95,22 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         let atom = failing.next().or(part.atoms.first());
         let actual = atom.map_or(Value::Null, |a| measured(a, row, &mut evaluator, &mut pass));
         let unit = atom.map_or("", |a| a.unit.symbol);
-        unmet.push(UnmetCondition { text: part.text.clone(), actual, unit });
+        let actual_words = atom.and_then(|a| a.value_in_words(&actual));
+        let (text, words) = (part.text.clone(), part.words.clone());
+        unmet.push(UnmetCondition { text, words, actual, actual_words, unit });
     }
     // How long it must hold is a condition, too.
     let lasts = usize::from(rule.min_duration > Nanos::default());
     held += if at_keyframe { lasts } else { 0 };
     if reached.outcome == Outcome::WrongDuration {
-        let text = format!("for {} s", rule.min_duration.0 as f64 / 1e9);
-        unmet.push(UnmetCondition { text, actual: Value::Bool(false), unit: "" });
+        let seconds = rule.min_duration.0 as f64 / 1e9;
+        unmet.push(UnmetCondition {
+            text: format!("for {seconds} s"),
+            words: Bilingual::new(format!("持续 {seconds} s"), format!("For {seconds} s")),
+            actual: Value::Bool(false),
+            actual_words: Some(Bilingual::new("不成立", "does not hold")),
+            unit: "",
+        });
     }
     Some(NearClass {
         scenario: rule.scenario.clone(),

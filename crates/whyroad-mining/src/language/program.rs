@@ -287,7 +287,8 @@ impl Atom {
         MatchedCondition { condition, actual_value, description, actual_words }
     }
 
-    fn value_in_words(&self, value: &Value) -> Option<Bilingual> {
+    /// A measured value in words; `None` where there is none.
+    pub fn value_in_words(&self, value: &Value) -> Option<Bilingual> {
         match value {
             Value::Bool(true) => Some(Bilingual::new("成立", "holds")),
             Value::Bool(false) => Some(Bilingual::new("不成立", "does not hold")),

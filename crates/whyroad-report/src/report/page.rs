@@ -84,7 +84,7 @@ pub(super) fn render(
     m.raw("<section id=\"leaves\"><details><summary><h2>")
         .say("全部场景", "All scenarios")
         .raw("</h2></summary>");
-    m.piece(&summary::table(rows, &unresolved)).raw("</details></section>");
+    m.piece(&summary::table(rows, &unresolved, context.signals)).raw("</details></section>");
     m.raw("</main><script>\n").raw(SCRIPT).raw("</script></body></html>\n");
     m.into_string()
 }

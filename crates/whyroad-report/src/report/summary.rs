@@ -1,8 +1,10 @@
 //! The table of all leaves, one line each: state, counts, what is missing. The tree map's cells link here.
 
 use crate::coverage::{LeafRow, UnresolvedRow, counts, state_name};
+use std::collections::BTreeMap;
 use whyroad_model::messages::CoverageState;
 use whyroad_render::markup::Markup;
+use whyroad_render::plot::{SignalInfo, caption};
 
 /// Counts by state, with the fill and the mark that the tree map uses: its legend.
 pub(super) fn legend(rows: &[LeafRow<'_>]) -> Markup {
@@ -36,7 +38,11 @@ fn mark(state: CoverageState) -> &'static str {
 }
 
 /// The table.
-pub(super) fn table(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> Markup {
+pub(super) fn table(
+    rows: &[LeafRow<'_>],
+    unresolved: &[UnresolvedRow<'_>],
+    signals: &BTreeMap<String, SignalInfo>,
+) -> Markup {
     let mut m = Markup::new();
     m.raw("<table class=\"leaves\"><thead><tr><th>").say("场景", "scenario").raw("</th><th>ID</th><th>");
     m.say("状态", "state")
@@ -55,7 +61,7 @@ pub(super) fn table(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> M
         m.say("已找到 ", "found ").int(c.found).raw(" / ").int(group.len()).raw("</th></tr>");
         for l2 in group.chunk_by(|a, b| a.l2.id == b.l2.id) {
             for row in l2 {
-                leaf(&mut m, row);
+                leaf(&mut m, row, signals);
             }
             for row in unresolved.iter().filter(|u| u.l2.id == l2[0].l2.id && u.found.episodes > 0) {
                 without_variant(&mut m, row);
@@ -67,7 +73,7 @@ pub(super) fn table(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> M
     m
 }
 
-fn leaf(m: &mut Markup, row: &LeafRow<'_>) {
+fn leaf(m: &mut Markup, row: &LeafRow<'_>, signals: &BTreeMap<String, SignalInfo>) {
     let id = row.id.to_string();
     m.raw("<tr id=\"leaf-").text(&id).raw("\" data-state=\"").text(row.state.id()).raw("\"><td>");
     m.both(&row.l2.name).raw(" · ").both(&row.l3.name).raw("<div class=\"faint definition\">");
@@ -85,7 +91,10 @@ fn leaf(m: &mut Markup, row: &LeafRow<'_>) {
     }
     m.raw("</td><td>");
     for (i, signal) in row.missing_signals().iter().enumerate() {
-        m.raw(if i == 0 { "<code>" } else { ", <code>" }).text(signal).raw("</code>");
+        if i > 0 {
+            m.say("；", "; ");
+        }
+        m.raw("<span title=\"").text(signal).raw("\">").both(&caption(signals, signal)).raw("</span>");
     }
     if let Some((searched, all)) = row.searched_in_part() {
         m.raw(" <span class=\"faint\">")

@@ -17,10 +17,12 @@ pub(crate) fn infos() -> BTreeMap<String, SignalInfo> {
         unit: whyroad_model::units::Unit::parse(unit),
         meaning: Bilingual::new(zh, en),
         scale: 1.0,
+        ..SignalInfo::default()
     };
     [
         ("ego.speed".to_owned(), info("m/s", "自车对地速度", "speed over ground")),
         ("target.ttc".to_owned(), info("s", "碰撞时间", "time to collision along the path")),
+        ("light.state".to_owned(), info("", "信号灯状态", "state of the light")),
     ]
     .into()
 }
@@ -61,7 +63,8 @@ fn the_four_states_have_their_own_fill_and_mark() {
         assert_eq!(count, cells, "{state}");
         assert!(page.contains(&format!(".st-{state} {{ fill: ")), "{state} has a fill");
     }
-    assert!(page.contains("<code>light.state</code>"), "what is missing is named");
+    let named = "<span title=\"light.state\"><span lang=\"zh\">信号灯状态</span>";
+    assert!(page.contains(named), "what is missing is named");
 }
 
 #[test]

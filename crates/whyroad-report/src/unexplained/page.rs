@@ -40,7 +40,8 @@ pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
             .raw(" s · ");
         m.text(&ego(&g.example, lang)).raw("</p>");
         for near in g.example.nearest.iter().take(LISTED_CLASSES) {
-            m.raw("<p><b>").text(&class(near, lang)).raw("</b></p><ul class=\"unmet\">");
+            let name = of.name(&near.scenario_id, lang);
+            m.raw("<p><b>").text(&class(near, &name, lang)).raw("</b></p><ul class=\"unmet\">");
             for part in &near.unmet {
                 m.raw("<li>").text(&unmet(part, lang)).raw("</li>");
             }
@@ -48,8 +49,11 @@ pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
         }
         if g.moments > 1 {
             m.raw("<p>").text(if zh { "组内最接近的类别：" } else { "Near most of the group: " });
-            let all: Vec<String> = g.nearest.iter().map(|(id, n)| format!("{id} ({n})")).collect();
-            m.text(&all.join(", ")).raw("</p><p><small>").text(&g.episode_ids.join(", ")).raw("</small></p>");
+            let all: Vec<String> =
+                g.nearest.iter().map(|(id, n)| format!("{} × {n}", of.name(id, lang))).collect();
+            m.text(&all.join(if zh { "、" } else { ", " })).raw("</p><details><summary>");
+            m.raw(if zh { "事件编号" } else { "Ids of the episodes" }).raw("</summary><small>");
+            m.text(&g.episode_ids.join(", ")).raw("</small></details>");
         }
         m.raw("</div></section>\n");
     }

@@ -2,7 +2,7 @@
 
 use super::{LISTED_CLASSES, NearestClass, Unexplained, UnexplainedMoment, UnmetPart};
 use std::fmt::Write as _;
-use whyroad_model::Lang;
+use whyroad_model::{Bilingual, Lang};
 
 /// Conditions that are shown for a class.
 const SHOWN_UNMET: usize = 3;
@@ -43,20 +43,23 @@ pub fn render(of: &Unexplained, lang: Lang) -> String {
             )
         };
         for near in g.example.nearest.iter().take(LISTED_CLASSES) {
-            let _ = writeln!(out, "   {}", class(near, lang));
+            // The next command takes the id.
+            let name = format!("{} ({})", of.name(&near.scenario_id, lang), near.scenario_id);
+            let _ = writeln!(out, "   {}", class(near, &name, lang));
             for part in near.unmet.iter().take(SHOWN_UNMET) {
                 let _ =
                     writeln!(out, "     {} {}", if zh { "不成立：" } else { "not met:" }, unmet(part, lang));
             }
         }
-        let others = g.nearest.iter().filter(|_| count > 1).map(|(id, n)| format!("{id} ({n})"));
+        let others =
+            g.nearest.iter().filter(|_| count > 1).map(|(id, n)| format!("{} × {n}", of.name(id, lang)));
         let others: Vec<String> = others.collect();
         if !others.is_empty() {
             let _ = writeln!(
                 out,
                 "   {} {}",
                 if zh { "组内最接近的类别：" } else { "near most of the group:" },
-                others.join(", ")
+                others.join(if zh { "、" } else { ", " })
             );
         }
     }
@@ -66,16 +69,18 @@ pub fn render(of: &Unexplained, lang: Lang) -> String {
 /// What the ego does, in short.
 pub(super) fn ego(of: &UnexplainedMoment, lang: Lang) -> String {
     let speed = of.ego_speed_mps.map(|v| format!("{v:.1} m/s"));
-    let all: Vec<String> = speed.into_iter().chain(of.ego_actions.iter().cloned()).collect();
+    let actions = of.ego_action_names.iter().map(|name| name.get(lang).to_owned());
+    let all: Vec<String> = speed.into_iter().chain(actions).collect();
     match (all.is_empty(), lang) {
         (true, Lang::Zh) => "状态未知".to_owned(),
         (true, Lang::En) => "unknown".to_owned(),
-        _ => all.join(", "),
+        (false, Lang::Zh) => all.join("，"),
+        (false, Lang::En) => all.join(", "),
     }
 }
 
-/// A class with how many of its conditions hold.
-pub(super) fn class(near: &NearestClass, lang: Lang) -> String {
+/// A class, called `name`, with how many of its conditions hold.
+pub(super) fn class(near: &NearestClass, name: &str, lang: Lang) -> String {
     let (held, all) = (near.held, near.conditions);
     let target = near.target_id.as_ref();
     // Its episode is near, and its time range does not hold the moment.
@@ -84,25 +89,26 @@ pub(super) fn class(near: &NearestClass, lang: Lang) -> String {
         Lang::Zh => {
             let of = target.map_or(String::new(), |t| format!("，目标 {t}"));
             let found = if found { "，附近已有该类事件" } else { "" };
-            format!("{}：{all} 个条件中 {held} 个成立{of}{found}", near.scenario_id)
+            format!("{name}：{all} 个条件中 {held} 个成立{of}{found}")
         }
         Lang::En => {
             let of = target.map_or(String::new(), |t| format!(", target {t}"));
             let found = if found { ", found nearby" } else { "" };
-            format!("{}: {held} of {all} conditions{of}{found}", near.scenario_id)
+            format!("{name}: {held} of {all} conditions{of}{found}")
         }
     }
 }
 
 /// A condition with what was measured.
 pub(super) fn unmet(part: &UnmetPart, lang: Lang) -> String {
-    let actual = match &part.actual_value {
-        serde_json::Value::Null => if lang == Lang::Zh { "未知" } else { "unknown" }.to_owned(),
-        serde_json::Value::String(word) => word.clone(),
-        value => format!("{value} {}", part.unit).trim_end().to_owned(),
-    };
+    // That a truth does not hold is what the line says.
+    if part.actual_value.is_boolean() {
+        return part.description.get(lang).to_owned();
+    }
+    let unknown = Bilingual::new("未知", "unknown");
+    let actual = part.actual_words.as_ref().unwrap_or(&unknown).get(lang);
     match lang {
-        Lang::Zh => format!("{}（实际 {actual}）", part.condition),
-        Lang::En => format!("{} (is {actual})", part.condition),
+        Lang::Zh => format!("{}（实际 {actual}）", part.description.zh),
+        Lang::En => format!("{} (is {actual})", part.description.en),
     }
 }

@@ -17,7 +17,9 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use whyroad_framework::spec::PackSpec;
 use whyroad_model::label_fields::name;
-use whyroad_model::messages::{Causes, CocLabel, EpisodeCursor, EpisodeFilter, EpisodeRecord};
+use whyroad_model::messages::{
+    Causes, CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodeRecord,
+};
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
 /// Most people on one episode.
@@ -285,7 +287,7 @@ impl LastDrive {
 
 impl Source {
     fn signals(&self, app: &App) -> &SignalTable {
-        self.signals.get_or_init(|| app.recordings.signals(&self.drive))
+        self.signals.get_or_init(|| app.recordings.whole_signals(&self.drive))
     }
 
     fn picture(&self, episode: &EpisodeRecord) -> String {
@@ -444,15 +446,13 @@ fn unanswered(mut draft: Value) -> Value {
 fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang, hides_leaf: bool) -> Answer<Value> {
     let whole = app.recordings.draft(&source.drive, source.signals(app), episode, lang);
     let keyframe = episode.keyframe.timestamp;
-    let history = source.drive.until(keyframe);
-    let signals = app.recordings.signals(&history);
-    let before = app.recordings.draft(&history, &signals, &until(episode, keyframe), lang);
-    let mut label = join(whole, before, keyframe);
-    if hides_leaf {
+    let label = if hides_leaf {
         // What the rule says of the history was said for the leaf; causes name it.
-        label.critical_components.clear();
-        label.causes = None;
-    }
+        CocLabel { critical_components: vec![], causes: None, ..whole }
+    } else {
+        let history = source.drive.until(keyframe);
+        join(whole, app.recordings.components(&history, &until(episode, keyframe), lang), keyframe)
+    };
     serde_json::to_value(label).map_err(Problem::store)
 }
 
@@ -468,9 +468,9 @@ fn until(episode: &EpisodeRecord, keyframe: Nanos) -> EpisodeRecord {
     e
 }
 
-/// `whole` with the components of `before`; causes that name a component which is gone go with it.
-fn join(mut whole: CocLabel, before: CocLabel, keyframe: Nanos) -> CocLabel {
-    whole.critical_components = before.critical_components;
+/// `whole` with the components `before` the keyframe; causes that name a component which is gone go with it.
+fn join(mut whole: CocLabel, before: Vec<CriticalComponent>, keyframe: Nanos) -> CocLabel {
+    whole.critical_components = before;
     for c in &mut whole.critical_components {
         for at in &mut c.evidence_times {
             *at = (*at).min(keyframe);

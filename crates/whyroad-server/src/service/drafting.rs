@@ -1,6 +1,6 @@
-//! Drafts in the background. Deriving a draft takes a second or so, and a lead makes hundreds of tasks at once: these
-//! are stored at once, pending, without reading their drives, and their drafts and small pictures are made one after
-//! the other beside the service's work. Whoever opens a pending task before its turn has its draft made then.
+//! Drafts in the background. Deriving a draft takes up to a second, and a lead makes hundreds of tasks at once: these
+//! are stored at once, pending, without reading their drives, and their drafts and small pictures are made drive by
+//! drive beside the service's work. Whoever opens a pending task before its turn has its draft made then.
 
 use crate::app::App;
 use crate::problem::{Answer, Problem};
@@ -8,14 +8,20 @@ use crate::service::create::{self, LastDrive, Start};
 use crate::service::projects;
 use crate::service::tasks::{self, TaskRow};
 use crate::service::thumbnail;
-use crate::values;
+use crate::{secret, values};
+use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Between two looks for pending tasks when there were none.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
+/// A worker stores what it has made this often: drafts that are made quickly share a transaction.
+const STORE_EVERY: Duration = Duration::from_millis(200);
+/// Pending tasks that a worker looks at, and from how many on it has enough.
+const LOOK_AHEAD: usize = 64;
+const FEW: usize = 16;
 
 /// `pending` of a task without its draft, and of one whose draft failed: that one is tried again when it is opened.
 pub(super) const PENDING: i64 = 1;
@@ -27,69 +33,156 @@ pub fn ready(app: &App, t: TaskRow) -> Answer<TaskRow> {
         return Ok(t);
     }
     let id = t.id.clone();
-    make(app, &t, &mut LastDrive::default())?;
+    let start = start_of(app, &t, &mut LastDrive::default())?;
+    put(app, vec![(id.clone(), start)])?;
     app.store.read(|tx| tasks::get(tx, &id))
 }
 
-/// Makes the draft of a pending task and stores it.
-fn make(app: &App, t: &TaskRow, last: &mut LastDrive) -> Answer<()> {
-    let project = app.store.read(|tx| projects::get(tx, &t.project))?;
-    let start = create::start_of(app, &project, &t.episode, &t.lang, last)?;
-    put(app, t.id.clone(), start)
-}
-
-fn put(app: &App, id: String, start: Start) -> Answer<()> {
+fn put(app: &App, made: Vec<(String, Start)>) -> Answer<()> {
     app.store.write(move |tx| {
-        // Another thread may have been faster.
-        let sql = "UPDATE tasks SET initial = $1, draft = $2, pending = 0 WHERE id = $3 AND pending <> 0";
-        let text = projects::json(&start.draft)?;
-        if tx.run(sql, values![&text, &text, &id])? > 0 {
-            thumbnail::put(tx, &id, &start.thumbnail)?;
+        for (id, start) in &made {
+            // Another thread may have been faster.
+            let sql = "UPDATE tasks SET initial = $1, draft = $2, pending = 0 WHERE id = $3 AND pending <> 0";
+            let text = projects::json(&start.draft)?;
+            if tx.run(sql, values![&text, &text, id])? > 0 {
+                thumbnail::put(tx, id, &start.thumbnail)?;
+            }
         }
         Ok(())
     })
 }
 
-/// Makes drafts until the service ends. Not waited for: a derivation that hangs does not keep the service from
-/// stopping, and what is still pending is made after the next start.
-pub fn spawn(app: &Arc<App>) -> JoinHandle<()> {
-    let service = Arc::downgrade(app);
-    std::thread::spawn(move || {
-        let mut last = LastDrive::default();
-        while let Some(app) = service.upgrade() {
-            let worked = next(&app, &mut last);
-            drop(app);
-            match worked {
-                Ok(true) => {}
-                Ok(false) => {
-                    last = LastDrive::default();
-                    std::thread::sleep(LOOK_EVERY);
-                }
-                // The store is away: it comes back, or the service ends.
-                Err(_) => std::thread::sleep(LOOK_EVERY * 4),
+/// What the draft of `t` consists of.
+fn start_of(app: &App, t: &TaskRow, last: &mut LastDrive) -> Answer<Start> {
+    let project = app.store.read(|tx| projects::get(tx, &t.project))?;
+    create::start_of(app, &project, &t.episode, &t.lang, last)
+}
+
+/// Makes drafts until the service ends, on all cores but one: people save meanwhile. Not waited for: a derivation that
+/// hangs does not keep the service from stopping, and what is still pending is made after the next start.
+pub fn spawn(app: &Arc<App>) -> Vec<JoinHandle<()>> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let turns = Arc::new(Turns::default());
+    let worker = |_| {
+        let (service, turns) = (Arc::downgrade(app), Arc::clone(&turns));
+        std::thread::spawn(move || work(&service, &turns))
+    };
+    (1..cores.max(2)).map(worker).collect()
+}
+
+fn work(service: &Weak<App>, turns: &Turns) {
+    while let Some(app) = service.upgrade() {
+        let batch = turns.next(&app);
+        drop(app);
+        match batch.and_then(|batch| batch.map(|b| make(service, &b)).transpose()) {
+            Ok(Some(())) => {}
+            Ok(None) => std::thread::sleep(LOOK_EVERY),
+            // The store is away: it comes back, or the service ends.
+            Err(_) => std::thread::sleep(LOOK_EVERY * 4),
+        }
+    }
+}
+
+/// Makes the drafts of a batch. What the store does not take stays pending.
+fn make(service: &Weak<App>, batch: &Batch<'_>) -> Answer<()> {
+    let (mut last, mut made, mut since) = (LastDrive::default(), Vec::new(), Instant::now());
+    for id in &batch.tasks {
+        let Some(app) = service.upgrade() else { return Ok(()) };
+        match one(&app, id, &mut last) {
+            Ok(start) => made.extend(start.map(|start| (id.clone(), start))),
+            Err(why) => {
+                last = LastDrive::default();
+                failed(&app, id, &why)?;
             }
         }
+        if since.elapsed() >= STORE_EVERY {
+            put(&app, std::mem::take(&mut made))?;
+            since = Instant::now();
+        }
+    }
+    match service.upgrade() {
+        Some(app) if !made.is_empty() => put(&app, made),
+        _ => Ok(()),
+    }
+}
+
+/// The draft of a task; none where it is made already.
+fn one(app: &App, id: &str, last: &mut LastDrive) -> Answer<Option<Start>> {
+    let t = app.store.read(|tx| tasks::get(tx, id))?;
+    if !t.pending {
+        return Ok(None);
+    }
+    catch_unwind(AssertUnwindSafe(|| start_of(app, &t, last)))
+        .unwrap_or_else(|_| Err(Problem::new(500, "internal", "内部错误", "the derivation failed")))
+        .map(Some)
+}
+
+fn failed(app: &App, id: &str, why: &Problem) -> Answer<()> {
+    (app.log)(&format!("draft of task {id}: {}", why.text.en));
+    let id = id.to_owned();
+    app.store.write(move |tx| {
+        tx.run("UPDATE tasks SET pending = $1 WHERE id = $2 AND pending <> 0", values![FAILED, &id]).map(drop)
     })
 }
 
-/// Makes the draft of one pending task; false where there is none.
-fn next(app: &App, last: &mut LastDrive) -> Answer<bool> {
-    // Drive by drive: each is read once.
-    let sql = "SELECT id FROM tasks WHERE pending = $1 ORDER BY pending, priority DESC, drive_id, keyframe_ns, id LIMIT 1";
-    let Some(row) = app.store.read(|tx| tx.row(sql, values![PENDING]))? else { return Ok(false) };
-    let id = row.text("id")?;
-    let t = app.store.read(|tx| tasks::get(tx, &id))?;
-    let made = catch_unwind(AssertUnwindSafe(|| make(app, &t, last)))
-        .unwrap_or_else(|_| Err(Problem::new(500, "internal", "内部错误", "the derivation failed")));
-    if let Err(why) = made {
-        *last = LastDrive::default();
-        (app.log)(&format!("draft of task {id}: {}", why.text.en));
-        app.store.write(move |tx| {
-            tx.run("UPDATE tasks SET pending = $1 WHERE id = $2 AND pending <> 0", values![FAILED, &id])
-                .map(drop)
-        })?;
+/// Which tasks the workers have in hand.
+#[derive(Default)]
+struct Turns(Mutex<BTreeSet<String>>);
+
+/// Tasks that one worker has in hand, drive by drive and each drive in time.
+struct Batch<'a> {
+    turns: &'a Turns,
+    tasks: Vec<String>,
+}
+
+impl Turns {
+    /// The next tasks for a worker; `None` where all have one.
+    fn next(&self, app: &App) -> Answer<Option<Batch<'_>>> {
+        let mut in_hand = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let sql = "SELECT id, drive_id FROM tasks WHERE pending = $1
+            ORDER BY pending, priority DESC, drive_id, keyframe_ns, id LIMIT $2";
+        let limit = (in_hand.len() + LOOK_AHEAD) as i64;
+        let rows = app.store.read(|tx| tx.rows(sql, values![PENDING, limit]))?;
+        let mut free: Vec<(String, String)> = Vec::new();
+        for row in rows {
+            let (id, drive) = (row.text("id")?, row.text("drive_id")?);
+            if !in_hand.contains(&id) {
+                free.push((id, drive));
+            }
+        }
+        let tasks = some_of(&free, chance()?);
+        in_hand.extend(tasks.iter().cloned());
+        // Made only where there are some: a batch that ends takes the lock.
+        Ok((!tasks.is_empty()).then(|| Batch { turns: self, tasks }))
     }
-    Ok(true)
+}
+
+impl Drop for Batch<'_> {
+    fn drop(&mut self) {
+        let mut in_hand = self.turns.0.lock().unwrap_or_else(PoisonError::into_inner);
+        self.tasks.iter().for_each(|id| {
+            in_hand.remove(id);
+        });
+    }
+}
+
+/// Of tasks with their drives, those of one drive, and of the next ones while they are few. Any drive may be the first:
+/// several services on one database take different ones then.
+fn some_of(free: &[(String, String)], chance: usize) -> Vec<String> {
+    let drives: Vec<&[(String, String)]> = free.chunk_by(|(_, a), (_, b)| a == b).collect();
+    let first = chance % drives.len().max(1);
+    let mut tasks = Vec::new();
+    for drive in &drives[first..] {
+        if tasks.len() >= FEW {
+            break;
+        }
+        tasks.extend(drive.iter().map(|(id, _)| id.clone()));
+    }
+    tasks
+}
+
+fn chance() -> Answer<usize> {
+    Ok(secret::id()?.bytes().fold(0, |n, byte| n * 31 % 1_000_003 + usize::from(byte)))
 }
 
 /// Tasks of `project` whose drafts are still to be made.
@@ -97,3 +190,6 @@ pub fn pending(tx: &mut dyn crate::store::Tx, project: &str) -> Answer<i64> {
     let sql = "SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND pending = $2";
     tx.row(sql, values![project, PENDING])?.map_or(Ok(0), |r| r.int("n"))
 }
+
+#[cfg(test)]
+mod tests;

@@ -61,16 +61,26 @@ pub(crate) struct Args {
 /// What both forms of output show.
 struct Shown<'a> {
     class: &'a ScenarioId,
+    /// What the class is called.
+    title: Bilingual,
     clip: &'a str,
     explanation: &'a Explanation,
+    /// What the signals are called for lack of which it cannot be decided.
+    missing: Vec<Bilingual>,
 }
 
-/// A class by name and id; what the taxonomy does not have by its id.
-fn named(framework: &Framework, id: &ScenarioId, lang: Lang) -> String {
-    if !framework.taxonomy.contains(id) {
-        return id.to_string();
+/// What a class is called; the id of what the taxonomy does not have.
+fn named(framework: &Framework, id: &ScenarioId) -> Bilingual {
+    if framework.taxonomy.contains(id) || id.l1 == OTHER {
+        return class_title(&framework.taxonomy, id);
     }
-    format!("{} ({id})", class_title(&framework.taxonomy, id).get(lang))
+    Bilingual::same(id.to_string())
+}
+
+/// What a signal is called.
+fn signal_title(catalogue: &Catalogue, name: &str) -> Bilingual {
+    let title = catalogue.get(name).map(|def| def.title.clone());
+    title.filter(|t| !t.zh.is_empty()).unwrap_or_else(|| Bilingual::same(name))
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
@@ -131,7 +141,13 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
     };
     let explanation = explain(&rule, &table, clip, wanted.as_ref());
-    let shown = Shown { class: &rule.scenario, clip: &args.clip, explanation: &explanation };
+    let shown = Shown {
+        class: &rule.scenario,
+        title: named(&framework, &rule.scenario),
+        clip: &args.clip,
+        explanation: &explanation,
+        missing: explanation.missing.iter().map(|name| signal_title(&catalogue, name)).collect(),
+    };
     args.print.put(&json::document(&shown), || text::render(&shown, global.lang))?;
     if let Some(file) = &args.svg {
         std::fs::write(file, truths::render(&chart::chart(&shown, global.lang)))
@@ -141,7 +157,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         let chart = truths::render(&chart::chart(&shown, global.lang));
         let frame = explanation.moment.map(|m| clip.start + m);
         let target = explanation.roles.get(&rule.target_role);
-        let title = format!("{}, {}", named(&framework, &rule.scenario, global.lang), args.clip);
+        let title = match global.lang {
+            Lang::Zh => format!("{}，{}", shown.title.zh, args.clip),
+            Lang::En => format!("{}, {}", shown.title.en, args.clip),
+        };
         let page = page::page(&title, &drive, frame, target, &chart, global.lang);
         std::fs::write(file, page).with_context(|| cannot_write(file.display()))?;
     }

@@ -23,6 +23,7 @@ use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, FrameRange, Lang, SignalTable};
 use whyroad_render::birds_eye;
 use whyroad_render::markup::Markup;
+use whyroad_report::coverage::class_title;
 use whyroad_report::unexplained::{NearestClass, Unexplained, UnexplainedMoment, UnmetPart, page, render};
 use whyroad_signals::Catalogue;
 
@@ -96,7 +97,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let descriptors: Vec<_> = found.iter().map(|f| f.descriptor.clone()).collect();
     let groups = similar::groups(&descriptors, args.similarity);
     let groups: Vec<(usize, Vec<usize>)> = groups.into_iter().map(|g| (g.center, g.members)).collect();
-    let mut result = Unexplained::new(&moments, &groups);
+    let mut result = Unexplained::new(&moments, &groups, |id| class_title(&framework.taxonomy, id));
     result.groups.truncate(args.limit.unwrap_or(usize::MAX));
     args.print.put(&result, || render(&result, global.lang))?;
     if let Some(file) = &args.page {
@@ -160,6 +161,8 @@ fn moment(record: &EpisodeRecord, table: &SignalTable, nearest: Vec<NearestClass
     let frame = table.times.partition_point(|t| *t < keyframe);
     let column = |name: &str| table.frame_columns.get(name);
     let word = |name: &str| column(name).and_then(|c| c.category(frame)).map(str::to_owned);
+    let ego_actions: Vec<String> =
+        ["ego.meta_longitudinal", "ego.meta_lateral"].into_iter().filter_map(word).collect();
     UnexplainedMoment {
         episode_id: record.episode_id.clone(),
         drive_id: record.drive_id.clone(),
@@ -167,7 +170,8 @@ fn moment(record: &EpisodeRecord, table: &SignalTable, nearest: Vec<NearestClass
         keyframe,
         keyframe_s: table.times.first().map_or(0.0, |start| keyframe.seconds_since(*start)),
         ego_speed_mps: column("ego.speed").and_then(|c| c.number(frame)),
-        ego_actions: ["ego.meta_longitudinal", "ego.meta_lateral"].into_iter().filter_map(word).collect(),
+        ego_action_names: ego_actions.iter().map(|a| Catalogue::bundled().value_name(a)).collect(),
+        ego_actions,
         nearest,
     }
 }
@@ -175,7 +179,9 @@ fn moment(record: &EpisodeRecord, table: &SignalTable, nearest: Vec<NearestClass
 fn class(near: NearClass) -> NearestClass {
     let unmet = near.unmet.into_iter().map(|part| UnmetPart {
         condition: part.text,
+        description: part.words,
         actual_value: part.actual,
+        actual_words: part.actual_words,
         unit: part.unit.to_owned(),
     });
     NearestClass {

@@ -22,7 +22,7 @@ use whyroad_report::analytics::{
 use whyroad_report::report::{
     CardChoice, ChosenEpisodes, DrivePart, ReportBuilder, ReportContext, SignalInfo,
 };
-use whyroad_signals::Catalogue;
+use whyroad_signals::{Catalogue, SignalKind};
 
 /// Arguments of `whyroad report`.
 #[derive(clap::Args)]
@@ -233,7 +233,12 @@ pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::R
     let signals: BTreeMap<String, SignalInfo> = catalogue
         .iter()
         .map(|d| {
+            let values: &[String] = match &d.kind {
+                SignalKind::Category(values) => values,
+                _ => &[],
+            };
             let info = SignalInfo {
+                values: values.iter().map(|v| (v.clone(), catalogue.value_name(v))).collect(),
                 unit: d.unit,
                 title: d.title.clone(),
                 meaning: d.meaning.clone(),

@@ -37,7 +37,7 @@ fn rows(shown: &Shown<'_>, lang: Lang) -> Vec<TruthRow> {
         out.push(TruthRow { curve: single(part).and_then(curve), ..row(&part.course, &text, 0, lang) });
         if single(part).is_none() {
             out.extend(below(part).map(|atom| {
-                let text = with_value(atom.text.clone(), Some(atom), lang);
+                let text = with_value(atom.words.get(lang).to_owned(), Some(atom), lang);
                 TruthRow { curve: curve(atom), ..row(&atom.course, &text, INDENT, lang) }
             }));
         }

@@ -46,6 +46,7 @@ fn part(p: &PartCourse) -> Value {
     json!({
         "place": place,
         "text": p.text,
+        "description": p.words,
         "course": course(&p.course),
         "comparisons": p.atoms.iter().map(comparison).collect::<Vec<_>>(),
     })
@@ -53,7 +54,13 @@ fn part(p: &PartCourse) -> Value {
 
 /// `actual` is null where it is unknown or infinite; the truth beside it says which.
 fn comparison(a: &AtomCourse) -> Value {
-    json!({ "text": a.text, "actual": a.actual, "unit": a.unit, "course": course(&a.course) })
+    json!({
+        "text": a.text,
+        "description": a.words,
+        "actual": a.actual,
+        "unit": a.unit,
+        "course": course(&a.course),
+    })
 }
 
 /// Truth and margin at the explained frame, and the truth of all frames as half-open spans. A margin that is unknown or

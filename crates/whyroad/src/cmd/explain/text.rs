@@ -45,7 +45,7 @@ pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
         (_, Lang::Zh) => format!("（{}）", roles.join("、")),
         (_, Lang::En) => format!(" ({})", roles.join(", ")),
     };
-    let (class, clip) = (shown.class, shown.clip);
+    let (class, clip) = (shown.title.get(lang), shown.clip);
     let mut out = match lang {
         Lang::Zh => format!("{class}，片段 {clip}{who}：{}", outcome_zh(e)),
         Lang::En => format!("{class} in {clip}{who}: {}", outcome_en(e)),
@@ -57,7 +57,8 @@ pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
         };
     }
     if !e.missing.is_empty() {
-        let missing = e.missing.join(", ");
+        let missing: Vec<&str> = shown.missing.iter().map(|name| name.get(lang)).collect();
+        let missing = missing.join(if lang == Lang::Zh { "、" } else { ", " });
         let _ = match lang {
             Lang::Zh => write!(out, "\n此行程不可观测，缺少信号：{missing}"),
             Lang::En => write!(out, "\nnot observable in this drive, which lacks {missing}"),
@@ -121,17 +122,18 @@ fn outcome_zh(e: &Explanation) -> String {
 /// Name of the line for all conditions together.
 pub(super) fn whole(lang: Lang) -> &'static str {
     match lang {
-        Lang::Zh => "全部条件（when）",
-        Lang::En => "all of when",
+        Lang::Zh => "全部条件",
+        Lang::En => "all conditions",
     }
 }
 
-/// A part's text, with where it must hold.
+/// A part in words, with where it must hold.
 pub(super) fn text_of(part: &PartCourse, lang: Lang) -> String {
+    let words = part.words.get(lang);
     match (part.place, lang) {
-        (PartPlace::When, _) => part.text.clone(),
-        (PartPlace::Require, Lang::Zh) => format!("关键帧处：{}", part.text),
-        (PartPlace::Require, Lang::En) => format!("at the keyframe: {}", part.text),
+        (PartPlace::When, _) => words.to_owned(),
+        (PartPlace::Require, Lang::Zh) => format!("关键帧处：{words}"),
+        (PartPlace::Require, Lang::En) => format!("at the keyframe: {words}"),
     }
 }
 
@@ -140,17 +142,22 @@ pub(super) fn single(part: &PartCourse) -> Option<&AtomCourse> {
     part.atoms.first().filter(|a| part.atoms.len() == 1 && a.text == part.text)
 }
 
-/// What is shown below a part: its definitions and comparisons, without the part itself again.
+/// What is shown below a part: its definitions and comparisons, without the part itself again, nor a definition beside
+/// the comparison that it consists of.
 pub(super) fn below(part: &PartCourse) -> impl Iterator<Item = &AtomCourse> {
-    part.atoms.iter().filter(|a| a.text != part.text)
+    let said = |a: &AtomCourse| part.atoms.iter().any(|b| b.words == a.words && is_measured(b));
+    part.atoms.iter().filter(move |a| a.text != part.text && (is_measured(a) || !said(a)))
+}
+
+fn is_measured(atom: &AtomCourse) -> bool {
+    !atom.actual.is_boolean()
 }
 
 /// The measured value with its unit; nothing where the condition is its own measure.
 pub(super) fn actual(atom: &AtomCourse, lang: Lang) -> Option<String> {
     let word = |zh: &str, en: &str| Some(if lang == Lang::Zh { zh } else { en }.to_owned());
     match &atom.actual {
-        Value::Number(n) => Some(format!("{n} {}", atom.unit).trim_end().to_owned()),
-        Value::String(s) => Some(s.clone()),
+        Value::Number(_) | Value::String(_) => Some(atom.actual_words.as_ref()?.get(lang).to_owned()),
         Value::Null if atom.course.truth == Tri::Unknown => word("未知", "unknown"),
         Value::Null => word("无穷", "infinite"),
         _ => None,
@@ -161,7 +168,7 @@ fn lines_of_part(out: &mut String, part: &PartCourse, lang: Lang) {
     line(out, &part.course, 0, &text_of(part, lang), single(part), lang);
     if single(part).is_none() {
         for atom in below(part) {
-            line(out, &atom.course, 2, &atom.text, Some(atom), lang);
+            line(out, &atom.course, 2, atom.words.get(lang), Some(atom), lang);
         }
     }
 }
