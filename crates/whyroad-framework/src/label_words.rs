@@ -5,10 +5,12 @@ mod aftermath;
 mod clauses;
 mod compared;
 mod compile;
+mod subjects;
 
 pub use aftermath::{Aftermath, NewSubject, TellWord};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
+pub use subjects::Subjects;
 
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
@@ -187,6 +189,8 @@ pub struct LabelWords {
     pub known: KnownKinds,
     /// What texts are compared without.
     pub compared: Compared,
+    /// How the thing is found that a component speaks of.
+    pub subjects: Subjects,
 }
 
 impl LabelWords {
@@ -299,6 +303,7 @@ struct File {
     aftermath: aftermath::RawAftermath,
     clauses: clauses::RawClauses,
     compared: compared::RawCompared,
+    subjects: subjects::RawSubjects,
     placeholder: Words,
     plain: Words,
     scene: Words,

@@ -114,6 +114,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         road_users,
         known,
         compared,
+        subjects: raw.subjects.compile(),
     };
     (words, problems)
 }

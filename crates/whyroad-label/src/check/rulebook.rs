@@ -77,7 +77,7 @@ impl Rulebook<'_> {
             .and_then(|(text, r)| trace_rules::aftermath(text, label, &texts, r, words, lexicon));
         cause_text::hindsight(label, &texts, after, lexicon, sink);
         cause_text::unobserved(label, words, sink);
-        let another_class = class.is_some_and(|c| text::class(&texts, words, background, c, sink));
+        let another_class = class.is_some_and(|c| text::class(label, &texts, words, background, c, sink));
         cause_text::proximate(label, &texts, words, sink);
         if !another_class && !impossible {
             cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink);

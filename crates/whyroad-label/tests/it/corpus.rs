@@ -238,7 +238,9 @@ fn labels_in_unknown_words_are_left_alone() {
     println!("one word in five missing: found {found_of}/{faults}, true labels flagged {flagged}/{all}");
     println!("{by_code:?}");
     assert!(all >= 500 && faults >= 500);
-    assert!(flagged as f64 <= UNKNOWN_WORDS.1 * all as f64 && found_of as f64 >= UNKNOWN_WORDS.0 * faults as f64);
+    assert!(
+        flagged as f64 <= UNKNOWN_WORDS.1 * all as f64 && found_of as f64 >= UNKNOWN_WORDS.0 * faults as f64
+    );
 }
 
 /// Twenty true labels of each language, terse, chatty and technical.

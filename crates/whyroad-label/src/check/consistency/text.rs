@@ -3,6 +3,7 @@
 
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
+use crate::check::subject;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
@@ -396,6 +397,12 @@ fn other_light<'t>(
     (!given.is_empty() && !said.iter().any(|(_, c)| given.contains(c))).then_some(n)
 }
 
+/// Some component speaks of a thing in words that no list knows.
+fn any_unread(label: &View<'_>, texts: &Texts, words: &LabelWords, background: GroupSet) -> bool {
+    let mut parts = label.parts.iter().zip(&texts.components);
+    parts.any(|(c, f)| c.description.get().is_none_or(|t| subject::is_unread(t, f, words, background)))
+}
+
 /// A stop is decided once: whoever stands already and goes on standing decides nothing (LABELING.md 6, minimality).
 pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, sink: &mut dyn Sink) {
     let stops = matches!(
@@ -426,9 +433,10 @@ pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, sink: &mut dy
     );
 }
 
-/// The texts speak of what the class is about. Reported only where they speak of something else, and nobody acts in
-/// them whom no list knows. `background`: what no text is about.
+/// The texts speak of what the class is about. Reported only where they speak of something else, and of nothing and
+/// nobody whom no list knows. `background`: what no text is about.
 pub(in crate::check) fn class(
+    label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
     background: GroupSet,
@@ -442,6 +450,9 @@ pub(in crate::check) fn class(
     let all = texts.components.iter().fold(texts.trace.groups, |set, f| set.with(f.groups));
     let unknown_actor = texts.components.iter().any(|f| !f.states.is_empty());
     if all.meets(class.about) || all.without(background).is_empty() || unknown_actor {
+        return false;
+    }
+    if any_unread(label, texts, words, background) {
         return false;
     }
     sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {

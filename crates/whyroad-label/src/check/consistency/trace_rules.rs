@@ -116,19 +116,39 @@ pub(in crate::check) fn trace(
         };
         if !unreadable {
             let mut v = v;
-            if let TraceVerdict::NotStated { label: decision, .. } = v {
+            let by_stem = |decision: &str, other: Option<Lateral>, apart: Option<(usize, usize)>| {
                 // Which channel is not stated is known: the other one's stems say nothing of it.
                 let across = lateral.get().filter(|d| d.id() == decision);
                 let both = match across {
                     Some(_) => (None, across),
-                    None => (longitudinal.get(), lateral.get()),
+                    None => (longitudinal.get(), other),
                 };
-                match trace_stems::read(text, reading, lexicon, both, texts, words) {
-                    ByStem::Stated => return,
-                    ByStem::Denied(start, end) => v = TraceVerdict::Denied { label: decision, start, end },
-                    ByStem::Against(start, end) => v = TraceVerdict::Against { label: decision, start, end },
-                    ByStem::Unread => {}
+                trace_stems::read(text, reading, lexicon, both, texts, words, apart)
+            };
+            match v {
+                TraceVerdict::NotStated { label: decision, .. } => {
+                    match by_stem(decision, lateral.get(), None) {
+                        ByStem::Stated { .. } => return,
+                        ByStem::Denied(start, end) => {
+                            v = TraceVerdict::Denied { label: decision, start, end }
+                        }
+                        ByStem::Against(start, end) => {
+                            v = TraceVerdict::Against { label: decision, start, end }
+                        }
+                        ByStem::Unread => {}
+                    }
                 }
+                // Words that no phrase holds may state it after all: "take some speed off".
+                TraceVerdict::OtherDecision { label: decision, ref says, start, end }
+                    if says.len() > 1
+                        && matches!(
+                            by_stem(decision, None, Some((start, end))),
+                            ByStem::Stated { contested: false }
+                        ) =>
+                {
+                    return;
+                }
+                _ => {}
             }
             let not_stated = matches!(v, TraceVerdict::NotStated { .. });
             none |= not_stated;
@@ -146,7 +166,7 @@ pub(in crate::check) fn trace(
                 && m.force != Force::Negated
                 && lexicon.phrases[m.phrase].longitudinal.contains(&along)
         });
-        let read = || trace_stems::read(text, reading, lexicon, (Some(along), None), texts, words);
+        let read = || trace_stems::read(text, reading, lexicon, (Some(along), None), texts, words, None);
         if !stated && let ByStem::Denied(start, end) = read() {
             found = true;
             verdict(&TraceVerdict::Denied { label: along.id(), start, end }, text, names, sink);

@@ -45,7 +45,9 @@ fn thin(lists: &mut Value, part: u64) {
         let Some(list) = lists.get_mut(language).and_then(Value::as_array_mut) else { continue };
         let all: Vec<String> = list.iter().filter_map(Value::as_str).flat_map(alternatives).collect();
         let kept: Vec<&String> = all.iter().filter(|w| hash(w) % PARTS != part).collect();
-        *list = if kept.is_empty() { all[..1].iter().map(|w| w.as_str().into()).collect() } else {
+        *list = if kept.is_empty() {
+            all[..1].iter().map(|w| w.as_str().into()).collect()
+        } else {
             kept.into_iter().map(|w| w.as_str().into()).collect()
         };
     }

@@ -1,0 +1,55 @@
+//! How the thing is found that a component speaks of (`subjects` of `schema/label_words.yaml`).
+
+use super::{CharSet, Words};
+use serde::Deserialize;
+use std::collections::HashSet;
+
+/// Words around the name of a thing.
+#[derive(Clone, Debug, Default)]
+pub struct Subjects {
+    ends: HashSet<String>,
+    pronouns: HashSet<String>,
+    /// How many, in Chinese.
+    pub counts: CharSet,
+    /// The word that counts, behind it.
+    pub counters: CharSet,
+    /// Behind the name of a place.
+    pub places: CharSet,
+}
+
+impl Subjects {
+    /// The word of Latin letters, in lower case, ends the words for a thing.
+    pub fn ends(&self, word: &str) -> bool {
+        self.ends.contains(word) || (word.len() > 5 && word.ends_with("ing"))
+    }
+
+    /// A text that begins with this word of Latin letters, in lower case, speaks of what was named before or of no thing.
+    pub fn is_pronoun(&self, word: &str) -> bool {
+        self.pronouns.contains(word)
+    }
+}
+
+/// The lists as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSubjects {
+    ends: Words,
+    pronouns: Words,
+    counts: Words,
+    counters: Words,
+    places: Words,
+}
+
+impl RawSubjects {
+    pub(super) fn compile(&self) -> Subjects {
+        let list = |w: &Words| w.en.iter().cloned().collect();
+        let chars = |w: &Words| CharSet::of(w.zh.iter().map(String::as_str));
+        Subjects {
+            ends: list(&self.ends),
+            pronouns: list(&self.pronouns),
+            counts: chars(&self.counts),
+            counters: chars(&self.counters),
+            places: chars(&self.places),
+        }
+    }
+}
