@@ -23,14 +23,16 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
         let start = at;
         at += word.len() + 1;
         let lower = word.to_ascii_lowercase();
-        if lower.is_empty() || matches!(lower.as_str(), "a" | "an" | "the") {
+        if lower.is_empty() || (is_first && matches!(lower.as_str(), "a" | "an" | "the")) {
             continue;
         }
         if is_first && (words.subjects.is_pronoun(&lower) || lower.starts_with(|c: char| c.is_ascii_digit()))
         {
             return false;
         }
-        let divides = start > 0 && text[..start].trim_end().ends_with([',', ';', '.', ':']);
+        // A second article or pronoun begins what the thing does something to.
+        let divides =
+            is_determiner(&lower) || start > 0 && text[..start].trim_end().ends_with([',', ';', '.', ':']);
         if !is_first && (divides || words.subjects.ends(&lower)) {
             end = start;
             break;
@@ -38,6 +40,11 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
         is_first = false;
     }
     !facts.named.iter().any(|n| n.start < end)
+}
+
+/// Begins the words for a thing in Latin letters.
+fn is_determiner(word: &str) -> bool {
+    matches!(word, "a" | "an" | "the" | "our" | "its" | "his" | "her" | "their" | "us" | "it")
 }
 
 /// "胡同里来了一台小货": nothing is named behind the word that counts; or nothing at all but a place.
@@ -50,7 +57,12 @@ fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords, backgrou
     let clause_end = |from: usize| {
         text[from..].find(['，', '。', '；', '、', '：', '！']).map_or(text.len(), |i| from + i)
     };
-    let within = |from: usize, to: usize| facts.named.iter().any(|n| n.end > from && n.start < to);
+    // "从公交车前": where somebody comes from.
+    let is_origin =
+        |n: &Named| text[..n.start].ends_with(['从', '自', '由', '被', '把', '往', '向', '朝', '沿']);
+    let within = |from: usize, to: usize| {
+        facts.named.iter().any(|n| n.end > from && n.start < to && !(n.start > from && is_origin(n)))
+    };
     if counted.peek().is_some() {
         return counted.any(|from| !within(from, clause_end(from)));
     }
