@@ -64,6 +64,10 @@ pub struct KnownKinds {
     pub elsewhere: GroupSet,
     /// What causes no decision by itself: gaps and lanes.
     pub no_cause: GroupSet,
+    /// The road itself.
+    pub road: GroupSet,
+    /// Distances, speeds and room.
+    pub gap: GroupSet,
     /// Lights.
     pub light: GroupSet,
     /// Road users and animals.

@@ -9,10 +9,18 @@ use std::collections::HashSet;
 pub struct Subjects {
     ends: HashSet<String>,
     pronouns: HashSet<String>,
+    /// A text in Chinese that begins with one of these speaks of the ego.
+    pub own: Vec<String>,
     /// How many, in Chinese.
     pub counts: CharSet,
     /// The word that counts, behind it.
     pub counters: CharSet,
+    /// In so many names of things that to share one says nothing.
+    pub common: CharSet,
+    /// The same of Latin letters, in lower case.
+    pub common_words: HashSet<String>,
+    /// Names for all of a kind, in lower case.
+    pub general: HashSet<String>,
     /// Behind the name of a place.
     pub places: CharSet,
 }
@@ -35,8 +43,11 @@ impl Subjects {
 pub(super) struct RawSubjects {
     ends: Words,
     pronouns: Words,
+    own: Words,
     counts: Words,
     counters: Words,
+    common: Words,
+    general: Words,
     places: Words,
 }
 
@@ -47,8 +58,12 @@ impl RawSubjects {
         Subjects {
             ends: list(&self.ends),
             pronouns: list(&self.pronouns),
+            own: self.own.zh.clone(),
             counts: chars(&self.counts),
             counters: chars(&self.counters),
+            common: chars(&self.common),
+            common_words: list(&self.common),
+            general: self.general.all().map(str::to_owned).collect(),
             places: chars(&self.places),
         }
     }

@@ -1,6 +1,7 @@
 //! Words that a trace shares with the components, whatever they name. Only asked before a finding is made.
 
 use super::view::View;
+use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::Compared;
 
 /// Units of a trace that are compared: a longer one is reported for its length.
@@ -14,6 +15,25 @@ pub(super) fn shared(
     words: &Compared,
     inside: &dyn Fn(usize) -> bool,
 ) -> usize {
+    shared_of(label.parts.iter().filter_map(|c| c.description.get()), text, words, inside)
+}
+
+/// The same with one component.
+pub(super) fn shared_with(
+    component: &str,
+    text: &str,
+    words: &Compared,
+    inside: &dyn Fn(usize) -> bool,
+) -> usize {
+    shared_of(std::iter::once(component), text, words, inside)
+}
+
+fn shared_of<'t>(
+    components: impl Iterator<Item = &'t str>,
+    text: &str,
+    words: &Compared,
+    inside: &dyn Fn(usize) -> bool,
+) -> usize {
     let mut ours: Vec<String> = Vec::new();
     units(text, words, |at, unit| {
         if ours.len() < MOST_UNITS && inside(at) {
@@ -23,11 +43,38 @@ pub(super) fn shared(
     ours.sort_unstable();
     ours.dedup();
     let mut theirs: Vec<String> = Vec::new();
-    for c in label.parts.iter().filter_map(|c| c.description.get()) {
+    for c in components {
         units(c, words, |_, unit| theirs.push(unit));
     }
     theirs.sort_unstable();
     ours.iter().filter(|u| theirs.binary_search(u).is_ok()).count()
+}
+
+/// The component has a word of the name of a thing; in Chinese two characters, or, unless it `acts`, the last one: "红牌"
+/// and "牌子".
+pub(super) fn has_word_of(component: &str, name: &str, acts: bool, words: &LabelWords) -> bool {
+    if name.is_ascii() {
+        let same = |a: &str, b: &str| {
+            let stem = |w: &str| w.strip_suffix('s').unwrap_or(w).to_owned();
+            stem(a) == stem(b)
+        };
+        let of = |text: &'_ str| -> Vec<String> {
+            let all = text.split(|c: char| !c.is_ascii_alphanumeric());
+            let all = all.filter(|w| w.len() >= 3).map(str::to_ascii_lowercase);
+            all.filter(|w| !words.compared.is_plain(w) && !words.subjects.common_words.contains(w)).collect()
+        };
+        let theirs = of(component);
+        return of(name).iter().any(|w| theirs.iter().any(|t| same(w, t)));
+    }
+    // The last character says what kind of thing it is, unless it is in the names of many.
+    let head = name.trim_end_matches(['子', '儿']).chars().next_back();
+    let chars: Vec<char> = name.chars().collect();
+    let telling = |c: &char| !words.subjects.common.contains(*c) && !c.is_ascii();
+    (!acts && head.filter(telling).is_some_and(|c| component.contains(c)))
+        || chars
+            .windows(2)
+            .filter(|w| w.iter().all(telling))
+            .any(|w| component.contains(&String::from_iter(w)))
 }
 
 /// The parts `inside` hold so much that they are no mere repetition: characters or words of their own.

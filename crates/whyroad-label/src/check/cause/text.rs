@@ -3,6 +3,7 @@
 
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
+use crate::check::subject;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
@@ -228,7 +229,16 @@ pub(in crate::check) fn kind(
             !facts.groups.without(table.causes.background).is_empty() && facts.states.is_empty()
         };
         let parts = || named.iter().map(|i| &texts.components[*i]);
-        if wanted.anything || named.is_empty() || parts().any(fits) || !parts().all(read) {
+        let unread = |i: &usize| {
+            let text = label.parts[*i].description.get();
+            text.is_none_or(|t| subject::is_unread(t, &texts.components[*i], words))
+        };
+        if wanted.anything
+            || named.is_empty()
+            || parts().any(fits)
+            || !parts().all(read)
+            || named.iter().any(unread)
+        {
             continue;
         }
         sink.report(Finding::warning("label.cause.kind", at), &|| {

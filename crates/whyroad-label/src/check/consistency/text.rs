@@ -274,24 +274,20 @@ pub(in crate::check) fn unnamed(
     sink: &mut dyn Sink,
 ) {
     let Some(text) = label.trace.get() else { return };
-    // What a component that cannot be read names is not known: that of a broken field, and one that says where
-    // something is in words that no list has ("a sheet of water on the right half of the road").
-    let place_only = |f: &TextFacts| {
-        let own = f.groups.without(background).is_empty() && f.states.is_empty();
-        own && !f.groups.is_empty() && !f.groups.meets(words.known.no_cause)
-    };
+    // What a component that cannot be read names is not known: that of a broken field.
     let unread = label.parts.iter().any(|c| c.description.get().is_none());
-    let thing_unread = texts.components.iter().any(place_only);
     if unread || texts.all_components(words).is_empty() {
         return;
     }
     let (any, beside) = (texts.components_there(words, false), texts.components_there(words, true));
     let is_new = |n: &&Named| {
         let group = &words.objects[n.group];
-        let known = !thing_unread || group.own.meets(words.known.actor);
-        group.named && known && !group.own.meets(if n.side.is_some() { beside } else { any })
+        group.named && !group.own.meets(if n.side.is_some() { beside } else { any })
     };
-    let Some(n) = texts.trace.there().filter(|n| n.start < until).find(is_new) else {
+    let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
+    // In other words, or one that a component has in words that no list knows: most labels do not come to this.
+    let unread = new.peek().map(|_| Unread::of(label, texts, words, background));
+    let Some(n) = new.find(|n| unread.as_ref().is_some_and(|u| !u.may_name(text, n, texts, words))) else {
         return differs(label, texts, words, until, sink);
     };
     sink.report(
@@ -305,6 +301,67 @@ pub(in crate::check) fn unnamed(
             .hint("补上该要素，或从因果描述中删去", "add it as a component, or leave it out of the trace")
         },
     );
+}
+
+/// What components speak of in words that no list knows.
+struct Unread<'a> {
+    /// All components.
+    all: Vec<&'a str>,
+    /// Those whose thing was not read.
+    things: Vec<&'a str>,
+    /// Without more than a place, so that any sign or surface may be meant.
+    place_only: bool,
+}
+
+impl<'a> Unread<'a> {
+    fn of(label: &View<'a>, texts: &Texts, words: &LabelWords, background: GroupSet) -> Self {
+        let parts = || {
+            let parts = label.parts.iter().zip(&texts.components);
+            parts.filter_map(|(c, f)| Some((c.description.get()?, f)))
+        };
+        let place_only = |f: &TextFacts| {
+            let own = f.groups.without(background).is_empty() && f.states.is_empty();
+            own && !f.groups.is_empty() && !f.groups.meets(words.known.no_cause)
+        };
+        Self {
+            all: parts().map(|(t, _)| t).collect(),
+            things: parts().filter(|(t, f)| subject::is_unread(t, f, words)).map(|(t, _)| t).collect(),
+            place_only: parts().any(|(_, f)| place_only(f)),
+        }
+    }
+
+    /// A component may speak of the thing `n` of the trace `text`: it has a word of its name; or its own thing was not
+    /// read, and the clause of `n` has words of the component, or no clause has.
+    fn may_name(&self, text: &str, n: &Named, texts: &Texts, words: &LabelWords) -> bool {
+        let compared = &words.compared;
+        let acts = words.objects[n.group].own.meets(words.known.actor);
+        if self.place_only && !acts {
+            return true;
+        }
+        if self.all.iter().any(|c| overlap::has_word_of(c, &text[n.start..n.end], acts, words)) {
+            return true;
+        }
+        // "The vehicle": whatever it is called in the component.
+        if !self.things.is_empty() && words.subjects.general.contains(&text[n.start..n.end].to_lowercase()) {
+            return true;
+        }
+        let (from, to) = words.clauses.around(&texts.units, n.start..n.end, text.len(), &|_| true);
+        let joint = |part: &str, at: &dyn Fn(usize, usize) -> usize, last: bool| {
+            let all = words.clauses.beside.iter().filter_map(|w| {
+                let found = if last { part.rfind(w.as_str()) } else { part.find(w.as_str()) };
+                found.map(|i| at(i, w.len()))
+            });
+            if last { all.max() } else { all.min() }
+        };
+        let from = joint(&text[from..n.start], &|i, length| from + i + length, true).unwrap_or(from);
+        let to = joint(&text[n.end..to], &|i, _| n.end + i, false).unwrap_or(to);
+        let introduced = subject::is_introduced(text, n.start, words);
+        self.things.iter().any(|c| {
+            let shared = |inside: &dyn Fn(usize) -> bool| overlap::shared_with(c, text, compared, inside);
+            let inside = |at: usize| (from..to).contains(&at) && !(n.start..n.end).contains(&at);
+            shared(&inside) > 0 || (!introduced && shared(&|_| true) == 0)
+        })
+    }
 }
 
 /// What the trace says of a thing's side and color is what its component says.
@@ -398,9 +455,9 @@ fn other_light<'t>(
 }
 
 /// Some component speaks of a thing in words that no list knows.
-fn any_unread(label: &View<'_>, texts: &Texts, words: &LabelWords, background: GroupSet) -> bool {
+fn any_unread(label: &View<'_>, texts: &Texts, words: &LabelWords) -> bool {
     let mut parts = label.parts.iter().zip(&texts.components);
-    parts.any(|(c, f)| c.description.get().is_none_or(|t| subject::is_unread(t, f, words, background)))
+    parts.any(|(c, f)| c.description.get().is_none_or(|t| subject::is_unread(t, f, words)))
 }
 
 /// A stop is decided once: whoever stands already and goes on standing decides nothing (LABELING.md 6, minimality).
@@ -452,7 +509,7 @@ pub(in crate::check) fn class(
     if all.meets(class.about) || all.without(background).is_empty() || unknown_actor {
         return false;
     }
-    if any_unread(label, texts, words, background) {
+    if any_unread(label, texts, words) {
         return false;
     }
     sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {
