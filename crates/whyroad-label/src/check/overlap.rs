@@ -50,6 +50,22 @@ fn shared_of<'t>(
     ours.iter().filter(|u| theirs.binary_search(u).is_ok()).count()
 }
 
+/// Most of the trace's telling Chinese characters are in the components: "红的。第一辆。线就在前头。停。".
+pub(super) fn shares_characters(label: &View<'_>, text: &str, words: &LabelWords) -> bool {
+    const ENOUGH: usize = 3;
+    let telling = |c: &char| {
+        ('\u{4e00}'..='\u{9fff}').contains(c)
+            && !words.compared.of_no_scene.contains(*c)
+            && !words.subjects.common.contains(*c)
+    };
+    let has = |c: &char| label.parts.iter().filter_map(|p| p.description.get()).any(|t| t.contains(*c));
+    let mut all: Vec<char> = text.chars().take(MOST_UNITS).filter(telling).collect();
+    all.sort_unstable();
+    all.dedup();
+    let shared = all.iter().filter(|c| has(c)).count();
+    shared >= ENOUGH && 2 * shared >= all.len()
+}
+
 /// The component has a word of the name of a thing; in Chinese two characters, or, unless it `acts`, the last one: "红牌"
 /// and "牌子".
 pub(super) fn has_word_of(component: &str, name: &str, acts: bool, words: &LabelWords) -> bool {

@@ -59,13 +59,12 @@ fn is_break(word: &str, words: &LabelWords) -> bool {
 /// "胡同里来了一台小货": nothing is named behind the word that counts; or nothing at all but a place.
 fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
     let subjects = &words.subjects;
-    // "自车车速偏快".
-    if subjects.own.iter().any(|w| text.starts_with(w.as_str())) {
-        return false;
-    }
     let chars: Vec<(usize, char)> = text.char_indices().collect();
-    let counted =
-        chars.windows(2).filter(|w| subjects.counts.contains(w[0].1) && subjects.counters.contains(w[1].1));
+    // "The first car" counts nothing.
+    let is_ordinal = |at: usize| text[..at].ends_with(['第', '头']);
+    let counted = chars.windows(2).filter(|w| {
+        subjects.counts.contains(w[0].1) && subjects.counters.contains(w[1].1) && !is_ordinal(w[0].0)
+    });
     let mut counted = counted.map(|w| w[1].0 + w[1].1.len_utf8()).peekable();
     let clause_end = |from: usize| {
         text[from..].find(['，', '。', '；', '、', '：', '！']).map_or(text.len(), |i| from + i)
@@ -78,6 +77,10 @@ fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool 
     };
     if counted.peek().is_some() {
         return counted.any(|from| !within(from, clause_end(from)));
+    }
+    // "自车车速偏快".
+    if subjects.own.iter().any(|w| text.starts_with(w.as_str())) {
+        return false;
     }
     // A measure, and nothing of anybody.
     if facts.named.iter().any(|n| words.objects[n.group].own.meets(words.known.gap)) {

@@ -248,9 +248,11 @@ pub(in crate::check) fn unrelated(
     if !nothing && (components.is_empty() || speaks_of.is_empty() || texts.trace.groups.meets(components)) {
         return false;
     }
-    // Other words may still be shared.
+    // Other words may still be shared, fewer of them where a component is in words that no list knows.
+    let enough = |t: &str| if t.is_ascii() || any_unread(label, texts, words) { 1 } else { 2 };
     if label.trace.get().is_some_and(|t| {
-        overlap::shared(label, t, &words.compared, &|_| true) >= if t.is_ascii() { 1 } else { 2 }
+        overlap::shared(label, t, &words.compared, &|_| true) >= enough(t)
+            || overlap::shares_characters(label, t, words)
     }) {
         return false;
     }
