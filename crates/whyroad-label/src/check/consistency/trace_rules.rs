@@ -47,8 +47,18 @@ pub(in crate::check) fn responds(label: &View<'_>) -> bool {
     }
 }
 
-/// Form of the trace, and what it says against the decisions. True when it states the decision at a length that can
-/// hold a reason.
+/// What a trace says of the label's decision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::check) enum Said {
+    /// It states it, or another one.
+    Decision,
+    /// Words that are not understood.
+    Unread,
+    /// It is too short to hold a reason.
+    TooLittle,
+}
+
+/// Form of the trace, and what it says against the decisions.
 pub(in crate::check) fn trace(
     label: &View<'_>,
     lexicon: &Lexicon,
@@ -57,8 +67,8 @@ pub(in crate::check) fn trace(
     texts: &Texts,
     words: &LabelWords,
     sink: &mut dyn Sink,
-) -> bool {
-    let Some(text) = label.trace.get() else { return false };
+) -> Said {
+    let Some(text) = label.trace.get() else { return Said::TooLittle };
     if text.trim().is_empty() {
         sink.report(Finding::error("label.trace.empty", pointer::COC_TRACE), &|| {
             Words::new("因果描述为空", "the trace is empty").hint(
@@ -66,7 +76,7 @@ pub(in crate::check) fn trace(
                 "write the state, why it matters, and the decision, in some 30 to 60 words",
             )
         });
-        return false;
+        return Said::TooLittle;
     }
     let limits = &lexicon.limits;
     let seen = form(text, limits);
@@ -188,8 +198,11 @@ pub(in crate::check) fn trace(
             .hint("写 50 至 100 字", "write some 30 to 60 words")
         });
     }
-    // A trace too short, or without a decision, cannot give a reason for one.
-    !none && !too_short
+    match (too_short, none) {
+        (true, _) => Said::TooLittle,
+        (_, true) => Said::Unread,
+        _ => Said::Decision,
+    }
 }
 
 /// The part `from..to` of the trace states the label's decision, as the ego's.
