@@ -169,6 +169,10 @@ pub(in crate::check) fn trace(
             }
         }
     });
+    if let (false, Some(v)) = (found, side_beside(text, reading, lexicon, label, texts, words)) {
+        found = true;
+        verdict(&v, text, names, sink);
+    }
     // "Does not yield and turns left": the other channel is stated.
     if let (false, Some(along), Some(_)) = (found, longitudinal.get(), lateral.get()) {
         let stated = reading.mentions.iter().any(|m| {
@@ -203,6 +207,76 @@ pub(in crate::check) fn trace(
         (_, true) => Said::Unread,
         _ => Said::Decision,
     }
+}
+
+/// "The vehicle does not stop", where no component speaks of a vehicle: the ego. Bytes of what is denied.
+fn denied_of_vehicle(
+    text: &str,
+    reading: &Reading,
+    lexicon: &Lexicon,
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+) -> Option<(usize, usize)> {
+    if texts.components.iter().any(|f| f.groups.meets(words.known.vehicle)) {
+        return None;
+    }
+    let named = |m: &Mention| {
+        let (from, _) = words.clauses.around(&texts.units, m.start..m.end, text.len(), &|_| true);
+        let before = text[from..m.start].to_ascii_lowercase();
+        ["the vehicle ", "the car ", "车辆"].iter().any(|w| before.contains(w))
+    };
+    let denied = |m: &&Mention| m.clause == reading.last_clause && m.by_other && m.denied;
+    let m = reading.mentions.iter().filter(denied).find(|m| says_label(m, lexicon, label) && named(m))?;
+    Some((m.start, m.end))
+}
+
+/// The side to which the trace moves, where it is said apart from the verb: "moves over to the lane on the right". Not
+/// where it is that of somebody, or where the label's side is named, too.
+fn side_beside(
+    text: &str,
+    reading: &Reading,
+    lexicon: &Lexicon,
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+) -> Option<TraceVerdict> {
+    let (lateral, direction) = (label.lateral.get()?, label.direction.get()?);
+    let (own, other, says) = match direction {
+        LateralDirection::Left => (["左", "left"], ["右", "right"], LateralDirection::Right),
+        LateralDirection::Right => (["右", "right"], ["左", "left"], LateralDirection::Left),
+        LateralDirection::Uturn => return None,
+    };
+    let moves = |m: &&Mention| {
+        let known = lexicon.phrases[m.phrase].lateral.contains(&lateral);
+        known && m.force == Force::Asserted && m.start >= reading.decision_from && !m.by_other
+    };
+    let m = reading.mentions.iter().find(moves)?;
+    let (_, end) = words.clauses.around(&texts.units, m.start..m.end, text.len(), &|_| true);
+    let behind = text.get(m.end..end)?.to_ascii_lowercase();
+    // "Left" is a participle, too.
+    let has = |part: &str, side: [&str; 2]| {
+        part.contains(side[0]) || part.split(|c: char| !c.is_ascii_alphabetic()).any(|w| w == side[1])
+    };
+    let decision = text.get(reading.decision_from.min(m.start)..)?.to_ascii_lowercase();
+    let at = behind.find(other[0]).or_else(|| behind.rfind(&format!(" {}", other[1])))?;
+    let of_somebody = |n: &whyroad_framework::label_words::ObjectGroup| {
+        !n.own.meets(words.known.no_cause) && !n.own.meets(words.known.road)
+    };
+    let range = m.start..end;
+    let another = texts.trace.named.iter().filter(|n| range.contains(&n.start) && n.side.is_some());
+    if has(&decision, own)
+        || m.side.is_some()
+        || another.into_iter().any(|n| of_somebody(&words.objects[n.group]))
+    {
+        return None;
+    }
+    // "The right of way", "on the right of it".
+    let rest = &behind[at..];
+    if [" right of", " left of", " right away", " left over"].iter().any(|w| rest.starts_with(w)) {
+        return None;
+    }
+    Some(TraceVerdict::OtherSide { label: direction, says, start: m.start, end })
 }
 
 /// The part `from..to` of the trace states the label's decision, as the ego's.

@@ -33,7 +33,7 @@ pub(in crate::check) struct Mention {
     /// The ego is named as the one who does it, here or in the clauses before.
     pub by_ego: bool,
     /// It is denied.
-    denied: bool,
+    pub denied: bool,
     /// Its subject is taken over from an earlier clause, where another road user acts.
     pub carried: bool,
 }
