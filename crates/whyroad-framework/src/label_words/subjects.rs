@@ -15,6 +15,8 @@ pub struct Subjects {
     pub counts: CharSet,
     /// The word that counts, behind it.
     pub counters: CharSet,
+    /// Whoever is there is neither to the left nor to the right; in lower case.
+    pub opposite: Vec<String>,
     /// In so many names of things that to share one says nothing.
     pub common: CharSet,
     /// The same of Latin letters, in lower case.
@@ -46,6 +48,7 @@ pub(super) struct RawSubjects {
     own: Words,
     counts: Words,
     counters: Words,
+    opposite: Words,
     common: Words,
     general: Words,
     places: Words,
@@ -61,6 +64,7 @@ impl RawSubjects {
             own: self.own.zh.clone(),
             counts: chars(&self.counts),
             counters: chars(&self.counters),
+            opposite: self.opposite.all().map(str::to_owned).collect(),
             common: chars(&self.common),
             common_words: list(&self.common),
             general: self.general.all().map(str::to_owned).collect(),

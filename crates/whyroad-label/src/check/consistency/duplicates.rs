@@ -1,11 +1,11 @@
 //! Components that say the same, in the same words or nearly so.
 
-use crate::check::reading::TextFacts;
+use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::{Compared, GroupSet, hashed};
+use whyroad_framework::label_words::{Compared, GroupSet, SaidState, hashed};
 use whyroad_model::label_fields::pointer;
 
 /// Components beyond this are not compared with one another: people name two to five.
@@ -49,7 +49,16 @@ pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &Labe
         .take(COMPARED)
         .filter_map(|c| Some(Outline::of(c.description.get()?, &words.compared)))
         .collect();
-    if !outlines.iter().enumerate().any(|(i, o)| outlines[..i].iter().any(|other| o.may_be_alike(other))) {
+    let facts = &texts.components[..texts.components.len().min(COMPARED)];
+    let same_facts = |i: usize, j: usize| {
+        let text = |k: usize| label.parts[k].description.get().unwrap_or_default();
+        adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words)
+            || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words)
+    };
+    let by_facts = (1..facts.len()).any(|i| (0..i).any(|j| same_facts(i, j)));
+    let by_words =
+        outlines.iter().enumerate().any(|(i, o)| outlines[..i].iter().any(|other| o.may_be_alike(other)));
+    if !by_words && !by_facts {
         return;
     }
     let all: Vec<(usize, Pieces)> = label
@@ -60,7 +69,9 @@ pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &Labe
         .filter_map(|(c, facts)| Some((c.index, pieces(c.description.get()?, facts, &words.compared))))
         .collect();
     for (i, (index, own)) in all.iter().enumerate() {
-        let Some((first, _)) = all[..i].iter().find(|(_, other)| is_alike(own, other)) else { continue };
+        let alike =
+            |(k, other): &&(usize, Pieces)| is_alike(own, other) || by_facts && same_facts(*index, *k);
+        let Some((first, _)) = all[..i].iter().find(alike) else { continue };
         let at = pointer::critical_components_item_description(*index);
         sink.report(Finding::warning("label.component.duplicate", at), &|| {
             Words::new(
@@ -71,6 +82,42 @@ pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &Labe
         });
     }
 }
+
+/// Whoever acts does the same in both, and the first text has no thing, side or number that the second does not have.
+fn adds_nothing(a: (&str, &TextFacts), b: (&str, &TextFacts), words: &LabelWords) -> bool {
+    let stands = |s: SaidState| matches!(s, SaidState::Standing | SaidState::Slowing);
+    let same_state = |n: &Named, m: &Named| match (n.state, m.state) {
+        (Some(x), Some(y)) => x == y || (stands(x) && stands(y)),
+        _ => false,
+    };
+    let acts = |n: &&Named| words.objects[n.group].own.meets(words.known.actor);
+    let same = a.1.there().filter(acts).any(|n| {
+        let mut others = b.1.there().filter(acts);
+        others.any(|m| words.objects[n.group].own.meets(words.objects[m.group].near) && same_state(n, m))
+    });
+    let where_only = words.known.road;
+    let is_known = |n: &Named| {
+        let own = words.objects[n.group].own;
+        let mut others = b.1.named.iter().filter(|m| own.meets(words.objects[m.group].near));
+        let agrees = |m: &Named| {
+            n.absent == m.absent
+                && (n.side.is_none() || n.side == m.side)
+                && (n.colour.is_none() || m.colour.is_none() || n.colour == m.colour)
+        };
+        own.without(where_only).is_empty() || others.any(agrees)
+    };
+    let counts = |text: &str| {
+        text.contains(|c: char| c.is_ascii_digit() || "两三四五六七八九十百半几".contains(c))
+            || NUMBERS.iter().any(|w| text.to_ascii_lowercase().split(' ').any(|t| t == *w))
+    };
+    same && a.1.named.iter().all(is_known) && (!counts(a.0) || counts(b.0))
+}
+
+/// Numbers in words of Latin letters.
+const NUMBERS: [&str; 14] = [
+    "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "twenty", "thirty", "forty",
+    "fifty", "hundred",
+];
 
 /// A text taken apart.
 struct Pieces {

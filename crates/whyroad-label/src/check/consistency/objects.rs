@@ -153,6 +153,22 @@ fn differs(
     let other_car = |n: &Named| {
         painted(Some(text), n).is_some_and(|c| given().next().is_some() && !given().any(|g| g == c))
     };
+    // "From the right" of whoever comes the other way in his component.
+    let says_opposite = |text: &str| {
+        let lower = text.to_ascii_lowercase();
+        words.subjects.opposite.iter().any(|w| lower.contains(w.as_str()))
+    };
+    let not_opposite = |n: &Named| {
+        let acts = words.objects[n.group].own.meets(words.known.actor);
+        n.side.is_some() && acts && !says_opposite(text) && {
+            let parts = || label.parts.iter().zip(&texts.components);
+            let same = |f: &TextFacts| {
+                f.there().any(|c| words.objects[c.group].own.meets(words.objects[n.group].near))
+            };
+            let sided = parts().any(|(_, f)| same(f) && f.there().any(|c| c.side.is_some()));
+            !sided && parts().any(|(c, f)| same(f) && c.description.get().is_some_and(|t| says_opposite(t)))
+        }
+    };
     let differs = |n: &&Named| {
         if !words.objects[n.group].named || (said == Said::Unread && general(n)) {
             return false;
@@ -165,7 +181,7 @@ fn differs(
         let colour = n.colour.is_some_and(|k| {
             same.iter().any(|c| c.colour.is_some_and(|o| o != k)) && !same.iter().any(|c| c.colour == Some(k))
         });
-        side || colour || other_car(n)
+        side || colour || other_car(n) || not_opposite(n)
     };
     let other_light = || other_light(label, texts, words, until);
     let Some(n) = texts.trace.there().filter(|n| n.start < until).find(differs).or_else(other_light) else {
