@@ -145,7 +145,12 @@ pub(in crate::check) fn trace(
                         ByStem::Against(start, end) => {
                             v = TraceVerdict::Against { label: decision, start, end }
                         }
-                        ByStem::Unread => {}
+                        ByStem::Unread => {
+                            let denied = denied_of_vehicle(text, reading, lexicon, label, texts, words);
+                            if let Some((start, end)) = denied {
+                                v = TraceVerdict::Denied { label: decision, start, end };
+                            }
+                        }
                     }
                 }
                 // Words that no phrase holds may state it after all: "take some speed off".
