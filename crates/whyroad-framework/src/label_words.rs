@@ -5,10 +5,12 @@ mod aftermath;
 mod clauses;
 mod compared;
 mod compile;
+mod subjects;
 
 pub use aftermath::{Aftermath, NewSubject, TellWord};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
+pub use subjects::Subjects;
 
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
@@ -62,6 +64,10 @@ pub struct KnownKinds {
     pub elsewhere: GroupSet,
     /// What causes no decision by itself: gaps and lanes.
     pub no_cause: GroupSet,
+    /// The road itself.
+    pub road: GroupSet,
+    /// Distances, speeds and room.
+    pub gap: GroupSet,
     /// Lights.
     pub light: GroupSet,
     /// Road users and animals.
@@ -187,6 +193,8 @@ pub struct LabelWords {
     pub known: KnownKinds,
     /// What texts are compared without.
     pub compared: Compared,
+    /// How the thing is found that a component speaks of.
+    pub subjects: Subjects,
 }
 
 impl LabelWords {
@@ -299,6 +307,7 @@ struct File {
     aftermath: aftermath::RawAftermath,
     clauses: clauses::RawClauses,
     compared: compared::RawCompared,
+    subjects: subjects::RawSubjects,
     placeholder: Words,
     plain: Words,
     scene: Words,

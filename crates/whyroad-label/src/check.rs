@@ -17,6 +17,7 @@ mod quality;
 mod reading;
 mod recording;
 mod rulebook;
+mod subject;
 mod texts;
 mod view;
 

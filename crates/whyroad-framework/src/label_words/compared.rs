@@ -20,6 +20,8 @@ pub struct Compared {
     pub of_deciding: CharSet,
     /// Words of Latin letters that say nothing of a scene, or what the ego does and where it is.
     plain: HashSet<String>,
+    /// Words of Latin letters of deciding and of reasons in general.
+    deciding: HashSet<String>,
 }
 
 /// The hash of a word, going on with `c`, upper and lower case alike; 0 is the empty word.
@@ -46,6 +48,11 @@ impl Compared {
     /// True for a word of Latin letters, in lower case, that says nothing of a scene.
     pub fn is_plain(&self, word: &str) -> bool {
         self.plain.contains(word)
+    }
+
+    /// True for a word of Latin letters, in lower case, that speaks of deciding and of reasons in general.
+    pub fn is_deciding(&self, word: &str) -> bool {
+        self.deciding.contains(word)
     }
 }
 
@@ -95,6 +102,7 @@ impl RawCompared {
             empty_bits,
             of_no_scene: chars(&self.scene),
             of_deciding: chars(&self.deciding),
+            deciding: self.deciding.en.iter().cloned().collect(),
             plain: self.scene.en.iter().chain(&self.own.en).cloned().collect(),
         }
     }

@@ -66,6 +66,8 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         vehicle: kind("vehicle"),
         elsewhere: kind("oncoming").with(kind("parked_vehicle")).with(kind("broken_down")),
         no_cause: kind("gap").with(kind("lane")),
+        road: kind("road"),
+        gap: kind("gap"),
         light: kind("light"),
         sign: kind("sign"),
     };
@@ -114,6 +116,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         road_users,
         known,
         compared,
+        subjects: raw.subjects.compile(),
     };
     (words, problems)
 }

@@ -1,4 +1,5 @@
 //! Causes (LABELING.md 6): each decision has one that was there to be seen.
 
+pub(super) mod circular;
 pub(super) mod links;
 pub(super) mod text;

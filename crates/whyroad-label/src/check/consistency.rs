@@ -1,6 +1,8 @@
 //! Consistency (DATA_FORMAT.md 4.3): times with one another, and the trace with the decisions.
 
+pub(super) mod duplicates;
 pub(super) mod moment;
+pub(super) mod objects;
 pub(super) mod plausible;
 pub(super) mod text;
 pub(super) mod trace;

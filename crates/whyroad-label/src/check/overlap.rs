@@ -1,6 +1,7 @@
 //! Words that a trace shares with the components, whatever they name. Only asked before a finding is made.
 
 use super::view::View;
+use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::Compared;
 
 /// Units of a trace that are compared: a longer one is reported for its length.
@@ -14,6 +15,25 @@ pub(super) fn shared(
     words: &Compared,
     inside: &dyn Fn(usize) -> bool,
 ) -> usize {
+    shared_of(label.parts.iter().filter_map(|c| c.description.get()), text, words, inside)
+}
+
+/// The same with one component.
+pub(super) fn shared_with(
+    component: &str,
+    text: &str,
+    words: &Compared,
+    inside: &dyn Fn(usize) -> bool,
+) -> usize {
+    shared_of(std::iter::once(component), text, words, inside)
+}
+
+fn shared_of<'t>(
+    components: impl Iterator<Item = &'t str>,
+    text: &str,
+    words: &Compared,
+    inside: &dyn Fn(usize) -> bool,
+) -> usize {
     let mut ours: Vec<String> = Vec::new();
     units(text, words, |at, unit| {
         if ours.len() < MOST_UNITS && inside(at) {
@@ -23,11 +43,54 @@ pub(super) fn shared(
     ours.sort_unstable();
     ours.dedup();
     let mut theirs: Vec<String> = Vec::new();
-    for c in label.parts.iter().filter_map(|c| c.description.get()) {
+    for c in components {
         units(c, words, |_, unit| theirs.push(unit));
     }
     theirs.sort_unstable();
     ours.iter().filter(|u| theirs.binary_search(u).is_ok()).count()
+}
+
+/// Most of the trace's telling Chinese characters are in the components: "红的。第一辆。线就在前头。停。".
+pub(super) fn shares_characters(label: &View<'_>, text: &str, words: &LabelWords) -> bool {
+    const ENOUGH: usize = 3;
+    let telling = |c: &char| {
+        ('\u{4e00}'..='\u{9fff}').contains(c)
+            && !words.compared.of_no_scene.contains(*c)
+            && !words.subjects.common.contains(*c)
+    };
+    let has = |c: &char| label.parts.iter().filter_map(|p| p.description.get()).any(|t| t.contains(*c));
+    let mut all: Vec<char> = text.chars().take(MOST_UNITS).filter(telling).collect();
+    all.sort_unstable();
+    all.dedup();
+    let shared = all.iter().filter(|c| has(c)).count();
+    shared >= ENOUGH && 2 * shared >= all.len()
+}
+
+/// The component has a word of the name of a thing; in Chinese two characters, or, unless it `acts`, the last one: "红牌"
+/// and "牌子".
+pub(super) fn has_word_of(component: &str, name: &str, acts: bool, words: &LabelWords) -> bool {
+    if name.is_ascii() {
+        let same = |a: &str, b: &str| {
+            let stem = |w: &str| w.strip_suffix('s').unwrap_or(w).to_owned();
+            stem(a) == stem(b)
+        };
+        let of = |text: &'_ str| -> Vec<String> {
+            let all = text.split(|c: char| !c.is_ascii_alphanumeric());
+            let all = all.filter(|w| w.len() >= 3).map(str::to_ascii_lowercase);
+            all.filter(|w| !words.compared.is_plain(w) && !words.subjects.common_words.contains(w)).collect()
+        };
+        let theirs = of(component);
+        return of(name).iter().any(|w| theirs.iter().any(|t| same(w, t)));
+    }
+    // The last character says what kind of thing it is, unless it is in the names of many.
+    let head = name.trim_end_matches(['子', '儿']).chars().next_back();
+    let chars: Vec<char> = name.chars().collect();
+    let telling = |c: &char| !words.subjects.common.contains(*c) && !c.is_ascii();
+    (!acts && head.filter(telling).is_some_and(|c| component.contains(c)))
+        || chars
+            .windows(2)
+            .filter(|w| w.iter().all(telling))
+            .any(|w| component.contains(&String::from_iter(w)))
 }
 
 /// The parts `inside` hold so much that they are no mere repetition: characters or words of their own.

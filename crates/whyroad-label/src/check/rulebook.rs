@@ -3,9 +3,10 @@
 //! question alone.
 
 use super::business::{class, combination, decision, records};
-use super::cause::{links, text as cause_text};
+use super::cause::{circular, links, text as cause_text};
 use super::clips::{ClipFacts, ClipIndex};
-use super::consistency::{moment, plausible, text, trace, trace_rules};
+use super::consistency::trace_rules::Said;
+use super::consistency::{duplicates, moment, objects, plausible, text, trace, trace_rules};
 use super::form::{placeholder, version};
 use super::texts::Texts;
 use super::view::View;
@@ -68,7 +69,7 @@ impl Rulebook<'_> {
         let background = self.framework.decision_table.causes.background;
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
-        text::duplicates(label, &texts, words, sink);
+        duplicates::duplicates(label, &texts, words, sink);
         let mut reading = label.trace.get().map(|t| trace::read(t, &texts.units, lexicon));
         let after = label
             .trace
@@ -77,7 +78,7 @@ impl Rulebook<'_> {
             .and_then(|(text, r)| trace_rules::aftermath(text, label, &texts, r, words, lexicon));
         cause_text::hindsight(label, &texts, after, lexicon, sink);
         cause_text::unobserved(label, words, sink);
-        let another_class = class.is_some_and(|c| text::class(&texts, words, background, c, sink));
+        let another_class = class.is_some_and(|c| text::class(label, &texts, words, background, c, sink));
         cause_text::proximate(label, &texts, words, sink);
         if !another_class && !impossible {
             cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink);
@@ -94,12 +95,13 @@ impl Rulebook<'_> {
             return;
         }
         let Some(reading) = reading else { return };
-        let states =
+        let said =
             trace_rules::trace(label, lexicon, &self.framework.decisions, &reading, &texts, words, sink);
-        let decides =
-            |from: usize, to: usize| trace_rules::states_decision(&reading, lexicon, label, from, to);
-        if states && !cause_text::circular(label, &texts, words, &decides, sink) && !another_class {
-            text::unnamed(label, &texts, words, background, reading.end, sink);
+        // A trace too short, or without a decision, cannot give a reason for one.
+        let circular =
+            said == Said::Decision && circular::circular(label, &texts, words, &reading, lexicon, sink);
+        if said != Said::TooLittle && !circular && !another_class {
+            objects::unnamed(label, &texts, words, background, (reading.end, said), sink);
         }
     }
 

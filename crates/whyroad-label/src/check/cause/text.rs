@@ -1,13 +1,13 @@
 //! Texts against what could be known (LABELING.md 3, 6 and 7): no hindsight, no circle, a reason for UNOBSERVED, the
 //! proximate cause, and a cause of the kind that the decision has.
 
-use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
+use crate::check::subject;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::decision_table::ClassDecisions;
-use whyroad_framework::label_words::{Clauses, Divider, KnownKinds, SaidState};
+use whyroad_framework::label_words::{KnownKinds, SaidState};
 use whyroad_framework::{Framework, LabelWords, Lexicon};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
@@ -127,74 +127,6 @@ pub(in crate::check) fn proximate(label: &View<'_>, texts: &Texts, words: &Label
     });
 }
 
-/// The trace gives a reason that is not the decision again.
-pub(in crate::check) fn circular(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    decision_in: &dyn Fn(usize, usize) -> bool,
-    sink: &mut dyn Sink,
-) -> bool {
-    let Some(text) = label.trace.get() else { return false };
-    if words.is_empty() || gives_cause(text, texts, words, decision_in) {
-        return false;
-    }
-    // What no list knows may still be a cause: words that the components have, apart from those of the decision.
-    let is_name = |at: usize| texts.trace.named.iter().any(|n| (n.start..n.end).contains(&at));
-    let apart = |at: usize| !decision_in(at.saturating_sub(6), at + 6) && !is_name(at);
-    if overlap::shared(label, text, &words.compared, &apart) >= if text.is_ascii() { 1 } else { 2 }
-        || overlap::says_more(text, &words.compared, &apart)
-    {
-        return false;
-    }
-    sink.report(Finding::warning("label.cause.circular", pointer::COC_TRACE), &|| {
-        Words::new(
-            "因果描述没有给出原因：只是把决策又说了一遍",
-            "the trace gives no reason: it only states the decision again",
-        )
-        .hint("写出看到了什么、它为什么要求这个决策", "write what was seen and why it calls for the decision")
-    });
-    true
-}
-
-/// Some part of the text names a cause and is not the decision itself.
-fn gives_cause(
-    text: &str,
-    texts: &Texts,
-    words: &LabelWords,
-    decision_in: &dyn Fn(usize, usize) -> bool,
-) -> bool {
-    let part_gives = |from: usize, to: usize| {
-        let names = texts.trace.named.iter().any(|n| {
-            (from..to).contains(&n.start) && !words.objects[n.group].own.meets(words.known.no_cause)
-        });
-        names && !decision_in(from, to) && !is_own_duty(&text[from..to], &words.clauses)
-    };
-    let ends = || words.clauses.ends(&texts.units, &[Divider::Sentence, Divider::Clause], text.len());
-    let mut from = 0;
-    if ends().any(|to| part_gives(std::mem::replace(&mut from, to), to)) {
-        return true;
-    }
-    // Most traces end here. Otherwise the reason may stand in one part with the decision: "slows because of the bend".
-    let lower = text.to_ascii_lowercase();
-    let mut bounds: Vec<usize> = std::iter::once(0).chain(ends()).collect();
-    for word in words.clauses.because.iter().chain(&words.clauses.beside) {
-        bounds.extend(lower.match_indices(word.as_str()).map(|(at, _)| at));
-    }
-    bounds.sort_unstable();
-    bounds.windows(2).any(|w| part_gives(w[0], w[1]))
-}
-
-/// A part that says what the ego has to do or wants.
-fn is_own_duty(part: &str, clauses: &Clauses) -> bool {
-    let begins =
-        |text: &str, word: &str| text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
-    let part = part.trim_start_matches(|c: char| !c.is_alphanumeric());
-    let because = clauses.because.iter().find(|w| begins(part, w));
-    let part = because.map_or(part, |w| part[w.len()..].trim_start());
-    clauses.own_duty.iter().any(|w| begins(part, w))
-}
-
 /// The components that are named as the cause of a decision speak of something that can bring it about: by the table of
 /// causes, or because the class is about it. Only where every one of them has been read.
 pub(in crate::check) fn kind(
@@ -228,7 +160,16 @@ pub(in crate::check) fn kind(
             !facts.groups.without(table.causes.background).is_empty() && facts.states.is_empty()
         };
         let parts = || named.iter().map(|i| &texts.components[*i]);
-        if wanted.anything || named.is_empty() || parts().any(fits) || !parts().all(read) {
+        let unread = |i: &usize| {
+            let text = label.parts[*i].description.get();
+            text.is_none_or(|t| subject::is_unread(t, &texts.components[*i], words))
+        };
+        if wanted.anything
+            || named.is_empty()
+            || parts().any(fits)
+            || !parts().all(read)
+            || named.iter().any(unread)
+        {
             continue;
         }
         sink.report(Finding::warning("label.cause.kind", at), &|| {

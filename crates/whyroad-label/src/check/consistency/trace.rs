@@ -13,7 +13,7 @@ mod mention;
 pub(super) use form::Form;
 pub(super) use form::form;
 pub(super) use judge::{TraceVerdict, judge};
-pub(super) use mention::Mention;
+pub(in crate::check) use mention::Mention;
 pub(in crate::check) use mention::{Force, Reading, read};
 
 #[cfg(test)]

@@ -47,8 +47,18 @@ pub(in crate::check) fn responds(label: &View<'_>) -> bool {
     }
 }
 
-/// Form of the trace, and what it says against the decisions. True when it states the decision at a length that can
-/// hold a reason.
+/// What a trace says of the label's decision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::check) enum Said {
+    /// It states it, or another one.
+    Decision,
+    /// Words that are not understood.
+    Unread,
+    /// It is too short to hold a reason.
+    TooLittle,
+}
+
+/// Form of the trace, and what it says against the decisions.
 pub(in crate::check) fn trace(
     label: &View<'_>,
     lexicon: &Lexicon,
@@ -57,8 +67,8 @@ pub(in crate::check) fn trace(
     texts: &Texts,
     words: &LabelWords,
     sink: &mut dyn Sink,
-) -> bool {
-    let Some(text) = label.trace.get() else { return false };
+) -> Said {
+    let Some(text) = label.trace.get() else { return Said::TooLittle };
     if text.trim().is_empty() {
         sink.report(Finding::error("label.trace.empty", pointer::COC_TRACE), &|| {
             Words::new("因果描述为空", "the trace is empty").hint(
@@ -66,7 +76,7 @@ pub(in crate::check) fn trace(
                 "write the state, why it matters, and the decision, in some 30 to 60 words",
             )
         });
-        return false;
+        return Said::TooLittle;
     }
     let limits = &lexicon.limits;
     let seen = form(text, limits);
@@ -116,19 +126,44 @@ pub(in crate::check) fn trace(
         };
         if !unreadable {
             let mut v = v;
-            if let TraceVerdict::NotStated { label: decision, .. } = v {
+            let by_stem = |decision: &str, other: Option<Lateral>, apart: Option<(usize, usize)>| {
                 // Which channel is not stated is known: the other one's stems say nothing of it.
                 let across = lateral.get().filter(|d| d.id() == decision);
                 let both = match across {
                     Some(_) => (None, across),
-                    None => (longitudinal.get(), lateral.get()),
+                    None => (longitudinal.get(), other),
                 };
-                match trace_stems::read(text, reading, lexicon, both, texts, words) {
-                    ByStem::Stated => return,
-                    ByStem::Denied(start, end) => v = TraceVerdict::Denied { label: decision, start, end },
-                    ByStem::Against(start, end) => v = TraceVerdict::Against { label: decision, start, end },
-                    ByStem::Unread => {}
+                trace_stems::read(text, reading, lexicon, both, texts, words, apart)
+            };
+            match v {
+                TraceVerdict::NotStated { label: decision, .. } => {
+                    match by_stem(decision, lateral.get(), None) {
+                        ByStem::Stated { .. } => return,
+                        ByStem::Denied(start, end) => {
+                            v = TraceVerdict::Denied { label: decision, start, end }
+                        }
+                        ByStem::Against(start, end) => {
+                            v = TraceVerdict::Against { label: decision, start, end }
+                        }
+                        ByStem::Unread => {
+                            let denied = denied_of_vehicle(text, reading, lexicon, label, texts, words);
+                            if let Some((start, end)) = denied {
+                                v = TraceVerdict::Denied { label: decision, start, end };
+                            }
+                        }
+                    }
                 }
+                // Words that no phrase holds may state it after all: "take some speed off".
+                TraceVerdict::OtherDecision { label: decision, ref says, start, end }
+                    if says.len() > 1
+                        && matches!(
+                            by_stem(decision, None, Some((start, end))),
+                            ByStem::Stated { contested: false }
+                        ) =>
+                {
+                    return;
+                }
+                _ => {}
             }
             let not_stated = matches!(v, TraceVerdict::NotStated { .. });
             none |= not_stated;
@@ -139,6 +174,10 @@ pub(in crate::check) fn trace(
             }
         }
     });
+    if let (false, Some(v)) = (found, side_beside(text, reading, lexicon, label, texts, words)) {
+        found = true;
+        verdict(&v, text, names, sink);
+    }
     // "Does not yield and turns left": the other channel is stated.
     if let (false, Some(along), Some(_)) = (found, longitudinal.get(), lateral.get()) {
         let stated = reading.mentions.iter().any(|m| {
@@ -146,7 +185,7 @@ pub(in crate::check) fn trace(
                 && m.force != Force::Negated
                 && lexicon.phrases[m.phrase].longitudinal.contains(&along)
         });
-        let read = || trace_stems::read(text, reading, lexicon, (Some(along), None), texts, words);
+        let read = || trace_stems::read(text, reading, lexicon, (Some(along), None), texts, words, None);
         if !stated && let ByStem::Denied(start, end) = read() {
             found = true;
             verdict(&TraceVerdict::Denied { label: along.id(), start, end }, text, names, sink);
@@ -168,8 +207,81 @@ pub(in crate::check) fn trace(
             .hint("写 50 至 100 字", "write some 30 to 60 words")
         });
     }
-    // A trace too short, or without a decision, cannot give a reason for one.
-    !none && !too_short
+    match (too_short, none) {
+        (true, _) => Said::TooLittle,
+        (_, true) => Said::Unread,
+        _ => Said::Decision,
+    }
+}
+
+/// "The vehicle does not stop", where no component speaks of a vehicle: the ego. Bytes of what is denied.
+fn denied_of_vehicle(
+    text: &str,
+    reading: &Reading,
+    lexicon: &Lexicon,
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+) -> Option<(usize, usize)> {
+    if texts.components.iter().any(|f| f.groups.meets(words.known.vehicle)) {
+        return None;
+    }
+    let named = |m: &Mention| {
+        let (from, _) = words.clauses.around(&texts.units, m.start..m.end, text.len(), &|_| true);
+        let before = text[from..m.start].to_ascii_lowercase();
+        ["the vehicle ", "the car ", "车辆"].iter().any(|w| before.contains(w))
+    };
+    let denied = |m: &&Mention| m.clause == reading.last_clause && m.by_other && m.denied;
+    let m = reading.mentions.iter().filter(denied).find(|m| says_label(m, lexicon, label) && named(m))?;
+    Some((m.start, m.end))
+}
+
+/// The side to which the trace moves, where it is said apart from the verb: "moves over to the lane on the right". Not
+/// where it is that of somebody, or where the label's side is named, too.
+fn side_beside(
+    text: &str,
+    reading: &Reading,
+    lexicon: &Lexicon,
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+) -> Option<TraceVerdict> {
+    let (lateral, direction) = (label.lateral.get()?, label.direction.get()?);
+    let (own, other, says) = match direction {
+        LateralDirection::Left => (["左", "left"], ["右", "right"], LateralDirection::Right),
+        LateralDirection::Right => (["右", "right"], ["左", "left"], LateralDirection::Left),
+        LateralDirection::Uturn => return None,
+    };
+    let moves = |m: &&Mention| {
+        let known = lexicon.phrases[m.phrase].lateral.contains(&lateral);
+        known && m.force == Force::Asserted && m.start >= reading.decision_from && !m.by_other
+    };
+    let m = reading.mentions.iter().find(moves)?;
+    let (_, end) = words.clauses.around(&texts.units, m.start..m.end, text.len(), &|_| true);
+    let behind = text.get(m.end..end)?.to_ascii_lowercase();
+    // "Left" is a participle, too.
+    let has = |part: &str, side: [&str; 2]| {
+        part.contains(side[0]) || part.split(|c: char| !c.is_ascii_alphabetic()).any(|w| w == side[1])
+    };
+    let decision = text.get(reading.decision_from.min(m.start)..)?.to_ascii_lowercase();
+    let at = behind.find(other[0]).or_else(|| behind.rfind(&format!(" {}", other[1])))?;
+    let of_somebody = |n: &whyroad_framework::label_words::ObjectGroup| {
+        !n.own.meets(words.known.no_cause) && !n.own.meets(words.known.road)
+    };
+    let range = m.start..end;
+    let another = texts.trace.named.iter().filter(|n| range.contains(&n.start) && n.side.is_some());
+    if has(&decision, own)
+        || m.side.is_some()
+        || another.into_iter().any(|n| of_somebody(&words.objects[n.group]))
+    {
+        return None;
+    }
+    // "The right of way", "on the right of it".
+    let rest = &behind[at..];
+    if [" right of", " left of", " right away", " left over"].iter().any(|w| rest.starts_with(w)) {
+        return None;
+    }
+    Some(TraceVerdict::OtherSide { label: direction, says, start: m.start, end })
 }
 
 /// The part `from..to` of the trace states the label's decision, as the ego's.

@@ -14,8 +14,8 @@ const MOST_CLAUSES: usize = 24;
 
 /// What the words that decide say of the label's decision.
 pub(super) enum ByStem {
-    /// They state it.
-    Stated,
+    /// They state it. `contested`: words of the ego in the same clause contradict it.
+    Stated { contested: bool },
     /// They deny it: bytes of the trace.
     Denied(usize, usize),
     /// They say something that contradicts it.
@@ -24,7 +24,8 @@ pub(super) enum ByStem {
     Unread,
 }
 
-/// Reads the clauses in which the trace decides, for these decisions of the label.
+/// Reads the clauses in which the trace decides, for these decisions of the label. What is at `apart`, bytes of the
+/// trace, is left out.
 pub(super) fn read(
     text: &str,
     reading: &Reading,
@@ -32,6 +33,7 @@ pub(super) fn read(
     (along, across): (Option<Longitudinal>, Option<Lateral>),
     texts: &Texts,
     words: &LabelWords,
+    apart: Option<(usize, usize)>,
 ) -> ByStem {
     // To keep speed or lane is nothing that "does not" would deny.
     let changes = along.filter(|d| *d != Longitudinal::SetSpeedTracking);
@@ -44,7 +46,8 @@ pub(super) fn read(
     let (mut found, mut is_ego, mut from) = (ByStem::Unread, false, begin);
     for to in ends.take(MOST_CLAUSES) {
         let Some(clause) = text.get(from..to) else { break };
-        let (ego, other, hidden) = subjects(lexicon, texts, words, from, to);
+        let (ego, other, mut hidden) = subjects(lexicon, texts, words, from, to);
+        hidden.extend(apart);
         let clause = without(clause, from, &hidden);
         // Behind "therefore" whoever is named is the object.
         let marked = reading.marked && from == begin;
@@ -55,7 +58,8 @@ pub(super) fn read(
         let denied =
             reading.mentions.iter().any(|m| (from..to).contains(&m.start) && m.force == Force::Negated);
         if stem.is_some_and(|at| !acts(at)) && !denied {
-            return ByStem::Stated;
+            let contested = lexicon.stems.against(&clause, along, across).is_some();
+            return ByStem::Stated { contested };
         }
         // The ego acts on until somebody else does.
         let other = other.into_iter().chain(named).min();

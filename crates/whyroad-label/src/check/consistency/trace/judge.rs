@@ -117,7 +117,11 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
     /// True when nothing was found.
     fn judge(&self, reading: &Reading, lexicon: &Lexicon, sink: &mut dyn FnMut(TraceVerdict)) -> bool {
         let says = |m: &Mention| (self.says)(&lexicon.phrases[m.phrase]);
-        let firm = |m: &&Mention| m.force == Force::Asserted && !lexicon.phrases[m.phrase].supports_only;
+        // Somebody whom no list knows may act in a clause that names nobody, unless it is the last one.
+        let of_ego = |m: &&Mention| m.by_ego || m.clause == reading.last_clause;
+        let firm = |m: &&Mention| {
+            m.force == Force::Asserted && !lexicon.phrases[m.phrase].supports_only && of_ego(m)
+        };
         let relevant = || reading.mentions.iter().filter(|m| !says(m).is_empty());
         let deciding = || relevant().filter(|m| m.start >= reading.decision_from);
 
@@ -163,7 +167,7 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
             });
             return false;
         }
-        if let Some(m) = deciding().filter(supports).find(denies) {
+        if let Some(m) = deciding().filter(supports).filter(of_ego).find(denies) {
             sink(TraceVerdict::Denied { label: (self.id)(label), start: m.start, end: m.end });
             return false;
         }

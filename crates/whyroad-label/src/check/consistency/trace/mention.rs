@@ -27,11 +27,13 @@ pub(in crate::check) struct Mention {
     /// Bytes of the trace.
     pub start: usize,
     pub end: usize,
-    clause: usize,
+    pub clause: usize,
     /// Another road user does it.
     pub by_other: bool,
+    /// The ego is named as the one who does it, here or in the clauses before.
+    pub by_ego: bool,
     /// It is denied.
-    denied: bool,
+    pub denied: bool,
     /// Its subject is taken over from an earlier clause, where another road user acts.
     pub carried: bool,
 }
@@ -48,6 +50,8 @@ pub(in crate::check) struct Reading {
     pub end: usize,
     /// It names the ego.
     pub names_ego: bool,
+    /// Number of the last clause.
+    pub last_clause: usize,
     /// Bytes of the first decision identifier.
     pub decision_id: Option<(usize, usize)>,
 }
@@ -118,6 +122,7 @@ pub(in crate::check) fn read(text: &str, units: &Units, lexicon: &Lexicon) -> Re
     r.end_clause();
     // The last clause states the decision (LABELING.md 7): without a subject of its own, it is the ego's.
     let last = r.clause;
+    r.out.last_clause = last;
     for m in &mut r.out.mentions {
         if m.carried && m.clause == last {
             m.force = match m.force {
@@ -259,6 +264,7 @@ impl Reader<'_> {
         self.out.mentions.push(Mention {
             phrase,
             by_other: actor == Actor::Other,
+            by_ego: actor == Actor::Ego,
             side: hit.side,
             force,
             start: hit.start,

@@ -1,0 +1,181 @@
+//! A trace that only states its decision again (LABELING.md 6): what is left of its reason without the decision, whoever
+//! the decision is about, and the words of deciding.
+
+use crate::check::consistency::trace::{Mention, Reading};
+use crate::check::consistency::trace_rules;
+use crate::check::overlap;
+use crate::check::reading::Named;
+use crate::check::texts::Texts;
+use crate::check::view::View;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::label_words::{Clauses, Divider};
+use whyroad_framework::lexicon::Role;
+use whyroad_framework::{LabelWords, Lexicon};
+use whyroad_model::label_fields::pointer;
+
+/// The trace gives a reason that is not the decision again.
+pub(in crate::check) fn circular(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    reading: &Reading,
+    lexicon: &Lexicon,
+    sink: &mut dyn Sink,
+) -> bool {
+    let Some(text) = label.trace.get() else { return false };
+    let decision_in =
+        |from: usize, to: usize| trace_rules::states_decision(reading, lexicon, label, from, to);
+    if words.is_empty() {
+        return false;
+    }
+    let repeated = repeats(text, label, texts, words, reading, lexicon);
+    if !repeated
+        && (gives_cause(text, texts, words, &decision_in)
+            || has_other_words(label, text, texts, words, &decision_in))
+    {
+        return false;
+    }
+    sink.report(Finding::warning("label.cause.circular", pointer::COC_TRACE), &|| {
+        Words::new(
+            "因果描述没有给出原因：只是把决策又说了一遍",
+            "the trace gives no reason: it only states the decision again",
+        )
+        .hint("写出看到了什么、它为什么要求这个决策", "write what was seen and why it calls for the decision")
+    });
+    true
+}
+
+/// Some part of the text names a cause and is not the decision itself.
+fn gives_cause(
+    text: &str,
+    texts: &Texts,
+    words: &LabelWords,
+    decision_in: &dyn Fn(usize, usize) -> bool,
+) -> bool {
+    let part_gives = |from: usize, to: usize| {
+        let names = texts.trace.named.iter().any(|n| {
+            (from..to).contains(&n.start) && !words.objects[n.group].own.meets(words.known.no_cause)
+        });
+        names && !decision_in(from, to) && !is_own_duty(&text[from..to], &words.clauses)
+    };
+    let ends = || words.clauses.ends(&texts.units, &[Divider::Sentence, Divider::Clause], text.len());
+    let mut from = 0;
+    if ends().any(|to| part_gives(std::mem::replace(&mut from, to), to)) {
+        return true;
+    }
+    // Most traces end here. Otherwise the reason may stand in one part with the decision: "slows because of the bend".
+    let bounds = part_bounds(text, texts, &words.clauses);
+    bounds.windows(2).any(|w| part_gives(w[0], w[1]))
+}
+
+/// A part that says what the ego has to do or wants.
+fn is_own_duty(part: &str, clauses: &Clauses) -> bool {
+    let begins =
+        |text: &str, word: &str| text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
+    let part = part.trim_start_matches(|c: char| !c.is_alphanumeric());
+    let because = clauses.because.iter().find(|w| begins(part, w));
+    let part = because.map_or(part, |w| part[w.len()..].trim_start());
+    clauses.own_duty.iter().any(|w| begins(part, w))
+}
+
+/// What no list knows may still be a cause: words that the components have, apart from those of the decision.
+fn has_other_words(
+    label: &View<'_>,
+    text: &str,
+    texts: &Texts,
+    words: &LabelWords,
+    decision_in: &dyn Fn(usize, usize) -> bool,
+) -> bool {
+    let is_name = |at: usize| texts.trace.named.iter().any(|n| (n.start..n.end).contains(&at));
+    let apart = |at: usize| !decision_in(at.saturating_sub(6), at + 6) && !is_name(at);
+    overlap::shared(label, text, &words.compared, &apart) >= if text.is_ascii() { 1 } else { 2 }
+        || overlap::says_more(text, &words.compared, &apart)
+}
+
+/// The parts of the trace before and behind its last decision say nothing but that decision: no thing, no state or
+/// number, and no word that the decision does not have, too. Whoever it is about counts for nothing.
+fn repeats(
+    text: &str,
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    reading: &Reading,
+    lexicon: &Lexicon,
+) -> bool {
+    /// A longer trace says more than its decision.
+    const LONGEST: usize = 160;
+    if text.len() > LONGEST {
+        return false;
+    }
+    // A sign, a surface or a place is a reason.
+    let is_reason = |n: &Named| {
+        let own = words.objects[n.group].own;
+        !own.meets(words.known.actor) && !own.meets(words.known.no_cause)
+    };
+    if texts.trace.named.iter().any(is_reason) || text.contains(|c: char| c.is_ascii_digit()) {
+        return false;
+    }
+    let bounds = part_bounds(text, texts, &words.clauses);
+    let parts: Vec<(usize, usize)> = bounds.windows(2).map(|w| (w[0], w[1])).filter(|(a, b)| a < b).collect();
+    let states =
+        |(from, to): &(usize, usize)| trace_rules::states_decision(reading, lexicon, label, *from, *to);
+    let Some(last) = parts.iter().rposition(states) else { return false };
+    let (from, to) = parts[last];
+    // What somebody else does is a reason, unless the decision is about it.
+    let phrase = |m: &Mention| text[m.start..m.end].to_lowercase();
+    let decided: Vec<String> =
+        reading.mentions.iter().filter(|m| (from..to).contains(&m.start)).map(phrase).collect();
+    if reading.mentions.iter().any(|m| m.by_other && !decided.contains(&phrase(m))) {
+        return false;
+    }
+    let mut spoken: Vec<(usize, usize)> = reading.mentions.iter().map(|m| (m.start, m.end)).collect();
+    spoken.extend(texts.trace.named.iter().map(|n| (n.start, n.end)));
+    lexicon.hits(&texts.units, 0..text.len(), |hit| {
+        if !matches!(hit.role, Role::Phrase(_) | Role::Neutral | Role::Hypothesis) {
+            spoken.push((hit.start, hit.end));
+        }
+    });
+    let content = |(from, to): (usize, usize)| content(text, from, to, &spoken, words);
+    let own = content(parts[last]);
+    let others: Vec<String> =
+        parts.iter().enumerate().filter(|(i, _)| *i != last).flat_map(|(_, p)| content(*p)).collect();
+    parts.len() > 1 && others.iter().all(|w| own.contains(w)) && own.iter().all(|w| others.contains(w))
+}
+
+/// Bounds of the parts of a trace: at marks, and before words that join or give a reason.
+fn part_bounds(text: &str, texts: &Texts, clauses: &Clauses) -> Vec<usize> {
+    let lower = text.to_ascii_lowercase();
+    let ends = clauses.ends(&texts.units, &[Divider::Sentence, Divider::Clause], text.len());
+    let mut bounds: Vec<usize> = std::iter::once(0).chain(ends).collect();
+    for word in clauses.because.iter().chain(&clauses.beside) {
+        bounds.extend(lower.match_indices(word.as_str()).map(|(at, _)| at));
+    }
+    bounds.sort_unstable();
+    bounds
+}
+
+/// Words of Latin letters and Chinese characters of a part that say something, apart from what is at `spoken`.
+fn content(text: &str, from: usize, to: usize, spoken: &[(usize, usize)], words: &LabelWords) -> Vec<String> {
+    let hidden = |at: usize| spoken.iter().any(|(a, b)| (*a..*b).contains(&at));
+    let (compared, common) = (&words.compared, &words.subjects.common);
+    let mut out = Vec::new();
+    let mut at = from;
+    for word in text[from..to].split(|c: char| !c.is_ascii_alphabetic()) {
+        let lower = word.to_ascii_lowercase();
+        let start = at;
+        // What divides is one character, of any length.
+        at += word.len();
+        at += text[at..].chars().next().map_or(0, char::len_utf8);
+        if lower.len() >= 3 && !hidden(start) && !compared.is_plain(&lower) && !compared.is_deciding(&lower) {
+            out.push(lower);
+        }
+    }
+    for (i, c) in text[from..to].char_indices() {
+        let is_empty =
+            compared.of_no_scene.contains(c) || compared.of_deciding.contains(c) || common.contains(c);
+        if ('\u{4e00}'..='\u{9fff}').contains(&c) && !is_empty && !hidden(from + i) {
+            out.push(c.to_string());
+        }
+    }
+    out
+}

@@ -1,0 +1,268 @@
+//! Components that say the same, in the same words or nearly so.
+
+use crate::check::reading::{Named, TextFacts};
+use crate::check::texts::Texts;
+use crate::check::view::View;
+use whyroad_framework::LabelWords;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::label_words::{Compared, GroupSet, SaidState, hashed};
+use whyroad_model::label_fields::pointer;
+
+/// Components beyond this are not compared with one another: people name two to five.
+const COMPARED: usize = 40;
+/// Share of the shorter text that the longer one holds, in pairs and in words.
+const ALIKE: f64 = 0.8;
+const ALIKE_WORDS: f64 = 0.88;
+/// Fewer words, or characters, may be the same by chance.
+const LEAST_WORDS: usize = 6;
+const LEAST_CHARACTERS: usize = 9;
+/// Fewer, where nearly all are the same.
+const FEW_CHARACTERS: usize = 7;
+/// No pair of texts is compared that shares less.
+const FEWEST_CONTENT: f64 = 0.5;
+/// Words and things, and the share of the shorter text that the longer one holds: of Latin letters, and Chinese.
+const CONCEPTS_LATIN: (usize, f64) = (5, 0.7);
+const CONCEPTS_CHINESE: (usize, f64) = (12, 0.62);
+/// Words without articles, pronouns and auxiliaries.
+const LEAST_CONTENT: usize = 4;
+
+/// No component is said twice.
+pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+    if label.parts.len() < 2 {
+        return;
+    }
+    // Texts that name nothing in common are not taken apart.
+    let near = |f: &TextFacts| {
+        f.named.iter().fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
+    };
+    let groups: Vec<GroupSet> = texts.components.iter().take(COMPARED).map(near).collect();
+    let may_repeat = groups
+        .iter()
+        .enumerate()
+        .any(|(i, g)| groups[..i].iter().any(|other| other.meets(*g) || other.is_empty() || g.is_empty()));
+    if !may_repeat {
+        return;
+    }
+    let outlines: Vec<Outline> = label
+        .parts
+        .iter()
+        .take(COMPARED)
+        .filter_map(|c| Some(Outline::of(c.description.get()?, &words.compared)))
+        .collect();
+    let facts = &texts.components[..texts.components.len().min(COMPARED)];
+    let same_facts = |i: usize, j: usize| {
+        let text = |k: usize| label.parts[k].description.get().unwrap_or_default();
+        adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words)
+            || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words)
+    };
+    let by_facts = (1..facts.len()).any(|i| (0..i).any(|j| same_facts(i, j)));
+    let by_words =
+        outlines.iter().enumerate().any(|(i, o)| outlines[..i].iter().any(|other| o.may_be_alike(other)));
+    if !by_words && !by_facts {
+        return;
+    }
+    let all: Vec<(usize, Pieces)> = label
+        .parts
+        .iter()
+        .zip(&texts.components)
+        .take(COMPARED)
+        .filter_map(|(c, facts)| Some((c.index, pieces(c.description.get()?, facts, &words.compared))))
+        .collect();
+    for (i, (index, own)) in all.iter().enumerate() {
+        let alike =
+            |(k, other): &&(usize, Pieces)| is_alike(own, other) || by_facts && same_facts(*index, *k);
+        let Some((first, _)) = all[..i].iter().find(alike) else { continue };
+        let at = pointer::critical_components_item_description(*index);
+        sink.report(Finding::warning("label.component.duplicate", at), &|| {
+            Words::new(
+                format!("关键要素 {} 与 {} 说的是同一件事", first + 1, index + 1),
+                format!("components {} and {} say the same", first + 1, index + 1),
+            )
+            .hint("合并为一个要素", "make one component of them")
+        });
+    }
+}
+
+/// Whoever acts does the same in both, and the first text has no thing, side or number that the second does not have.
+fn adds_nothing(a: (&str, &TextFacts), b: (&str, &TextFacts), words: &LabelWords) -> bool {
+    let stands = |s: SaidState| matches!(s, SaidState::Standing | SaidState::Slowing);
+    let same_state = |n: &Named, m: &Named| match (n.state, m.state) {
+        (Some(x), Some(y)) => x == y || (stands(x) && stands(y)),
+        _ => false,
+    };
+    let acts = |n: &&Named| words.objects[n.group].own.meets(words.known.actor);
+    let same = a.1.there().filter(acts).any(|n| {
+        let mut others = b.1.there().filter(acts);
+        others.any(|m| words.objects[n.group].own.meets(words.objects[m.group].near) && same_state(n, m))
+    });
+    let where_only = words.known.road;
+    let is_known = |n: &Named| {
+        let own = words.objects[n.group].own;
+        let mut others = b.1.named.iter().filter(|m| own.meets(words.objects[m.group].near));
+        let agrees = |m: &Named| {
+            n.absent == m.absent
+                && (n.side.is_none() || n.side == m.side)
+                && (n.colour.is_none() || m.colour.is_none() || n.colour == m.colour)
+        };
+        own.without(where_only).is_empty() || others.any(agrees)
+    };
+    let counts = |text: &str| {
+        text.contains(|c: char| c.is_ascii_digit() || "两三四五六七八九十百半几".contains(c))
+            || NUMBERS.iter().any(|w| text.to_ascii_lowercase().split(' ').any(|t| t == *w))
+    };
+    same && a.1.named.iter().all(is_known) && (!counts(a.0) || counts(b.0))
+}
+
+/// Numbers in words of Latin letters.
+const NUMBERS: [&str; 14] = [
+    "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "twenty", "thirty", "forty",
+    "fifty", "hundred",
+];
+
+/// A text taken apart.
+struct Pieces {
+    /// Characters, or words in Latin letters; hashed, sorted, each once.
+    units: Vec<u64>,
+    /// Pairs of them.
+    pairs: Vec<u64>,
+    /// Units that are not empty words.
+    content: Vec<u64>,
+    is_latin: bool,
+    /// Groups that it names, with side and color: texts that differ in these differ.
+    named: Vec<Mentioned>,
+}
+
+/// Which units and pairs of units a text has, as bits: a bit that is missing is a unit that is missing. Most components
+/// are told apart by it.
+#[derive(Clone, Copy, Default)]
+struct Outline {
+    units: [u64; 2],
+    pairs: [u64; 4],
+    /// Units that are surely not empty words.
+    content: [u64; 2],
+    /// With repetitions.
+    count: usize,
+}
+
+impl Outline {
+    fn of(text: &str, words: &Compared) -> Self {
+        let mut out = Self::default();
+        let mut last = None;
+        each_unit(text, words, |unit| {
+            let bits = unit.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let (word, bit) = ((bits >> 63) as usize, 1 << (bits >> 57 & 63));
+            out.units[word] |= bit;
+            if !words.may_be_empty(unit) {
+                out.content[word] |= bit;
+            }
+            if let Some(last) = last.replace(unit) {
+                let bits = pair_of(last, unit).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+                out.pairs[(bits >> 62) as usize] |= 1 << (bits >> 56 & 63);
+            }
+            out.count += 1;
+        });
+        out
+    }
+
+    /// False where [`is_alike`] is false, whatever the texts name.
+    fn may_be_alike(&self, other: &Self) -> bool {
+        let missing = |a: &[u64], b: &[u64]| -> usize {
+            a.iter().zip(b).map(|(a, b)| (a & !b).count_ones() as usize).sum()
+        };
+        // Of the shorter list at most this share is missing in the other. Which one is shorter is not known here, nor
+        // how often a unit is repeated.
+        let few =
+            |a: &[u64], b: &[u64], count: usize| missing(a, b) as f64 <= (1.0 - ALIKE) * count as f64 + 1e-6;
+        few(&self.units, &other.units, self.count)
+            || few(&other.units, &self.units, other.count)
+            || few(&self.pairs, &other.pairs, self.count)
+            || few(&other.pairs, &self.pairs, other.count)
+            || missing(&self.content, &other.units) as f64 <= (1.0 - FEWEST_CONTENT) * self.count as f64
+            || missing(&other.content, &self.units) as f64 <= (1.0 - FEWEST_CONTENT) * other.count as f64
+    }
+}
+
+/// Group, side, color.
+type Mentioned = (usize, Option<bool>, Option<usize>);
+
+fn pieces(text: &str, facts: &TextFacts, words: &Compared) -> Pieces {
+    let mut units: Vec<u64> = Vec::new();
+    each_unit(text, words, |unit| units.push(unit));
+    let mut pairs: Vec<u64> = units.windows(2).map(|w| pair_of(w[0], w[1])).collect();
+    let mut content: Vec<u64> = units.iter().copied().filter(|u| !words.is_empty_word(*u)).collect();
+    for list in [&mut units, &mut pairs, &mut content] {
+        list.sort_unstable();
+        list.dedup();
+    }
+    let mut named: Vec<_> = facts.named.iter().map(|n| (n.group, n.side, n.colour)).collect();
+    named.sort_unstable();
+    named.dedup();
+    Pieces { units, pairs, content, is_latin: text.is_ascii(), named }
+}
+
+/// Gives each word of Latin letters and each character that is not a particle to `take`, hashed.
+fn each_unit(text: &str, words: &Compared, mut take: impl FnMut(u64)) {
+    let mut word = 0_u64;
+    for c in text.chars() {
+        if c.is_ascii_alphanumeric() {
+            word = hashed(word, c);
+            continue;
+        }
+        if word != 0 {
+            take(word);
+            word = 0;
+        }
+        // Particles make no difference.
+        let is_letter = matches!(c, '\u{4e00}'..='\u{9fff}') || (!c.is_ascii() && c.is_alphanumeric());
+        if is_letter && !words.particles.contains(c) {
+            take(u64::from(c) | 1 << 40);
+        }
+    }
+    if word != 0 {
+        take(word);
+    }
+}
+
+fn pair_of(first: u64, second: u64) -> u64 {
+    first.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(17) ^ second
+}
+
+fn is_alike(a: &Pieces, b: &Pieces) -> bool {
+    if a.units == b.units && a.pairs == b.pairs {
+        return !a.units.is_empty();
+    }
+    // What one text leaves open is no difference.
+    let differ = |n: &Mentioned, m: &Mentioned| {
+        n.1.zip(m.1).is_some_and(|(x, y)| x != y) || n.2.zip(m.2).is_some_and(|(x, y)| x != y)
+    };
+    let apart = |n: &Mentioned| {
+        let same = b.named.iter().filter(|m| n.0 == m.0);
+        same.clone().next().is_some() && same.clone().all(|m| differ(n, m))
+    };
+    if a.named.iter().any(apart) {
+        return false;
+    }
+    let share = |a: &[u64], b: &[u64], least: usize, part: f64| {
+        let shorter = a.len().min(b.len());
+        let common = a.iter().filter(|p| b.binary_search(p).is_ok()).count();
+        shorter >= least && common as f64 >= part * shorter as f64
+    };
+    // The same words in another order: few words of Latin letters, or many Chinese characters.
+    let (least, part) = if a.is_latin { (LEAST_WORDS, ALIKE_WORDS) } else { (LEAST_CHARACTERS, ALIKE) };
+    // The same things, sides and colors, in mostly the same words.
+    let concepts = |p: &Pieces| {
+        let groups = p.named.iter().map(|n| hashed(n.0 as u64 + 1, '#'));
+        let mut all: Vec<u64> = p.content.iter().copied().chain(groups).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    };
+    let (least_concepts, part_concepts) = if a.is_latin { CONCEPTS_LATIN } else { CONCEPTS_CHINESE };
+    let same_things = a.named.iter().any(|n| b.named.iter().any(|m| m.0 == n.0));
+    (same_things && share(&concepts(a), &concepts(b), least_concepts, part_concepts))
+        || share(&a.pairs, &b.pairs, 5, ALIKE)
+        || share(&a.units, &b.units, least, part)
+        || (!a.is_latin && share(&a.units, &b.units, FEW_CHARACTERS, 0.95))
+        || (a.is_latin && share(&a.content, &b.content, LEAST_CONTENT, 1.0))
+        || (a.is_latin && a.content.len() >= 3 && a.content == b.content)
+}

@@ -1,0 +1,233 @@
+//! Things of the trace that no component names, or that are elsewhere or of another color there. A component in words that
+//! no list knows may name anything.
+
+use crate::check::consistency::trace_rules::Said;
+use crate::check::overlap;
+use crate::check::reading::{Named, TextFacts};
+use crate::check::subject;
+use crate::check::texts::Texts;
+use crate::check::view::View;
+use whyroad_framework::LabelWords;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::label_words::GroupSet;
+use whyroad_model::label_fields::pointer;
+
+/// Each thing in the trace, as far as `until`, is in a component.
+pub(in crate::check) fn unnamed(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    background: GroupSet,
+    (until, said): (usize, Said),
+    sink: &mut dyn Sink,
+) {
+    let Some(text) = label.trace.get() else { return };
+    // What a component that cannot be read names is not known: that of a broken field.
+    let unread = label.parts.iter().any(|c| c.description.get().is_none());
+    if unread || texts.all_components(words).is_empty() {
+        return;
+    }
+    let (any, beside) = (texts.components_there(words, false), texts.components_there(words, true));
+    let is_new = |n: &&Named| {
+        let group = &words.objects[n.group];
+        group.named && !group.own.meets(if n.side.is_some() { beside } else { any })
+    };
+    // "The vehicle" may be the ego where the trace decides in words that no list knows.
+    let may_be_ego = |n: &Named| {
+        let name = text[n.start..n.end].to_lowercase();
+        said == Said::Unread
+            && (words.subjects.general.contains(&name) || !subject::is_introduced(text, n.start, words))
+    };
+    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n);
+    let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
+    // In other words, or one that a component has in words that no list knows: most labels do not come to this.
+    let unread = new.peek().map(|_| Unread::of(label, texts, words, background));
+    let Some(n) = new.find(|n| unread.as_ref().is_some_and(|u| !u.may_name(text, n, texts, words))) else {
+        return differs(label, texts, words, (until, said), sink);
+    };
+    sink.report(
+        Finding::warning("label.trace.unnamed_object", pointer::COC_TRACE).part(n.start, n.end),
+        &|| {
+            let thing = &text[n.start..n.end];
+            Words::new(
+                format!("因果描述提到“{thing}”，但没有任何关键要素提到它"),
+                format!("the trace speaks of '{thing}', which no critical component names"),
+            )
+            .hint("补上该要素，或从因果描述中删去", "add it as a component, or leave it out of the trace")
+        },
+    );
+}
+
+/// What components speak of in words that no list knows.
+struct Unread<'a> {
+    /// All components.
+    all: Vec<&'a str>,
+    /// Those whose thing was not read.
+    things: Vec<&'a str>,
+    /// Without more than a place, so that any sign or surface may be meant.
+    place_only: bool,
+}
+
+impl<'a> Unread<'a> {
+    fn of(label: &View<'a>, texts: &Texts, words: &LabelWords, background: GroupSet) -> Self {
+        let parts = || {
+            let parts = label.parts.iter().zip(&texts.components);
+            parts.filter_map(|(c, f)| Some((c.description.get()?, f)))
+        };
+        let place_only = |f: &TextFacts| {
+            let own = f.groups.without(background).is_empty() && f.states.is_empty();
+            own && !f.groups.is_empty() && !f.groups.meets(words.known.no_cause)
+        };
+        Self {
+            all: parts().map(|(t, _)| t).collect(),
+            things: parts().filter(|(t, f)| subject::is_unread(t, f, words)).map(|(t, _)| t).collect(),
+            place_only: parts().any(|(_, f)| place_only(f)),
+        }
+    }
+
+    /// A component may speak of the thing `n` of the trace `text`: it has a word of its name; or its own thing was not
+    /// read, and the clause of `n` has words of the component, or no clause has.
+    fn may_name(&self, text: &str, n: &Named, texts: &Texts, words: &LabelWords) -> bool {
+        let compared = &words.compared;
+        let acts = words.objects[n.group].own.meets(words.known.actor);
+        if self.place_only && !acts {
+            return true;
+        }
+        if self.all.iter().any(|c| overlap::has_word_of(c, &text[n.start..n.end], acts, words)) {
+            return true;
+        }
+        // "The vehicle": whatever it is called in the component.
+        if !self.things.is_empty() && words.subjects.general.contains(&text[n.start..n.end].to_lowercase()) {
+            return true;
+        }
+        let (from, to) = words.clauses.around(&texts.units, n.start..n.end, text.len(), &|_| true);
+        let joint = |part: &str, at: &dyn Fn(usize, usize) -> usize, last: bool| {
+            let all = words.clauses.beside.iter().filter_map(|w| {
+                let found = if last { part.rfind(w.as_str()) } else { part.find(w.as_str()) };
+                found.map(|i| at(i, w.len()))
+            });
+            if last { all.max() } else { all.min() }
+        };
+        let from = joint(&text[from..n.start], &|i, length| from + i + length, true).unwrap_or(from);
+        let to = joint(&text[n.end..to], &|i, _| n.end + i, false).unwrap_or(to);
+        let introduced = subject::is_introduced(text, n.start, words);
+        self.things.iter().any(|c| {
+            let shared = |inside: &dyn Fn(usize) -> bool| overlap::shared_with(c, text, compared, inside);
+            let inside = |at: usize| (from..to).contains(&at) && !(n.start..n.end).contains(&at);
+            shared(&inside) > 0 || (!introduced && shared(&|_| true) == 0)
+        })
+    }
+}
+
+/// What the trace says of a thing's side and color is what its component says.
+fn differs(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    (until, said): (usize, Said),
+    sink: &mut dyn Sink,
+) {
+    let Some(text) = label.trace.get() else { return };
+    let general = |n: &Named| words.subjects.general.contains(&text[n.start..n.end].to_lowercase());
+    let meant = |n: &Named| -> Vec<&Named> {
+        let group = &words.objects[n.group];
+        let all = || texts.components.iter().flat_map(|f| f.there()).filter(|c| words.objects[c.group].named);
+        // Whoever is called by the same name, otherwise whoever may be meant.
+        let same: Vec<&Named> = all().filter(|c| words.objects[c.group].own == group.own).collect();
+        if same.is_empty() {
+            all().filter(|c| words.objects[c.group].own.meets(group.near)).collect()
+        } else {
+            same
+        }
+    };
+    // "The blue car" for the white one: the color is part of the word.
+    let painted = |text: Option<&str>, n: &Named| {
+        let mut word = text?.get(n.start..n.end)?.chars();
+        let colour = word.next().filter(|c| "白黑红蓝灰银黄绿".contains(*c))?;
+        (word.as_str() == "车").then_some(colour)
+    };
+    let given = || {
+        let parts = label.parts.iter().zip(&texts.components);
+        parts.flat_map(move |(c, f)| f.there().filter_map(move |n| painted(c.description.get(), n)))
+    };
+    let other_car = |n: &Named| {
+        painted(Some(text), n).is_some_and(|c| given().next().is_some() && !given().any(|g| g == c))
+    };
+    // "From the right" of whoever comes the other way in his component.
+    let says_opposite = |text: &str| {
+        let lower = text.to_ascii_lowercase();
+        words.subjects.opposite.iter().any(|w| lower.contains(w.as_str()))
+    };
+    let not_opposite = |n: &Named| {
+        let acts = words.objects[n.group].own.meets(words.known.actor);
+        n.side.is_some() && acts && !says_opposite(text) && {
+            let parts = || label.parts.iter().zip(&texts.components);
+            let same = |f: &TextFacts| {
+                f.there().any(|c| words.objects[c.group].own.meets(words.objects[n.group].near))
+            };
+            let sided = parts().any(|(_, f)| same(f) && f.there().any(|c| c.side.is_some()));
+            !sided && parts().any(|(c, f)| same(f) && c.description.get().is_some_and(|t| says_opposite(t)))
+        }
+    };
+    let differs = |n: &&Named| {
+        if !words.objects[n.group].named || (said == Said::Unread && general(n)) {
+            return false;
+        }
+        // Most are said without either.
+        let same = if n.side.is_some() || n.colour.is_some() { meant(n) } else { Vec::new() };
+        let side = n.side.is_some_and(|s| {
+            same.iter().any(|c| c.side == Some(!s)) && !same.iter().any(|c| c.side == Some(s))
+        });
+        let colour = n.colour.is_some_and(|k| {
+            same.iter().any(|c| c.colour.is_some_and(|o| o != k)) && !same.iter().any(|c| c.colour == Some(k))
+        });
+        side || colour || other_car(n) || not_opposite(n)
+    };
+    let other_light = || other_light(label, texts, words, until);
+    let Some(n) = texts.trace.there().filter(|n| n.start < until).find(differs).or_else(other_light) else {
+        return;
+    };
+    sink.report(Finding::warning("label.trace.object_differs", pointer::COC_TRACE).part(n.start, n.end), &|| {
+        let thing = &text[n.start..n.end];
+        Words::new(
+            format!("因果描述中的“{thing}”与关键要素所说的方位或颜色不同"),
+            format!("the trace puts '{thing}' on another side, or gives it another color, than the component does"),
+        )
+        .hint("改正其中有误的一处", "correct the one that is wrong")
+    });
+}
+
+/// The light of the trace, where it has a color that no component gives a light.
+fn other_light<'t>(
+    label: &View<'_>,
+    texts: &'t Texts,
+    words: &LabelWords,
+    until: usize,
+) -> Option<&'t Named> {
+    if !texts.trace.groups.meets(words.known.light) {
+        return None;
+    }
+    let colour = |text: Option<&str>, n: &Named| {
+        let word = text?.get(n.start..n.end)?.to_lowercase();
+        let last = |names: &[String]| names.iter().filter_map(|w| word.rfind(w.as_str())).max();
+        // The last one: "from green to yellow".
+        let all = words.lights.iter().enumerate();
+        all.filter_map(|(i, names)| Some((last(names)?, i))).max().map(|(_, i)| i)
+    };
+    let is_light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
+    let given: Vec<usize> = label
+        .parts
+        .iter()
+        .zip(&texts.components)
+        .flat_map(|(c, f)| f.there().filter(is_light).filter_map(|n| colour(c.description.get(), n)))
+        .collect();
+    let said: Vec<(&Named, usize)> = texts
+        .trace
+        .there()
+        .filter(|n| n.start < until)
+        .filter(is_light)
+        .filter_map(|n| Some((n, colour(label.trace.get(), n)?)))
+        .collect();
+    let (n, _) = said.first()?;
+    (!given.is_empty() && !said.iter().any(|(_, c)| given.contains(c))).then_some(n)
+}

@@ -1,0 +1,158 @@
+//! Whether the thing that a component speaks of has been read. Where it stands in words that no list knows, what the
+//! component names is not known, however many other words of it are. Only asked before a finding is made.
+
+use super::reading::{Named, TextFacts};
+use whyroad_framework::LabelWords;
+
+/// The component's own thing is in words that no list knows.
+pub(super) fn is_unread(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
+    if text.is_ascii() { is_unread_latin(text, facts, words) } else { is_unread_chinese(text, facts, words) }
+}
+
+/// "A horsebox stands half on the verge": no thing is named up to the verb. Of a road and the like anything may be said.
+fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
+    let mut end = text.len();
+    let mut is_first = true;
+    let mut at = 0;
+    for word in text.split(|c: char| !c.is_ascii_alphanumeric() && c != '\'' && c != '-') {
+        let start = at;
+        at += word.len() + 1;
+        let lower = word.to_ascii_lowercase();
+        if lower.is_empty() || (is_first && matches!(lower.as_str(), "a" | "an" | "the")) {
+            continue;
+        }
+        if is_first && (words.subjects.is_pronoun(&lower) || lower.starts_with(|c: char| c.is_ascii_digit()))
+        {
+            return false;
+        }
+        // "Automatic braking has come on": what is done is no thing.
+        let next = text.get(at..).unwrap_or_default();
+        if !is_first
+            && lower.ends_with("ing")
+            && ["has ", "is ", "was ", "had "].iter().any(|w| next.starts_with(w))
+        {
+            return false;
+        }
+        // A second article or pronoun begins what the thing does something to.
+        let divides = (is_determiner(&lower) && !text[..start].ends_with("of "))
+            || start > 0 && text[..start].trim_end().ends_with([',', ';', '.', ':']);
+        if !is_first && (divides || words.subjects.ends(&lower)) {
+            end = start;
+            break;
+        }
+        is_first = false;
+    }
+    !facts.named.iter().any(|n| n.start < end)
+}
+
+/// Begins the words for a thing in Latin letters.
+fn is_determiner(word: &str) -> bool {
+    matches!(word, "a" | "an" | "the" | "our" | "its" | "his" | "her" | "their" | "us" | "it")
+}
+
+/// Stands before the words for a thing that is not introduced.
+fn is_break(word: &str, words: &LabelWords) -> bool {
+    let participle = word.len() > 5 && word.ends_with("ing");
+    (words.subjects.ends(word) && !participle) || is_determiner(word)
+}
+
+/// "胡同里来了一台小货": nothing is named behind the word that counts; or nothing at all but a place.
+fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
+    let subjects = &words.subjects;
+    let chars: Vec<(usize, char)> = text.char_indices().collect();
+    // "The first car" counts nothing.
+    let is_ordinal = |at: usize| text[..at].ends_with(['第', '头']);
+    let counted = chars.windows(2).filter(|w| {
+        subjects.counts.contains(w[0].1) && subjects.counters.contains(w[1].1) && !is_ordinal(w[0].0)
+    });
+    let mut counted = counted.map(|w| w[1].0 + w[1].1.len_utf8()).peekable();
+    let clause_end = |from: usize| {
+        text[from..].find(['，', '。', '；', '、', '：', '！']).map_or(text.len(), |i| from + i)
+    };
+    // "从公交车前": where somebody comes from.
+    let is_origin =
+        |n: &Named| text[..n.start].ends_with(['从', '自', '由', '被', '把', '往', '向', '朝', '沿']);
+    let within = |from: usize, to: usize| {
+        facts.named.iter().any(|n| n.end > from && n.start < to && !(n.start > from && is_origin(n)))
+    };
+    if counted.peek().is_some() {
+        return counted.any(|from| !within(from, clause_end(from)));
+    }
+    // "自车车速偏快".
+    if subjects.own.iter().any(|w| text.starts_with(w.as_str())) {
+        return false;
+    }
+    // A measure, and nothing of anybody.
+    if facts.named.iter().any(|n| words.objects[n.group].own.meets(words.known.gap)) {
+        return false;
+    }
+    let is_place = |n: &Named| text[n.end..].starts_with(|c| subjects.places.contains(c));
+    let says_where = words.known.no_cause.with(words.known.road);
+    let is_thing = |n: &&Named| !words.objects[n.group].own.without(says_where).is_empty() && !is_place(n);
+    !facts.named.iter().any(|n| is_thing(&n))
+}
+
+/// The text says of the thing at `start` that there is one, rather than speaking of one that is known: "a cyclist",
+/// "还有个骑手".
+pub(super) fn is_introduced(text: &str, start: usize, words: &LabelWords) -> bool {
+    const NEAR: usize = 4;
+    let is_article =
+        |w: &str| matches!(w, "a" | "an" | "another" | "some" | "several" | "two" | "three" | "more");
+    let before = &text[..start];
+    if text.is_ascii() {
+        let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).take(NEAR);
+        let mut lower =
+            last.map(str::to_ascii_lowercase).take_while(|w| is_article(w) || !is_break(w, words));
+        return lower.any(|w| is_article(&w));
+    }
+    let near = before.chars().rev().take(NEAR * 2).take_while(|c| !"，。；、：".contains(*c));
+    let near: Vec<char> = near.collect();
+    near.windows(2).any(|w| {
+        words.subjects.counters.contains(w[0])
+            && (words.subjects.counts.contains(w[1]) || "有着出来".contains(w[1]))
+    }) || near.first().is_some_and(|c| *c == '有')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::reading;
+    use whyroad_framework::Framework;
+    use whyroad_framework::lexicon::units::Units;
+
+    #[test]
+    fn a_thing_in_unknown_words_is_unread() {
+        let words = &Framework::bundled().label_words;
+        let unread = |text: &str| {
+            let mut facts = reading::read(text, &Units::of(text), words);
+            // As if no list had the thing.
+            facts.named.retain(|n| !["coupe", "小货"].contains(&&text[n.start..n.end]));
+            is_unread(text, &facts, words)
+        };
+        for text in [
+            "A silver coupe stands across our lane",
+            "胡同里迎面来了一台小货",
+            "The xylophone is near the truck",
+        ] {
+            assert!(unread(text), "{text}");
+        }
+        for text in [
+            "Emergency braking has just been triggered",
+            "A cyclist on the right is crossing",
+            "导航提示右转",
+            "自车车速偏快",
+            "右侧一辆货车正在并线",
+            "It is about ten meters away",
+        ] {
+            assert!(!unread(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_introduced_was_not_there_before() {
+        let words = &Framework::bundled().label_words;
+        let introduced = |text: &str, thing: &str| is_introduced(text, text.find(thing).unwrap(), words);
+        assert!(introduced("and a wobbling cyclist", "cyclist") && !introduced("and the cyclist", "cyclist"));
+        assert!(introduced("后面还有辆三轮车", "三轮车") && !introduced("三轮车横穿", "三轮车"));
+    }
+}
