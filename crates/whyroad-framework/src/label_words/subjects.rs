@@ -33,7 +33,8 @@ impl Subjects {
         self.ends.contains(word) || (word.len() > 5 && word.ends_with("ing"))
     }
 
-    /// A text that begins with this word of Latin letters, in lower case, speaks of what was named before or of no thing.
+    /// A text that begins with this word of Latin letters, in lower case, speaks of what was named before or of no
+    /// thing.
     pub fn is_pronoun(&self, word: &str) -> bool {
         self.pronouns.contains(word)
     }

@@ -9,7 +9,8 @@ pub(super) fn is_unread(text: &str, facts: &TextFacts, words: &LabelWords) -> bo
     if text.is_ascii() { is_unread_latin(text, facts, words) } else { is_unread_chinese(text, facts, words) }
 }
 
-/// "A horsebox stands half on the verge": no thing is named up to the verb. Of a road and the like anything may be said.
+/// "A horsebox stands half on the verge": no thing is named up to the verb. Of a road and the like anything may be
+/// said.
 fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
     let mut end = text.len();
     let mut is_first = true;

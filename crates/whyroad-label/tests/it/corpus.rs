@@ -24,16 +24,18 @@ const FALSE_ALARMS: f64 = 0.05;
 const OTHER_HALF: (f64, f64) = (0.94, FALSE_ALARMS);
 
 /// The same of the fifth set; it was 55 of 64 and 12 of 48 when it was first run.
-const FIFTH: (f64, f64) = (0.89, FALSE_ALARMS);
+const FIFTH: (f64, f64) = (0.92, FALSE_ALARMS);
 
 /// The same of the sixth set, written by somebody who had not seen the checks; it was 62 of 80 and 20 of 80 then.
-const SIXTH: (f64, f64) = (0.83, FALSE_ALARMS);
+const SIXTH: (f64, f64) = (0.86, FALSE_ALARMS);
 
-/// The same of the halves of the general set; it was xx when it was written.
-const GENERAL: [(f64, f64); 2] = [(0.0, 1.0), (0.0, 1.0)];
+/// The same of the halves of the general set, the second of which is less looked at: 41 of 71 and 15 of 40, 49 of 64
+/// and 14 of 42 when they were written.
+const GENERAL: [(f64, f64); 2] = [(0.87, FALSE_ALARMS), (0.90, 0.08)];
 
-/// The same with one word in five missing from the lists.
-const UNKNOWN_WORDS: (f64, f64) = (0.0, 1.0);
+/// The same with one word in five missing from the lists; it was 3240 of 3575 and 124 of 1265 before the checks were
+/// made to ask what was read.
+const UNKNOWN_WORDS: (f64, f64) = (0.92, 0.02);
 
 #[derive(Default)]
 struct Tally {
@@ -205,8 +207,8 @@ fn labels_that_were_unseen_stay_found() {
     assert!(worse.is_empty(), "{worse:?}");
 }
 
-/// With one word in five missing from the lists, whichever: what is said in words that no list knows is neither taken for
-/// something else nor for nothing.
+/// With one word in five missing from the lists, whichever: what is said in words that no list knows is neither taken
+/// for something else nor for nothing.
 #[test]
 fn labels_in_unknown_words_are_left_alone() {
     let (mut all, mut flagged, mut faults, mut found_of) = (0, 0, 0, 0);

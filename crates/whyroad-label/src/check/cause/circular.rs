@@ -1,5 +1,5 @@
-//! A trace that only states its decision again (LABELING.md 6): what is left of its reason without the decision, whoever
-//! the decision is about, and the words of deciding.
+//! A trace that only states its decision again (LABELING.md 6): what is left of its reason without the decision,
+//! whoever the decision is about, and the words of deciding.
 
 use crate::check::consistency::trace::{Mention, Reading};
 use crate::check::consistency::trace_rules;

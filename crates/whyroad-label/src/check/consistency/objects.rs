@@ -1,5 +1,5 @@
-//! Things of the trace that no component names, or that are elsewhere or of another color there. A component in words that
-//! no list knows may name anything.
+//! Things of the trace that no component names, or that are elsewhere or of another color there. A component in words
+//! that no list knows may name anything.
 
 use crate::check::consistency::trace_rules::Said;
 use crate::check::overlap;

@@ -55,8 +55,8 @@ pub(super) fn unseen() -> [Vec<(&'static str, Vec<Base>)>; 7] {
     ]
 }
 
-/// True and faulty labels in styles and with things that the other sets do not have, written before the checks were made
-/// to compare meaning.
+/// True and faulty labels in styles and with things that the other sets do not have, written before the checks were
+/// made to compare meaning.
 pub(super) fn general() -> Vec<(&'static str, Vec<Base>)> {
     let read = |text: &str| yaml::from_str::<Vec<Base>>(text).unwrap();
     vec![("zh", read(include_str!("general_zh.yaml"))), ("en", read(include_str!("general_en.yaml")))]

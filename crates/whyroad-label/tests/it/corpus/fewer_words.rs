@@ -1,5 +1,5 @@
-//! The word lists with a part of their words taken out, as if nobody had thought of those: what texts with words that no
-//! list knows come to.
+//! The word lists with a part of their words taken out, as if nobody had thought of those: what texts with words that
+//! no list knows come to.
 
 use serde_json::Value;
 use whyroad_framework::{Framework, LabelWords, Lexicon};
