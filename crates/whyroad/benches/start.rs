@@ -13,9 +13,9 @@ use service::http::Client;
 use service::storm::Annotator;
 use service::{Service, annotators, demo, mined_folder};
 use std::path::Path;
+use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use whyroad_engine::drives::signals_of;
 use whyroad_lake::mined::{Existing, MinedFolderWriter};
 use whyroad_lake::{Lake, MinedFolder};
 use whyroad_model::messages::EpisodeRecord;
@@ -36,14 +36,16 @@ fn many_drives(at: &Path, n: usize) {
         drive.meta.drive_id = id.clone();
         drive.meta.content_hash = format!("{}-{i}", drive.meta.content_hash);
         lake.write_drive(&drive).unwrap();
-        // As `mine` leaves them.
-        signals_of(&lake, &id).unwrap();
         let clip = episode.clip_id.as_str().replace(episode.drive_id.as_str(), id.as_str());
         let episode_id = format!("{id}_e");
         let clip_id = ClipId::from(clip.as_str());
         out.episode(&EpisodeRecord { episode_id, clip_id, drive_id: id, ..episode.clone() }).unwrap();
     }
     out.finish().unwrap();
+    // As `mine` leaves the lake.
+    let program = std::env::var_os("WHYROAD_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_whyroad").into());
+    let derived = Command::new(program).args(["signals", "derive", "--lake"]).arg(at.join("lake")).status();
+    assert!(derived.unwrap().success());
 }
 
 fn main() {
