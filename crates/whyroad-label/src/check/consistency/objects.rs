@@ -166,7 +166,7 @@ fn differs(
                 f.there().any(|c| words.objects[c.group].own.meets(words.objects[n.group].near))
             };
             let sided = parts().any(|(_, f)| same(f) && f.there().any(|c| c.side.is_some()));
-            !sided && parts().any(|(c, f)| same(f) && c.description.get().is_some_and(|t| says_opposite(t)))
+            !sided && parts().any(|(c, f)| same(f) && c.description.get().is_some_and(says_opposite))
         }
     };
     let differs = |n: &&Named| {
