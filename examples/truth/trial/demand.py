@@ -13,6 +13,10 @@ MODEL = {
     "CACC": 'carFollowModel="CACC"',
     "Orig1": 'carFollowModel="KraussOrig1" sigma="0.3"',
     "Wagner": 'carFollowModel="PWagner2009"',
+    "KraussPS": 'carFollowModel="KraussPS" sigma="0.6"',
+    "IDM2": 'carFollowModel="IDM" delta="2"',
+    "Kerner": 'carFollowModel="BKerner" k="0.8" phi="4"',
+    "EIDM2": 'carFollowModel="EIDM" tpreview="3" treaction="0.8" epsilon="1"',
 }
 
 

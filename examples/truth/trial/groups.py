@@ -23,6 +23,7 @@ from networks import (
 )
 from networks_drawn import circles, country, knotted, motorway, street
 from networks_planned import arterial, collector, estate, one_way_blocks
+from networks_shaped import ladder, oval, parting, river_town
 
 # Name: (maker, seed, seconds, step s, drivers' model, lateral: seconds of a change or "sublane", vehicles per second,
 # people)
@@ -70,8 +71,14 @@ SETS = {
         "arterial": (arterial, 5011, 220, 0.05, "Wagner+moto", 3.5, 0.6, 0),
         "collector": (collector, 5021, 160, 0.1, "CACC", "sublane", 0.9, 0),
     },
+    "held5": {
+        "ladder": (ladder, 6007, 220, 0.1, "KraussPS+moto", 3, 0.55, 0.12),
+        "parting": (parting, 6011, 160, 0.1, "IDM2", 3.5, 1.1, 0),
+        "oval": (oval, 6029, 220, 0.1, "Kerner", 2.5, 0.55, 0.1),
+        "rivertown": (river_town, 6037, 220, 0.05, "EIDM2+moto", "sublane", 0.6, 0.15),
+    },
 }
 
-# What is recorded of the runs of a group is noisy: deviations of a position of one frame, and of 1 s (m); of a speed (m/s).
-# The truth is of what happened.
-NOISE = {"held4": (0.04, 0.08, 0.15)}
+# What is recorded of the runs of a group is noisy: deviations of a position of one frame, and of 1 s (m); of a speed
+# (m/s); of a heading (degrees); the share of rows of others that are lost. The truth is of what happened.
+NOISE = {"held4": (0.04, 0.08, 0.15, 0.0, 0.0), "held5": (0.07, 0.04, 0.2, 1.0, 0.02)}

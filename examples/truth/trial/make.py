@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Generates the trial's drives with known truth: `python3 make.py develop|varied|held|held2|held3|held4 OUT_DIR [NETWORK ...]`.
+"""Generates the trial's drives with known truth: `python3 make.py develop|varied|held|held2|held3|held4|held5 OUT_DIR [NETWORK ...]`.
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). `develop` may be looked at while rules are changed; `held` has
 other networks, drivers and steps, and is evaluated once (docs/reference/accuracy.md says when). Nothing generated is
@@ -63,7 +63,7 @@ def store(text, target):
         packed.write(re.sub(r"<!--.*?-->\s*", "", text, flags=re.S).encode())
 
 
-def noisy(text, draw, step, white, slow, speed):
+def noisy(text, draw, step, white, slow, speed, turn, lost):
     """Positions and speeds of all vehicles as a sensor gives them; accelerations are not measured. The deviation that
     lasts 1 s is an autoregressive one for each vehicle.
     """
@@ -71,6 +71,8 @@ def noisy(text, draw, step, white, slow, speed):
 
     def measured(m):
         name, row = m.group(2), m.group(0)
+        if lost and not name.startswith("ego") and draw.random() < lost:
+            return ""
         old = drift.get(name, (draw.gauss(0, slow), draw.gauss(0, slow)))
         drift[name] = tuple(keep * d + math.sqrt(1 - keep**2) * draw.gauss(0, slow) for d in old)
         x, y = (drift[name][i] + draw.gauss(0, white) for i in (0, 1))
@@ -80,6 +82,8 @@ def noisy(text, draw, step, white, slow, speed):
         fast = re.search(r' speed="([^"]*)"', row)
         if fast and float(fast.group(1)) > 0.5:
             row = re.sub(r' speed="([^"]*)"', moved("speed", draw.gauss(0, speed)), row)
+        if turn:
+            row = re.sub(r' angle="([^"]*)"', lambda v: f' angle="{(float(v.group(1)) + draw.gauss(0, turn)) % 360:.2f}"', row)
         return re.sub(r' acceleration="[^"]*"', "", row)
 
     return re.sub(r'<(vehicle|person) id="([^"]*)"[^>]*>', measured, text)
@@ -119,7 +123,7 @@ def sums(out):
 
 def main():
     match sys.argv[1:]:
-        case [("develop" | "varied" | "held" | "held2" | "held3" | "held4") as group, out, *only]:
+        case [("develop" | "varied" | "held" | "held2" | "held3" | "held4" | "held5") as group, out, *only]:
             generate(group, Path(out), only)
         case ["record", out]:
             (HERE / "manifest.txt").write_text("# eclipse-sumo 1.28.0\n" + "".join(f"{v} {k}\n" for k, v in sums(Path(out)).items()))

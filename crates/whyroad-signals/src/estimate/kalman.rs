@@ -3,6 +3,7 @@
 
 use super::matrix::{Matrix, difference, product, solve, sum, symmetric, transposed};
 use crate::geometry::wrap;
+use std::f64::consts::PI;
 
 /// How a state moves.
 pub trait Model<const N: usize> {
@@ -39,6 +40,12 @@ pub struct Smoothed<const N: usize> {
 /// Measurements further than this from what is expected count less (standard deviations): a jump or a swapped id moves
 /// the estimate, but does not drag it along at once.
 const GATE: f64 = 4.0;
+/// So many rows in a row that are that far off are no faults of measurement: what moves did what the model holds for
+/// impossible, as on a drawn corner of a road, and what was known of that component no longer holds. Else the estimate
+/// would go its own way for good, since what is farther off counts less.
+const PATIENCE: usize = 3;
+/// An angle this far off is a box turned round, rad.
+const TURNED_ROUND_RAD: f64 = 0.75 * PI;
 
 struct Step<const N: usize> {
     transition: Matrix<N>,
@@ -58,6 +65,7 @@ pub fn smooth<const N: usize, M: Model<N>>(
     let mut steps: Vec<Step<N>> = Vec::with_capacity(n);
     let mut seen = Vec::with_capacity(8);
     let (mut state, mut covariance) = first;
+    let mut rows_off = [0; N];
     for row in 0..n {
         let mut transition = [[0.0; N]; N];
         if row > 0 {
@@ -69,9 +77,18 @@ pub fn smooth<const N: usize, M: Model<N>>(
             let moved = transposed(&moved);
             covariance = symmetric(&sum(&moved, &noise));
         }
-        let predicted = (state, covariance);
         seen.clear();
         observe(row, &mut seen);
+        for o in &seen {
+            let off = innovation(&state, o, M::ANGLE);
+            let beyond = off.abs() > GATE * (covariance[o.index][o.index] + o.variance).sqrt();
+            let turned_round = M::ANGLE == Some(o.index) && off.abs() > TURNED_ROUND_RAD;
+            rows_off[o.index] = if beyond && !turned_round { rows_off[o.index] + 1 } else { 0 };
+            if rows_off[o.index] >= PATIENCE {
+                covariance[o.index][o.index] += off * off;
+            }
+        }
+        let predicted = (state, covariance);
         for o in &seen {
             update(&mut state, &mut covariance, o, M::ANGLE);
         }
@@ -108,6 +125,12 @@ pub fn smooth<const N: usize, M: Model<N>>(
     out
 }
 
+/// How far the measurement is from what is expected.
+fn innovation<const N: usize>(state: &[f64; N], o: &Observation, angle: Option<usize>) -> f64 {
+    let off = o.value - state[o.index];
+    if angle == Some(o.index) { wrap(off) } else { off }
+}
+
 fn update<const N: usize>(
     state: &mut [f64; N],
     covariance: &mut Matrix<N>,
@@ -115,10 +138,7 @@ fn update<const N: usize>(
     angle: Option<usize>,
 ) {
     let k = o.index;
-    let mut innovation = o.value - state[k];
-    if angle == Some(k) {
-        innovation = wrap(innovation);
-    }
+    let innovation = innovation(state, o, angle);
     let spread = covariance[k][k] + o.variance;
     let beyond = innovation * innovation / (GATE * GATE);
     let total = spread.max(beyond);

@@ -5,7 +5,7 @@ use crate::road::lane_rules::turns_ahead;
 use crate::road::on_road::OnRoad;
 use crate::road::way::beside;
 use crate::table::TableBuilder;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::catalogue::{
     CategoryValue, id,
     value::{EgoMovement, RouteCommand},
@@ -15,6 +15,10 @@ use whyroad_model::{Drive, Tri};
 
 /// Junctions farther ahead do not ask for a lane yet, m.
 const REACH_M: f64 = 300.0;
+/// Nor does a fork or an exit farther ahead, m: the last sign that announces an exit stands there.
+const FORK_M: f64 = 500.0;
+/// Pieces of lane this short are links between roads, whose neighbors the map does not state, m.
+const PIECE_M: f64 = 30.0;
 
 fn command(bus: &EgoBus, frame: usize) -> Option<&str> {
     bus.route_command.get(frame)?.as_deref()
@@ -74,20 +78,56 @@ fn leads_to_exit(on: &OnRoad<'_>, lane: usize, frame: usize) -> Option<bool> {
     (!reached.is_empty()).then(|| !reached.is_disjoint(&road))
 }
 
-fn fits(on: &OnRoad<'_>, frame: usize) -> Tri {
+/// The lane in which the ego is last before it has driven [`FORK_M`] or comes to a junction, links apart; `visits` are
+/// the first frames of its stays in lanes.
+fn taken(on: &OnRoad<'_>, visits: &[usize], frame: usize) -> Option<(usize, f64)> {
+    let next = visits.partition_point(|&first| first <= frame);
+    let driven = |i: usize| on.path.ego_s[i] - on.path.ego_s[frame];
+    visits[next..]
+        .iter()
+        .filter_map(|&i| on.lanes.at(i).map(|place| (place.lane, driven(i))))
+        .take_while(|&(lane, driven)| driven < FORK_M && !on.road.lanes[lane].in_junction)
+        .filter(|&(lane, _)| on.road.lanes[lane].centre.length() >= PIECE_M)
+        .last()
+}
+
+/// Whether the lane leads along the road on which the ego then drives, where roads part or a lane leaves; `None` where
+/// the map does not say how the lane goes on. `s` is where the ego is on it.
+fn leads_along(on: &OnRoad<'_>, visits: &[usize], (lane, s): (usize, f64), frame: usize) -> Option<bool> {
+    let (taken, driven) = taken(on, visits, frame)?;
+    let length = |lane: usize| on.road.lanes[lane].centre.length();
+    // How far off the lanes end to which it leads.
+    let mut ends = BTreeMap::from([(lane, length(lane) - s)]);
+    let mut open = vec![lane];
+    while let Some(at) = open.pop().filter(|_| ends.len() < 500) {
+        let from = ends[&at];
+        for &next in on.road.lanes[at].successors.iter().filter(|_| from < FORK_M + PIECE_M) {
+            if ends.insert(next, from + length(next)).is_none() {
+                open.push(next);
+            }
+        }
+    }
+    let along = std::iter::once(taken).chain(beside(on.road, taken)).any(|l| ends.contains_key(&l));
+    (along || ends.values().any(|&end| end > driven + PIECE_M)).then_some(along)
+}
+
+fn fits(on: &OnRoad<'_>, visits: &[usize], frame: usize) -> Tri {
     let Some((way, s)) = on.ways.at(frame) else { return Tri::Unknown };
     let commanded = on.drive.ego.as_ref().and_then(|e| command(&e.bus, frame)).is_some();
     let lane = way.steps[way.step_at(s)].lane;
     if !commanded && let Some(leads) = leads_to_exit(on, lane, frame) {
         return Tri::from(leads);
     }
+    let on_lane = (lane, s - way.steps[way.step_at(s)].from);
     match turns_ahead(on, way, s + on.ego.front(), REACH_M) {
-        None => Tri::True,
+        None => Tri::from(leads_along(on, visits, on_lane, frame).unwrap_or(true)),
         Some(allowed) => turn(on, frame).map(|t| allowed.contains(&t)).into(),
     }
 }
 
 /// Writes `route.lane_fits`.
 pub fn write_fit(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
-    table.flag(id::ROUTE_LANE_FITS, on.flags(|i| fits(on, i)));
+    let lane = |i: usize| on.lanes.at(i).map(|place| place.lane);
+    let visits: Vec<usize> = (0..on.frames()).filter(|&i| i == 0 || lane(i) != lane(i - 1)).collect();
+    table.flag(id::ROUTE_LANE_FITS, on.flags(|i| fits(on, &visits, i)));
 }

@@ -131,6 +131,44 @@ fn turns_that_the_lane_allows_and_the_route_that_needs_them() {
     );
 }
 
+/// Two lanes along x (y = 0 and 3.5) up to x = 1000, where the right one leaves as a ramp and the left one goes on.
+fn parting() -> RoadMap {
+    let mut lanes = vec![
+        lane("l0", &[(0.0, 3.5), (1000.0, 3.5)], 3.5),
+        lane("l1", &[(1000.0, 3.5), (1400.0, 3.5)], 3.5),
+        lane("r0", &[(0.0, 0.0), (1000.0, 0.0)], 3.5),
+        lane("ramp", &[(1000.0, 0.0), (1200.0, -30.0), (1400.0, -120.0)], 3.5),
+    ];
+    for (a, b) in [(0, 1), (2, 3)] {
+        lanes[a].successors = vec![lanes[b].id.clone()];
+        lanes[b].predecessors = vec![lanes[a].id.clone()];
+    }
+    lanes[0].right_neighbour = Some("r0".into());
+    lanes[2].left_neighbour = Some("l0".into());
+    map(lanes)
+}
+
+#[test]
+fn a_lane_that_leaves_the_road_does_not_fit_who_stays_on_it() {
+    // At 25 m/s in the right lane; over the line into the left one at x = 850 (t = 34 s), on it behind x = 1000.
+    let stays = |t: f64| (25.0 * t, (1.75 * (t - 33.0)).clamp(0.0, 3.5), 0.0);
+    let fits = |pose: &dyn Fn(f64) -> (f64, f64, f64), t: usize| {
+        let mut d = drive(480, pose);
+        d.map = Some(parting());
+        Table::of(&d).ego_flag("route.lane_fits", t)
+    };
+    // 525 m before x = 1000 nothing asks for a lane yet; 475 m before, the right one does not fit, the left one does.
+    assert_eq!([190, 210, 300, 360].map(|t| fits(&stays, t)), [True, False, False, True]);
+    // Who takes the ramp is right there, and the one in the left lane who then takes it is not.
+    let bend = |x: f64| {
+        if x < 1000.0 { 0.0 } else { -0.15 * (x - 1000.0).min(200.0) - 0.45 * (x - 1200.0).max(0.0) }
+    };
+    let leaves = |t: f64| (25.0 * t, bend(25.0 * t), 0.0);
+    assert_eq!(fits(&leaves, 300), True);
+    let late = |t: f64| (25.0 * t, bend(25.0 * t) + (3.5 - 1.75 * (t - 33.0)).clamp(0.0, 3.5), 0.0);
+    assert_eq!([300, 380].map(|t| fits(&late, t)), [False, True]);
+}
+
 #[test]
 fn lights_stop_lines_and_times() {
     let mut m = star(&[0.0, 90.0, 180.0, 270.0]);
