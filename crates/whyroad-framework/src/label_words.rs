@@ -20,6 +20,8 @@ use whyroad_model::{Bilingual, Diagnostic, yaml};
 use crate::lexicon::trie::{Found, Trie};
 use crate::lexicon::units::Units;
 
+/// Bytes of a text that may be unfinished: a longer one says something besides.
+const LONGEST_UNFINISHED: usize = 60;
 /// Letters and digits of a placeholder; the list is checked against it.
 const LONGEST_PLACEHOLDER: usize = 32;
 
@@ -173,6 +175,7 @@ pub struct LabelWords {
     placeholders: HashSet<String>,
     /// The first two letters of each, sorted.
     placeholder_starts: Vec<[char; 2]>,
+    unfinished: HashSet<String>,
     trie: Trie,
     roles: Vec<WordRole>,
     reasons: Trie,
@@ -263,6 +266,34 @@ impl LabelWords {
         (same && count > 1) || digits || self.placeholders.contains(&compile::bare(text))
     }
 
+    /// True when a part of a short text says that the text is still to be written: `路况：同上`, `component 2 - fill in`.
+    pub fn is_unfinished(&self, text: &str) -> bool {
+        text.len() <= LONGEST_UNFINISHED
+            && text
+                .split(|c: char| {
+                    matches!(
+                        c,
+                        ',' | ';'
+                            | ':'
+                            | '('
+                            | ')'
+                            | '['
+                            | ']'
+                            | '，'
+                            | '；'
+                            | '：'
+                            | '（'
+                            | '）'
+                            | '【'
+                            | '】'
+                            | '—'
+                            | '–'
+                    )
+                })
+                .flat_map(|part| part.split(" - "))
+                .any(|part| self.unfinished.contains(&compile::bare(part)))
+    }
+
     /// True when `text` has a word that has to do with roads and traffic.
     pub fn is_of_driving(&self, text: &str) -> bool {
         let mut any = false;
@@ -309,6 +340,7 @@ struct File {
     compared: compared::RawCompared,
     subjects: subjects::RawSubjects,
     placeholder: Words,
+    unfinished: Words,
     plain: Words,
     scene: Words,
     unobserved_because: Words,
@@ -415,6 +447,14 @@ mod tests {
         assert!(words.placeholders.iter().all(|p| p.chars().count() <= LONGEST_PLACEHOLDER));
         for text in ["行人", "red light", "无灯路口"] {
             assert!(!words.is_placeholder(text), "{text}");
+        }
+        for text in ["前车：待补充", "要素二（略）", "component 3 - fill in", "Lorem ipsum, to follow"]
+        {
+            assert!(words.is_unfinished(text) && !words.is_placeholder(text), "{text}");
+        }
+        for text in ["前方红灯（已停车）", "van - parked on the right", "信号灯：红", "略微减速的前车"]
+        {
+            assert!(!words.is_unfinished(text), "{text}");
         }
         assert!(words.gives_reason("被货车遮挡") && !words.gives_reason("不太好说"));
     }

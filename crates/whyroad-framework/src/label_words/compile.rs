@@ -104,6 +104,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         names,
         placeholders,
         placeholder_starts,
+        unfinished: raw.unfinished.all().map(bare).collect(),
         trie,
         roles,
         reasons,

@@ -29,6 +29,10 @@ const FIFTH: (f64, f64) = (0.92, FALSE_ALARMS);
 /// The same of the sixth set, written by somebody who had not seen the checks; it was 62 of 80 and 20 of 80 then.
 const SIXTH: (f64, f64) = (0.86, FALSE_ALARMS);
 
+/// The same of the seventh set, by a third author; it was 61 of 100 and 11 of 100 then, and the checks were changed for
+/// placeholders only.
+const SEVENTH: (f64, f64) = (0.66, 0.11);
+
 /// The same of the halves of the general set, the second of which is less looked at: 41 of 71 and 15 of 40, 49 of 64
 /// and 14 of 42 when they were written.
 const GENERAL: [(f64, f64); 2] = [(0.87, FALSE_ALARMS), (0.90, 0.08)];
@@ -178,7 +182,7 @@ fn labels_that_were_unseen_stay_found() {
         ("fourth set", fourth, (160, 90), (FOUND, FALSE_ALARMS)),
         ("fifth set", fifth, (55, 48), FIFTH),
         ("sixth set", sixth, (80, 80), SIXTH),
-        ("seventh set", seventh, (100, 100), (0.0, 1.0)),
+        ("seventh set", seventh, (100, 100), SEVENTH),
         ("general set, half that was improved on", half_of(&general(), 0), (50, 40), GENERAL[0]),
         ("general set, other half", half_of(&general(), 1), (50, 40), GENERAL[1]),
     ];
@@ -216,7 +220,8 @@ fn labels_in_unknown_words_are_left_alone() {
     for part in 0..fewer_words::PARTS {
         let framework = fewer_words::without(part);
         let checker = Checker::new(&framework);
-        let sets = unseen().into_iter().flatten().chain(bases()).chain(general());
+        // All but the seventh set, whose words have not been read yet.
+        let sets = unseen().into_iter().take(6).flatten().chain(bases()).chain(general());
         for (language, base) in sets.flat_map(|(l, bases)| bases.into_iter().map(move |b| (l, b))) {
             // The first wording of each: five parts of all would take long.
             for form in forms(&base, language).into_iter().take(1) {

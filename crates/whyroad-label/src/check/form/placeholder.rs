@@ -28,7 +28,7 @@ pub(in crate::check) fn components(
     for (c, facts) in label.parts.iter().zip(&texts.components) {
         let Some(text) = c.description.get() else { continue };
         let at = pointer::critical_components_item_description(c.index);
-        if words.is_placeholder(text) {
+        if words.is_placeholder(text) || words.is_unfinished(text) {
             placeholder(at, text, sink);
         } else if is_one_word(text) {
             sink.report(Finding::warning("label.component.too_short", at), &|| {
@@ -79,7 +79,7 @@ fn says_something(text: &str, lexicon: &Lexicon) -> bool {
 /// The trace is no placeholder. True when it is one.
 pub(in crate::check) fn trace(label: &View<'_>, words: &LabelWords, sink: &mut dyn Sink) -> bool {
     let Some(text) = label.trace.get().filter(|t| !t.trim().is_empty()) else { return false };
-    if words.is_empty() || !words.is_placeholder(text) {
+    if words.is_empty() || !(words.is_placeholder(text) || words.is_unfinished(text)) {
         return false;
     }
     placeholder(pointer::COC_TRACE.to_owned(), text, sink);
