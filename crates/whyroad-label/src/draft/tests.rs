@@ -180,11 +180,11 @@ fn a_label_ends_where_its_clip_does() {
     let signals = fixture::signals(&drive);
     let mut episode = fixture::episode(&drive);
     // The drive has 120 frames, so its only clip ends at 12.0 s.
-    episode.time_range.end_timestamp = whyroad_model::Nanos(13_000_000_000);
-    episode.keyframe.range_end = Some(whyroad_model::Nanos(14_000_000_000));
+    episode.time_range.end_timestamp = Nanos(13_000_000_000);
+    episode.keyframe.range_end = Some(Nanos(14_000_000_000));
     let d = draft(Framework::bundled(), &drive, &signals, &episode, Lang::En);
-    assert_eq!(d.label.time_range.end_timestamp, whyroad_model::Nanos(12_000_000_000));
-    assert_eq!(d.label.keyframe.range_end, Some(whyroad_model::Nanos(12_000_000_000)));
+    assert_eq!(d.label.time_range.end_timestamp, Nanos(12_000_000_000));
+    assert_eq!(d.label.keyframe.range_end, Some(Nanos(12_000_000_000)));
     assert_eq!(d.label.time_range.start_timestamp, episode.time_range.start_timestamp);
     assert!(d.notes.iter().any(|n| n.en.contains("beyond the clip")));
 }
