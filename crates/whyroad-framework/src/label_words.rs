@@ -266,7 +266,7 @@ impl LabelWords {
         (same && count > 1) || digits || self.placeholders.contains(&compile::bare(text))
     }
 
-    /// True when a part of a short text says that the text is still to be written: `路况：同上`, `component 2 - fill in`.
+    /// True when a part of a short text says that the text is still to be written: `路况：同上`, `part 2 - fill in`.
     pub fn is_unfinished(&self, text: &str) -> bool {
         text.len() <= LONGEST_UNFINISHED
             && text

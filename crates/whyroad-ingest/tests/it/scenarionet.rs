@@ -83,8 +83,8 @@ fn ego_and_objects_are_where_the_script_puts_them() {
     );
 }
 
-/// nuScenes is localized in a plane: https://www.nuscenes.org/nuscenes, schema of `ego_pose`: "the z-coordinate is always
-/// 0"; the boxes' heights are relative to that.
+/// nuScenes is localized in a plane: https://www.nuscenes.org/nuscenes, schema of `ego_pose`: "the z-coordinate is
+/// always 0"; the boxes' heights are relative to that.
 #[test]
 fn a_set_localized_in_a_plane_has_no_heights() {
     let (waymo, _) = read("p2");

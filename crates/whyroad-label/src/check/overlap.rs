@@ -66,8 +66,8 @@ pub(super) fn shares_characters(label: &View<'_>, text: &str, words: &LabelWords
     shared >= ENOUGH && 2 * shared >= all.len()
 }
 
-/// The component has a word of the name of a thing; in Chinese two characters, or, unless it `acts`, the last one: "红牌"
-/// and "牌子".
+/// The component has a word of the name of a thing; in Chinese two characters, or, unless it `acts`, the last one:
+/// "红牌" and "牌子".
 pub(super) fn has_word_of(component: &str, name: &str, acts: bool, words: &LabelWords) -> bool {
     if name.is_ascii() {
         let same = |a: &str, b: &str| {

@@ -36,8 +36,8 @@ const EXPECTED_ROWS: f64 = 4.0;
 const COARSE_M: f64 = 0.12;
 const COARSE_TIMES: f64 = 1.2;
 /// Where most of a coarse log lies on straight lines that somebody drew between boxes set by hand, its median residual
-/// tells of no noise at all: then a track that alternates by this much, m, is badly tracked. One place in twenty that is
-/// 0.6 m off alternates by 0.15 m; a stop at 8 m/s2 from 14 km/h by 0.06 m, from more by nothing.
+/// tells of no noise at all: then a track that alternates by this much, m, is badly tracked. One place in twenty that
+/// is 0.6 m off alternates by 0.15 m; a stop at 8 m/s2 from 14 km/h by 0.06 m, from more by nothing.
 const ALTERNATES_M: f64 = 0.12;
 /// ... over so many pairs of neighboring differences: seconds, at two rows each.
 const ENOUGH_PAIRS: usize = 4;

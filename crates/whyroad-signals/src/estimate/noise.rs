@@ -147,8 +147,8 @@ pub fn residuals(rows: Rows<'_>) -> (f64, f64) {
     (squares.iter().sum::<f64>() / OF_WHITE_THIRD, 0.5 * squares.len() as f64)
 }
 
-/// The variance, m2, by which one object's positions alternate about smooth motion, and the number of pairs that say so.
-/// Of independent noise neighboring differences of third order are opposed (covariance -15 of 20); of motion they are
+/// The variance, m2, by which one object's positions alternate about smooth motion, and the number of pairs that say
+/// so. Of independent noise neighboring differences of third order are opposed (covariance -15 of 20); of motion they are
 /// not, however hard it brakes, as long as that lasts for two rows. Zero and less: nothing alternates.
 pub fn alternation(rows: Rows<'_>) -> (f64, usize) {
     let step = median_step(std::iter::once(rows));
@@ -287,7 +287,7 @@ mod tests {
             let y = vec![0.0; x.len()];
             alternation(Rows { times: &times, x, y: &y, ..Rows::default() })
         };
-        // From 12 m/s with 8 m/s2 to a stop: differences -1, -1, 0, 1, 1, 0 m, whose neighbors agree: -(1 + 1) / 15 / 5.
+        // From 12 m/s with 8 m/s2 to a stop: differences -1, -1, 0, 1, 1, 0 m, neighbors agree: -(1 + 1) / 15 / 5.
         let stop = [0.0, 6.0, 12.0, 17.0, 20.0, 21.0, 21.0, 21.0, 21.0];
         assert!((of(&stop).0 + 2.0 / 75.0).abs() < 1e-9, "{}", of(&stop).0);
         // 6 m a row, every second place 0.3 m off: differences of 1.2 m of alternating sign, 1.2^2 / 15.

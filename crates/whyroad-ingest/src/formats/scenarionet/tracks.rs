@@ -123,8 +123,8 @@ impl Tracks {
         Ok(sampled)
     }
 
-    /// Leaves all heights open: of a set whose poses lie in one plane, where a box's height says how far the road is off
-    /// that plane at the recording car, and nothing of the road.
+    /// Leaves all heights open: of a set whose poses lie in one plane, where a box's height says how far the road is
+    /// off that plane at the recording car, and nothing of the road.
     pub fn forget_heights(&mut self) {
         for object in self.objects.iter_mut().map(|(_, _, o)| o).chain(&mut self.ego) {
             object.z.fill(f64::NAN);
