@@ -148,8 +148,8 @@ pub fn residuals(rows: Rows<'_>) -> (f64, f64) {
 }
 
 /// The variance, m2, by which one object's positions alternate about smooth motion, and the number of pairs that say
-/// so. Of independent noise neighboring differences of third order are opposed (covariance -15 of 20); of motion they are
-/// not, however hard it brakes, as long as that lasts for two rows. Zero and less: nothing alternates.
+/// so. Of independent noise neighboring differences of third order are opposed (covariance -15 of 20); of motion they
+/// are not, however hard it brakes, as long as that lasts for two rows. Zero and less: nothing alternates.
 pub fn alternation(rows: Rows<'_>) -> (f64, usize) {
     let step = median_step(std::iter::once(rows));
     let ascending = rows.times.windows(5).enumerate();
