@@ -22,6 +22,8 @@ use crate::lexicon::units::Units;
 
 /// Bytes of a text that may be unfinished: a longer one says something besides.
 const LONGEST_UNFINISHED: usize = 60;
+/// Between the parts of one, beside a dash between spaces.
+const PART_MARKS: &str = ",;:()[]，；：（）【】—–";
 /// Letters and digits of a placeholder; the list is checked against it.
 const LONGEST_PLACEHOLDER: usize = 32;
 
@@ -270,26 +272,7 @@ impl LabelWords {
     pub fn is_unfinished(&self, text: &str) -> bool {
         text.len() <= LONGEST_UNFINISHED
             && text
-                .split(|c: char| {
-                    matches!(
-                        c,
-                        ',' | ';'
-                            | ':'
-                            | '('
-                            | ')'
-                            | '['
-                            | ']'
-                            | '，'
-                            | '；'
-                            | '：'
-                            | '（'
-                            | '）'
-                            | '【'
-                            | '】'
-                            | '—'
-                            | '–'
-                    )
-                })
+                .split(|c: char| PART_MARKS.contains(c))
                 .flat_map(|part| part.split(" - "))
                 .any(|part| self.unfinished.contains(&compile::bare(part)))
     }

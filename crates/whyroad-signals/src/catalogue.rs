@@ -112,6 +112,12 @@ impl Catalogue {
         self.values.get(value).cloned().unwrap_or_else(|| Bilingual::same(value.replace('_', " ")))
     }
 
+    /// What people are shown of a signal; its name without a title for it.
+    pub fn title(&self, name: &str) -> Bilingual {
+        let title = self.get(name).map(|def| def.title.clone());
+        title.filter(|t| !t.zh.is_empty()).unwrap_or_else(|| Bilingual::same(name))
+    }
+
     /// The signal with this name or alias; `target_vehicle.` and `target_vru.` stand for `target.`.
     pub fn get(&self, name: &str) -> Option<&SignalDef> {
         self.resolve(name).map(|(def, _)| def)

@@ -22,7 +22,7 @@ pub struct Subjects {
     /// The same of Latin letters, in lower case.
     pub common_words: HashSet<String>,
     /// Names for all of a kind, in lower case.
-    pub general: HashSet<String>,
+    general: HashSet<String>,
     /// Behind the name of a place.
     pub places: CharSet,
 }
@@ -30,7 +30,12 @@ pub struct Subjects {
 impl Subjects {
     /// The word of Latin letters, in lower case, ends the words for a thing.
     pub fn ends(&self, word: &str) -> bool {
-        self.ends.contains(word) || (word.len() > 5 && word.ends_with("ing"))
+        self.ends.contains(word)
+    }
+
+    /// `name`, in upper or lower case, is that of all of a kind.
+    pub fn is_general(&self, name: &str) -> bool {
+        self.general.contains(&name.to_lowercase())
     }
 
     /// A text that begins with this word of Latin letters, in lower case, speaks of what was named before or of no

@@ -37,7 +37,7 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
         // A second article or pronoun begins what the thing does something to.
         let divides = (is_determiner(&lower) && !text[..start].ends_with("of "))
             || start > 0 && text[..start].trim_end().ends_with([',', ';', '.', ':']);
-        if !is_first && (divides || words.subjects.ends(&lower)) {
+        if !is_first && (divides || words.subjects.ends(&lower) || is_participle(&lower)) {
             end = start;
             break;
         }
@@ -53,8 +53,12 @@ fn is_determiner(word: &str) -> bool {
 
 /// Stands before the words for a thing that is not introduced.
 fn is_break(word: &str, words: &LabelWords) -> bool {
-    let participle = word.len() > 5 && word.ends_with("ing");
-    (words.subjects.ends(word) && !participle) || is_determiner(word)
+    words.subjects.ends(word) || is_determiner(word)
+}
+
+/// What a thing does, or what kind of thing it is: "a car waiting", "a wobbling cyclist".
+fn is_participle(word: &str) -> bool {
+    word.len() > 5 && word.ends_with("ing")
 }
 
 /// "胡同里来了一台小货": nothing is named behind the word that counts; or nothing at all but a place.

@@ -4,6 +4,7 @@
 use super::{Outcome, Reached, candidates, reach};
 use crate::episode::build::{locate, measured, truth_at};
 use crate::interpret::{Evaluator, Roles, Series};
+use crate::language::program::truth_in_words;
 use crate::rule::{PartPlace, Rule};
 use serde_json::Value;
 use whyroad_model::{Bilingual, FrameRange, Nanos, ScenarioId, SignalTable, TrackId, Tri};
@@ -108,7 +109,7 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
             text: format!("for {seconds} s"),
             words: Bilingual::new(format!("持续 {seconds} s"), format!("For {seconds} s")),
             actual: Value::Bool(false),
-            actual_words: Some(Bilingual::new("不成立", "does not hold")),
+            actual_words: Some(truth_in_words(false)),
             unit: "",
         });
     }

@@ -279,6 +279,11 @@ pub struct Atom {
     pub value_names: BTreeMap<String, Bilingual>,
 }
 
+/// That a condition holds, or does not.
+pub fn truth_in_words(holds: bool) -> Bilingual {
+    if holds { Bilingual::new("成立", "holds") } else { Bilingual::new("不成立", "does not hold") }
+}
+
 impl Atom {
     /// The condition as an episode lists it, with the value that it had.
     pub fn matched(&self, actual_value: Value) -> MatchedCondition {
@@ -290,8 +295,7 @@ impl Atom {
     /// A measured value in words; `None` where there is none.
     pub fn value_in_words(&self, value: &Value) -> Option<Bilingual> {
         match value {
-            Value::Bool(true) => Some(Bilingual::new("成立", "holds")),
-            Value::Bool(false) => Some(Bilingual::new("不成立", "does not hold")),
+            Value::Bool(holds) => Some(truth_in_words(*holds)),
             Value::Number(n) => {
                 let value = n.as_f64()?;
                 // Curvatures are hundredths.

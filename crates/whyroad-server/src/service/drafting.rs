@@ -39,6 +39,9 @@ pub fn ready(app: &App, t: TaskRow) -> Answer<TaskRow> {
 }
 
 fn put(app: &App, made: Vec<(String, Start)>) -> Answer<()> {
+    if made.is_empty() {
+        return Ok(());
+    }
     app.store.write(move |tx| {
         for (id, start) in &made {
             // Another thread may have been faster.
@@ -100,10 +103,7 @@ fn make(service: &Weak<App>, batch: &Batch<'_>) -> Answer<()> {
             since = Instant::now();
         }
     }
-    match service.upgrade() {
-        Some(app) if !made.is_empty() => put(&app, made),
-        _ => Ok(()),
-    }
+    service.upgrade().map_or(Ok(()), |app| put(&app, made))
 }
 
 /// The draft of a task; none where it is made already.
@@ -182,7 +182,7 @@ fn some_of(free: &[(String, String)], chance: usize) -> Vec<String> {
 }
 
 fn chance() -> Answer<usize> {
-    Ok(secret::id()?.bytes().fold(0, |n, byte| n * 31 % 1_000_003 + usize::from(byte)))
+    usize::from_str_radix(&secret::random(2)?, 16).map_err(Problem::store)
 }
 
 /// Tasks of `project` whose drafts are still to be made.

@@ -77,12 +77,6 @@ fn named(framework: &Framework, id: &ScenarioId) -> Bilingual {
     Bilingual::same(id.to_string())
 }
 
-/// What a signal is called.
-fn signal_title(catalogue: &Catalogue, name: &str) -> Bilingual {
-    let title = catalogue.get(name).map(|def| def.title.clone());
-    title.filter(|t| !t.zh.is_empty()).unwrap_or_else(|| Bilingual::same(name))
-}
-
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
     let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
@@ -146,7 +140,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         title: named(&framework, &rule.scenario),
         clip: &args.clip,
         explanation: &explanation,
-        missing: explanation.missing.iter().map(|name| signal_title(&catalogue, name)).collect(),
+        missing: explanation.missing.iter().map(|name| catalogue.title(name)).collect(),
     };
     args.print.put(&json::document(&shown), || text::render(&shown, global.lang))?;
     if let Some(file) = &args.svg {

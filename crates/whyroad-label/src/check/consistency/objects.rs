@@ -34,9 +34,9 @@ pub(in crate::check) fn unnamed(
     };
     // "The vehicle" may be the ego where the trace decides in words that no list knows.
     let may_be_ego = |n: &Named| {
-        let name = text[n.start..n.end].to_lowercase();
         said == Said::Unread
-            && (words.subjects.general.contains(&name) || !subject::is_introduced(text, n.start, words))
+            && (words.subjects.is_general(&text[n.start..n.end])
+                || !subject::is_introduced(text, n.start, words))
     };
     let is_new = |n: &&Named| is_new(n) && !may_be_ego(n);
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
@@ -97,7 +97,7 @@ impl<'a> Unread<'a> {
             return true;
         }
         // "The vehicle": whatever it is called in the component.
-        if !self.things.is_empty() && words.subjects.general.contains(&text[n.start..n.end].to_lowercase()) {
+        if !self.things.is_empty() && words.subjects.is_general(&text[n.start..n.end]) {
             return true;
         }
         let (from, to) = words.clauses.around(&texts.units, n.start..n.end, text.len(), &|_| true);
@@ -128,7 +128,7 @@ fn differs(
     sink: &mut dyn Sink,
 ) {
     let Some(text) = label.trace.get() else { return };
-    let general = |n: &Named| words.subjects.general.contains(&text[n.start..n.end].to_lowercase());
+    let general = |n: &Named| words.subjects.is_general(&text[n.start..n.end]);
     let meant = |n: &Named| -> Vec<&Named> {
         let group = &words.objects[n.group];
         let all = || texts.components.iter().flat_map(|f| f.there()).filter(|c| words.objects[c.group].named);

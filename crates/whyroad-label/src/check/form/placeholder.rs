@@ -28,7 +28,7 @@ pub(in crate::check) fn components(
     for (c, facts) in label.parts.iter().zip(&texts.components) {
         let Some(text) = c.description.get() else { continue };
         let at = pointer::critical_components_item_description(c.index);
-        if words.is_placeholder(text) || words.is_unfinished(text) {
+        if says_nothing(text, words) {
             placeholder(at, text, sink);
         } else if is_one_word(text) {
             sink.report(Finding::warning("label.component.too_short", at), &|| {
@@ -55,6 +55,11 @@ pub(in crate::check) fn components(
     }
 }
 
+/// The whole text is a placeholder, or a part of it is.
+fn says_nothing(text: &str, words: &LabelWords) -> bool {
+    words.is_placeholder(text) || words.is_unfinished(text)
+}
+
 /// One Latin word, or at most two Chinese characters: a name, and nothing said of it.
 fn is_one_word(text: &str) -> bool {
     let mut letters = text.chars().filter(|c| c.is_alphanumeric());
@@ -79,7 +84,7 @@ fn says_something(text: &str, lexicon: &Lexicon) -> bool {
 /// The trace is no placeholder. True when it is one.
 pub(in crate::check) fn trace(label: &View<'_>, words: &LabelWords, sink: &mut dyn Sink) -> bool {
     let Some(text) = label.trace.get().filter(|t| !t.trim().is_empty()) else { return false };
-    if words.is_empty() || !(words.is_placeholder(text) || words.is_unfinished(text)) {
+    if words.is_empty() || !says_nothing(text, words) {
         return false;
     }
     placeholder(pointer::COC_TRACE.to_owned(), text, sink);
