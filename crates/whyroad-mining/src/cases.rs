@@ -9,15 +9,16 @@ mod trace;
 
 pub use file::{CaseKind, Reason};
 
-use crate::drive::mine_drive;
+use crate::drive::{DriveEpisodes, arbitrated};
 use crate::episode::Episode;
+use crate::fast::{Plan, Signals, find_all};
 use crate::interpret::STEP;
 use crate::rule::{OTHER, Rule, RuleSet};
 use file::{CaseFile, CaseText};
 use std::collections::{BTreeMap, BTreeSet};
 use table::table;
 use whyroad_model::yaml::{self, DecodeError};
-use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId, SignalTable};
 use whyroad_signals::Catalogue;
 
 /// What was run.
@@ -80,16 +81,24 @@ impl CaseRunner<'_> {
             }
         };
         let nodes = root.get("cases").map_or(&[][..], |n| n.items());
+        let l1 = parsed.l1.unwrap_or_else(|| OTHER.to_owned());
+        let l2 = ScenarioId { l1, l2: parsed.l2, l3: None };
+        let rules = self.rules.restricted_to(std::slice::from_ref(&l2));
+        let plan = Plan::of(&rules);
         let mut unruled: BTreeMap<ScenarioId, Unruled> = BTreeMap::new();
         for (case, node) in parsed.cases.iter().zip(nodes) {
-            let l1 = parsed.l1.clone().unwrap_or_else(|| OTHER.to_owned());
-            let scenario = ScenarioId { l1, l2: parsed.l2.clone(), l3: case.leaf.clone() };
+            let scenario = ScenarioId { l3: case.leaf.clone(), ..l2.clone() };
             let line = Some(node.get("name").unwrap_or(node).mark.line);
-            let Some(rule) = self.rules.rules.iter().find(|r| r.scenario == scenario) else {
+            let Some(rule) = rules.rules.iter().find(|r| r.scenario == scenario) else {
                 unruled.entry(scenario).or_insert(Unruled { cases: 0, first_line: line }).cases += 1;
                 continue;
             };
-            if let Err(reason) = run(case, &parsed.base, rule, self) {
+            let held = table(case, &parsed.base, self.catalogue).and_then(|table| {
+                stated(case, rule, &table)?;
+                let found = find_all(&plan, &Signals::of_table(&table));
+                expected(case, rule, &arbitrated(&rules, &table.drive_id, &table.times, found))
+            });
+            if let Err(reason) = held {
                 tally.failures.push(failure(file, line, &case.name, &reason));
             }
             *tally.cases.entry((scenario, case.kind)).or_default() += 1;
@@ -145,15 +154,8 @@ fn said(file: &str, line: Option<usize>, message: Bilingual) -> Diagnostic {
     })
 }
 
-fn run(
-    case: &CaseText,
-    base: &BTreeMap<String, String>,
-    rule: &Rule,
-    runner: &CaseRunner<'_>,
-) -> Result<(), Reason> {
-    let CaseRunner { rules, catalogue, .. } = *runner;
-    let scenario = &rule.scenario;
-    let table = table(case, base, catalogue)?;
+/// The case gives every signal that the rule reads.
+fn stated(case: &CaseText, rule: &Rule, table: &SignalTable) -> Result<(), Reason> {
     for signal in rule.signals() {
         let said = table.frame_columns.contains_key(&signal)
             || table.target_columns.contains_key(&signal)
@@ -165,8 +167,12 @@ fn run(
             ));
         }
     }
-    let l2 = ScenarioId { l3: None, ..scenario.clone() };
-    let found = mine_drive(&rules.clone().restricted_to(&[l2]), &table);
+    Ok(())
+}
+
+/// The rule found what the case expects, where it expects it.
+fn expected(case: &CaseText, rule: &Rule, found: &DriveEpisodes) -> Result<(), Reason> {
+    let scenario = &rule.scenario;
     let ours: Vec<_> = found.episodes.iter().filter(|e| e.scenario == *scenario).collect();
     let shown = found_text(&ours);
     if ours.len() != case.expect.len() {
@@ -236,3 +242,6 @@ fn found_text(found: &[&Episode]) -> Bilingual {
     });
     Bilingual::new(zh.join("；"), en.join("; "))
 }
+
+#[cfg(test)]
+mod tests;

@@ -65,9 +65,10 @@ impl RuleSet {
 
     /// The rules for these classes: of the class itself and of everything below it.
     #[must_use]
-    pub fn restricted_to(mut self, wanted: &[ScenarioId]) -> Self {
-        self.rules.retain(|r| wanted.iter().any(|w| r.scenario.is_within(w)));
-        self
+    pub fn restricted_to(&self, wanted: &[ScenarioId]) -> Self {
+        let within = |r: &&Rule| wanted.iter().any(|w| r.scenario.is_within(w));
+        let rules = self.rules.iter().filter(within).cloned().collect();
+        Self { rules, precedence: self.precedence.clone(), calibration: self.calibration.clone() }
     }
 }
 
