@@ -121,9 +121,9 @@ impl LakeRecordings {
         whyroad_signals::derive(drive)
     }
 
-    /// Of [`LakeRecordings::signals`] those of `whyroad_signals::derive_places`.
-    pub fn places(&self, drive: &Drive) -> SignalTable {
-        whyroad_signals::derive_places(drive)
+    /// Of [`LakeRecordings::signals`] the last frame: those of `whyroad_signals::derive_last_frame`.
+    pub fn last_frame(&self, drive: &Drive) -> SignalTable {
+        whyroad_signals::derive_last_frame(drive)
     }
 
     /// Signals of a whole drive of this lake, with its future: those that are stored of the drive's content, or derived

@@ -136,8 +136,8 @@ pub fn draft_with_seed(
     Draft { episode_id: episode.episode_id.clone(), label, notes }
 }
 
-/// Only the critical components of [`draft`]. Of the signals it needs those of `whyroad_signals::derive_places`, and
-/// asks for them only where anything of them is to be said.
+/// Only the critical components of [`draft`], of a drive that ends with the keyframe. Of the signals it needs those of
+/// `whyroad_signals::derive_last_frame`, and asks for them only where anything of them is to be said.
 pub fn components(
     framework: &Framework,
     drive: &Drive,

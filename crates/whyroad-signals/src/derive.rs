@@ -7,7 +7,7 @@ use crate::ego::meta_actions::MetaActions;
 use crate::ego::motion::EgoMotion;
 use crate::ego::{bus, motion};
 use crate::estimate::with_possible_sizes;
-use crate::estimate::{Deviations, add_derived, estimate, estimated};
+use crate::estimate::{Deviations, add_derived, estimate, estimated, estimated_at_the_end};
 use crate::needs::missing;
 use crate::road::context::{self, Channels};
 use crate::road::ego_lane::{self, EgoLane};
@@ -38,25 +38,29 @@ pub fn derive(drive: &Drive) -> SignalTable {
     derive_part(drive, Part::All)
 }
 
-/// Of [`derive`] only what says what is where and how it moves: the ego, the road under it with its lights, and of each
-/// target the place, the motion and the lines that it crosses. What they do to each other, which is most of the work,
-/// is left out. Each column is that of [`derive`], value for value; of the others nothing is said.
-pub fn derive_places(drive: &Drive) -> SignalTable {
-    let table = derive_part(drive, Part::Places);
+/// Of the last frame of [`derive`], only what says what is where and how it moves: the ego, the road under it with its
+/// lights, and of each target that is seen then the place, the motion and the lines that it crosses. What they do to each
+/// other, which is most of the work, is left out, and targets that were gone by then. Each value in the last frame is
+/// that of [`derive`]; of the other frames and columns nothing is said.
+pub fn derive_last_frame(drive: &Drive) -> SignalTable {
+    let table = derive_part(drive, Part::LastFrame);
     SignalTable { unavailable: BTreeMap::new(), ..table }
 }
 
 /// How much of a table is wanted.
 #[derive(Clone, Copy)]
 enum Part {
-    /// See [`derive_places`].
-    Places,
+    /// See [`derive_last_frame`].
+    LastFrame,
     All,
 }
 
 fn derive_part(drive: &Drive, part: Part) -> SignalTable {
     let drive = with_possible_sizes(drive);
-    let mut estimated = estimated(&drive);
+    let mut estimated = match part {
+        Part::LastFrame => estimated_at_the_end(&drive),
+        Part::All => estimated(&drive),
+    };
     add_derived(&mut estimated.drive);
     let drive = &*estimated.drive;
     let missing = missing(drive);
@@ -74,7 +78,7 @@ fn derive_part(drive: &Drive, part: Part) -> SignalTable {
             let mut placed = PlacedStage::new(&on_road);
             placed.note_deviations(&estimated.tracks);
             match part {
-                Part::Places => placed.write_places(&mut table),
+                Part::LastFrame => placed.write_places(&mut table),
                 Part::All => {
                     placed.write(&mut table);
                     write_pairs(&placed, &mut table);

@@ -37,6 +37,7 @@ mod standing;
 mod walker;
 
 pub use derived::add_derived;
+pub(crate) use estimated::estimated_at_the_end;
 pub use estimated::{DriveNoise, Estimated, estimated, noise};
 pub(crate) use sizes::with_possible_sizes;
 

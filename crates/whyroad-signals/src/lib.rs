@@ -31,7 +31,7 @@ mod derive;
 mod occluders;
 
 pub use catalogue::{Catalogue, SignalDef, SignalKind, SignalScope, TargetRestriction};
-pub use derive::{derive, derive_places, meta_actions};
+pub use derive::{derive, derive_last_frame, meta_actions};
 pub use ego::meta_actions::MetaActions;
 pub use estimate::estimate;
 pub use object::{Objects, PairClasses, WithPairs, derive_objects};

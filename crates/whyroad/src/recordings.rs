@@ -186,7 +186,7 @@ impl Recordings for ServiceRecordings {
     }
 
     fn components(&self, drive: &Drive, episode: &EpisodeRecord, lang: Lang) -> Vec<CriticalComponent> {
-        let signals = || self.lake.places(drive);
+        let signals = || self.lake.last_frame(drive);
         draft::components(self.framework, drive, signals, episode, lang)
     }
 

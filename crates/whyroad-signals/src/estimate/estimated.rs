@@ -111,6 +111,30 @@ fn on_wheels(class: ObjectClass) -> bool {
 
 /// The states of a drive; see the module `estimate`.
 pub fn estimated(drive: &Drive) -> Estimated<'_> {
+    estimated_of(drive, |_| true)
+}
+
+/// Of [`estimated`] the ego and the tracks that have a row in the last frame.
+pub(crate) fn estimated_at_the_end(drive: &Drive) -> Estimated<'_> {
+    let last = drive.times.len().checked_sub(1);
+    let reaches = |frames: &[u32]| frames.last().map(|f| *f as usize) == last;
+    let mut all = estimated_of(drive, |measured| reaches(&measured.frames));
+    // Where nothing was to be estimated, all are there.
+    let stay: Vec<bool> = all.drive.tracks.iter().map(|t| reaches(&t.frames)).collect();
+    let drive = all.drive.to_mut();
+    keep(&mut drive.tracks, &stay);
+    keep(&mut all.tracks, &stay);
+    keep(&mut all.bridged, &stay);
+    all
+}
+
+fn keep<T>(all: &mut Vec<T>, stay: &[bool]) {
+    let mut stay = stay.iter();
+    all.retain(|_| stay.next().is_none_or(|s| *s));
+}
+
+/// The states of a drive, its ego's and those of the tracks that are `wanted`; the noise is that of all.
+fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<'_> {
     let none = Estimated {
         drive: Cow::Borrowed(drive),
         ego: None,
@@ -149,17 +173,18 @@ pub fn estimated(drive: &Drive) -> Estimated<'_> {
         let (whole, ids) = chained(&drive.tracks, &next);
         measured = whole.iter().map(of).collect();
         out.joined = ids;
-        out.tracks = vec![None; whole.len()];
-        out.bridged = vec![Vec::new(); whole.len()];
         tracks = Cow::Owned(whole);
     }
+    (out.tracks, out.bridged) = (Vec::new(), Vec::new());
     let mut estimated: Vec<Track> = Vec::with_capacity(tracks.len());
-    for (i, (track, measured)) in tracks.iter().zip(&measured).enumerate() {
+    for (track, measured) in tracks.iter().zip(&measured).filter(|(_, m)| wanted(m)) {
         let noise = of_one(kind(track.class), measured);
         if noise.is_negligible() && measured.is_complete() {
             let mut exact = track.clone();
             complete_motion(&mut exact.motion, &measured.times, &track.length_m, track.class);
             estimated.push(exact);
+            out.tracks.push(None);
+            out.bridged.push(Vec::new());
             continue;
         }
         let mut states = states_of(measured, model_of(track.class, &track.length_m), &noise);
@@ -174,9 +199,9 @@ pub fn estimated(drive: &Drive) -> Estimated<'_> {
             samples::follow(measured, &track.motion, &mut smoothed.motion);
         }
         forget_impossible(track.class, &mut smoothed.motion);
-        out.bridged[i] = measured.bridged();
-        out.tracks[i] = Some(states.sd);
         estimated.push(smoothed);
+        out.tracks.push(Some(states.sd));
+        out.bridged.push(measured.bridged());
     }
     let ego = drive.ego.as_ref().zip(of_ego).map(|(ego, measured)| {
         let (ego, sd) = of_the_ego(ego, &measured, &of_one(noise.ego, &measured));
