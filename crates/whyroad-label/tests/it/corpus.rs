@@ -33,6 +33,9 @@ const SIXTH: (f64, f64) = (0.86, FALSE_ALARMS);
 /// placeholders only.
 const SEVENTH: (f64, f64) = (0.66, 0.11);
 
+/// The same of the eighth set, by a fourth author.
+const EIGHTH: (f64, f64) = (0.0, 1.0);
+
 /// The same of the halves of the general set, the second of which is less looked at: 41 of 71 and 15 of 40, 49 of 64
 /// and 14 of 42 when they were written.
 const GENERAL: [(f64, f64); 2] = [(0.87, FALSE_ALARMS), (0.90, 0.08)];
@@ -168,7 +171,7 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
 /// must not get worse.
 #[test]
 fn labels_that_were_unseen_stay_found() {
-    let [first, second, third, fourth, fifth, sixth, seventh] = unseen();
+    let [first, second, third, fourth, fifth, sixth, seventh, eighth] = unseen();
     // Of the third set and of the general one the bases with an even number were improved on, the others were run once.
     let half_of = |set: &[(&'static str, Vec<Base>)], odd: usize| -> Vec<(&'static str, Vec<Base>)> {
         set.iter().map(|(l, all)| (*l, all.iter().skip(odd).step_by(2).cloned().collect())).collect()
@@ -183,6 +186,7 @@ fn labels_that_were_unseen_stay_found() {
         ("fifth set", fifth, (55, 48), FIFTH),
         ("sixth set", sixth, (80, 80), SIXTH),
         ("seventh set", seventh, (100, 100), SEVENTH),
+        ("eighth set", eighth, (100, 100), EIGHTH),
         ("general set, half that was improved on", half_of(&general(), 0), (50, 40), GENERAL[0]),
         ("general set, other half", half_of(&general(), 1), (50, 40), GENERAL[1]),
     ];
@@ -220,7 +224,7 @@ fn labels_in_unknown_words_are_left_alone() {
     for part in 0..fewer_words::PARTS {
         let framework = fewer_words::without(part);
         let checker = Checker::new(&framework);
-        // All but the seventh set, whose words have not been read yet.
+        // All but the last two sets, whose words have not been read.
         let sets = unseen().into_iter().take(6).flatten().chain(bases()).chain(general());
         for (language, base) in sets.flat_map(|(l, bases)| bases.into_iter().map(move |b| (l, b))) {
             // The first wording of each: five parts of all would take long.

@@ -19,6 +19,15 @@ const KINDS: &[(&str, &[&str])] = &[
     ("circular", &["label.cause.circular", "label.text.unrelated", "label.trace.too_short"]),
     ("unnamed_object", &["label.trace.unnamed_object", "label.trace.object_differs"]),
     ("object_differs", &["label.trace.object_differs", "label.trace.unnamed_object"]),
+    (
+        "cause_denied",
+        &[
+            "label.trace.contradicts",
+            "label.cause.denied",
+            "label.cause.circular",
+            "label.trace.decision_missing",
+        ],
+    ),
     ("negated", &["label.trace.contradicts", "label.trace.decision_missing"]),
     ("paraphrased", &["label.trace.contradicts", "label.trace.unlabelled", "label.trace.decision_missing"]),
     ("action_other", &["label.trace.contradicts", "label.trace.unlabelled"]),
@@ -29,6 +38,7 @@ const KINDS: &[(&str, &[&str])] = &[
     ("placeholder", &["label.text.placeholder", "label.text.unrelated", "label.component.too_short"]),
     ("other_class", &["label.text.class", "label.cause.kind", "label.text.unrelated"]),
     ("proximate", &["label.cause.proximate"]),
+    ("distant", &["label.cause.proximate"]),
     ("minimality", &["label.decision.unchanged"]),
     ("impossible_decision", &["label.decision.impossible"]),
     ("impossible_lateral", &["label.decision.impossible", "label.lateral.mandated"]),
@@ -90,7 +100,7 @@ pub(super) fn written(base: &Base, language: &str) -> Vec<Fault> {
                 // What belongs to another class takes the place of all; the rest is added or takes the last place.
                 match kind.as_str() {
                     "other_class" => *list = vec![component(0, part)],
-                    "near_duplicate" => list.push(component(base.parts.len(), part)),
+                    "near_duplicate" | "distant" => list.push(component(base.parts.len(), part)),
                     "proximate" => *list.last_mut().unwrap() = component(base.parts.len() - 1, part),
                     _ => {
                         let i = list.len() - 1;
@@ -113,6 +123,27 @@ pub(super) fn written(base: &Base, language: &str) -> Vec<Fault> {
     for (kind, decisions) in &base.decision_faults {
         for decision in decisions {
             add(kind, decision, &|l| decide(l, decision, &ids));
+        }
+    }
+    for (kind, all) in &base.whole_faults {
+        for whole in all {
+            add(kind, &whole.decision, &|l| {
+                l["coc_trace"] = json!(whole.trace);
+                decide(l, &whole.decision, &ids);
+            });
+        }
+    }
+    for (kind, all) in &base.record_faults {
+        for (id, value) in all.iter().flatten() {
+            add(kind, id, &|l| l["records"][id] = value.clone());
+        }
+    }
+    for (kind, all) in &base.evidence_faults {
+        for evidence in all {
+            let times = json!([at(evidence.at)]);
+            add(kind, &format!("{} s", evidence.at), &|l| {
+                l["critical_components"][evidence.part]["evidence_times"] = times.clone();
+            });
         }
     }
     out
