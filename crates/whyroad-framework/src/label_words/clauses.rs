@@ -35,6 +35,8 @@ pub struct Clauses {
     pub reason: Vec<String>,
     /// Beginnings of a part that says what the ego has to do or wants.
     pub own_duty: Vec<String>,
+    /// Beginnings of a clause that adds to what the one before supposes.
+    pub alternative: Vec<String>,
 }
 
 impl Clauses {
@@ -103,6 +105,7 @@ pub(super) struct RawClauses {
     beside: Words,
     reason: Words,
     own_duty: Words,
+    alternative: Words,
 }
 
 impl RawClauses {
@@ -124,6 +127,7 @@ impl RawClauses {
             beside: list(&self.beside),
             reason: list(&self.reason),
             own_duty: list(&self.own_duty),
+            alternative: list(&self.alternative),
         }
     }
 }

@@ -69,7 +69,7 @@ impl Rulebook<'_> {
         let background = self.framework.decision_table.causes.background;
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
-        duplicates::duplicates(label, &texts, words, sink);
+        duplicates::duplicates(label, &texts, words, background, sink);
         let mut reading = label.trace.get().map(|t| trace::read(t, &texts.units, lexicon));
         let after = label
             .trace
@@ -80,6 +80,7 @@ impl Rulebook<'_> {
         cause_text::unobserved(label, words, sink);
         let another_class = class.is_some_and(|c| text::class(label, &texts, words, background, c, sink));
         cause_text::proximate(label, &texts, words, sink);
+        cause_text::distant(label, &texts, words, sink);
         if !another_class && !impossible {
             cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink);
         }

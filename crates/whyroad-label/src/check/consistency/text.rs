@@ -2,6 +2,7 @@
 //! on as before, and words that belong to another class.
 
 use crate::check::overlap;
+use crate::check::reading::TextFacts;
 use crate::check::subject;
 use crate::check::texts::Texts;
 use crate::check::view::View;
@@ -104,7 +105,9 @@ pub(in crate::check) fn class(
         return false;
     }
     let all = texts.components.iter().fold(texts.trace.groups, |set, f| set.with(f.groups));
-    let unknown_actor = texts.components.iter().any(|f| !f.states.is_empty());
+    // Somebody whom no list knows, or who may be there or not.
+    let supposes = |f: &TextFacts| f.named.iter().any(|n| n.supposed);
+    let unknown_actor = texts.components.iter().any(|f| !f.states.is_empty() || supposes(f));
     if all.meets(class.about) || all.without(background).is_empty() || unknown_actor {
         return false;
     }
