@@ -23,7 +23,7 @@ use crate::lexicon::trie::{Found, Trie};
 use crate::lexicon::units::Units;
 
 /// Bytes of a text that may be unfinished: a longer one says something besides.
-const LONGEST_UNFINISHED: usize = 60;
+pub const LONGEST_UNFINISHED: usize = 60;
 /// Between the parts of one, beside a dash between spaces.
 const PART_MARKS: &str = ",;:()[]，；：（）【】—–";
 /// Letters and digits of a placeholder; the list is checked against it.
@@ -171,6 +171,10 @@ pub enum WordRole {
     Distant,
     /// A distance beyond whatever is named next.
     Beyond,
+    /// In a short text, says that the text is still to be written.
+    Template,
+    /// Says that there is no reason.
+    NoReason,
     /// A colour: index in the file's order of names.
     Colour(usize),
     /// Only known afterwards.
@@ -386,6 +390,8 @@ struct File {
     subjects: subjects::RawSubjects,
     placeholder: Words,
     unfinished: Words,
+    template: Words,
+    no_reason: Words,
     plain: Words,
     scene: Words,
     unobserved_because: Words,

@@ -42,6 +42,8 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         let role = WordRole::Doing(doing(raw, id, &mut b));
         b.all(words.all(), role);
     }
+    b.all(raw.template.all(), WordRole::Template);
+    b.all(raw.no_reason.all(), WordRole::NoReason);
     b.all(raw.distant.all(), WordRole::Distant);
     b.all(raw.beyond.all(), WordRole::Beyond);
     for (i, words) in raw.colours.values().enumerate() {

@@ -2,7 +2,7 @@
 //! what is said under an "if" or denied is marked as such, and the checks leave it alone.
 
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::{Divider, Doings, GroupSet, SaidState, WordRole};
+use whyroad_framework::label_words::{Divider, Doings, GroupSet, LONGEST_UNFINISHED, SaidState, WordRole};
 use whyroad_framework::lexicon::units::Units;
 
 /// A thing that a text names.
@@ -48,6 +48,10 @@ pub(super) struct TextFacts {
     pub unchanged: Option<(usize, usize)>,
     /// What is said of whatever is named, as a fact.
     pub does: Doings,
+    /// It is still to be written.
+    pub unfinished: bool,
+    /// Bytes of what says that there is no reason.
+    pub no_reason: Option<(usize, usize)>,
     /// Bytes of what puts the thing far away, or beyond somebody who is named.
     pub distant: Option<(usize, usize)>,
 }
@@ -130,6 +134,8 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                     out.does = out.does.with(doing);
                 }
             }
+            WordRole::Template => out.unfinished |= text.len() <= LONGEST_UNFINISHED,
+            WordRole::NoReason => drop(out.no_reason.get_or_insert((hit.start, hit.end))),
             WordRole::Distant => {
                 out.words += 1;
                 out.distant.get_or_insert((hit.start, hit.end));

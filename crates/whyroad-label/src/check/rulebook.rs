@@ -84,7 +84,7 @@ impl Rulebook<'_> {
         if !another_class && !impossible {
             cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink);
         }
-        if placeholder::trace(label, words, sink) || placeholder::draft(label, self.framework, sink) {
+        if placeholder::trace(label, &texts, words, sink) || placeholder::draft(label, self.framework, sink) {
             return;
         }
         text::unchanged(label, &texts, sink);
@@ -99,8 +99,8 @@ impl Rulebook<'_> {
         let said =
             trace_rules::trace(label, lexicon, &self.framework.decisions, &reading, &texts, words, sink);
         // A trace too short, or without a decision, cannot give a reason for one.
-        let circular =
-            said == Said::Decision && circular::circular(label, &texts, words, &reading, lexicon, sink);
+        let circular = said != Said::TooLittle
+            && circular::circular(label, &texts, words, &reading, lexicon, said, sink);
         if said != Said::TooLittle && !circular && !another_class {
             objects::unnamed(label, &texts, words, background, (reading.end, said), sink);
         }

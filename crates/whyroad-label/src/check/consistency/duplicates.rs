@@ -1,6 +1,7 @@
 //! Components that say the same, in the same words or nearly so.
 
 use crate::check::reading::{Named, TextFacts};
+use crate::check::subject;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
@@ -101,7 +102,12 @@ fn adds_nothing(
     background: GroupSet,
 ) -> bool {
     let own = |n: &Named| words.objects[n.group].own;
-    let near = |n: &Named, m: &Named| own(n).meets(words.objects[m.group].near);
+    // A vehicle on the same side, or of the same color, may be called anything.
+    let alike = |n: &Named, m: &Named| {
+        let marked = (n.side.is_some() && n.side == m.side) || (n.colour.is_some() && n.colour == m.colour);
+        own(n).meets(words.known.vehicle) && own(m).meets(words.known.vehicle) && marked
+    };
+    let near = |n: &Named, m: &Named| own(n).meets(words.objects[m.group].near) || alike(n, m);
     let is_known = |n: &Named| {
         let agrees = |m: &&Named| {
             n.absent == m.absent
@@ -123,7 +129,14 @@ fn adds_nothing(
     let shared = |n: &&Named| !own(n).meets(background) && b.1.there().any(|m| near(n, m));
     let both = a.1.there().filter(shared).fold(GroupSet::default(), |set, n| set.with(own(n)));
     let same = if both.meets(words.known.actor) {
-        a.1.does.meets(b.1.does)
+        // Introduced twice at the same place, where one does nothing that is known.
+        let new = |text: &str, n: &Named| subject::is_introduced(text, n.start, words);
+        let twice = |n: &Named| {
+            let again = |m: &Named| near(n, m) && n.side.is_some() && n.side == m.side && new(b.0, m);
+            own(n).meets(words.known.actor) && new(a.0, n) && b.1.there().any(again)
+        };
+        let open = a.1.does.is_empty() || b.1.does.is_empty();
+        a.1.does.meets(b.1.does) || open && a.1.there().any(twice)
     } else if both.meets(words.known.light) {
         let colour = |text| words.light_colour(text);
         things(a.1).without(words.known.light).is_empty()

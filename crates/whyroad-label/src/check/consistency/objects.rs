@@ -42,10 +42,9 @@ pub(in crate::check) fn unnamed(
     let says_little = |n: &Named| {
         let name = &text[n.start..n.end];
         words.subjects.is_vague(name)
-            || any.without(words.known.vehicle) == any
-                && words.subjects.is_general(name)
-                && !subject::is_introduced(text, n.start, words)
+            || !any.meets(words.known.vehicle)
                 && words.objects[n.group].own.meets(words.known.vehicle)
+                && words.subjects.may_be_ego.iter().any(|w| ends_with(&text[..n.end], w))
     };
     let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n);
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
@@ -65,6 +64,12 @@ pub(in crate::check) fn unnamed(
             .hint("补上该要素，或从因果描述中删去", "add it as a component, or leave it out of the trace")
         },
     );
+}
+
+/// `text` ends with `word`, in upper or lower case.
+fn ends_with(text: &str, word: &str) -> bool {
+    let end = text.len().checked_sub(word.len()).and_then(|from| text.get(from..));
+    end.is_some_and(|end| end.eq_ignore_ascii_case(word))
 }
 
 /// What components speak of in words that no list knows.

@@ -9,7 +9,7 @@ use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::GroupSet;
+use whyroad_framework::label_words::{Divider, GroupSet};
 use whyroad_model::Bilingual;
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
@@ -26,6 +26,11 @@ pub(in crate::check) fn unrelated(
 ) -> bool {
     if words.is_empty() || label.trace.get().is_none_or(|t| t.trim().is_empty()) {
         return false;
+    }
+    let reasonless = texts.trace.no_reason.map(|at| (at, true));
+    if let Some((at, none)) = reasonless.or_else(|| Some((reason_elsewhere(label, texts, words)?, false))) {
+        without_reason(label, at, none, sink);
+        return true;
     }
     let components = texts.all_components(words);
     let nothing = texts.trace.groups.is_empty()
@@ -52,6 +57,42 @@ pub(in crate::check) fn unrelated(
         .hint("按要素写出状态、原因、决策", "write state, reason and decision from the components")
     });
     true
+}
+
+/// Bytes of the reason that the trace gives, where it names nothing, has no word of driving, and shares none with the
+/// components, though it has several: "because the battery is down to nine per cent".
+fn reason_elsewhere(label: &View<'_>, texts: &Texts, words: &LabelWords) -> Option<(usize, usize)> {
+    let text = label.trace.get()?;
+    let lower = text.to_ascii_lowercase();
+    let starts = words.clauses.because.iter().filter_map(|w| Some(lower.find(w.as_str())? + w.len()));
+    let from = starts.min()?;
+    let (_, to) = words.clauses.around(&texts.units, from..from, text.len(), &|d| d == Divider::Sentence);
+    let part = text.get(from..to)?;
+    let inside = |at: usize| (from..to).contains(&at);
+    let elsewhere = !texts.trace.named.iter().any(|n| inside(n.start))
+        && !words.is_of_driving(part)
+        && overlap::says_more(text, &words.compared, &inside)
+        && overlap::shared(label, text, &words.compared, &inside) == 0;
+    elsewhere.then_some((from, to))
+}
+
+/// `none`: the trace says so.
+fn without_reason(label: &View<'_>, (start, end): (usize, usize), none: bool, sink: &mut dyn Sink) {
+    let Some(text) = label.trace.get() else { return };
+    sink.report(Finding::warning("label.text.unrelated", pointer::COC_TRACE).part(start, end), &|| {
+        let reason = text[start..end].trim();
+        match none {
+            true => Words::new(
+                format!("因果描述说“{reason}”，没有给出原因"),
+                format!("the trace says '{reason}' and gives no reason"),
+            ),
+            false => Words::new(
+                format!("因果描述给出的原因“{reason}”与关键要素无关"),
+                format!("the reason of the trace, '{reason}', has nothing to do with the components"),
+            ),
+        }
+        .hint("按要素写出状态、原因、决策", "write state, reason and decision from the components")
+    });
 }
 
 /// Some component speaks of a thing in words that no list knows.

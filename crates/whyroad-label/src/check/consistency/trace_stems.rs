@@ -5,7 +5,7 @@ use crate::check::consistency::trace::{Force, Reading};
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::Divider;
+use whyroad_framework::label_words::{Divider, GroupSet};
 use whyroad_framework::lexicon::{Lexicon, Role};
 use whyroad_model::decision::{Lateral, Longitudinal};
 
@@ -108,7 +108,10 @@ fn subjects(
         _ => {}
     });
     let things = texts.trace.named.iter().filter(|n| (from..to).contains(&n.start));
-    let named = words.known.sign.with(words.known.actor);
+    // "With a headway of a second": a measure is the ego's decision only where the ego acts, or at last.
+    let is_last = to >= texts.units.all().last().map_or(0, |u| u.start);
+    let measure = if ego.is_some() || is_last { GroupSet::default() } else { words.known.gap };
+    let named = words.known.sign.with(words.known.actor).with(measure);
     let is_name = |n: &&Named| words.objects[n.group].own.meets(named);
     hidden.extend(things.filter(is_name).filter(|n| n.end <= to).map(|n| (n.start, n.end)));
     (ego, other, hidden)
