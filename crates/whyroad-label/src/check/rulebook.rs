@@ -89,7 +89,8 @@ impl Rulebook<'_> {
         }
         text::unchanged(label, &texts, sink);
         let acts = reading.as_ref().is_some_and(|r| !r.mentions.is_empty() || r.names_ego);
-        if !another_class && text::unrelated(label, &texts, words, background, acts, sink) {
+        let because = reading.as_ref().and_then(|r| r.because);
+        if !another_class && text::unrelated(label, &texts, words, background, (acts, because), sink) {
             return;
         }
         if impossible {

@@ -15,20 +15,21 @@ use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
 /// The trace speaks of what the components speak of. True when it has nothing to do with them. `acts`: it names the
-/// ego, or something that a driver does.
+/// ego, or something that a driver does. `because`: first byte of its reason, where a word introduces one.
 pub(in crate::check) fn unrelated(
     label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
     background: GroupSet,
-    acts: bool,
+    (acts, because): (bool, Option<usize>),
     sink: &mut dyn Sink,
 ) -> bool {
     if words.is_empty() || label.trace.get().is_none_or(|t| t.trim().is_empty()) {
         return false;
     }
     let reasonless = texts.trace.no_reason.map(|at| (at, true));
-    if let Some((at, none)) = reasonless.or_else(|| Some((reason_elsewhere(label, texts, words)?, false))) {
+    let elsewhere = || Some((reason_elsewhere(label, texts, words, because?)?, false));
+    if let Some((at, none)) = reasonless.or_else(elsewhere) {
         without_reason(label, at, none, sink);
         return true;
     }
@@ -60,12 +61,14 @@ pub(in crate::check) fn unrelated(
 }
 
 /// Bytes of the reason that the trace gives, where it names nothing, has no word of driving, and shares none with the
-/// components, though it has several: "because the battery is down to nine per cent".
-fn reason_elsewhere(label: &View<'_>, texts: &Texts, words: &LabelWords) -> Option<(usize, usize)> {
+/// components, though it has several: "because the battery is down to nine per cent". `from`: its first byte.
+fn reason_elsewhere(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    from: usize,
+) -> Option<(usize, usize)> {
     let text = label.trace.get()?;
-    let lower = text.to_ascii_lowercase();
-    let starts = words.clauses.because.iter().filter_map(|w| Some(lower.find(w.as_str())? + w.len()));
-    let from = starts.min()?;
     let (_, to) = words.clauses.around(&texts.units, from..from, text.len(), &|d| d == Divider::Sentence);
     let part = text.get(from..to)?;
     let inside = |at: usize| (from..to).contains(&at);

@@ -52,6 +52,8 @@ pub(in crate::check) struct Reading {
     pub names_ego: bool,
     /// Number of the last clause.
     pub last_clause: usize,
+    /// One past the first word that introduces a reason.
+    pub because: Option<usize>,
     /// Bytes of the last words that say of the ego, named in the same clause, that it does not do something; and the
     /// number of that clause.
     pub refused: Option<(usize, usize, usize)>,
@@ -175,6 +177,7 @@ impl Reader<'_> {
                 self.negation = None;
             }
             Role::Reason => {
+                self.out.because.get_or_insert(hit.end);
                 // "Because A, B" and "B because A, and A": only the second goes on to the end.
                 if self.anything_in_sentence {
                     self.reason_until_sentence_end = true;
