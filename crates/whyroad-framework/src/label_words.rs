@@ -5,11 +5,13 @@ mod aftermath;
 mod clauses;
 mod compared;
 mod compile;
+mod numbers;
 mod subjects;
 
 pub use aftermath::{Aftermath, NewSubject, TellWord};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
+pub use numbers::Numbers;
 pub use subjects::Subjects;
 
 use serde::Deserialize;
@@ -21,7 +23,7 @@ use crate::lexicon::trie::{Found, Trie};
 use crate::lexicon::units::Units;
 
 /// Bytes of a text that may be unfinished: a longer one says something besides.
-const LONGEST_UNFINISHED: usize = 60;
+pub const LONGEST_UNFINISHED: usize = 60;
 /// Between the parts of one, beside a dash between spaces.
 const PART_MARKS: &str = ",;:()[]，；：（）【】—–";
 /// Letters and digits of a placeholder; the list is checked against it.
@@ -80,6 +82,28 @@ pub struct KnownKinds {
     pub sign: GroupSet,
 }
 
+/// What is said of a thing, a bit each: `doings` of the file, and the states of the same names.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Doings(pub u32);
+
+impl Doings {
+    /// True when the two have one in common.
+    pub fn meets(self, other: Doings) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn with(self, other: Doings) -> Doings {
+        Doings(self.0 | other.0)
+    }
+
+    /// True when nothing is said.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
 /// A group of words for one kind of thing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ObjectGroup {
@@ -120,6 +144,16 @@ impl SaidState {
             _ => return None,
         })
     }
+
+    /// The name in `doings` of what says the same: whoever brakes is about to stand.
+    fn doing(self) -> &'static str {
+        match self {
+            Self::Standing | Self::Slowing => "stopping",
+            Self::Crossing => "crossing",
+            Self::CuttingIn => "cutting_in",
+            Self::Reversing => "reversing",
+        }
+    }
 }
 
 /// What a word is.
@@ -129,8 +163,18 @@ pub enum WordRole {
     Object(usize),
     /// A side: true is left.
     Side(bool),
-    /// What somebody does.
-    State(SaidState),
+    /// What somebody does, also as one of the doings.
+    State(SaidState, Doings),
+    /// What is said of a thing, where it is no state.
+    Doing(Doings),
+    /// Far away.
+    Distant,
+    /// A distance beyond whatever is named next.
+    Beyond,
+    /// In a short text, says that the text is still to be written.
+    Template,
+    /// Says that there is no reason.
+    NoReason,
     /// A colour: index in the file's order of names.
     Colour(usize),
     /// Only known afterwards.
@@ -190,6 +234,10 @@ pub struct LabelWords {
     pub predicted: Vec<String>,
     /// Words of each color of a light.
     pub lights: Vec<Vec<String>>,
+    /// The first characters of colors in Chinese, which stand right before a name: "红卡车".
+    pub colour_chars: Vec<(char, usize)>,
+    /// Words for numbers.
+    pub numbers: Numbers,
     /// How texts are divided.
     pub clauses: Clauses,
     /// Words for road users, in lower case.
@@ -284,6 +332,20 @@ impl LabelWords {
         any
     }
 
+    /// The last color of a light in `text`, as an index in the file's order: "from green to yellow".
+    pub fn light_colour(&self, text: &str) -> Option<usize> {
+        let lower = text.to_lowercase();
+        // "Hundred" is no color.
+        let whole = |at: usize, w: &str| {
+            let letter = |c: char| c.is_ascii_alphanumeric();
+            !w.is_ascii() || !lower[..at].ends_with(letter) && !lower[at + w.len()..].starts_with(letter)
+        };
+        let found = |w: &String| lower.rmatch_indices(w.as_str()).map(|(at, _)| at).find(|at| whole(*at, w));
+        let last = |names: &[String]| names.iter().filter_map(found).max();
+        let all = self.lights.iter().enumerate();
+        all.filter_map(|(i, names)| Some((last(names)?, i))).max().map(|(_, i)| i)
+    }
+
     /// True when `text` says why something could not be observed.
     pub fn gives_reason(&self, text: &str) -> bool {
         let mut any = false;
@@ -308,6 +370,10 @@ struct File {
     names: BTreeMap<String, Name>,
     sides: RawSides,
     states: RawStates,
+    doings: BTreeMap<String, Words>,
+    distant: Words,
+    beyond: Words,
+    numbers: numbers::RawNumbers,
     lights: BTreeMap<String, Words>,
     colours: BTreeMap<String, Words>,
     ahead: Words,
@@ -324,6 +390,8 @@ struct File {
     subjects: subjects::RawSubjects,
     placeholder: Words,
     unfinished: Words,
+    template: Words,
+    no_reason: Words,
     plain: Words,
     scene: Words,
     unobserved_because: Words,

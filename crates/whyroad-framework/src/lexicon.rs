@@ -36,6 +36,10 @@ pub struct Lexicon {
     pub gives_way: Vec<String>,
     /// Beginnings of whoever is given way.
     pub given_way: Vec<String>,
+    /// Behind a phrase in Chinese, what would come of it.
+    pub consequence: Vec<String>,
+    /// Words that deny what the ego does, rather than what it can do or has to do; in lower case.
+    refuses: Vec<String>,
     trie: trie::Trie,
     /// By word number of the trie. Empty in an empty lexicon, which finds nothing.
     pub patterns: Vec<compile::Pattern>,
@@ -164,6 +168,8 @@ struct RoleWords {
     negation: Words,
     negation_adjacent: Words,
     negation_end: Words,
+    refuses: Words,
+    consequence: Words,
     joined: Words,
     pronoun: Words,
     given_way: Words,
@@ -195,6 +201,11 @@ struct PhraseWords {
 }
 
 impl Lexicon {
+    /// A word that denies, in upper or lower case, denies what the ego does, not what it can do or has to do.
+    pub fn refuses(&self, word: &str) -> bool {
+        self.refuses.iter().any(|w| w.eq_ignore_ascii_case(word))
+    }
+
     /// From the text of `schema/decision_lexicon.yaml`; `file` is named in diagnostics. `road_users`: words for road
     /// users, who act where the lexicon gives the word no other role. An unreadable file gives an empty lexicon, with
     /// which traces are checked for form only.

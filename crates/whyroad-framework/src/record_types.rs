@@ -197,10 +197,13 @@ fn choice(values: &[ChoiceValue], or_text: bool, text: &str) -> RecordVerdict {
         .flat_map(|v| v.words.iter().map(move |w| (w, v)))
         .filter(|(w, _)| if or_text { lower == w.to_lowercase() } else { lower.contains(&w.to_lowercase()) })
         .max_by_key(|(w, _)| w.len());
+    // "-3" is no word for the third, nor a text.
+    let bare = |t: &str| t.parse::<f64>().is_ok();
+    let negative = text.starts_with('-') && text.split_whitespace().next().is_some_and(bare);
     match found {
-        Some((_, v)) => RecordVerdict::Stored(v.id.as_str().into()),
-        None if or_text => RecordVerdict::Stored(text.into()),
-        None => RecordVerdict::NotAChoice(values.iter().map(|v| v.id.clone()).collect()),
+        Some((_, v)) if !negative => RecordVerdict::Stored(v.id.as_str().into()),
+        None if or_text && !negative && !bare(text) => RecordVerdict::Stored(text.into()),
+        _ => RecordVerdict::NotAChoice(values.iter().map(|v| v.id.clone()).collect()),
     }
 }
 
@@ -227,6 +230,11 @@ mod tests {
         assert_eq!(judge("occlusion", json!(3)), RecordVerdict::WrongType);
         assert_eq!(judge("target_exit", json!("第二出口")), stored(json!("second")));
         assert_eq!(judge("target_exit", json!(2)), stored(json!("second")));
+        for none in ["-3", "9", "12"] {
+            assert!(matches!(judge("target_exit", json!(none)), RecordVerdict::NotAChoice(_)), "{none}");
+        }
+        assert!(matches!(judge("oncoming_traffic", json!("-4 cars")), RecordVerdict::NotAChoice(_)));
+        assert_eq!(judge("oncoming_traffic", json!("4 cars")), stored(json!("4 cars")));
         assert_eq!(judge("oncoming_traffic", json!("Dense traffic")), stored(json!("dense")));
         assert_eq!(judge("merge_position", json!("匝道末端")), stored(json!("匝道末端")));
         assert_eq!(f.record_types.judge("no_such", RecordValue::Flag(true)), None);

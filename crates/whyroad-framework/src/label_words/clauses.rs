@@ -35,6 +35,10 @@ pub struct Clauses {
     pub reason: Vec<String>,
     /// Beginnings of a part that says what the ego has to do or wants.
     pub own_duty: Vec<String>,
+    /// Words behind which a reason is given that was called one before, in lower case.
+    pub again: Vec<String>,
+    /// Beginnings of a clause that adds to what the one before supposes.
+    pub alternative: Vec<String>,
 }
 
 impl Clauses {
@@ -103,6 +107,8 @@ pub(super) struct RawClauses {
     beside: Words,
     reason: Words,
     own_duty: Words,
+    alternative: Words,
+    again: Words,
 }
 
 impl RawClauses {
@@ -124,6 +130,8 @@ impl RawClauses {
             beside: list(&self.beside),
             reason: list(&self.reason),
             own_duty: list(&self.own_duty),
+            alternative: list(&self.alternative),
+            again: list(&self.again),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! From the lists of `schema/label_words.yaml` to one search.
 
-use super::{File, GroupSet, KnownKinds, LabelWords, ObjectGroup, SaidState, WordRole};
+use super::{Doings, File, GroupSet, KnownKinds, LabelWords, ObjectGroup, SaidState, WordRole};
 use crate::lexicon::expand::choices;
 use crate::lexicon::trie::Trie;
 use std::collections::{BTreeMap, HashSet};
@@ -8,6 +8,8 @@ use whyroad_model::Bilingual;
 
 /// Groups of things that a set can hold.
 const MAX_GROUPS: usize = 64;
+/// Doings that a set can hold.
+const MAX_DOINGS: usize = 32;
 
 /// The words, and what is wrong with the file's patterns.
 pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
@@ -26,11 +28,31 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         (&s.cutting_in, SaidState::CuttingIn),
         (&s.reversing, SaidState::Reversing),
     ] {
-        b.all(words.all(), WordRole::State(state));
+        let role = WordRole::State(state, doing(raw, state.doing(), &mut b));
+        b.all(words.all(), role);
     }
+    if raw.doings.len() > MAX_DOINGS {
+        let n = raw.doings.len();
+        b.problems.push(Bilingual::new(
+            format!("doings 至多 {MAX_DOINGS} 项，现有 {n} 项"),
+            format!("doings has {n} entries, maximum {MAX_DOINGS}"),
+        ));
+    }
+    for (id, words) in &raw.doings {
+        let role = WordRole::Doing(doing(raw, id, &mut b));
+        b.all(words.all(), role);
+    }
+    b.all(raw.template.all(), WordRole::Template);
+    b.all(raw.no_reason.all(), WordRole::NoReason);
+    b.all(raw.distant.all(), WordRole::Distant);
+    b.all(raw.beyond.all(), WordRole::Beyond);
     for (i, words) in raw.colours.values().enumerate() {
         b.all(words.all(), WordRole::Colour(i));
     }
+    let colours = raw.colours.values().enumerate();
+    let colour_chars =
+        colours.flat_map(|(i, w)| w.zh.iter().filter_map(move |t| Some((t.chars().next()?, i))));
+    let colour_chars = colour_chars.collect();
     b.all(raw.hindsight.firm.all(), WordRole::Hindsight);
     b.all(raw.resolved.all(), WordRole::Resolved);
     b.all(raw.ahead.all(), WordRole::Ahead);
@@ -113,6 +135,8 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         imagined: raw.hindsight.imagined.all().map(str::to_owned).collect(),
         predicted: raw.hindsight.predicted.all().map(str::to_owned).collect(),
         lights: raw.lights.values().map(|w| w.all().map(str::to_owned).collect()).collect(),
+        colour_chars,
+        numbers: raw.numbers.compile(),
         clauses,
         road_users,
         known,
@@ -130,6 +154,18 @@ pub(super) fn bare(text: &str) -> String {
 fn first_two(text: &str) -> Option<[char; 2]> {
     let mut chars = text.chars();
     Some([chars.next()?, chars.next()?])
+}
+
+/// The doing of this name, as a set.
+fn doing(raw: &File, id: &str, b: &mut Builder) -> Doings {
+    match raw.doings.keys().position(|k| k == id) {
+        Some(i) => Doings(1_u32.checked_shl(u32::try_from(i).unwrap_or(u32::MAX)).unwrap_or(0)),
+        None => {
+            b.problems
+                .push(Bilingual::new(format!("doings 中没有 '{id}'"), format!("doings has no entry '{id}'")));
+            Doings::default()
+        }
+    }
 }
 
 fn groups(raw: &File, b: &mut Builder) -> Vec<ObjectGroup> {

@@ -11,6 +11,8 @@ pub struct Subjects {
     pronouns: HashSet<String>,
     /// A text in Chinese that begins with one of these speaks of the ego.
     pub own: Vec<String>,
+    /// Behind one of these, what follows is near the ego.
+    pub behind_own: CharSet,
     /// How many, in Chinese.
     pub counts: CharSet,
     /// The word that counts, behind it.
@@ -25,6 +27,26 @@ pub struct Subjects {
     general: HashSet<String>,
     /// Behind the name of a place.
     pub places: CharSet,
+    /// Before a name in Latin letters.
+    pub articles: Vec<String>,
+    /// The same, and words that begin what a thing does something to.
+    determiners: Vec<String>,
+    /// Before a name of Latin letters that speaks of one that is known.
+    pub definite: Vec<String>,
+    /// Before a name of Latin letters that speaks of one that was not named before.
+    pub introduces: Vec<String>,
+    /// Before the word that counts, in Chinese, the same.
+    pub appears: CharSet,
+    /// Before a number in Chinese that counts nothing.
+    pub ordinals: CharSet,
+    /// Before a name in Chinese that is where somebody comes from or goes to.
+    pub origins: CharSet,
+    /// Names by which the ego may be called, where no component speaks of a vehicle; in lower case.
+    pub may_be_ego: Vec<String>,
+    /// Names that may be of a part of a vehicle as well, in lower case.
+    vague: HashSet<String>,
+    /// Words of a movement to one side, in lower case: left, right.
+    pub goes_to: [Vec<String>; 2],
 }
 
 impl Subjects {
@@ -36,6 +58,16 @@ impl Subjects {
     /// `name`, in upper or lower case, is that of all of a kind.
     pub fn is_general(&self, name: &str) -> bool {
         self.general.contains(&name.to_lowercase())
+    }
+
+    /// `name`, in upper or lower case, may be that of a part of a vehicle as well.
+    pub fn is_vague(&self, name: &str) -> bool {
+        self.vague.contains(&name.to_lowercase())
+    }
+
+    /// The word of Latin letters, in lower case, begins the words for a thing.
+    pub fn is_determiner(&self, word: &str) -> bool {
+        self.determiners.iter().any(|w| w == word)
     }
 
     /// A text that begins with this word of Latin letters, in lower case, speaks of what was named before or of no
@@ -52,22 +84,35 @@ pub(super) struct RawSubjects {
     ends: Words,
     pronouns: Words,
     own: Words,
+    behind_own: Words,
     counts: Words,
     counters: Words,
     opposite: Words,
     common: Words,
     general: Words,
     places: Words,
+    articles: Words,
+    determiners: Words,
+    definite: Words,
+    introduces: Words,
+    ordinals: Words,
+    origins: Words,
+    may_be_ego: Words,
+    vague: Words,
+    goes_left: Words,
+    goes_right: Words,
 }
 
 impl RawSubjects {
     pub(super) fn compile(&self) -> Subjects {
         let list = |w: &Words| w.en.iter().cloned().collect();
         let chars = |w: &Words| CharSet::of(w.zh.iter().map(String::as_str));
+        let all = |w: &Words| w.all().map(str::to_owned).collect::<Vec<_>>();
         Subjects {
             ends: list(&self.ends),
             pronouns: list(&self.pronouns),
             own: self.own.zh.clone(),
+            behind_own: chars(&self.behind_own),
             counts: chars(&self.counts),
             counters: chars(&self.counters),
             opposite: self.opposite.all().map(str::to_owned).collect(),
@@ -75,6 +120,16 @@ impl RawSubjects {
             common_words: list(&self.common),
             general: self.general.all().map(str::to_owned).collect(),
             places: chars(&self.places),
+            articles: self.articles.en.clone(),
+            determiners: self.articles.en.iter().chain(&self.determiners.en).cloned().collect(),
+            definite: self.definite.en.clone(),
+            introduces: self.introduces.en.clone(),
+            appears: chars(&self.introduces),
+            ordinals: chars(&self.ordinals),
+            origins: chars(&self.origins),
+            may_be_ego: all(&self.may_be_ego),
+            vague: self.vague.all().map(str::to_owned).collect(),
+            goes_to: [all(&self.goes_left), all(&self.goes_right)],
         }
     }
 }

@@ -155,6 +155,8 @@ pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
         pronouns: list(&w.pronoun),
         gives_way: list(&w.gives_way),
         given_way: list(&w.given_way),
+        refuses: list(&w.refuses),
+        consequence: list(&w.consequence),
         trie,
         patterns,
     };

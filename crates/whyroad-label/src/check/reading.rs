@@ -2,7 +2,7 @@
 //! what is said under an "if" or denied is marked as such, and the checks leave it alone.
 
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::{Divider, GroupSet, SaidState, WordRole};
+use whyroad_framework::label_words::{Divider, Doings, GroupSet, LONGEST_UNFINISHED, SaidState, WordRole};
 use whyroad_framework::lexicon::units::Units;
 
 /// A thing that a text names.
@@ -46,6 +46,14 @@ pub(super) struct TextFacts {
     pub states: Vec<SaidState>,
     /// Bytes of the last phrase that says that the ego goes on as before.
     pub unchanged: Option<(usize, usize)>,
+    /// What is said of whatever is named, as a fact.
+    pub does: Doings,
+    /// It is still to be written.
+    pub unfinished: bool,
+    /// Bytes of what says that there is no reason.
+    pub no_reason: Option<(usize, usize)>,
+    /// Bytes of what puts the thing far away, or beyond somebody who is named.
+    pub distant: Option<(usize, usize)>,
 }
 
 /// Characters that may stand between a word that denies and what it denies: "no other", "没有任何".
@@ -60,19 +68,23 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
     let mut marks = units.marks().iter().peekable();
     words.hits_in(units, 0..text.len(), |hit| {
         // What a word has in it divides nothing.
-        let (mut divides, mut ends) = (false, false);
+        let (mut divides, mut ends, mut from) = (false, false, 0);
         while let Some(mark) = marks.next_if(|m| m.start < hit.start) {
             if mark.start >= last_end
                 && let Some(divider) = words.clauses.divides(*mark)
             {
                 divides |= divider != Divider::Aside;
                 ends |= divider == Divider::Sentence;
+                from = mark.end();
             }
         }
         if divides {
             clause.close(&mut out);
             let sentence = if ends { out.named.len() } else { clause.sentence };
-            clause = Clause { number: clause.number + 1, sentence, ..Clause::default() };
+            // "If somebody, or a dog, came out".
+            let adds = || words.clauses.alternative.iter().any(|w| starts_with(text[from..].trim_start(), w));
+            let supposed = clause.supposed && adds();
+            clause = Clause { number: clause.number + 1, sentence, supposed, ..Clause::default() };
         }
         last_end = hit.end;
         let word = &text[hit.start..hit.end];
@@ -88,10 +100,15 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 if let Some(left) = lane_side {
                     clause.say_side(left, word.is_ascii(), words, &mut out);
                 }
+                if let Some(from) = clause.beyond.take()
+                    && words.objects[group].own.meets(words.known.actor)
+                {
+                    out.distant.get_or_insert((from, hit.end));
+                }
                 out.named.push(Named {
                     group,
                     side: if lane_side.is_some() { None } else { clause.side },
-                    colour: clause.colour.take(),
+                    colour: clause.colour.take().or_else(|| colour_before(text, hit.start, words)),
                     state: None,
                     absent,
                     supposed: clause.supposed,
@@ -111,9 +128,28 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                     && text[..hit.start].ends_with(['从', '自', '由', '打']);
                 clause.say_side(left, word.is_ascii() || from, words, &mut out);
             }
-            WordRole::State(state) => {
+            WordRole::Doing(doing) => {
+                out.words += 1;
+                if !clause.supposed && !clause.denied.is_some_and(|d| d.reaches(text, hit.start)) {
+                    out.does = out.does.with(doing);
+                }
+            }
+            WordRole::Template => out.unfinished |= text.len() <= LONGEST_UNFINISHED,
+            WordRole::NoReason => drop(out.no_reason.get_or_insert((hit.start, hit.end))),
+            WordRole::Distant => {
+                out.words += 1;
+                out.distant.get_or_insert((hit.start, hit.end));
+            }
+            WordRole::Beyond => {
+                out.words += 1;
+                clause.beyond = Some(hit.start);
+            }
+            WordRole::State(state, doing) => {
                 out.words += 1;
                 if !clause.denied.is_some_and(|d| d.reaches(text, hit.start)) {
+                    if !clause.supposed {
+                        out.does = out.does.with(doing);
+                    }
                     // "The car has stopped at the line": who acts, rather than a place.
                     let open = |n: &&mut Named| n.clause == clause.number && n.state.is_none();
                     let acts = |n: &&mut Named| words.objects[n.group].named;
@@ -156,6 +192,11 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                     out.named[i].ahead = true;
                 }
             }
+            // "The crossroads two hundred meters before the truck": the name comes first in Chinese.
+            WordRole::Ahead if is_beyond(text, (hit.start, hit.end), &out, words) => {
+                let from = out.named.last().map_or(hit.start, |n| n.start);
+                out.distant.get_or_insert((from, hit.end));
+            }
             WordRole::Ahead => clause.ahead = true,
             WordRole::Absent => {
                 let word = Denial { end: hit.end, is_latin: word.is_ascii() };
@@ -167,7 +208,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 // "A person could step out": nobody is said to be there.
                 let last = out.named.last_mut().filter(|n| n.clause == clause.number && word.is_ascii());
                 if let Some(n) = last.filter(|n| words.objects[n.group].named) {
-                    n.supposed |= is_indefinite(&text[..n.start]);
+                    n.supposed |= is_indefinite(&text[..n.start], words);
                 }
             }
             WordRole::Uncertain => {
@@ -200,11 +241,27 @@ fn is_imagined(text: &str, at: (usize, usize), units: &Units, words: &LabelWords
 }
 
 /// What a text of Latin letters names next is any of its kind: no article or pronoun within three words before it.
-fn is_indefinite(before: &str) -> bool {
-    const DEFINITE: [&str; 12] =
-        ["the", "this", "that", "these", "those", "his", "her", "its", "their", "our", "my", "same"];
+fn is_indefinite(before: &str, words: &LabelWords) -> bool {
     let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).take(3);
-    !last.into_iter().any(|w| DEFINITE.iter().any(|d| w.eq_ignore_ascii_case(d)))
+    !last.into_iter().any(|w| words.subjects.definite.iter().any(|d| w.eq_ignore_ascii_case(d)))
+}
+
+/// The color right before a name in Chinese: "红卡车".
+fn colour_before(text: &str, start: usize, words: &LabelWords) -> Option<usize> {
+    let c = text[..start].chars().next_back().filter(|c| !c.is_ascii())?;
+    words.colour_chars.iter().find(|(own, _)| *own == c).map(|(_, i)| *i)
+}
+
+/// The word at `at`, "before" in Chinese, follows the name of somebody and is followed by a long distance.
+fn is_beyond(text: &str, (start, end): (usize, usize), out: &TextFacts, words: &LabelWords) -> bool {
+    let follows =
+        |n: &Named| n.end == start && !n.absent && words.objects[n.group].own.meets(words.known.actor);
+    out.named.last().is_some_and(follows) && words.numbers.begins_long_distance(&text[end..])
+}
+
+/// `text` begins with `word`, in upper or lower case.
+fn starts_with(text: &str, word: &str) -> bool {
+    text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word))
 }
 
 /// The side of a lane that says where somebody is or comes from: "the car in the left lane", "右侧车道的轿车". Not that
@@ -258,6 +315,8 @@ struct Clause {
     denied: Option<Denial>,
     supposed: bool,
     ahead: bool,
+    /// First byte of a distance beyond whatever is named next.
+    beyond: Option<usize>,
     names: usize,
     /// Things named before this sentence.
     sentence: usize,

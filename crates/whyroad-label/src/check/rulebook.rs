@@ -69,7 +69,7 @@ impl Rulebook<'_> {
         let background = self.framework.decision_table.causes.background;
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
-        duplicates::duplicates(label, &texts, words, sink);
+        duplicates::duplicates(label, &texts, words, background, sink);
         let mut reading = label.trace.get().map(|t| trace::read(t, &texts.units, lexicon));
         let after = label
             .trace
@@ -80,15 +80,17 @@ impl Rulebook<'_> {
         cause_text::unobserved(label, words, sink);
         let another_class = class.is_some_and(|c| text::class(label, &texts, words, background, c, sink));
         cause_text::proximate(label, &texts, words, sink);
+        cause_text::distant(label, &texts, words, sink);
         if !another_class && !impossible {
             cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink);
         }
-        if placeholder::trace(label, words, sink) || placeholder::draft(label, self.framework, sink) {
+        if placeholder::trace(label, &texts, words, sink) || placeholder::draft(label, self.framework, sink) {
             return;
         }
         text::unchanged(label, &texts, sink);
         let acts = reading.as_ref().is_some_and(|r| !r.mentions.is_empty() || r.names_ego);
-        if !another_class && text::unrelated(label, &texts, words, background, acts, sink) {
+        let because = reading.as_ref().and_then(|r| r.because);
+        if !another_class && text::unrelated(label, &texts, words, background, (acts, because), sink) {
             return;
         }
         if impossible {
@@ -98,8 +100,8 @@ impl Rulebook<'_> {
         let said =
             trace_rules::trace(label, lexicon, &self.framework.decisions, &reading, &texts, words, sink);
         // A trace too short, or without a decision, cannot give a reason for one.
-        let circular =
-            said == Said::Decision && circular::circular(label, &texts, words, &reading, lexicon, sink);
+        let circular = said != Said::TooLittle
+            && circular::circular(label, &texts, words, &reading, lexicon, said, sink);
         if said != Said::TooLittle && !circular && !another_class {
             objects::unnamed(label, &texts, words, background, (reading.end, said), sink);
         }

@@ -19,7 +19,7 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
         let start = at;
         at += word.len() + 1;
         let lower = word.to_ascii_lowercase();
-        if lower.is_empty() || (is_first && matches!(lower.as_str(), "a" | "an" | "the")) {
+        if lower.is_empty() || (is_first && words.subjects.articles.contains(&lower)) {
             continue;
         }
         if is_first && (words.subjects.is_pronoun(&lower) || lower.starts_with(|c: char| c.is_ascii_digit()))
@@ -35,7 +35,7 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
             return false;
         }
         // A second article or pronoun begins what the thing does something to.
-        let divides = (is_determiner(&lower) && !text[..start].ends_with("of "))
+        let divides = (words.subjects.is_determiner(&lower) && !text[..start].ends_with("of "))
             || start > 0 && text[..start].trim_end().ends_with([',', ';', '.', ':']);
         if !is_first && (divides || words.subjects.ends(&lower) || is_participle(&lower)) {
             end = start;
@@ -43,17 +43,18 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
         }
         is_first = false;
     }
-    !facts.named.iter().any(|n| n.start < end)
-}
-
-/// Begins the words for a thing in Latin letters.
-fn is_determiner(word: &str) -> bool {
-    matches!(word, "a" | "an" | "the" | "our" | "its" | "his" | "her" | "their" | "us" | "it")
+    // Its last word says what it is: a "hay wagon" is no hay. A verb may follow.
+    let is_last = |n: &Named| {
+        let next = text.get(n.end..end).unwrap_or_default();
+        let next = next.split(|c: char| !c.is_ascii_alphanumeric()).find(|w| !w.is_empty());
+        end == text.len() || next.is_none_or(|w| w.ends_with('s') || w.ends_with("ed"))
+    };
+    !facts.named.iter().any(|n| n.start < end && is_last(n))
 }
 
 /// Stands before the words for a thing that is not introduced.
 fn is_break(word: &str, words: &LabelWords) -> bool {
-    words.subjects.ends(word) || is_determiner(word)
+    words.subjects.ends(word) || words.subjects.is_determiner(word)
 }
 
 /// What a thing does, or what kind of thing it is: "a car waiting", "a wobbling cyclist".
@@ -66,7 +67,7 @@ fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool 
     let subjects = &words.subjects;
     let chars: Vec<(usize, char)> = text.char_indices().collect();
     // "The first car" counts nothing.
-    let is_ordinal = |at: usize| text[..at].ends_with(['第', '头']);
+    let is_ordinal = |at: usize| text[..at].ends_with(|c| subjects.ordinals.contains(c));
     let counted = chars.windows(2).filter(|w| {
         subjects.counts.contains(w[0].1) && subjects.counters.contains(w[1].1) && !is_ordinal(w[0].0)
     });
@@ -75,20 +76,28 @@ fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool 
         text[from..].find(['，', '。', '；', '、', '：', '！']).map_or(text.len(), |i| from + i)
     };
     // "从公交车前": where somebody comes from.
-    let is_origin =
-        |n: &Named| text[..n.start].ends_with(['从', '自', '由', '被', '把', '往', '向', '朝', '沿']);
+    let is_origin = |n: &Named| text[..n.start].ends_with(|c| subjects.origins.contains(c));
+    // Behind "of", which what it is follows: "a man who climbs the fence". What is near may be a place.
+    const NEAR: usize = 12;
     let within = |from: usize, to: usize| {
-        facts.named.iter().any(|n| n.end > from && n.start < to && !(n.start > from && is_origin(n)))
+        let of = text[from..to].find('的').filter(|at| *at <= 2 * NEAR).map_or(from, |at| from + at);
+        let is_near = |n: &Named| n.start <= of + NEAR || words.objects[n.group].named;
+        facts
+            .named
+            .iter()
+            .any(|n| n.end > of && n.start < to && is_near(n) && !(n.start > from && is_origin(n)))
     };
     if counted.peek().is_some() {
         return counted.any(|from| !within(from, clause_end(from)));
     }
-    // "自车车速偏快".
-    if subjects.own.iter().any(|w| text.starts_with(w.as_str())) {
+    // "自车车速偏快", but not "自车前方".
+    let rest = |w: &String| text.strip_prefix(w.as_str());
+    if subjects.own.iter().filter_map(rest).any(|r| !r.starts_with(|c| subjects.behind_own.contains(c))) {
         return false;
     }
     // A measure, and nothing of anybody.
-    if facts.named.iter().any(|n| words.objects[n.group].own.meets(words.known.gap)) {
+    let first = clause_end(0);
+    if facts.named.iter().any(|n| n.start < first && words.objects[n.group].own.meets(words.known.gap)) {
         return false;
     }
     let is_place = |n: &Named| text[n.end..].starts_with(|c| subjects.places.contains(c));
@@ -101,8 +110,7 @@ fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool 
 /// "还有个骑手".
 pub(super) fn is_introduced(text: &str, start: usize, words: &LabelWords) -> bool {
     const NEAR: usize = 4;
-    let is_article =
-        |w: &str| matches!(w, "a" | "an" | "another" | "some" | "several" | "two" | "three" | "more");
+    let is_article = |w: &str| words.subjects.introduces.iter().any(|i| i == w);
     let before = &text[..start];
     if text.is_ascii() {
         let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).take(NEAR);
@@ -114,7 +122,7 @@ pub(super) fn is_introduced(text: &str, start: usize, words: &LabelWords) -> boo
     let near: Vec<char> = near.collect();
     near.windows(2).any(|w| {
         words.subjects.counters.contains(w[0])
-            && (words.subjects.counts.contains(w[1]) || "有着出来".contains(w[1]))
+            && (words.subjects.counts.contains(w[1]) || words.subjects.appears.contains(w[1]))
     }) || near.first().is_some_and(|c| *c == '有')
 }
 

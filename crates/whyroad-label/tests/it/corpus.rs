@@ -29,9 +29,9 @@ const FIFTH: (f64, f64) = (0.92, FALSE_ALARMS);
 /// The same of the sixth set, written by somebody who had not seen the checks; it was 62 of 80 and 20 of 80 then.
 const SIXTH: (f64, f64) = (0.86, FALSE_ALARMS);
 
-/// The same of the seventh set, by a third author; it was 61 of 100 and 11 of 100 then, and the checks were changed for
-/// placeholders only.
-const SEVENTH: (f64, f64) = (0.66, 0.11);
+/// The same of the seventh set, by a third author; it was 61 of 100 and 11 of 100 then. The two that are flagged have a
+/// fault that the set's form cannot avoid.
+const SEVENTH: (f64, f64) = (0.92, 0.02);
 
 /// The same of the eighth set, by a fourth author.
 const EIGHTH: (f64, f64) = (0.0, 1.0);
@@ -42,7 +42,7 @@ const GENERAL: [(f64, f64); 2] = [(0.87, FALSE_ALARMS), (0.90, 0.08)];
 
 /// The same with one word in five missing from the lists; it was 3240 of 3575 and 124 of 1265 before the checks were
 /// made to ask what was read.
-const UNKNOWN_WORDS: (f64, f64) = (0.92, 0.02);
+const UNKNOWN_WORDS: (f64, f64) = (0.93, 0.013);
 
 #[derive(Default)]
 struct Tally {
@@ -221,10 +221,11 @@ fn labels_that_were_unseen_stay_found() {
 fn labels_in_unknown_words_are_left_alone() {
     let (mut all, mut flagged, mut faults, mut found_of) = (0, 0, 0, 0);
     let mut by_code: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut by_kind: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     for part in 0..fewer_words::PARTS {
         let framework = fewer_words::without(part);
         let checker = Checker::new(&framework);
-        // All but the last two sets, whose words have not been read.
+        // The first six sets, as in the figures before.
         let sets = unseen().into_iter().take(6).flatten().chain(bases()).chain(general());
         for (language, base) in sets.flat_map(|(l, bases)| bases.into_iter().map(move |b| (l, b))) {
             // The first wording of each: five parts of all would take long.
@@ -243,12 +244,15 @@ fn labels_in_unknown_words_are_left_alone() {
                 let expected = faults::codes(fault.kind);
                 let named = |d: &Diagnostic| expected.iter().any(|c| d.code.starts_with(c));
                 faults += 1;
-                found_of += usize::from(found.iter().any(|d| named(d) && d.severity != Severity::Note));
+                let hit = usize::from(found.iter().any(|d| named(d) && d.severity != Severity::Note));
+                found_of += hit;
+                let kind = by_kind.entry(fault.kind).or_default();
+                *kind = (kind.0 + hit, kind.1 + 1);
             }
         }
     }
     println!("one word in five missing: found {found_of}/{faults}, true labels flagged {flagged}/{all}");
-    println!("{by_code:?}");
+    println!("{by_code:?}\n{by_kind:?}");
     assert!(all >= 500 && faults >= 500);
     assert!(
         flagged as f64 <= UNKNOWN_WORDS.1 * all as f64 && found_of as f64 >= UNKNOWN_WORDS.0 * faults as f64

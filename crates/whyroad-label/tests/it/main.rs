@@ -4,4 +4,5 @@
 
 mod corpus;
 mod counterfactual;
+mod facts;
 mod hindsight;

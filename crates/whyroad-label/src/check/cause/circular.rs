@@ -2,7 +2,7 @@
 //! whoever the decision is about, and the words of deciding.
 
 use crate::check::consistency::trace::{Mention, Reading};
-use crate::check::consistency::trace_rules;
+use crate::check::consistency::trace_rules::{self, Said};
 use crate::check::overlap;
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
@@ -20,6 +20,7 @@ pub(in crate::check) fn circular(
     words: &LabelWords,
     reading: &Reading,
     lexicon: &Lexicon,
+    said: Said,
     sink: &mut dyn Sink,
 ) -> bool {
     let Some(text) = label.trace.get() else { return false };
@@ -28,9 +29,14 @@ pub(in crate::check) fn circular(
     if words.is_empty() {
         return false;
     }
-    let repeated = repeats(text, label, texts, words, reading, lexicon);
+    let repeated = match said {
+        Said::Unread => echoes(text, texts, words),
+        _ => repeats(text, label, texts, words, reading, lexicon),
+    };
+    // A decision in words that no list knows may have a reason in such words.
     if !repeated
-        && (gives_cause(text, texts, words, &decision_in)
+        && (said == Said::Unread
+            || gives_cause(text, texts, words, &decision_in)
             || has_other_words(label, text, texts, words, &decision_in))
     {
         return false;
@@ -140,6 +146,30 @@ fn repeats(
     let others: Vec<String> =
         parts.iter().enumerate().filter(|(i, _)| *i != last).flat_map(|(_, p)| content(*p)).collect();
     parts.len() > 1 && others.iter().all(|w| own.contains(w)) && own.iter().all(|w| others.contains(w))
+}
+
+/// A decision in words that no list knows is said again as its own reason: what follows "because" has the words of what
+/// precedes it, but for one. Nothing is named but whoever acts.
+fn echoes(text: &str, texts: &Texts, words: &LabelWords) -> bool {
+    let lower = text.to_ascii_lowercase();
+    let because = words.clauses.because.iter().chain(&words.clauses.again);
+    let Some((at, length)) = because.filter_map(|w| Some((lower.find(w.as_str())?, w.len()))).min() else {
+        return false;
+    };
+    let is_reason = |n: &Named| {
+        let own = words.objects[n.group].own;
+        n.start > at && !own.meets(words.known.actor) && !own.meets(words.known.no_cause)
+    };
+    if texts.trace.named.iter().any(is_reason) || text.contains(|c: char| c.is_ascii_digit()) {
+        return false;
+    }
+    let named: Vec<(usize, usize)> = texts.trace.named.iter().map(|n| (n.start, n.end)).collect();
+    let first = content(text, 0, at, &named, words);
+    let second = content(text, at + length, text.len(), &named, words);
+    let new = second.iter().filter(|w| !first.contains(w)).count();
+    // In Chinese a word has two characters.
+    let (least, most_new) = if text.is_ascii() { (1, 1) } else { (2, 1) };
+    second.len() >= least + new && new <= most_new
 }
 
 /// Bounds of the parts of a trace: at marks, and before words that join or give a reason.

@@ -127,6 +127,38 @@ pub(in crate::check) fn proximate(label: &View<'_>, texts: &Texts, words: &Label
     });
 }
 
+/// A component that is far away, or beyond somebody whom it names, causes no response to somebody who is nearer: "the
+/// light two hundred meters beyond the van" (LABELING.md 6, proximate cause).
+pub(in crate::check) fn distant(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+    let responds = matches!(
+        label.longitudinal.get(),
+        Some(Longitudinal::YieldToAgent | Longitudinal::LeadFollowing | Longitudinal::StopForObstacle)
+    );
+    if !responds {
+        return;
+    }
+    let acts = |n: &&Named| words.objects[n.group].own.meets(words.known.actor);
+    let near = |f: &&TextFacts| f.distant.is_none() && f.there().any(|n| acts(&n));
+    let parts = || label.parts.iter().zip(&texts.components);
+    let Some((far, (start, end))) = parts().find_map(|(c, f)| Some((c, f.distant?))) else { return };
+    let nearer = parts().find(|(_, f)| near(f)).and_then(|(c, _)| c.description.get());
+    let nearer = nearer.or_else(|| {
+        let n = texts.trace.there().find(acts)?;
+        label.trace.get()?.get(n.start..n.end)
+    });
+    let Some(nearer) = nearer else { return };
+    let at = pointer::critical_components_item_description(far.index);
+    sink.report(Finding::warning("label.cause.proximate", at).part(start, end), &|| {
+        let text = far.description.get().unwrap_or_default();
+        let phrase = &text[start..end];
+        Words::new(
+            format!("近因是“{nearer}”；“{text}”（“{phrase}”）太远，不是本次决策的原因"),
+            format!("the proximate cause is '{nearer}'; '{text}' is too far away ('{phrase}') to be one"),
+        )
+        .hint("删去远处的要素，只留引起决策的那一个", "leave the distant component out")
+    });
+}
+
 /// The components that are named as the cause of a decision speak of something that can bring it about: by the table of
 /// causes, or because the class is about it. Only where every one of them has been read.
 pub(in crate::check) fn kind(

@@ -1,11 +1,12 @@
 //! Components that say the same, in the same words or nearly so.
 
 use crate::check::reading::{Named, TextFacts};
+use crate::check::subject;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::{Compared, GroupSet, SaidState, hashed};
+use whyroad_framework::label_words::{Compared, GroupSet, hashed};
 use whyroad_model::label_fields::pointer;
 
 /// Components beyond this are not compared with one another: people name two to five.
@@ -27,7 +28,15 @@ const CONCEPTS_CHINESE: (usize, f64) = (12, 0.62);
 const LEAST_CONTENT: usize = 4;
 
 /// No component is said twice.
-pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+///
+/// `background`: what no text is about.
+pub(in crate::check) fn duplicates(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    background: GroupSet,
+    sink: &mut dyn Sink,
+) {
     if label.parts.len() < 2 {
         return;
     }
@@ -52,13 +61,11 @@ pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &Labe
     let facts = &texts.components[..texts.components.len().min(COMPARED)];
     let same_facts = |i: usize, j: usize| {
         let text = |k: usize| label.parts[k].description.get().unwrap_or_default();
-        adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words)
-            || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words)
+        (groups[i].meets(groups[j]))
+            && (adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words, background)
+                || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words, background))
     };
-    // Most components state nothing that another one could repeat.
-    let states = |f: &&TextFacts| f.named.iter().any(|n| n.state.is_some());
-    let by_facts = facts.iter().filter(states).nth(1).is_some()
-        && (1..facts.len()).any(|i| (0..i).any(|j| same_facts(i, j)));
+    let by_facts = (1..facts.len()).any(|i| (0..i).any(|j| same_facts(i, j)));
     let by_words =
         outlines.iter().enumerate().any(|(i, o)| outlines[..i].iter().any(|other| o.may_be_alike(other)));
     if !by_words && !by_facts {
@@ -86,41 +93,61 @@ pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &Labe
     }
 }
 
-/// Whoever acts does the same in both, and the first text has no thing, side or number that the second does not have.
-fn adds_nothing(a: (&str, &TextFacts), b: (&str, &TextFacts), words: &LabelWords) -> bool {
-    let stands = |s: SaidState| matches!(s, SaidState::Standing | SaidState::Slowing);
-    let same_state = |n: &Named, m: &Named| match (n.state, m.state) {
-        (Some(x), Some(y)) => x == y || (stands(x) && stands(y)),
-        _ => false,
+/// The first text says nothing of its things that the second does not say: no thing, side, color or number that the
+/// second does not have, and the same of whatever both are about.
+fn adds_nothing(
+    a: (&str, &TextFacts),
+    b: (&str, &TextFacts),
+    words: &LabelWords,
+    background: GroupSet,
+) -> bool {
+    let own = |n: &Named| words.objects[n.group].own;
+    // A vehicle on the same side, or of the same color, may be called anything.
+    let alike = |n: &Named, m: &Named| {
+        let marked = (n.side.is_some() && n.side == m.side) || (n.colour.is_some() && n.colour == m.colour);
+        own(n).meets(words.known.vehicle) && own(m).meets(words.known.vehicle) && marked
     };
-    let acts = |n: &&Named| words.objects[n.group].own.meets(words.known.actor);
-    let same = a.1.there().filter(acts).any(|n| {
-        let mut others = b.1.there().filter(acts);
-        others.any(|m| words.objects[n.group].own.meets(words.objects[m.group].near) && same_state(n, m))
-    });
-    let where_only = words.known.road;
+    let near = |n: &Named, m: &Named| own(n).meets(words.objects[m.group].near) || alike(n, m);
     let is_known = |n: &Named| {
-        let own = words.objects[n.group].own;
-        let mut others = b.1.named.iter().filter(|m| own.meets(words.objects[m.group].near));
-        let agrees = |m: &Named| {
+        let agrees = |m: &&Named| {
             n.absent == m.absent
+                && n.supposed == m.supposed
                 && (n.side.is_none() || n.side == m.side)
                 && (n.colour.is_none() || m.colour.is_none() || n.colour == m.colour)
         };
-        own.without(where_only).is_empty() || others.any(agrees)
+        own(n).without(words.known.road).is_empty()
+            || b.1.named.iter().filter(|m| near(n, m)).any(|m| agrees(&m))
     };
-    let counts = |text: &str| {
-        text.contains(|c: char| c.is_ascii_digit() || "两三四五六七八九十百半几".contains(c))
-            || NUMBERS.iter().any(|w| text.to_ascii_lowercase().split(' ').any(|t| t == *w))
+    if !a.1.named.iter().all(is_known) {
+        return false;
+    }
+    // What both say is there, but for places.
+    let things = |f: &'_ TextFacts| {
+        let there = f.there().filter(|n| !own(n).meets(background));
+        there.fold(GroupSet::default(), |set, n| set.with(own(n)))
     };
-    same && a.1.named.iter().all(is_known) && (!counts(a.0) || counts(b.0))
+    let shared = |n: &&Named| !own(n).meets(background) && b.1.there().any(|m| near(n, m));
+    let both = a.1.there().filter(shared).fold(GroupSet::default(), |set, n| set.with(own(n)));
+    let same = if both.meets(words.known.actor) {
+        // Introduced twice at the same place, where one does nothing that is known.
+        let new = |text: &str, n: &Named| subject::is_introduced(text, n.start, words);
+        let twice = |n: &Named| {
+            let again = |m: &Named| near(n, m) && n.side.is_some() && n.side == m.side && new(b.0, m);
+            own(n).meets(words.known.actor) && new(a.0, n) && b.1.there().any(again)
+        };
+        let open = a.1.does.is_empty() || b.1.does.is_empty();
+        a.1.does.meets(b.1.does) || open && a.1.there().any(twice)
+    } else if both.meets(words.known.light) {
+        let colour = |text| words.light_colour(text);
+        things(a.1).without(words.known.light).is_empty()
+            && colour(a.0).is_some()
+            && colour(a.0) == colour(b.0)
+    } else {
+        let sided = |n: &Named| n.side.is_some() && b.1.there().any(|m| near(n, m) && n.side == m.side);
+        !both.is_empty() && (both.0.count_ones() > 1 || a.1.there().any(sided) || a.1.does.meets(b.1.does))
+    };
+    same && (!words.numbers.any(a.0) || words.numbers.any(b.0))
 }
-
-/// Numbers in words of Latin letters.
-const NUMBERS: [&str; 14] = [
-    "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "twenty", "thirty", "forty",
-    "fifty", "hundred",
-];
 
 /// A text taken apart.
 struct Pieces {

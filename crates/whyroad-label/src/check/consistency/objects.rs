@@ -38,7 +38,15 @@ pub(in crate::check) fn unnamed(
             && (words.subjects.is_general(&text[n.start..n.end])
                 || !subject::is_introduced(text, n.start, words))
     };
-    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n);
+    // So is "the car", where no component speaks of one; and a "light" may be a vehicle's.
+    let says_little = |n: &Named| {
+        let name = &text[n.start..n.end];
+        words.subjects.is_vague(name)
+            || !any.meets(words.known.vehicle)
+                && words.objects[n.group].own.meets(words.known.vehicle)
+                && words.subjects.may_be_ego.iter().any(|w| ends_with(&text[..n.end], w))
+    };
+    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n);
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
     // In other words, or one that a component has in words that no list knows: most labels do not come to this.
     let unread = new.peek().map(|_| Unread::of(label, texts, words, background));
@@ -56,6 +64,12 @@ pub(in crate::check) fn unnamed(
             .hint("补上该要素，或从因果描述中删去", "add it as a component, or leave it out of the trace")
         },
     );
+}
+
+/// `text` ends with `word`, in upper or lower case.
+fn ends_with(text: &str, word: &str) -> bool {
+    let end = text.len().checked_sub(word.len()).and_then(|from| text.get(from..));
+    end.is_some_and(|end| end.eq_ignore_ascii_case(word))
 }
 
 /// What components speak of in words that no list knows.
@@ -143,7 +157,7 @@ fn differs(
     // "The blue car" for the white one: the color is part of the word.
     let painted = |text: Option<&str>, n: &Named| {
         let mut word = text?.get(n.start..n.end)?.chars();
-        let colour = word.next().filter(|c| "白黑红蓝灰银黄绿".contains(*c))?;
+        let colour = word.next().filter(|c| words.colour_chars.iter().any(|(own, _)| own == c))?;
         (word.as_str() == "车").then_some(colour)
     };
     let given = || {
@@ -207,12 +221,13 @@ fn other_light<'t>(
     if !texts.trace.groups.meets(words.known.light) {
         return None;
     }
+    // "The light has just dropped to red": behind the name, in the clause.
     let colour = |text: Option<&str>, n: &Named| {
-        let word = text?.get(n.start..n.end)?.to_lowercase();
-        let last = |names: &[String]| names.iter().filter_map(|w| word.rfind(w.as_str())).max();
-        // The last one: "from green to yellow".
-        let all = words.lights.iter().enumerate();
-        all.filter_map(|(i, names)| Some((last(names)?, i))).max().map(|(_, i)| i)
+        let text = text?;
+        let own = words.light_colour(text.get(n.start..n.end)?);
+        let rest = text.get(n.end..)?;
+        let end = rest.find(|c| "，。；,;.".contains(c)).unwrap_or(rest.len());
+        own.or_else(|| words.light_colour(&rest[..end]))
     };
     let is_light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
     let given: Vec<usize> = label

@@ -2,29 +2,36 @@
 //! on as before, and words that belong to another class.
 
 use crate::check::overlap;
+use crate::check::reading::TextFacts;
 use crate::check::subject;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::GroupSet;
+use whyroad_framework::label_words::{Divider, GroupSet};
 use whyroad_model::Bilingual;
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
 /// The trace speaks of what the components speak of. True when it has nothing to do with them. `acts`: it names the
-/// ego, or something that a driver does.
+/// ego, or something that a driver does. `because`: first byte of its reason, where a word introduces one.
 pub(in crate::check) fn unrelated(
     label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
     background: GroupSet,
-    acts: bool,
+    (acts, because): (bool, Option<usize>),
     sink: &mut dyn Sink,
 ) -> bool {
     if words.is_empty() || label.trace.get().is_none_or(|t| t.trim().is_empty()) {
         return false;
+    }
+    let reasonless = texts.trace.no_reason.map(|at| (at, true));
+    let elsewhere = || Some((reason_elsewhere(label, texts, words, because?)?, false));
+    if let Some((at, none)) = reasonless.or_else(elsewhere) {
+        without_reason(label, at, none, sink);
+        return true;
     }
     let components = texts.all_components(words);
     let nothing = texts.trace.groups.is_empty()
@@ -51,6 +58,44 @@ pub(in crate::check) fn unrelated(
         .hint("按要素写出状态、原因、决策", "write state, reason and decision from the components")
     });
     true
+}
+
+/// Bytes of the reason that the trace gives, where it names nothing, has no word of driving, and shares none with the
+/// components, though it has several: "because the battery is down to nine per cent". `from`: its first byte.
+fn reason_elsewhere(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    from: usize,
+) -> Option<(usize, usize)> {
+    let text = label.trace.get()?;
+    let (_, to) = words.clauses.around(&texts.units, from..from, text.len(), &|d| d == Divider::Sentence);
+    let part = text.get(from..to)?;
+    let inside = |at: usize| (from..to).contains(&at);
+    let elsewhere = !texts.trace.named.iter().any(|n| inside(n.start))
+        && !words.is_of_driving(part)
+        && overlap::says_more(text, &words.compared, &inside)
+        && overlap::shared(label, text, &words.compared, &inside) == 0;
+    elsewhere.then_some((from, to))
+}
+
+/// `none`: the trace says so.
+fn without_reason(label: &View<'_>, (start, end): (usize, usize), none: bool, sink: &mut dyn Sink) {
+    let Some(text) = label.trace.get() else { return };
+    sink.report(Finding::warning("label.text.unrelated", pointer::COC_TRACE).part(start, end), &|| {
+        let reason = text[start..end].trim();
+        match none {
+            true => Words::new(
+                format!("因果描述说“{reason}”，没有给出原因"),
+                format!("the trace says '{reason}' and gives no reason"),
+            ),
+            false => Words::new(
+                format!("因果描述给出的原因“{reason}”与关键要素无关"),
+                format!("the reason of the trace, '{reason}', has nothing to do with the components"),
+            ),
+        }
+        .hint("按要素写出状态、原因、决策", "write state, reason and decision from the components")
+    });
 }
 
 /// Some component speaks of a thing in words that no list knows.
@@ -104,7 +149,9 @@ pub(in crate::check) fn class(
         return false;
     }
     let all = texts.components.iter().fold(texts.trace.groups, |set, f| set.with(f.groups));
-    let unknown_actor = texts.components.iter().any(|f| !f.states.is_empty());
+    // Somebody whom no list knows, or who may be there or not.
+    let supposes = |f: &TextFacts| f.named.iter().any(|n| n.supposed);
+    let unknown_actor = texts.components.iter().any(|f| !f.states.is_empty() || supposes(f));
     if all.meets(class.about) || all.without(background).is_empty() || unknown_actor {
         return false;
     }

@@ -2,9 +2,11 @@
 
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
 use crate::check::consistency::trace_stems::{self, ByStem};
+use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::label_words::Divider;
 use whyroad_framework::lexicon::Lexicon;
 use whyroad_framework::{DecisionSets, LabelWords};
 use whyroad_model::Bilingual;
@@ -138,7 +140,11 @@ pub(in crate::check) fn trace(
             match v {
                 TraceVerdict::NotStated { label: decision, .. } => {
                     match by_stem(decision, lateral.get(), None) {
-                        ByStem::Stated { .. } => return,
+                        ByStem::Stated { .. } => match goes_to_other_side(text, reading, label, texts, words)
+                        {
+                            Some(other) => v = other,
+                            None => return,
+                        },
                         ByStem::Denied(start, end) => {
                             v = TraceVerdict::Denied { label: decision, start, end }
                         }
@@ -146,9 +152,13 @@ pub(in crate::check) fn trace(
                             v = TraceVerdict::Against { label: decision, start, end }
                         }
                         ByStem::Unread => {
-                            let denied = denied_of_vehicle(text, reading, lexicon, label, texts, words);
+                            let denied = denied_of_vehicle(text, reading, lexicon, label, texts, words)
+                                .or_else(|| refused(text, reading));
+                            let side = || goes_to_other_side(text, reading, label, texts, words);
                             if let Some((start, end)) = denied {
                                 v = TraceVerdict::Denied { label: decision, start, end };
+                            } else if let Some(other) = side() {
+                                v = other;
                             }
                         }
                     }
@@ -229,11 +239,57 @@ fn denied_of_vehicle(
     let named = |m: &Mention| {
         let (from, _) = words.clauses.around(&texts.units, m.start..m.end, text.len(), &|_| true);
         let before = text[from..m.start].to_ascii_lowercase();
-        ["the vehicle ", "the car ", "车辆"].iter().any(|w| before.contains(w))
+        words.subjects.may_be_ego.iter().any(|w| before.contains(w.as_str()))
     };
     let denied = |m: &&Mention| m.clause == reading.last_clause && m.by_other && m.denied;
     let m = reading.mentions.iter().filter(denied).find(|m| says_label(m, lexicon, label) && named(m))?;
     Some((m.start, m.end))
+}
+
+/// What the last clause says that the ego, which it names, does not do, in whatever words: "we are not shifting over".
+/// Bytes from the word that denies to the end.
+fn refused(text: &str, reading: &Reading) -> Option<(usize, usize)> {
+    let (start, _, clause) = reading.refused?;
+    let end = reading.end.min(text.len());
+    let other = |m: &Mention| m.clause == clause && m.start > start && m.force != Force::Negated;
+    (clause == reading.last_clause && start < end && !reading.mentions.iter().any(other))
+        .then_some((start, end))
+}
+
+/// The side to which the trace moves in words that no list knows, where it is not the label's: "and over leftwards we
+/// go". Not where the label's side is named in what decides, too, or somebody is there.
+fn goes_to_other_side(
+    text: &str,
+    reading: &Reading,
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+) -> Option<TraceVerdict> {
+    let (own, other, says) = match label.direction.get()? {
+        LateralDirection::Left => (0, 1, LateralDirection::Right),
+        LateralDirection::Right => (1, 0, LateralDirection::Left),
+        LateralDirection::Uturn => return None,
+    };
+    let end = reading.end.min(text.len());
+    // Without a word that marks it, the decision is in the last clause.
+    let (last, _) = words.clauses.around(&texts.units, end..end, text.len(), &|d| d != Divider::Item);
+    let from = if reading.marked { reading.decision_from } else { last.max(reading.decision_from) };
+    let part = text.get(from..end)?.to_ascii_lowercase();
+    let find = |side: usize| {
+        let all = words.subjects.goes_to[side].iter();
+        all.filter_map(|w| Some((part.find(w.as_str())?, w.len()))).min()
+    };
+    let (at, length) = find(other)?;
+    let range = from..end;
+    let of_somebody = |n: &Named| {
+        range.contains(&n.start) && n.side.is_some() && words.objects[n.group].own.meets(words.known.actor)
+    };
+    (find(own).is_none() && !texts.trace.named.iter().any(of_somebody)).then(|| TraceVerdict::OtherSide {
+        label: label.direction.get().unwrap_or(LateralDirection::Uturn),
+        says,
+        start: from + at,
+        end: from + at + length,
+    })
 }
 
 /// The side to which the trace moves, where it is said apart from the verb: "moves over to the lane on the right". Not

@@ -5,7 +5,7 @@ use crate::check::consistency::trace::{Force, Reading};
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::Divider;
+use whyroad_framework::label_words::{Divider, GroupSet};
 use whyroad_framework::lexicon::{Lexicon, Role};
 use whyroad_model::decision::{Lateral, Longitudinal};
 
@@ -54,7 +54,10 @@ pub(super) fn read(
         let can_act = |n: &&Named| words.objects[n.group].named && (from..to).contains(&n.start);
         let named = texts.trace.there().filter(can_act).map(|n| n.start).min();
         let acts = |at: usize| !marked && named.is_some_and(|n| n < from + at);
-        let stem = lexicon.stems.find(&clause, along, across);
+        let stem = lexicon
+            .stems
+            .find(&clause, along, across)
+            .filter(|at| !describes(&clause[..*at], &clause[*at..], words));
         let denied =
             reading.mentions.iter().any(|m| (from..to).contains(&m.start) && m.force == Force::Negated);
         if stem.is_some_and(|at| !acts(at)) && !denied {
@@ -80,6 +83,13 @@ pub(super) fn read(
     found
 }
 
+/// A word of Latin letters in the past tense behind an article says what kind of thing it is: "the followed van".
+fn describes(before: &str, from: &str, words: &LabelWords) -> bool {
+    let word = from.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+    let last = before.trim_end().rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+    word.ends_with("ed") && words.subjects.articles.iter().any(|a| a.eq_ignore_ascii_case(last))
+}
+
 /// Where a part of the trace first names the ego, and where somebody else; and what in it is the name of something:
 /// "the stop line" says no stop.
 fn subjects(
@@ -98,8 +108,12 @@ fn subjects(
         _ => {}
     });
     let things = texts.trace.named.iter().filter(|n| (from..to).contains(&n.start));
-    let is_sign = |n: &&Named| words.objects[n.group].own.meets(words.known.sign);
-    hidden.extend(things.filter(is_sign).filter(|n| n.end <= to).map(|n| (n.start, n.end)));
+    // "With a headway of a second": a measure is the ego's decision only where the ego acts, or at last.
+    let is_last = to >= texts.units.all().last().map_or(0, |u| u.start);
+    let measure = if ego.is_some() || is_last { GroupSet::default() } else { words.known.gap };
+    let named = words.known.sign.with(words.known.actor).with(measure);
+    let is_name = |n: &&Named| words.objects[n.group].own.meets(named);
+    hidden.extend(things.filter(is_name).filter(|n| n.end <= to).map(|n| (n.start, n.end)));
     (ego, other, hidden)
 }
 

@@ -1,5 +1,6 @@
 //! Texts that say nothing: placeholders, and words that have to do with no road.
 
+use crate::check::reading::TextFacts;
 use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
 use crate::draft::{has_beginning, is_draft, may_be_draft};
@@ -28,7 +29,7 @@ pub(in crate::check) fn components(
     for (c, facts) in label.parts.iter().zip(&texts.components) {
         let Some(text) = c.description.get() else { continue };
         let at = pointer::critical_components_item_description(c.index);
-        if says_nothing(text, words) {
+        if says_nothing(text, facts, words) {
             placeholder(at, text, sink);
         } else if is_one_word(text) {
             sink.report(Finding::warning("label.component.too_short", at), &|| {
@@ -56,8 +57,8 @@ pub(in crate::check) fn components(
 }
 
 /// The whole text is a placeholder, or a part of it is.
-fn says_nothing(text: &str, words: &LabelWords) -> bool {
-    words.is_placeholder(text) || words.is_unfinished(text)
+fn says_nothing(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
+    facts.unfinished || words.is_placeholder(text) || words.is_unfinished(text)
 }
 
 /// One Latin word, or at most two Chinese characters: a name, and nothing said of it.
@@ -82,9 +83,14 @@ fn says_something(text: &str, lexicon: &Lexicon) -> bool {
 }
 
 /// The trace is no placeholder. True when it is one.
-pub(in crate::check) fn trace(label: &View<'_>, words: &LabelWords, sink: &mut dyn Sink) -> bool {
+pub(in crate::check) fn trace(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    sink: &mut dyn Sink,
+) -> bool {
     let Some(text) = label.trace.get().filter(|t| !t.trim().is_empty()) else { return false };
-    if words.is_empty() || !says_nothing(text, words) {
+    if words.is_empty() || !says_nothing(text, &texts.trace, words) {
         return false;
     }
     placeholder(pointer::COC_TRACE.to_owned(), text, sink);

@@ -18,8 +18,10 @@ pub(super) fn without(part: u64) -> Framework {
     for lists in words["objects"].as_array_mut().unwrap() {
         thin(lists, part);
     }
-    for lists in words["states"].as_object_mut().unwrap().values_mut() {
-        thin(lists, part);
+    for list in ["states", "doings"] {
+        for lists in words[list].as_object_mut().unwrap().values_mut() {
+            thin(lists, part);
+        }
     }
     let mut decisions: Value = yaml::from_str(DECISIONS).unwrap();
     thin(&mut decisions["words"]["agent"], part);

@@ -170,7 +170,9 @@ fn is_past(phrase: &str, words: &LabelWords) -> bool {
 fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts, words: &LabelWords) -> bool {
     let before = clause[..start].trim_end();
     let end = offset + before.len();
-    if facts.named.iter().any(|n| n.end == end) {
+    // The ego itself changes a measure: "speed adjusted".
+    let is_measure = |n: &Named| words.objects[n.group].own.meets(words.known.gap);
+    if facts.named.iter().any(|n| n.end == end && !is_measure(n)) {
         return true;
     }
     let last = before.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();

@@ -145,7 +145,17 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         };
         // "Holds its speed and does not keep the gap": what is denied says more than what may go with the label.
         let exact = |m: &&Mention| says(m).len() <= 2 || m.side.is_some();
-        let plainly = deciding().filter(supports).filter(exact);
+        // Denied at last, of the ego: what the clauses before it say of nobody in particular is not the decision.
+        let at_last = |m: &Mention| m.clause == reading.last_clause;
+        let is_refused = |m: &&Mention| m.force == Force::Negated && m.by_ego && at_last(m);
+        let refused = deciding().filter(supports).find(is_refused);
+        let by_ego = |m: &&Mention| m.by_ego || at_last(m);
+        let asserted = |m: &Mention| matches!(m.force, Force::Asserted | Force::Doubtful);
+        if let Some(m) = refused.filter(|_| !relevant().filter(by_ego).any(asserted)) {
+            sink(TraceVerdict::Denied { label: (self.id)(label), start: m.start, end: m.end });
+            return false;
+        }
+        let plainly = deciding().filter(supports).filter(exact).filter(|m| refused.is_none() || by_ego(m));
         let denied_only = deciding().filter(supports).filter(exact).any(|m| denies(&m))
             && !plainly.clone().any(|m| matches!(m.force, Force::Asserted | Force::Doubtful));
         if !denied_only

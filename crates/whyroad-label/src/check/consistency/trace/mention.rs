@@ -52,6 +52,11 @@ pub(in crate::check) struct Reading {
     pub names_ego: bool,
     /// Number of the last clause.
     pub last_clause: usize,
+    /// One past the first word that introduces a reason.
+    pub because: Option<usize>,
+    /// Bytes of the last words that say of the ego, named in the same clause, that it does not do something; and the
+    /// number of that clause.
+    pub refused: Option<(usize, usize, usize)>,
     /// Bytes of the first decision identifier.
     pub decision_id: Option<(usize, usize)>,
 }
@@ -87,6 +92,8 @@ struct Reader<'l> {
     // Since the clause's start.
     clause: usize,
     actor: Actor,
+    /// The ego is named in it.
+    names_ego: bool,
     hypothesis: bool,
     intention: bool,
     reason: bool,
@@ -109,6 +116,7 @@ pub(in crate::check) fn read(text: &str, units: &Units, lexicon: &Lexicon) -> Re
         anything_in_sentence: false,
         clause: 0,
         actor: Actor::Unknown,
+        names_ego: false,
         hypothesis: false,
         intention: false,
         reason: false,
@@ -169,6 +177,7 @@ impl Reader<'_> {
                 self.negation = None;
             }
             Role::Reason => {
+                self.out.because.get_or_insert(hit.end);
                 // "Because A, B" and "B because A, and A": only the second goes on to the end.
                 if self.anything_in_sentence {
                     self.reason_until_sentence_end = true;
@@ -191,10 +200,16 @@ impl Reader<'_> {
                     self.back_negation = Some(self.out.mentions.len() - 1);
                 }
                 self.negation = Some(Negation { end: hit.end, reach, used: false });
+                let word = &self.text[hit.start..hit.end];
+                let unsaid = self.hypothesis || self.reason || self.reason_until_sentence_end;
+                if self.names_ego && self.actor == Actor::Ego && !unsaid && self.lexicon.refuses(word) {
+                    self.out.refused = Some((hit.start, hit.end, self.clause));
+                }
             }
             Role::NegationEnd => self.negation = None,
             Role::Ego => {
                 self.actor = Actor::Ego;
+                self.names_ego = true;
                 self.out.names_ego = true;
             }
             Role::Agent => match (self.governs, self.actor) {
@@ -241,7 +256,10 @@ impl Reader<'_> {
             }
             _ => Force::Asserted,
         };
-        let unsaid = self.hypothesis || self.reason || self.reason_until_sentence_end;
+        // "Pushing on would be to hit it": in Chinese right behind what is not done.
+        let follows = &self.text[hit.end..];
+        let imagined = self.lexicon.consequence.iter().any(|w| follows.starts_with(w.as_str()));
+        let unsaid = self.hypothesis || self.reason || self.reason_until_sentence_end || imagined;
         let force = match negated {
             _ if unsaid || (actor == Actor::Other && !carried) => Force::Unsaid,
             Force::Negated if carried => Force::Unsaid,
@@ -255,7 +273,10 @@ impl Reader<'_> {
         let begins = |text: &str, words: &[String]| words.iter().any(|w| text.starts_with(w.as_str()));
         let lexicon = self.lexicon;
         let mut given = lexicon.gives_way.iter().filter_map(|w| word.strip_prefix(w.as_str()));
-        if given.any(|to| begins(to, &lexicon.given_way)) {
+        // "Slows down to let" is one phrase.
+        let ends = || lexicon.gives_way.iter().any(|w| word.ends_with(w.as_str()));
+        let behind = || begins(&self.text[hit.end..], &lexicon.given_way);
+        if given.any(|to| begins(to, &lexicon.given_way)) || ends() && behind() {
             self.actor = Actor::Other;
         }
         // What stays doubtful for another reason does not become the ego's by standing last.
@@ -291,6 +312,7 @@ impl Reader<'_> {
         }
         self.clause += 1;
         self.actor = Actor::Unknown;
+        self.names_ego = false;
         self.hypothesis = false;
         self.intention = false;
         self.reason = false;

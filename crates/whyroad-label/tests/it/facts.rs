@@ -1,0 +1,139 @@
+//! What texts say of things, compared: components that say the same in other words, a cause beyond the near one, a
+//! decision denied with any verb, a move to the other side, a reason that is none. The sentences are written for this
+//! test; beside each fault stands what looks like it and is true.
+
+use serde_json::{Value, json};
+use whyroad_framework::Framework;
+use whyroad_label::check::Checker;
+
+/// Codes of the findings, but for notes, of a label of this class with these components, all of them its cause.
+fn codes(class: [&str; 3], decision: Value, parts: &[&str], trace: &str) -> Vec<&'static str> {
+    let times = ["2026-01-15T10:30:09.500Z"];
+    let part = |(i, text): (usize, &&str)| json!({ "id": format!("c{i}"), "description": text, "evidence_times": times });
+    let ids: Vec<String> = (0..parts.len()).map(|i| format!("c{i}")).collect();
+    let channel = if decision["longitudinal"].is_null() { "lateral" } else { "longitudinal" };
+    let label = json!({
+        "version": "2.1.0",
+        "clip_id": "clip_1",
+        "scenario": { "l1": class[0], "l2": class[1], "l3": class[2] },
+        "time_range": { "start_timestamp": "2026-01-15T10:30:10.000Z", "end_timestamp": "2026-01-15T10:30:14.000Z" },
+        "keyframe": { "timestamp": "2026-01-15T10:30:10.000Z", "frame_idx": 100, "type": "reactive" },
+        "driving_decision": decision,
+        "critical_components": parts.iter().enumerate().map(part).collect::<Vec<_>>(),
+        "coc_trace": trace,
+        "causes": { channel: { "components": ids } },
+        "provenance": { "source": "person" },
+    });
+    let found = Checker::new(Framework::bundled()).check_text(&label.to_string());
+    found.iter().filter(|d| d.severity != whyroad_model::Severity::Note).map(|d| d.code).collect()
+}
+
+/// Somebody crosses or comes into the lane, and the ego yields.
+fn yielding(parts: &[&str], trace: &str) -> Vec<&'static str> {
+    let decision = json!({ "longitudinal": "yield_to_agent", "lateral": null });
+    codes(["reactive_agent", "vru_crossing", "horizontal"], decision, parts, trace)
+}
+
+/// The ego follows.
+fn following(parts: &[&str], trace: &str) -> Vec<&'static str> {
+    let decision = json!({ "longitudinal": "lead_following", "lateral": null });
+    codes(["reactive_agent", "following", "follow_stop"], decision, parts, trace)
+}
+
+const YIELD_ZH: &str = "老人推着车横穿马路，和自车路线相交，因此自车减速让行。";
+const YIELD_EN: &str =
+    "An old man is walking across, and our paths meet, so the ego slows down and yields to him.";
+
+#[test]
+fn components_say_the_same_in_other_words() {
+    let same = [
+        (["一位老人从左侧横穿马路", "左边有个大爷正往马路对过走"], YIELD_ZH),
+        (["右侧公交车前面窜出一位老人", "老人从公交车前头蹿了出来"], YIELD_ZH),
+        (
+            [
+                "An old man is walking across from the left",
+                "From our left a pensioner is making his way across",
+            ],
+            YIELD_EN,
+        ),
+    ];
+    let other = [
+        (["一位老人从左侧横穿马路", "老人离本车二十米"], YIELD_ZH),
+        (["一位老人从左侧横穿马路", "右侧有个小孩正往马路对过走"], YIELD_ZH),
+        (["一位老人从左侧横穿马路", "老人没有看车"], YIELD_ZH),
+        (["An old man is walking across from the left", "The old man is twenty meters away"], YIELD_EN),
+        (
+            ["An old man is walking across from the left", "A child on the right may step onto the road"],
+            YIELD_EN,
+        ),
+    ];
+    let found =
+        |(parts, trace): &([&str; 2], &str)| yielding(parts, trace).contains(&"label.component.duplicate");
+    let missed: Vec<_> = same.iter().filter(|c| !found(c)).collect();
+    let flagged: Vec<_> = other.iter().filter(|c| found(c)).collect();
+    assert!(missed.is_empty() && flagged.is_empty(), "missed {missed:#?}, flagged {flagged:#?}");
+}
+
+#[test]
+fn a_cause_beyond_the_near_one_is_distant() {
+    let zh = "前面的面包车刹车灯亮起，快要停住，因此自车跟着减速停在它后面。";
+    let en = "The van ahead is braking to a stop, so the ego slows down behind it and keeps its distance.";
+    let far = [
+        (["前面的面包车正在刹车", "面包车前面三百米的路口亮着红灯"], zh),
+        (["前面的面包车正在刹车", "两公里外有一起事故，路都堵住了"], zh),
+        (["The van ahead is braking", "The light two hundred meters beyond the van is red"], en),
+        (["The van ahead is braking", "There are roadworks a mile further on"], en),
+    ];
+    let near = [
+        (["前面的面包车正在刹车", "面包车前面有一个行人"], zh),
+        (["前面的面包车正在刹车", "自车离它三百米"], zh),
+        (["The van ahead is braking", "The gap to the van is two hundred meters"], en),
+    ];
+    let found =
+        |(parts, trace): &([&str; 2], &str)| following(parts, trace).contains(&"label.cause.proximate");
+    let missed: Vec<_> = far.iter().filter(|c| !found(c)).collect();
+    let flagged: Vec<_> = near.iter().filter(|c| found(c)).collect();
+    assert!(missed.is_empty() && flagged.is_empty(), "missed {missed:#?}, flagged {flagged:#?}");
+}
+
+/// The verbs are of no list.
+#[test]
+fn a_decision_is_denied_with_any_verb() {
+    let (zh, en) = (["一位老人从左侧横穿马路"], ["An old man is walking across from the left"]);
+    let denied = ["老人正在横穿，离得不远，但自车没有搭理他。", "老人正在横穿，但我们并没有把他当回事。"];
+    let denied_en = [
+        "An old man is walking across close to us, but we are not budging for him.",
+        "An old man is walking across close to us, yet the ego makes no change for his sake.",
+    ];
+    let open = ["老人正在横穿，离得不远，自车不能贸然闯过去，于是收住了脚步。"];
+    let open_en = ["An old man is walking across and we cannot dodge him, so we hang fire."];
+    let found = |parts: &[&str], trace: &str| yielding(parts, trace).contains(&"label.trace.contradicts");
+    for t in denied {
+        assert!(found(&zh, t), "{t}");
+    }
+    for t in denied_en {
+        assert!(found(&en, t), "{t}");
+    }
+    assert!(!open.iter().any(|t| found(&zh, t)) && !open_en.iter().any(|t| found(&en, t)));
+}
+
+#[test]
+fn a_reason_that_is_none_is_reported() {
+    let (zh, en) = (["一位老人从左侧横穿马路"], ["An old man is walking across from the left"]);
+    let none = |parts: &[&str], trace: &str| yielding(parts, trace).contains(&"label.text.unrelated");
+    assert!(none(&zh, "没什么理由，自车减速让一让老人。"));
+    assert!(none(&en, "We slow down for the old man, for no particular reason."));
+    assert!(none(
+        &en,
+        "We slow down for him because the battery needs charging and the seat heater has packed up."
+    ));
+    assert!(!none(&en, "We slow down for him because the pensioner is walking across from the left."));
+    assert!(!none(&zh, YIELD_ZH) && !none(&en, YIELD_EN));
+}
+
+#[test]
+fn what_only_names_its_field_is_a_placeholder() {
+    let found = |part: &str, trace: &str| yielding(&[part], trace).contains(&"label.text.placeholder");
+    assert!(found("此处填写关键要素", YIELD_ZH) && found("critical component goes here", YIELD_EN));
+    assert!(!found("一位老人从左侧横穿马路", YIELD_ZH));
+}
