@@ -118,9 +118,13 @@ pub(super) fn start_s(base: &Base) -> Option<f64> {
 }
 
 pub(super) fn kind(base: &Base) -> KeyframeType {
+    spec(base).keyframe.kind
+}
+
+fn spec(base: &Base) -> &'static whyroad_framework::ResolvedSpec {
     let mut ids = base.class.split('.');
     let mut next = || ids.next().unwrap();
-    Framework::bundled().specs[&ScenarioId::leaf(next(), next(), next())].keyframe.kind
+    &Framework::bundled().specs[&ScenarioId::leaf(next(), next(), next())]
 }
 
 /// The whole label.
@@ -145,6 +149,10 @@ pub(super) fn label(base: &Base) -> Value {
     if kind(base) == KeyframeType::Proactive {
         label["keyframe"]["range_start"] = at(0.0);
         label["keyframe"]["range_end"] = at(4.0);
+    }
+    if let Some(second) = &spec(base).second_keyframe {
+        label["second_keyframe"] =
+            json!({ "timestamp": at(1.5), "frame_idx": 115, "type": second.kind.id() });
     }
     decide(&mut label, &base.decision, &all);
     label
