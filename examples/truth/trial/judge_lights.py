@@ -21,12 +21,9 @@ def first_pulse(rows, slow):
         begin -= 1
         if rows[begin].a < -0.5:
             pulses.append(begin)
-    top = 0
-    for k in range(slow, begin - 1, -1):
-        # From the stop backwards: `top` is the highest speed after k.
-        if k in pulses and rows[k].v > top + 0.1:
-            slow = k
-        top = max(top, rows[k].v)
+    for k in reversed(pulses):
+        if rows[k].v > 0.1 + max((rows[u].v for u in range(k + 5, slow + 20) if u in rows), default=0):
+            return k
     return slow
 
 
