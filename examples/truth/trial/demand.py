@@ -16,6 +16,10 @@ MODEL = {
     "KraussPS": 'carFollowModel="KraussPS" sigma="0.6"',
     "IDM2": 'carFollowModel="IDM" delta="2"',
     "Kerner": 'carFollowModel="BKerner" k="0.8" phi="4"',
+    "IDM3": 'carFollowModel="IDM" delta="6" stepping="0.2" sigma="0"',
+    "W99b": 'carFollowModel="W99" cc1="1.1" cc2="6" cc4="-0.5" cc5="0.5"',
+    "Orig2": 'carFollowModel="KraussOrig1" sigma="0.6"',
+    "ACC2": 'carFollowModel="ACC" speedControlGain="-0.3" gapClosingControlGainSpeed="0.6"',
     "EIDM2": 'carFollowModel="EIDM" tpreview="3" treaction="0.8" epsilon="1"',
 }
 

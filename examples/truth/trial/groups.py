@@ -22,6 +22,7 @@ from networks import (
     web_town,
 )
 from networks_drawn import circles, country, knotted, motorway, street
+from networks_mixed import lit_grid, parked, spokes, weaving
 from networks_planned import arterial, collector, estate, one_way_blocks
 from networks_shaped import ladder, oval, parting, river_town
 
@@ -77,8 +78,19 @@ SETS = {
         "oval": (oval, 6029, 220, 0.1, "Kerner", 2.5, 0.55, 0.1),
         "rivertown": (river_town, 6037, 220, 0.05, "EIDM2+moto", "sublane", 0.6, 0.15),
     },
+    "held6": {
+        "spokes": (spokes, 7001, 220, 0.1, "IDM3+moto", 2.5, 0.5, 0.15),
+        "litgrid": (lit_grid, 7013, 220, 0.1, "W99b", 3, 0.8, 0.1),
+        "weaving": (weaving, 7019, 150, 0.1, "Orig2", 3, 1.0, 0),
+        "parked": (parked, 7027, 220, 0.1, "ACC2+moto", 2.5, 0.5, 0.2),
+    },
 }
 
-# What is recorded of the runs of a group is noisy: deviations of a position of one frame, and of 1 s (m); of a speed
+# What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s (m); of a speed
 # (m/s); of a heading (degrees); the share of rows of others that are lost. The truth is of what happened.
-NOISE = {"held4": (0.04, 0.08, 0.15, 0.0, 0.0), "held5": (0.07, 0.04, 0.2, 1.0, 0.02)}
+NOISE = {
+    "held4": (0.04, 0.08, 0.15, 0.0, 0.0),
+    "held5": (0.07, 0.04, 0.2, 1.0, 0.02),
+    "held6/litgrid": (0.04, 0.08, 0.15, 0.0, 0.0),
+    "held6/parked": (0.04, 0.08, 0.15, 0.0, 0.0),
+}

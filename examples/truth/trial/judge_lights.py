@@ -12,6 +12,21 @@ def before_it(w, ego, k, bicycles=False):
     return [i for i in w.at[k] if i != ego and w.rows[i][k].lane == me.lane and w.rows[i][k].pos > me.pos and not w.rows[i][k].person and (bicycles or w.kind(i) != "bicycle")]
 
 
+def first_pulse(rows, slow):
+    """Some drivers' models slow in pulses, others drive in pulses all the time: the slowing begins with the first one
+    after which the speed of before is not regained.
+    """
+    begin, pulses = slow, []
+    while begin - 1 in rows and any(rows[u].a < -0.5 for u in range(begin - 20, begin) if u in rows):
+        begin -= 1
+        if rows[begin].a < -0.5:
+            pulses.append(begin)
+    for k in reversed(pulses):
+        if rows[k].v > 0.1 + max((rows[u].v for u in range(k + 5, slow + 20) if u in rows), default=0):
+            return k
+    return slow
+
+
 def lights(w, ego):
     rows = w.rows[ego]
     previous = min(rows)
@@ -33,9 +48,7 @@ def lights(w, ego):
             if not before_it(w, ego, a) and letter in ("r", "y", "u") and (not far or a in on_last and left(a) < 15):
                 # The last meters are often rolled out softly: the slowing that ends here began before them.
                 slow = next((k for k in range(a, a - 40, -1) if k in rows and rows[k].a < -0.5), a)
-                # Some drivers' models slow in pulses.
-                while slow - 1 in rows and any(rows[u].a < -0.5 for u in range(slow - 20, slow) if u in rows):
-                    slow -= 1
+                slow = first_pulse(rows, slow)
                 turned = w.turned_to(p.link, a, "ryu")
                 key = max(slow - 5, turned)
                 yellow = w.letter(p.link, max(slow, turned)) == "y"

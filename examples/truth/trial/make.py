@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Generates the trial's drives with known truth: `python3 make.py develop|varied|held|held2|held3|held4|held5 OUT_DIR [NETWORK ...]`.
+"""Generates the trial's drives with known truth: `python3 make.py develop|varied|held|held2|held3|held4|held5|held6 OUT_DIR [NETWORK ...]`.
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). `develop` may be looked at while rules are changed; `held` has
 other networks, drivers and steps, and is evaluated once (docs/reference/accuracy.md says when). Nothing generated is
@@ -43,11 +43,13 @@ def build(maker, draw, work):
 def simulate(work, draw, seed, seconds, step, model, lateral, rate, people):
     net = sumolib.net.readNet(str(work / "net.xml"))
     rows, egos = trips(draw, net, model, seconds, rate, people, EGOS)
-    document(work / "trips.xml", "routes", types(model, lateral) + rows)
+    # Cars that are parked all along stand there first.
+    still = (work / "parked.txt").read_text().splitlines() if (work / "parked.txt").exists() else []
+    document(work / "trips.xml", "routes", types(model, lateral) + still + rows)
     lights = re.findall(r'<tlLogic id="([^"]+)"', (work / "net.xml").read_text())
     document(work / "lights.add.xml", "additional", [f'<timedEvent type="SaveTLSStates" source="{i}" dest="{work}/tls.xml"/>' for i in lights])
     names = ",".join(egos)
-    tool("sumo", "--net-file", work / "net.xml", "--route-files", work / "trips.xml", "--additional-files", work / "lights.add.xml",
+    tool("sumo", "--net-file", work / "net.xml", "--route-files", work / "trips.xml", "--additional-files", ",".join(str(f) for f in sorted(work.glob("*.add.xml"))),
          "--step-length", step, "--end", seconds, "--seed", seed, *(["--lateral-resolution", 0.8] if lateral == "sublane" else ["--lanechange.duration", lateral]),
          "--time-to-teleport", -1, "--collision.action", "warn", "--collision.check-junctions", "--ignore-route-errors", "--pedestrian.model", "striping",
          "--fcd-output", work / "fcd.xml", "--fcd-output.attributes", FCD, "--fcd-output.max-leader-distance", 120,
@@ -102,8 +104,9 @@ def generate(group, out, only):
             egos, lines = judge.derive(work, name, egos, lateral)
             # The leader, lane and reasons are the simulator's knowledge, not a recording's.
             text = re.sub(r' (?:leaderID|leaderSpeed|leaderGap|lane|edge|pos)="[^"]*"', "", (work / "fcd.xml").read_text())
-            if group in NOISE:
-                text = noisy(text, random.Random(seed + 1), step, *NOISE[group])
+            noise = NOISE.get(f"{group}/{name}", NOISE.get(group))
+            if noise:
+                text = noisy(text, random.Random(seed + 1), step, *noise)
             store(text, target / "fcd.xml.gz")
             for kind in ("net", "tls"):
                 if (work / f"{kind}.xml").exists():
@@ -123,7 +126,7 @@ def sums(out):
 
 def main():
     match sys.argv[1:]:
-        case [("develop" | "varied" | "held" | "held2" | "held3" | "held4" | "held5") as group, out, *only]:
+        case [("develop" | "varied" | "held" | "held2" | "held3" | "held4" | "held5" | "held6") as group, out, *only]:
             generate(group, Path(out), only)
         case ["record", out]:
             (HERE / "manifest.txt").write_text("# eclipse-sumo 1.28.0\n" + "".join(f"{v} {k}\n" for k, v in sums(Path(out)).items()))

@@ -120,7 +120,7 @@ class World:
                 k = self.last = round(tenths)
                 for o in step:
                     get = lambda n: float(o.get(n) or "nan")
-                    self.rows[o.get("id")][k] = Box(x=get("x"), y=get("y"), angle=get("angle"), v=get("speed"), a=get("acceleration"), pos=get("pos"), lane=o.get("lane") or o.get("edge") or "",
+                    self.rows[o.get("id")][k] = Box(x=get("x"), y=get("y"), angle=get("angle"), v=get("speed"), a=get("acceleration"), pos=get("pos"), lane="" if o.get("id").startswith("still") else o.get("lane") or o.get("edge") or "",
                                                     blink=int(o.get("signals") or 0) & 3, type=o.get("type"), person=o.tag == "person", leader=o.get("leaderID") or None, gap=get("leaderGap"))
             step.clear()
         for rows in self.rows.values():

@@ -137,7 +137,15 @@ impl Placement {
     /// True when the center is between the edges of [`Placement::way`], on its level and within reach.
     fn centre_in_way(&self) -> bool {
         let (at, left, right) = self.way();
-        self.same_level && self.within_reach() && at.lateral <= left && at.lateral >= -right
+        let inside = at.lateral <= left && at.lateral >= -right;
+        self.same_level && self.within_reach() && inside && self.is_as_far_by_lane()
+    }
+
+    /// False for one who is beside the path here and in the ego's lane only where that comes back, as behind a
+    /// U-turn: oncoming traffic. True where there is no lane to tell.
+    fn is_as_far_by_lane(&self) -> bool {
+        let detour = (self.lane_ahead - self.ahead).abs();
+        detour.is_nan() || detour <= MOST_DETOUR_M + MOST_DETOUR * self.ahead.abs()
     }
 
     /// True within 150 m ahead and 100 m behind: farther targets are known to be out of relation.
@@ -180,6 +188,10 @@ pub struct Surroundings<'a> {
     pub road: Option<&'a Road>,
 }
 
+/// A lane may be this much longer or shorter than the driven path that follows it, m, and times the distance: lines
+/// drawn with corners, lanes on the outside of bends.
+const MOST_DETOUR_M: f64 = 15.0;
+const MOST_DETOUR: f64 = 0.25;
 /// The band that the ego sweeps is this much wider than the ego on either side, m.
 const PATH_MARGIN_M: f64 = 0.3;
 /// Points around a footprint are this close, m.
