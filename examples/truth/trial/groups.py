@@ -86,8 +86,9 @@ SETS = {
     },
 }
 
-# What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s (m); of a speed
-# (m/s); of a heading (degrees); the share of rows of others that are lost. The truth is of what happened.
+# What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
+# (m); of a speed (m/s); of a heading (degrees); the share of rows of others that are lost. The truth is of what
+# happened.
 NOISE = {
     "held4": (0.04, 0.08, 0.15, 0.0, 0.0),
     "held5": (0.07, 0.04, 0.2, 1.0, 0.02),
