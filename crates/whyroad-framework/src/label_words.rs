@@ -173,8 +173,16 @@ pub enum WordRole {
     Beyond,
     /// In a short text, says that the text is still to be written.
     Template,
+    /// Wherever it stands: something is still to be written.
+    Unwritten,
     /// Says that there is no reason.
     NoReason,
+    /// Says that what was named before has no part in what is decided.
+    Irrelevant,
+    /// Says that the cause was not observed.
+    Unobserved,
+    /// What it names is only compared with something.
+    Likened,
     /// A colour: index in the file's order of names.
     Colour(usize),
     /// Only known afterwards.
@@ -222,6 +230,8 @@ pub struct LabelWords {
     /// The first two letters of each, sorted.
     placeholder_starts: Vec<[char; 2]>,
     unfinished: HashSet<String>,
+    /// In lower case.
+    instructions: Vec<String>,
     trie: Trie,
     roles: Vec<WordRole>,
     reasons: Trie,
@@ -325,6 +335,37 @@ impl LabelWords {
                 .any(|part| self.unfinished.contains(&compile::bare(part)))
     }
 
+    /// Bytes of the first part of a text, of any length, that a template has and nobody filled in: an instruction in
+    /// brackets, `××`, `___`, `xx`.
+    pub fn left_open(&self, text: &str) -> Option<(usize, usize)> {
+        let is_sign = |c: char| "×╳＿_".contains(c);
+        if let Some(at) = text.find(is_sign) {
+            let run = &text[at..at + text[at..].find(|c| !is_sign(c)).unwrap_or(text.len() - at)];
+            if run.chars().nth(1).is_some() {
+                return Some((at, at + run.len()));
+            }
+        }
+        let mut from = 0;
+        for word in text.split(|c: char| !c.is_ascii_alphanumeric()) {
+            let at = text[from..].find(word).map_or(from, |i| from + i);
+            from = at + word.len();
+            if word.len() >= 2 && word.bytes().all(|b| b.eq_ignore_ascii_case(&b'x')) {
+                return Some((at, from));
+            }
+        }
+        let bracketed = text.match_indices(['(', '[', '（', '【', '<', '《', '{']).find_map(|(at, open)| {
+            let inside = &text[at + open.len()..];
+            let end = inside.find([')', ']', '）', '】', '>', '》', '}'])?;
+            let says = inside[..end].trim().to_lowercase();
+            let is_open = self.instructions.iter().any(|w| {
+                let rest = says.strip_prefix(w.as_str());
+                rest.is_some_and(|r| !w.is_ascii() || !r.starts_with(|c: char| c.is_ascii_alphanumeric()))
+            }) || self.unfinished.contains(&compile::bare(&says));
+            is_open.then_some((at, at + open.len() + end))
+        });
+        bracketed.filter(|_| !self.instructions.is_empty())
+    }
+
     /// True when `text` has a word that has to do with roads and traffic.
     pub fn is_of_driving(&self, text: &str) -> bool {
         let mut any = false;
@@ -391,7 +432,12 @@ struct File {
     placeholder: Words,
     unfinished: Words,
     template: Words,
+    unwritten: Words,
+    instructions: Words,
     no_reason: Words,
+    irrelevant: Words,
+    unobserved: Words,
+    likened: Words,
     plain: Words,
     scene: Words,
     unobserved_because: Words,

@@ -37,6 +37,8 @@ pub struct Clauses {
     pub own_duty: Vec<String>,
     /// Words behind which a reason is given that was called one before, in lower case.
     pub again: Vec<String>,
+    /// What follows is held against what was said before.
+    pub contrast: Vec<String>,
     /// Beginnings of a clause that adds to what the one before supposes.
     pub alternative: Vec<String>,
 }
@@ -109,6 +111,7 @@ pub(super) struct RawClauses {
     own_duty: Words,
     alternative: Words,
     again: Words,
+    contrast: Words,
 }
 
 impl RawClauses {
@@ -132,6 +135,7 @@ impl RawClauses {
             own_duty: list(&self.own_duty),
             alternative: list(&self.alternative),
             again: list(&self.again),
+            contrast: list(&self.contrast),
         }
     }
 }

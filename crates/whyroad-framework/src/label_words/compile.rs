@@ -62,6 +62,10 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     b.all(raw.unchanged.all(), WordRole::Unchanged);
     b.all(raw.uncertain.all(), WordRole::Uncertain);
     b.all(raw.aftermath.component.all(), WordRole::AfterResponse);
+    b.all(raw.unwritten.all(), WordRole::Unwritten);
+    b.all(raw.irrelevant.all(), WordRole::Irrelevant);
+    b.all(raw.unobserved.all(), WordRole::Unobserved);
+    b.all(raw.likened.all(), WordRole::Likened);
     b.all(raw.hindsight.plain.all(), WordRole::Plain);
     b.all(raw.plain.all(), WordRole::Plain);
 
@@ -127,6 +131,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         placeholders,
         placeholder_starts,
         unfinished: raw.unfinished.all().map(bare).collect(),
+        instructions: raw.instructions.all().map(str::to_lowercase).collect(),
         trie,
         roles,
         reasons,

@@ -45,6 +45,12 @@ pub struct Subjects {
     pub may_be_ego: Vec<String>,
     /// Names that may be of a part of a vehicle as well, in lower case.
     vague: HashSet<String>,
+    /// Parts that every vehicle has, in lower case.
+    parts: HashSet<String>,
+    stand_for: HashSet<String>,
+    stand_for_chinese: Vec<String>,
+    /// Words for where somebody is, in lower case: before the ego, behind it.
+    pub at: [Vec<String>; 2],
     /// Words of a movement to one side, in lower case: left, right.
     pub goes_to: [Vec<String>; 2],
 }
@@ -63,6 +69,19 @@ impl Subjects {
     /// `name`, in upper or lower case, may be that of a part of a vehicle as well.
     pub fn is_vague(&self, name: &str) -> bool {
         self.vague.contains(&name.to_lowercase())
+    }
+
+    /// The text has a pronoun that stands for somebody.
+    pub fn has_pronoun(&self, text: &str) -> bool {
+        self.stand_for_chinese.iter().any(|w| text.contains(w.as_str()))
+            || text
+                .split(|c: char| !c.is_ascii_alphabetic())
+                .any(|w| self.stand_for.contains(&w.to_ascii_lowercase()))
+    }
+
+    /// `name`, in upper or lower case, is that of a part that every vehicle has, the ego too.
+    pub fn is_part(&self, name: &str) -> bool {
+        self.parts.contains(&name.to_lowercase())
     }
 
     /// The word of Latin letters, in lower case, begins the words for a thing.
@@ -99,6 +118,10 @@ pub(super) struct RawSubjects {
     origins: Words,
     may_be_ego: Words,
     vague: Words,
+    parts: Words,
+    stand_for: Words,
+    before_ego: Words,
+    behind_ego: Words,
     goes_left: Words,
     goes_right: Words,
 }
@@ -129,6 +152,10 @@ impl RawSubjects {
             origins: chars(&self.origins),
             may_be_ego: all(&self.may_be_ego),
             vague: self.vague.all().map(str::to_owned).collect(),
+            stand_for: list(&self.stand_for),
+            stand_for_chinese: self.stand_for.zh.clone(),
+            parts: self.parts.all().map(str::to_owned).collect(),
+            at: [all(&self.before_ego), all(&self.behind_ego)],
             goes_to: [all(&self.goes_left), all(&self.goes_right)],
         }
     }

@@ -86,7 +86,11 @@ pub(super) fn has_word_of(component: &str, name: &str, acts: bool, words: &Label
     let head = name.trim_end_matches(['子', '儿']).chars().next_back();
     let chars: Vec<char> = name.chars().collect();
     let telling = |c: &char| !words.subjects.common.contains(*c) && !c.is_ascii();
-    (!acts && head.filter(telling).is_some_and(|c| component.contains(c)))
+    // "缺口" for "缺了一段".
+    let any_of_two =
+        !acts && chars.len() == 2 && chars.iter().filter(|c| telling(c)).any(|c| component.contains(*c));
+    any_of_two
+        || (!acts && head.filter(telling).is_some_and(|c| component.contains(c)))
         || chars
             .windows(2)
             .filter(|w| w.iter().all(telling))

@@ -50,8 +50,14 @@ pub(super) struct TextFacts {
     pub does: Doings,
     /// It is still to be written.
     pub unfinished: bool,
+    /// Bytes of what says in a text of any length that something is still to be written.
+    pub unwritten: Option<(usize, usize)>,
     /// Bytes of what says that there is no reason.
     pub no_reason: Option<(usize, usize)>,
+    /// Bytes of what says that something has no part in the decision.
+    pub irrelevant: Option<(usize, usize)>,
+    /// Bytes of what says that the cause was not observed.
+    pub unobserved: Option<(usize, usize)>,
     /// Bytes of what puts the thing far away, or beyond somebody who is named.
     pub distant: Option<(usize, usize)>,
 }
@@ -111,7 +117,8 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                     colour: clause.colour.take().or_else(|| colour_before(text, hit.start, words)),
                     state: None,
                     absent,
-                    supposed: clause.supposed,
+                    supposed: clause.supposed
+                        || clause.likened.take().is_some_and(|l| l.reaches(text, hit.start)),
                     ahead: std::mem::take(&mut clause.ahead),
                     clause: clause.number,
                     start: hit.start,
@@ -135,6 +142,18 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 }
             }
             WordRole::Template => out.unfinished |= text.len() <= LONGEST_UNFINISHED,
+            WordRole::Unwritten => drop(out.unwritten.get_or_insert((hit.start, hit.end))),
+            WordRole::Irrelevant => {
+                out.words += 1;
+                if !clause.supposed {
+                    out.irrelevant.get_or_insert((hit.start, hit.end));
+                }
+            }
+            WordRole::Unobserved => drop(out.unobserved.get_or_insert((hit.start, hit.end))),
+            // "Like a bull": not said to be there.
+            WordRole::Likened => {
+                clause.likened = Some(Denial { end: hit.end, is_latin: word.is_ascii() });
+            }
             WordRole::NoReason => drop(out.no_reason.get_or_insert((hit.start, hit.end))),
             WordRole::Distant => {
                 out.words += 1;
@@ -313,6 +332,7 @@ struct Clause {
     state: Option<SaidState>,
     absent: Option<Denial>,
     denied: Option<Denial>,
+    likened: Option<Denial>,
     supposed: bool,
     ahead: bool,
     /// First byte of a distance beyond whatever is named next.

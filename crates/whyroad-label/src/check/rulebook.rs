@@ -87,6 +87,11 @@ impl Rulebook<'_> {
         if placeholder::trace(label, &texts, words, sink) || placeholder::draft(label, self.framework, sink) {
             return;
         }
+        if cause_text::unobserved_in_trace(label, &texts, words, sink)
+            || cause_text::denied(label, &texts, words, sink)
+        {
+            return;
+        }
         text::unchanged(label, &texts, sink);
         let acts = reading.as_ref().is_some_and(|r| !r.mentions.is_empty() || r.names_ego);
         let because = reading.as_ref().and_then(|r| r.because);
@@ -102,7 +107,12 @@ impl Rulebook<'_> {
         // A trace too short, or without a decision, cannot give a reason for one.
         let circular = said != Said::TooLittle
             && circular::circular(label, &texts, words, &reading, lexicon, said, sink);
-        if said != Said::TooLittle && !circular && !another_class {
+        let decides_at = if reading.marked { reading.decision_from } else { 0 };
+        if said != Said::TooLittle
+            && !circular
+            && !another_class
+            && !cause_text::around(label, &texts, words, decides_at, sink)
+        {
             objects::unnamed(label, &texts, words, background, (reading.end, said), sink);
         }
     }

@@ -33,8 +33,8 @@ const SIXTH: (f64, f64) = (0.86, FALSE_ALARMS);
 /// fault that the set's form cannot avoid.
 const SEVENTH: (f64, f64) = (0.92, 0.02);
 
-/// The same of the eighth set, by a fourth author, as it was first run.
-const EIGHTH: (f64, f64) = (0.59, 0.13);
+/// The same of the eighth set, by a fourth author; it was 59 of 100 and 13 of 100 when it was first run.
+const EIGHTH: (f64, f64) = (0.86, 0.01);
 
 /// The same of the halves of the general set, the second of which is less looked at: 41 of 71 and 15 of 40, 49 of 64
 /// and 14 of 42 when they were written.

@@ -44,6 +44,75 @@ const YIELD_ZH: &str = "老人推着车横穿马路，和自车路线相交，�
 const YIELD_EN: &str =
     "An old man is walking across, and our paths meet, so the ego slows down and yields to him.";
 
+const CROSSING_ZH: &[&str] = &["一位老人从左侧横穿马路"];
+const CROSSING_EN: &[&str] = &["An old man is walking across from the left"];
+
+#[test]
+fn what_is_left_open_is_found_in_a_long_text() {
+    let code = "label.text.placeholder";
+    for trace in [
+        "老人从左侧横穿马路，距自车××米，因此自车减速让行。",
+        "老人从左侧横穿马路（此处补充原因），因此自车减速让行。",
+        "老人从左侧横穿马路，理由回头再补，自车减速让行。",
+    ] {
+        assert_eq!(yielding(CROSSING_ZH, trace), [code], "{trace}");
+    }
+    for trace in [
+        "An old man is walking across from the left [add reason], so the ego slows down and yields to him.",
+        "An old man is walking across from the left at xx km/h, so the ego slows down and yields to him.",
+    ] {
+        assert_eq!(yielding(CROSSING_EN, trace), [code], "{trace}");
+    }
+    let whole = "老人从左侧横穿马路（拄着拐杖，走得慢），和自车路线相交，因此自车减速让行。";
+    assert_eq!(yielding(CROSSING_ZH, whole), [""; 0]);
+    let whole = "An old man (with a stick, and slow) is walking across from the left, so the ego slows down and yields.";
+    assert_eq!(yielding(CROSSING_EN, whole), [""; 0]);
+}
+
+#[test]
+fn unobserved_says_why_in_its_sentence() {
+    let none = "The ego slows down and yields here, cause UNOBSERVED.";
+    let why = "The ego slows down and yields here, cause UNOBSERVED: the front camera was covered with mud.";
+    assert_eq!(yielding(CROSSING_EN, none), ["label.cause.unobserved"]);
+    assert!(!yielding(CROSSING_EN, why).contains(&"label.cause.unobserved"));
+    assert_eq!(yielding(CROSSING_ZH, "自车在此减速让行，缘由未观测。"), ["label.cause.unobserved"]);
+}
+
+#[test]
+fn a_cause_that_is_denied_needs_another() {
+    let code = "label.trace.contradicts";
+    for trace in [
+        "An old man is walking across from the left, but he is no hazard to anyone; the ego slows down and yields.",
+        "An old man is walking across, which has no bearing on our driving, and the ego slows down and yields.",
+    ] {
+        assert_eq!(yielding(CROSSING_EN, trace), [code], "{trace}");
+    }
+    let denied = "老人从左侧横穿马路，可他跟本车毫无关系，自车减速让行。";
+    assert_eq!(yielding(CROSSING_ZH, denied), [code]);
+    // Somebody else is none.
+    let parts = ["An old man is walking across from the left", "A van is parked on the right"];
+    let other = "The van parked on the right is no hazard; the old man walking across from the left is in our way, so \
+                 the ego slows down and yields to him.";
+    assert_eq!(yielding(&parts, other), [""; 0]);
+    let parts = ["一位老人从左侧横穿马路", "右侧停着一辆面包车"];
+    let other = "老人从左侧横穿马路，右侧停着的面包车不影响本车，因此自车减速让行。";
+    assert_eq!(yielding(&parts, other), [""; 0]);
+}
+
+#[test]
+fn what_is_only_compared_or_absent_is_no_thing() {
+    for trace in [
+        "An old man walks across from the left, slow like a tractor, so the ego slows down and yields to him.",
+        "Irrespective of traffic an old man is walking across from the left, so the ego slows down and yields to him.",
+        "An old man is walking across from the left, and the tires would not hold on a swerve, so the ego slows down \
+         and yields to him.",
+    ] {
+        assert_eq!(yielding(CROSSING_EN, trace), [""; 0], "{trace}");
+    }
+    let trace = "老人从左侧横穿马路，走路不比自行车快，自车立马减速让行。";
+    assert_eq!(yielding(CROSSING_ZH, trace), [""; 0]);
+}
+
 #[test]
 fn components_say_the_same_in_other_words() {
     let same = [

@@ -24,14 +24,16 @@ pub(in crate::check) fn circular(
     sink: &mut dyn Sink,
 ) -> bool {
     let Some(text) = label.trace.get() else { return false };
-    let decision_in =
-        |from: usize, to: usize| trace_rules::states_decision(reading, lexicon, label, from, to);
+    let decision_in = |from: usize, to: usize| {
+        trace_rules::states_decision(reading, lexicon, label, from, to)
+            && !is_done_by_other(text, from, to, texts, words)
+    };
     if words.is_empty() {
         return false;
     }
     let repeated = match said {
         Said::Unread => echoes(text, texts, words),
-        _ => repeats(text, label, texts, words, reading, lexicon),
+        _ => repeats(text, label, texts, words, reading, lexicon) || echoes(text, texts, words),
     };
     // A decision in words that no list knows may have a reason in such words.
     if !repeated
@@ -49,6 +51,17 @@ pub(in crate::check) fn circular(
         .hint("写出看到了什么、它为什么要求这个决策", "write what was seen and why it calls for the decision")
     });
     true
+}
+
+/// "Braking by the car in front": what the part says is done by somebody who is named behind it.
+fn is_done_by_other(text: &str, from: usize, to: usize, texts: &Texts, words: &LabelWords) -> bool {
+    /// Bytes of "by" and of what may stand between it and the name.
+    const NEAR: usize = 16;
+    texts.trace.there().filter(|n| (from..to).contains(&n.start)).any(|n| {
+        let acts = words.objects[n.group].own.meets(words.known.actor);
+        let before = text[from..n.start].to_ascii_lowercase();
+        acts && before.rfind(" by ").is_some_and(|at| before.len() - at <= NEAR)
+    })
 }
 
 /// Some part of the text names a cause and is not the decision itself.
@@ -166,10 +179,12 @@ fn echoes(text: &str, texts: &Texts, words: &LabelWords) -> bool {
     let named: Vec<(usize, usize)> = texts.trace.named.iter().map(|n| (n.start, n.end)).collect();
     let first = content(text, 0, at, &named, words);
     let second = content(text, at + length, text.len(), &named, words);
-    let new = second.iter().filter(|w| !first.contains(w)).count();
+    // "Carries on" and "carrying on".
+    let same =
+        |a: &str, b: &str| a == b || a.is_ascii() && a.get(..4).is_some_and(|stem| b.starts_with(stem));
+    let new = second.iter().filter(|w| !first.iter().any(|f| same(f, w))).count();
     // In Chinese a word has two characters.
-    let (least, most_new) = if text.is_ascii() { (1, 1) } else { (2, 1) };
-    second.len() >= least + new && new <= most_new
+    if text.is_ascii() { second.len() > new && new <= 1 } else { second.len() >= 2 + 2 * new && new <= 2 }
 }
 
 /// Bounds of the parts of a trace: at marks, and before words that join or give a reason.

@@ -1,13 +1,14 @@
 //! Texts against what could be known (LABELING.md 3, 6 and 7): no hindsight, no circle, a reason for UNOBSERVED, the
 //! proximate cause, and a cause of the kind that the decision has.
 
+use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::decision_table::ClassDecisions;
-use whyroad_framework::label_words::{KnownKinds, SaidState};
+use whyroad_framework::label_words::{Divider, GroupSet, KnownKinds, SaidState};
 use whyroad_framework::{Framework, LabelWords, Lexicon};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
@@ -91,6 +92,39 @@ pub(in crate::check) fn unobserved(label: &View<'_>, words: &LabelWords, sink: &
     }
 }
 
+/// A trace that says that the cause was not observed says in the same sentence why. True when it does not.
+pub(in crate::check) fn unobserved_in_trace(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    sink: &mut dyn Sink,
+) -> bool {
+    let (Some((start, end)), Some(text)) = (texts.trace.unobserved, label.trace.get()) else { return false };
+    // Behind it, or in the clause before it: "outside the field of view, hence UNOBSERVED".
+    let (_, to) = words.clauses.around(&texts.units, start..end, text.len(), &|d| d == Divider::Sentence);
+    let (from, _) = words.clauses.around(&texts.units, start..end, text.len(), &|d| d != Divider::Aside);
+    let (before, _) = match text[..from].trim_end().len() {
+        0 => (0, 0),
+        n => words.clauses.around(&texts.units, n - 1..n - 1, text.len(), &|d| d != Divider::Aside),
+    };
+    let says_why = |from: usize, to: usize| text.get(from..to).is_some_and(|part| words.gives_reason(part));
+    if says_why(end, to) || says_why(from, start) || says_why(before, from) {
+        return false;
+    }
+    sink.report(Finding::error("label.cause.unobserved", pointer::COC_TRACE).part(start, end), &|| {
+        let mark = &text[start..end];
+        Words::new(
+            format!("因果描述写了“{mark}”，却没有说明为什么看不到原因"),
+            format!("the trace says '{mark}' and not why the cause could not be observed"),
+        )
+        .hint(
+            "在同一句里写明为何看不到，例如“右侧摄像头被泥糊住”",
+            "say in the same sentence why it could not be seen, such as \"the camera on the right is iced over\"",
+        )
+    });
+    true
+}
+
 /// A stopped lead stands between the ego and the light (LABELING.md 6, proximate cause).
 pub(in crate::check) fn proximate(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
     if label.longitudinal != Slot::Is(Longitudinal::StopForRegulation) {
@@ -130,14 +164,14 @@ pub(in crate::check) fn proximate(label: &View<'_>, texts: &Texts, words: &Label
 /// A component that is far away, or beyond somebody whom it names, causes no response to somebody who is nearer: "the
 /// light two hundred meters beyond the van" (LABELING.md 6, proximate cause).
 pub(in crate::check) fn distant(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
-    let responds = matches!(
-        label.longitudinal.get(),
-        Some(Longitudinal::YieldToAgent | Longitudinal::LeadFollowing | Longitudinal::StopForObstacle)
-    );
-    if !responds {
-        return;
-    }
-    let acts = |n: &&Named| words.objects[n.group].own.meets(words.known.actor);
+    let wanted = match label.longitudinal.get() {
+        Some(Longitudinal::YieldToAgent | Longitudinal::LeadFollowing | Longitudinal::StopForObstacle) => {
+            words.known.actor
+        }
+        Some(Longitudinal::StopForRegulation) => words.known.sign.with(words.known.light),
+        _ => return,
+    };
+    let acts = |n: &&Named| words.objects[n.group].own.meets(wanted);
     let near = |f: &&TextFacts| f.distant.is_none() && f.there().any(|n| acts(&n));
     let parts = || label.parts.iter().zip(&texts.components);
     let Some((far, (start, end))) = parts().find_map(|(c, f)| Some((c, f.distant?))) else { return };
@@ -157,6 +191,104 @@ pub(in crate::check) fn distant(label: &View<'_>, texts: &Texts, words: &LabelWo
         )
         .hint("删去远处的要素，只留引起决策的那一个", "leave the distant component out")
     });
+}
+
+/// A trace whose reason is only what is around whoever the ego responds to, and not him: the school, and not the child
+/// that runs out of it. Where he is in words that no list knows, or stands for a pronoun, the trace is left alone.
+pub(in crate::check) fn around(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    decision_from: usize,
+    sink: &mut dyn Sink,
+) -> bool {
+    let main = match label.longitudinal.get() {
+        Some(Longitudinal::LeadFollowing) => words.known.vehicle,
+        Some(Longitudinal::YieldToAgent | Longitudinal::StopForObstacle) => words.known.actor,
+        _ => return false,
+    };
+    let Some(text) = label.trace.get().filter(|_| decision_from > 0) else { return false };
+    let is_main = |n: &Named| words.objects[n.group].own.meets(main);
+    if texts.trace.named.iter().any(is_main) || words.subjects.has_pronoun(text) {
+        return false;
+    }
+    let parts = || {
+        let all = label.parts.iter().zip(&texts.components);
+        all.filter_map(|(c, f)| Some((c.description.get()?, f)))
+    };
+    let acts = |f: &TextFacts| f.there().next().is_some_and(is_main);
+    let inside = |at: usize| at < decision_from;
+    let shared = |t: &str| overlap::shared_with(t, text, &words.compared, &inside);
+    let given = parts().filter(|(_, f)| acts(f)).map(|(t, _)| t).next();
+    let Some(given) = given else { return false };
+    if parts().any(|(t, f)| acts(f) && shared(t) > 0) || !parts().any(|(t, f)| !acts(f) && shared(t) > 0) {
+        return false;
+    }
+    sink.report(Finding::warning("label.cause.proximate", pointer::COC_TRACE).part(0, decision_from), &|| {
+        Words::new(
+            format!("因果描述的理由没有提到近因“{given}”，只说了它周围的情形"),
+            format!("the reason of the trace leaves out the proximate cause, '{given}', and tells only what is around it"),
+        )
+        .hint("写出直接引起决策的那一个要素", "name the component that brings the decision about")
+    });
+    true
+}
+
+/// A trace that says of whatever it names that it has no part in the decision, and names nothing else.
+pub(in crate::check) fn denied(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    sink: &mut dyn Sink,
+) -> bool {
+    let restricts = matches!(
+        label.longitudinal.get(),
+        Some(
+            Longitudinal::YieldToAgent
+                | Longitudinal::LeadFollowing
+                | Longitudinal::StopForObstacle
+                | Longitudinal::StopForRegulation
+                | Longitudinal::RoadSpeedAdaptation
+        )
+    );
+    let (Some((start, end)), Some(text), true) = (texts.trace.irrelevant, label.trace.get(), restricts)
+    else {
+        return false;
+    };
+    // "No threat, but the road is wet".
+    let behind = text[end..].to_ascii_lowercase();
+    if words.clauses.contrast.iter().any(|w| behind.contains(w.as_str())) {
+        return false;
+    }
+    let (from, _) = words.clauses.around(&texts.units, start..end, text.len(), &|d| d != Divider::Aside);
+    let is_cause = |n: &&Named| {
+        let own = words.objects[n.group].own;
+        !own.meets(words.known.no_cause) && !own.meets(words.known.road)
+    };
+    let own: Vec<&Named> = texts.trace.there().filter(|n| (from..start).contains(&n.start)).collect();
+    let said = own.iter().fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near));
+    // What a component says beside it is of the same thing.
+    let beside = texts.components.iter().filter(|f| !own.is_empty() && f.groups.meets(said));
+    let about = beside.flat_map(TextFacts::there).fold(said, |set, n| set.with(words.objects[n.group].near));
+    // Without a name in its clause it is said of all before.
+    let is_other = |n: &Named| {
+        if own.is_empty() { n.start >= end } else { !words.objects[n.group].own.meets(about) }
+    };
+    if texts.trace.there().filter(is_cause).any(is_other) {
+        return false;
+    }
+    sink.report(Finding::warning("label.trace.contradicts", pointer::COC_TRACE).part(start, end), &|| {
+        let phrase = &text[start..end];
+        Words::new(
+            format!("因果描述说原因“{phrase}”，又没有给出别的原因"),
+            format!("the trace says of its cause '{phrase}', and gives no other one"),
+        )
+        .hint(
+            "写出真正引起决策的是什么，或删去这句否认",
+            "say what does bring the decision about, or leave the denial out",
+        )
+    });
+    true
 }
 
 /// The components that are named as the cause of a decision speak of something that can bring it about: by the table of

@@ -41,10 +41,13 @@ pub(in crate::check) fn unnamed(
     // So is "the car", where no component speaks of one; and a "light" may be a vehicle's.
     let says_little = |n: &Named| {
         let name = &text[n.start..n.end];
+        let is_given = || !subject::is_introduced(text, n.start, words);
         words.subjects.is_vague(name)
+            || words.subjects.is_part(name) && is_given()
             || !any.meets(words.known.vehicle)
                 && words.objects[n.group].own.meets(words.known.vehicle)
                 && words.subjects.may_be_ego.iter().any(|w| ends_with(&text[..n.end], w))
+                && (words.subjects.is_general(name) || text.is_ascii() || is_given())
     };
     let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n);
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
@@ -183,8 +186,36 @@ fn differs(
             !sided && parts().any(|(c, f)| same(f) && c.description.get().is_some_and(says_opposite))
         }
     };
+    // "Behind us" of whoever is before the ego in his component, where nobody else may be meant.
+    let at_end = |text: &str, n: &Named| {
+        let marks = |c: char| "，。；！？,;!?".contains(c);
+        let from = text[..n.start].rfind(marks).map_or(0, |i| i + 1);
+        let to = text[n.end..].find(marks).map_or(text.len(), |i| n.end + i);
+        let clause =
+            text.get(from..to).or_else(|| text.get(n.start..to)).unwrap_or_default().to_ascii_lowercase();
+        let [before, behind] =
+            words.subjects.at.each_ref().map(|all| all.iter().any(|w| clause.contains(w.as_str())));
+        (before != behind).then_some(before)
+    };
+    let is_elsewhere = |n: &Named| {
+        let own = words.objects[n.group].own;
+        if !own.meets(words.known.vehicle) {
+            return false;
+        }
+        let parts = label.parts.iter().zip(&texts.components);
+        let mut same = parts.flat_map(|(c, f)| {
+            let near = words.objects[n.group].near;
+            f.there().filter(move |o| words.objects[o.group].own.meets(near)).map(move |o| (c, o))
+        });
+        let (Some((c, other)), None) = (same.next(), same.next()) else { return false };
+        let given = c.description.get().and_then(|t| at_end(t, other));
+        given.is_some_and(|g| at_end(text, n).is_some_and(|said| said != g))
+    };
+    let is_part = |n: &Named, text: Option<&str>| {
+        text.and_then(|t| t.get(n.start..n.end)).is_some_and(|t| words.subjects.is_part(t))
+    };
     let differs = |n: &&Named| {
-        if !words.objects[n.group].named || (said == Said::Unread && general(n)) {
+        if is_part(n, Some(text)) || !words.objects[n.group].named || (said == Said::Unread && general(n)) {
             return false;
         }
         // Most are said without either.
@@ -195,7 +226,7 @@ fn differs(
         let colour = n.colour.is_some_and(|k| {
             same.iter().any(|c| c.colour.is_some_and(|o| o != k)) && !same.iter().any(|c| c.colour == Some(k))
         });
-        side || colour || other_car(n) || not_opposite(n)
+        side || colour || other_car(n) || not_opposite(n) || is_elsewhere(n)
     };
     let other_light = || other_light(label, texts, words, until);
     let Some(n) = texts.trace.there().filter(|n| n.start < until).find(differs).or_else(other_light) else {

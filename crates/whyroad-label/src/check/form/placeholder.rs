@@ -31,6 +31,8 @@ pub(in crate::check) fn components(
         let at = pointer::critical_components_item_description(c.index);
         if says_nothing(text, facts, words) {
             placeholder(at, text, sink);
+        } else if let Some(open) = left_open(text, facts, words) {
+            unfinished(at, text, open, sink);
         } else if is_one_word(text) {
             sink.report(Finding::warning("label.component.too_short", at), &|| {
                 Words::new(
@@ -90,11 +92,35 @@ pub(in crate::check) fn trace(
     sink: &mut dyn Sink,
 ) -> bool {
     let Some(text) = label.trace.get().filter(|t| !t.trim().is_empty()) else { return false };
-    if words.is_empty() || !says_nothing(text, &texts.trace, words) {
+    if words.is_empty() {
         return false;
     }
-    placeholder(pointer::COC_TRACE.to_owned(), text, sink);
+    let at = pointer::COC_TRACE.to_owned();
+    if says_nothing(text, &texts.trace, words) {
+        placeholder(at, text, sink);
+        return true;
+    }
+    // Without anything besides, the trace is about something else.
+    let says = texts.trace.words > 0 || words.is_of_driving(text);
+    let Some(open) = left_open(text, &texts.trace, words).filter(|_| says) else { return false };
+    unfinished(at, text, open, sink);
     true
+}
+
+/// Bytes of what is still to be written in a text that says something besides.
+fn left_open(text: &str, facts: &TextFacts, words: &LabelWords) -> Option<(usize, usize)> {
+    facts.unwritten.or_else(|| words.left_open(text))
+}
+
+fn unfinished(at: String, text: &str, (start, end): (usize, usize), sink: &mut dyn Sink) {
+    sink.report(Finding::error("label.text.placeholder", at).part(start, end), &|| {
+        let part = &text[start..end];
+        Words::new(
+            format!("“{part}”是没有写完的占位文字"),
+            format!("'{part}' is a placeholder that nobody filled in"),
+        )
+        .hint("写出实际内容，或删去这一处", "write what is meant, or leave it out")
+    });
 }
 
 fn placeholder(at: String, text: &str, sink: &mut dyn Sink) {
