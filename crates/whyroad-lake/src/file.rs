@@ -3,6 +3,8 @@
 use crate::columns::{Table, TableBuilder};
 use crate::{LAKE_VERSION, LakeError};
 use arrow_array::RecordBatch;
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
 use arrow_schema::SchemaRef;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::{
@@ -12,6 +14,8 @@ use parquet::basic::Compression;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use parquet::file::statistics::Statistics;
+use parquet::schema::types::ColumnPath;
+use std::collections::HashSet;
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -37,8 +41,30 @@ pub(crate) fn properties(row_order: &str, more: Vec<KeyValue>) -> WriterProperti
 /// Writes one table: one row group (so that any engine hands it out whole), Snappy, and the row order in the metadata.
 pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> Result<usize, LakeError> {
     let batch = table.finish().map_err(|e| LakeError::broken(path, e))?;
-    write_batches(path, &batch.schema(), [&batch], properties(row_order, vec![]).build())?;
+    let mut properties = properties(row_order, vec![]);
+    for (field, column) in batch.schema().fields().iter().zip(batch.columns()) {
+        if column.as_primitive_opt::<Float64Type>().is_some_and(|numbers| !repeats(numbers.values())) {
+            let path = ColumnPath::from(field.name().as_str());
+            properties = properties.set_column_dictionary_enabled(path, false);
+        }
+    }
+    write_batches(path, &batch.schema(), [&batch], properties.build())?;
     Ok(batch.num_rows())
+}
+
+/// True where values come again so often that a dictionary is shorter than the values, and faster to read.
+pub(crate) fn repeats(values: &[f64]) -> bool {
+    let sample = &values[..values.len().min(8192)];
+    let (mut distinct, mut last) = (HashSet::new(), None);
+    // Of most columns the first few rows tell.
+    !sample.is_empty()
+        && sample.iter().map(|x| x.to_bits()).all(|bits| {
+            // Mostly it is the value of the row before.
+            if last.replace(bits) != Some(bits) {
+                distinct.insert(bits);
+            }
+            distinct.len() * 8 < sample.len()
+        })
 }
 
 /// Writes a file that is on the disk when this returns; every batch begins a row group.

@@ -1,7 +1,7 @@
 //! Signal tables to Parquet.
 
 use super::{Contents, FRAME, KEY, ROW_ORDER, StoredDrive, TIME, digest};
-use crate::file::ROW_ORDER_KEY;
+use crate::file::{ROW_ORDER_KEY, repeats};
 use crate::{LAKE_VERSION, LakeError};
 use arrow_array::types::UInt16Type;
 use arrow_array::{
@@ -15,7 +15,7 @@ use parquet::basic::{Compression, Encoding};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::schema::types::ColumnPath;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
@@ -89,7 +89,7 @@ fn write_file(
             KeyValue::new(KEY.to_owned(), contents.to_owned()),
         ]));
     for name in &names {
-        if sample(name).is_some_and(|c| !repeats(c)) {
+        if sample(name).is_some_and(|c| matches!(c, Column::Number(values) if !repeats(values))) {
             // Names have dots, and are one part of a path all the same.
             let path = ColumnPath::new(vec![(*name).clone()]);
             properties = properties.set_column_dictionary_enabled(path, false);
@@ -134,22 +134,6 @@ fn write_file(
     let Some(writer) = writer else { return Ok(()) };
     let file = writer.into_inner().map_err(|e| broken(&e))?;
     file.sync_all().map_err(LakeError::io(path))
-}
-
-/// True where values come again so often that a dictionary is shorter than the values, and faster to read.
-fn repeats(column: &Column) -> bool {
-    let Column::Number(values) = column else { return true };
-    let sample = &values[..values.len().min(8192)];
-    let (mut distinct, mut last) = (HashSet::new(), None);
-    // Of most columns the first few rows tell.
-    !sample.is_empty()
-        && sample.iter().map(|x| x.to_bits()).all(|bits| {
-            // Mostly it is the value of the row before.
-            if last.replace(bits) != Some(bits) {
-                distinct.insert(bits);
-            }
-            distinct.len() * 8 < sample.len()
-        })
 }
 
 fn repeated(text: &str, n: usize) -> ArrayRef {
