@@ -29,12 +29,14 @@ const FIFTH: (f64, f64) = (0.92, FALSE_ALARMS);
 /// The same of the sixth set, written by somebody who had not seen the checks; it was 62 of 80 and 20 of 80 then.
 const SIXTH: (f64, f64) = (0.86, FALSE_ALARMS);
 
-/// The same of the seventh set, by a third author; it was 61 of 100 and 11 of 100 then. The two that are flagged have a
-/// fault that the set's form cannot avoid.
+/// The same of the seventh set, by a third author; it was 61 of 100 and 11 of 100 then.
 const SEVENTH: (f64, f64) = (0.92, 0.02);
 
 /// The same of the eighth set, by a fourth author; it was 59 of 100 and 13 of 100 when it was first run.
 const EIGHTH: (f64, f64) = (0.86, 0.01);
+
+/// The same of the ninth set, by a fifth author, as it was first run.
+const NINTH: (f64, f64) = (0.65, 0.07);
 
 /// The same of the halves of the general set, the second of which is less looked at: 41 of 71 and 15 of 40, 49 of 64
 /// and 14 of 42 when they were written.
@@ -171,7 +173,7 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
 /// must not get worse.
 #[test]
 fn labels_that_were_unseen_stay_found() {
-    let [first, second, third, fourth, fifth, sixth, seventh, eighth] = unseen();
+    let [first, second, third, fourth, fifth, sixth, seventh, eighth, ninth] = unseen();
     // Of the third set and of the general one the bases with an even number were improved on, the others were run once.
     let half_of = |set: &[(&'static str, Vec<Base>)], odd: usize| -> Vec<(&'static str, Vec<Base>)> {
         set.iter().map(|(l, all)| (*l, all.iter().skip(odd).step_by(2).cloned().collect())).collect()
@@ -187,6 +189,7 @@ fn labels_that_were_unseen_stay_found() {
         ("sixth set", sixth, (80, 80), SIXTH),
         ("seventh set", seventh, (100, 100), SEVENTH),
         ("eighth set", eighth, (100, 100), EIGHTH),
+        ("ninth set", ninth, (100, 100), NINTH),
         ("general set, half that was improved on", half_of(&general(), 0), (50, 40), GENERAL[0]),
         ("general set, other half", half_of(&general(), 1), (50, 40), GENERAL[1]),
     ];
