@@ -39,9 +39,9 @@ pub fn derive(drive: &Drive) -> SignalTable {
 }
 
 /// Of the last frame of [`derive`], only what says what is where and how it moves: the ego, the road under it with its
-/// lights, and of each target that is seen then the place, the motion and the lines that it crosses. What they do to each
-/// other, which is most of the work, is left out, and targets that were gone by then. Each value in the last frame is
-/// that of [`derive`]; of the other frames and columns nothing is said.
+/// lights, and of each target that is seen then the place, the motion and the lines that it crosses. What they do to
+/// each other, which is most of the work, is left out, and targets that were gone by then. Each value in the last frame
+/// is that of [`derive`]; of the other frames and columns nothing is said.
 pub fn derive_last_frame(drive: &Drive) -> SignalTable {
     let table = derive_part(drive, Part::LastFrame);
     SignalTable { unavailable: BTreeMap::new(), ..table }
