@@ -9,9 +9,9 @@ mod trace;
 
 pub use file::{CaseKind, Reason};
 
-use crate::drive::{DriveEpisodes, arbitrated};
+use crate::drive::DriveEpisodes;
 use crate::episode::Episode;
-use crate::fast::{Plan, Signals, find_all};
+use crate::fast::{Plan, mine_planned};
 use crate::interpret::STEP;
 use crate::rule::{OTHER, Rule, RuleSet};
 use file::{CaseFile, CaseText};
@@ -95,8 +95,7 @@ impl CaseRunner<'_> {
             };
             let held = table(case, &parsed.base, self.catalogue).and_then(|table| {
                 stated(case, rule, &table)?;
-                let found = find_all(&plan, &Signals::of_table(&table));
-                expected(case, rule, &arbitrated(&rules, &table.drive_id, &table.times, found))
+                expected(case, rule, &mine_planned(&rules, &plan, &table))
             });
             if let Err(reason) = held {
                 tally.failures.push(failure(file, line, &case.name, &reason));

@@ -29,6 +29,7 @@ mod windows;
 
 pub use evaluation::Evaluation;
 pub use plan::Plan;
+pub(crate) use search::mine_planned;
 pub use search::{Search, find_all, mine_drive};
 pub use signals::{Columns, SignalColumn, Signals};
 

@@ -37,7 +37,7 @@ pub struct Clauses {
     pub own_duty: Vec<String>,
     /// Words behind which a reason is given that was called one before, in lower case.
     pub again: Vec<String>,
-    /// What follows is held against what was said before.
+    /// What follows is contrasted with what was said before.
     pub contrast: Vec<String>,
     /// Beginnings of a clause that adds to what the one before supposes.
     pub alternative: Vec<String>,

@@ -242,7 +242,11 @@ pub fn find_all<'a>(plan: &'a Plan<'a>, signals: &'a Signals<'a>) -> Vec<Found> 
 
 /// All rules over the signals of one drive, arbitrated.
 pub fn mine_drive(rules: &RuleSet, table: &SignalTable) -> DriveEpisodes {
-    let plan = Plan::of(rules);
+    mine_planned(rules, &Plan::of(rules), table)
+}
+
+/// The same with the `plan` of these rules, which serves many drives.
+pub(crate) fn mine_planned(rules: &RuleSet, plan: &Plan<'_>, table: &SignalTable) -> DriveEpisodes {
     let signals = Signals::of_table(table);
-    arbitrated(rules, &table.drive_id, &table.times, find_all(&plan, &signals))
+    arbitrated(rules, &table.drive_id, &table.times, find_all(plan, &signals))
 }

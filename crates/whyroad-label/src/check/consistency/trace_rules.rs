@@ -265,7 +265,8 @@ fn goes_to_other_side(
     texts: &Texts,
     words: &LabelWords,
 ) -> Option<TraceVerdict> {
-    let (own, other, says) = match label.direction.get()? {
+    let direction = label.direction.get()?;
+    let (own, other, says) = match direction {
         LateralDirection::Left => (0, 1, LateralDirection::Right),
         LateralDirection::Right => (1, 0, LateralDirection::Left),
         LateralDirection::Uturn => return None,
@@ -285,7 +286,7 @@ fn goes_to_other_side(
         range.contains(&n.start) && n.side.is_some() && words.objects[n.group].own.meets(words.known.actor)
     };
     (find(own).is_none() && !texts.trace.named.iter().any(of_somebody)).then(|| TraceVerdict::OtherSide {
-        label: label.direction.get().unwrap_or(LateralDirection::Uturn),
+        label: direction,
         says,
         start: from + at,
         end: from + at + length,
