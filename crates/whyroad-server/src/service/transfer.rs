@@ -19,7 +19,6 @@ use crate::service::tasks::{self, TaskRow};
 use crate::store::{Store, Tx};
 use crate::values;
 use read::{Incoming, read_line};
-use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use whyroad_model::messages::CocLabel;

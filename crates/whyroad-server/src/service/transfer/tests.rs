@@ -4,7 +4,7 @@ use super::*;
 use crate::service::fixtures::{self, task};
 use crate::service::history;
 use crate::service::tasks::Entry;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use whyroad_label::merge::FieldChange;
 
