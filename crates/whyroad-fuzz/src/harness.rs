@@ -1,21 +1,35 @@
-//! Runs targets: mutates, executes, watches time, and reports what broke with the input that did it.
+//! Runs targets: mutates, executes, watches time, and reports what broke with the input that did it. The input of an
+//! execution follows from the seed and its number alone, so a run can be continued, and an input that ended the process
+//! is made again from the number that the [`Progress`] file has.
+
+mod clock;
+mod progress;
 
 use crate::mutate::{Random, mutate};
+use clock::ThreadClock;
+use progress::Progress;
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fs;
 use std::panic::{self, AssertUnwindSafe};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Once};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Longest time that one input of a few kilobytes may take, also without optimisation.
+/// Longest CPU time that one input of a few kilobytes may take, also without optimisation.
 pub const SLOW: Duration = Duration::from_secs(10);
-/// After this time an execution counts as endless.
+/// After this CPU time an execution counts as endless.
 const ENDLESS: Duration = Duration::from_secs(60);
 /// Inputs do not grow beyond this.
 const MAX_BYTES: usize = 1 << 20;
+/// Different failures after which a target is given up.
+const MOST_FAILURES: usize = 20;
+/// One execution in this many starts from a whole seed, where there are small ones, too.
+const WHOLE_SEED_EVERY: usize = 32;
+/// Between two lines about a run that lasts.
+const REPORT_EVERY: Duration = Duration::from_secs(60);
 
 /// Reads bytes; what it makes of them is dropped.
 pub type Parser = Box<dyn Fn(&[u8])>;
@@ -26,6 +40,8 @@ pub struct Target {
     pub name: String,
     /// Inputs that the parser accepts.
     pub seeds: Vec<Vec<u8>>,
+    /// The same in small, of a few rows: most executions start from one of these.
+    pub small: Vec<Vec<u8>>,
     /// Repairs checksums after a mutation, so that the bytes behind them are reached.
     pub repair: fn(&mut Vec<u8>),
     /// The parser.
@@ -35,19 +51,39 @@ pub struct Target {
 /// How long a target is run.
 #[derive(Clone, Copy, Debug)]
 pub struct Limit {
-    /// Maximum number of executions.
+    /// Maximum number of executions, with those of the run that is continued.
     pub executions: u64,
     /// Maximum time.
     pub time: Duration,
 }
 
+/// Where a run begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begin {
+    /// With the seeds themselves.
+    New,
+    /// Where the run before ended that had the same seed.
+    Resumed,
+}
+
+/// An input that broke the parser.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// Number of the execution.
+    pub execution: u64,
+    /// What happened.
+    pub what: String,
+    /// Inputs of this run that broke it at the same line.
+    pub times: u64,
+}
+
 /// What a run did.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Inputs that were tried.
+    /// Inputs that were tried, with those of the run that was continued.
     pub executions: u64,
-    /// Inputs that broke the parser: number of the execution, and what happened.
-    pub failures: Vec<(u64, String)>,
+    /// What broke the parser in this run, once for each line of code.
+    pub failures: Vec<Failure>,
 }
 
 thread_local! {
@@ -75,60 +111,83 @@ thread_local! {
     static RUNNING: RefCell<bool> = const { RefCell::new(false) };
 }
 
-/// Runs `target`; the input at work is kept in `folder`, so that it is there even if the process is ended.
-pub fn run(target: &Target, seed: u64, limit: Limit, folder: &Path) -> Outcome {
+/// The input of execution `number`: first the seeds themselves, then changed ones.
+pub fn input(target: &Target, seed: u64, number: u64) -> Vec<u8> {
+    let first = target.small.iter().chain(&target.seeds).nth(usize::try_from(number).unwrap_or(usize::MAX));
+    if let Some(first) = first {
+        return first.clone();
+    }
+    let mut random = Random::of_execution(seed, number);
+    let whole = target.small.is_empty() || random.below(WHOLE_SEED_EVERY) == 0;
+    let seeds = if whole { &target.seeds } else { &target.small };
+    let mut input = seeds[random.below(seeds.len())].clone();
+    let other = random.below(seeds.len());
+    mutate(&mut random, &mut input, &seeds[other]);
+    input.truncate(MAX_BYTES);
+    (target.repair)(&mut input);
+    input
+}
+
+/// Runs `target`. How far it is, and inputs that broke it, are in `folder`, also when the process is ended.
+pub fn run(target: &Target, seed: u64, limit: Limit, begin: Begin, folder: &Path) -> Outcome {
     quiet_panics();
-    let current = folder.join(format!("{}.input", target.name));
+    let mut failures: BTreeMap<String, Failure> = BTreeMap::new();
+    let mut failed = |execution: u64, what: String, input: &[u8]| {
+        let line = what.lines().next().unwrap_or_default().to_owned();
+        let known = failures.entry(line).or_insert_with(|| {
+            let _ = fs::write(folder.join(format!("{}.{execution}.failure", target.name)), input);
+            Failure { execution, what, times: 0 }
+        });
+        known.times += 1;
+        failures.len() >= MOST_FAILURES
+    };
+    let mut progress = Progress::open(folder, &target.name, seed, begin);
+    if let Some(fatal) = progress.fatal() {
+        let _ = failed(fatal, "ended the process twice".to_owned(), &input(target, seed, fatal));
+    }
     let begun = Arc::new(AtomicU64::new(0));
     let start = Instant::now();
-    watch(&target.name, start, Arc::clone(&begun));
-    let mut random = Random::new(seed);
-    let mut outcome = Outcome { executions: 0, failures: Vec::new() };
-    let count = target.seeds.len() as u64;
-    while outcome.executions < limit.executions.max(count) && start.elapsed() < limit.time {
-        let mut input = target.seeds[random.below(target.seeds.len())].clone();
-        // The seeds themselves come first.
-        if outcome.executions < count {
-            input.clone_from(&target.seeds[outcome.executions as usize]);
-        } else {
-            let other = &target.seeds[random.below(target.seeds.len())];
-            mutate(&mut random, &mut input, other);
-            input.truncate(MAX_BYTES);
-            (target.repair)(&mut input);
-        }
-        let _ = fs::write(&current, &input);
-        begun.store(start.elapsed().as_millis() as u64 + 1, Ordering::Relaxed);
-        let from = Instant::now();
+    let clock = ThreadClock::new();
+    watch(&target.name, clock.clone(), Arc::clone(&begun));
+    let mut reported = Instant::now();
+    let count = (target.small.len() + target.seeds.len()) as u64;
+    while progress.next() < limit.executions.max(count) && start.elapsed() < limit.time {
+        let number = progress.next();
+        progress.begin();
+        let input = input(target, seed, number);
+        let from = clock.time();
+        begun.store(from.as_millis() as u64 + 1, Ordering::Relaxed);
         RUNNING.with(|r| *r.borrow_mut() = true);
         let result = panic::catch_unwind(AssertUnwindSafe(|| (target.run)(&input)));
         RUNNING.with(|r| *r.borrow_mut() = false);
         begun.store(0, Ordering::Relaxed);
-        let failure = match result {
+        let what = match result {
             Err(_) => Some(LAST_PANIC.with(|last| last.borrow().clone())),
-            Ok(()) if from.elapsed() > SLOW => Some(format!("took {:.1} s", from.elapsed().as_secs_f64())),
+            Ok(()) if clock.time() > from + SLOW => Some("took too long".to_owned()),
             Ok(()) => None,
         };
-        if let Some(what) = failure {
-            keep(folder, &target.name, outcome.executions, &input);
-            outcome.failures.push((outcome.executions, what));
-            if outcome.failures.len() >= 20 {
-                break;
-            }
+        progress.end();
+        if what.is_some_and(|what| failed(number, what, &input)) {
+            break;
         }
-        outcome.executions += 1;
+        if reported.elapsed() > REPORT_EVERY {
+            reported = Instant::now();
+            say(&format!("{}: {} executions", target.name, progress.next()));
+        }
     }
     begun.store(u64::MAX, Ordering::Relaxed);
-    let _ = fs::remove_file(current);
-    outcome
+    progress.write();
+    Outcome { executions: progress.next(), failures: failures.into_values().collect() }
 }
 
-fn keep(folder: &Path, target: &str, execution: u64, input: &[u8]) {
-    let path: PathBuf = folder.join(format!("{target}.{execution}.failure"));
-    let _ = fs::write(path, input);
+/// A line for who watches the run.
+fn say(line: &str) {
+    use std::io::Write as _;
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Ends the process when one execution does not return.
-fn watch(name: &str, start: Instant, begun: Arc<AtomicU64>) {
+fn watch(name: &str, clock: ThreadClock, begun: Arc<AtomicU64>) {
     let name = name.to_owned();
     thread::spawn(move || {
         loop {
@@ -136,9 +195,8 @@ fn watch(name: &str, start: Instant, begun: Arc<AtomicU64>) {
             match begun.load(Ordering::Relaxed) {
                 u64::MAX => return,
                 0 => {}
-                since if start.elapsed().as_millis() as u64 > since + ENDLESS.as_millis() as u64 => {
-                    use std::io::Write as _;
-                    let _ = writeln!(std::io::stderr(), "{name}: endless; the input is {name}.input");
+                since if clock.time().as_millis() as u64 > since + ENDLESS.as_millis() as u64 => {
+                    say(&format!("{name}: endless; --resume names the input"));
                     std::process::exit(101);
                 }
                 _ => {}

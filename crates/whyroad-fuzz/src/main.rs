@@ -1,21 +1,23 @@
-//! `whyroad-fuzz [--seconds N] [--executions N] [--seed N] [--folder DIR] [TARGET...]`: runs fuzz targets, all by
-//! default. `--input FILE TARGET` runs one input again, with the usual panic message.
+//! `whyroad-fuzz [--seconds N] [--executions N] [--resume] [--seed N] [--folder DIR] [TARGET...]`: runs fuzz targets,
+//! all by default, for a minute each or until each has that many executions. `--resume` continues the run before with
+//! the same seed. `--input FILE TARGET` runs one input again, with the usual panic message.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
-use whyroad_fuzz::harness::{Limit, run};
+use whyroad_fuzz::harness::{Begin, Limit, Target, run};
 
 fn main() -> ExitCode {
-    let (mut seconds, mut executions, mut seed) = (60, u64::MAX, 1);
+    let (mut seconds, mut executions, mut seed, mut begin) = (None, None, 1, Begin::New);
     let (mut folder, mut input, mut names) = (PathBuf::from("target/fuzz-inputs"), None, Vec::new());
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().unwrap_or_default();
         match argument.as_str() {
-            "--seconds" => seconds = value().parse().unwrap_or(seconds),
-            "--executions" => executions = value().parse().unwrap_or(executions),
+            "--seconds" => seconds = value().parse().ok(),
+            "--executions" => executions = value().parse().ok(),
+            "--resume" => begin = Begin::Resumed,
             "--seed" => seed = value().parse().unwrap_or(seed),
             "--folder" => folder = value().into(),
             "--input" => input = Some(value()),
@@ -32,8 +34,15 @@ fn main() -> ExitCode {
         eprintln!("target '{unknown}' not found; the targets are {}", known.join(", "));
         return ExitCode::from(2);
     }
-    let chosen = targets.iter().filter(|t| names.is_empty() || names.contains(&t.name));
-    let limit = Limit { executions, time: Duration::from_secs(seconds) };
+    // In the order in which they were named.
+    let named = names.iter().flat_map(|n| targets.iter().filter(move |t| t.name == *n));
+    let chosen: Vec<&Target> = if names.is_empty() { targets.iter().collect() } else { named.collect() };
+    // A minute, unless a number of executions is asked for.
+    let usual = if executions.is_some() { Duration::MAX } else { Duration::from_secs(60) };
+    let limit = Limit {
+        executions: executions.unwrap_or(u64::MAX),
+        time: seconds.map_or(usual, Duration::from_secs),
+    };
     let mut failed = false;
     for target in chosen {
         if let Some(file) = &input {
@@ -41,15 +50,17 @@ fn main() -> ExitCode {
             (target.run)(&bytes);
             continue;
         }
-        let outcome = run(target, seed, limit, &folder);
+        let begun = std::time::Instant::now();
+        let outcome = run(target, seed, limit, begin, &folder);
         println!(
-            "{:<24} {:>9} executions  {} failures",
+            "{:<24} {:>9} executions  {:>7.1} s  {} failures",
             target.name,
             outcome.executions,
+            begun.elapsed().as_secs_f64(),
             outcome.failures.len()
         );
-        for (execution, what) in &outcome.failures {
-            println!("  {}.{execution}.failure: {what}", target.name);
+        for f in &outcome.failures {
+            println!("  {}.{}.failure, {} times: {}", target.name, f.execution, f.times, f.what);
         }
         failed |= !outcome.failures.is_empty();
     }

@@ -24,8 +24,13 @@ const TEXTS: [&str; 14] = [
 ];
 
 impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    /// One of its own for each execution of a run (SplitMix64's finalizer; Steele, Lea and Flood 2014).
+    pub fn of_execution(seed: u64, number: u64) -> Self {
+        let mut z =
+            seed.wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        Self((z ^ (z >> 31)) | 1)
     }
 
     fn next(&mut self) -> u64 {

@@ -1,5 +1,6 @@
 //! All targets. Seeds are the fixtures of the tests and the examples, so the harness runs inside the repository.
 
+mod cut;
 mod ingest;
 mod lake;
 mod text;

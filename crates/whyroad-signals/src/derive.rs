@@ -21,7 +21,7 @@ use crate::table::TableBuilder;
 use crate::target::approach;
 use crate::target::interaction::Interaction;
 use crate::target::lanes::TargetLanes;
-use crate::target::placement::{Surroundings, Target};
+use crate::target::placement::{PlacedRows, Surroundings, Target};
 use crate::target::relations::{self, Neighbours};
 use crate::target::rows::{Rows, observed_tracks};
 use crate::target::{self, crosswalk, free_width, line_crossing};
@@ -75,7 +75,11 @@ fn derive_part(drive: &Drive, part: Part) -> SignalTable {
         ego.write(&mut table);
         if let Some(on_road) = RoadStage::new(ego, network.as_ref()) {
             on_road.write(&mut table);
-            let mut placed = PlacedStage::new(&on_road);
+            let rows = match part {
+                Part::LastFrame => PlacedRows::Last,
+                Part::All => PlacedRows::All,
+            };
+            let mut placed = PlacedStage::new(&on_road, rows);
             placed.note_deviations(&estimated.tracks);
             match part {
                 Part::LastFrame => placed.write_places(&mut table),
@@ -202,8 +206,8 @@ pub(crate) struct PlacedStage<'a> {
 }
 
 impl<'a> PlacedStage<'a> {
-    /// Places all targets of the drive.
-    pub fn new(on_road: &'a RoadStage<'a>) -> Self {
+    /// Places all targets of the drive, in these of their rows.
+    pub fn new(on_road: &'a RoadStage<'a>, rows: PlacedRows) -> Self {
         let ego = on_road.ego;
         let around = Surroundings {
             ego: &ego.motion,
@@ -212,7 +216,7 @@ impl<'a> PlacedStage<'a> {
             road: on_road.road,
         };
         let targets: Vec<Target<'_>> =
-            observed_tracks(ego.drive).map(|t| approach::place(&around, t, &ego.times)).collect();
+            observed_tracks(ego.drive).map(|t| approach::place(&around, t, &ego.times, rows)).collect();
         let near = relations::neighbours(&targets, ego.motion.len());
         Self { on_road, around, targets, near }
     }

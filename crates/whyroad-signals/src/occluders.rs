@@ -5,6 +5,7 @@
 use crate::derive::{EgoStage, PlacedStage, RoadStage};
 use crate::road::network::Road;
 use crate::sight::{Occluder, hidden_by};
+use crate::target::placement::PlacedRows;
 use std::collections::BTreeMap;
 use whyroad_model::{Drive, TrackId};
 
@@ -15,7 +16,7 @@ pub fn occluders(drive: &Drive) -> BTreeMap<TrackId, Vec<(usize, Occluder)>> {
     let ego = EgoStage::of(drive, own);
     let road = drive.map.as_ref().map(Road::new);
     let Some(on_road) = RoadStage::new(&ego, road.as_ref()) else { return BTreeMap::new() };
-    let placed = PlacedStage::new(&on_road);
+    let placed = PlacedStage::new(&on_road, PlacedRows::All);
     let found = hidden_by(&placed.scene()).into_iter().zip(&placed.targets);
     found.filter(|(rows, _)| !rows.is_empty()).map(|(rows, t)| (t.track.id.clone(), rows)).collect()
 }

@@ -2,11 +2,15 @@
 
 mod made;
 
-use super::{file, unchanged, work_folder};
+use super::{cut, file, unchanged, work_folder};
 use crate::harness::Target;
 use std::fs;
 use std::path::Path;
 use whyroad_ingest::{AdapterRef, MAP, MAP_ORIGIN, Options, batches, comma2k19, find_sources, formats, mcap};
+
+/// Frames of a log that is made here, and of its small form.
+const FRAMES: i64 = 12;
+const FEW: i64 = 3;
 
 /// Name and content of a file.
 type Files = Vec<(String, Vec<u8>)>;
@@ -15,6 +19,8 @@ type Files = Vec<(String, Vec<u8>)>;
 struct Log {
     format: &'static str,
     files: Files,
+    /// Files of a few rows, by name: they lie beside the changed one, and are its small seeds.
+    small: Files,
     options: fn(&Path) -> Options,
 }
 
@@ -33,12 +39,13 @@ impl Log {
     /// The target that changes `name` of the log; `more` are further seeds of that file.
     fn changing(&self, target: &str, name: &str, more: Vec<Vec<u8>>) -> Target {
         let folder = work_folder();
-        for (name, content) in &self.files {
+        // What is read beside the changed file is short.
+        for (name, content) in self.files.iter().chain(&self.small) {
             let path = folder.path().join(name);
             let _ = path.parent().map(fs::create_dir_all);
             let _ = fs::write(path, content);
         }
-        let own = self.files.iter().find(|(n, _)| n == name).map(|(_, content)| content.clone());
+        let named = |files: &Files| files.iter().find(|(n, _)| n == name).map(|(_, content)| content.clone());
         let path = folder.path().join(name);
         let options = self.options;
         let format = formats::by_name(self.format).unwrap_or(formats::ALL[0]);
@@ -49,11 +56,26 @@ impl Log {
         };
         Target {
             name: target.to_owned(),
-            seeds: own.into_iter().chain(more).collect(),
+            seeds: named(&self.files).into_iter().chain(more).collect(),
+            small: named(&self.small).into_iter().collect(),
             repair: unchanged,
             run: Box::new(run),
         }
     }
+}
+
+/// Each file that `cut` makes smaller, cut to `most` rows.
+fn cut_to(most: usize, files: &Files) -> Files {
+    let cut = |(name, content): &(String, Vec<u8>)| {
+        let cut = match name.rsplit('.').next() {
+            Some("csv") => cut::lines(content, most + 1),
+            Some("xml" | "osm" | "xodr") => cut::xml(content, most),
+            Some("json") => cut::json(content, most),
+            _ => return None,
+        };
+        (cut.len() < content.len()).then(|| (name.clone(), cut))
+    };
+    files.iter().filter_map(cut).collect()
 }
 
 fn fixture(name: &str) -> Vec<u8> {
@@ -71,6 +93,7 @@ pub(super) fn targets() -> Vec<Target> {
     out.extend(tables());
     out.extend(maps());
     out.extend(bags());
+    out.extend(pai());
     out.extend(others());
     out
 }
@@ -83,12 +106,15 @@ fn sumo() -> Vec<Target> {
     ];
     let log = |fcd: &str, from: &str| {
         let list: Vec<(&str, &str)> = beside.into_iter().chain([(fcd, from)]).collect();
-        Log { format: "sumo", files: files(&list), options: defaults }
+        let files = files(&list);
+        Log { format: "sumo", small: cut_to(3, &files), files, options: defaults }
     };
     let plain = log("fcd.xml", "crossroads.fcd.xml");
     let gz = {
         let mut log = log("fcd.xml.gz", "crossroads.fcd.xml");
+        let short = cut::xml(&fixture("crossroads.fcd.xml"), 3);
         log.files.iter_mut().filter(|(n, _)| n == "fcd.xml.gz").for_each(|(_, c)| *c = made::gzip(c));
+        log.small.push(("fcd.xml.gz".into(), made::gzip(&short)));
         log
     };
     vec![
@@ -105,20 +131,21 @@ fn sumo() -> Vec<Target> {
 
 fn av2() -> Vec<Target> {
     let map = made::av2_map();
-    let sensor = Log {
-        format: "av2",
-        files: vec![
-            ("annotations.feather".into(), made::annotations()),
-            ("city_SE3_egovehicle.feather".into(), made::poses()),
+    let sensor = |frames| -> Files {
+        vec![
+            ("annotations.feather".into(), made::annotations(frames)),
+            ("city_SE3_egovehicle.feather".into(), made::poses(frames)),
             ("map/log_map_archive_a____PIT_city_1.json".into(), map.clone()),
-        ],
-        options: defaults,
+        ]
     };
-    let motion = Log {
-        format: "av2-motion",
-        files: vec![("scenario_a.parquet".into(), made::scenario()), ("log_map_archive_a.json".into(), map)],
-        options: defaults,
+    let sensor = Log { format: "av2", files: sensor(FRAMES), small: sensor(FEW), options: defaults };
+    let motion = |frames| -> Files {
+        vec![
+            ("scenario_a.parquet".into(), made::scenario(frames)),
+            ("log_map_archive_a.json".into(), map.clone()),
+        ]
     };
+    let motion = Log { format: "av2-motion", files: motion(FRAMES), small: motion(FEW), options: defaults };
     vec![
         sensor.changing("av2-annotations", "annotations.feather", vec![]),
         sensor.changing("av2-poses", "city_SE3_egovehicle.feather", vec![]),
@@ -130,7 +157,8 @@ fn av2() -> Vec<Target> {
 fn comma() -> Vec<Target> {
     let log = Log {
         format: "comma2k19",
-        files: made::comma_segment(),
+        files: made::comma_segment(40),
+        small: made::comma_segment(4),
         options: |folder| Options::default().with(&comma2k19::DBC, folder.join("car.dbc")),
     };
     let arrays = ["frame_times", "frame_positions", "frame_orientations", "frame_gps_times"];
@@ -154,11 +182,8 @@ fn tables() -> Vec<Target> {
     let example = |name: &str| file(&format!("examples/table/following/{name}"));
     let names =
         ["drive.yaml", "ego.csv", "objects.csv", "lanes.csv", "areas.csv", "lights.csv", "context.csv"];
-    let log = Log {
-        format: "table",
-        files: names.iter().map(|n| ((*n).to_owned(), example(n))).collect(),
-        options: defaults,
-    };
+    let files: Files = names.iter().map(|n| ((*n).to_owned(), example(n))).collect();
+    let log = Log { format: "table", small: cut_to(4, &files), files, options: defaults };
     let mut out: Vec<Target> = names
         .iter()
         .map(|n| log.changing(&format!("table-{}", n.split('.').next().unwrap_or(n)), n, vec![]))
@@ -167,8 +192,9 @@ fn tables() -> Vec<Target> {
         format: "table",
         files: vec![
             ("drive.yaml".into(), example("drive.yaml")),
-            ("ego.parquet".into(), made::ego_parquet()),
+            ("ego.parquet".into(), made::ego_parquet(FRAMES)),
         ],
+        small: vec![("ego.parquet".into(), made::ego_parquet(FEW))],
         options: defaults,
     };
     out.push(parquet.changing("table-parquet", "ego.parquet", vec![]));
@@ -178,8 +204,11 @@ fn tables() -> Vec<Target> {
 /// Maps beside a log on the same ground.
 fn maps() -> Vec<Target> {
     let log = |name: &'static str, from: &'static str, options: fn(&Path) -> Options| {
-        let list = [("fcd.xml.gz", "maps/town.fcd.xml.gz"), (name, from)];
-        Log { format: "sumo", files: files(&list), options }
+        let files = files(&[("fcd.xml.gz", "maps/town.fcd.xml.gz"), (name, from)]);
+        let mut small = cut_to(2, &files);
+        let drive = made::gunzip(&fixture("maps/town.fcd.xml.gz"));
+        small.push(("fcd.xml.gz".into(), made::gzip(&cut::xml(&drive, 3))));
+        Log { format: "sumo", small, files, options }
     };
     vec![
         log("map.xodr", "maps/town.xodr", |f| Options::default().with(&MAP, f.join("map.xodr"))).changing(
@@ -203,13 +232,11 @@ fn bags() -> Vec<Target> {
     let log = Log {
         format: "rosbag",
         files: files(&[("a.bag", "rosbag/lz4.bag"), ("map.yaml", "rosbag/tracks.yaml")]),
+        small: Vec::new(),
         options: |folder| Options::default().with(&mcap::MAPPING, folder.join("map.yaml")),
     };
-    let labels = Log {
-        format: "openlabel",
-        files: files(&[("scene.json", "openlabel/scene.json")]),
-        options: defaults,
-    };
+    let scene = files(&[("scene.json", "openlabel/scene.json")]);
+    let labels = Log { format: "openlabel", small: cut_to(3, &scene), files: scene, options: defaults };
     vec![
         log.changing("rosbag-chunks", "a.bag", vec![fixture("rosbag/bz2.bag")]),
         log.changing("rosbag-plain", "a.bag", vec![fixture("rosbag/plain.bag")]),
@@ -217,20 +244,64 @@ fn bags() -> Vec<Target> {
     ]
 }
 
+/// The tree of PhysicalAI-AV, whose chunks are archives of Parquet files.
+fn pai() -> Vec<Target> {
+    let root = super::repository().join("crates/whyroad-ingest/tests/fixtures/pai/tree");
+    let mut log = Log { format: "pai", files: Vec::new(), small: Vec::new(), options: defaults };
+    files_below(&root, "", &mut log.files);
+    let changed = [
+        ("pai-features", "features.csv"),
+        ("pai-clips", "clip_index.parquet"),
+        ("pai-egomotion", "labels/egomotion/egomotion.chunk_0000.zip"),
+        ("pai-obstacles", "labels/obstacle.offline/obstacle.offline.chunk_0000.zip"),
+    ];
+    changed.iter().map(|(target, name)| log.changing(target, name, vec![])).collect()
+}
+
+/// All files below `root`, by their names from `name` on, in order.
+fn files_below(root: &Path, name: &str, out: &mut Files) {
+    let mut names: Vec<String> = fs::read_dir(root.join(name))
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    for entry in names {
+        let below = if name.is_empty() { entry } else { format!("{name}/{entry}") };
+        match fs::read(root.join(&below)) {
+            Ok(content) => out.push((below, content)),
+            Err(_) => files_below(root, &below, out),
+        }
+    }
+}
+
 fn others() -> Vec<Target> {
     let mcap = Log {
         format: "mcap",
         files: files(&[("a.mcap", "mcap/fleet.mcap"), ("map.yaml", "mcap/fleet.yaml")]),
+        small: Vec::new(),
         options: |folder| Options::default().with(&mcap::MAPPING, folder.join("map.yaml")),
     };
-    let plain = Log { format: "mcap", files: files(&[("a.mcap", "mcap/ros2_lz4.mcap")]), options: defaults };
+    let plain = Log {
+        format: "mcap",
+        files: files(&[("a.mcap", "mcap/ros2_lz4.mcap")]),
+        small: Vec::new(),
+        options: defaults,
+    };
     let pickles =
         ["p2", "p3", "p4", "p5", "numpy1"].map(|p| fixture(&format!("scenarionet/sd_byhand_{p}.pkl")));
     let [first, more @ ..] = pickles;
-    let scenario = Log { format: "scenarionet", files: vec![("sd_a.pkl".into(), first)], options: defaults };
+    let scenario = Log {
+        format: "scenarionet",
+        files: vec![("sd_a.pkl".into(), first)],
+        small: Vec::new(),
+        options: defaults,
+    };
     let waymo = Log {
         format: "waymo-motion",
         files: files(&[("a.tfrecord", "waymo/byhand.tfrecord-00000-of-00001")]),
+        small: Vec::new(),
         options: defaults,
     };
     let mut behind = waymo.changing("waymo-messages", "a.tfrecord", vec![]);
@@ -249,15 +320,13 @@ fn others() -> Vec<Target> {
 }
 
 fn nuscenes() -> Vec<Target> {
-    let mut log = Log { format: "nuscenes", files: Vec::new(), options: defaults };
+    let mut log = Log { format: "nuscenes", files: Vec::new(), small: Vec::new(), options: defaults };
     let root = super::repository().join("crates/whyroad-ingest/tests/fixtures/nuscenes");
     for folder in ["v1.0-byhand", "can_bus", "maps/expansion"] {
-        for entry in fs::read_dir(root.join(folder)).into_iter().flatten().flatten() {
-            let name = format!("{folder}/{}", entry.file_name().to_string_lossy());
-            log.files.push((name, fs::read(entry.path()).unwrap_or_default()));
-        }
+        files_below(&root, folder, &mut log.files);
     }
     log.files.sort();
+    log.small = cut_to(3, &log.files);
     let tables = ["scene", "sample", "sample_annotation", "sample_data", "ego_pose"];
     let mut out: Vec<Target> = tables
         .iter()

@@ -27,21 +27,28 @@ fn targets_in(folder: &Path, make: &dyn Fn(&str) -> Target) -> Vec<Target> {
     names.iter().map(|n| make(n)).collect()
 }
 
+/// Frames of the small drive, which lies beside the changed file.
+const FEW: usize = 3;
+
 pub(super) fn targets() -> Vec<Target> {
     let Some(drive) = drive() else { return Vec::new() };
+    let few = drive.until_frame(FEW);
     let id = drive.meta.drive_id.clone();
-    let folder = work_folder();
-    let written = Lake::create_or_open(folder.path()).and_then(|lake| lake.write_drive(&drive));
-    if written.is_err() {
+    let (whole, small) = (work_folder(), work_folder());
+    let in_lake = |folder: &Path, drive: &Drive| {
+        let written = Lake::create_or_open(folder).and_then(|lake| lake.write_drive(drive));
+        written.is_ok().then(|| folder.join("drives").join(id.as_str()))
+    };
+    let (Some(seeds), Some(_)) = (in_lake(whole.path(), &drive), in_lake(small.path(), &few)) else {
         return Vec::new();
-    }
-    let below = folder.path().join("drives").join(id.as_str());
-    let mut out = targets_in(&below, &|name| {
-        let (own, id) = (copy_of(folder.path()), id.clone());
+    };
+    let mut out = targets_in(&seeds, &|name| {
+        let (own, id) = (copy_of(small.path()), id.clone());
         let path = own.path().join("drives").join(id.as_str()).join(name);
         Target {
             name: format!("lake-{}", name.split('.').next().unwrap_or(name)),
-            seeds: vec![fs::read(&path).unwrap_or_default()],
+            seeds: fs::read(seeds.join(name)).into_iter().collect(),
+            small: fs::read(&path).into_iter().collect(),
             repair: unchanged,
             run: Box::new(move |bytes| {
                 let _ = fs::write(&path, bytes);
@@ -52,15 +59,18 @@ pub(super) fn targets() -> Vec<Target> {
             }),
         }
     });
-    let signals = work_folder();
-    let table = whyroad_signals::derive(&drive);
-    if write_signals(signals.path(), "1", &[(String::new(), &table)]).is_ok() {
-        out.extend(targets_in(signals.path(), &|name| {
-            let own = copy_of(signals.path());
+    let (whole, small) = (work_folder(), work_folder());
+    let stored = |folder: &Path, drive: &Drive| {
+        write_signals(folder, "1", &[(String::new(), &whyroad_signals::derive(drive))]).is_ok()
+    };
+    if stored(whole.path(), &drive) && stored(small.path(), &few) {
+        out.extend(targets_in(whole.path(), &|name| {
+            let own = copy_of(small.path());
             let path = own.path().join(name);
             Target {
                 name: format!("signals-{}", name.split('.').next().unwrap_or(name)),
-                seeds: vec![fs::read(&path).unwrap_or_default()],
+                seeds: fs::read(whole.path().join(name)).into_iter().collect(),
+                small: fs::read(&path).into_iter().collect(),
                 repair: unchanged,
                 run: Box::new(move |bytes| {
                     let _ = fs::write(&path, bytes);

@@ -10,6 +10,7 @@ pub(super) fn targets() -> Vec<Target> {
     let text = |name: &str, seeds: Vec<Vec<u8>>, run: crate::harness::Parser| Target {
         name: name.to_owned(),
         seeds,
+        small: Vec::new(),
         repair: unchanged,
         run,
     };
@@ -24,6 +25,7 @@ pub(super) fn targets() -> Vec<Target> {
         "examples/blind_spot_example.json",
         "examples/vru_crossing_example.json",
     ];
+    let checker = Checker::new(Framework::bundled());
     vec![
         text(
             "yaml",
@@ -38,8 +40,7 @@ pub(super) fn targets() -> Vec<Target> {
         text(
             "label-json",
             labels.iter().map(|p| file(p)).collect(),
-            Box::new(|bytes| {
-                let checker = Checker::new(Framework::bundled());
+            Box::new(move |bytes| {
                 drop(checker.check_text(&String::from_utf8_lossy(bytes)));
             }),
         ),

@@ -3,8 +3,8 @@
 
 use super::{Outcome, Reached, candidates, reach};
 use crate::episode::build::{locate, measured, truth_at};
-use crate::interpret::{Evaluator, Roles, Series};
-use crate::language::program::truth_in_words;
+use crate::interpret::{Evaluator, Pass, Roles, Series};
+use crate::language::program::{Atom, NodeId, Op, truth_in_words};
 use crate::rule::{PartPlace, Rule};
 use serde_json::Value;
 use whyroad_model::{Bilingual, FrameRange, Nanos, ScenarioId, SignalTable, TrackId, Tri};
@@ -89,6 +89,19 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
             said += rarity;
             continue;
         }
+        let lacking = lacking(rule, part.condition, row, &mut evaluator, &mut pass);
+        let of_part = |id: &NodeId| part.atoms.iter().find(|a| a.condition == *id);
+        // Of a condition that is made of others, those that fail; the whole of it where these have no words.
+        let failing = lacking.iter().map(of_part).collect::<Option<Vec<&Atom>>>();
+        if let Some(failing) = failing.filter(|_| lacking != [part.condition]) {
+            for atom in failing {
+                let (text, words) = (atom.text.clone(), atom.words.clone());
+                let actual = measured(atom, row, &mut evaluator, &mut pass);
+                let (actual_words, unit) = (atom.value_in_words(&actual), atom.unit.symbol);
+                unmet.push(UnmetCondition { text, words, actual, actual_words, unit });
+            }
+            continue;
+        }
         let mut failing = part
             .atoms
             .iter()
@@ -124,6 +137,38 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         nearness: if all > 0.0 { said / all } else { 0.0 },
         margin: reached.margin,
     })
+}
+
+/// What keeps a condition from holding at `row`: the members of a conjunction that do not hold, also of one that must
+/// last; of a disjunction those of the alternative that lacks fewest. Where alternatives lack equally many, it is the
+/// disjunction itself, and else the condition itself.
+fn lacking<'a>(
+    rule: &'a Rule,
+    id: NodeId,
+    row: usize,
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> Vec<NodeId> {
+    if truth_at(id, row, evaluator, pass).0 == Tri::True {
+        return Vec::new();
+    }
+    match &rule.program.node(id).op {
+        Op::And(all) => all.iter().flat_map(|of| lacking(rule, *of, row, evaluator, pass)).collect(),
+        // What holds at the moment, but not long enough, is the condition itself.
+        Op::For(of, _) | Op::Bridge(of, _) => match lacking(rule, *of, row, evaluator, pass) {
+            none if none.is_empty() => vec![id],
+            some => some,
+        },
+        Op::Or(all) => {
+            let mut each: Vec<_> = all.iter().map(|of| lacking(rule, *of, row, evaluator, pass)).collect();
+            each.sort_by_key(Vec::len);
+            match &each[..] {
+                [first, second, ..] if first.len() == second.len() => vec![id],
+                _ => each.swap_remove(0),
+            }
+        }
+        _ => vec![id],
+    }
 }
 
 /// What a condition says where it holds, in bits: nothing where it holds in every row, most where it never does (its
@@ -171,5 +216,27 @@ mod tests {
         ];
         let found = nearest(&rules, &table, FrameRange::new(2, 10), 2);
         assert_eq!(found[0].scenario.to_string(), "a.b.rare", "{found:?}");
+    }
+
+    #[test]
+    fn of_a_condition_made_of_others_the_one_that_fails_is_named() {
+        let n = 10;
+        let mut table =
+            SignalTable { times: (0..n).map(|i| Nanos(i * 100_000_000)).collect(), ..SignalTable::default() };
+        for (name, value) in [("ego.speed", 7.0), ("ego.accel", 0.0), ("ego.yaw_rate", 0.1)] {
+            table.frame_columns.insert(name.into(), Column::Number(vec![value; 10]));
+        }
+        // The columns are constant: what holds at one frame holds at all, and is told by hand.
+        let unmet = |text: &str| -> Vec<String> {
+            let found = nearest(&[rule("a.b.c", text)], &table, FrameRange::new(0, 10), 1);
+            found[0].unmet.iter().map(|u| u.text.clone()).collect()
+        };
+        let and = "((ego.speed > 5 m/s and ego.accel > 1 m/s2) for 0.3 s) and ego.yaw_rate < 1 rad/s";
+        assert_eq!(unmet(and), ["ego.accel > 1m/s2"]);
+        // The first alternative lacks one of its two, the second both.
+        let or = "ego.speed > 5 m/s and ego.accel > 1 m/s2 or ego.speed > 9 m/s and ego.accel > 2 m/s2";
+        assert_eq!(unmet(or), ["ego.accel > 1m/s2"]);
+        let equal = "ego.speed > 9 m/s or ego.accel > 1 m/s2";
+        assert_eq!(unmet(equal), ["(ego.speed > 9m/s) or (ego.accel > 1m/s2)"]);
     }
 }

@@ -5,6 +5,7 @@
 //! flow: an imported label is a proposal that somebody labels through, checks and accepts like any other.
 
 mod read;
+mod task_lines;
 
 use crate::app::App;
 use crate::domain::project::Project;
@@ -14,12 +15,10 @@ use crate::problem::{Answer, Problem};
 use crate::service::copies::NOT_GOLD;
 use crate::service::create::{self, LastDrive};
 use crate::service::projects;
-use crate::service::projects::parse;
 use crate::service::tasks::{self, TaskRow};
 use crate::store::{Store, Tx};
 use crate::values;
 use read::{Incoming, read_line};
-use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use whyroad_model::messages::CocLabel;
@@ -80,23 +79,31 @@ impl ExportFormat {
     }
 }
 
-/// Tasks read in one transaction: an export goes on beside the work of others, and holds no connection while its
+/// Labels read in one transaction: an export goes on beside the work of others, and holds no connection while its
 /// receiver is slow.
 const EXPORTED_AT_ONCE: usize = 200;
-/// Fewer, once they are this long, bytes: a task that was edited all day has a long history.
-const BYTES_AT_ONCE: usize = 1 << 20;
+/// A transaction ends once it has read this much, bytes.
+const BYTES_AT_ONCE: usize = 1 << 18;
 
 /// Writes the lines of an export, by clip, then class, then number in the overlap group; each task as it is when its
 /// turn comes. Never whole in memory.
 pub fn export_to(store: &Store, project: &str, format: &ExportFormat, out: &mut dyn Write) -> Answer<()> {
-    let names = store.report(user_names)?;
     let ids = store.report(|tx| exported_ids(tx, project, format))?;
-    let mut rest = ids.as_slice();
+    match format {
+        ExportFormat::Tasks => task_lines::write(store, &ids, &store.report(user_names)?, out),
+        ExportFormat::Labels(_, version) => label_lines(store, &ids, *version, out),
+    }
+}
+
+fn label_lines(store: &Store, ids: &[String], version: LabelVersion, out: &mut dyn Write) -> Answer<()> {
+    let mut rest = ids;
     while !rest.is_empty() {
         let (text, lines) = store.report(|tx| {
             let (mut text, mut lines) = (String::new(), 0);
             for id in rest.iter().take(EXPORTED_AT_ONCE) {
-                line(tx, id, format, &names, &mut text)?;
+                let row = tx.row("SELECT draft FROM tasks WHERE id = $1", values![id])?;
+                text.push_str(&label_line(row.ok_or_else(Problem::missing)?.text("draft")?, version)?);
+                text.push('\n');
                 lines += 1;
                 if text.len() >= BYTES_AT_ONCE {
                     break;
@@ -135,28 +142,6 @@ fn exported_ids(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer
     Ok(ids)
 }
 
-fn line(
-    tx: &mut dyn Tx,
-    id: &str,
-    format: &ExportFormat,
-    names: &HashMap<String, String>,
-    out: &mut String,
-) -> Answer<()> {
-    match format {
-        ExportFormat::Tasks => {
-            let t = tasks::get(tx, id)?;
-            out.push_str(&task_line(tx, &t, names)?.to_string());
-        }
-        ExportFormat::Labels(_, version) => {
-            let row =
-                tx.row("SELECT draft FROM tasks WHERE id = $1", values![id])?.ok_or_else(Problem::missing)?;
-            out.push_str(&label_line(row.text("draft")?, *version)?);
-        }
-    }
-    out.push('\n');
-    Ok(())
-}
-
 /// The lines of an export as one text, for small ones and tests.
 pub fn export(store: &Store, project: &str, format: &ExportFormat) -> Answer<String> {
     let mut out = Vec::new();
@@ -179,41 +164,6 @@ fn label_line(draft: String, version: LabelVersion) -> Answer<String> {
         Ok(label) => serde_json::to_string(&label.to_2_0()).map_err(Problem::store),
         Err(_) => Ok(draft),
     }
-}
-
-fn task_line(tx: &mut dyn Tx, t: &TaskRow, names: &HashMap<String, String>) -> Answer<Value> {
-    let name = |id: Option<&str>| id.map(|id| names.get(id).map_or(id, String::as_str).to_owned());
-    let history = tx.rows(
-        "SELECT seq, at, actor, action, from_state, to_state, changes, snapshot, note, version
-         FROM history WHERE task_id = $1 ORDER BY seq",
-        values![&t.id],
-    )?;
-    let json_text = |text: Option<String>| text.map_or(Ok(Value::Null), |text| parse::<Value>(&text));
-    let history = history.iter().map(|r| {
-        Ok(json!({
-            "seq": r.int("seq")?, "at": r.int("at")?, "actor": name(r.maybe_text("actor")?.as_deref()), "action": r.text("action")?,
-            "from_state": r.maybe_text("from_state")?, "to_state": r.maybe_text("to_state")?, "changes": json_text(r.maybe_text("changes")?)?,
-            "draft": json_text(r.maybe_text("snapshot")?)?, "note": r.maybe_text("note")?, "version": r.int("version")?,
-        }))
-    });
-    let comments = tx.rows(
-        "SELECT path, author, body, at, resolved FROM comments WHERE task_id = $1 ORDER BY at, id",
-        values![&t.id],
-    )?;
-    let comments = comments.iter().map(|r| {
-        Ok(json!({
-            "path": r.text("path")?, "author": name(Some(&r.text("author")?)), "text": r.text("body")?, "at": r.int("at")?,
-            "resolved": r.flag("resolved")?,
-        }))
-    });
-    Ok(json!({ "task": {
-        "id": t.id, "episode": t.episode, "overlap_index": t.overlap_index, "overlap_count": t.overlap_count,
-        "priority": t.priority, "state": t.at.state, "author": name(t.at.author()),
-        "checker": name(t.at.checker.as_deref()), "auditor": name(t.at.auditor.as_deref()),
-        "adjudication": t.adjudication, "initial": t.initial, "draft": t.draft, "version": t.version,
-        "created": t.created, "updated": t.updated,
-        "history": history.collect::<Answer<Vec<Value>>>()?, "comments": comments.collect::<Answer<Vec<Value>>>()?,
-    }}))
 }
 
 /// Reads JSON lines into `project`. What cannot be read is named with its line and does not stop the rest. When the

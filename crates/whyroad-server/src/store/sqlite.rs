@@ -1,16 +1,23 @@
 //! SQLite: one writer thread that commits in groups, readers beside it (WAL).
 
+mod log_file;
+mod readers;
+
 use super::backend::{Backend, Job, Purpose};
 use super::sql::{Row, Tx, Value, holdable};
 use super::{migrate, private};
 use crate::problem::{Answer, Problem};
+use log_file::LogFile;
+use readers::Readers;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags, ToSql};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::sync::{Arc, Condvar, Mutex};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+/// Bytes of a page, as SQLite makes new files.
+const PAGE: i64 = 4096;
 /// Requests committed together at most.
 const GROUP: usize = 128;
 /// Readers at once: for work, and for reports.
@@ -21,21 +28,8 @@ const BUSY: Duration = Duration::from_secs(10);
 
 pub(super) struct Sqlite {
     jobs: Mutex<Sender<Waiting>>,
-    readers: Readers,
-    reporters: Readers,
-}
-
-/// Connections that read, and a bell for who waits for one.
-struct Readers {
-    idle: Mutex<Vec<Connection>>,
-    free: Condvar,
-}
-
-impl Readers {
-    fn open(path: &Path, n: usize) -> Answer<Self> {
-        let idle = (0..n).map(|_| connect(path)).collect::<Answer<Vec<_>>>()?;
-        Ok(Self { idle: Mutex::new(idle), free: Condvar::new() })
-    }
+    readers: Arc<Readers>,
+    reporters: Arc<Readers>,
 }
 
 struct Waiting {
@@ -46,12 +40,21 @@ struct Waiting {
 impl Sqlite {
     /// Opens the file; also where a copy of it was put before its tables were brought forward.
     pub(super) fn open(path: &Path) -> Answer<(Self, Option<PathBuf>)> {
+        Self::open_with_log(path, log_file::LONG)
+    }
+
+    /// The same, with a log of changes that is emptied from this length on.
+    fn open_with_log(path: &Path, long: u64) -> Answer<(Self, Option<PathBuf>)> {
         if let Some(dir) = path.parent().filter(|d| !d.as_os_str().is_empty()) {
             private::folder(dir).map_err(Problem::store)?;
         }
         private::file(path).map_err(Problem::store)?;
         let mut writer = connect(path)?;
         writer.execute_batch("PRAGMA journal_mode = WAL").map_err(problem)?;
+        // Not with each commit, which would wait for it: see `log_file`. This is for a log that it cannot empty.
+        writer
+            .pragma_update(None, "wal_autocheckpoint", 4 * log_file::LONG as i64 / PAGE)
+            .map_err(problem)?;
         let version = migrate::version(&mut Plain(&mut writer))?;
         let copy = (version > 0 && version < migrate::LATEST)
             .then(|| PathBuf::from(format!("{}.before-{}", path.display(), migrate::LATEST)));
@@ -62,11 +65,13 @@ impl Sqlite {
         writer.execute_batch("BEGIN IMMEDIATE").map_err(problem)?;
         migrate::to(&mut Plain(&mut writer), migrate::LATEST)?;
         writer.execute_batch("COMMIT").map_err(problem)?;
-        let (readers, reporters) = (Readers::open(path, READERS)?, Readers::open(path, REPORTERS)?);
+        let (readers, reporters) =
+            (Arc::new(Readers::open(path, READERS)?), Arc::new(Readers::open(path, REPORTERS)?));
+        let log = LogFile::keep_short(path, long, [Arc::clone(&readers), Arc::clone(&reporters)])?;
         let (jobs, queue) = channel();
         std::thread::Builder::new()
             .name("whyroad-store".to_owned())
-            .spawn(move || write_loop(writer, &queue))
+            .spawn(move || write_loop(writer, &queue, &log))
             .map_err(Problem::store)?;
         Ok((Self { jobs: Mutex::new(jobs), readers, reporters }, copy))
     }
@@ -84,28 +89,20 @@ impl Backend for Sqlite {
             Purpose::Work => &self.readers,
             Purpose::Report => &self.reporters,
         };
-        let mut pool = readers.idle.lock().map_err(Problem::store)?;
-        let mut connection = loop {
-            match pool.pop() {
-                Some(c) => break c,
-                None => pool = readers.free.wait(pool).map_err(Problem::store)?,
-            }
-        };
-        drop(pool);
+        let mut connection = readers.take()?;
         let result = connection
             .execute_batch("BEGIN")
             .map_err(problem)
             .and_then(|()| job(&mut Plain(&mut connection)));
         let ended = connection.execute_batch("COMMIT").map_err(problem);
-        readers.idle.lock().map_err(Problem::store)?.push(connection);
-        readers.free.notify_one();
+        readers.give(connection);
         result.and(ended)
     }
 
     fn empty_log(&self) -> Answer<bool> {
-        let pool = self.reporters.idle.lock().map_err(Problem::store)?;
-        let Some(connection) = pool.first() else { return Ok(false) };
+        let connection = self.reporters.take()?;
         let busy = connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| row.get::<_, i64>(0));
+        self.reporters.give(connection);
         Ok(busy.map_err(problem)? == 0)
     }
 }
@@ -121,7 +118,7 @@ fn connect(path: &Path) -> Answer<Connection> {
     Ok(connection)
 }
 
-fn write_loop(mut writer: Connection, queue: &Receiver<Waiting>) {
+fn write_loop(mut writer: Connection, queue: &Receiver<Waiting>, log: &LogFile) {
     while let Ok(first) = queue.recv() {
         let mut group = vec![first];
         group.extend(queue.try_iter().take(GROUP - 1));
@@ -130,6 +127,7 @@ fn write_loop(mut writer: Connection, queue: &Receiver<Waiting>) {
             // Who no longer waits needs no answer.
             let _ = waiting.done.send(answer);
         }
+        log.committed();
     }
 }
 
@@ -229,3 +227,6 @@ fn problem(e: rusqlite::Error) -> Problem {
         _ => Problem::store(e),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,7 @@
 
 use crate::geometry::wrap;
 use crate::target::gaps::{self, gap};
-use crate::target::placement::{Approach, Placement, Surroundings, Target};
+use crate::target::placement::{Approach, PlacedRows, Placement, Surroundings, Target};
 use std::f64::consts::PI;
 use whyroad_model::scene::Track;
 
@@ -45,9 +45,9 @@ pub fn along(p: &Placement) -> f64 {
     if course_of(p) == Course::Across { along.max(0.0) } else { along }
 }
 
-/// Places `track` in all its rows, with gaps and closing speeds; `times` in seconds by frame.
-pub fn place<'t>(around: &Surroundings<'_>, track: &'t Track, times: &[f64]) -> Target<'t> {
-    let mut target = around.place(track, times);
+/// Places `track` in these of its rows, with gaps and closing speeds; `times` in seconds by frame.
+pub fn place<'t>(around: &Surroundings<'_>, track: &'t Track, times: &[f64], rows: PlacedRows) -> Target<'t> {
+    let mut target = around.place(track, times, rows);
     for p in target.places.iter_mut().flatten() {
         let gap = gap(p, around.ego.length);
         p.approach = Approach { gap, closing: closing(p, gap, around) };

@@ -176,6 +176,15 @@ impl Placement {
     }
 }
 
+/// In which rows of its track a target is placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlacedRows {
+    /// In all.
+    All,
+    /// In the last one.
+    Last,
+}
+
 /// What a placement is made from.
 pub struct Surroundings<'a> {
     /// The ego.
@@ -198,29 +207,61 @@ const PATH_MARGIN_M: f64 = 0.3;
 const BAND_STEP_M: f64 = 0.5;
 
 impl<'a> Surroundings<'a> {
-    /// Places `track` in all its rows, without gaps and closing speeds, which [`crate::target::approach::place`] adds;
-    /// `times` in seconds by frame.
-    pub(super) fn place<'t>(&self, track: &'t Track, times: &[f64]) -> Target<'t> {
+    /// Places `track` in these of its rows, without gaps and closing speeds, which [`crate::target::approach::place`]
+    /// adds; `times` in seconds by frame.
+    pub(super) fn place<'t>(&self, track: &'t Track, times: &[f64], rows: PlacedRows) -> Target<'t> {
         let m = &track.motion;
         let times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
         let forward_speed: Vec<f64> = (0..m.len()).map(|r| m.forward_speed(r)).collect();
         let speed: Vec<f64> = (0..m.len()).map(|r| m.speed(r)).collect();
-        let mut before = None;
-        let mut places: Vec<Option<Placement>> =
-            (0..m.len()).map(|row| self.at(track, row, &mut before)).collect();
-        let mut was_in_way = false;
-        for place in &mut places {
-            let Some(p) = place else { continue };
-            let held = |p: &Placement| {
-                p.intrusion().is_some_and(|d| d > 0.0)
-                    && self.road.is_some_and(|r| r.in_junction(p.footprint.centre))
-            };
-            p.in_way = p.centre_in_way() || (was_in_way && held(p));
-            was_in_way = p.in_way;
-        }
+        let places = match rows {
+            PlacedRows::All => self.all_rows(track),
+            PlacedRows::Last => self.last_row(track),
+        };
         let accel = given_or_slope(&m.accel, &times, &forward_speed);
         let standstill = below_with_hysteresis(&speed, STANDSTILL_SET_MPS, STANDSTILL_RELEASE_MPS);
         Target { track, times, speed, forward_speed, accel, standstill, places, sd: None }
+    }
+
+    fn all_rows(&self, track: &Track) -> Vec<Option<Placement>> {
+        let mut before = None;
+        let mut places: Vec<Option<Placement>> =
+            (0..track.motion.len()).map(|row| self.at(track, row, &mut before)).collect();
+        let mut was_in_way = false;
+        for p in places.iter_mut().flatten() {
+            p.in_way = p.centre_in_way() || (was_in_way && self.is_held_in_way(p));
+            was_in_way = p.in_way;
+        }
+        places
+    }
+
+    /// The last of [`Surroundings::all_rows`]; the others are `None`. Earlier rows are looked at only as far as they
+    /// say whether the target was in the ego's way.
+    fn last_row(&self, track: &Track) -> Vec<Option<Placement>> {
+        let mut places = vec![None; track.motion.len()];
+        let mut before = None;
+        let mut rows = (0..places.len()).rev();
+        let Some(mut last) = rows.next().and_then(|row| self.at(track, row, &mut before)) else {
+            return places;
+        };
+        last.in_way = last.centre_in_way();
+        let mut held = !last.in_way && self.is_held_in_way(&last);
+        while held && let Some(row) = rows.next() {
+            // A row without a place changes nothing.
+            if let Some(p) = self.at(track, row, &mut before) {
+                last.in_way = p.centre_in_way();
+                held = !last.in_way && self.is_held_in_way(&p);
+            }
+        }
+        if let Some(place) = places.last_mut() {
+            *place = Some(last);
+        }
+        places
+    }
+
+    /// Inside junctions, where no lines are drawn, who was in the ego's way stays in it until they have left it whole.
+    fn is_held_in_way(&self, p: &Placement) -> bool {
+        p.intrusion().is_some_and(|d| d > 0.0) && self.road.is_some_and(|r| r.in_junction(p.footprint.centre))
     }
 
     /// First and last arc length of the points around a footprint that are in the band swept by the ego while its

@@ -4,22 +4,21 @@ use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch,
 use arrow_ipc::CompressionType;
 use arrow_ipc::writer::{FileWriter, IpcWriteOptions};
 use parquet::arrow::ArrowWriter;
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::sync::Arc;
 
-const FRAMES: i64 = 12;
 const T0: i64 = 315_966_253_660_357_000;
 
-fn numbers(value: impl Fn(f64) -> f64) -> ArrayRef {
-    Arc::new(Float64Array::from_iter_values((0..FRAMES).map(|i| value(i as f64))))
+fn numbers(rows: i64, value: impl Fn(f64) -> f64) -> ArrayRef {
+    Arc::new(Float64Array::from_iter_values((0..rows).map(|i| value(i as f64))))
 }
 
-fn integers(value: impl Fn(i64) -> i64) -> ArrayRef {
-    Arc::new(Int64Array::from_iter_values((0..FRAMES).map(value)))
+fn integers(rows: i64, value: impl Fn(i64) -> i64) -> ArrayRef {
+    Arc::new(Int64Array::from_iter_values((0..rows).map(value)))
 }
 
-fn texts(value: &str) -> ArrayRef {
-    Arc::new(StringArray::from_iter_values((0..FRAMES).map(|_| value)))
+fn texts(rows: i64, value: &str) -> ArrayRef {
+    Arc::new(StringArray::from_iter_values((0..rows).map(|_| value)))
 }
 
 fn batch(columns: Vec<(&str, ArrayRef)>) -> RecordBatch {
@@ -43,35 +42,35 @@ fn parquet(batch: &RecordBatch) -> Vec<u8> {
     bytes
 }
 
-pub(super) fn annotations() -> Vec<u8> {
+pub(super) fn annotations(rows: i64) -> Vec<u8> {
     feather(&batch(vec![
-        ("timestamp_ns", integers(|i| T0 + i * 100_000_000)),
-        ("track_uuid", texts("a")),
-        ("category", texts("REGULAR_VEHICLE")),
-        ("length_m", numbers(|_| 4.5)),
-        ("width_m", numbers(|_| 1.8)),
-        ("height_m", numbers(|_| 1.5)),
-        ("qw", numbers(|_| 1.0)),
-        ("qx", numbers(|_| 0.0)),
-        ("qy", numbers(|_| 0.0)),
-        ("qz", numbers(|_| 0.0)),
-        ("tx_m", numbers(|i| 20.0 + i)),
-        ("ty_m", numbers(|_| 0.0)),
-        ("tz_m", numbers(|_| 0.5)),
-        ("num_interior_pts", integers(|_| 40)),
+        ("timestamp_ns", integers(rows, |i| T0 + i * 100_000_000)),
+        ("track_uuid", texts(rows, "a")),
+        ("category", texts(rows, "REGULAR_VEHICLE")),
+        ("length_m", numbers(rows, |_| 4.5)),
+        ("width_m", numbers(rows, |_| 1.8)),
+        ("height_m", numbers(rows, |_| 1.5)),
+        ("qw", numbers(rows, |_| 1.0)),
+        ("qx", numbers(rows, |_| 0.0)),
+        ("qy", numbers(rows, |_| 0.0)),
+        ("qz", numbers(rows, |_| 0.0)),
+        ("tx_m", numbers(rows, |i| 20.0 + i)),
+        ("ty_m", numbers(rows, |_| 0.0)),
+        ("tz_m", numbers(rows, |_| 0.5)),
+        ("num_interior_pts", integers(rows, |_| 40)),
     ]))
 }
 
-pub(super) fn poses() -> Vec<u8> {
+pub(super) fn poses(rows: i64) -> Vec<u8> {
     feather(&batch(vec![
-        ("timestamp_ns", integers(|i| T0 + i * 100_000_000)),
-        ("qw", numbers(|_| 1.0)),
-        ("qx", numbers(|_| 0.0)),
-        ("qy", numbers(|_| 0.0)),
-        ("qz", numbers(|_| 0.0)),
-        ("tx_m", numbers(|i| i)),
-        ("ty_m", numbers(|_| 0.0)),
-        ("tz_m", numbers(|_| 0.0)),
+        ("timestamp_ns", integers(rows, |i| T0 + i * 100_000_000)),
+        ("qw", numbers(rows, |_| 1.0)),
+        ("qx", numbers(rows, |_| 0.0)),
+        ("qy", numbers(rows, |_| 0.0)),
+        ("qz", numbers(rows, |_| 0.0)),
+        ("tx_m", numbers(rows, |i| i)),
+        ("ty_m", numbers(rows, |_| 0.0)),
+        ("tz_m", numbers(rows, |_| 0.0)),
     ]))
 }
 
@@ -102,29 +101,29 @@ pub(super) fn av2_map() -> Vec<u8> {
     text.into_bytes()
 }
 
-pub(super) fn scenario() -> Vec<u8> {
+pub(super) fn scenario(rows: i64) -> Vec<u8> {
     parquet(&batch(vec![
-        ("observed", Arc::new(BooleanArray::from_iter((0..FRAMES).map(|_| Some(true))))),
-        ("track_id", texts("AV")),
-        ("object_type", texts("vehicle")),
-        ("timestep", integers(|i| i)),
-        ("position_x", numbers(|i| i)),
-        ("position_y", numbers(|_| 0.0)),
-        ("heading", numbers(|_| 0.0)),
-        ("velocity_x", numbers(|_| 10.0)),
-        ("velocity_y", numbers(|_| 0.0)),
-        ("num_timestamps", integers(|_| FRAMES)),
-        ("start_timestamp", integers(|_| T0)),
-        ("city", texts("pittsburgh")),
+        ("observed", Arc::new(BooleanArray::from_iter((0..rows).map(|_| Some(true))))),
+        ("track_id", texts(rows, "AV")),
+        ("object_type", texts(rows, "vehicle")),
+        ("timestep", integers(rows, |i| i)),
+        ("position_x", numbers(rows, |i| i)),
+        ("position_y", numbers(rows, |_| 0.0)),
+        ("heading", numbers(rows, |_| 0.0)),
+        ("velocity_x", numbers(rows, |_| 10.0)),
+        ("velocity_y", numbers(rows, |_| 0.0)),
+        ("num_timestamps", integers(rows, |_| rows)),
+        ("start_timestamp", integers(rows, |_| T0)),
+        ("city", texts(rows, "pittsburgh")),
     ]))
 }
 
-pub(super) fn ego_parquet() -> Vec<u8> {
+pub(super) fn ego_parquet(rows: i64) -> Vec<u8> {
     parquet(&batch(vec![
-        ("time_s", numbers(|i| i / 10.0)),
-        ("x_m", numbers(|i| i)),
-        ("y_m", numbers(|_| 0.0)),
-        ("heading_rad", numbers(|_| 0.0)),
+        ("time_s", numbers(rows, |i| i / 10.0)),
+        ("x_m", numbers(rows, |i| i)),
+        ("y_m", numbers(rows, |_| 0.0)),
+        ("heading_rad", numbers(rows, |_| 0.0)),
     ]))
 }
 
@@ -142,8 +141,7 @@ fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     out
 }
 
-fn doubles(columns: usize, value: impl Fn(usize, usize) -> f64) -> Vec<u8> {
-    let rows = 40;
+fn doubles(rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) -> Vec<u8> {
     let data: Vec<u8> = (0..rows)
         .flat_map(|i| (0..columns).map(move |j| (i, j)))
         .flat_map(|(i, j)| value(i, j).to_le_bytes())
@@ -152,31 +150,32 @@ fn doubles(columns: usize, value: impl Fn(usize, usize) -> f64) -> Vec<u8> {
     npy("<f8", &shape, &data)
 }
 
-fn longs(value: impl Fn(usize) -> i64) -> Vec<u8> {
-    npy("<i8", "(40,)", &(0..40).flat_map(|i| value(i).to_le_bytes()).collect::<Vec<u8>>())
+fn longs(rows: usize, value: impl Fn(usize) -> i64) -> Vec<u8> {
+    let data: Vec<u8> = (0..rows).flat_map(|i| value(i).to_le_bytes()).collect();
+    npy("<i8", &format!("({rows},)"), &data)
 }
 
-pub(super) fn comma_segment() -> Vec<(String, Vec<u8>)> {
+pub(super) fn comma_segment(rows: usize) -> Vec<(String, Vec<u8>)> {
     let time = |i: usize, _: usize| 1000.0 + 0.05 * i as f64;
     let position = |i: usize, j: usize| [-2_700_000.0 + i as f64, -4_300_000.0, 3_850_000.0][j];
     let dbc = "VERSION \"\"\n\nBO_ 36 BRAKE: 8 XXX\n SG_ BRON : 7|1@0+ (1,0) [0|1] \"\" XXX\n\nVAL_ 36 BRON 1 \"on\" 0 \"off\" ;\n";
-    let strings = npy("|S8", "(40,)", &[7u8; 320]);
+    let strings = npy("|S8", &format!("({rows},)"), &vec![7u8; 8 * rows]);
     [
-        ("1/global_pose/frame_times", doubles(1, time)),
-        ("1/global_pose/frame_positions", doubles(3, position)),
-        ("1/global_pose/frame_velocities", doubles(3, |_, j| [1.0, 20.0, 3.0][j])),
-        ("1/global_pose/frame_orientations", doubles(4, |_, j| [1.0, 0.0, 0.0, 0.0][j])),
-        ("1/global_pose/frame_gps_times", doubles(2, |i, j| [2000.0, 100.0 + 0.05 * i as f64][j])),
-        ("1/processed_log/CAN/speed/t", doubles(1, time)),
-        ("1/processed_log/CAN/speed/value", doubles(1, |_, _| 20.0)),
-        ("1/processed_log/CAN/radar/t", doubles(1, time)),
+        ("1/global_pose/frame_times", doubles(rows, 1, time)),
+        ("1/global_pose/frame_positions", doubles(rows, 3, position)),
+        ("1/global_pose/frame_velocities", doubles(rows, 3, |_, j| [1.0, 20.0, 3.0][j])),
+        ("1/global_pose/frame_orientations", doubles(rows, 4, |_, j| [1.0, 0.0, 0.0, 0.0][j])),
+        ("1/global_pose/frame_gps_times", doubles(rows, 2, |i, j| [2000.0, 100.0 + 0.05 * i as f64][j])),
+        ("1/processed_log/CAN/speed/t", doubles(rows, 1, time)),
+        ("1/processed_log/CAN/speed/value", doubles(rows, 1, |_, _| 20.0)),
+        ("1/processed_log/CAN/radar/t", doubles(rows, 1, time)),
         (
             "1/processed_log/CAN/radar/value",
-            doubles(7, |i, j| [30.0, 0.5, -1.0, f64::NAN, f64::NAN, 3.0, f64::from(i == 0)][j]),
+            doubles(rows, 7, |i, j| [30.0, 0.5, -1.0, f64::NAN, f64::NAN, 3.0, f64::from(i == 0)][j]),
         ),
-        ("1/processed_log/CAN/raw_can/t", doubles(1, time)),
-        ("1/processed_log/CAN/raw_can/src", longs(|_| 0)),
-        ("1/processed_log/CAN/raw_can/address", longs(|i| if i % 2 == 0 { 36 } else { 548 })),
+        ("1/processed_log/CAN/raw_can/t", doubles(rows, 1, time)),
+        ("1/processed_log/CAN/raw_can/src", longs(rows, |_| 0)),
+        ("1/processed_log/CAN/raw_can/address", longs(rows, |i| if i % 2 == 0 { 36 } else { 548 })),
         ("1/processed_log/CAN/raw_can/data", strings),
         ("car.dbc", dbc.into()),
     ]
@@ -188,6 +187,12 @@ pub(super) fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut out = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
     out.write_all(bytes).expect("written to memory");
     out.finish().expect("written to memory")
+}
+
+pub(super) fn gunzip(bytes: &[u8]) -> Vec<u8> {
+    let mut out = Vec::new();
+    flate2::read::GzDecoder::new(bytes).read_to_end(&mut out).expect("a fixture");
+    out
 }
 
 /// The MCAP fixtures without compression and checksums, so that mutations reach schemas and messages: the records of

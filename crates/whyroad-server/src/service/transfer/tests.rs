@@ -4,7 +4,7 @@ use super::*;
 use crate::service::fixtures::{self, task};
 use crate::service::history;
 use crate::service::tasks::Entry;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use whyroad_label::merge::FieldChange;
 
@@ -74,6 +74,39 @@ fn tasks_go_out_with_their_history() {
 }
 
 #[test]
+fn a_long_history_goes_out_whole_and_in_order() {
+    let (app, _dir) = fixtures::app();
+    // Longer than what is read together, and than what is read in one transaction.
+    let text = "x".repeat(2000);
+    app.store
+        .write(move |tx| {
+            for id in ["a", "b"] {
+                stored(tx, id, State::Stage2, None);
+                let mut t = tasks::get(tx, id)?;
+                for n in 0..333 {
+                    let value = json!(format!("{n} {text}"));
+                    let change = FieldChange { path: "/coc_trace".into(), value, remove: false };
+                    let entry = Entry { action: "edit", changes: &[change], ..Entry::default() };
+                    history::record(tx, &mut t, &entry, 9)?;
+                }
+                tasks::update(tx, &t)?;
+            }
+            Ok(())
+        })
+        .unwrap();
+    let text = export(&app.store, "p", &ExportFormat::Tasks).unwrap();
+    let lines: Vec<Value> = text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!(lines.len(), 2);
+    for line in &lines {
+        let history = line["task"]["history"].as_array().unwrap();
+        let seqs: Vec<i64> = history.iter().map(|h| h["seq"].as_i64().unwrap()).collect();
+        assert_eq!(seqs, (1..=335).collect::<Vec<i64>>());
+        let last = history.last().unwrap()["changes"][0]["value"].as_str().unwrap();
+        assert!(last.starts_with("332 x"), "{last}");
+    }
+}
+
+#[test]
 fn odd_words_are_refused() {
     for words in [(Some("csv"), None, None), (None, Some("3"), None), (None, None, Some("done"))] {
         assert_eq!(ExportFormat::from_words(words.0, words.1, words.2).unwrap_err().code, "request.invalid");
@@ -132,6 +165,7 @@ fn many_episodes_of_a_drive_derive_it_once_beside_their_own_history() {
 fixtures::on_postgresql! {
     accepted_labels_go_out_in_either_format,
     tasks_go_out_with_their_history,
+    a_long_history_goes_out_whole_and_in_order,
     odd_words_are_refused,
     lines_that_cannot_come_in_are_named_and_do_not_stop_the_rest,
     many_labels_of_a_drive_read_it_once_and_derive_nothing,
