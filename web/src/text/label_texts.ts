@@ -13,6 +13,10 @@ export const labelTexts = {
   "label.unseen": ["被遮挡", "occluded"],
   "label.target": ["规则目标", "rule target"],
   "label.target_short": ["规则目标", "target"],
+  "label.unavailable": [
+    "此任务可能不存在、已被删除，或未指派给您。",
+    "The task may not exist, may have been deleted, or may not be assigned to you.",
+  ],
   "label.is_linked": ["已关联要素", "linked to a component"],
   "label.more_objects": ["再显示 {n} 个", "{n} more"],
   "label.no_picture": ["没有图像", "No image"],
@@ -80,7 +84,7 @@ export const labelTexts = {
   "plot.none": ["无", "none"],
   "plot.unavailable": ["日志中没有", "not in the log"],
 
-  "stage.1": ["阶段一：只看历史，列出关键要素", "Stage I: list the critical components from history only"],
+  "stage.1": ["阶段一：只看历史，列出关键要素", "Stage I: critical components, from history only"],
   "stage.2": ["阶段二：看后续 6 s，选择决策、关联原因、撰写因果描述", "Stage II: with the next 6 s: decisions, causes, trace"],
   "stage.lock": ["锁定阶段一", "Lock Stage I"],
   "stage.submit": ["提交质检", "Submit for check"],
@@ -98,9 +102,10 @@ export const labelTexts = {
   "stage.saved": ["已保存", "Saved"],
   "stage.saving": ["正在保存…", "Saving…"],
   "stage.offline": [
-    "离线：{n} 处修改只在本机，恢复后自动保存",
-    "Offline: {n} {n:change is|changes are} kept in this browser and will be saved when the connection returns",
+    "离线：{n} 处修改只在本机",
+    "Offline: {n} {n:change|changes} kept",
   ],
+  "stage.offline.hint": ["恢复连接后自动保存，关闭页面也不会丢失。", "This browser keeps them, also when the page is closed, and saves them when the connection returns."],
   "stage.unsaved": ["{n} 处未保存", "{n} not saved"],
   "stage.restored": ["已恢复上次未保存的修改。", "Unsaved changes from your last visit were restored."],
   "stage.merged": ["已合并别处的修改：{what}", "Changes made elsewhere were merged: {what}"],
@@ -149,7 +154,6 @@ export const labelTexts = {
   "trace.slot.reason.hint": ["为什么因此需要作出决策", "Why that requires a decision"],
   "trace.slot.decision": ["决策", "Decision"],
   "trace.slot.decision.hint": ["自车怎么做", "What the ego does"],
-  "trace.unchanged": ["仍是草稿", "still the draft"],
   "trace.drafted": ["草稿", "draft"],
   "trace.as_drafted": ["与草稿相同", "As the draft wrote it"],
   "trace.as_text": ["整段编辑", "Edit as text"],
@@ -204,7 +208,10 @@ export const labelTexts = {
   "draft.accepted": ["已采纳", "accepted"],
   "draft.was": ["草稿原为", "Draft"],
   "draft.revert": ["恢复", "Restore"],
-  "draft.left": ["草稿还有 {n} 项未采纳", "{n} {n:field|fields} of the draft not accepted yet"],
+  "draft.left": [
+    "草稿还有 {n} 项未确认：{fields}。逐项修改，或按 {key} 采纳。",
+    "{n} {n:field|fields} of the draft not confirmed yet: {fields}. Change each, or accept it with {key}.",
+  ],
 
   "draft.by_model": ["草稿由模型 {model} 起草", "Drafted by the model {model}"],
   "judge.title": ["模型意见：{model}", "Opinion of the model {model}"],

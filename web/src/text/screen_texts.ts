@@ -35,6 +35,10 @@ export const screenTexts = {
   "app.save": ["保存", "Save"],
   "app.saved": ["已保存。", "Saved."],
   "app.loading": ["正在加载…", "Loading…"],
+  "app.denied": [
+    "您在此项目中没有查看此页的角色；请联系负责人。",
+    "Your roles in this project do not include this page. Ask a lead of the project.",
+  ],
   "app.retry": ["重试", "Retry"],
   "app.offline": ["无法连接服务器", "Cannot reach the server"],
   "app.offline.hint": ["请检查网络，或确认服务正在运行。", "Check the network and that the service is running."],
@@ -253,7 +257,7 @@ export const screenTexts = {
   ],
   "model.hint": [
     "模型：{model}。草稿注明出自模型，由标注员修改；判定只是模型的意见，不影响流程。",
-    "Model: {model}. Drafts are marked as the model's and go to annotators; judgements are the model's opinion and block nothing.",
+    "Model: {model}. Drafts are marked as the model's and go to annotators; judgments are the model's opinion and block nothing.",
   ],
   "model.draft": ["起草 {n} 个无人开始的任务", "Draft {n} {n:task|tasks} that nobody has begun"],
   "model.draft_ticked": ["由模型起草", "Draft by model"],
@@ -372,7 +376,7 @@ export const screenTexts = {
   "dash.common": ["共同标注", "Labels in common"],
   "dash.kappa.hint": ["κ：1 为完全一致，0 为随机水平；标注过少时数值不可靠。", "Kappa: 1 is full agreement, 0 is chance; with too few labels the value is unreliable."],
   "dash.submit": ["提交", "Submitted"],
-  "dash.accept": ["通过", "Accepted"],
+  "dash.accept": ["接受", "Accepted"],
   "dash.send_back": ["退回", "Returned"],
   "dash.coverage.table": ["覆盖表", "Coverage table"],
   "dash.coverage.none": ["没有目标数，也没有任务。请设置目标数：", "No targets and no tasks. Set targets in:"],
