@@ -194,7 +194,7 @@ export const labelTexts = {
   "safety.ok": ["合法且安全", "Legal and safe"],
   "safety.unsafe": ["违法或不安全…", "Illegal or unsafe…"],
   "safety.not_ok": ["违法或不安全", "Illegal or unsafe"],
-  "safety.first": ["先回答，再选决策", "Answer this before the decisions"],
+  "safety.first": ["先回答，再选决策", "Answer this first"],
   "safety.why": ["为什么？（按数字键选择）", "Why? (digits choose)"],
   "safety.note": ["说明", "Note"],
   "safety.reject": ["剔除", "Reject"],
