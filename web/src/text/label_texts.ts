@@ -172,6 +172,7 @@ export const labelTexts = {
   "findings.none": ["没有发现问题", "No findings"],
   "findings.errors": ["{n} 个错误", "{n} {n:error|errors}"],
   "findings.warnings": ["{n} 个警告", "{n} {n:warning|warnings}"],
+  "findings.notes": ["{n} 个提示", "{n} {n:note|notes}"],
   "findings.error": ["错误", "error"],
   "findings.warning": ["警告", "warning"],
   "findings.note": ["提示", "note"],
