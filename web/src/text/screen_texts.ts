@@ -409,7 +409,7 @@ export const screenTexts = {
   "verdict.right": ["正确", "Right"],
   "verdict.wrong_leaf": ["场景不对", "Wrong scenario"],
   "verdict.nothing": ["没有事件", "Nothing there"],
-  "verdict.keyframe_moved": ["关键帧应在此刻", "Keyframe belongs here"],
+  "verdict.keyframe_moved": ["关键帧应在此刻", "Keyframe here"],
   "settings.looks": ["语言与外观", "Language and appearance"],
   "settings.speeds": ["速度单位", "Speed unit"],
   "settings.account": ["账号", "Account"],
