@@ -1,6 +1,6 @@
 // Pictures of every screen at 1280 and 1920 px, in both languages, light and dark: `node e2e/pictures.mjs FOLDER
-// [NAMES]` (a regular expression), with what `whyroad demo --out` wrote in WHYROAD_DEMO. LOOKS and WIDTHS choose some
-// of them. For people to look at; asserts nothing.
+// [NAMES]` (a regular expression), with what `whyroad demo --out` wrote in WHYROAD_DEMO, or any folder with `lake` and
+// `mined` in it. LOOKS and WIDTHS choose some of them. For people to look at; asserts nothing.
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -29,6 +29,7 @@ const faults = [];
 /** Gives the drive with such a name images of two cameras, the others none. */
 function filmed(wanted) {
   const drive = readdirSync(join(lake, "drives")).find((name) => name.includes(wanted));
+  if (!drive) return;
   for (const [camera, color] of [["front_wide_120fov", [52, 78, 104]], ["cross_left_120fov", [96, 72, 60]]]) {
     const images = join(scratch, camera);
     mkdirSync(images);
@@ -73,6 +74,8 @@ try {
   await page.locator("header .who").waitFor();
   const api = (method, path, body) => ask(page, method, path, body);
   await shoot("projects-empty", page, "/");
+  await shoot("users-first", page, "/users");
+  await shoot("new-user", page, "/users", (page) => page.locator("main button.primary").first().click());
   const project = (await api("POST", "/projects", { name: "城区因果标注", guide: "先写近因，再写决策。" })).id;
   const staff = [["li", "李明", ["annotator"]], ["chen", "陈静", ["checker"]], ["zhao", "赵强", ["annotator"]], ["sun", "孙悦", ["auditor"]]];
   for (const [name, display, roles] of staff) {
@@ -82,6 +85,7 @@ try {
   // Otherwise the lead could label, too, and would see no pictures.
   await api("POST", `/projects/${project}/members`, { user: "wang", roles: ["lead"] });
   await shoot("tasks-empty", page, `/projects/${project}/tasks`);
+  await shoot("dashboard-empty", page, `/projects/${project}/dashboard`);
   await shoot("make-tasks", page, `/projects/${project}/tasks`, (page) => page.locator(".head button").click());
   const mined = (await api("GET", "/mined")).items[0].name;
   await api("POST", `/projects/${project}/tasks:create`, { mined });
@@ -97,7 +101,7 @@ try {
     await signIn(people[name].page, name, PASSWORD);
   }
   const as = (name) => (method, path, body) => ask(people[name].page, method, path, body);
-  const wanted = all.find((t) => t.scenario_id.includes("cutin.urgent")) ?? all[0];
+  const wanted = ["cutin.urgent", "cutin", ""].map((part) => all.find((t) => t.scenario_id.includes(part))).find(Boolean);
   const begin = async (name, id) => (await as(name)("POST", `/tasks/${id}/lease`, { action: "take" })).fence;
   const others = all.filter((t) => t.drive_id !== wanted.drive_id);
   const fence = await begin("li", wanted.id);
@@ -106,6 +110,12 @@ try {
   const open = await as("li")("POST", `/tasks/${wanted.id}/actions`, { action: "lock_stage1", fence });
   const stranger = await person(browser, service.url, { faults });
   await shoot("sign-in", stranger.page, "/");
+  await shoot("sign-in-wrong", stranger.page, "/", async (page) => {
+    await page.locator("#name").fill("wang");
+    await page.locator("#password").fill("wrong-password");
+    await page.keyboard.press("Enter");
+    await page.locator("[role=alert]").waitFor();
+  });
   await stranger.context.close();
   await shoot("projects", page, "/");
   await shoot("new-project", page, "/", (page) => page.locator("main button.primary").first().click());
@@ -129,8 +139,29 @@ try {
     { path: "/driving_decision/lateral", value: null },
     ...(open.spec?.records ?? []).map((r) => ({ path: `/records/${r.id}`, value: r.choices?.[0]?.id === "yes" ? true : (r.choices?.[0]?.id ?? (r.unit ? 1 : "car")) })),
   ];
+  await shoot("keys-stage2", people.li.page, `/tasks/${wanted.id}`, (page) => page.keyboard.press("?"));
+  await shoot("reject", people.li.page, `/tasks/${wanted.id}`, (page) => page.locator("[data-action=reject]").click());
   const answered = await as("li")("POST", `/tasks/${wanted.id}/safety`, { fence: open.fence, answer: "safe" });
   await shoot("stage2-answered", people.li.page, `/tasks/${wanted.id}`);
+  await shoot("submit-early", people.li.page, `/tasks/${wanted.id}`, (page) => page.keyboard.press("Control+Enter"));
+  await shoot("findings", people.li.page, `/tasks/${wanted.id}`, (page) => page.locator("[data-section=findings]").scrollIntoViewIfNeeded());
+  await shoot("offline", people.li.page, `/tasks/${wanted.id}`, async (page) => {
+    const look = await page.evaluate(() => `${localStorage.getItem("whyroad.lang")}-${localStorage.getItem("whyroad.theme")}`);
+    await page.context().setOffline(true);
+    try {
+      await page.keyboard.press("ArrowRight");
+      await page.keyboard.press("u");
+      await page.locator("[data-saving=offline]").waitFor();
+      await page.screenshot({ path: join(folder, `offline-now-${page.viewportSize().width}-${look}.png`) });
+      await page.keyboard.press("Control+z");
+    } finally {
+      await page.context().setOffline(false);
+    }
+    await page.locator("[data-saving=saved]").waitFor();
+  });
+  await shoot("of-another", people.zhao.page, `/tasks/${wanted.id}`);
+  await shoot("no-task", people.li.page, "/tasks/nothing");
+  await shoot("forbidden", people.li.page, `/projects/${project}/members`);
   await shoot("insert", people.li.page, `/tasks/${wanted.id}`, async (page) => {
     await page.keyboard.press("5");
     await page.keyboard.press("Alt+i");
@@ -168,7 +199,8 @@ try {
     const id = (pair = task.task.id);
     await as(name)("POST", `/tasks/${id}/actions`, { action: "lock_stage1", fence: task.fence });
     const ready = await as(name)("POST", `/tasks/${id}/safety`, { fence: task.fence, answer: "safe" });
-    const all = [...changes.slice(1), { path: "/coc_trace", value: words }].filter((c) => !c.path.startsWith("/records/"));
+    const cause = { path: "/causes/longitudinal", value: { components: ["c1"] } };
+    const all = [...changes.slice(1), cause, { path: "/coc_trace", value: words }].filter((c) => !c.path.startsWith("/records/"));
     const put = await as(name)("PATCH", `/tasks/${id}/draft`, { fence: ready.fence, base_version: ready.version, changes: all });
     await as(name)("POST", `/tasks/${id}/actions`, { action: "submit", fence: ready.fence }).catch((e) => console.log(e.message, put.findings));
   }
@@ -178,8 +210,11 @@ try {
   await shoot("dashboard-overlap", page, `/projects/${blind}/dashboard`);
   await shoot("episodes", page, `/projects/${project}/episodes`);
   await shoot("episodes-camera", page, `/projects/${project}/episodes`, async (page) => {
-    await page.locator("li .card:has-text('multilane')").first().click();
-    await page.locator(".episode .camera img").waitFor();
+    const cards = page.locator("li .card");
+    for (let n = 0; n < (await cards.count()); n++) {
+      await cards.nth(n).click();
+      if (await page.locator(".episode .camera img").waitFor({ timeout: 2000 }).then(() => true, () => false)) break;
+    }
   });
   await shoot("episodes-wrong", page, `/projects/${project}/episodes`, async (page) => {
     await page.keyboard.press("2");
@@ -189,6 +224,7 @@ try {
   await shoot("settings", page, "/settings");
   await shoot("users", page, "/users");
   await shoot("not-found", page, "/nowhere");
+  await shoot("task-as-lead", page, `/tasks/${all.find((t) => t.id !== wanted.id).id}`);
   if (faults.length > 0) console.log(faults);
 } finally {
   await browser.close();

@@ -178,7 +178,7 @@ async function secondKeyframe(day) {
   const end = page.getByRole("slider", { name: "时间范围 终点" });
   await drag(page, start, -0.5);
   await drag(page, end, 0.6);
-  await page.getByText("较建议 起点 −0.5 s, 终点 +0.6 s").waitFor();
+  await page.getByText("较建议 起点 −0.5 s，终点 +0.6 s").waitFor();
   await saved(page);
   await checkAccessibility(page, "dragged");
   await shot(day, page, "dragged");

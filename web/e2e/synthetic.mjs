@@ -82,9 +82,9 @@ export function scene({ objects, seconds, stage, cameras = 0 }) {
       "target.wheel_over_line": rows.map((i) => i > key),
     },
     about: {
-      "target.lateral_offset": { kind: "number", unit: "m", meaning: { zh: "到车道中心的横向偏移", en: "Offset from the lane's center" } },
-      "target.ttc": { kind: "number", unit: "s", meaning: { zh: "碰撞时间", en: "Time to collision" } },
-      "target.wheel_over_line": { kind: "flag", unit: null, meaning: { zh: "车轮压线", en: "A wheel is over the line" } },
+      "target.lateral_offset": { kind: "number", unit: "m", title: { zh: "横向偏移", en: "lateral offset" }, meaning: { zh: "到车道中心的横向偏移", en: "Offset from the lane's center" } },
+      "target.ttc": { kind: "number", unit: "s", title: { zh: "碰撞时间 TTC", en: "TTC" }, meaning: { zh: "碰撞时间", en: "Time to collision" } },
+      "target.wheel_over_line": { kind: "flag", unit: null, title: { zh: "车轮压线", en: "a wheel is over the line" }, meaning: { zh: "车轮压线", en: "A wheel is over the line" } },
     },
     cameras: [...Array(cameras).keys()].map((n) => ({
       camera: ["front_wide_120fov", "cross_left_120fov", "cross_right_120fov"][n] ?? `camera_${n}`,

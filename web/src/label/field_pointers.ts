@@ -127,3 +127,6 @@ export const memberNames: Readonly<Record<string, TextPair>> = { description, ..
 
 /** Members that follow from the times beside them: shown to nobody. */
 export const HIDDEN_MEMBERS: ReadonlySet<string> = new Set(["frame_idx", "start_frame_idx", "end_frame_idx", "type", "id"]);
+
+/** Is the field at `path` such a member? */
+export const isHidden = (path: string): boolean => HIDDEN_MEMBERS.has(path.slice(path.lastIndexOf("/") + 1));

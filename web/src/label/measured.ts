@@ -2,7 +2,7 @@
 import { columnOf } from "../plots/series.ts";
 import { signalRows } from "../plots/signal_rows.ts";
 import { speedUnit } from "../plots/speed_unit.svelte.ts";
-import { scaleOf } from "../plots/units.ts";
+import { scaleOf, withUnit } from "../plots/units.ts";
 import { objectsAt } from "../scene/objects.ts";
 import { objectClassName } from "../text/category_names.ts";
 import type { Lang } from "../text/text.svelte.ts";
@@ -54,7 +54,7 @@ export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
   const ofSpeed = scaleOf("m/s", speedUnit.unit);
   const speed = scene.ego?.speed[i];
   if (typeof speed === "number") add(zh ? "自车速度" : "ego speed", `${number(speed * ofSpeed.by, 1)} ${ofSpeed.unit}`);
-  const object = objectsAt(scene, i).find((o) => o.id === (editor.selected ?? editor.target));
+  const object = objectsAt(scene, i, editor.target).find((o) => o.id === (editor.selected ?? editor.target));
   if (object) {
     const what = objectClassName(object.class, language);
     if (object.distance !== null) add(zh ? `与${what}相距` : `distance to the ${what}`, `${number(object.distance, 0)} m`);
@@ -65,7 +65,7 @@ export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
     if (out.length >= MOST_SIGNALS + 3) break;
     const column = row.column ?? columnOf([], "number");
     const value = column?.kind === "line" ? column.values[i] : null;
-    if (row.inRule && typeof value === "number" && Number.isFinite(value)) add(row.name, `${number(value, row.scale.digits)} ${row.scale.unit}`.trim());
+    if (row.inRule && typeof value === "number" && Number.isFinite(value)) add(row.name, withUnit(number(value, row.scale.digits), row.scale.unit));
   }
   return out;
 }

@@ -19,9 +19,9 @@ const words: LabelContext = {
 test("values become words in both languages", () => {
   assert.equal(readable("resume", words, "zh"), "起步");
   assert.equal(readable({ longitudinal: "resume", lateral: null }, words, "en"), "longitudinal Resume; lateral null");
-  assert.equal(readable({ timestamp: "2026-01-15T10:30:09.400Z", frame_idx: 94, type: "reactive" }, words, "zh"), "时刻 −0.3 s");
+  assert.equal(readable({ timestamp: "2026-01-15T10:30:09.400Z", frame_idx: 94, type: "reactive" }, words, "zh"), "−0.3 s");
   const component = { id: "c1", category: "critical_objects", description: "lead", uncertainty: "low" };
-  assert.equal(readable([component], words, "en"), "c1: description lead; category critical objects; uncertainty low");
+  assert.equal(readable([component], words, "en"), "c1: lead; category critical objects; uncertainty low");
   assert.equal(readable({ lateral: "x", longitudinal: "y" }, words, "en"), "longitudinal y; lateral x", "in the order of the form");
   assert.equal(readable(["c1", "c2"], words, "zh"), "c1、c2");
   assert.equal(readable(undefined, words, "en"), "(nothing)");

@@ -16,6 +16,9 @@ export interface LabelContext {
 
 const MOMENT = /^\d{4}-\d\d-\d\dT/;
 
+/** Members whose values say what they are. */
+const SELF_EVIDENT = new Set(["description", "components", "timestamp"]);
+
 const MEMBER_ORDER = Object.keys(memberNames);
 const order = (key: string): number => (MEMBER_ORDER.indexOf(key) + 99) % 99;
 
@@ -43,7 +46,10 @@ export function readable(value: Json | undefined, words: LabelContext, lang: Lan
   const parts = Object.entries(value)
     .filter(([key]) => !HIDDEN_MEMBERS.has(key))
     .sort(([a], [b]) => order(a) - order(b))
-    .map(([key, v]) => `${memberNames[key]?.[zh ? 0 : 1] ?? key} ${readable(key === "linked_objects" ? named(v, words) : v, words, lang)}`);
+    .map(([key, v]) => {
+      const text = readable(key === "linked_objects" ? named(v, words) : v, words, lang);
+      return SELF_EVIDENT.has(key) ? text : `${memberNames[key]?.[zh ? 0 : 1] ?? key} ${text}`;
+    });
   return id + parts.join(zh ? "；" : "; ");
 }
 

@@ -4,6 +4,7 @@ import * as api from "../api/calls.generated.ts";
 import { ApiError, Offline } from "../api/client.ts";
 import type { Conflicts, DraftSaved, Task } from "../api/types.ts";
 import { type Change, join, needed, within } from "./changes.ts";
+import { isHidden } from "./field_pointers.ts";
 import type { Json } from "./pointer.ts";
 import { readUnsaved, writeUnsaved } from "./unsaved_copy.ts";
 
@@ -145,7 +146,8 @@ export class SaveQueue {
   /** Writes the copy in this browser. */
   #store(): void {
     const changes = [...this.#sending, ...this.#pending];
-    this.unsaved = changes.length;
+    // A time and its frame are one change for people.
+    this.unsaved = changes.filter((c) => !isHidden(c.path)).length;
     if (this.#fence !== null) writeUnsaved(this.#user, this.#task, { base: this.#version, changes });
   }
 

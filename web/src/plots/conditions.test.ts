@@ -33,18 +33,23 @@ test("a condition goes to the row of its signal, whatever the target is called i
   assert.equal(noteOf(["ego.speed", "ego.forward_speed"], conditions, "en"), "> 5 m/s (9 m/s)");
   assert.equal(noteOf(["target.ttc"], conditions, "en"), undefined);
   assert.equal(noteOf(["target.ttc"], [met("target.ttc < 5s", null)], "en"), "< 5 s (?)", "an unknown measurement is not 0");
+  const twice = [met("target.gap < 30m", 9.548), met("target.gap < 10m", 9.548)];
+  assert.equal(noteOf(["target.gap"], twice, "en"), "< 30 m; < 10 m (9.548 m)", "one value is said once");
+  assert.equal(noteOf(["target.gap"], twice, "en", scaleOf("m", "km/h")), "< 30; < 10 m (9.55 m)", "and so is the row's unit");
   assert.ok(!isAbout("lead.gap", "target.gap"));
 });
 
 test("a note has the row's unit, and an absolute value is said in words", () => {
   const speed = [met("ego.speed > 10m/s", 20)];
   assert.equal(noteOf(["ego.speed"], speed, "zh", scaleOf("m/s", "km/h")), "> 36 km/h (72 km/h)");
+  const gap = [met("target.gap >= 0m", 17.313)];
+  assert.equal(noteOf(["target.gap"], gap, "en", scaleOf("m", "km/h")), "≥ 0 m (17.3 m)", "no more digits than tell something");
   const angle = [met("target.crossing_angle >= 60deg", 90)];
-  assert.equal(noteOf(["target.crossing_angle"], angle, "en", scaleOf("rad", "km/h")), "≥ 60 ° (90 °)");
-  assert.equal(noteOf(["target.crossing_angle"], angle, "en"), "≥ 60 ° (90 °)");
+  assert.equal(noteOf(["target.crossing_angle"], angle, "en", scaleOf("rad", "km/h")), "≥ 60° (90°)");
+  assert.equal(noteOf(["target.crossing_angle"], angle, "en"), "≥ 60° (90°)");
   const aside = [met("abs(target.path_lateral) < 7m", -6.27)];
-  assert.equal(noteOf(["target.path_lateral"], aside, "zh"), "±7 m 以内 (-6.27 m)");
-  assert.equal(noteOf(["target.path_lateral"], aside, "en"), "within ±7 m (-6.27 m)");
+  assert.equal(noteOf(["target.path_lateral"], aside, "zh"), "±7 m 以内 (−6.27 m)");
+  assert.equal(noteOf(["target.path_lateral"], aside, "en"), "within ±7 m (−6.27 m)");
   assert.equal(noteOf(["ego.accel"], [met("abs(ego.accel) >= 2m/s2", 3)], "zh"), "超出 ±2 m/s² (3 m/s²)");
 });
 

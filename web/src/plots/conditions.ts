@@ -1,6 +1,6 @@
 // Conditions of a rule as the timeline shows them: thresholds on axes, comparisons with the measured value. Pure.
 import type { MatchedCondition } from "../api/types.ts";
-import type { Scale } from "./units.ts";
+import { type Scale, withUnit } from "./units.ts";
 
 /** `target.gap < 30m`, `0m < target.gap`, `abs(ego.accel) < 1m/s2`: one signal compared with one number. */
 export interface Comparison {
@@ -77,16 +77,23 @@ const SHOWN_UNITS: Record<string, string> = {
 const SIGNS: Record<Comparison["operator"], string> = { "<": "<", "<=": "≤", ">": ">", ">=": "≥", "==": "=", "!=": "≠" };
 
 /**
- * A comparison without its signal, and the measured value: `< 30 m (12 m)`; of an absolute value, `within ±30 m`. In
- * the unit of `scale` where one is given, else in the rule's.
+ * A comparison without its signal, and the measured value: `< 30 m (12 m)`; of an absolute value, `within ±30 m`;
+ * without `actual` the limit alone. In the unit of `scale` where one is given, else in the rule's.
  */
 export function comparisonText(c: Comparison, actual: unknown, reader: "zh" | "en", scale?: Scale): string {
   const unit = scale?.unit ?? SHOWN_UNITS[c.unit] ?? c.unit;
   const factor = scale ? (IN_BASE[c.unit] ?? 1) * scale.by : 1;
-  const shown = (number: number): string => `${Math.round(number * factor * 1000) / 1000} ${unit}`.trim();
-  const measured = typeof actual === "number" ? shown(actual) : "?";
-  const limit = shown(c.value / (IN_BASE[c.unit] ?? 1));
-  return `${c.absolute ? aboutZero(c.operator, limit, reader) : `${SIGNS[c.operator]} ${limit}`} (${measured})`;
+  const shown = (number: number, digits: number, inUnit = unit): string =>
+    withUnit(String(Math.round(number * factor * 10 ** digits) / 10 ** digits).replace("-", "−"), inUnit);
+  // Another limit follows, in the same unit where that is the row's.
+  const limitUnit = actual === undefined && scale ? "" : unit;
+  const limit = shown(c.value / (IN_BASE[c.unit] ?? 1), 3, limitUnit);
+  const compared = c.absolute ? aboutZero(c.operator, limit, reader) : `${SIGNS[c.operator]} ${limit}`;
+  if (actual === undefined) return compared;
+  if (typeof actual !== "number") return `${compared} (?)`;
+  // As many digits as the row's value has beside it; of what is greater, fewer tell as much.
+  const digits = scale ? Math.min(scale.digits, Math.abs(actual * factor) >= 10 ? 1 : 3) : 3;
+  return `${compared} (${shown(actual, digits)})`;
 }
 
 /** A limit of an absolute value in words. */
@@ -104,7 +111,10 @@ export function noteOf(
   reader: "zh" | "en",
   scale?: Scale,
 ): string | undefined {
-  const notes = comparisonsOf(signals, conditions).map(({ c, actual }) => comparisonText(c, actual, reader, scale));
+  // One value that is compared several times is said once, after the last of its limits.
+  const found = comparisonsOf(signals, conditions);
+  const isSaidLater = (actual: unknown, i: number): boolean => found[i + 1] !== undefined && found[i + 1]?.actual === actual;
+  const notes = found.map(({ c, actual }, i) => comparisonText(c, isSaidLater(actual, i) ? undefined : (actual ?? null), reader, scale));
   return notes.length > 0 ? notes.join("; ") : undefined;
 }
 

@@ -4,6 +4,9 @@
 export const WIDTH = 1000;
 export const HEIGHT = 100;
 
+/** Percent of the row below which a stretch has no room for a word. */
+export const WIDE_ENOUGH = 5;
+
 export interface Span {
   from: number;
   to: number;

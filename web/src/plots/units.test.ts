@@ -1,7 +1,7 @@
 // What a number on the wire is for people. Factors by definition: 1 m/s = 3.6 km/h, pi rad = 180 degrees.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { scaled, scaleOf } from "./units.ts";
+import { scaled, scaleOf, withUnit } from "./units.ts";
 
 test("speeds are shown in the unit that the reader chose", () => {
   assert.equal(scaleOf("m/s", "km/h").unit, "km/h");
@@ -14,6 +14,12 @@ test("angles are shown in degrees, powers as people write them", () => {
   assert.ok(Math.abs(half - 180) < 1e-9);
   assert.equal(scaleOf("rad/s", "m/s").unit, "°/s");
   assert.equal(scaleOf("m/s2", "m/s").unit, "m/s²");
+});
+
+test("a unit follows its number after a space, a degree sign without one (SI brochure, 5.4.3)", () => {
+  assert.equal(withUnit("18.2", "km/h"), "18.2 km/h");
+  assert.equal(withUnit("−4.5", "°"), "−4.5°");
+  assert.equal(withUnit("3", ""), "3");
 });
 
 test("pure numbers have no unit, and an unknown unit is not dropped", () => {

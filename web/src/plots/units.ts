@@ -30,6 +30,12 @@ export function scaleOf(unit: string | null | undefined, speeds: SpeedUnit): Sca
   return SCALES[unit ?? ""] ?? { unit: unit ?? "", by: 1, digits: 2, least: 1 };
 }
 
+/** A number with its unit: a space between them but before a degree sign (SI brochure, 5.4.3). */
+export const withUnit = (number: string, unit: string): string => (unit === "" ? number : `${number}${spaceBefore(unit)}${unit}`);
+
+/** What stands between a number and this unit. */
+export const spaceBefore = (unit: string): string => (unit.startsWith("°") ? "" : " ");
+
 /** A column in the shown unit; unknown stays unknown. */
 export function scaled(values: readonly (number | null)[] | undefined, scale: Scale): (number | null)[] {
   return (values ?? []).map((v) => (v === null ? null : v * scale.by));

@@ -30,8 +30,8 @@ export function trackNames(tracks: readonly TrackView[]): ReadonlyMap<string, st
   return new Map(inOrder.map((track, n) => [track.id, track.id.length > LONGEST_NAME ? `#${n + 1}` : track.id]));
 }
 
-/** Objects present at frame `i`, the nearest first. */
-export function objectsAt(scene: SceneView, i: number): ListedObject[] {
+/** Objects present at frame `i`: the rule's `target`, then the nearest first. */
+export function objectsAt(scene: SceneView, i: number, target: string | null): ListedObject[] {
   const ego = egoPose(scene.ego, i);
   const out: ListedObject[] = [];
   for (const track of scene.tracks) {
@@ -56,5 +56,6 @@ export function objectsAt(scene: SceneView, i: number): ListedObject[] {
     }
     out.push(seen);
   }
-  return out.sort((a, b) => (a.distance ?? 0) - (b.distance ?? 0) || a.id.localeCompare(b.id));
+  const rank = (o: ListedObject): number => (o.id === target ? 0 : 1);
+  return out.sort((a, b) => rank(a) - rank(b) || (a.distance ?? 0) - (b.distance ?? 0) || a.id.localeCompare(b.id));
 }

@@ -83,7 +83,8 @@ export function buildRoad(map: MapView, origin: readonly [number, number]): Road
     }
     edge(lane.left, lane.left_mark);
     edge(lane.right, lane.right_mark);
-    line(road.centers, lane.centre);
+    // Across a junction they would be a web of crossing dashes where nothing is painted.
+    if (!lane.in_junction) line(road.centers, lane.centre);
     const end = laneEnd(lane);
     if (end) road.ends.set(lane.id, end);
   }

@@ -42,8 +42,8 @@ fn decision_moments(catalogue: &Catalogue) -> Option<Rule> {
     let mut rule = compile_text(DECISION_MOMENT, None, &other(), catalogue, OTHER).ok()?;
     rule.merge_gap = Nanos::default();
     rule.timing.at_match_start = Bilingual::new(
-        "自车的动作发生有效果的改变，而没有类别能解释",
-        "the ego changes what it does, with an effect, and no class explains it",
+        "自车运动状态明显变化，而没有场景能解释",
+        "the ego's motion clearly changes, and no class explains it",
     );
     rule.timing.start = vec![Moment::Offset(Box::new(Moment::Keyframe), BEFORE)];
     rule.timing.end = vec![Moment::Offset(Box::new(Moment::Keyframe), AFTER)];

@@ -18,6 +18,6 @@ export function fieldName(path: string, editor: TaskEditor, lang: Lang): string 
   }
   if (rest[0] === undefined) return name;
   if (top === "records") return editor.spec?.records.find((r) => r.id === rest[0])?.name[lang] ?? rest[0];
-  const member = top === "driving_decision" || top === "causes" ? sideOf(memberNames[rest[0]], lang) : undefined;
+  const member = ["driving_decision", "causes", "time_range"].includes(top) ? sideOf(memberNames[rest[0]], lang) : undefined;
   return member ? name + comma + member : name;
 }

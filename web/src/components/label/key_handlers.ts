@@ -33,7 +33,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
 
   function pickNext(by: 1 | -1): void {
     if (!editor.clip.scene) return;
-    const ids = objectsAt(editor.clip.scene, player.index).map((o) => o.id);
+    const ids = objectsAt(editor.clip.scene, player.index, editor.target).map((o) => o.id);
     if (ids.length === 0) return;
     const at = editor.selected === null ? -1 : ids.indexOf(editor.selected);
     const next = at < 0 ? (by > 0 ? 0 : ids.length - 1) : (at + by + ids.length) % ids.length;

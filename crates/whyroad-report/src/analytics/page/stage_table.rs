@@ -24,24 +24,66 @@ pub(super) fn write(m: &mut Markup, a: &Analytics) {
     );
     m.raw("</li><li><b>?</b> ").say("不可观测（缺信号）", "not observable (signals missing)");
     m.raw("</li><li><b>–</b> ").say("没有规则", "no rule");
-    m.raw("</li><li><b>…</b> ").say("未提供该数据", "input not given").raw("</li></ul>");
+    m.raw("</li></ul>");
     m.raw("<details open><summary>").say("全部场景", "All classes").raw("</summary>");
     m.raw("<table class=\"stages\"><thead><tr><th scope=\"col\">").say("场景", "class").raw("</th>");
-    for (zh, en) in STAGES {
+    let columns = Columns::of(a);
+    for &i in &columns.stages {
+        let (zh, en) = STAGES[i];
         m.raw("<th scope=\"col\" class=\"n\">").say(zh, en).raw("</th>");
     }
-    m.raw("<th scope=\"col\" class=\"n\">").say("目标", "wanted").raw("</th></tr></thead><tbody>");
+    if columns.wanted {
+        m.raw("<th scope=\"col\" class=\"n\">").say("目标", "wanted").raw("</th>");
+    }
+    m.raw("</tr></thead><tbody>");
     let leaves = || a.stages.iter().filter(|r| r.scenario_id.is_leaf());
     let most: Vec<f64> = (0..STAGES.len())
         .map(|i| leaves().filter_map(|r| r.counts.all()[i].1).max().unwrap_or(0) as f64)
         .collect();
     for row in &a.stages {
-        line(m, row, &most);
+        line(m, row, state(a, row), &columns, &most);
     }
     m.raw("</tbody></table></details>");
 }
 
-fn line(m: &mut Markup, row: &StageRow, most: &[f64]) {
+/// The columns for which there is input: others would only repeat that there is none.
+struct Columns {
+    /// Positions in `STAGES`.
+    stages: Vec<usize>,
+    wanted: bool,
+}
+
+impl Columns {
+    fn of(a: &Analytics) -> Self {
+        let is_given = |i: &usize| a.stages.iter().any(|r| r.counts.all()[*i].1.is_some());
+        Self {
+            stages: (0..STAGES.len()).filter(is_given).collect(),
+            wanted: a.stages.iter().any(|r| r.wanted.is_some()),
+        }
+    }
+}
+
+/// Why nothing was mined: of a leaf its own state, of a class above what all of its leaves have.
+fn state(a: &Analytics, row: &StageRow) -> Option<CoverageState> {
+    if row.scenario_id.is_leaf() {
+        return row.state;
+    }
+    let (l1, l2) = (&row.scenario_id.l1, &row.scenario_id.l2);
+    let below = |r: &&StageRow| {
+        r.scenario_id.is_leaf() && r.scenario_id.l1 == *l1 && (l2.is_none() || r.scenario_id.l2 == *l2)
+    };
+    let mut found = None;
+    for leaf in a.stages.iter().filter(below) {
+        match leaf.state {
+            Some(CoverageState::NotObservable) => found = leaf.state,
+            Some(CoverageState::NoRule) => found = found.or(leaf.state),
+            _ => return None,
+        }
+    }
+    found
+}
+
+fn line(m: &mut Markup, row: &StageRow, state: Option<CoverageState>, columns: &Columns, most: &[f64]) {
     let id = row.scenario_id.to_string();
     m.raw(match (&row.scenario_id.l2, &row.scenario_id.l3) {
         (None, _) => "<tr class=\"l1\">",
@@ -53,9 +95,10 @@ fn line(m: &mut Markup, row: &StageRow, most: &[f64]) {
         m.raw(" <span class=\"faint\">").say("（不在分类体系中）", "(not in the taxonomy)").raw("</span>");
     }
     m.raw("</th>");
-    for (i, (_, value)) in row.counts.all().into_iter().enumerate() {
+    for &i in &columns.stages {
+        let value = row.counts.all()[i].1;
         m.raw("<td class=\"n\">");
-        match (i, value, row.state) {
+        match (i, value, state) {
             (0, None, Some(CoverageState::NotObservable)) => drop(m.raw("?")),
             (0, None, Some(CoverageState::NoRule)) => drop(m.raw("–")),
             _ => count(m, value),
@@ -72,9 +115,12 @@ fn line(m: &mut Markup, row: &StageRow, most: &[f64]) {
         }
         m.raw("</td>");
     }
-    m.raw("<td class=\"n\">");
-    if let Some(wanted) = row.wanted {
-        m.int(wanted);
+    if columns.wanted {
+        m.raw("<td class=\"n\">");
+        if let Some(wanted) = row.wanted {
+            m.int(wanted);
+        }
+        m.raw("</td>");
     }
-    m.raw("</td></tr>");
+    m.raw("</tr>");
 }

@@ -26,8 +26,9 @@ pub(super) fn read_line(line: &str) -> Result<Incoming, Bilingual> {
     if line.len() > 16 * MAX_DRAFT {
         return Err(Bilingual::new("该行过长", "the line is too long"));
     }
-    let value: Value = serde_json::from_str(line)
-        .map_err(|e| Bilingual::new(format!("不是 JSON：{e}"), format!("not JSON: {e}")))?;
+    let value: Value = serde_json::from_str(line).map_err(|e| {
+        Bilingual::new(format!("不是 JSON：第 {} 列有误", e.column()), format!("not JSON: {e}"))
+    })?;
     if value.get("task").is_some() {
         return of_task(&value["task"]);
     }

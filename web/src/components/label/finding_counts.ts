@@ -1,0 +1,15 @@
+// How many findings of which severity, in words: only those that there are.
+import type { Finding } from "../../api/types.ts";
+import { t } from "../../text/text.svelte.ts";
+
+export function findingCounts(findings: readonly Finding[]): string {
+  const errors = findings.filter((f) => f.severity === "error").length;
+  const warnings = findings.filter((f) => f.severity === "warning").length;
+  const notes = findings.length - errors - warnings;
+  const said = [
+    errors > 0 ? t("findings.errors", { n: errors }) : "",
+    warnings > 0 ? t("findings.warnings", { n: warnings }) : "",
+    notes > 0 ? t("findings.notes", { n: notes }) : "",
+  ];
+  return said.filter(Boolean).join(" · ") || t("findings.none");
+}
