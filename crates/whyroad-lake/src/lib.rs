@@ -7,6 +7,7 @@
 //! holds the whole drive, and both are recorded in the file and checked on read; unknown is null on disk and NaN or
 //! `None` in memory.
 
+mod chunks;
 mod clips;
 mod columns;
 mod delete;

@@ -2,15 +2,14 @@
 //! statistics. Only what a file lacks is written: the id of the drive, and nulls for a signal that it does not have.
 
 use crate::LakeError;
+use crate::chunks::{self, Buffers, Cells};
 use crate::file;
 use crate::signals::pages::Chunk;
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
-use parquet::arrow::{ArrowSchemaConverter, add_encoded_arrow_schema_to_metadata, parquet_to_arrow_schema};
-use parquet::column::writer::{ColumnCloseResult, ColumnWriter};
-use parquet::data_type::ByteArray;
+use parquet::arrow::parquet_to_arrow_schema;
+use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
-use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::ColumnPath;
 use std::collections::HashMap;
 use std::fs::File;
@@ -83,13 +82,9 @@ pub(super) fn write(
     more: Vec<KeyValue>,
     parts: &[(&DriveId, &Part)],
 ) -> Result<(), LakeError> {
-    let broken = |e: ParquetError| LakeError::broken(path, e);
-    let mut properties = file::properties(row_order, more).build();
-    add_encoded_arrow_schema_to_metadata(schema, &mut properties);
-    let columns = ArrowSchemaConverter::new().convert(schema).map_err(broken)?;
-    let file = File::create(path).map_err(LakeError::io(path))?;
-    let mut writer =
-        SerializedFileWriter::new(file, columns.root_schema_ptr(), Arc::new(properties)).map_err(broken)?;
+    let mut writer = chunks::create(path, schema, file::properties(row_order, more).build())?;
+    let columns = writer.schema_descr().columns().to_vec();
+    let mut buffers = Buffers::default();
     for (id, part) in parts {
         let Some(from) = part.row_group() else { continue };
         let chunk = bytes_of(part, from)?;
@@ -98,7 +93,7 @@ pub(super) fn write(
                 from.columns().iter().enumerate().map(|(i, c)| (c.column_path(), i)).collect();
             let rows = u64::try_from(from.num_rows()).unwrap_or(0);
             let mut group = writer.next_row_group()?;
-            for column in columns.columns() {
+            for column in &columns {
                 if let Some(&source) = sources.get(column.path()) {
                     let metadata = from.column(source).clone();
                     let close = ColumnCloseResult {
@@ -115,19 +110,17 @@ pub(super) fn write(
                 let rows = usize::try_from(rows).unwrap_or(0);
                 let missing = || ParquetError::General("the file has fewer columns than its schema".into());
                 let mut new = group.next_column()?.ok_or_else(missing)?;
-                if column.path().parts() == [DRIVE_ID] {
-                    repeat(&mut new, id.as_str(), rows)?;
-                } else {
-                    nulls(&mut new, rows)?;
-                }
+                let drive = [(id.as_str(), rows)];
+                let is_id = column.path().parts() == [DRIVE_ID];
+                let cells = if is_id { Cells::Runs(&drive) } else { Cells::Nulls(rows) };
+                chunks::write(&mut new, cells, &mut buffers)?;
                 new.close()?;
             }
             group.close().map(drop)
         };
         copy().map_err(|e| LakeError::broken(&part.path, e))?;
     }
-    let file = writer.into_inner().map_err(broken)?;
-    file.sync_all().map_err(LakeError::io(path))
+    chunks::finish(path, writer)
 }
 
 /// The bytes of a row group, read at once.
@@ -145,25 +138,4 @@ fn bytes_of(part: &Part, group: &RowGroupMetaData) -> Result<Chunk, LakeError> {
     file.seek(SeekFrom::Start(start)).map_err(io())?;
     file.read_exact(&mut bytes).map_err(io())?;
     Ok(Chunk { start, bytes: bytes.into() })
-}
-
-/// One text in all rows, which are never null.
-fn repeat(column: &mut SerializedColumnWriter<'_>, text: &str, rows: usize) -> ParquetResult<()> {
-    match column.untyped() {
-        ColumnWriter::ByteArrayColumnWriter(to) => {
-            to.write_batch(&vec![ByteArray::from(text.as_bytes().to_vec()); rows], None, None).map(drop)
-        }
-        _ => Err(ParquetError::General("the id of the drive is not text".into())),
-    }
-}
-
-fn nulls(column: &mut SerializedColumnWriter<'_>, rows: usize) -> ParquetResult<()> {
-    let levels = vec![0; rows];
-    match column.untyped() {
-        ColumnWriter::BoolColumnWriter(to) => to.write_batch(&[], Some(&levels), None),
-        ColumnWriter::DoubleColumnWriter(to) => to.write_batch(&[], Some(&levels), None),
-        ColumnWriter::ByteArrayColumnWriter(to) => to.write_batch(&[], Some(&levels), None),
-        _ => return Err(ParquetError::General("a column is missing and has no nulls".into())),
-    }
-    .map(drop)
 }

@@ -1,26 +1,22 @@
 //! Signal tables to Parquet.
 
 use super::{Contents, FRAME, KEY, ROW_ORDER, StoredDrive, TIME, digest};
-use crate::file::{ROW_ORDER_KEY, repeats};
-use crate::{LAKE_VERSION, LakeError};
-use arrow_array::types::UInt16Type;
-use arrow_array::{
-    ArrayRef, BooleanArray, DictionaryArray, Float64Array, Int64Array, RecordBatch, StringArray, UInt16Array,
-    UInt32Array,
-};
-use arrow_buffer::{BooleanBuffer, NullBuffer};
-use arrow_schema::{Field, Schema};
-use parquet::arrow::ArrowWriter;
-use parquet::basic::{Compression, Encoding};
+use crate::LakeError;
+use crate::chunks::{self, Buffers, Cells};
+use crate::file::{properties, repeats};
+use arrow_schema::{DataType, Field, Schema};
+use parquet::basic::Encoding;
+use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::schema::types::ColumnPath;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
+use std::mem::discriminant;
 use std::path::Path;
-use std::sync::Arc;
-use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::{Column, SignalTable, Tri};
+use whyroad_model::{Column, SignalTable};
+
+/// Rows that go to a column writer at once: as many as a page has.
+const BATCH_ROWS: usize = 20_000;
 
 /// Writes the signals of these drives into a folder: `frames.parquet` and `targets.parquet`. Each drive comes with its
 /// content hash. A signal that some of the drives lack is null in these.
@@ -30,19 +26,9 @@ pub fn write_signals(dir: &Path, version: &str, drives: &[(String, &SignalTable)
         drives: drives.iter().map(|(hash, table)| stored(hash, table)).collect(),
     };
     let text = serde_json::to_string(&contents).map_err(|e| LakeError::broken(dir, e))?;
-    let frames = |t: &SignalTable| {
-        let frame: Vec<u32> = (0..).take(t.times.len()).collect();
-        let time = t.times.iter().map(|t| t.0).collect();
-        (vec![], frame, time)
-    };
-    write_file(&dir.join("frames.parquet"), &text, drives, |t| &t.frame_columns, frames)?;
-    let targets = |t: &SignalTable| {
-        let rows = || t.targets.iter().flat_map(|s| (s.frames.start..s.frames.end).map(move |f| (s, f)));
-        let ids = StringArray::from_iter_values(rows().map(|(s, _)| s.id.as_str()));
-        let time = rows().map(|(_, f)| t.times[f].0).collect();
-        (vec![ids], rows().map(|(_, f)| u32::try_from(f).unwrap_or(u32::MAX)).collect(), time)
-    };
-    write_file(&dir.join("targets.parquet"), &digest(&text), drives, |t| &t.target_columns, targets)
+    write_file(&dir.join("frames.parquet"), &text, drives, |t| &t.frame_columns, frame_keys)?;
+    let contents = digest(&text);
+    write_file(&dir.join("targets.parquet"), &contents, drives, |t| &t.target_columns, target_keys)
 }
 
 fn stored(hash: &str, table: &SignalTable) -> StoredDrive {
@@ -61,114 +47,106 @@ fn stored(hash: &str, table: &SignalTable) -> StoredDrive {
     }
 }
 
-/// Ids of targets, frames and times of the rows.
-type Keys = (Vec<StringArray>, Vec<u32>, Vec<i64>);
+/// Whose rows they are, and when.
+struct Keys<'a> {
+    /// The targets, each with the number of its rows; `None` in a table of frames.
+    targets: Option<Vec<(&'a str, usize)>>,
+    frames: Vec<u32>,
+    times: Vec<i64>,
+}
+
+fn frame_keys(table: &SignalTable) -> Keys<'_> {
+    keys(table, None, 0..table.times.len())
+}
+
+fn target_keys(table: &SignalTable) -> Keys<'_> {
+    let targets = table.targets.iter().map(|t| (t.id.as_str(), t.frames.len())).collect();
+    keys(table, Some(targets), table.targets.iter().flat_map(|t| t.frames.start..t.frames.end))
+}
+
+fn keys<'a>(
+    table: &SignalTable,
+    targets: Option<Vec<(&'a str, usize)>>,
+    rows: impl Iterator<Item = usize> + Clone,
+) -> Keys<'a> {
+    let times = rows.clone().map(|f| table.times[f].0).collect();
+    Keys { targets, frames: rows.map(|f| u32::try_from(f).unwrap_or(u32::MAX)).collect(), times }
+}
+
+/// The columns of a file: keys, then signals, of which the type is that of a sample.
+fn schema(has_targets: bool, signals: &[(&String, &Column)]) -> Schema {
+    let text = || DataType::Dictionary(Box::new(DataType::UInt16), Box::new(DataType::Utf8));
+    let mut fields = vec![Field::new("drive_id", text(), false)];
+    if has_targets {
+        fields.push(Field::new("target_id", text(), false));
+    }
+    fields.push(Field::new(FRAME, DataType::UInt32, false));
+    fields.push(Field::new(TIME, DataType::Int64, false));
+    fields.extend(signals.iter().map(|(name, sample)| {
+        let kind = match sample {
+            Column::Number(_) => DataType::Float64,
+            Column::Flag(_) => DataType::Boolean,
+            Column::Category { .. } => text(),
+        };
+        Field::new(name.as_str(), kind, true)
+    }));
+    Schema::new(fields)
+}
+
+fn writer_properties(contents: &str, signals: &[(&String, &Column)]) -> WriterProperties {
+    let mut out = properties(ROW_ORDER, vec![KeyValue::new(KEY.to_owned(), contents.to_owned())])
+        .set_statistics_enabled(EnabledStatistics::Chunk)
+        .set_write_batch_size(BATCH_ROWS);
+    for key in [FRAME, TIME] {
+        out = out
+            .set_column_encoding(ColumnPath::from(key), Encoding::DELTA_BINARY_PACKED)
+            .set_column_dictionary_enabled(ColumnPath::from(key), false);
+    }
+    for (name, sample) in signals {
+        if matches!(sample, Column::Number(values) if !repeats(values)) {
+            // Names have dots, and are one part of a path all the same.
+            let path = ColumnPath::new(vec![(*name).clone()]);
+            out = out.set_column_dictionary_enabled(path, false);
+        }
+    }
+    out.build()
+}
 
 fn write_file(
     path: &Path,
     contents: &str,
     drives: &[(String, &SignalTable)],
     columns: fn(&SignalTable) -> &BTreeMap<String, Column>,
-    keys: impl Fn(&SignalTable) -> Keys,
+    keys: fn(&SignalTable) -> Keys<'_>,
 ) -> Result<(), LakeError> {
-    let broken = |e: &dyn std::fmt::Display| LakeError::broken(path, e);
+    let Some((_, first)) = drives.first() else { return Ok(()) };
     let names: BTreeSet<&String> = drives.iter().flat_map(|(_, t)| columns(t).keys()).collect();
-    let sample = |name: &String| drives.iter().find_map(|(_, t)| columns(t).get(name));
-    let mut properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .set_max_row_group_row_count(None)
-        .set_statistics_enabled(EnabledStatistics::Chunk)
-        .set_created_by(format!("whyroad {}", env!("CARGO_PKG_VERSION")))
-        .set_column_encoding(ColumnPath::from(FRAME), Encoding::DELTA_BINARY_PACKED)
-        .set_column_encoding(ColumnPath::from(TIME), Encoding::DELTA_BINARY_PACKED)
-        .set_column_dictionary_enabled(ColumnPath::from(FRAME), false)
-        .set_column_dictionary_enabled(ColumnPath::from(TIME), false)
-        .set_key_value_metadata(Some(vec![
-            KeyValue::new("whyroad.lake_version".to_owned(), LAKE_VERSION.to_string()),
-            KeyValue::new(ROW_ORDER_KEY.to_owned(), ROW_ORDER.to_owned()),
-            KeyValue::new(KEY.to_owned(), contents.to_owned()),
-        ]));
-    for name in &names {
-        if sample(name).is_some_and(|c| matches!(c, Column::Number(values) if !repeats(values))) {
-            // Names have dots, and are one part of a path all the same.
-            let path = ColumnPath::new(vec![(*name).clone()]);
-            properties = properties.set_column_dictionary_enabled(path, false);
+    let sample = |name: &'_ String| drives.iter().find_map(|(_, t)| columns(t).get(name));
+    let signals: Vec<(&String, &Column)> =
+        names.into_iter().filter_map(|name| Some((name, sample(name)?))).collect();
+    let schema = schema(keys(first).targets.is_some(), &signals);
+    let mut writer = chunks::create(path, &schema, writer_properties(contents, &signals))?;
+    let mut buffers = Buffers::default();
+    let mut write = |table: &SignalTable| -> ParquetResult<()> {
+        let Keys { targets, frames, times } = keys(table);
+        let drive = [(table.drive_id.as_str(), frames.len())];
+        let mut cells = vec![Cells::Runs(&drive)];
+        cells.extend(targets.as_deref().map(Cells::Runs));
+        cells.extend([Cells::Indices(&frames), Cells::Integers(&times)]);
+        cells.extend(signals.iter().map(|(name, sample)| {
+            // Null where the drive has no such column, or has it of another type.
+            let own = columns(table).get(*name).filter(|c| discriminant(*c) == discriminant(sample));
+            own.map_or(Cells::Nulls(frames.len()), Cells::Signal)
+        }));
+        let mut group = writer.next_row_group()?;
+        for cells in cells {
+            let missing = || ParquetError::General("more columns than the schema has".into());
+            let mut column = group.next_column()?.ok_or_else(missing)?;
+            chunks::write(&mut column, cells, &mut buffers)?;
+            column.close()?;
         }
-    }
-    let mut writer: Option<ArrowWriter<File>> = None;
-    let properties = properties.build();
-    for (_, table) in drives {
-        let (ids, frames, times) = keys(table);
-        let n = frames.len();
-        let mut fields = vec![];
-        let mut arrays: Vec<ArrayRef> = vec![];
-        let mut push = |name: &str, nullable: bool, array: ArrayRef| {
-            fields.push(Field::new(name, array.data_type().clone(), nullable));
-            arrays.push(array);
-        };
-        push("drive_id", false, repeated(table.drive_id.as_str(), n));
-        for ids in ids {
-            let ids: DictionaryArray<UInt16Type> = ids.iter().collect();
-            push("target_id", false, Arc::new(ids));
-        }
-        push(FRAME, false, Arc::new(UInt32Array::from(frames)));
-        push(TIME, false, Arc::new(Int64Array::from(times)));
-        for name in &names {
-            if let Some(kind) = sample(name) {
-                push(name, true, array(columns(table).get(*name), kind, n));
-            }
-        }
-        let schema = Arc::new(Schema::new(fields));
-        let batch = RecordBatch::try_new(schema.clone(), arrays).map_err(|e| broken(&e))?;
-        let writer = match &mut writer {
-            Some(w) => w,
-            None => {
-                let file = File::create(path).map_err(LakeError::io(path))?;
-                writer.insert(
-                    ArrowWriter::try_new(file, schema, Some(properties.clone())).map_err(|e| broken(&e))?,
-                )
-            }
-        };
-        writer.write(&batch).and_then(|()| writer.flush()).map_err(|e| broken(&e))?;
-    }
-    let Some(writer) = writer else { return Ok(()) };
-    let file = writer.into_inner().map_err(|e| broken(&e))?;
-    file.sync_all().map_err(LakeError::io(path))
-}
-
-fn repeated(text: &str, n: usize) -> ArrayRef {
-    let keys = UInt16Array::from(vec![0; n]);
-    let words = StringArray::from_iter_values([text]);
-    Arc::new(DictionaryArray::new(keys, Arc::new(words)))
-}
-
-/// A column as an array of the type that `kind` has; null where the drive has no such column.
-fn array(column: Option<&Column>, kind: &Column, n: usize) -> ArrayRef {
-    match (kind, column) {
-        (Column::Number(_), Some(Column::Number(v))) => {
-            let known = v
-                .iter()
-                .any(|x| x.is_nan())
-                .then(|| NullBuffer::new(BooleanBuffer::collect_bool(v.len(), |i| !v[i].is_nan())));
-            Arc::new(Float64Array::new(v.clone().into(), known))
-        }
-        (Column::Number(_), _) => Arc::new(Float64Array::new_null(n)),
-        (Column::Flag(_), Some(Column::Flag(v))) => {
-            let bits = |of: fn(&Tri) -> bool| BooleanBuffer::collect_bool(v.len(), |i| of(&v[i]));
-            let known = NullBuffer::new(bits(|t| *t != Tri::Unknown));
-            Arc::new(BooleanArray::new(bits(|t| *t == Tri::True), Some(known)))
-        }
-        (Column::Flag(_), _) => Arc::new(BooleanArray::new_null(n)),
-        (Column::Category { .. }, Some(Column::Category { codes, names })) => {
-            let known = |c: &u16| *c != UNKNOWN_CODE && usize::from(*c) < names.len();
-            let nulls = NullBuffer::new(BooleanBuffer::collect_bool(codes.len(), |i| known(&codes[i])));
-            let keys: Vec<u16> = codes.iter().map(|c| if known(c) { *c } else { 0 }).collect();
-            let keys = UInt16Array::new(keys.into(), Some(nulls));
-            Arc::new(DictionaryArray::new(keys, Arc::new(StringArray::from_iter_values(names.iter()))))
-        }
-        (Column::Category { .. }, _) => {
-            let keys = UInt16Array::new_null(n);
-            Arc::new(DictionaryArray::new(keys, Arc::new(StringArray::from_iter_values([""]))))
-        }
-    }
+        group.close().map(drop)
+    };
+    drives.iter().try_for_each(|(_, table)| write(table)).map_err(|e| LakeError::broken(path, e))?;
+    chunks::finish(path, writer)
 }

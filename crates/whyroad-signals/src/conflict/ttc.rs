@@ -61,7 +61,7 @@ fn ttc_box(p: &Placement, class: ObjectClass, ego: &EgoMotion) -> f64 {
     if !p.is_sized() || !p.velocity.is_finite() || !ego.velocity[p.frame].is_finite() {
         return f64::NAN;
     }
-    if !p.same_level || (own.centre - p.footprint.centre).norm() > BOX_REACH_M {
+    if !p.same_level || !(own.centre - p.footprint.centre).is_within(BOX_REACH_M) {
         return f64::INFINITY;
     }
     let forward = p.footprint.direction();

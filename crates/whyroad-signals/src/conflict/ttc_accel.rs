@@ -122,8 +122,27 @@ fn along_path(p: &Placement, accel: f64, around: &Surroundings<'_>) -> f64 {
     if meets { t } else { f64::INFINITY }
 }
 
+/// The shadow on an axis of what a box sweeps on its way, m.
+fn swept(footprint: &OrientedBox, way: P2, axis: P2) -> (f64, f64) {
+    let ((low, high), along) = (footprint.shadow(axis), way.dot(axis));
+    if along < 0.0 { (low + along, high) } else { (low, high + along) }
+}
+
+/// True where what the two sweep is apart on some axis, by more than rounding can do.
+fn stay_apart(a: &OrientedBox, da: P2, ma: Line, b: &OrientedBox, db: P2, mb: Line) -> bool {
+    // Nobody turns back: the way is longest at the end.
+    let (of_a, of_b) = (da * ma.covered(BOX_HORIZON_S), db * mb.covered(BOX_HORIZON_S));
+    [da.left(), db.left(), da, db].into_iter().any(|axis| {
+        let (a, b) = (swept(a, of_a, axis), swept(b, of_b, axis));
+        a.1 + 2.0 * TOUCH_M < b.0 || b.1 + 2.0 * TOUCH_M < a.0
+    })
+}
+
 /// First contact of two boxes that move along straight lines, s. Steps by how near they can have come at most.
 fn contact(a: &OrientedBox, da: P2, ma: Line, b: &OrientedBox, db: P2, mb: Line) -> f64 {
+    if stay_apart(a, da, ma, b, db, mb) {
+        return f64::INFINITY;
+    }
     let fastest = ma.fastest(BOX_HORIZON_S) + mb.fastest(BOX_HORIZON_S);
     let around = a.radius() + b.radius();
     let mut t = 0.0;
@@ -210,5 +229,31 @@ mod tests {
         assert!((t - 2.0).abs() < 0.03, "{t}");
         let t = contact(&b(0.0), forward, line(10.0, -4.0), &b(17.0), forward, line(0.0, 0.0));
         assert_eq!(t, f64::INFINITY);
+    }
+
+    #[test]
+    fn who_stays_apart_has_no_contact() {
+        // Against stepping through the ten seconds, from all sides.
+        let (mut apart, mut met) = (0, 0);
+        for k in 0..4000_u32 {
+            let turn = |n: u32| f64::from(k * n % 63) * 0.1;
+            let a = OrientedBox::new(P2 { x: 0.0, y: 0.0 }, turn(1), 4.7, 1.9);
+            let centre = P2 { x: f64::from(k % 41) - 20.0, y: f64::from(k % 37) * 0.8 - 14.0 };
+            let b = OrientedBox::new(centre, turn(5), 4.0, 2.0);
+            let (da, db) = (a.direction(), P2::from_heading(turn(11)));
+            let (ma, mb) =
+                (line(f64::from(k % 13) - 3.0, f64::from(k % 7) - 3.0), line(f64::from(k % 11), -1.0));
+            let nearest = (0..=1000_u32).map(|i| {
+                let t = f64::from(i) * 0.01;
+                a.moved_to(da * ma.covered(t)).distance(&b.moved_to(centre + db * mb.covered(t)))
+            });
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            if stay_apart(&a, da, ma, &b, db, mb) {
+                assert!(nearest > TOUCH_M, "{k} {nearest}");
+                apart += 1;
+            }
+            met += u32::from(nearest <= TOUCH_M);
+        }
+        assert!(apart > 1000 && met > 400, "{apart} {met}");
     }
 }

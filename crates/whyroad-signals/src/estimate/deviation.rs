@@ -203,13 +203,17 @@ fn of_targets(of: &OfDrive<'_>, table: &mut SignalTable) {
         }
         column
     };
+    // Half of them are of a distance.
+    let mut of_distance: Option<Vec<f64>> = None;
     for (name, made) in TARGET {
         let Some(Column::Number(values)) = table.target_columns.get(*name) else { continue };
         let (gap, relative) =
             (table.target_columns.get("target.gap"), table.target_columns.get("target.relative_speed"));
         let other = |column: Option<&Column>, row: usize| number(column.and_then(|c| c.number(row)));
         let column = match made {
-            OfTarget::Distance => spread(values, &|r, _, _| r.place),
+            OfTarget::Distance => {
+                of_distance.get_or_insert_with(|| spread(values, &|r, _, _| r.place)).clone()
+            }
             OfTarget::Direction => spread(values, &|r, _, _| r.turned.hypot(ego_heading[r.frame])),
             OfTarget::Speed => spread(values, &|r, _, _| r.speed),
             OfTarget::Accel => spread(values, &|r, _, _| r.accel),

@@ -68,7 +68,7 @@ impl OrientedBox {
     /// [`OrientedBox::overlaps`] of two boxes that are near each other.
     fn shadows_overlap(&self, other: &OrientedBox) -> bool {
         axes(self.direction, other.direction).into_iter().all(|axis| {
-            let (a, b) = (self.extent(axis), other.extent(axis));
+            let (a, b) = (self.shadow(axis), other.shadow(axis));
             a.0 <= b.1 && b.0 <= a.1
         })
     }
@@ -102,7 +102,7 @@ impl OrientedBox {
         let relative = other_velocity - velocity;
         let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
         for axis in axes(self.direction, other.direction) {
-            let (a, b) = (self.extent(axis), other.extent(axis));
+            let (a, b) = (self.shadow(axis), other.shadow(axis));
             let v = relative.dot(axis);
             // Shadows: [b0 + v t, b1 + v t] against [a0, a1].
             if v.abs() < 1e-9 {
@@ -118,8 +118,8 @@ impl OrientedBox {
         if enter <= leave { enter } else { f64::INFINITY }
     }
 
-    /// Shadow on an axis.
-    fn extent(&self, axis: P2) -> (f64, f64) {
+    /// Lowest and highest place on an axis of length 1, m.
+    pub fn shadow(&self, axis: P2) -> (f64, f64) {
         let half = (self.direction.dot(axis) * self.length).abs() / 2.0
             + (self.direction.left().dot(axis) * self.width).abs() / 2.0;
         let centre = self.centre.dot(axis);

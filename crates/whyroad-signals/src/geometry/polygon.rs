@@ -56,9 +56,10 @@ impl Polygon {
 
     /// Not more than the distance of `p`, m: that of its bounding box, less what rounding can do.
     pub fn least_distance(&self, p: P2) -> f64 {
-        let beyond = |v: f64, low: f64, high: f64| (low - v).max(v - high).max(0.0);
-        let (x, y) = (beyond(p.x, self.low.x, self.high.x), beyond(p.y, self.low.y, self.high.y));
-        (x.max(y) * (1.0 - 1e-9) - 1e-6).max(0.0)
+        let more = |a: f64, b: f64| if a > b { a } else { b };
+        let x = more(self.low.x - p.x, p.x - self.high.x);
+        let y = more(self.low.y - p.y, p.y - self.high.y);
+        more(more(x, y) * (1.0 - 1e-9) - 1e-6, 0.0)
     }
 
     /// Distance of `p`, 0 inside, m.

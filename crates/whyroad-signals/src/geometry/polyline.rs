@@ -139,6 +139,12 @@ impl Polyline {
         between(&self.s, values, s, self.points_up_to(s))
     }
 
+    /// [`Polyline::interpolate`] of two kinds of values at the same place.
+    pub fn interpolate_both(&self, values: [&[f64]; 2], s: f64) -> (f64, f64) {
+        let count = self.points_up_to(s);
+        (between(&self.s, values[0], s, count), between(&self.s, values[1], s, count))
+    }
+
     /// The point at arc length `s`, on the straight continuation outside.
     pub fn point_at(&self, s: f64) -> P2 {
         let i = self.segment_at(s);
@@ -153,7 +159,9 @@ impl Polyline {
     /// Direction of the chord from `s - reach` to `s + reach`, rad: bends drawn with few points do not jump.
     pub fn smooth_heading_at(&self, s: f64, reach: f64) -> f64 {
         let chord = self.point_at(s + reach) - self.point_at(s - reach);
-        if chord.norm() > 1e-6 { chord.heading() } else { self.heading_at(s) }
+        // The square mostly tells that there is a chord.
+        let known = chord.dot(chord) > 1e-11 || chord.norm() > 1e-6;
+        if known { chord.heading() } else { self.heading_at(s) }
     }
 
     /// Nearest foot point of `p` over the whole line.

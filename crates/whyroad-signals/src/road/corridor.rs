@@ -99,7 +99,7 @@ impl Corridor {
 
     /// Distances from the center line to the left and right edge at `s`, m.
     pub fn widths_at(&self, s: f64) -> (f64, f64) {
-        (self.line.interpolate(&self.left, s), self.line.interpolate(&self.right, s))
+        self.line.interpolate_both([&self.left, &self.right], s)
     }
 
     /// Arc length where lane `k` of the chain ends, m.

@@ -39,7 +39,7 @@ pub struct LaneShape {
 impl LaneShape {
     /// Widths to the left and right edge at arc length `s`, m.
     pub fn widths_at(&self, s: f64) -> (f64, f64) {
-        (self.centre.interpolate(&self.left_width, s), self.centre.interpolate(&self.right_width, s))
+        self.centre.interpolate_both([&self.left_width, &self.right_width], s)
     }
 
     /// True when an object whose box center has height `z` can be on this lane (or heights are unknown).
@@ -197,12 +197,20 @@ impl Road {
 
     /// Distance from `p` to the nearest crosswalk, 0 on it; infinite when there is none, m.
     pub fn distance_to_crosswalk(&self, p: P2) -> f64 {
-        let least = |c: &Polygon| c.least_distance(p);
         // With the one that seems nearest, most of the others need no look.
-        let seems = self.crosswalks.iter().min_by(|a, b| least(a).total_cmp(&least(b)));
-        let first = seems.map_or(f64::INFINITY, |c| c.distance(p));
-        self.crosswalks
-            .iter()
-            .fold(first, |nearest, c| if least(c) > nearest { nearest } else { nearest.min(c.distance(p)) })
+        let mut seems: (f64, Option<&Polygon>) = (f64::INFINITY, None);
+        for crosswalk in &self.crosswalks {
+            let least = crosswalk.least_distance(p);
+            if least < seems.0 {
+                seems = (least, Some(crosswalk));
+            }
+        }
+        let mut nearest = seems.1.map_or(f64::INFINITY, |c| c.distance(p));
+        for crosswalk in &self.crosswalks {
+            if crosswalk.least_distance(p) <= nearest {
+                nearest = nearest.min(crosswalk.distance(p));
+            }
+        }
+        nearest
     }
 }

@@ -271,8 +271,11 @@ impl View {
     /// The first thing for which `counts` holds that stands before `place` as seen from the eye.
     pub fn before(&self, place: P2, counts: impl Fn(Owner) -> bool) -> Option<Owner> {
         let to = place - self.eye;
-        let mut around = self.pieces_in((range_of(to), 1)).peekable();
-        // Most places are before an open sky: then nothing more is worked out.
+        // To within rounding, without a root.
+        let reach = to.dot(to) * (1.0 + 1e-9);
+        let near = |p: &&Piece| p.nearest * p.nearest < reach;
+        let mut around = self.pieces_in((range_of(to), 1)).filter(near).peekable();
+        // Most places are before everything or before an open sky: then nothing more is worked out.
         around.peek()?;
         let distance = to.norm();
         let direction = to * (1.0 / distance.max(1e-9));
