@@ -33,7 +33,7 @@ pub(in crate::check) fn unused(
     sink.report(Finding::warning("label.cause.proximate", at), &|| {
         Words::new(
             format!("“{text}”与决策无关：它不在自车要走的路上，因果描述也没有用到它"),
-            format!("'{text}' has no bearing on the decision: it is not on the ego's way, and the trace makes nothing of it"),
+            format!("'{text}' has no bearing on the decision: it is off the ego's way, and not in the trace"),
         )
         .hint("删去无关的要素，只留引起决策的", "leave it out: keep only what brings the decision about")
     });
@@ -43,6 +43,10 @@ pub(in crate::check) fn unused(
 fn bears_on_nothing(text: &str, facts: &TextFacts, words: &LabelWords, about: GroupSet) -> bool {
     let off = facts.apart.is_some() || facts.distant.is_some();
     let idle = facts.idle.is_some();
+    // Most components end here.
+    if !idle && !off && facts.words > 0 {
+        return false;
+    }
     let named = |n: &Named| words.objects[n.group].own;
     if facts.named.iter().any(|n| named(n).meets(words.known.sight)) || words.subjects.speaks_of_ego(text) {
         return false;
