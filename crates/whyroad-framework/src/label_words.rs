@@ -2,6 +2,7 @@
 //! things, sides, states, colours, hindsight, placeholders. What follows from them is decided by the label checks.
 
 mod aftermath;
+mod bearing;
 mod clauses;
 mod compared;
 mod compile;
@@ -9,6 +10,7 @@ mod numbers;
 mod subjects;
 
 pub use aftermath::{Aftermath, NewSubject, TellWord};
+pub use bearing::{Bearing, Bears};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
 pub use numbers::Numbers;
@@ -51,6 +53,12 @@ impl GroupSet {
         GroupSet(self.0 & !other.0)
     }
 
+    /// What is in `other`, too.
+    #[must_use]
+    pub fn only(self, other: GroupSet) -> GroupSet {
+        GroupSet(self.0 & other.0)
+    }
+
     /// True when there is no group.
     pub fn is_empty(self) -> bool {
         self.0 == 0
@@ -80,6 +88,12 @@ pub struct KnownKinds {
     pub actor: GroupSet,
     /// Signs, lights and stop lines, whose names say what is to be done there.
     pub sign: GroupSet,
+    /// Where the ego is to go.
+    pub route: GroupSet,
+    /// What hides something.
+    pub sight: GroupSet,
+    /// Where there is none of it, there is nothing to respond to.
+    pub adverse: GroupSet,
 }
 
 /// What is said of a thing, a bit each: `doings` of the file, and the states of the same names.
@@ -96,6 +110,12 @@ impl Doings {
     #[must_use]
     pub fn with(self, other: Doings) -> Doings {
         Doings(self.0 | other.0)
+    }
+
+    /// What is not in `other`.
+    #[must_use]
+    pub fn without(self, other: Doings) -> Doings {
+        Doings(self.0 & !other.0)
     }
 
     /// True when nothing is said.
@@ -238,6 +258,8 @@ pub struct LabelWords {
     scene: Trie,
     /// What tells of events after the decision.
     pub aftermath: Aftermath,
+    /// What texts say beside their things.
+    pub bearing: Bearing,
     /// With one of these before it, hindsight is what would happen.
     pub imagined: Vec<String>,
     /// With one of these anywhere in the clause, a time that passes is predicted.
@@ -254,6 +276,12 @@ pub struct LabelWords {
     pub road_users: Vec<String>,
     /// Kinds that the checks ask for.
     pub known: KnownKinds,
+    /// What somebody off the road does that reaches the road.
+    pub reaching: Doings,
+    /// Whoever does one of these gives nobody on the road a reason to respond.
+    pub calm: Doings,
+    /// What is said of nobody together.
+    pub opposite: Vec<(Doings, Doings)>,
     /// What texts are compared without.
     pub compared: Compared,
     /// How the thing is found that a component speaks of.
@@ -366,6 +394,14 @@ impl LabelWords {
         bracketed.filter(|_| !self.instructions.is_empty())
     }
 
+    /// What is not said together with any of `doings`.
+    pub fn opposite_of(&self, doings: Doings) -> Doings {
+        self.opposite.iter().fold(Doings::default(), |all, (a, b)| {
+            let all = if a.meets(doings) { all.with(*b) } else { all };
+            if b.meets(doings) { all.with(*a) } else { all }
+        })
+    }
+
     /// True when `text` has a word that has to do with roads and traffic.
     pub fn is_of_driving(&self, text: &str) -> bool {
         let mut any = false;
@@ -412,6 +448,9 @@ struct File {
     sides: RawSides,
     states: RawStates,
     doings: BTreeMap<String, Words>,
+    opposite: Vec<[String; 2]>,
+    reaching: Vec<String>,
+    calm: Vec<String>,
     distant: Words,
     beyond: Words,
     numbers: numbers::RawNumbers,
@@ -436,6 +475,7 @@ struct File {
     instructions: Words,
     no_reason: Words,
     irrelevant: Words,
+    bearing: bearing::RawBearing,
     unobserved: Words,
     likened: Words,
     plain: Words,

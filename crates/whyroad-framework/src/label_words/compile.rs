@@ -42,6 +42,14 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         let role = WordRole::Doing(doing(raw, id, &mut b));
         b.all(words.all(), role);
     }
+    let opposite: Vec<_> = raw
+        .opposite
+        .iter()
+        .map(|pair| (doing(raw, &pair[0], &mut b), doing(raw, &pair[1], &mut b)))
+        .collect();
+    let mut all =
+        |ids: &[String]| ids.iter().fold(Doings::default(), |all, id| all.with(doing(raw, id, &mut b)));
+    let (reaching, calm) = (all(&raw.reaching), all(&raw.calm));
     b.all(raw.template.all(), WordRole::Template);
     b.all(raw.no_reason.all(), WordRole::NoReason);
     b.all(raw.distant.all(), WordRole::Distant);
@@ -51,8 +59,11 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     }
     let colours = raw.colours.values().enumerate();
     let colour_chars =
-        colours.flat_map(|(i, w)| w.zh.iter().filter_map(move |t| Some((t.chars().next()?, i))));
-    let colour_chars = colour_chars.collect();
+        colours.flat_map(|(i, w)| w.zh.iter().filter_map(move |t| Some((t.chars().next()?, i, t.len()))));
+    // "银" is silver rather than "银灰".
+    let mut colour_chars: Vec<(char, usize, usize)> = colour_chars.collect();
+    colour_chars.sort_by_key(|(_, _, length)| *length);
+    let colour_chars = colour_chars.into_iter().map(|(c, i, _)| (c, i)).collect();
     b.all(raw.hindsight.firm.all(), WordRole::Hindsight);
     b.all(raw.resolved.all(), WordRole::Resolved);
     b.all(raw.ahead.all(), WordRole::Ahead);
@@ -96,6 +107,9 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         gap: kind("gap"),
         light: kind("light"),
         sign: kind("sign"),
+        route: kind("route"),
+        sight: kind("occlusion"),
+        adverse: kind("adverse"),
     };
 
     // A queue is waited in, and "no car" does nothing.
@@ -121,6 +135,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     scene.dedup();
     let scene = self::trie(scene.iter().map(String::as_str), &mut problems);
     let aftermath = raw.aftermath.compile(&mut problems);
+    let bearing = raw.bearing.compile(&mut problems);
     let names = raw.names.iter().map(|(id, n)| (id.clone(), Bilingual::new(&n.zh, &n.en))).collect();
     let compared = raw.compared.compile();
     let clauses = raw.clauses.compile();
@@ -137,6 +152,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         reasons,
         scene,
         aftermath,
+        bearing,
         imagined: raw.hindsight.imagined.all().map(str::to_owned).collect(),
         predicted: raw.hindsight.predicted.all().map(str::to_owned).collect(),
         lights: raw.lights.values().map(|w| w.all().map(str::to_owned).collect()).collect(),
@@ -145,6 +161,9 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         clauses,
         road_users,
         known,
+        reaching,
+        calm,
+        opposite,
         compared,
         subjects: raw.subjects.compile(),
     };

@@ -47,6 +47,10 @@ pub struct Subjects {
     vague: HashSet<String>,
     /// Parts that every vehicle has, in lower case.
     parts: HashSet<String>,
+    /// The ego, in Chinese and in Latin letters.
+    ego: [Vec<String>; 2],
+    /// Behind a name in Chinese, before one of Latin letters: it only says where something else is; in lower case.
+    landmark: [Vec<String>; 2],
     stand_for: HashSet<String>,
     stand_for_chinese: Vec<String>,
     /// Words for where somebody is, in lower case: before the ego, behind it.
@@ -69,6 +73,25 @@ impl Subjects {
     /// `name`, in upper or lower case, may be that of a part of a vehicle as well.
     pub fn is_vague(&self, name: &str) -> bool {
         self.vague.contains(&name.to_lowercase())
+    }
+
+    /// The text speaks of the ego.
+    pub fn speaks_of_ego(&self, text: &str) -> bool {
+        let [chinese, latin] = &self.ego;
+        chinese.iter().any(|w| text.contains(w.as_str()))
+            || text
+                .split(|c: char| !c.is_ascii_alphabetic())
+                .any(|word| latin.iter().any(|w| word.eq_ignore_ascii_case(w)))
+    }
+
+    /// The name at `start..end` of the text only says where something else is.
+    pub fn is_landmark(&self, text: &str, start: usize, end: usize) -> bool {
+        let [behind, before] = &self.landmark;
+        behind.iter().any(|w| text[end..].starts_with(w.as_str()))
+            || text.is_ascii() && {
+                let ahead = text[..start].trim_end().to_ascii_lowercase();
+                before.iter().any(|w| ahead.ends_with(w.as_str()))
+            }
     }
 
     /// The text has a pronoun that stands for somebody.
@@ -119,6 +142,8 @@ pub(super) struct RawSubjects {
     may_be_ego: Words,
     vague: Words,
     parts: Words,
+    ego: Words,
+    landmark: Words,
     stand_for: Words,
     before_ego: Words,
     behind_ego: Words,
@@ -152,6 +177,8 @@ impl RawSubjects {
             origins: chars(&self.origins),
             may_be_ego: all(&self.may_be_ego),
             vague: self.vague.all().map(str::to_owned).collect(),
+            ego: [self.ego.zh.clone(), self.ego.en.clone()],
+            landmark: [self.landmark.zh.clone(), self.landmark.en.clone()],
             stand_for: list(&self.stand_for),
             stand_for_chinese: self.stand_for.zh.clone(),
             parts: self.parts.all().map(str::to_owned).collect(),

@@ -1,5 +1,7 @@
 //! Causes (LABELING.md 6): each decision has one that was there to be seen.
 
 pub(super) mod circular;
+mod grounds;
 pub(super) mod links;
 pub(super) mod text;
+pub(super) mod unused;

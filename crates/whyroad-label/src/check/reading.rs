@@ -2,7 +2,9 @@
 //! what is said under an "if" or denied is marked as such, and the checks leave it alone.
 
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::{Divider, Doings, GroupSet, LONGEST_UNFINISHED, SaidState, WordRole};
+use whyroad_framework::label_words::{
+    Bears, Divider, Doings, GroupSet, LONGEST_UNFINISHED, SaidState, WordRole,
+};
 use whyroad_framework::lexicon::units::Units;
 
 /// A thing that a text names.
@@ -56,10 +58,33 @@ pub(super) struct TextFacts {
     pub no_reason: Option<(usize, usize)>,
     /// Bytes of what says that something has no part in the decision.
     pub irrelevant: Option<(usize, usize)>,
+    /// Bytes of what says that nothing hides or hinders.
+    pub clear: Vec<(usize, usize)>,
+    /// Bytes of what says that there is nothing to respond to.
+    pub harmless: Vec<(usize, usize)>,
+    /// What is said of whatever is named, in order: also what is denied of it.
+    pub acts: Vec<Act>,
+    /// Bytes of the first word that has nothing to do with roads and traffic.
+    pub idle: Option<(usize, usize)>,
+    /// Bytes of the first place that is off the road.
+    pub apart: Option<(usize, usize)>,
+    /// Bytes of what puts a time after the ego's response, or after whoever it responds to is done.
+    pub done: Vec<(usize, usize)>,
     /// Bytes of what says that the cause was not observed.
     pub unobserved: Option<(usize, usize)>,
     /// Bytes of what puts the thing far away, or beyond somebody who is named.
     pub distant: Option<(usize, usize)>,
+}
+
+/// What is said of something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Act {
+    pub doing: Doings,
+    /// It is not so.
+    pub denied: bool,
+    /// Bytes of the text.
+    pub start: usize,
+    pub end: usize,
 }
 
 /// Characters that may stand between a word that denies and what it denies: "no other", "没有任何".
@@ -99,8 +124,12 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             WordRole::Object(_) if text[hit.end..].trim_start().starts_with([':', '：', '】', ']']) => {}
             WordRole::Object(group) => {
                 out.words += 1;
-                let absent = clause.absent.is_some_and(|a| a.reaches(text, hit.start))
-                    || (word.starts_with(['无', '没']) && word.ends_with('车'));
+                let is_no_car = word.starts_with(['无', '没']) && word.ends_with('车');
+                let absent = is_no_car || clause.absent.is_some_and(|a| a.reaches(text, hit.start));
+                // "没有车排队".
+                if is_no_car {
+                    clause.absent = Some(Denial { end: hit.end, is_latin: false });
+                }
                 out.groups = out.groups.with(words.objects[group].own);
                 let lane_side = lane_side(text, hit.start, hit.end);
                 if let Some(left) = lane_side {
@@ -137,9 +166,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             }
             WordRole::Doing(doing) => {
                 out.words += 1;
-                if !clause.supposed && !clause.denied.is_some_and(|d| d.reaches(text, hit.start)) {
-                    out.does = out.does.with(doing);
-                }
+                clause.act(doing, text, (hit.start, hit.end), &mut out);
             }
             WordRole::Template => out.unfinished |= text.len() <= LONGEST_UNFINISHED,
             WordRole::Unwritten => drop(out.unwritten.get_or_insert((hit.start, hit.end))),
@@ -165,10 +192,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             }
             WordRole::State(state, doing) => {
                 out.words += 1;
-                if !clause.denied.is_some_and(|d| d.reaches(text, hit.start)) {
-                    if !clause.supposed {
-                        out.does = out.does.with(doing);
-                    }
+                if !clause.act(doing, text, (hit.start, hit.end), &mut out) {
                     // "The car has stopped at the line": who acts, rather than a place.
                     let open = |n: &&mut Named| n.clause == clause.number && n.state.is_none();
                     let acts = |n: &&mut Named| words.objects[n.group].named;
@@ -218,6 +242,15 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             }
             WordRole::Ahead => clause.ahead = true,
             WordRole::Absent => {
+                out.acts.push(Act { doing: Doings::default(), denied: true, start: hit.start, end: hit.end });
+                // "There is no ice at all" is "ice, none" in Chinese.
+                let at_end = || !text[hit.end..].starts_with(|c: char| c.is_alphanumeric());
+                if !word.is_ascii()
+                    && (text[..hit.start].ends_with(['都', '也', '全']) || at_end())
+                    && let Some(n) = out.named.last_mut().filter(|n| n.clause == clause.number)
+                {
+                    n.absent = true;
+                }
                 let word = Denial { end: hit.end, is_latin: word.is_ascii() };
                 (clause.absent, clause.denied) = (Some(word), Some(word));
             }
@@ -240,6 +273,13 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
         }
     });
     clause.close(&mut out);
+    words.bearing.hits(units, text.len(), |says, start, end| match says {
+        Bears::Clear => out.clear.push((start, end)),
+        Bears::Harmless => out.harmless.push((start, end)),
+        Bears::Idle => drop(out.idle.get_or_insert((start, end))),
+        Bears::Apart => drop(out.apart.get_or_insert((start, end))),
+        Bears::Done => out.done.push((start, end)),
+    });
     out
 }
 
@@ -343,6 +383,18 @@ struct Clause {
 }
 
 impl Clause {
+    /// Something is said of whatever is named. True when it is denied.
+    fn act(&self, doing: Doings, text: &str, (start, end): (usize, usize), out: &mut TextFacts) -> bool {
+        let denied = self.denied.is_some_and(|d| d.reaches(text, start));
+        if !self.supposed {
+            out.acts.push(Act { doing, denied, start, end });
+            if !denied {
+                out.does = out.does.with(doing);
+            }
+        }
+        denied
+    }
+
     /// "The car on the left": said behind it, of whoever acts rather than of a place. In Chinese the side comes first.
     fn say_side(&mut self, left: bool, is_behind: bool, words: &LabelWords, out: &mut TextFacts) {
         let number = self.number;
@@ -370,6 +422,13 @@ impl Clause {
     }
 
     fn close(&self, out: &mut TextFacts) {
+        // "A lorry, blue,": said behind it, in a clause of its own.
+        if let (Some(colour), 0) = (self.colour, self.names)
+            && let Some(n) =
+                out.named.last_mut().filter(|n| n.colour.is_none() && n.clause + 1 == self.number)
+        {
+            n.colour = Some(colour);
+        }
         let Some(state) = self.state else { return };
         match out.named.iter_mut().find(|n| n.clause == self.number && n.state.is_none()) {
             Some(n) if self.names > 0 => n.state = Some(state),

@@ -3,7 +3,7 @@
 //! question alone.
 
 use super::business::{class, combination, decision, records};
-use super::cause::{circular, links, text as cause_text};
+use super::cause::{circular, links, text as cause_text, unused};
 use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::trace_rules::Said;
 use super::consistency::{duplicates, moment, objects, plausible, text, trace, trace_rules};
@@ -80,7 +80,10 @@ impl Rulebook<'_> {
         cause_text::unobserved(label, words, sink);
         let another_class = class.is_some_and(|c| text::class(label, &texts, words, background, c, sink));
         cause_text::proximate(label, &texts, words, sink);
-        cause_text::distant(label, &texts, words, sink);
+        let about = class.and_then(|c| c.decisions.as_ref()).map(|d| d.about).unwrap_or_default();
+        if !cause_text::distant(label, &texts, words, sink) {
+            unused::unused(label, &texts, words, about, sink);
+        }
         if !another_class && !impossible {
             cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink);
         }
@@ -88,14 +91,23 @@ impl Rulebook<'_> {
             return;
         }
         if cause_text::unobserved_in_trace(label, &texts, words, sink)
-            || cause_text::denied(label, &texts, words, sink)
+            || reading.as_ref().is_some_and(|r| {
+                cause_text::denied(label, &texts, words, (background, about), (r, lexicon), sink)
+            })
         {
             return;
         }
         text::unchanged(label, &texts, sink);
         let acts = reading.as_ref().is_some_and(|r| !r.mentions.is_empty() || r.names_ego);
         let because = reading.as_ref().and_then(|r| r.because);
-        if !another_class && text::unrelated(label, &texts, words, background, (acts, because), sink) {
+        let decides = reading.as_ref().map_or(0, |r| {
+            let own = r.mentions.iter().filter(|m| !m.by_other && m.force == trace::Force::Asserted);
+            let first = own.map(|m| m.start).find(|at| !r.marked || *at >= r.decision_from);
+            if r.marked { r.decision_from } else { first.unwrap_or(r.end) }
+        });
+        if !another_class
+            && text::unrelated(label, &texts, words, background, (acts, because, decides), about, sink)
+        {
             return;
         }
         if impossible {
@@ -111,7 +123,7 @@ impl Rulebook<'_> {
         if said != Said::TooLittle
             && !circular
             && !another_class
-            && !cause_text::around(label, &texts, words, decides_at, sink)
+            && !cause_text::around(label, &texts, words, (about, decides_at), sink)
         {
             objects::unnamed(label, &texts, words, background, (reading.end, said), sink);
         }

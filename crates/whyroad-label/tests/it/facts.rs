@@ -100,6 +100,78 @@ fn a_cause_that_is_denied_needs_another() {
 }
 
 #[test]
+fn a_cause_is_denied_in_other_words() {
+    let code = "label.trace.contradicts";
+    for trace in [
+        "The old man is sitting on a bench, well clear of our lane, so the ego slows down and yields.",
+        "There is no old man on the road and the way ahead is clear, so the ego slows down and yields.",
+    ] {
+        assert_eq!(yielding(CROSSING_EN, trace), [code], "{trace}");
+    }
+    for trace in [
+        "老人站在人行道里面，没有过马路的意思，自车减速让行。",
+        "老人离我们的车道很远，互不影响，自车减速让行。",
+    ] {
+        assert_eq!(yielding(CROSSING_ZH, trace), [code], "{trace}");
+    }
+    // Beside something that calls for the decision it is only what is around.
+    let trace =
+        "The oncoming lane is empty, but an old man is walking across from the left, so the ego slows down.";
+    assert_eq!(yielding(CROSSING_EN, trace), [""; 0]);
+    let trace = "视线很好，对面没有来车，老人从左侧横穿马路，因此自车减速让行。";
+    assert_eq!(yielding(CROSSING_ZH, trace), [""; 0]);
+}
+
+#[test]
+fn a_component_bears_on_the_decision() {
+    let code = "label.cause.proximate";
+    for idle in ["路边商场的大屏正在放广告", "公园里有人在下棋", "教堂的钟楼正在敲钟"]
+    {
+        assert_eq!(yielding(&[CROSSING_ZH[0], idle], YIELD_ZH), [code], "{idle}");
+    }
+    for idle in ["A poster by the road announces a summer sale", "Two anglers are fishing from the bank"] {
+        assert_eq!(yielding(&[CROSSING_EN[0], idle], YIELD_EN), [code], "{idle}");
+    }
+    // Somebody comes out of it, it hides something, or the trace makes something of it.
+    for part in ["公园里跑出来一个小孩", "广告牌挡住了右侧的视线"] {
+        assert_eq!(yielding(&[CROSSING_ZH[0], part], YIELD_ZH), [""; 0], "{part}");
+    }
+    let told = "An old man walks across towards the poster for a summer sale, and our paths meet, so the ego slows \
+                down and yields to him.";
+    let poster = "A poster by the road announces a summer sale";
+    assert_eq!(yielding(&[CROSSING_EN[0], poster], told), [""; 0]);
+}
+
+#[test]
+fn a_time_after_the_response_is_hindsight() {
+    let code = "label.text.hindsight";
+    for trace in [
+        "An old man walks across from the left; once he had reached the other side he waved, so the ego yields.",
+        "An old man walks across from the left and after we had stopped he waved, so the ego slows and yields.",
+    ] {
+        assert_eq!(yielding(CROSSING_EN, trace), [code], "{trace}");
+    }
+    let trace = "老人从左侧横穿马路，他走到对面以后冲我们挥了挥手，所以自车减速让行。";
+    assert_eq!(yielding(CROSSING_ZH, trace), [code]);
+    // What is to be waited for, and the last of several.
+    for trace in [
+        "老人从左侧横穿马路，和自车路线相交，自车减速让行，等他过去以后再走。",
+        "老人从左侧横穿马路，他走在最后面，还没过完，自车减速让行。",
+    ] {
+        assert_eq!(yielding(CROSSING_ZH, trace), [""; 0], "{trace}");
+    }
+}
+
+#[test]
+fn a_reason_of_another_scene_is_unrelated() {
+    let code = "label.text.unrelated";
+    let trace = "收费站只开了两个口，栏杆没有抬起来，所以自车减速让行。";
+    assert_eq!(yielding(CROSSING_ZH, trace), [code]);
+    let trace = "Thick fog hangs over the fields and the bends are icy, so the ego slows down and yields.";
+    assert_eq!(yielding(CROSSING_EN, trace), [code]);
+}
+
+#[test]
 fn what_is_only_compared_or_absent_is_no_thing() {
     for trace in [
         "An old man walks across from the left, slow like a tractor, so the ego slows down and yields to him.",

@@ -75,7 +75,13 @@ fn gives_cause(
         let names = texts.trace.named.iter().any(|n| {
             (from..to).contains(&n.start) && !words.objects[n.group].own.meets(words.known.no_cause)
         });
-        names && !decision_in(from, to) && !is_own_duty(&text[from..to], &words.clauses)
+        // "A collision blocks our lane": in whatever words the thing is.
+        let acts = texts
+            .trace
+            .acts
+            .iter()
+            .any(|a| !a.denied && (from..to).contains(&a.start) && a.doing.meets(words.reaching));
+        (names || acts) && !decision_in(from, to) && !is_own_duty(&text[from..to], &words.clauses)
     };
     let ends = || words.clauses.ends(&texts.units, &[Divider::Sentence, Divider::Clause], text.len());
     let mut from = 0;

@@ -1,6 +1,8 @@
 //! Texts against what could be known (LABELING.md 3, 6 and 7): no hindsight, no circle, a reason for UNOBSERVED, the
 //! proximate cause, and a cause of the kind that the decision has.
 
+use super::grounds;
+use crate::check::consistency::trace::Reading;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
@@ -10,7 +12,7 @@ use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::label_words::{Divider, GroupSet, KnownKinds, SaidState};
 use whyroad_framework::{Framework, LabelWords, Lexicon};
-use whyroad_model::decision::Longitudinal;
+use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
 /// What was only known after the keyframe. `after`: bytes of what the trace tells after its decision.
@@ -163,24 +165,29 @@ pub(in crate::check) fn proximate(label: &View<'_>, texts: &Texts, words: &Label
 
 /// A component that is far away, or beyond somebody whom it names, causes no response to somebody who is nearer: "the
 /// light two hundred meters beyond the van" (LABELING.md 6, proximate cause).
-pub(in crate::check) fn distant(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+pub(in crate::check) fn distant(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    sink: &mut dyn Sink,
+) -> bool {
     let wanted = match label.longitudinal.get() {
         Some(Longitudinal::YieldToAgent | Longitudinal::LeadFollowing | Longitudinal::StopForObstacle) => {
             words.known.actor
         }
         Some(Longitudinal::StopForRegulation) => words.known.sign.with(words.known.light),
-        _ => return,
+        _ => return false,
     };
     let acts = |n: &&Named| words.objects[n.group].own.meets(wanted);
     let near = |f: &&TextFacts| f.distant.is_none() && f.there().any(|n| acts(&n));
     let parts = || label.parts.iter().zip(&texts.components);
-    let Some((far, (start, end))) = parts().find_map(|(c, f)| Some((c, f.distant?))) else { return };
+    let Some((far, (start, end))) = parts().find_map(|(c, f)| Some((c, f.distant?))) else { return false };
     let nearer = parts().find(|(_, f)| near(f)).and_then(|(c, _)| c.description.get());
     let nearer = nearer.or_else(|| {
         let n = texts.trace.there().find(acts)?;
         label.trace.get()?.get(n.start..n.end)
     });
-    let Some(nearer) = nearer else { return };
+    let Some(nearer) = nearer else { return false };
     let at = pointer::critical_components_item_description(far.index);
     sink.report(Finding::warning("label.cause.proximate", at).part(start, end), &|| {
         let text = far.description.get().unwrap_or_default();
@@ -191,6 +198,7 @@ pub(in crate::check) fn distant(label: &View<'_>, texts: &Texts, words: &LabelWo
         )
         .hint("删去远处的要素，只留引起决策的那一个", "leave the distant component out")
     });
+    true
 }
 
 /// A trace whose reason is only what is around whoever the ego responds to, and not him: the school, and not the child
@@ -199,13 +207,22 @@ pub(in crate::check) fn around(
     label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
-    decision_from: usize,
+    (about, decision_from): (GroupSet, usize),
     sink: &mut dyn Sink,
 ) -> bool {
     let main = match label.longitudinal.get() {
         Some(Longitudinal::LeadFollowing) => words.known.vehicle,
+        // The class is about nobody but road users, so that it is one of them who lets the ego go.
+        Some(Longitudinal::Resume) if !about.is_empty() && about.without(words.known.actor).is_empty() => {
+            words.known.vehicle.without(words.known.queue)
+        }
         Some(Longitudinal::YieldToAgent | Longitudinal::StopForObstacle) => words.known.actor,
         _ => return false,
+    };
+    // Whom the class is about, where it says so.
+    let main = match main.only(about) {
+        own if own.is_empty() => main,
+        own => own,
     };
     let Some(text) = label.trace.get().filter(|_| decision_from > 0) else { return false };
     let is_main = |n: &Named| words.objects[n.group].own.meets(main);
@@ -216,12 +233,21 @@ pub(in crate::check) fn around(
         let all = label.parts.iter().zip(&texts.components);
         all.filter_map(|(c, f)| Some((c.description.get()?, f)))
     };
-    let acts = |f: &TextFacts| f.there().next().is_some_and(is_main);
-    let inside = |at: usize| at < decision_from;
+    let acts = |t: &str, f: &TextFacts| {
+        f.there().find(|n| !words.subjects.is_landmark(t, n.start, n.end)).is_some_and(is_main)
+    };
+    let is_common = |at: usize| text[at..].starts_with(|c| words.subjects.common.contains(c));
+    let inside = |at: usize| at < decision_from && !is_common(at);
+    // By a word, or by a thing beside whoever acts.
+    let beside = texts.trace.there().filter(|n| n.start < decision_from && !is_main(n));
+    let beside = beside.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].own));
+    let beside = beside.without(words.known.no_cause).without(words.known.road);
     let shared = |t: &str| overlap::shared_with(t, text, &words.compared, &inside);
-    let given = parts().filter(|(_, f)| acts(f)).map(|(t, _)| t).next();
+    let given = parts().filter(|(t, f)| acts(t, f)).map(|(t, _)| t).next();
     let Some(given) = given else { return false };
-    if parts().any(|(t, f)| acts(f) && shared(t) > 0) || !parts().any(|(t, f)| !acts(f) && shared(t) > 0) {
+    if parts().any(|(t, f)| acts(t, f) && shared(t) > 0)
+        || !parts().any(|(t, f)| !acts(t, f) && (shared(t) > 0 || f.groups.meets(beside)))
+    {
         return false;
     }
     sink.report(Finding::warning("label.cause.proximate", pointer::COC_TRACE).part(0, decision_from), &|| {
@@ -234,11 +260,14 @@ pub(in crate::check) fn around(
     true
 }
 
-/// A trace that says of whatever it names that it has no part in the decision, and names nothing else.
+/// A trace that says of whatever it names that it has no part in the decision, and names nothing else; or that says
+/// otherwise of it than the components do, or that it is harmless, and nothing for its decision.
 pub(in crate::check) fn denied(
     label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
+    (background, about): (GroupSet, GroupSet),
+    (reading, lexicon): (&Reading, &Lexicon),
     sink: &mut dyn Sink,
 ) -> bool {
     let restricts = matches!(
@@ -251,14 +280,37 @@ pub(in crate::check) fn denied(
                 | Longitudinal::RoadSpeedAdaptation
         )
     );
-    let (Some((start, end)), Some(text), true) = (texts.trace.irrelevant, label.trace.get(), restricts)
-    else {
-        return false;
+    let (Some(text), true) = (label.trace.get(), restricts) else { return false };
+    let by_itself = || irrelevant(text, texts, words);
+    // A change of lane or a turn has its own cause, which may be the route or the road.
+    let stays = label.lateral.get().is_none_or(|l| matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
+    let clauses = || {
+        stays
+            .then(|| grounds::against(label, texts, words, (background, about), (reading, lexicon)))
+            .flatten()
     };
+    let Some((start, end)) = by_itself().or_else(clauses) else { return false };
+    sink.report(Finding::warning("label.trace.contradicts", pointer::COC_TRACE).part(start, end), &|| {
+        let phrase = &text[start..end];
+        Words::new(
+            format!("因果描述说“{phrase}”，与决策的理由相反，又没有给出别的原因"),
+            format!("the trace says '{phrase}', which speaks against its decision, and gives no other cause"),
+        )
+        .hint(
+            "写出真正引起决策的是什么，或删去这句否认",
+            "say what does bring the decision about, or leave the denial out",
+        )
+    });
+    true
+}
+
+/// Bytes of what says that everything the trace names has no part in the decision.
+fn irrelevant(text: &str, texts: &Texts, words: &LabelWords) -> Option<(usize, usize)> {
+    let (start, end) = texts.trace.irrelevant?;
     // "No threat, but the road is wet".
     let behind = text[end..].to_ascii_lowercase();
     if words.clauses.contrast.iter().any(|w| behind.contains(w.as_str())) {
-        return false;
+        return None;
     }
     let (from, _) = words.clauses.around(&texts.units, start..end, text.len(), &|d| d != Divider::Aside);
     let is_cause = |n: &&Named| {
@@ -267,28 +319,18 @@ pub(in crate::check) fn denied(
     };
     let own: Vec<&Named> = texts.trace.there().filter(|n| (from..start).contains(&n.start)).collect();
     let said = own.iter().fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near));
-    // What a component says beside it is of the same thing.
+    // What a component says beside it is of the same thing, but for road users.
     let beside = texts.components.iter().filter(|f| !own.is_empty() && f.groups.meets(said));
-    let about = beside.flat_map(TextFacts::there).fold(said, |set, n| set.with(words.objects[n.group].near));
+    let beside = beside.flat_map(TextFacts::there);
+    let about = beside
+        .filter(|n| !words.objects[n.group].own.meets(words.known.actor))
+        .fold(said, |set, n| set.with(words.objects[n.group].near));
     // Without a name in its clause it is said of all before.
     let is_other = |n: &Named| {
         if own.is_empty() { n.start >= end } else { !words.objects[n.group].own.meets(about) }
     };
-    if texts.trace.there().filter(is_cause).any(is_other) {
-        return false;
-    }
-    sink.report(Finding::warning("label.trace.contradicts", pointer::COC_TRACE).part(start, end), &|| {
-        let phrase = &text[start..end];
-        Words::new(
-            format!("因果描述说原因“{phrase}”，又没有给出别的原因"),
-            format!("the trace says of its cause '{phrase}', and gives no other one"),
-        )
-        .hint(
-            "写出真正引起决策的是什么，或删去这句否认",
-            "say what does bring the decision about, or leave the denial out",
-        )
-    });
-    true
+    let another = texts.trace.there().filter(is_cause).any(is_other);
+    (!another).then_some((start, end))
 }
 
 /// The components that are named as the cause of a decision speak of something that can bring it about: by the table of

@@ -132,8 +132,14 @@ fn adds_nothing(
         // Introduced twice at the same place, where one does nothing that is known.
         let new = |text: &str, n: &Named| subject::is_introduced(text, n.start, words);
         let twice = |n: &Named| {
-            let again = |m: &Named| near(n, m) && n.side.is_some() && n.side == m.side && new(b.0, m);
-            own(n).meets(words.known.actor) && new(a.0, n) && b.1.there().any(again)
+            let painted = |m: &Named| n.colour.is_some() && n.colour == m.colour;
+            let again = |m: &Named| {
+                near(n, m)
+                    && n.side.is_some()
+                    && n.side == m.side
+                    && (new(a.0, n) && new(b.0, m) || painted(m))
+            };
+            own(n).meets(words.known.actor) && b.1.there().any(again)
         };
         let open = a.1.does.is_empty() || b.1.does.is_empty();
         a.1.does.meets(b.1.does) || open && a.1.there().any(twice)

@@ -1,8 +1,9 @@
 //! Texts with one another and with the class: a trace that has nothing to do with its components, a decision that goes
 //! on as before, and words that belong to another class.
 
+use crate::check::consistency::trace_rules;
 use crate::check::overlap;
-use crate::check::reading::TextFacts;
+use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
 use crate::check::texts::Texts;
 use crate::check::view::View;
@@ -15,20 +16,26 @@ use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
 /// The trace speaks of what the components speak of. True when it has nothing to do with them. `acts`: it names the
-/// ego, or something that a driver does. `because`: first byte of its reason, where a word introduces one.
+/// ego, or something that a driver does. `because`: first byte of its reason, where a word introduces one. `decides`:
+/// first byte of its decision. `about`: the triggers of the class.
 pub(in crate::check) fn unrelated(
     label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
     background: GroupSet,
-    (acts, because): (bool, Option<usize>),
+    (acts, because, decides): (bool, Option<usize>, usize),
+    about: GroupSet,
     sink: &mut dyn Sink,
 ) -> bool {
     if words.is_empty() || label.trace.get().is_none_or(|t| t.trim().is_empty()) {
         return false;
     }
     let reasonless = texts.trace.no_reason.map(|at| (at, true));
-    let elsewhere = || Some((reason_elsewhere(label, texts, words, because?)?, false));
+    let elsewhere = || {
+        let own = because.and_then(|at| reason_elsewhere(label, texts, words, at));
+        let other = || reason_of_others(label, texts, words, (background, about), decides);
+        own.or_else(other).map(|at| (at, false))
+    };
     if let Some((at, none)) = reasonless.or_else(elsewhere) {
         without_reason(label, at, none, sink);
         return true;
@@ -77,6 +84,43 @@ fn reason_elsewhere(
         && overlap::says_more(text, &words.compared, &inside)
         && overlap::shared(label, text, &words.compared, &inside) == 0;
     elsewhere.then_some((from, to))
+}
+
+/// Bytes of a reason that names things, none of which is near what a component names, and has no word of any: the
+/// toll plaza, where the components have sheep. Only where all components have been read. A reason that speaks of the
+/// route alone is none for a response to somebody. `to`: one past its last byte.
+fn reason_of_others(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    (background, about): (GroupSet, GroupSet),
+    to: usize,
+) -> Option<(usize, usize)> {
+    let text = label.trace.get()?;
+    let named = |n: &Named| words.objects[n.group].own;
+    let all = || texts.trace.named.iter().filter(|n| n.start < to);
+    let things = all().filter(|n| !n.supposed).fold(GroupSet::default(), |set, n| set.with(named(n)));
+    let components = texts.all_components(words).without(background);
+    let own = things.without(background);
+    // For a road or its condition it says nothing who else is there.
+    let adverse = about.meets(words.known.adverse) && !about.meets(words.known.actor);
+    let components = if adverse { components.without(words.known.actor) } else { components };
+    let by_route = || {
+        let actor = components.meets(words.known.actor) && trace_rules::responds(label);
+        actor
+            && things.meets(words.known.route)
+            && !things.meets(words.known.gap)
+            && !words.subjects.has_pronoun(text)
+    };
+    if components.is_empty() || own.meets(components) || things.meets(about) || own.is_empty() && !by_route()
+    {
+        return None;
+    }
+    let is_name = |at: usize| all().any(|n| (n.start..n.end).contains(&at));
+    let is_common = |at: usize| text[at..].starts_with(|c| words.subjects.common.contains(c));
+    let inside = |at: usize| at < to && !is_name(at) && !is_common(at);
+    let shared = overlap::shared(label, text, &words.compared, &inside);
+    (shared == 0 && !any_unread(label, texts, words)).then_some((0, to))
 }
 
 /// `none`: the trace says so.

@@ -34,7 +34,11 @@ pub(in crate::check) fn aftermath(
         _ => Some(false),
     };
     let Some(found) = aftermath::find(text, texts, reading, words, &decides, &resumes) else {
-        return responds(label).then(|| aftermath::resolved(text, texts, reading, words, &decides)).flatten();
+        let resolved = || aftermath::resolved(text, texts, reading, words, &decides);
+        return responds(label)
+            .then(resolved)
+            .flatten()
+            .or_else(|| aftermath::done(texts, words, text.len()));
     };
     reading.mentions.retain(|m| m.start < found.0);
     reading.end = reading.end.min(found.0);

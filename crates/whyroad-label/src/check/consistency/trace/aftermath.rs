@@ -35,7 +35,15 @@ pub(in crate::check::consistency) fn find(
     };
     // "The ego is to turn left" is its route.
     let meant = |m: &Mention| !reading.marked && text[..m.start].ends_with(['要', '想', '需', '得']);
-    let stated = deciding().find(|m| !m.by_other && m.force == Force::Asserted && !meant(m));
+    // What a sign, a light or the route says is not the decision, where another clause states it.
+    let shown = |m: &Mention| {
+        let (from, _) = words.clauses.around(&texts.units, m.start..m.end, text.len(), &|_| true);
+        let shows = words.known.sign.with(words.known.route);
+        let mut before = texts.trace.named.iter().filter(|n| (from..m.start).contains(&n.start));
+        !reading.marked && before.any(|n| words.objects[n.group].own.meets(shows))
+    };
+    let own = |m: &&Mention| !m.by_other && m.force == Force::Asserted && !meant(m);
+    let stated = deciding().filter(own).find(|m| !shown(m)).or_else(|| deciding().find(own));
     let stated = stated.or_else(|| deciding().find(|m| !m.by_other && reading.marked));
     let stated = stated.or_else(|| deciding().filter(|m| m.carried || m.force == Force::Asserted).last());
     let decided = match stated {
@@ -103,6 +111,24 @@ pub(in crate::check::consistency) fn resolved(
         end <= decision && !exempt && !texts.trace.there().any(another)
     };
     texts.trace.resolved.iter().copied().find(is_over)
+}
+
+/// Words of a time at which the ego has responded already, or whoever it responds to is done, as bytes of `text`:
+/// "after it had merged". Not where the clause says what is to be waited for.
+pub(in crate::check::consistency) fn done(
+    texts: &Texts,
+    words: &LabelWords,
+    end: usize,
+) -> Option<(usize, usize)> {
+    let is_told = |&(start, to): &(usize, usize)| {
+        let (from, until) = words.clauses.around(&texts.units, start..to, end, &|_| true);
+        let mut exempt = false;
+        words.aftermath.trace_hits(&texts.units, from..until, |tell, a, b| {
+            exempt |= tell == TellWord::Exempt && !(a >= start && b <= to);
+        });
+        !exempt
+    };
+    texts.trace.done.iter().copied().find(is_told)
 }
 
 /// What a clause tells.

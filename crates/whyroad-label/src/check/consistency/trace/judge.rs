@@ -56,7 +56,11 @@ pub(in crate::check) fn judge(
         says: |s| &s.longitudinal,
         id: Longitudinal::id,
     };
-    along.judge(reading, lexicon, sink);
+    // To pull over is to slow down and stop, too.
+    let pulls_over = lateral == Some(Lateral::PullOver) && longitudinal.is_none();
+    if !pulls_over {
+        along.judge(reading, lexicon, sink);
+    }
     let across = Channel {
         name: name::LATERAL,
         label: lateral,

@@ -1,0 +1,152 @@
+//! What a trace says for its decision, clause by clause: a clause may speak for it, against it, or state it. A trace
+//! that has clauses against its decision and none for it denies its own cause, in whatever words.
+
+use crate::check::consistency::trace::Reading;
+use crate::check::consistency::trace_rules;
+use crate::check::overlap;
+use crate::check::reading::{Named, TextFacts};
+use crate::check::subject;
+use crate::check::texts::Texts;
+use crate::check::view::View;
+use whyroad_framework::label_words::{Doings, GroupSet};
+use whyroad_framework::{LabelWords, Lexicon};
+
+/// Clauses that are read.
+const MOST_CLAUSES: usize = 24;
+
+/// What the components say is there and what it does.
+struct Given<'t> {
+    facts: &'t [TextFacts],
+    things: GroupSet,
+    does: Doings,
+}
+
+/// Bytes of the first clause that speaks against the decision of a trace which says nothing for it.
+///
+/// `background`: groups that say where something is. `about`: the triggers of the class.
+pub(super) fn against(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    (background, about): (GroupSet, GroupSet),
+    (reading, lexicon): (&Reading, &Lexicon),
+) -> Option<(usize, usize)> {
+    let text = label.trace.get()?;
+    let trace = &texts.trace;
+    let absent = trace.named.iter().any(|n| n.absent);
+    if trace.harmless.is_empty() && trace.clear.is_empty() && trace.acts.is_empty() && !absent {
+        return None;
+    }
+    let there = texts.components.iter().flat_map(TextFacts::there);
+    let given = Given {
+        facts: &texts.components,
+        things: there
+            .filter(|n| !words.objects[n.group].own.without(background).is_empty())
+            .fold(about.without(words.known.actor), |set, n| set.with(words.objects[n.group].near)),
+        does: texts.components.iter().fold(Doings::default(), |all, f| all.with(f.does)),
+    };
+    let decided = |from: usize, to: usize| match reading.marked {
+        true => from >= reading.decision_from,
+        false => trace_rules::states_decision(reading, lexicon, label, from, to),
+    };
+    let (mut from, mut first, mut named) = (0, None, false);
+    for _ in 0..MOST_CLAUSES {
+        let end = words.clauses.clause_end(&texts.units, from, text.len());
+        let is_last = text[end..].chars().all(|c| !c.is_alphanumeric());
+        if !is_last && !decided(from, end) {
+            match speaks(label, text, (from, end), trace, words, &given) {
+                Speaks::For => return None,
+                Speaks::Names { new: true } if first.is_some() => return None,
+                Speaks::Against => drop(first.get_or_insert((from, end))),
+                Speaks::Names { .. } => named |= first.is_none(),
+                Speaks::Neither => {}
+            }
+        }
+        if is_last {
+            break;
+        }
+        // Whoever is named must be said to be harmless in the same sentence.
+        if named && first.is_none() && text[end..].starts_with(['.', ';', '!', '?', '。', '；', '！', '？'])
+        {
+            return None;
+        }
+        from = end + text[end..].chars().next().map_or(1, char::len_utf8);
+    }
+    first.map(|(from, end)| {
+        let clause = &text[from..end];
+        let begin = clause.find(char::is_alphanumeric).unwrap_or(0);
+        (from + begin, from + clause.trim_end().len().max(begin))
+    })
+}
+
+/// What a clause says for the decision.
+enum Speaks {
+    For,
+    /// For it, but only by a name, perhaps of somebody who was not named before.
+    Names {
+        new: bool,
+    },
+    Against,
+    Neither,
+}
+
+fn speaks(
+    label: &View<'_>,
+    text: &str,
+    (from, to): (usize, usize),
+    trace: &TextFacts,
+    words: &LabelWords,
+    given: &Given<'_>,
+) -> Speaks {
+    let inside = |at: usize| (from..to).contains(&at);
+    let own = || trace.named.iter().filter(|n| inside(n.start));
+    let acts = || trace.acts.iter().filter(|a| inside(a.start));
+    // Somebody does what his component says.
+    if acts().any(|a| !a.denied && a.doing.meets(given.does)) {
+        return Speaks::For;
+    }
+    let carries = |n: &Named| !n.absent && words.objects[n.group].own.meets(given.things);
+    let acting = |n: &Named| carries(n) && words.objects[n.group].own.meets(words.known.actor);
+    // Of the ego it says nothing that it stays where it is.
+    let calm = if own().any(acting) { words.calm } else { Doings::default() };
+    let opposite = words.opposite_of(given.does).with(calm).without(given.does);
+    let any = |all: &[(usize, usize)]| all.iter().any(|(start, _)| inside(*start));
+    let hindered = given.things.meets(words.known.adverse.with(words.known.sight));
+    let irrelevant = trace.irrelevant.is_some_and(|(start, _)| inside(start));
+    let harmless = any(&trace.harmless) || irrelevant || hindered && any(&trace.clear);
+    let contradicts =
+        acts().any(|a| if a.denied { a.doing.meets(given.does) } else { a.doing.meets(opposite) });
+    // By the same name: "no cars" says nothing of the truck.
+    let parts = || label.parts.iter().zip(given.facts).filter_map(|(c, f)| Some((c.description.get()?, f)));
+    let there = |name: &str| {
+        parts().any(|(t, f)| f.there().any(|n| t.get(n.start..n.end).is_some_and(|w| w.contains(name))))
+    };
+    let adverse = |n: &Named| {
+        let own = words.objects[n.group].own.only(words.known.adverse);
+        own.meets(given.things)
+    };
+    // "A hole or no hole".
+    let doubted = |n: &Named| trace.there().any(|m| m.group == n.group);
+    let missing = |n: &Named| n.absent && !doubted(n) && (adverse(n) || there(&text[n.start..n.end]));
+    // "At a junction without lights a truck comes".
+    if harmless || contradicts || !own().any(acting) && own().any(missing) {
+        return Speaks::Against;
+    }
+    let is_name = |at: usize| trace.named.iter().any(|n| (n.start..n.end).contains(&at));
+    let is_common = |at: usize| text[at..].starts_with(|c| words.subjects.common.contains(c));
+    let other = |at: usize| inside(at) && !is_name(at) && !is_common(at);
+    let shared = || overlap::shared(label, text, &words.compared, &other);
+    let enough = if text.is_ascii() { 1 } else { 2 };
+    let says = acts().any(|a| !a.denied && a.doing.meets(words.reaching));
+    let denies = acts().any(|a| a.denied);
+    if says || !denies && shared() >= enough {
+        return Speaks::For;
+    }
+    // Rain and bends are reasons by themselves, road users by what they do.
+    let by_itself = |n: &Named| !words.objects[n.group].own.meets(words.known.actor);
+    match own().find(|n| carries(n)) {
+        Some(_) if !denies && own().filter(|n| carries(n)).any(by_itself) => Speaks::For,
+        Some(n) => Speaks::Names { new: !text.is_ascii() || subject::is_introduced(text, n.start, words) },
+        None => Speaks::Neither,
+    }
+}
