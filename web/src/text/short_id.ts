@@ -8,7 +8,7 @@ const LAST = 15;
 
 /**
  * `adcf7d18…_000` for an id with a UUID in it. Of another long id the beginning and the end, where names of a series
- * differ: `sd_nusce…scene-0061_000`.
+ * differ: `sd_nusce…_scene-0061_000`.
  */
 export function shortId(id: string): string {
   const short = id.replace(UUID, "$1…");
