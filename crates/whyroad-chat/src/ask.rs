@@ -12,7 +12,7 @@ use whyroad_mining::rule::Rule;
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::{Diagnostic, Lang, ScenarioId};
-use whyroad_signals::{Catalogue, SignalKind};
+use whyroad_signals::{Catalog, SignalKind};
 
 /// Longest rule, characters.
 const LONGEST_RULE: usize = 2000;
@@ -53,7 +53,7 @@ struct Answer {
 /// times.
 pub fn ask(
     client: &Client,
-    (framework, catalogue): (&Framework, &Catalogue),
+    (framework, catalog): (&Framework, &Catalog),
     question: &str,
     scenario: &ScenarioId,
     lang: Lang,
@@ -62,7 +62,7 @@ pub fn ask(
     let prompt = framework.prompts.get(PromptName::Ask);
     let mut request = Request {
         messages: vec![
-            Message::text(Role::System, prompt.system(lang, &[("signals", &signals(catalogue, lang))])),
+            Message::text(Role::System, prompt.system(lang, &[("signals", &signals(catalog, lang))])),
             Message::text(Role::User, prompt.user(lang, &[("question", question)])),
         ],
         form: form(),
@@ -73,7 +73,7 @@ pub fn ask(
         let Answer { rule: text, target, explanation } = said.value;
         let target = Some(target).filter(|t| t != "none");
         let subject = target.as_deref().and_then(Subject::from_word);
-        let compiled = compile_text(&text, subject, scenario, catalogue, "rule");
+        let compiled = compile_text(&text, subject, scenario, catalog, "rule");
         let faults: Vec<Diagnostic> = compiled.as_ref().err().map(|d| (**d).clone()).into_iter().collect();
         let list = faults.iter().map(|d| render_text(d, lang)).collect::<Vec<_>>().join("\n");
         attempts.push(Attempt { rule: text, target, explanation, faults });
@@ -111,9 +111,9 @@ fn read(text: &str) -> Result<Answer, String> {
 }
 
 /// One line per signal.
-fn signals(catalogue: &Catalogue, lang: Lang) -> String {
+fn signals(catalog: &Catalog, lang: Lang) -> String {
     let mut out = String::new();
-    for s in catalogue.iter() {
+    for s in catalog.iter() {
         let kind = match &s.kind {
             SignalKind::Number(_) => format!("number {}", s.unit_symbol()),
             SignalKind::Flag => "flag".to_owned(),

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
-use whyroad_dataset::dedup::search::{Neighbours, Projection};
+use whyroad_dataset::dedup::search::{Neighbors, Projection};
 
 const DIMENSIONS: usize = 40;
 const QUERIES: usize = 10_000;
@@ -95,7 +95,7 @@ fn main() {
         let views: Vec<&[f32]> = data.iter().map(Vec::as_slice).collect();
         let started = Instant::now();
         let projection = Projection::of(&views);
-        let mut index = Neighbours::new(&views, &projection, RADIUS);
+        let mut index = Neighbors::new(&views, &projection, RADIUS);
         (0..n).for_each(|i| index.insert(i as u32));
         let indexed = started.elapsed().as_secs_f64();
         let asked: Vec<usize> = (0..QUERIES).map(|q| q * 7919 % n).collect();
@@ -103,10 +103,10 @@ fn main() {
         let found: Vec<Vec<u32>> = asked.par_iter().map(|&q| index.all(views[q])).collect();
         let answered = started.elapsed().as_secs_f64();
         let (hit, all) = against_full_scan(&views, &asked, &found);
-        let neighbours: usize = found.iter().map(Vec::len).sum();
+        let neighbors: usize = found.iter().map(Vec::len).sum();
         let recall = hit as f64 / all.max(1) as f64;
         println!(
-            "{:<16}{indexed:>10.3}{answered:>14.3}{recall:>10.4}{neighbours:>12}{:>10.0}",
+            "{:<16}{indexed:>10.3}{answered:>14.3}{recall:>10.4}{neighbors:>12}{:>10.0}",
             format!("dedup/{n}"),
             resident_mb()
         );

@@ -209,7 +209,7 @@ impl<'a> Cutter<'a> {
             let light = Light {
                 lane_id: state.lane_id.clone(),
                 to_lane_id: state.to_lane_id.clone(),
-                color: word(&state.colour),
+                color: word(&state.color),
                 since_s: state.time.seconds_since(t0) as f32,
             };
             match out.iter_mut().find(|l| l.lane_id == light.lane_id && l.to_lane_id == light.to_lane_id) {

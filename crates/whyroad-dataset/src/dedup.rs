@@ -9,7 +9,7 @@ use crate::item::{Dropped, Item, SplitName, Stage, id_text};
 use crate::labels::Names;
 use crate::spec::Deduplicate;
 use rayon::prelude::*;
-use search::{Neighbours, Projection};
+use search::{Neighbors, Projection};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -133,7 +133,7 @@ const BATCH: usize = 4096;
 fn mark(vectors: &[&[f32]], members: &[Member], projection: &Projection, similarity: f64) -> Marked {
     let radius = descriptor::distance_of(similarity);
     let mut out = Marked::default();
-    let mut kept = Neighbours::new(vectors, projection, radius);
+    let mut kept = Neighbors::new(vectors, projection, radius);
     let resembles = |k: usize| {
         move |j: u32| {
             let other = &members[j as usize];
@@ -144,7 +144,7 @@ fn mark(vectors: &[&[f32]], members: &[Member], projection: &Projection, similar
         let batch = start..(start + BATCH).min(members.len());
         let found: Vec<Option<u32>> =
             batch.clone().into_par_iter().map(|k| kept.find(vectors[k], resembles(k))).collect();
-        let mut fresh = Neighbours::new(vectors, projection, radius);
+        let mut fresh = Neighbors::new(vectors, projection, radius);
         for (k, before) in batch.zip(found) {
             match before.or_else(|| fresh.find(vectors[k], resembles(k))) {
                 None => {

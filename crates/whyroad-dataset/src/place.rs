@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn metres_stay_metres_on_the_earth_and_across_origins() {
+    fn meters_stay_meters_on_the_earth_and_across_origins() {
         let (a, b) = (at(0.0, 0.0, 40.0, 116.0), at(3.0, 4.0, 40.0, 116.0));
         assert!((distance(&a, &b) - 5.0).abs() < 1e-3, "{}", distance(&a, &b));
         // A second drive whose origin is 1 km to the north: the same spot has another y there.

@@ -2,7 +2,7 @@
 //! one split near one of another, no near-duplicate across splits, licenses, and every label against the framework of
 //! today.
 
-use crate::dedup::search::{Neighbours, Projection};
+use crate::dedup::search::{Neighbors, Projection};
 use crate::freeze::checksums::{files_below, listing, sum};
 use crate::freeze::manifest::FileEntry;
 use crate::freeze::{CHECKSUMS, MANIFEST};
@@ -266,7 +266,7 @@ fn alike(release: &Release, seen: &[Seen], found: &mut Findings) {
     let projection = Projection::of(&vectors);
     // A hair stricter than the build, so that rounding on the way to disk is no finding.
     let radius = descriptor::distance_of(similarity) * 0.999;
-    let mut index = Neighbours::new(&vectors, &projection, radius);
+    let mut index = Neighbors::new(&vectors, &projection, radius);
     for (i, s) in seen.iter().enumerate() {
         if s.split != SplitName::Train {
             index.insert(i as u32);

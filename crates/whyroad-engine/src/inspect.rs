@@ -8,7 +8,7 @@ use whyroad_model::road_map::{LayerState, MapLayer};
 use whyroad_model::scene::{Ego, FrameOfReference};
 use whyroad_model::signal::is_deviation;
 use whyroad_model::{ClipId, Drive, DriveId, FrameRange, Need, SignalId, SignalTable};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 use whyroad_signals::estimate;
 use whyroad_signals::estimate::{LogNoise, Noise};
 
@@ -211,7 +211,7 @@ fn lacking(
     signals: &BTreeMap<String, SignalShare>,
 ) -> BTreeMap<String, Vec<Need>> {
     let valued = |name: &str| signals.get(name).is_some_and(|share| share.known > 0);
-    let there: BTreeSet<Need> = Catalogue::bundled()
+    let there: BTreeSet<Need> = Catalog::bundled()
         .iter()
         .filter(|def| valued(&def.name))
         .flat_map(|def| def.needs.iter().copied())

@@ -12,7 +12,7 @@ use whyroad_mining::drive::arbitrated;
 use whyroad_mining::fast::{Plan, Signals, find_all};
 use whyroad_mining::rule::RuleSet;
 use whyroad_model::{ClipCut, ClipId, DriveId, Lang};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Drives kept in memory.
 const KEPT: usize = 8;
@@ -28,7 +28,7 @@ impl LabelDrives {
     /// Drives of `lake`, mined with the rules of `framework`. Rules with faults are left out; loading has reported
     /// them.
     pub fn new(lake: Lake, framework: &Framework) -> Self {
-        let (rules, _) = RuleSet::of_framework(framework, Catalogue::bundled());
+        let (rules, _) = RuleSet::of_framework(framework, Catalog::bundled());
         Self { lake, rules, kept: Mutex::default() }
     }
 

@@ -1,5 +1,5 @@
 //! The words of a label's texts (`schema/label_words.yaml`, which says what each list means), compiled to one search:
-//! things, sides, states, colours, hindsight, placeholders. What follows from them is decided by the label checks.
+//! things, sides, states, colors, hindsight, placeholders. What follows from them is decided by the label checks.
 
 mod aftermath;
 mod bearing;
@@ -203,8 +203,8 @@ pub enum WordRole {
     Unobserved,
     /// What it names is only compared with something.
     Likened,
-    /// A colour: index in the file's order of names.
-    Colour(usize),
+    /// A color: index in the file's order of names.
+    Color(usize),
     /// Only known afterwards.
     Hindsight,
     /// In a component: follows from the ego's own response.
@@ -267,7 +267,7 @@ pub struct LabelWords {
     /// Words of each color of a light.
     pub lights: Vec<Vec<String>>,
     /// The first characters of colors in Chinese, which stand right before a name: "红卡车".
-    pub colour_chars: Vec<(char, usize)>,
+    pub color_chars: Vec<(char, usize)>,
     /// Words for numbers.
     pub numbers: Numbers,
     /// How texts are divided.
@@ -410,7 +410,7 @@ impl LabelWords {
     }
 
     /// The last color of a light in `text`, as an index in the file's order: "from green to yellow".
-    pub fn light_colour(&self, text: &str) -> Option<usize> {
+    pub fn light_color(&self, text: &str) -> Option<usize> {
         let lower = text.to_lowercase();
         // "Hundred" is no color.
         let whole = |at: usize, w: &str| {

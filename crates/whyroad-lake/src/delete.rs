@@ -11,7 +11,7 @@ impl Lake {
     /// True where the lake holds anything of the drive, also what a killed process left.
     pub fn holds(&self, id: &DriveId) -> bool {
         self.folders_of(id).is_ok_and(|folders| !folders.is_empty())
-            || self.last_catalogue().find(id).is_some()
+            || self.last_catalog().find(id).is_some()
             || self.mirror.as_ref().is_some_and(|m| m.has_images(id.as_str()).unwrap_or(false))
     }
 

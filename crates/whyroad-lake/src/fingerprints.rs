@@ -29,7 +29,7 @@ pub struct Fingerprints<'a> {
     lake: &'a Lake,
     /// Names in the folder of loose drives.
     folders: BTreeSet<String>,
-    catalogue: packs::CatalogueRef,
+    catalog: packs::CatalogRef,
     /// Of each pack: identity of `drives.parquet` and of the tables.
     packs: BTreeMap<String, (String, String)>,
 }
@@ -40,17 +40,17 @@ impl Lake {
         let names = fs::read_dir(self.dir().join("drives")).into_iter().flatten().flatten();
         // Before the catalog: a drive that is being packed is in the catalog before its folder is gone.
         let folders = names.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
-        let catalogue = self.last_catalogue();
+        let catalog = self.last_catalog();
         let mut packs = BTreeMap::new();
-        for at in 0..catalogue.len() {
-            let (pack, _) = catalogue.location(at);
+        for at in 0..catalog.len() {
+            let (pack, _) = catalog.location(at);
             if !packs.contains_key(pack) {
                 let below = format!("{}/{pack}", packs::FOLDER);
                 let head = self.identity(&format!("{below}/{DRIVES_FILE}"));
                 packs.insert(pack.to_owned(), (head, self.tables(&below)));
             }
         }
-        Fingerprints { lake: self, folders, catalogue, packs }
+        Fingerprints { lake: self, folders, catalog, packs }
     }
 
     /// Hash of what a drive states about itself, wherever it is; `None` where it cannot be read, or does not state the
@@ -87,7 +87,7 @@ impl Fingerprints<'_> {
             return Ok(Fingerprint { place: String::new(), head, tables: self.lake.tables(&folder) });
         }
         let missing = || LakeError::DriveMissing(id.clone());
-        let (pack, row) = self.catalogue.location(self.catalogue.find(id).ok_or_else(missing)?);
+        let (pack, row) = self.catalog.location(self.catalog.find(id).ok_or_else(missing)?);
         let (head, tables) = self.packs.get(pack).cloned().unwrap_or_default();
         Ok(Fingerprint { place: format!("{pack}/{row}"), head, tables })
     }

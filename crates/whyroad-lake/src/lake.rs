@@ -65,7 +65,7 @@ impl Lake {
             let formats = lake.outdated_formats();
             return Err(LakeError::version(&lake.dir.join(MARKER), version, formats));
         }
-        lake.catalogue()?;
+        lake.catalog()?;
         Ok(lake)
     }
 
@@ -78,7 +78,7 @@ impl Lake {
             mirror.ready()?;
         }
         match Self::of_any_version(&self.dir)? {
-            (_, version) if LAYOUTS.contains(&version) => self.catalogue().map(drop),
+            (_, version) if LAYOUTS.contains(&version) => self.catalog().map(drop),
             _ => Self::open_folder(&self.dir).map(drop),
         }
     }
@@ -230,9 +230,9 @@ impl Lake {
                 loose.push(DriveId(name));
             }
         }
-        let catalogue = self.last_catalogue();
-        loose.retain(|id| catalogue.find(id).is_none() && self.drive_dir(id).join(MANIFEST).is_file());
-        let mut ids: Vec<DriveId> = catalogue.ids().map(DriveId::from).collect();
+        let catalog = self.last_catalog();
+        loose.retain(|id| catalog.find(id).is_none() && self.drive_dir(id).join(MANIFEST).is_file());
+        let mut ids: Vec<DriveId> = catalog.ids().map(DriveId::from).collect();
         ids.append(&mut loose);
         ids.sort();
         ids
@@ -393,7 +393,7 @@ impl Lake {
         )?;
         let _lock = lock::changing(&self.dir)?;
         // Signals and small files over a packed drive go with what they lie over.
-        let (aside, packed) = (target.exists(), self.last_catalogue().find(id).is_some());
+        let (aside, packed) = (target.exists(), self.last_catalog().find(id).is_some());
         if aside {
             fs::rename(&target, &old).map_err(LakeError::io(&target))?;
         }

@@ -10,10 +10,10 @@ use whyroad_model::DriveId;
 impl Lake {
     /// A row for each drive, sorted by id; a drive that cannot be read is an error of its own.
     pub fn entries(&self) -> impl Iterator<Item = (DriveId, Result<DriveEntry, LakeError>)> + '_ {
-        let catalogue = self.last_catalogue();
+        let catalog = self.last_catalog();
         self.drive_ids().into_iter().map(move |id| {
-            let packed = catalogue.find(&id).filter(|_| !self.is_loose(&id));
-            let entry = packed.map_or_else(|| self.entry(&id), |at| Ok(catalogue.entry(at)));
+            let packed = catalog.find(&id).filter(|_| !self.is_loose(&id));
+            let entry = packed.map_or_else(|| self.entry(&id), |at| Ok(catalog.entry(at)));
             (id, entry)
         })
     }
@@ -35,9 +35,9 @@ impl Lake {
 
     fn entry_at(&self, id: &DriveId, place: &Place) -> Result<DriveEntry, LakeError> {
         let Place::Loose(dir) = place else {
-            let catalogue = self.catalogue()?;
-            let at = catalogue.find(id).ok_or_else(|| LakeError::DriveMissing(id.clone()))?;
-            return Ok(catalogue.entry(at));
+            let catalog = self.catalog()?;
+            let at = catalog.find(id).ok_or_else(|| LakeError::DriveMissing(id.clone()))?;
+            return Ok(catalog.entry(at));
         };
         let manifest = self.current(id, place)?;
         let path = dir.join("frames.parquet");

@@ -8,7 +8,7 @@
 //! Without one, the signals and small files in `drives/<id>/` lie over those of the pack. So a drive is ingested,
 //! replaced, mined and changed as if there were no packs, and the next compaction takes that in.
 
-mod catalogue;
+mod catalog;
 mod compact;
 pub(crate) mod fingerprint;
 pub(crate) mod lock;
@@ -19,7 +19,7 @@ mod splice;
 mod unpack;
 mod write;
 
-pub use catalogue::DriveEntry;
+pub use catalog::DriveEntry;
 pub use compact::{Compaction, CompactionOptions};
 
 pub(crate) use lock::{changing, replacing};
@@ -29,13 +29,13 @@ pub(crate) use places::Place;
 use crate::lake::MANIFEST;
 use crate::manifest::DriveManifest;
 use crate::{Lake, LakeError};
-use catalogue::Catalogue;
+use catalog::Catalog;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use whyroad_model::DriveId;
 
 /// A catalog that is in use.
-pub(crate) type CatalogueRef = Arc<Catalogue>;
+pub(crate) type CatalogRef = Arc<Catalog>;
 
 pub(crate) const FOLDER: &str = "packs";
 
@@ -52,19 +52,19 @@ impl Lake {
     }
 
     /// The catalog as it is now; read again only when it was replaced.
-    pub(crate) fn catalogue(&self) -> Result<Arc<Catalogue>, LakeError> {
-        let path = self.packs_dir().join(catalogue::FILE);
+    pub(crate) fn catalog(&self) -> Result<Arc<Catalog>, LakeError> {
+        let path = self.packs_dir().join(catalog::FILE);
         let identity = fingerprint::identity(&path);
-        let mut held = guard(&self.packs.catalogue);
+        let mut held = guard(&self.packs.catalog);
         if held.identity != identity {
-            *held = Arc::new(Catalogue::read(&path)?);
+            *held = Arc::new(Catalog::read(&path)?);
         }
         Ok(Arc::clone(&held))
     }
 
     /// The catalog as it is now, or as it was when it could last be read; opening a lake has read it.
-    pub(crate) fn last_catalogue(&self) -> Arc<Catalogue> {
-        self.catalogue().unwrap_or_else(|_| Arc::clone(&guard(&self.packs.catalogue)))
+    pub(crate) fn last_catalog(&self) -> Arc<Catalog> {
+        self.catalog().unwrap_or_else(|_| Arc::clone(&guard(&self.packs.catalog)))
     }
 
     /// Fetches a drive's folder or a pack of a lake in an object store.
@@ -100,9 +100,9 @@ impl Lake {
         if dir.join(MANIFEST).is_file() {
             return Ok(Place::Loose(dir));
         }
-        let catalogue = self.catalogue()?;
-        let Some(at) = catalogue.find(id) else { return Err(LakeError::DriveMissing(id.clone())) };
-        let (pack, row) = catalogue.location(at);
+        let catalog = self.catalog()?;
+        let Some(at) = catalog.find(id) else { return Err(LakeError::DriveMissing(id.clone())) };
+        let (pack, row) = catalog.location(at);
         Ok(Place::Packed(self.open_pack(pack)?, row))
     }
 

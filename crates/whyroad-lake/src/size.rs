@@ -34,8 +34,8 @@ impl Lake {
     }
 
     fn packed_size(&self, id: &DriveId) -> Option<(String, u64, u64)> {
-        let catalogue = self.catalogue().ok()?;
-        let (hash, frames, object_rows) = catalogue.size(catalogue.find(id)?);
+        let catalog = self.catalog().ok()?;
+        let (hash, frames, object_rows) = catalog.size(catalog.find(id)?);
         Some((hash.to_owned(), frames, object_rows))
     }
 }

@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use table::table;
 use whyroad_model::yaml::{self, DecodeError};
 use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId, SignalTable};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// What was run.
 #[derive(Clone, Debug, Default)]
@@ -36,7 +36,7 @@ pub struct CaseRunner<'a> {
     /// The rules in force.
     pub rules: &'a RuleSet,
     /// The signals that the cases may state.
-    pub catalogue: &'a Catalogue,
+    pub catalog: &'a Catalog,
     /// Rule files in which faults were reported. Cases beside one whose rule could not be made are skipped: their
     /// failure would only repeat the fault.
     pub faulty: &'a BTreeSet<String>,
@@ -93,7 +93,7 @@ impl CaseRunner<'_> {
                 unruled.entry(scenario).or_insert(Unruled { cases: 0, first_line: line }).cases += 1;
                 continue;
             };
-            let held = table(case, &parsed.base, self.catalogue).and_then(|table| {
+            let held = table(case, &parsed.base, self.catalog).and_then(|table| {
                 stated(case, rule, &table)?;
                 expected(case, rule, &mine_planned(&rules, &plan, &table))
             });

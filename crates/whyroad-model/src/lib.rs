@@ -1,12 +1,12 @@
 //! What all of Whyroad shares: ids, time, units, scene tables, signal tables, messages, diagnostics.
 //!
-//! The build script (`build.rs`) generates [`SignalId`], the typed ids and category enums of [`catalogue`] and [`Need`]
+//! The build script (`build.rs`) generates [`SignalId`], the typed ids and category enums of [`catalog`] and [`Need`]
 //! from `schema/signals.yaml` and `schema/needs.yaml`.
 //!
 //! Nothing here reads a file, knows a format or decides anything about driving. A type is here because at
 //! least two crates must agree on it.
 
-pub mod catalogue;
+pub mod catalog;
 mod clip;
 pub mod column;
 pub mod decision;
@@ -31,7 +31,7 @@ pub mod units;
 pub mod vocabulary;
 pub mod yaml;
 
-pub use catalogue::SignalId;
+pub use catalog::SignalId;
 pub use clip::ClipCut;
 pub use column::{Column, Tri};
 pub use diagnostic::{Diagnostic, Location, Severity};

@@ -53,15 +53,15 @@ pub struct Lane {
     /// Right edge in driving direction.
     pub right: Vec<Point3>,
     /// Center line in driving direction; made from the edges where the source has none.
-    pub centre: Vec<Point3>,
+    pub center: Vec<Point3>,
     /// Mark on the left edge.
     pub left_mark: LaneMark,
     /// Mark on the right edge.
     pub right_mark: LaneMark,
     /// Adjacent lane on the left; may run the other way.
-    pub left_neighbour: Option<String>,
+    pub left_neighbor: Option<String>,
     /// Adjacent lane on the right.
-    pub right_neighbour: Option<String>,
+    pub right_neighbor: Option<String>,
     /// Lanes that can be entered at the end.
     pub successors: Vec<String>,
     /// Lanes that lead here.

@@ -323,7 +323,7 @@ pub struct LightState {
     /// When the state began or was observed.
     pub time: Nanos,
     /// The state.
-    pub colour: LightColour,
+    pub color: LightColor,
     /// Seconds that its countdown shows at `time`, until the next color; `None` without one.
     pub countdown_s: Option<f64>,
 }
@@ -331,7 +331,7 @@ pub struct LightState {
 /// Color of a traffic light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LightColour {
+pub enum LightColor {
     /// Stop.
     Red,
     /// Clear the junction.

@@ -32,7 +32,7 @@ fn lane(id: &str, y: f64) -> Lane {
         id: id.to_owned(),
         left: line(1.6),
         right: line(-1.6),
-        centre: line(0.0),
+        center: line(0.0),
         left_mark: LaneMark::Solid,
         right_mark: LaneMark::Dashed,
         ..Lane::default()

@@ -13,9 +13,9 @@ use whyroad_lake::mined::episode_table;
 use whyroad_mining::RuleSet;
 use whyroad_mining::language::Subject;
 use whyroad_mining::rule::text::compile_text;
-use whyroad_model::catalogue::SignalScope;
+use whyroad_model::catalog::SignalScope;
 use whyroad_model::{DriveId, Lang, ScenarioId, Severity};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Opens a lake, as `whyroad ingest --lake DIR` made it.
 #[pyfunction]
@@ -67,12 +67,12 @@ impl Lake {
     /// drive. Signals that `whyroad mine` stored are read; where there are none they are derived. Unknown is null.
     #[pyo3(signature = (names, drives=None))]
     fn signals(&self, py: Python<'_>, names: Vec<String>, drives: Option<Vec<String>>) -> PyResult<Table> {
-        let catalogue = Catalogue::bundled();
+        let catalog = Catalog::bundled();
         let mut resolved = Vec::new();
         let mut rows = None;
         for name in &names {
-            let Some((def, _)) = catalogue.resolve(name) else {
-                let near = catalogue.similar(name).join(", ");
+            let Some((def, _)) = catalog.resolve(name) else {
+                let near = catalog.similar(name).join(", ");
                 let hint = (!near.is_empty()).then(|| format!("did you mean {near}?"));
                 return Err(of_code("rule.signal.unknown", format!("signal '{name}' not found"), hint));
             };
@@ -88,7 +88,7 @@ impl Lake {
             resolved.push(def.name.clone());
         }
         let Some(rows) = rows else { return Err(PyValueError::new_err("name at least one signal")) };
-        let schema = schema(catalogue, rows, &resolved);
+        let schema = schema(catalog, rows, &resolved);
         let ids = match drives {
             Some(ids) => ids.into_iter().map(DriveId::from).collect(),
             None => self.inner.drive_ids(),
@@ -122,7 +122,7 @@ impl Lake {
         jobs: Option<usize>,
     ) -> PyResult<Table> {
         let framework = Framework::bundled();
-        let catalogue = Catalogue::bundled();
+        let catalog = Catalog::bundled();
         let class = match scenario {
             Some(text) => match framework.taxonomy.resolve(text) {
                 whyroad_framework::Resolution::Found(id) => Some(id),
@@ -132,7 +132,7 @@ impl Lake {
             },
             None => None,
         };
-        let (all, _) = RuleSet::of_framework(framework, catalogue);
+        let (all, _) = RuleSet::of_framework(framework, catalog);
         let rules = match rule {
             Some(text) => {
                 let subject = match target {
@@ -143,10 +143,10 @@ impl Lake {
                 };
                 let own = ScenarioId { l1: whyroad_mining::rule::OTHER.to_owned(), l2: None, l3: None };
                 let rule =
-                    compile_text(text, subject, &own, catalogue, "rule").map_err(|d| of_diagnostic(&d))?;
+                    compile_text(text, subject, &own, catalog, "rule").map_err(|d| of_diagnostic(&d))?;
                 RuleSet { rules: vec![rule], ..all }
             }
-            None => all.with_decision_moments(catalogue),
+            None => all.with_decision_moments(catalog),
         };
         let options = MineOptions { jobs, lang: Lang::En, ..MineOptions::default() };
         let ids = match drives {

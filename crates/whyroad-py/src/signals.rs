@@ -9,7 +9,7 @@ use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef, TimeUnit};
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::{Column, SignalTable};
-use whyroad_signals::catalogue::{Catalogue, SignalKind};
+use whyroad_signals::catalog::{Catalog, SignalKind};
 
 /// What the rows of a table are.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub enum Rows {
 }
 
 /// The schema of these signals: the same for every drive, whatever it lacks.
-pub fn schema(catalogue: &Catalogue, rows: Rows, names: &[String]) -> SchemaRef {
+pub fn schema(catalog: &Catalog, rows: Rows, names: &[String]) -> SchemaRef {
     let mut fields = vec![Field::new("drive_id", DataType::Utf8, false)];
     if rows == Rows::Targets {
         fields.push(Field::new("target_id", DataType::Utf8, false));
@@ -30,7 +30,7 @@ pub fn schema(catalogue: &Catalogue, rows: Rows, names: &[String]) -> SchemaRef 
     fields.push(Field::new("frame", DataType::UInt32, false));
     fields.push(Field::new("time", DataType::Timestamp(TimeUnit::Nanosecond, None), false));
     for name in names {
-        let kind = match catalogue.get(name).map(|d| &d.kind) {
+        let kind = match catalog.get(name).map(|d| &d.kind) {
             Some(SignalKind::Flag) => DataType::Boolean,
             Some(SignalKind::Category(_)) => {
                 DataType::Dictionary(Box::new(DataType::UInt16), Box::new(DataType::Utf8))

@@ -5,7 +5,7 @@ use crate::markup::Markup;
 use crate::view::{Spot, View, path};
 use whyroad_model::names::class_name;
 use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, Point3, RoadMap};
-use whyroad_model::scene::{LightColour, Motion, Track};
+use whyroad_model::scene::{LightColor, Motion, Track};
 use whyroad_model::{Drive, Nanos, ObjectClass, TrackId};
 
 /// Frames of trail before the keyframe and of path after it: 3 s and 6 s (a training sample's future, LABELING.md 4).
@@ -36,7 +36,7 @@ pub fn render(drive: &Drive, frame: usize, target: Option<&TrackId>) -> Markup {
             let time = drive.times.get(frame).copied().unwrap_or_default();
             let state = lights.iter().rfind(|l| l.lane_id == lane.id && l.time <= time);
             if let Some(state) = state {
-                light(&mut m, &view, lane, state.colour, state.time);
+                light(&mut m, &view, lane, state.color, state.time);
             }
         }
     }
@@ -86,7 +86,7 @@ fn road(m: &mut Markup, view: &View, map: &RoadMap) {
     for lane in map.lanes.iter().filter(|l| !l.in_junction && l.kind != LaneKind::Sidewalk) {
         // The mark between two lanes is drawn once, by the lane on its left; the left edge by the leftmost lane.
         edge(m, view, &lane.right, lane.right_mark);
-        if lane.left_neighbour.is_none() || lane.left_mark == LaneMark::Unknown {
+        if lane.left_neighbor.is_none() || lane.left_mark == LaneMark::Unknown {
             edge(m, view, &lane.left, lane.left_mark);
         }
     }
@@ -160,29 +160,25 @@ fn crosswalk(m: &mut Markup, view: &View, area: &Area) {
     m.raw("\"/>");
 }
 
-fn light(m: &mut Markup, view: &View, lane: &Lane, colour: LightColour, since: Nanos) {
-    let Some(end) = lane.centre.last() else { return };
+fn light(m: &mut Markup, view: &View, lane: &Lane, color: LightColor, since: Nanos) {
+    let Some(end) = lane.center.last() else { return };
     let spot = view.spot(end.x, end.y);
     let (left, top, w, h) = view.bounds();
     if spot.0 < left || spot.1 < top || spot.0 > left + w || spot.1 > top + h {
         return;
     }
-    let class = match colour {
-        LightColour::Red => "light red",
-        LightColour::Yellow | LightColour::RedYellow | LightColour::FlashingYellow => "light yellow",
-        LightColour::Green
-        | LightColour::GreenYield
-        | LightColour::GreenRound
-        | LightColour::GreenArrow
-        | LightColour::FlashingGreen => "light green",
-        LightColour::Off | LightColour::Unknown => "light dark",
+    let class = match color {
+        LightColor::Red => "light red",
+        LightColor::Yellow | LightColor::RedYellow | LightColor::FlashingYellow => "light yellow",
+        LightColor::Green
+        | LightColor::GreenYield
+        | LightColor::GreenRound
+        | LightColor::GreenArrow
+        | LightColor::FlashingGreen => "light green",
+        LightColor::Off | LightColor::Unknown => "light dark",
     };
     m.raw("<circle class=\"").raw(class).raw("\" r=\"7\" cx=\"").num(spot.0 * 10.0, 0).raw("\" cy=\"");
-    m.num(spot.1 * 10.0, 0)
-        .raw("\"><title>")
-        .text(&format!("{colour:?}"))
-        .raw(" · ")
-        .text(&since.to_string());
+    m.num(spot.1 * 10.0, 0).raw("\"><title>").text(&format!("{color:?}")).raw(" · ").text(&since.to_string());
     m.raw("</title></circle>");
 }
 

@@ -6,7 +6,7 @@ mod canvas;
 
 use canvas::Canvas;
 use whyroad_model::road_map::{Lane, LaneKind, LaneMark, Point3, RoadMap};
-use whyroad_model::scene::LightColour;
+use whyroad_model::scene::LightColor;
 use whyroad_model::{Drive, ObjectClass};
 
 /// Size and resolution.
@@ -161,7 +161,7 @@ fn surface(canvas: &mut Canvas, view: &View, lane: &Lane) {
         return;
     }
     let half = lane.width_m.unwrap_or(3.0) / 2.0;
-    for pair in lane.centre.windows(2) {
+    for pair in lane.center.windows(2) {
         let (dx, dy) = (pair[1].x - pair[0].x, pair[1].y - pair[0].y);
         let length = dx.hypot(dy);
         if length > 0.0 {
@@ -176,16 +176,16 @@ fn lights(canvas: &mut Canvas, view: &View, drive: &Drive, frame: usize, map: &R
     let Some(time) = drive.times.get(frame) else { return };
     for lane in &map.lanes {
         let mut states = drive.lights.iter().flatten().filter(|l| l.lane_id == lane.id && l.time <= *time);
-        let (Some(state), Some(end)) = (states.next_back(), lane.centre.last()) else { continue };
-        let color = match state.colour {
-            LightColour::Red => RED,
-            LightColour::Yellow | LightColour::RedYellow | LightColour::FlashingYellow => YELLOW,
-            LightColour::Green
-            | LightColour::GreenYield
-            | LightColour::GreenRound
-            | LightColour::GreenArrow
-            | LightColour::FlashingGreen => GREEN,
-            LightColour::Off | LightColour::Unknown => continue,
+        let (Some(state), Some(end)) = (states.next_back(), lane.center.last()) else { continue };
+        let color = match state.color {
+            LightColor::Red => RED,
+            LightColor::Yellow | LightColor::RedYellow | LightColor::FlashingYellow => YELLOW,
+            LightColor::Green
+            | LightColor::GreenYield
+            | LightColor::GreenRound
+            | LightColor::GreenArrow
+            | LightColor::FlashingGreen => GREEN,
+            LightColor::Off | LightColor::Unknown => continue,
         };
         view.rectangle(canvas, (end.x, end.y, 0.0), (1.5, 1.5), color);
     }

@@ -25,7 +25,7 @@ pub mod list;
 pub mod migration;
 pub mod mined;
 pub mod model_runs;
-pub mod modelling;
+pub mod modeling;
 pub mod people;
 pub mod permissions;
 pub mod pickers;

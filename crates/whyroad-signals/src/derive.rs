@@ -1,7 +1,7 @@
 //! One drive to its signal table, in stages: the ego alone, the road under it, the targets placed around it, and pairs.
 //! Each stage is a struct that the next one takes.
 
-use crate::catalogue::Catalogue;
+use crate::catalog::Catalog;
 use crate::conflict::{self, pet, ttc, ttc_lane};
 use crate::ego::meta_actions::MetaActions;
 use crate::ego::motion::EgoMotion;
@@ -22,12 +22,12 @@ use crate::target::approach;
 use crate::target::interaction::Interaction;
 use crate::target::lanes::TargetLanes;
 use crate::target::placement::{PlacedRows, Surroundings, Target};
-use crate::target::relations::{self, Neighbours};
+use crate::target::relations::{self, Neighbors};
 use crate::target::rows::{Rows, observed_tracks};
 use crate::target::{self, crosswalk, free_width, line_crossing};
 use crate::{behavior, refav, sight};
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::{Drive, Need, SignalTable};
 
 /// All signals that `drive` supports; the others are in `unavailable` with what the log lacks. Takes the drive as the
@@ -64,7 +64,7 @@ fn derive_part(drive: &Drive, part: Part) -> SignalTable {
     add_derived(&mut estimated.drive);
     let drive = &*estimated.drive;
     let missing = missing(drive);
-    let mut table = TableBuilder::new(Catalogue::bundled(), drive);
+    let mut table = TableBuilder::new(Catalog::bundled(), drive);
     let network = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
     let mut ego = EgoStage::new(drive, &missing);
     if let Some(ego) = &mut ego {
@@ -202,7 +202,7 @@ pub(crate) struct PlacedStage<'a> {
     /// The targets in the table's order.
     pub targets: Vec<Target<'a>>,
     /// Lead and follower by frame.
-    pub near: Neighbours,
+    pub near: Neighbors,
 }
 
 impl<'a> PlacedStage<'a> {
@@ -217,7 +217,7 @@ impl<'a> PlacedStage<'a> {
         };
         let targets: Vec<Target<'_>> =
             observed_tracks(ego.drive).map(|t| approach::place(&around, t, &ego.times, rows)).collect();
-        let near = relations::neighbours(&targets, ego.motion.len());
+        let near = relations::neighbors(&targets, ego.motion.len());
         Self { on_road, around, targets, near }
     }
 

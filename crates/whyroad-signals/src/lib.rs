@@ -7,7 +7,7 @@
 //! derived over the whole drive, before it is cut into clips. `object` derives signals of any object and of pairs, for
 //! the rules that ask for them.
 
-pub mod catalogue;
+pub mod catalog;
 pub mod estimate;
 pub mod geometry;
 mod needs;
@@ -30,7 +30,7 @@ mod object;
 mod derive;
 mod occluders;
 
-pub use catalogue::{Catalogue, SignalDef, SignalKind, SignalScope, TargetRestriction};
+pub use catalog::{Catalog, SignalDef, SignalKind, SignalScope, TargetRestriction};
 pub use derive::{derive, derive_last_frame, meta_actions};
 pub use ego::meta_actions::MetaActions;
 pub use estimate::estimate;

@@ -54,7 +54,7 @@ fn missing_layers(drive: &Drive) -> impl Iterator<Item = Need> {
 fn missing_of_road(drive: &Drive) -> impl Iterator<Item = Need> {
     let map = drive.map.as_ref();
     let ego_z = drive.ego.iter().any(|e| e.motion.z.iter().any(|z| z.is_finite()));
-    let road_z = map.is_some_and(|m| m.lanes.iter().any(|l| l.centre.iter().any(|p| p.z.is_finite())));
+    let road_z = map.is_some_and(|m| m.lanes.iter().any(|l| l.center.iter().any(|p| p.z.is_finite())));
     let routed = drive.ego.iter().any(|e| e.bus.route_command.iter().any(Option::is_some))
         || states(drive, "route_distance");
     let tracked_signs = drive.tracks.iter().any(|t| t.source_class.eq_ignore_ascii_case("stop_sign"));

@@ -12,7 +12,7 @@ mod single;
 pub use near::PairClasses;
 pub use scene::{Objects, WithPairs};
 
-use crate::catalogue::Catalogue;
+use crate::catalog::Catalog;
 use crate::estimate::estimated;
 use crate::estimate::with_possible_sizes;
 use crate::needs::missing;
@@ -22,7 +22,7 @@ use body::Body;
 use lanes::BodyLanes;
 use scene::Scene;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::catalogue::SignalScope;
+use whyroad_model::catalog::SignalScope;
 use whyroad_model::pair::PairTable;
 use whyroad_model::signal::{EGO_ID, TargetSpan};
 use whyroad_model::{Column, Drive, Need, SignalTable};
@@ -49,7 +49,7 @@ pub fn derive_objects(
         ..SignalTable::default()
     };
     let mut possible = BTreeSet::new();
-    for def in Catalogue::bundled().iter().filter(|d| d.scope.is_on_demand()) {
+    for def in Catalog::bundled().iter().filter(|d| d.scope.is_on_demand()) {
         let lacks: Vec<Need> = def.needs.iter().filter(|n| lacking.contains(n)).copied().collect();
         if def.name != OBSERVED && !wanted.contains(&def.name) {
             continue;
@@ -89,7 +89,7 @@ pub fn derive_objects(
         table.pairs = Some(found.0);
     }
     for name in lost {
-        let needs = Catalogue::bundled().get(name).map(|d| d.needs.clone()).unwrap_or_default();
+        let needs = Catalog::bundled().get(name).map(|d| d.needs.clone()).unwrap_or_default();
         table.unavailable.insert(name.to_owned(), needs);
     }
     estimated.complete_objects(&mut table);
@@ -117,7 +117,7 @@ fn pair_table<'n>(
 const OBSERVED: &str = "object.observed";
 
 fn needs_map(name: &str) -> bool {
-    Catalogue::bundled().get(name).is_some_and(|d| d.needs.contains(&Need::Map))
+    Catalog::bundled().get(name).is_some_and(|d| d.needs.contains(&Need::Map))
 }
 
 fn spans(drive: &Drive, bodies: &[Body]) -> Vec<TargetSpan> {

@@ -12,7 +12,7 @@ use crate::target::placement::{Placement, Target};
 use crate::target::rows::Rows;
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_4, PI};
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     id,
     value::{TargetRefavHeading, TargetRefavRelativeDirection},
 };
@@ -50,7 +50,7 @@ fn in_ego_axes(scene: &Interaction<'_>, frame: usize, v: P2) -> P2 {
 }
 
 fn seen_at(scene: &Interaction<'_>, p: &Placement) -> P2 {
-    in_ego_axes(scene, p.frame, p.footprint.centre - scene.around.ego.position[p.frame])
+    in_ego_axes(scene, p.frame, p.footprint.center - scene.around.ego.position[p.frame])
 }
 
 fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<TargetRefavRelativeDirection> {
@@ -75,15 +75,15 @@ fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<TargetRe
 }
 
 /// Lanes that a target is on: the assigned one, else all that hold its center.
-fn lanes_of(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, centre: P2) -> Vec<usize> {
+fn lanes_of(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, center: P2) -> Vec<usize> {
     if let Some(place) = scene.lanes.and_then(|l| l.at(k, r)) {
         return vec![place.lane];
     }
     let holds = |&i: &usize| {
         let lane = &road.lanes[i];
-        lane.kind != LaneKind::Sidewalk && lane.area.as_ref().is_some_and(|a| a.contains(centre))
+        lane.kind != LaneKind::Sidewalk && lane.area.as_ref().is_some_and(|a| a.contains(center))
     };
-    road.lanes_near(centre, 0.0).into_iter().filter(holds).collect()
+    road.lanes_near(center, 0.0).into_iter().filter(holds).collect()
 }
 
 /// Where an object goes: its velocity where it moves, else its heading.
@@ -105,9 +105,9 @@ fn following(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, p: &Place
         return Tri::False;
     }
     let own = &road.lanes[on.lane];
-    let here = lanes_of(scene, road, k, r, p.footprint.centre);
+    let here = lanes_of(scene, road, k, r, p.footprint.center);
     let same = here.iter().any(|&l| l == on.lane || own.successors.contains(&l));
-    let beside = here.iter().any(|&l| own.neighbours.contains(&Some(l)));
+    let beside = here.iter().any(|&l| own.neighbors.contains(&Some(l)));
     let half = p.footprint.width / 2.0;
     let reaches_in = [at.y + half, at.y - half].iter().any(|side| side.abs() <= ego.width / 2.0);
     Tri::from((same && at.y.abs() < FOLLOWING_BESIDE_M) || (beside && reaches_in))

@@ -30,7 +30,7 @@ pub mod way;
 use crate::table::TableBuilder;
 use context::Channels;
 use on_road::OnRoad;
-use whyroad_model::catalogue::{id, value::MapDrivingSide};
+use whyroad_model::catalog::{id, value::MapDrivingSide};
 use whyroad_model::scene::DrivingSide;
 
 /// Writes the families on road, map parts, signs and route.

@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn short_runs_join_their_neighbour() {
+    fn short_runs_join_their_neighbor() {
         let times: Vec<f64> = (0..12).map(|i| f64::from(i) * 0.1).collect();
         let mut v: Vec<Option<u8>> = [1, 1, 2, 2, 2, 2, 2, 2, 3, 2, 2, 2].map(Some).to_vec();
         absorb_short_runs(&times, &mut v, 0.3);

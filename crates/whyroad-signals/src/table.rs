@@ -1,10 +1,10 @@
 //! Collects columns into a [`SignalTable`]. Scope and type of a column are checked by the compiler: each signal's
-//! constant in [`whyroad_model::catalogue::id`] carries them. A family only computes.
+//! constant in [`whyroad_model::catalog::id`] carries them. A family only computes.
 
-use crate::catalogue::{Catalogue, SignalKind};
+use crate::catalog::{Catalog, SignalKind};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     Category, CategoryValue, Flag, Number, PerFrame, PerTarget, Signal, SignalScope,
 };
 use whyroad_model::column::UNKNOWN_CODE;
@@ -66,14 +66,14 @@ impl<C: CategoryValue> CategoryValues<PerTarget, C> for TargetRows<Option<C>> {
 
 /// A signal table under construction.
 pub struct TableBuilder<'a> {
-    catalogue: &'a Catalogue,
+    catalog: &'a Catalog,
     table: SignalTable,
     rows: usize,
 }
 
 impl<'a> TableBuilder<'a> {
     /// An empty table for `drive`: one target per track, dense from its first to its last frame.
-    pub fn new(catalogue: &'a Catalogue, drive: &Drive) -> Self {
+    pub fn new(catalog: &'a Catalog, drive: &Drive) -> Self {
         let mut rows = 0;
         let mut targets = Vec::with_capacity(drive.tracks.len());
         for track in drive.tracks.iter().filter(|t| !t.frames.is_empty()) {
@@ -87,7 +87,7 @@ impl<'a> TableBuilder<'a> {
             targets,
             ..SignalTable::default()
         };
-        Self { catalogue, table, rows }
+        Self { catalog, table, rows }
     }
 
     /// Number of target rows.
@@ -165,7 +165,7 @@ impl<'a> TableBuilder<'a> {
         id: Signal<S, Category<C>>,
         values: impl CategoryValues<S, C>,
     ) {
-        let names: Arc<[String]> = match self.catalogue.get(id.id().name()).map(|d| &d.kind) {
+        let names: Arc<[String]> = match self.catalog.get(id.id().name()).map(|d| &d.kind) {
             Some(SignalKind::Category(names)) => names.clone(),
             _ => C::NAMES.iter().map(|n| (*n).to_owned()).collect(),
         };
@@ -187,7 +187,7 @@ impl<'a> TableBuilder<'a> {
     /// not enough of it.
     pub fn finish(mut self, missing: &BTreeSet<Need>) -> SignalTable {
         let mut unavailable = BTreeMap::new();
-        for def in self.catalogue.iter().filter(|d| !d.scope.is_on_demand()) {
+        for def in self.catalog.iter().filter(|d| !d.scope.is_on_demand()) {
             // A bus that never reports a channel lacks it: "AEB never seen active" must not read as "never active".
             let silent = |need: &Need| {
                 *need == Need::VehicleBus

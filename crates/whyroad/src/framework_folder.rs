@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use whyroad_framework::Framework;
 use whyroad_model::Diagnostic;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// The framework in force; what is wrong in it, its signal catalog included, is reported on stderr. An error when it
 /// has no usable taxonomy.
@@ -15,7 +15,7 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
     let Some(dir) = &global.framework else { return Ok((Framework::bundled().clone(), Vec::new())) };
     let (framework, mut found) = read(dir)?;
     if let Some(framework) = &framework {
-        found.extend(placed(Some(dir), Catalogue::parse(&framework.signals_yaml).1));
+        found.extend(placed(Some(dir), Catalog::parse(&framework.signals_yaml).1));
     }
     for d in &found {
         tell!("{}", crate::output::render_text(d, global.lang));

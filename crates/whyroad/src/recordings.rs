@@ -18,7 +18,7 @@ use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, ScenarioId, SignalTable};
 use whyroad_server::domain::scene::{SignalAbout, SignalKind};
 use whyroad_server::recordings::{Recordings, Similar, StoredImage, span_of};
-use whyroad_signals::{Catalogue, SignalKind as Kind};
+use whyroad_signals::{Catalog, SignalKind as Kind};
 
 /// What the service sees of a lake.
 pub(crate) struct ServiceRecordings {
@@ -170,7 +170,7 @@ impl Recordings for ServiceRecordings {
     }
 
     fn about(&self, name: &str) -> Option<SignalAbout> {
-        let def = Catalogue::bundled().get(name)?;
+        let def = Catalog::bundled().get(name)?;
         let (kind, unit) = match &def.kind {
             // Columns hold base units, whatever the catalog writes.
             Kind::Number(dimension) => (SignalKind::Number, dimension.base().symbol),

@@ -6,7 +6,7 @@ use whyroad_chat::ask::ask;
 use whyroad_chat::{ChatError, Client, Settings};
 use whyroad_framework::Framework;
 use whyroad_model::{Lang, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 fn rule(text: &str, target: &str) -> Reply {
     Reply::Says(json!({ "rule": text, "target": target, "explanation": "close vehicles" }).to_string())
@@ -14,7 +14,7 @@ fn rule(text: &str, target: &str) -> Reply {
 
 fn asked(endpoint: &Scripted, corrections: u32) -> Result<whyroad_chat::ask::Asked, ChatError> {
     let client = Client::new(Settings::new(&endpoint.url, "m")).unwrap();
-    let all = (Framework::bundled(), Catalogue::bundled());
+    let all = (Framework::bundled(), Catalog::bundled());
     ask(&client, all, "Who comes close?", &ScenarioId::custom("close"), Lang::En, corrections)
 }
 

@@ -4,7 +4,7 @@ use crate::pose::{Pose, known, wrap};
 use crate::sample::{EgoBox, Trajectory};
 use crate::spec::{Cut, Reference};
 use whyroad_engine::{MetaActions, States, meta_actions, states};
-use whyroad_model::catalogue::CategoryValue;
+use whyroad_model::catalog::CategoryValue;
 use whyroad_model::scene::{Ego, Motion};
 use whyroad_model::{Drive, FrameRange, Nanos};
 
@@ -27,7 +27,7 @@ pub(crate) struct Window {
     pub whole: States,
     pub pose: Pose,
     /// From the reference point forward to the box center, m.
-    pub to_centre: f64,
+    pub to_center: f64,
     past_actions: Option<MetaActions>,
     whole_actions: Option<MetaActions>,
 }
@@ -42,7 +42,7 @@ impl Window {
         let t0 = frame - first;
         let (past, whole) = (states(&stretch, t0 + 1), states(&stretch, stretch.frame_count()));
         let ego = stretch.ego.as_ref()?;
-        let to_centre = match cut.reference {
+        let to_center = match cut.reference {
             // Only a point behind the box center can be a rear axle; a front bumper or the center itself cannot.
             Reference::RearAxle if ego.reference_to_centre_m > 0.3 && ego.reference_to_centre_m < 6.0 => {
                 ego.reference_to_centre_m
@@ -56,10 +56,10 @@ impl Window {
             return None;
         }
         let (s, c) = heading.sin_cos();
-        let pose = Pose { x: x - to_centre * c, y: y - to_centre * s, z, heading };
+        let pose = Pose { x: x - to_center * c, y: y - to_center * s, z, heading };
         let past_actions = meta_actions(&stretch.until_frame(t0 + 1));
         let whole_actions = meta_actions(&stretch);
-        Some(Self { drive: stretch, t0, past, whole, pose, to_centre, past_actions, whole_actions })
+        Some(Self { drive: stretch, t0, past, whole, pose, to_center, past_actions, whole_actions })
     }
 
     pub fn time(&self) -> Nanos {
@@ -99,7 +99,7 @@ impl Window {
             });
             let (s, c) = heading.sin_cos();
             let (x, y) =
-                self.pose.local(at(&motion.x) - self.to_centre * c, at(&motion.y) - self.to_centre * s);
+                self.pose.local(at(&motion.x) - self.to_center * c, at(&motion.y) - self.to_center * s);
             out.complete &= x.is_finite() && y.is_finite() && heading.is_finite();
             out.x.push(known(x));
             out.y.push(known(y));
@@ -136,13 +136,13 @@ impl Window {
     pub fn ego_box(&self, cut: &Cut) -> EgoBox {
         let ego = self.drive.ego.as_ref();
         let size = |f: fn(&Ego) -> f64| ego.and_then(|e| known(f(e)).filter(|v| *v > 0.0));
-        let axle = cut.reference == Reference::RearAxle && self.to_centre > 0.0;
+        let axle = cut.reference == Reference::RearAxle && self.to_center > 0.0;
         EgoBox {
             length_m: size(|e| e.length_m),
             width_m: size(|e| e.width_m),
             height_m: size(|e| e.height_m),
             reference: if axle { "rear_axle" } else { "box_centre" }.to_owned(),
-            reference_to_centre_m: self.to_centre as f32,
+            reference_to_centre_m: self.to_center as f32,
         }
     }
 }

@@ -36,7 +36,7 @@ impl Road {
                 successors: lane.successors.clone(),
                 ..MapElement::default()
             };
-            elements.extend(part(element, &lane.centre, false));
+            elements.extend(part(element, &lane.center, false));
         }
         let named =
             |id: &str, kind: &str| MapElement { id: id.into(), kind: kind.into(), ..MapElement::default() };

@@ -80,7 +80,7 @@ fn orthonormal(v: &mut [f64], others: &[Vec<f64>]) {
 }
 
 /// Vectors that can be asked for within one radius.
-pub struct Neighbours<'a> {
+pub struct Neighbors<'a> {
     vectors: &'a [&'a [f32]],
     projection: &'a Projection,
     /// Square of the Euclidean radius.
@@ -89,7 +89,7 @@ pub struct Neighbours<'a> {
     buckets: HashMap<[i32; AXES], Vec<u32>>,
 }
 
-impl<'a> Neighbours<'a> {
+impl<'a> Neighbors<'a> {
     /// None inserted yet. `radius` is a root mean square difference.
     pub fn new(vectors: &'a [&'a [f32]], projection: &'a Projection, radius: f64) -> Self {
         let n = vectors.first().map_or(1, |v| v.len().max(1)) as f64;
@@ -178,12 +178,12 @@ mod tests {
     }
 
     #[test]
-    fn every_neighbour_is_found_and_nothing_else() {
+    fn every_neighbor_is_found_and_nothing_else() {
         let all = vectors(2000, 12);
         let views: Vec<&[f32]> = all.iter().map(Vec::as_slice).collect();
         let projection = Projection::of(&views);
         for radius in [0.2, 0.7, 2.0] {
-            let mut index = Neighbours::new(&views, &projection, radius);
+            let mut index = Neighbors::new(&views, &projection, radius);
             (0..views.len()).for_each(|i| index.insert(i as u32));
             let mut pairs = 0;
             for q in views.iter().step_by(17) {
@@ -206,7 +206,7 @@ mod tests {
         let same = vec![vec![1.0_f32; 5]; 10];
         let views: Vec<&[f32]> = same.iter().map(Vec::as_slice).collect();
         let projection = Projection::of(&views);
-        let mut index = Neighbours::new(&views, &projection, 0.0);
+        let mut index = Neighbors::new(&views, &projection, 0.0);
         index.insert(3);
         assert_eq!(index.find(views[0], |_| true), Some(3));
         assert_eq!(index.find(views[0], |i| i != 3), None);

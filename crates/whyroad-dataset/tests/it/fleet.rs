@@ -65,7 +65,7 @@ pub fn drive(plan: &Plan) -> Drive {
     let point = |x: f64| Point3 { x, y: plan.street_m, z: 0.0 };
     let lane = Lane {
         id: format!("street_{}", plan.street_m),
-        centre: (0..60).map(|i| point(f64::from(i) * 20.0 - 100.0)).collect(),
+        center: (0..60).map(|i| point(f64::from(i) * 20.0 - 100.0)).collect(),
         width_m: Some(3.5),
         ..Lane::default()
     };

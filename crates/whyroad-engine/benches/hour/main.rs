@@ -24,7 +24,7 @@ use whyroad_mining::RuleSet;
 use whyroad_mining::drive::arbitrated;
 use whyroad_mining::fast::{Plan, Search, Signals};
 use whyroad_model::{Column, Drive, SignalTable, Tri};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Frames per drive: a minute.
 const FRAMES: usize = 600;
@@ -109,7 +109,7 @@ fn peak_mb() -> f64 {
 
 fn measure(folder: &Path, objects: usize) {
     whyroad_engine::memory::keep_freed();
-    let rules = RuleSet::of_framework(Framework::bundled(), Catalogue::bundled()).0;
+    let rules = RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0;
     let plan = Plan::of(&rules);
     let all: Vec<usize> = (0..rules.rules.len()).collect();
     let lake = Lake::create_or_open(folder.join("lake")).expect("a lake");

@@ -139,8 +139,8 @@ fn may_walk(time: f64, junction: (usize, usize), half: f64, s: f64) -> bool {
     let (k, t) = (((s / (2.0 * half)) as usize) % 4, s % (2.0 * half) - half);
     // Sides 0 and 2 run along the avenue and cross the street.
     let crosses_avenue = k % 2 == 1;
-    let kerb = -(if crosses_avenue { 2.0 } else { 1.0 }) * LANE_M - 0.6;
-    !(kerb - 1.0..kerb).contains(&t)
+    let curb = -(if crosses_avenue { 2.0 } else { 1.0 }) * LANE_M - 0.6;
+    !(curb - 1.0..curb).contains(&t)
         || (!is_green(time, junction, crosses_avenue) && !is_green(time + 8.0, junction, crosses_avenue))
 }
 

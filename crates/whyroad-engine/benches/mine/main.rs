@@ -29,7 +29,7 @@ use whyroad_framework::Framework;
 use whyroad_mining::RuleSet;
 use whyroad_mining::drive::arbitrated;
 use whyroad_mining::fast::Plan;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 fn main() {
     // `cargo test --benches` runs this too; then a little is enough to see that it works.
@@ -50,7 +50,7 @@ fn main() {
 
 /// The parts that run on stored signals.
 fn stored(rows: usize, rounds: usize, asked: impl Fn(&str) -> bool) {
-    let rules = RuleSet::of_framework(Framework::bundled(), Catalogue::bundled()).0;
+    let rules = RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0;
     let plan = Plan::of(&rules);
     let of_rules = plan.rules.iter().flat_map(|r| r.when_signals.iter().chain(&r.later_signals));
     let used: BTreeSet<&str> = of_rules

@@ -10,7 +10,7 @@ use whyroad_engine::mine::find_stored;
 use whyroad_mining::fast::Plan;
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::Nanos;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// A question in the rule language, and as the condition of a row and a least duration for the peers.
 pub struct Question {
@@ -102,7 +102,7 @@ pub fn run(dir: &Path, folders: &[PathBuf], total: usize, rounds: usize) {
     let mut peers: Vec<Peer> = ["duckdb", "polars"].into_iter().filter_map(|n| Peer::start(n, dir)).collect();
     for q in QUESTIONS {
         let class = "proactive.turn.straight".parse().expect("a class");
-        let mut rule = compile_text(q.rule, None, &class, Catalogue::bundled(), "bench").expect("a rule");
+        let mut rule = compile_text(q.rule, None, &class, Catalog::bundled(), "bench").expect("a rule");
         rule.merge_gap = Nanos(0);
         let plan = Plan::of_rules([&rule]);
         let one =

@@ -7,7 +7,7 @@ use whyroad_mining::fast::layout::RowSet;
 use whyroad_mining::fast::{Evaluation, Plan, Signals};
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{Column, Nanos, SignalTable};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// A wave with a drift, the same in Python.
 fn signal(n: usize) -> Vec<f64> {
@@ -24,7 +24,7 @@ pub fn run(n: usize, rounds: usize) {
     // `for` looks to both sides of a row, `within` ahead as STL does: always is not eventually not.
     let text = "(not ((not (ego.speed < 3 m/s)) within 0.5 s)) within 1 s";
     let class = "proactive.turn.straight".parse().expect("a class");
-    let rule = compile_text(text, None, &class, Catalogue::bundled(), "bench").expect("a rule");
+    let rule = compile_text(text, None, &class, Catalog::bundled(), "bench").expect("a rule");
     let plan = Plan::of_rules([&rule]);
     let when = plan.rules[0].node(rule.when);
     let ours = || {

@@ -16,7 +16,7 @@ use whyroad_mining::language::Subject;
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::scene::{Drive, Ego, Motion, Track};
 use whyroad_model::{Nanos, ObjectClass, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 const FRAMES: usize = 200;
 const OBJECTS: usize = 75;
@@ -110,7 +110,7 @@ fn main() {
     for (k, (name, target, text)) in QUESTIONS.iter().enumerate() {
         let class = ScenarioId::custom("bench");
         let rule =
-            compile_text(text, Subject::from_word(target), &class, Catalogue::bundled(), "bench").unwrap();
+            compile_text(text, Subject::from_word(target), &class, Catalog::bundled(), "bench").unwrap();
         let ours = timed(5, || {
             let table =
                 signals_for(&rule, || Ok(drive.clone()), || unreachable!("no other signals")).unwrap();

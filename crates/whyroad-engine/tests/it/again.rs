@@ -14,7 +14,7 @@ use whyroad_lake::mined::{Existing, MiningQuestion};
 use whyroad_lake::{CompactionOptions, Lake};
 use whyroad_mining::RuleSet;
 use whyroad_model::{ClipCut, Drive, Lang};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// A bundled drive.
 fn drive() -> Drive {
@@ -38,7 +38,7 @@ impl Bench {
     fn new(ids: &[&str]) -> Self {
         let dir = tempfile::tempdir().unwrap();
         let lake = Lake::create_or_open(dir.path().join("lake")).unwrap();
-        let rules = RuleSet::of_framework(Framework::bundled(), Catalogue::bundled()).0;
+        let rules = RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0;
         let bench = Self { dir, lake, drive: drive(), rules };
         ids.iter().for_each(|id| drop(bench.put(&bench.lake, id, 1.0)));
         bench

@@ -9,7 +9,7 @@ use whyroad_framework::Framework;
 use whyroad_label::draft::{components, draft};
 use whyroad_mining::RuleSet;
 use whyroad_model::{Column, Lang, SignalTable};
-use whyroad_signals::{Catalogue, derive};
+use whyroad_signals::{Catalog, derive};
 
 /// Episodes of a drive whose drafts are compared: deriving all signals takes long, which is why there is a short way.
 const EPISODES: usize = 4;
@@ -66,7 +66,7 @@ fn compare(folders: &[PathBuf]) -> usize {
     let dir = tempfile::tempdir().unwrap();
     let lake = lake(dir.path(), folders);
     let framework = Framework::bundled();
-    let rules = RuleSet::of_framework(framework, Catalogue::bundled()).0;
+    let rules = RuleSet::of_framework(framework, Catalog::bundled()).0;
     // Stores the signals.
     let mined = mine_lake_with(&lake, &rules, &MineOptions::default(), |_| ());
     let recordings = LakeRecordings::open(lake, &[], &[]).unwrap();

@@ -8,10 +8,10 @@ use whyroad_ingest::{Options as Ingest, find_sources, read};
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
 use whyroad_model::Nanos;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 fn rules() -> RuleSet {
-    RuleSet::of_framework(Framework::bundled(), Catalogue::bundled()).0
+    RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0
 }
 
 /// A lake of some of the bundled drives.

@@ -16,7 +16,7 @@ use whyroad_label::draft::draft;
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
 use whyroad_model::{Lang, TrackId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Codes of the checks against the recording.
 const AGAINST_RECORDING: [&str; 5] =
@@ -43,7 +43,7 @@ pub(crate) fn lake(dir: &Path, folders: &[PathBuf]) -> Lake {
 /// Drafts of all primary episodes, in both languages, written as a person would hand them in.
 fn labels(lake: &Lake) -> Vec<Value> {
     let framework = Framework::bundled();
-    let rules = RuleSet::of_framework(framework, Catalogue::bundled()).0;
+    let rules = RuleSet::of_framework(framework, Catalog::bundled()).0;
     let mined = mine_lake_with(lake, &rules, &MineOptions::default(), |_| ());
     let mut out = Vec::new();
     for found in &mined.drives {

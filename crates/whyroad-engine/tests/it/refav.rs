@@ -13,7 +13,7 @@ use whyroad_mining::interpret::{Evaluator, Roles, Series};
 use whyroad_mining::rule::Rule;
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{Drive, ScenarioId, SignalTable, Tri};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Function, arguments and rule of each row of the table that can be asked.
 fn table_of_docs() -> Vec<(String, String, String)> {
@@ -29,7 +29,7 @@ fn table_of_docs() -> Vec<(String, String, String)> {
 
 fn compiled(rule: &str, related: &str) -> Rule {
     let text = rule.replace(", R)", &format!(", {related})"));
-    let compiled = compile_text(&text, None, &ScenarioId::custom("refav"), Catalogue::bundled(), "docs");
+    let compiled = compile_text(&text, None, &ScenarioId::custom("refav"), Catalog::bundled(), "docs");
     compiled.unwrap_or_else(|d| panic!("{text}: {d:?}"))
 }
 

@@ -54,16 +54,16 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     b.all(raw.no_reason.all(), WordRole::NoReason);
     b.all(raw.distant.all(), WordRole::Distant);
     b.all(raw.beyond.all(), WordRole::Beyond);
-    for (i, words) in raw.colours.values().enumerate() {
-        b.all(words.all(), WordRole::Colour(i));
+    for (i, words) in raw.colors.values().enumerate() {
+        b.all(words.all(), WordRole::Color(i));
     }
-    let colours = raw.colours.values().enumerate();
-    let colour_chars =
-        colours.flat_map(|(i, w)| w.zh.iter().filter_map(move |t| Some((t.chars().next()?, i, t.len()))));
+    let colors = raw.colors.values().enumerate();
+    let color_chars =
+        colors.flat_map(|(i, w)| w.zh.iter().filter_map(move |t| Some((t.chars().next()?, i, t.len()))));
     // "银" is silver rather than "银灰".
-    let mut colour_chars: Vec<(char, usize, usize)> = colour_chars.collect();
-    colour_chars.sort_by_key(|(_, _, length)| *length);
-    let colour_chars = colour_chars.into_iter().map(|(c, i, _)| (c, i)).collect();
+    let mut color_chars: Vec<(char, usize, usize)> = color_chars.collect();
+    color_chars.sort_by_key(|(_, _, length)| *length);
+    let color_chars = color_chars.into_iter().map(|(c, i, _)| (c, i)).collect();
     b.all(raw.hindsight.firm.all(), WordRole::Hindsight);
     b.all(raw.resolved.all(), WordRole::Resolved);
     b.all(raw.ahead.all(), WordRole::Ahead);
@@ -156,7 +156,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         imagined: raw.hindsight.imagined.all().map(str::to_owned).collect(),
         predicted: raw.hindsight.predicted.all().map(str::to_owned).collect(),
         lights: raw.lights.values().map(|w| w.all().map(str::to_owned).collect()).collect(),
-        colour_chars,
+        color_chars,
         numbers: raw.numbers.compile(),
         clauses,
         road_users,

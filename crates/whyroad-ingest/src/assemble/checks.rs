@@ -186,16 +186,16 @@ fn is_heading(line: &[Point3]) -> bool {
 }
 
 fn headings_as_heights(map: &mut RoadMap) -> Option<Diagnostic> {
-    let sloped = |l: &&Lane| l.centre.iter().any(|p| p.z != 0.0 && !p.z.is_nan());
+    let sloped = |l: &&Lane| l.center.iter().any(|p| p.z != 0.0 && !p.z.is_nan());
     let (all, same) = map
         .lanes
         .iter()
         .filter(sloped)
-        .fold((0_usize, 0_usize), |(all, same), l| (all + 1, same + usize::from(is_heading(&l.centre))));
+        .fold((0_usize, 0_usize), |(all, same), l| (all + 1, same + usize::from(is_heading(&l.center))));
     if all < 3 || (same as f64) < SAME_SHARE * all as f64 {
         return None;
     }
-    let lines = map.lanes.iter_mut().flat_map(|l| [&mut l.left, &mut l.right, &mut l.centre]);
+    let lines = map.lanes.iter_mut().flat_map(|l| [&mut l.left, &mut l.right, &mut l.center]);
     let areas = map.crosswalks.iter_mut().chain(&mut map.junctions).chain(&mut map.drivable_areas);
     let lines =
         lines.chain(areas.map(|a| &mut a.boundary)).chain(map.stop_lines.iter_mut().map(|s| &mut s.line));
@@ -252,7 +252,7 @@ fn off_the_map(drive: &mut Drive) -> Option<Diagnostic> {
     let near = |&(x, y): &(f64, f64)| {
         let p = Point3 { x, y, z: f64::NAN };
         let areas = || map.drivable_areas.iter().chain(&map.junctions);
-        map.lanes.iter().any(|l| l.centre.windows(2).any(|w| to_segment(w[0], w[1], p) <= ON_MAP_M))
+        map.lanes.iter().any(|l| l.center.windows(2).any(|w| to_segment(w[0], w[1], p) <= ON_MAP_M))
             || areas().any(|a| crate::assemble::geometry::contains(&a.boundary, p))
     };
     // A moment each second is enough.
@@ -294,7 +294,7 @@ fn off_the_map(drive: &mut Drive) -> Option<Diagnostic> {
 
 /// Where map and ego are, when the ego is so far outside that both cannot be of one frame.
 fn apart(map: &RoadMap, ego: (f64, f64)) -> Bilingual {
-    let points = map.lanes.iter().flat_map(|l| &l.centre);
+    let points = map.lanes.iter().flat_map(|l| &l.center);
     let [x0, y0, x1, y1] = points.fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |m, p| {
         [m[0].min(p.x), m[1].min(p.y), m[2].max(p.x), m[3].max(p.y)]
     });

@@ -94,7 +94,7 @@ mod tests {
     ];
 
     /// Distance of two near points, m.
-    fn metres(a: (f64, f64), b: (f64, f64)) -> f64 {
+    fn meters(a: (f64, f64), b: (f64, f64)) -> f64 {
         let north = (a.0 - b.0) * 111_132.0;
         let east = (a.1 - b.1) * 111_320.0 * a.0.to_radians().cos();
         north.hypot(east)
@@ -104,11 +104,11 @@ mod tests {
     fn published_pairs_agree_in_both_directions() {
         for [lat, lon, gcj_lat, gcj_lon] in PAIRS {
             let there = shifted(lat, lon);
-            assert!(metres(there, (gcj_lat, gcj_lon)) < 1e-3, "{there:?}");
+            assert!(meters(there, (gcj_lat, gcj_lon)) < 1e-3, "{there:?}");
             let back = Datum::Gcj02.to_wgs84(gcj_lat, gcj_lon);
-            assert!(metres(back, (lat, lon)) < 0.01, "{back:?}");
+            assert!(meters(back, (lat, lon)) < 0.01, "{back:?}");
             // The shift is there to be undone: hundreds of meters.
-            assert!(metres((lat, lon), (gcj_lat, gcj_lon)) > 400.0);
+            assert!(meters((lat, lon), (gcj_lat, gcj_lon)) > 400.0);
         }
     }
 
@@ -118,7 +118,7 @@ mod tests {
             for k in 0..40 {
                 let at = (18.0 + 0.85 * f64::from(i), 74.0 + 1.5 * f64::from(k));
                 let (lat, lon) = shifted(at.0, at.1);
-                assert!(metres(Datum::Gcj02.to_wgs84(lat, lon), at) < 0.1, "{at:?}");
+                assert!(meters(Datum::Gcj02.to_wgs84(lat, lon), at) < 0.1, "{at:?}");
             }
         }
     }

@@ -31,7 +31,7 @@ pub(crate) struct Boundary {
 
 /// A stretch of a lane with another beside it.
 #[derive(Clone, Debug)]
-pub(crate) struct Neighbour {
+pub(crate) struct Neighbor {
     pub start: usize,
     pub end: usize,
     pub lane: String,
@@ -39,17 +39,17 @@ pub(crate) struct Neighbour {
 
 /// A lane as the source describes it: `lane` has everything but edges, marks and neighbors.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct CentreLane {
+pub(crate) struct CenterLane {
     pub lane: Lane,
     /// Left, right.
     pub boundaries: [Vec<Boundary>; 2],
-    pub neighbours: [Vec<Neighbour>; 2],
+    pub neighbors: [Vec<Neighbor>; 2],
 }
 
 /// One feature of the map.
 #[derive(Clone, Debug)]
 pub(crate) enum Feature {
-    Lane(Box<CentreLane>),
+    Lane(Box<CenterLane>),
     /// Painted line or curb.
     Line(Vec<Point3>),
     Crosswalk(Vec<Point3>),
@@ -87,7 +87,7 @@ pub(crate) fn build(
             }
             Ok(Feature::Lane(lane)) => {
                 out.count.keep("lane", 1);
-                lanes.push(CentreLane { lane: Lane { id, ..lane.lane }, ..*lane });
+                lanes.push(CenterLane { lane: Lane { id, ..lane.lane }, ..*lane });
             }
             Ok(Feature::Line(points)) => {
                 out.count.keep("line", 1);
@@ -132,7 +132,7 @@ fn usable(feature: Feature) -> Result<Feature, String> {
     let finite =
         |points: &[Point3]| points.iter().all(|p| p.x.is_finite() && p.y.is_finite() && p.z.is_finite());
     let (points, least, what) = match &feature {
-        Feature::Lane(l) => (l.lane.centre.as_slice(), 2, "a lane"),
+        Feature::Lane(l) => (l.lane.center.as_slice(), 2, "a lane"),
         Feature::Line(points) => (points.as_slice(), 1, "a line"),
         Feature::Crosswalk(points) => (points.as_slice(), 3, "a crosswalk"),
         Feature::Facility(_, points) => (points.as_slice(), 2, "an area"),
@@ -154,20 +154,19 @@ fn closed(mut ring: Vec<Point3>) -> Vec<Point3> {
     ring
 }
 
-fn finished(source: CentreLane, lines: &BTreeMap<String, Vec<Point3>>) -> Lane {
-    let CentreLane { mut lane, boundaries, neighbours } = source;
-    let [left, right] = [0, 1].map(|side| half_widths(&lane.centre, &boundaries[side], lines));
+fn finished(source: CenterLane, lines: &BTreeMap<String, Vec<Point3>>) -> Lane {
+    let CenterLane { mut lane, boundaries, neighbors } = source;
+    let [left, right] = [0, 1].map(|side| half_widths(&lane.center, &boundaries[side], lines));
     if let (Some(left), Some(right)) = (left, right) {
-        lane.left = moved(&lane.centre, &left, 1.0);
-        lane.right = moved(&lane.centre, &right, -1.0);
+        lane.left = moved(&lane.center, &left, 1.0);
+        lane.right = moved(&lane.center, &right, -1.0);
     }
     lane.left_mark = longest_mark(&boundaries[0]);
     lane.right_mark = longest_mark(&boundaries[1]);
-    let longest = |side: &[Neighbour]| {
-        side.iter().max_by_key(|n| n.end.saturating_sub(n.start)).map(|n| n.lane.clone())
-    };
-    lane.left_neighbour = longest(&neighbours[0]);
-    lane.right_neighbour = longest(&neighbours[1]);
+    let longest =
+        |side: &[Neighbor]| side.iter().max_by_key(|n| n.end.saturating_sub(n.start)).map(|n| n.lane.clone());
+    lane.left_neighbor = longest(&neighbors[0]);
+    lane.right_neighbor = longest(&neighbors[1]);
     lane
 }
 
@@ -185,15 +184,15 @@ fn longest_mark(side: &[Boundary]) -> LaneMark {
 
 /// Distance from each point of the center line to the edge on one side; `None` when the side names none.
 fn half_widths(
-    centre: &[Point3],
+    center: &[Point3],
     side: &[Boundary],
     lines: &BTreeMap<String, Vec<Point3>>,
 ) -> Option<Vec<f64>> {
-    let mut out = vec![f64::NAN; centre.len()];
+    let mut out = vec![f64::NAN; center.len()];
     for b in side {
         let Some(line) = lines.get(&b.feature) else { continue };
-        for i in b.start..=b.end.min(centre.len().saturating_sub(1)) {
-            let d = distance_to(line, centre[i]);
+        for i in b.start..=b.end.min(center.len().saturating_sub(1)) {
+            let d = distance_to(line, center[i]);
             if HALF_WIDTH_M.contains(&d) {
                 out[i] = out[i].min(d);
             }
@@ -236,10 +235,10 @@ fn direction(line: &[Point3], i: usize) -> (f64, f64) {
     ((b.x - a.x) / d, (b.y - a.y) / d)
 }
 
-fn moved(centre: &[Point3], half: &[f64], sign: f64) -> Vec<Point3> {
-    (0..centre.len())
+fn moved(center: &[Point3], half: &[f64], sign: f64) -> Vec<Point3> {
+    (0..center.len())
         .map(|i| {
-            let ((ux, uy), p, d) = (direction(centre, i), centre[i], sign * half[i]);
+            let ((ux, uy), p, d) = (direction(center, i), center[i], sign * half[i]);
             Point3 { x: p.x - uy * d, y: p.y + ux * d, z: p.z }
         })
         .collect()
@@ -247,21 +246,21 @@ fn moved(centre: &[Point3], half: &[f64], sign: f64) -> Vec<Point3> {
 
 /// A line across the lane at `point`, left end first.
 fn stop_line(lane: &Lane, point: Point3) -> Vec<Point3> {
-    let nearest = (0..lane.centre.len())
-        .min_by(|&a, &b| distance(lane.centre[a], point).total_cmp(&distance(lane.centre[b], point)));
+    let nearest = (0..lane.center.len())
+        .min_by(|&a, &b| distance(lane.center[a], point).total_cmp(&distance(lane.center[b], point)));
     let i = nearest.unwrap_or(0);
-    let half = |edge: &[Point3]| edge.get(i).map_or(NOMINAL_HALF_WIDTH_M, |&e| distance(e, lane.centre[i]));
-    let (ux, uy) = direction(&lane.centre, i);
+    let half = |edge: &[Point3]| edge.get(i).map_or(NOMINAL_HALF_WIDTH_M, |&e| distance(e, lane.center[i]));
+    let (ux, uy) = direction(&lane.center, i);
     [half(&lane.left), -half(&lane.right)]
         .map(|d| Point3 { x: point.x - uy * d, y: point.y + ux * d, z: point.z })
         .into()
 }
 
 /// Mean width of a lane from its outline: area over the length of its center line, m.
-pub(crate) fn mean_width(outline: &[Point3], centre: &[Point3]) -> Option<f64> {
+pub(crate) fn mean_width(outline: &[Point3], center: &[Point3]) -> Option<f64> {
     let n = outline.len();
     let twice: f64 =
         (0..n).map(|i| outline[i].x * outline[(i + 1) % n].y - outline[(i + 1) % n].x * outline[i].y).sum();
-    let width = twice.abs() / 2.0 / length(centre);
+    let width = twice.abs() / 2.0 / length(center);
     (n >= 3 && (2.0 * HALF_WIDTH_M.start()..=2.0 * HALF_WIDTH_M.end()).contains(&width)).then_some(width)
 }

@@ -1,4 +1,4 @@
-//! From the Earth to a flat local frame: WGS 84 earth-centred coordinates to east, north, up around an origin.
+//! From the Earth to a flat local frame: WGS 84 earth-centered coordinates to east, north, up around an origin.
 
 /// Semi-major axis of the WGS 84 ellipsoid, m (NGA.STND.0036).
 const A: f64 = 6_378_137.0;
@@ -13,7 +13,7 @@ pub struct LocalFrame {
 }
 
 impl LocalFrame {
-    /// The frame at an earth-centred, earth-fixed point (m).
+    /// The frame at an earth-centered, earth-fixed point (m).
     pub fn at_ecef(origin: [f64; 3]) -> Self {
         let (lat, lon) = latitude_longitude(origin);
         let ((sp, cp), (sl, cl)) = (lat.sin_cos(), lon.sin_cos());
@@ -21,18 +21,18 @@ impl LocalFrame {
         Self { origin, rows }
     }
 
-    /// An earth-centred point in this frame.
+    /// An earth-centered point in this frame.
     pub fn point(&self, ecef: [f64; 3]) -> [f64; 3] {
         self.direction(std::array::from_fn(|i| ecef[i] - self.origin[i]))
     }
 
-    /// An earth-centred direction or velocity in this frame.
+    /// An earth-centered direction or velocity in this frame.
     pub fn direction(&self, v: [f64; 3]) -> [f64; 3] {
         self.rows.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2])
     }
 }
 
-/// Geodetic latitude and longitude, rad, of an earth-centred point: fixed-point iteration on the latitude, which
+/// Geodetic latitude and longitude, rad, of an earth-centered point: fixed-point iteration on the latitude, which
 /// near the surface gains more than two digits a round.
 fn latitude_longitude(p: [f64; 3]) -> (f64, f64) {
     let r = p[0].hypot(p[1]);

@@ -5,7 +5,7 @@ use geo::{Coord, LineString, Polygon};
 use whyroad_model::road_map::Point3;
 
 /// Spacing of the points of a center line that is made from edges, m.
-pub const CENTRE_SPACING_M: f64 = 1.0;
+pub const CENTER_SPACING_M: f64 = 1.0;
 
 /// Distance in the ground plane, m.
 pub fn distance(a: Point3, b: Point3) -> f64 {
@@ -47,9 +47,9 @@ pub fn resample(line: &[Point3], count: usize) -> Vec<Point3> {
 }
 
 /// The line half way between a lane's edges: both are resampled at equal shares of their own length.
-pub fn centre_line(left: &[Point3], right: &[Point3]) -> Vec<Point3> {
+pub fn center_line(left: &[Point3], right: &[Point3]) -> Vec<Point3> {
     let longer = length(left).max(length(right));
-    let count = ((longer / CENTRE_SPACING_M).ceil().min(1999.0) as usize + 1).max(2);
+    let count = ((longer / CENTER_SPACING_M).ceil().min(1999.0) as usize + 1).max(2);
     resample(left, count).into_iter().zip(resample(right, count)).map(|(l, r)| mix(l, r, 0.5)).collect()
 }
 
@@ -177,9 +177,9 @@ mod tests {
     }
 
     #[test]
-    fn centre_of_a_straight_lane_is_half_way_whatever_the_corners() {
+    fn center_of_a_straight_lane_is_half_way_whatever_the_corners() {
         // Left edge at y = 4 with a needless corner near its start, right edge at y = 0: the center is y = 2.
-        let c = centre_line(&line(&[(0.0, 4.0), (0.5, 4.0), (10.0, 4.0)]), &line(&[(0.0, 0.0), (10.0, 0.0)]));
+        let c = center_line(&line(&[(0.0, 4.0), (0.5, 4.0), (10.0, 4.0)]), &line(&[(0.0, 0.0), (10.0, 0.0)]));
         assert_eq!(c.len(), 11);
         for (i, p) in c.iter().enumerate() {
             assert!((p.x - i as f64).abs() < 1e-12 && (p.y - 2.0).abs() < 1e-12, "{p:?}");
@@ -197,11 +197,11 @@ mod tests {
     }
 
     #[test]
-    fn edges_of_impossible_length_have_a_centre_line_of_bounded_size() {
+    fn edges_of_impossible_length_have_a_center_line_of_bounded_size() {
         // Found by the fuzz target `av2-map`.
         for far in [1e300, f64::INFINITY, f64::NAN] {
-            let centre = centre_line(&line(&[(0.0, 0.0), (far, 0.0)]), &line(&[(0.0, 2.0), (far, 2.0)]));
-            assert!((2..=2000).contains(&centre.len()), "{far}: {}", centre.len());
+            let center = center_line(&line(&[(0.0, 0.0), (far, 0.0)]), &line(&[(0.0, 2.0), (far, 2.0)]));
+            assert!((2..=2000).contains(&center.len()), "{far}: {}", center.len());
         }
     }
 

@@ -14,7 +14,7 @@ fn area(lane: &Lane) -> Vec<Point3> {
         return between(&lane.left, &lane.right);
     }
     let half = lane.width_m.map_or(NOMINAL_HALF_WIDTH_M, |w| w / 2.0);
-    between(&beside(&lane.centre, half), &beside(&lane.centre, -half))
+    between(&beside(&lane.center, half), &beside(&lane.center, -half))
 }
 
 /// Junction areas, and on each lane the junction that it belongs to or leads into.
@@ -24,8 +24,8 @@ pub(crate) fn add(map: &mut RoadMap) {
     let outlines = union_outlines(&shapes);
     let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for &i in &inside {
-        let centre = &map.lanes[i].centre;
-        let middle = centre[centre.len() / 2];
+        let center = &map.lanes[i].center;
+        let middle = center[center.len() / 2];
         // A lane whose edges cross can have its middle outside; it then goes to the nearest outline.
         let home = outlines.iter().position(|o| contains(o, middle)).or_else(|| {
             let reach = |o: &[Point3]| o.iter().map(|p| distance(*p, middle)).fold(f64::INFINITY, f64::min);

@@ -43,7 +43,7 @@ fn has_any(map: &RoadMap, layer: MapLayer) -> bool {
         MapLayer::Marks => lane(|l| l.left_mark != LaneMark::Unknown || l.right_mark != LaneMark::Unknown),
         // A constant height is a placeholder.
         MapLayer::Heights => {
-            let mut heights = map.lanes.iter().flat_map(|l| &l.centre).map(|p| p.z).filter(|z| !z.is_nan());
+            let mut heights = map.lanes.iter().flat_map(|l| &l.center).map(|p| p.z).filter(|z| !z.is_nan());
             heights.next().is_some_and(|first| heights.any(|z| z != first))
         }
         MapLayer::Ramps => {
@@ -67,7 +67,7 @@ pub(crate) fn derive_absent(map: &mut RoadMap) {
         map.layers.insert(MapLayer::Junctions, LayerState::Derived);
     }
     for lane in map.lanes.iter_mut().filter(|l| l.in_junction && l.turn.is_none() && rolls(l)) {
-        lane.turn = turn(&lane.centre);
+        lane.turn = turn(&lane.center);
     }
 }
 
@@ -93,7 +93,7 @@ fn connect(map: &mut RoadMap) -> bool {
         .lanes
         .iter()
         .map(|l| {
-            let c = &l.centre;
+            let c = &l.center;
             rolls(l).then(|| Some((*c.first()?, heading(c, false)?, *c.last()?, heading(c, true)?)))?
         })
         .collect();
@@ -161,7 +161,7 @@ fn mark_junctions(map: &mut RoadMap) {
         .iter()
         .map(|l| {
             let fold = |of: fn(&Point3) -> f64, with: fn(f64, f64) -> f64| {
-                l.centre.iter().map(of).fold(f64::NAN, with)
+                l.center.iter().map(of).fold(f64::NAN, with)
             };
             [
                 fold(|p| p.x, f64::min),
@@ -171,7 +171,7 @@ fn mark_junctions(map: &mut RoadMap) {
             ]
         })
         .collect();
-    let length = |l: &Lane| l.centre.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>();
+    let length = |l: &Lane| l.center.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>();
     let may: Vec<bool> = map.lanes.iter().map(|l| rolls(l) && length(l) <= CROSSING_LANE_M).collect();
     let mut inside = vec![false; n];
     for i in (0..n).filter(|&i| may[i]) {
@@ -187,7 +187,7 @@ fn mark_junctions(map: &mut RoadMap) {
             if apart || meet || in_line || (inside[i] && inside[j]) {
                 continue;
             }
-            if crossing(&one.centre, &other.centre).is_some_and(|angle| angle > CROSSING_RAD) {
+            if crossing(&one.center, &other.center).is_some_and(|angle| angle > CROSSING_RAD) {
                 (inside[i], inside[j]) = (true, true);
             }
         }
@@ -210,8 +210,8 @@ fn mark_junctions(map: &mut RoadMap) {
 }
 
 /// The turn that a lane makes, by the heading integrated along it.
-pub(crate) fn turn(centre: &[Point3]) -> Option<TurnKind> {
-    let headings: Vec<f64> = centre
+pub(crate) fn turn(center: &[Point3]) -> Option<TurnKind> {
+    let headings: Vec<f64> = center
         .windows(2)
         .filter(|w| distance(w[0], w[1]) > 1e-3)
         .map(|w| (w[1].y - w[0].y).atan2(w[1].x - w[0].x))
@@ -233,8 +233,8 @@ mod tests {
     use super::*;
 
     fn line(id: &str, points: &[(f64, f64)]) -> Lane {
-        let centre = points.iter().map(|&(x, y)| Point3 { x, y, z: 0.0 }).collect();
-        Lane { id: id.into(), centre, ..Lane::default() }
+        let center = points.iter().map(|&(x, y)| Point3 { x, y, z: 0.0 }).collect();
+        Lane { id: id.into(), center, ..Lane::default() }
     }
 
     /// Two roads that cross, each with one lane, and a right turn from one into the other; no links.
@@ -282,7 +282,7 @@ mod tests {
     fn lanes_that_do_not_join_stay_unconnected() {
         let mut map = crossroads();
         // Every lane is cut 3 m short: where one ends, none begins.
-        map.lanes.iter_mut().for_each(|l| l.centre[0].x += 3.0);
+        map.lanes.iter_mut().for_each(|l| l.center[0].x += 3.0);
         declare(&mut map, &[]);
         derive_absent(&mut map);
         assert_eq!(map.layer(MapLayer::Connections), LayerState::Absent);

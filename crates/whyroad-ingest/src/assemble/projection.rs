@@ -89,7 +89,7 @@ fn utm(lat: f64, lon: f64, meridian: f64) -> [f64; 2] {
     [FALSE_EASTING_M + K0 * radius * x, K0 * radius * y]
 }
 
-/// The point on the ellipsoid, earth-centred, m.
+/// The point on the ellipsoid, earth-centered, m.
 fn ecef(lat: f64, lon: f64) -> [f64; 3] {
     let e2 = F * (2.0 - F);
     let ((sp, cp), (sl, cl)) = (lat.to_radians().sin_cos(), lon.to_radians().sin_cos());

@@ -40,12 +40,12 @@ pub(crate) fn add(map: &mut RoadMap) {
 fn rings(lanes: &[Lane]) -> Vec<Facility> {
     let index: BTreeMap<&str, usize> = lanes.iter().enumerate().map(|(i, l)| (l.id.as_str(), i)).collect();
     let rolls =
-        |i: usize| matches!(lanes[i].kind, LaneKind::Vehicle | LaneKind::Bus) && lanes[i].centre.len() > 1;
+        |i: usize| matches!(lanes[i].kind, LaneKind::Vehicle | LaneKind::Bus) && lanes[i].center.len() > 1;
     let next = |i: usize| {
         lanes[i].successors.iter().filter_map(|id| index.get(id.as_str()).copied()).filter(|&j| rolls(j))
     };
     let length: Vec<f64> =
-        lanes.iter().map(|l| l.centre.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>()).collect();
+        lanes.iter().map(|l| l.center.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>()).collect();
     let mut found: Vec<(f64, BTreeSet<usize>, Facility)> = Vec::new();
     for start in (0..lanes.len()).filter(|&i| rolls(i)) {
         if found.iter().any(|(_, ring, _)| ring.contains(&start)) {
@@ -58,7 +58,7 @@ fn rings(lanes: &[Lane]) -> Vec<Facility> {
             before.filter(|p| !members.contains(p)).count()
         };
         let arms: usize = ring.iter().map(|&i| enters(i)).sum();
-        let line: Vec<Point3> = ring.iter().flat_map(|&i| lanes[i].centre.iter().copied()).collect();
+        let line: Vec<Point3> = ring.iter().flat_map(|&i| lanes[i].center.iter().copied()).collect();
         let Some(turned) = circle(&line) else { continue };
         if arms < ARMS {
             continue;
@@ -69,7 +69,7 @@ fn rings(lanes: &[Lane]) -> Vec<Facility> {
             .iter()
             .flat_map(|&i| {
                 let edge = outside(&lanes[i]);
-                if edge.is_empty() { lanes[i].centre.clone() } else { edge }
+                if edge.is_empty() { lanes[i].center.clone() } else { edge }
             })
             .collect();
         boundary.extend(boundary.first().copied());
@@ -194,7 +194,7 @@ mod tests {
         let ids = |list: &[&str]| list.iter().map(|s| (*s).to_owned()).collect();
         Lane {
             id: id.into(),
-            centre: points.into_iter().map(|(x, y)| Point3 { x, y, z: 0.0 }).collect(),
+            center: points.into_iter().map(|(x, y)| Point3 { x, y, z: 0.0 }).collect(),
             predecessors: ids(from),
             successors: ids(to),
             ..Lane::default()

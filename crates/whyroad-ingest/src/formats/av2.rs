@@ -302,15 +302,15 @@ fn drop_uncovered(rows: &mut Annotations, posed: &BTreeMap<i64, Se3>, dir: &Path
 fn ego(posed: &[Se3], shape: EgoBox) -> Ego {
     let mut motion = Motion::unknown(posed.len());
     for (i, pose) in posed.iter().enumerate() {
-        let centre = pose.apply(shape.centre);
-        (motion.x[i], motion.y[i], motion.z[i]) = (centre[0], centre[1], centre[2]);
+        let center = pose.apply(shape.center);
+        (motion.x[i], motion.y[i], motion.z[i]) = (center[0], center[1], center[2]);
         motion.heading[i] = se3::heading(pose.q);
     }
     Ego {
         length_m: shape.length_m,
         width_m: shape.width_m,
         height_m: shape.height_m,
-        reference_to_centre_m: shape.centre[0],
+        reference_to_centre_m: shape.center[0],
         motion,
         ..Ego::default()
     }

@@ -12,7 +12,7 @@ use super::av2::ego_box::FORD_FUSION;
 use super::av2::map_file::read_map;
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
 use crate::assemble::frames::Sampled;
-use crate::assemble::geometry::{centre_line, distance};
+use crate::assemble::geometry::{center_line, distance};
 use crate::assemble::resample::MAX_GAP_S;
 use crate::encodings::columns::read_parquet;
 use crate::options::{Options, START};
@@ -106,7 +106,7 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
     }
     let (mut road, map_file) = read_map(dir, &mut hash, report);
     if let Some(map) = &mut road {
-        lift_centre_lines(map);
+        lift_center_lines(map);
     }
 
     let mut missing = vec![Need::ObjectSizes];
@@ -160,10 +160,10 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
 
 /// These maps write their center lines at height 0 though the edges have heights: they get the height half way between
 /// the edges.
-fn lift_centre_lines(map: &mut RoadMap) {
-    for lane in map.lanes.iter_mut().filter(|l| l.centre.iter().all(|p| p.z == 0.0)) {
-        let between = centre_line(&lane.left, &lane.right);
-        for p in &mut lane.centre {
+fn lift_center_lines(map: &mut RoadMap) {
+    for lane in map.lanes.iter_mut().filter(|l| l.center.iter().all(|p| p.z == 0.0)) {
+        let between = center_line(&lane.left, &lane.right);
+        for p in &mut lane.center {
             let nearest = between.iter().min_by(|a, b| distance(**a, *p).total_cmp(&distance(**b, *p)));
             p.z = nearest.map_or(f64::NAN, |q| q.z);
         }

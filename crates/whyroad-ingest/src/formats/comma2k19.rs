@@ -188,7 +188,7 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
             length_m: motion::EGO_LENGTH_M,
             width_m: motion::EGO_WIDTH_M,
             height_m: motion::EGO_HEIGHT_M,
-            reference_to_centre_m: motion::CAMERA_TO_CENTRE_M,
+            reference_to_centre_m: motion::CAMERA_TO_CENTER_M,
             motion,
             bus,
             known_at: crate::assemble::resample::lags(&recording.pose.times, &frames),

@@ -339,8 +339,8 @@ fn ego(poses: &[EgoRow], times: &[f64], frames: &[f64], mapping: &Mapping) -> Eg
     for (row, &time) in poses.iter().zip(times) {
         // The velocity is that of the pose's point: away from it the middle of the car swings sideways in turns, but
         // goes as fast along the heading.
-        let at_centre = row.velocity.filter(|_| reference == 0.0);
-        let velocity = at_centre.map_or([f64::NAN; 2], |[ahead, left]| {
+        let at_center = row.velocity.filter(|_| reference == 0.0);
+        let velocity = at_center.map_or([f64::NAN; 2], |[ahead, left]| {
             let v = se3::rotate(row.pose.q, [ahead, left, 0.0]);
             [v[0], v[1]]
         });

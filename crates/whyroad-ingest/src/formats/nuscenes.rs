@@ -40,7 +40,7 @@ const MAX_VELOCITY_SPAN_S: f64 = 1.5;
 /// The recording cars are Renault Zoe: 4.084 x 1.730 x 1.562 m (maker's data sheet). The pose is the rear axle's; the
 /// overhang behind it is 0.657 m, so that the middle of the car is 1.385 m ahead of it.
 const EGO_SIZE_M: [f64; 3] = [4.084, 1.730, 1.562];
-const AXLE_TO_CENTRE_M: f64 = 1.385;
+const AXLE_TO_CENTER_M: f64 = 1.385;
 
 /// nuScenes scenes.
 pub struct NuScenes;
@@ -231,11 +231,11 @@ fn ego_motion(t: &SceneTables, frames: &[f64], zero: i64, report: &mut SourceRep
         match se3::unit(p.rotation).filter(|_| finite) {
             Some(q) => {
                 let pose = Se3 { q, t: p.translation };
-                let centre = pose.apply([AXLE_TO_CENTRE_M, 0.0, EGO_SIZE_M[2] / 2.0]);
+                let center = pose.apply([AXLE_TO_CENTER_M, 0.0, EGO_SIZE_M[2] / 2.0]);
                 count.keep("pose", 1);
                 sampled.push(Sample {
                     time: p.timestamp.saturating_sub(zero) as f64 / 1e6,
-                    position: centre,
+                    position: center,
                     heading: se3::heading(q),
                     velocity: [f64::NAN; 2],
                     size: EGO_SIZE_M,
@@ -255,7 +255,7 @@ fn ego(motion: Motion, bus: EgoBus) -> Ego {
         length_m,
         width_m,
         height_m,
-        reference_to_centre_m: AXLE_TO_CENTRE_M,
+        reference_to_centre_m: AXLE_TO_CENTER_M,
         motion,
         bus,
         ..Ego::default()

@@ -145,13 +145,13 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
     }
 
     let shape = read_dimensions(tree, clip, &mut hash, report);
-    let centre = shape.map_or([0.0; 3], |s| [s.axle_to_centre_m, 0.0, s.height_m / 2.0]);
-    let (motion, velocities_agree) = poses.motion(&frames_us, centre);
+    let center = shape.map_or([0.0; 3], |s| [s.axle_to_center_m, 0.0, s.height_m / 2.0]);
+    let (motion, velocities_agree) = poses.motion(&frames_us, center);
     if !velocities_agree {
         report.diagnostics.push(findings::velocity(&label));
     }
     let frames: Vec<f64> = frames_us.iter().map(|&us| seconds(us)).collect();
-    let tracks = read_obstacles(tree, clip, &poses, centre, &mut hash, report)
+    let tracks = read_obstacles(tree, clip, &poses, center, &mut hash, report)
         .map(|obstacles| tracks(obstacles, &frames, &label, report));
     let media = camera::frames(tree, clip, start, &mut hash, report);
     let collection = tree.collection(clip);
@@ -189,7 +189,7 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
             length_m: shape.map_or(f64::NAN, |s| s.length_m),
             width_m: shape.map_or(f64::NAN, |s| s.width_m),
             height_m: shape.map_or(f64::NAN, |s| s.height_m),
-            reference_to_centre_m: centre[0],
+            reference_to_centre_m: center[0],
             motion,
             known_at: poses.lags(&frames_us),
             ..Ego::default()
@@ -246,7 +246,7 @@ struct Dimensions {
     length_m: f64,
     width_m: f64,
     height_m: f64,
-    axle_to_centre_m: f64,
+    axle_to_center_m: f64,
 }
 
 /// The vehicle's dimensions; `None`, reported, when they are unknown or no sizes.
@@ -270,8 +270,8 @@ fn read_dimensions(
     let reason = match values {
         Ok(Some(v)) if plausible(&v) => {
             v.iter().for_each(|value| hash.add(DIMENSIONS, &value.to_le_bytes()));
-            let [length_m, width_m, height_m, axle_to_centre_m] = v;
-            return Some(Dimensions { length_m, width_m, height_m, axle_to_centre_m });
+            let [length_m, width_m, height_m, axle_to_center_m] = v;
+            return Some(Dimensions { length_m, width_m, height_m, axle_to_center_m });
         }
         Ok(Some(v)) => Some(format!("{v:?}")),
         Ok(None) => None,
@@ -286,7 +286,7 @@ fn read_obstacles(
     tree: &mut Tree,
     clip: &Clip,
     poses: &PoseTrack,
-    centre: [f64; 3],
+    center: [f64; 3],
     hash: &mut ContentHash,
     report: &mut SourceReport,
 ) -> Option<Obstacles> {
@@ -297,7 +297,7 @@ fn read_obstacles(
         let read = member.content.and_then(|content| {
             let Some(content) = content else { return Ok(None) };
             hash.add(OBSTACLES, &content);
-            obstacles::read(&read_parquet_bytes(content)?, poses, centre).map(Some)
+            obstacles::read(&read_parquet_bytes(content)?, poses, center).map(Some)
         });
         match read {
             Ok(Some(obstacles)) => {

@@ -249,8 +249,8 @@ fn lights(
         let states = light.get("state").and_then(|s| s.get("object_state")).and_then(|v| v.texts());
         let (Some(lane), Some(states)) = (lane, states) else { continue };
         let steps = times.iter().zip(states);
-        let colours = steps.map(|(&t, name)| (start(t), name.as_deref().and_then(lane_lights::colour)));
-        by_lane.entry(lane.clone()).or_insert_with(|| lane_lights::changes(&lane, colours));
+        let colors = steps.map(|(&t, name)| (start(t), name.as_deref().and_then(lane_lights::color)));
+        by_lane.entry(lane.clone()).or_insert_with(|| lane_lights::changes(&lane, colors));
         // One point for all steps; a point for each step where the scenario was made by a simulator.
         let point = light.get("stop_point").and_then(|v| v.rows());
         let xyz = point.and_then(|rows| match rows.as_slice() {

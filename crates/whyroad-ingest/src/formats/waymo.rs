@@ -23,7 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::road_map::Point3;
-use whyroad_model::scene::{DriveMeta, Ego, LightColour, LightState};
+use whyroad_model::scene::{DriveMeta, Ego, LightColor, LightState};
 use whyroad_model::{Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
@@ -245,7 +245,7 @@ fn objects(
 }
 
 /// `TrafficSignalLaneState.State` by number.
-fn colour(state: i64) -> Option<LightColour> {
+fn color(state: i64) -> Option<LightColor> {
     const NAMES: [&str; 9] = [
         "UNKNOWN",
         "ARROW_STOP",
@@ -257,16 +257,16 @@ fn colour(state: i64) -> Option<LightColour> {
         "FLASHING_STOP",
         "FLASHING_CAUTION",
     ];
-    NAMES.get(usize::try_from(state).ok()?).and_then(|name| lane_lights::colour(name))
+    NAMES.get(usize::try_from(state).ok()?).and_then(|name| lane_lights::color(name))
 }
 
 /// States of the lights by lane, and where lanes stop for them.
 fn lights(s: &Scenario, time: impl Fn(f64) -> Nanos) -> (Option<Vec<LightState>>, BTreeMap<String, Point3>) {
-    let mut by_lane: BTreeMap<&str, BTreeMap<usize, Option<LightColour>>> = BTreeMap::new();
+    let mut by_lane: BTreeMap<&str, BTreeMap<usize, Option<LightColor>>> = BTreeMap::new();
     let mut stops = BTreeMap::new();
     for (step, states) in s.lights.iter().enumerate().take(s.times.len()) {
         for state in states {
-            by_lane.entry(&state.lane).or_default().insert(step, colour(state.state));
+            by_lane.entry(&state.lane).or_default().insert(step, color(state.state));
             let point = state.stop_point.filter(|p| p.x.is_finite() && p.y.is_finite() && p.z.is_finite());
             stops.extend(point.map(|p| (state.lane.clone(), p)));
         }

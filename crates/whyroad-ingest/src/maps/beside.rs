@@ -64,7 +64,7 @@ fn lights(drive: &mut Drive, map: &RoadMap, file: &str) -> Option<whyroad_model:
 
 /// Most vehicles lie off the road: the log is in another frame, or its map is.
 fn vehicles_off(drive: &Drive, map: &RoadMap, file: &str) -> Option<whyroad_model::Diagnostic> {
-    let road = Cells::of(map.lanes.iter().map(|l| l.centre.as_slice()), ON_MAP_M);
+    let road = Cells::of(map.lanes.iter().map(|l| l.center.as_slice()), ON_MAP_M);
     let places = drive.tracks.iter().filter(|t| t.class.is_vehicle()).filter_map(|t| {
         let row = (0..t.motion.len()).find(|&i| t.motion.x[i].is_finite() && t.motion.y[i].is_finite())?;
         Some((t.motion.x[row], t.motion.y[row]))
@@ -149,7 +149,7 @@ impl Surroundings {
         }
         let areas = |all: &[Area]| keep(all, |a| self.touches(&a.boundary));
         RoadMap {
-            lanes: keep(&map.lanes, |l| self.touches(&l.centre)),
+            lanes: keep(&map.lanes, |l| self.touches(&l.center)),
             crosswalks: areas(&map.crosswalks),
             junctions: areas(&map.junctions),
             drivable_areas: areas(&map.drivable_areas),

@@ -170,8 +170,8 @@ fn a_lead_at_a_constant_distance_has_the_egos_speed_and_not_zero() {
     assert!(a.interior_points.iter().all(|p| p.is_nan()), "no such column: unknown, not 0");
     let map = drive.map.unwrap();
     assert_eq!(map.lane("2").unwrap().predecessors, ["1"], "completed from lane 1's successors");
-    let centre = &map.lane("1").unwrap().centre;
-    assert!(centre.iter().all(|p| (p.x - 100.0).abs() < 1e-9) && centre.len() == 101);
+    let center = &map.lane("1").unwrap().center;
+    assert!(center.iter().all(|p| (p.x - 100.0).abs() < 1e-9) && center.len() == 101);
 }
 
 #[test]
@@ -328,13 +328,13 @@ fn poses_may_be_disordered_doubled_or_end_early() {
 #[test]
 fn an_ego_row_is_the_ego_and_not_a_track() {
     let ego = |f: i64, x: f64| Row { category: "EGO_VEHICLE", size: [5.0, 2.1, 1.6], ..row(f, "ego", x) };
-    for (x, centre, note) in [(0.0, 1.339, true), (1.5, 1.5, false)] {
+    for (x, center, note) in [(0.0, 1.339, true), (1.5, 1.5, false)] {
         let rows: Vec<Row> = following(5).into_iter().chain((0..5).map(|f| ego(f, x))).collect();
         let (drive, report) = Log::new(&[annotations(&rows)]).with_poses(&steady_poses(5)).read();
         let drive = drive.unwrap();
         assert_eq!(drive.tracks.len(), 1);
         let e = drive.ego.unwrap();
-        assert_eq!((e.length_m, e.width_m, e.height_m, e.reference_to_centre_m), (5.0, 2.1, 1.6, centre));
+        assert_eq!((e.length_m, e.width_m, e.height_m, e.reference_to_centre_m), (5.0, 2.1, 1.6, center));
         assert_eq!(codes(&report).contains(&"av2.ego.box_at_axle"), note);
     }
 }

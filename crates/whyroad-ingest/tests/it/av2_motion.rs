@@ -128,7 +128,7 @@ fn velocities_lead_from_the_first_position_to_the_last() {
 }
 
 #[test]
-fn the_map_keeps_its_own_centre_lines() {
+fn the_map_keeps_its_own_center_lines() {
     let Some((drive, report)) = read() else { return };
     let map = drive.map.unwrap();
     // json: 71 lane segments, 32 of them in intersections, 6 crossings, 2 drivable areas.
@@ -138,11 +138,11 @@ fn the_map_keeps_its_own_centre_lines() {
         (71, 32, 6, 2)
     );
     let lane = map.lane("205119120").unwrap();
-    assert_eq!(lane.centre.len(), 18);
-    assert_eq!((lane.centre[0].x, lane.centre[0].y), (-438.53, 1317.34));
-    assert_eq!((lane.centre[17].x, lane.centre[17].y), (-435.94, 1350.0));
+    assert_eq!(lane.center.len(), 18);
+    assert_eq!((lane.center[0].x, lane.center[0].y), (-438.53, 1317.34));
+    assert_eq!((lane.center[17].x, lane.center[17].y), (-435.94, 1350.0));
     // The file's center lines have no height; ours have the edges'.
-    assert!(near(lane.centre[0].z, (lane.left[0].z + lane.right[0].z) / 2.0, 0.2), "{:?}", lane.centre[0]);
+    assert!(near(lane.center[0].z, (lane.left[0].z + lane.right[0].z) / 2.0, 0.2), "{:?}", lane.center[0]);
     assert!(!report.diagnostics.iter().any(|d| d.severity == Severity::Error), "{:?}", report.diagnostics);
 }
 

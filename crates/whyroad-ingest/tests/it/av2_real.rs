@@ -85,7 +85,7 @@ fn ego_speed_is_that_of_the_raw_poses() {
 #[test]
 fn ego_pose_is_the_middle_of_the_car() {
     // Frame 100: R (1.339, 0, 0.438) + t, and the yaw of R.
-    for (prefix, centre, yaw) in [
+    for (prefix, center, yaw) in [
         ("7fab2350", [5224.8241, 2384.7275, 69.5608], -0.57638),
         ("3bffdcff", [5077.1132, 2480.2982, 63.4232], -0.33555),
         ("adcf7d18", [1483.9710, 217.1196, 13.4663], 0.35154),
@@ -93,7 +93,7 @@ fn ego_pose_is_the_middle_of_the_car() {
         let Some((drive, _)) = read(prefix) else { return };
         let m = drive.ego.unwrap().motion;
         let got = [m.x[100], m.y[100], m.z[100]];
-        assert!(got.iter().zip(centre).all(|(a, b)| near(*a, b, 1e-3)), "{prefix}: {got:?}");
+        assert!(got.iter().zip(center).all(|(a, b)| near(*a, b, 1e-3)), "{prefix}: {got:?}");
         assert!(near(m.heading[100], yaw, 1e-4), "{prefix}: {}", m.heading[100]);
     }
 }
@@ -167,7 +167,7 @@ fn the_map_is_whole_and_its_links_agree() {
     for l in &map.lanes {
         for next in l.successors.iter().filter_map(|s| map.lane(s)) {
             assert!(next.predecessors.contains(&l.id), "{} -> {}", l.id, next.id);
-            let (a, b) = (l.centre.last().unwrap(), next.centre[0]);
+            let (a, b) = (l.center.last().unwrap(), next.center[0]);
             assert!(
                 (a.x - b.x).hypot(a.y - b.y) < 1.0,
                 "lane {} does not end where {} begins",

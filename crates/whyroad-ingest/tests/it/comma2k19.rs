@@ -201,10 +201,10 @@ fn the_lead_that_the_radar_sees_closes_as_its_relative_speed_says() {
         .collect();
     let n = ahead.len();
     assert!(n > 500 && t.frames.windows(2).all(|w| w[1] == w[0] + 1));
-    let travelled: f64 = relative.windows(2).map(|w| (w[0] + w[1]) / 2.0 * 0.1).sum();
+    let traveled: f64 = relative.windows(2).map(|w| (w[0] + w[1]) / 2.0 * 0.1).sum();
     assert!(
-        near(ahead[n - 1] - ahead[0] - travelled, -1.71, 0.1),
-        "{} against {travelled}",
+        near(ahead[n - 1] - ahead[0] - traveled, -1.71, 0.1),
+        "{} against {traveled}",
         ahead[n - 1] - ahead[0]
     );
 }

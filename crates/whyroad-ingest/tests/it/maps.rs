@@ -44,7 +44,7 @@ fn pairs<'m>(net: &'m RoadMap, xodr: &'m RoadMap) -> Vec<(&'m Lane, &'m Lane)> {
     outside(net)
         .map(|a| {
             let reach = |b: &&Lane| {
-                apart(a.centre.first(), b.centre.first()).max(apart(a.centre.last(), b.centre.last()))
+                apart(a.center.first(), b.center.first()).max(apart(a.center.last(), b.center.last()))
             };
             let near: Vec<&&Lane> = of_xodr.iter().filter(|b| reach(b) < 0.25).collect();
             assert_eq!(near.len(), 1, "{}", a.id);
@@ -65,11 +65,11 @@ fn the_same_network_as_sumo_and_as_opendrive() {
         assert!((a.width_m.unwrap() - b.width_m.unwrap()).abs() < 0.01, "{}", a.id);
         assert!((a.speed_limit_mps.unwrap() - b.speed_limit_mps.unwrap()).abs() < 0.01, "{}", a.id);
         let other = |id: &Option<String>| id.as_deref().map(|id| name[id].to_owned());
-        assert_eq!(other(&a.right_neighbour), b.right_neighbour, "{}", a.id);
+        assert_eq!(other(&a.right_neighbor), b.right_neighbor, "{}", a.id);
         // One lies on the other: half way between two corners, and at the corners but for their rounding, which
         // netconvert does for OpenDRIVE.
-        let off = |p: Point3| b.centre.windows(2).map(|w| to_segment(w[0], w[1], p)).fold(f64::MAX, f64::min);
-        for w in a.centre.windows(2) {
+        let off = |p: Point3| b.center.windows(2).map(|w| to_segment(w[0], w[1], p)).fold(f64::MAX, f64::min);
+        for w in a.center.windows(2) {
             let middle = Point3 { x: (w[0].x + w[1].x) / 2.0, y: (w[0].y + w[1].y) / 2.0, z: 0.0 };
             assert!(off(middle) < 0.05, "{}: {}", a.id, off(middle));
             assert!(off(w[1]) < 0.7, "{}: {}", a.id, off(w[1]));
@@ -125,7 +125,7 @@ fn to_segment(a: Point3, b: Point3, p: Point3) -> f64 {
 }
 
 #[test]
-fn a_lanelet2_map_in_its_own_metres_and_in_degrees() {
+fn a_lanelet2_map_in_its_own_meters_and_in_degrees() {
     // Drawn on the approach from the west of the same town (`street.osm`): lanes at y = 98.4 and 95.2.
     let of_a = || Options::default().with(&sumo::EGO, "a").with(&MAP, fixture("street.osm"));
     let (drive, report) = read(&of_a());
@@ -135,9 +135,9 @@ fn a_lanelet2_map_in_its_own_metres_and_in_degrees() {
     let ids: Vec<&str> = map.lanes.iter().map(|l| l.id.as_str()).collect();
     assert_eq!(ids, ["2001", "2002", "2003", "2004"]);
     let (left, right) = (map.lane("2001").unwrap(), map.lane("2002").unwrap());
-    assert!((left.centre[0].y - 98.4).abs() < 1e-9 && (right.centre[0].y - 95.2).abs() < 1e-9);
+    assert!((left.center[0].y - 98.4).abs() < 1e-9 && (right.center[0].y - 95.2).abs() < 1e-9);
     assert_eq!(
-        (right.left_neighbour.as_deref(), &left.successors[..]),
+        (right.left_neighbor.as_deref(), &left.successors[..]),
         (Some("2001"), &["2003".to_owned()][..])
     );
     assert!((left.speed_limit_mps.unwrap() - 50.0 / 3.6).abs() < 1e-9);

@@ -134,9 +134,9 @@ fn lanes_come_from_their_arc_lines_and_far_ones_stay_away() {
     assert!(near(lane.width_m.unwrap(), 3.6) && lane.successors == ["turn-b"]);
     let turn = map.lane("turn-b").unwrap();
     // Ends where the devkit's discretize_lane does; half way it is on the circle around (630, 1616) of 16 m.
-    let end = turn.centre[turn.centre.len() - 1];
+    let end = turn.center[turn.center.len() - 1];
     assert!(turn.in_junction && near(end.x, 646.0) && near(end.y, 1616.0), "{end:?}");
-    assert!(turn.centre.iter().all(|p| near((p.x - 630.0).hypot(p.y - 1616.0), 16.0)));
+    assert!(turn.center.iter().all(|p| near((p.x - 630.0).hypot(p.y - 1616.0), 16.0)));
     assert_eq!((map.crosswalks.len(), map.junctions.len()), (1, 1));
     let stop = &map.stop_lines[0];
     assert!(

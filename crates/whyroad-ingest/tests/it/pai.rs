@@ -51,7 +51,7 @@ fn clips_of_downloaded_chunks_are_sources() {
 }
 
 #[test]
-fn rear_axle_poses_become_the_motion_of_the_box_centre() {
+fn rear_axle_poses_become_the_motion_of_the_box_center() {
     let (drive, report) = read(&fixtures().join("tree"), 0);
     let drive = crate::estimated(drive.unwrap());
     assert_eq!(drive.meta.drive_id.as_str(), FIRST);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use whyroad_ingest::{Options, SourceReport, find_sources, scenarionet};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::road_map::LaneMark;
-use whyroad_model::scene::LightColour;
+use whyroad_model::scene::LightColor;
 use whyroad_model::{Drive, ObjectClass};
 
 const ALL: [&str; 5] = ["p2", "p3", "p4", "p5", "numpy1"];
@@ -101,7 +101,7 @@ fn a_set_localized_in_a_plane_has_no_heights() {
     let tracks = drive.tracks.iter().flat_map(|t| &t.motion.z);
     assert!(tracks.chain(&drive.ego.unwrap().motion.z).all(|z| z.is_nan()));
     let lanes = drive.map.unwrap().lanes;
-    assert!(lanes.iter().flat_map(|l| l.centre.iter().chain(&l.left)).all(|p| p.z.is_nan()));
+    assert!(lanes.iter().flat_map(|l| l.center.iter().chain(&l.left)).all(|p| p.z.is_nan()));
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn lanes_get_their_edges_from_the_lines_they_name() {
         "{lane:?}"
     );
     assert_eq!((lane.left_mark, lane.right_mark), (LaneMark::Dashed, LaneMark::Unknown));
-    assert_eq!((lane.left_neighbour.as_deref(), lane.right_neighbour.as_deref()), (Some("102"), None));
+    assert_eq!((lane.left_neighbor.as_deref(), lane.right_neighbor.as_deref()), (Some("102"), None));
     assert_eq!(lane.successors, ["101"]);
     // 30 mph.
     assert!(near(lane.speed_limit_mps.unwrap(), 13.4112));
@@ -135,12 +135,12 @@ fn lanes_get_their_edges_from_the_lines_they_name() {
 fn light_states_begin_where_they_change_and_end_unseen() {
     let (drive, _) = read("p3");
     let lights = drive.lights.unwrap();
-    let changes: Vec<_> = lights.iter().map(|l| (l.time.seconds_since(drive.times[0]), l.colour)).collect();
+    let changes: Vec<_> = lights.iter().map(|l| (l.time.seconds_since(drive.times[0]), l.color)).collect();
     let expected = [
-        (0.0, LightColour::GreenRound),
-        (1.0, LightColour::Yellow),
-        (2.0, LightColour::Red),
-        (3.1, LightColour::Unknown),
+        (0.0, LightColor::GreenRound),
+        (1.0, LightColor::Yellow),
+        (2.0, LightColor::Red),
+        (3.1, LightColor::Unknown),
     ];
     for (got, want) in changes.iter().zip(&expected) {
         assert!(near(got.0, want.0) && got.1 == want.1, "{changes:?}");

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use whyroad_ingest::{AdapterRef, Options, SourceReport, find_sources, sumo};
 use whyroad_model::road_map::{LaneKind, TurnKind};
-use whyroad_model::scene::{LightColour, TurnSignal};
+use whyroad_model::scene::{LightColor, TurnSignal};
 use whyroad_model::{Drive, Nanos, ObjectClass, Severity};
 
 fn fixtures() -> PathBuf {
@@ -48,7 +48,7 @@ fn left_hand_networks_are_mirrored() {
     let map = read(&dir).0.unwrap().map.unwrap();
     let beside = |id: &str| {
         let lane = map.lane(id).unwrap();
-        (lane.left_neighbour.clone(), lane.right_neighbour.clone())
+        (lane.left_neighbor.clone(), lane.right_neighbor.clone())
     };
     assert_eq!(beside("east_0"), (None, Some("east_1".to_owned())));
     assert_eq!(beside("east_1"), (Some("east_0".to_owned()), Some("west_1".to_owned())));
@@ -80,7 +80,7 @@ fn read(dir: &tempfile::TempDir) -> (Option<Drive>, SourceReport) {
 }
 
 #[test]
-fn bumpers_become_centres_and_degrees_from_north_radians_from_east() {
+fn bumpers_become_centers_and_degrees_from_north_radians_from_east() {
     let (drive, report) = crossroads();
     let drive = crate::estimated(drive);
     assert!(report.diagnostics.is_empty(), "{:?}", report.diagnostics);
@@ -142,11 +142,8 @@ fn the_network_becomes_a_map() {
     assert_eq!((east.kind, east.speed_limit_mps, east.in_junction), (LaneKind::Vehicle, Some(13.89), false));
     assert_eq!(east.junction_id.as_deref(), Some("J"));
     assert_eq!(lane("pj_0").kind, LaneKind::Sidewalk);
-    assert_eq!(
-        (east.right_neighbour.as_deref(), east.left_neighbour.as_deref()),
-        (Some("pj_0"), Some("jp_1"))
-    );
-    assert_eq!(lane("jp_1").left_neighbour.as_deref(), Some("pj_1"), "the opposite lane");
+    assert_eq!((east.right_neighbor.as_deref(), east.left_neighbor.as_deref()), (Some("pj_0"), Some("jp_1")));
+    assert_eq!(lane("jp_1").left_neighbor.as_deref(), Some("pj_1"), "the opposite lane");
     assert_eq!(east.successors, [":J_0_0", ":J_1_0"]);
     assert_eq!((lane(":J_0_0").turn, lane(":J_1_0").turn), (Some(TurnKind::Straight), Some(TurnKind::Left)));
     assert_eq!(lane(":J_0_0").successors, ["je_0"]);
@@ -176,17 +173,17 @@ fn light_states_are_those_of_the_links() {
     let lights = drive.unwrap().lights.unwrap();
     let got: Vec<_> = lights
         .iter()
-        .map(|l| (l.to_lane_id.as_deref().unwrap(), l.time.0 % 1_000_000_000, l.colour))
+        .map(|l| (l.to_lane_id.as_deref().unwrap(), l.time.0 % 1_000_000_000, l.color))
         .collect();
     // Link 0 straight, link 1 left; "Gr" at 0, "yr" at 0.2 s, "yr" again at 0.3 s (no change), "rg" at 0.4 s.
     assert_eq!(
         got,
         [
-            (":J_0_0", 0, LightColour::Green),
-            (":J_1_0", 0, LightColour::Red),
-            (":J_0_0", 200_000_000, LightColour::Yellow),
-            (":J_0_0", 400_000_000, LightColour::Red),
-            (":J_1_0", 400_000_000, LightColour::GreenYield),
+            (":J_0_0", 0, LightColor::Green),
+            (":J_1_0", 0, LightColor::Red),
+            (":J_0_0", 200_000_000, LightColor::Yellow),
+            (":J_0_0", 400_000_000, LightColor::Red),
+            (":J_1_0", 400_000_000, LightColor::GreenYield),
         ]
     );
 }

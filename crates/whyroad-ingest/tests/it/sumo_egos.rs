@@ -236,7 +236,7 @@ fn a_roundabout_is_a_facility_and_closed_lanes_have_their_users() {
     let lane = map.lane("ab_0").unwrap();
     assert_eq!(lane.speed_limit_mps, Some(8.33));
     // The grade: 2 m of height over 40 m.
-    assert_eq!((lane.centre[0].z, lane.centre[1].z), (1.0, 3.0));
+    assert_eq!((lane.center[0].z, lane.center[1].z), (1.0, 3.0));
 }
 
 #[test]
@@ -297,9 +297,9 @@ fn a_roundabout_reaches_to_the_give_way_lines() {
     };
     let (mut arms, mut inside) = (0, 0);
     for lane in &map.lanes {
-        let (first, last) = (&lane.centre[..2], &lane.centre[lane.centre.len() - 2..]);
+        let (first, last) = (&lane.center[..2], &lane.center[lane.center.len() - 2..]);
         if lane.id.starts_with("ring") || lane.id.starts_with(':') {
-            let midst = lane.centre.iter().skip(1).take(lane.centre.len().saturating_sub(2));
+            let midst = lane.center.iter().skip(1).take(lane.center.len().saturating_sub(2));
             assert!(midst.clone().all(|p| within(area, *p)), "{}", lane.id);
             inside += midst.count();
         } else if lane.id.starts_with('o') {

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use whyroad_ingest::{Options, SourceReport, find_sources, table};
-use whyroad_model::scene::{LightColour, TurnSignal};
+use whyroad_model::scene::{LightColor, TurnSignal};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
 use whyroad_model::{Drive, ObjectClass, Severity};
 
@@ -94,11 +94,11 @@ fn the_example_is_what_its_formulas_say() {
     );
     // The second lane has no center line: it lies half way between its edges, at y = 3.5.
     let second = map.lane("east-2").unwrap();
-    assert!(second.centre.iter().all(|p| near(p.y, 3.5, 1e-9)) && second.speed_limit_mps == Some(13.89));
+    assert!(second.center.iter().all(|p| near(p.y, 3.5, 1e-9)) && second.speed_limit_mps == Some(13.89));
     let lights = drive.lights.as_ref().unwrap();
     assert_eq!(
-        (lights.len(), lights[1].colour, lights[1].time.seconds_since(drive.times[0])),
-        (3, LightColour::Yellow, 1.5)
+        (lights.len(), lights[1].color, lights[1].time.seconds_since(drive.times[0])),
+        (3, LightColor::Yellow, 1.5)
     );
     let context = drive.context.as_ref().unwrap();
     assert_eq!((context[0].kind.as_str(), context[0].value.as_str()), ("weather", "rain"));

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use whyroad_ingest::{AdapterRef, Options, SourceReport, find_sources, waymo};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::road_map::{LaneKind, LaneMark};
-use whyroad_model::scene::LightColour;
+use whyroad_model::scene::LightColor;
 use whyroad_model::{Drive, ObjectClass};
 
 fn fixtures() -> PathBuf {
@@ -89,7 +89,7 @@ fn the_map_has_edges_marks_limits_and_what_lies_beside() {
     let lane = map.lane("100").unwrap();
     assert!(lane.left.iter().all(|p| near(p.y, 1.7)) && lane.right.iter().all(|p| near(p.y, -2.0)));
     assert_eq!((lane.left_mark, lane.right_mark), (LaneMark::DoubleSolid, LaneMark::Unknown));
-    assert_eq!((lane.left_neighbour.as_deref(), lane.successors[0].as_str()), (Some("102"), "101"));
+    assert_eq!((lane.left_neighbor.as_deref(), lane.successors[0].as_str()), (Some("102"), "101"));
     // 25 mph.
     assert!(near(lane.speed_limit_mps.unwrap(), 11.176));
     assert_eq!(map.lane("102").unwrap().kind, LaneKind::Bike);
@@ -108,11 +108,11 @@ fn the_map_has_edges_marks_limits_and_what_lies_beside() {
 fn light_states_are_those_of_the_lane() {
     let drive = read(&file(), 0).0.unwrap();
     let lights = drive.lights.as_ref().unwrap();
-    let seen: Vec<_> = lights.iter().map(|l| (l.lane_id.as_str(), l.time, l.colour)).collect();
+    let seen: Vec<_> = lights.iter().map(|l| (l.lane_id.as_str(), l.time, l.color)).collect();
     // In view from step 5, red from step 15.
     assert_eq!(
         seen,
-        [("101", drive.times[5], LightColour::GreenRound), ("101", drive.times[15], LightColour::Red)]
+        [("101", drive.times[5], LightColor::GreenRound), ("101", drive.times[15], LightColor::Red)]
     );
 }
 

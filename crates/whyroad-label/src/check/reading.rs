@@ -14,7 +14,7 @@ pub(super) struct Named {
     pub group: usize,
     /// True is left.
     pub side: Option<bool>,
-    pub colour: Option<usize>,
+    pub color: Option<usize>,
     /// What is said of it in its clause.
     pub state: Option<SaidState>,
     /// "No pedestrian": it is not there.
@@ -143,7 +143,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 out.named.push(Named {
                     group,
                     side: if lane_side.is_some() { None } else { clause.side },
-                    colour: clause.colour.take().or_else(|| colour_before(text, hit.start, words)),
+                    color: clause.color.take().or_else(|| color_before(text, hit.start, words)),
                     state: None,
                     absent,
                     supposed: clause.supposed
@@ -206,9 +206,9 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                     }
                 }
             }
-            WordRole::Colour(colour) => {
+            WordRole::Color(color) => {
                 out.words += 1;
-                clause.colour = Some(colour);
+                clause.color = Some(color);
             }
             WordRole::Hindsight => {
                 out.words += 1;
@@ -306,9 +306,9 @@ fn is_indefinite(before: &str, words: &LabelWords) -> bool {
 }
 
 /// The color right before a name in Chinese: "红卡车".
-fn colour_before(text: &str, start: usize, words: &LabelWords) -> Option<usize> {
+fn color_before(text: &str, start: usize, words: &LabelWords) -> Option<usize> {
     let c = text[..start].chars().next_back().filter(|c| !c.is_ascii())?;
-    words.colour_chars.iter().find(|(own, _)| *own == c).map(|(_, i)| *i)
+    words.color_chars.iter().find(|(own, _)| *own == c).map(|(_, i)| *i)
 }
 
 /// The word at `at`, "before" in Chinese, follows the name of somebody and is followed by a long distance.
@@ -368,7 +368,7 @@ impl Denial {
 struct Clause {
     number: usize,
     side: Option<bool>,
-    colour: Option<usize>,
+    color: Option<usize>,
     state: Option<SaidState>,
     absent: Option<Denial>,
     denied: Option<Denial>,
@@ -423,11 +423,10 @@ impl Clause {
 
     fn close(&self, out: &mut TextFacts) {
         // "A lorry, blue,": said behind it, in a clause of its own.
-        if let (Some(colour), 0) = (self.colour, self.names)
-            && let Some(n) =
-                out.named.last_mut().filter(|n| n.colour.is_none() && n.clause + 1 == self.number)
+        if let (Some(color), 0) = (self.color, self.names)
+            && let Some(n) = out.named.last_mut().filter(|n| n.color.is_none() && n.clause + 1 == self.number)
         {
-            n.colour = Some(colour);
+            n.color = Some(color);
         }
         let Some(state) = self.state else { return };
         match out.named.iter_mut().find(|n| n.clause == self.number && n.state.is_none()) {

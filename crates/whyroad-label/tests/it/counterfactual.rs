@@ -95,7 +95,7 @@ fn drive(s: &Scene) -> (Drive, SignalTable, usize) {
     let speed: Vec<f64> = (0..n).map(|f| ego.speed(f)).collect();
     let mut columns = BTreeMap::from([("ego.speed".to_owned(), Column::Number(speed))]);
     if let Some(line) = s.line {
-        // From the front of the ego, 2.3 m before its centre.
+        // From the front of the ego, 2.3 m before its center.
         let distance = ego.x.iter().map(|x| 0.1 * line - x - 2.3).collect();
         columns.insert("light.distance_to_stop_line".to_owned(), Column::Number(distance));
         let names: Arc<[String]> = vec!["red".to_owned()].into();

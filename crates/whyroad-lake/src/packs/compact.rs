@@ -5,7 +5,7 @@
 //! them, and packs that the catalog no longer names, are removed after that. A folder is removed only while it is
 //! still the one that was packed, which the pack records; a killed removal is finished by the next compaction.
 
-use super::catalogue::{Catalogue, DriveEntry};
+use super::catalog::{Catalog, DriveEntry};
 use super::member::Member;
 use super::open_pack::{OpenPack, SIGNALS};
 use super::splice::Schemas;
@@ -102,21 +102,21 @@ impl Lake {
         self.mark_packed()?;
         let _lock = lock::packing(self.dir())?;
         let mut out = Compaction { removed: self.remove_unnamed()?, ..Compaction::default() };
-        let catalogue = self.catalogue()?;
+        let catalog = self.catalog()?;
         let folders = self.remove_packed(self.folders()?)?;
-        let packs = packs_of(&catalogue);
+        let packs = packs_of(&catalog);
         let is_dirty = |pack: &str, positions: &[usize]| {
-            let drive = |at: &usize| folders.contains_key(&catalogue.entry(*at).drive_id);
+            let drive = |at: &usize| folders.contains_key(&catalog.entry(*at).drive_id);
             positions.iter().any(drive)
                 || (!options.keep_signals && self.packs_dir().join(pack).join(SIGNALS).exists())
         };
         let mut rewritten: BTreeSet<&str> =
             packs.iter().filter(|(name, at)| is_dirty(name, at)).map(|(name, _)| name.as_str()).collect();
-        let loose = folders.iter().filter(|(id, f)| f.whole || catalogue.find(id).is_some()).count();
+        let loose = folders.iter().filter(|(id, f)| f.whole || catalog.find(id).is_some()).count();
         let small: Vec<(&str, usize, u64)> = packs
             .iter()
             .map(|(name, at)| {
-                (name.as_str(), at.len(), at.iter().map(|i| catalogue.entry(*i).bytes).sum::<u64>())
+                (name.as_str(), at.len(), at.iter().map(|i| catalog.entry(*i).bytes).sum::<u64>())
             })
             .filter(|(_, n, bytes)| *n < options.pack_drives / 2 && *bytes < options.pack_bytes / 4)
             .collect();
@@ -129,21 +129,21 @@ impl Lake {
             rewritten.extend(small.iter().map(|(name, ..)| *name));
         }
         let rewritten: BTreeSet<String> = rewritten.into_iter().map(str::to_owned).collect();
-        let sources = self.sources(&catalogue, &rewritten, &folders, &BTreeSet::new())?;
+        let sources = self.sources(&catalog, &rewritten, &folders, &BTreeSet::new())?;
         if sources.is_empty() && rewritten.is_empty() {
-            out.count(&catalogue);
+            out.count(&catalog);
             self.publish_as(Intent::Compact)?;
             return Ok(out);
         }
-        let written = self.write_packs(&catalogue, sources, options, &done)?;
-        let catalogue = self.put_catalogue(&catalogue, &rewritten, written.entries, written.next_pack)?;
+        let written = self.write_packs(&catalog, sources, options, &done)?;
+        let catalog = self.put_catalog(&catalog, &rewritten, written.entries, written.next_pack)?;
         self.remove_packed(written.packed)?;
         out.removed += self.remove_unnamed()?;
         self.publish_as(Intent::Compact)?;
         out.written = written.packs;
         out.packed = loose - written.left.len();
         out.left = written.left;
-        out.count(&catalogue);
+        out.count(&catalog);
         Ok(out)
     }
 
@@ -154,20 +154,20 @@ impl Lake {
         }
         let _lock = lock::packing(self.dir())?;
         self.remove_unnamed()?;
-        let catalogue = self.catalogue()?;
+        let catalog = self.catalog()?;
         let mut rewritten = BTreeSet::new();
         for id in ids {
-            if let Some(at) = catalogue.find(id) {
-                rewritten.insert(catalogue.location(at).0.to_owned());
+            if let Some(at) = catalog.find(id) {
+                rewritten.insert(catalog.location(at).0.to_owned());
             }
         }
         if rewritten.is_empty() {
             return Ok(());
         }
-        let sources = self.sources(&catalogue, &rewritten, &BTreeMap::new(), ids)?;
+        let sources = self.sources(&catalog, &rewritten, &BTreeMap::new(), ids)?;
         let options = CompactionOptions::default();
-        let written = self.write_packs(&catalogue, sources, &options, &|_, _| ())?;
-        self.put_catalogue(&catalogue, &rewritten, written.entries, written.next_pack)?;
+        let written = self.write_packs(&catalog, sources, &options, &|_, _| ())?;
+        self.put_catalog(&catalog, &rewritten, written.entries, written.next_pack)?;
         self.remove_unnamed().map(drop)
     }
 
@@ -195,10 +195,10 @@ impl Lake {
         &self,
         folders: BTreeMap<DriveId, Folder>,
     ) -> Result<BTreeMap<DriveId, Folder>, LakeError> {
-        let catalogue = self.catalogue()?;
+        let catalog = self.catalog()?;
         let mut packed: BTreeMap<&str, Vec<(usize, &DriveId)>> = BTreeMap::new();
         for id in folders.keys() {
-            if let Some((pack, row)) = catalogue.find(id).map(|at| catalogue.location(at)) {
+            if let Some((pack, row)) = catalog.find(id).map(|at| catalog.location(at)) {
                 packed.entry(pack).or_default().push((row, id));
             }
         }
@@ -235,13 +235,13 @@ impl Lake {
     /// The drives to write, by id: those of the packs to write again, and those with a folder.
     fn sources(
         &self,
-        catalogue: &Catalogue,
+        catalog: &Catalog,
         rewritten: &BTreeSet<String>,
         folders: &BTreeMap<DriveId, Folder>,
         without: &BTreeSet<DriveId>,
     ) -> Result<Vec<Source>, LakeError> {
         let mut sources = BTreeMap::new();
-        for (name, positions) in packs_of(catalogue) {
+        for (name, positions) in packs_of(catalog) {
             if !rewritten.contains(&name) {
                 continue;
             }
@@ -249,7 +249,7 @@ impl Lake {
             self.fetch(&format!("{}/{name}", super::FOLDER))?;
             let pack = Arc::new(OpenPack::read(self.packs_dir().join(&name))?);
             for at in positions {
-                let entry = catalogue.entry(at);
+                let entry = catalog.entry(at);
                 let folder = folders.get(&entry.drive_id).cloned();
                 // What a pack has of a drive with a folder of its own is outdated.
                 if without.contains(&entry.drive_id) || folder.as_ref().is_some_and(|f| f.whole) {
@@ -271,13 +271,13 @@ impl Lake {
     /// Writes the drives into new packs.
     fn write_packs(
         &self,
-        catalogue: &Catalogue,
+        catalog: &Catalog,
         sources: Vec<Source>,
         options: &CompactionOptions,
         done: &(impl Fn(usize, usize) + Sync),
     ) -> Result<Written, LakeError> {
         let total = sources.len();
-        let (finished, next) = (AtomicUsize::new(0), Mutex::new(catalogue.next_pack));
+        let (finished, next) = (AtomicUsize::new(0), Mutex::new(catalog.next_pack));
         let one = |sources: &Vec<Source>| {
             let (mut members, mut left) = (Vec::new(), Vec::new());
             for source in sources {
@@ -344,24 +344,24 @@ impl Lake {
     }
 
     /// Puts a catalog in place that has `entries` instead of the drives of the packs written again.
-    fn put_catalogue(
+    fn put_catalog(
         &self,
-        old: &Catalogue,
+        old: &Catalog,
         rewritten: &BTreeSet<String>,
         mut entries: Vec<DriveEntry>,
         next_pack: u64,
-    ) -> Result<Arc<Catalogue>, LakeError> {
+    ) -> Result<Arc<Catalog>, LakeError> {
         let kept = (0..old.len()).filter(|at| !rewritten.contains(old.location(*at).0));
         entries.extend(kept.map(|at| old.entry(at)));
         entries.sort_by(|a, b| a.drive_id.cmp(&b.drive_id));
-        Catalogue::publish(&self.packs_dir(), &entries, next_pack)?;
-        self.catalogue()
+        Catalog::publish(&self.packs_dir(), &entries, next_pack)?;
+        self.catalog()
     }
 
     /// Removes packs that the catalog does not name; how many.
     fn remove_unnamed(&self) -> Result<usize, LakeError> {
-        let (dir, catalogue) = (self.packs_dir(), self.catalogue()?);
-        let named = packs_of(&catalogue);
+        let (dir, catalog) = (self.packs_dir(), self.catalog()?);
+        let named = packs_of(&catalog);
         let mut removed = 0;
         for entry in fs::read_dir(&dir).map_err(LakeError::io(&dir))? {
             let entry = entry.map_err(LakeError::io(&dir))?;
@@ -378,19 +378,19 @@ impl Lake {
 }
 
 impl Compaction {
-    fn count(&mut self, catalogue: &Catalogue) {
-        let packs = packs_of(catalogue);
-        self.drives = catalogue.len();
+    fn count(&mut self, catalog: &Catalog) {
+        let packs = packs_of(catalog);
+        self.drives = catalog.len();
         self.packs = packs.len();
-        self.bytes = packs.values().flatten().map(|at| catalogue.entry(*at).bytes).sum();
+        self.bytes = packs.values().flatten().map(|at| catalog.entry(*at).bytes).sum();
     }
 }
 
 /// Positions in the catalog of each pack's drives, in the order of their rows.
-fn packs_of(catalogue: &Catalogue) -> BTreeMap<String, Vec<usize>> {
+fn packs_of(catalog: &Catalog) -> BTreeMap<String, Vec<usize>> {
     let mut packs: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-    for at in 0..catalogue.len() {
-        let (pack, _) = catalogue.location(at);
+    for at in 0..catalog.len() {
+        let (pack, _) = catalog.location(at);
         match packs.get_mut(pack) {
             Some(positions) => positions.push(at),
             None => drop(packs.insert(pack.to_owned(), vec![at])),

@@ -1,6 +1,6 @@
 //! Where drives are: in folders of their own or in packs, and which packs are held open.
 
-use super::catalogue::Catalogue;
+use super::catalog::Catalog;
 use super::open_pack::OpenPack;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 /// What is known of a lake's packs, shared by all clones of a [`crate::Lake`].
 #[derive(Debug, Default)]
 pub(crate) struct Packs {
-    pub(super) catalogue: Mutex<Arc<Catalogue>>,
+    pub(super) catalog: Mutex<Arc<Catalog>>,
     /// The pack used last is first.
     pub(super) open: Mutex<Vec<Arc<OpenPack>>>,
 }

@@ -1,6 +1,6 @@
 //! A pack on its way to disk: the files of the drives become the row groups of the pack's files.
 
-use super::catalogue::{DriveEntry, sync_folder};
+use super::catalog::{DriveEntry, sync_folder};
 use super::member::{Member, MemberSignals};
 use super::open_pack::{DRIVES, DRIVES_ORDER, NOTES, NOTES_ORDER, SIGNALS};
 use super::splice::{self, Part, Schemas, with_drive_id};

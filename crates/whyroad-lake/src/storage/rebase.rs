@@ -222,7 +222,7 @@ mod tests {
     const A: (&str, &str) = ("drives/a/drive.json", "a");
     const B: (&str, &str) = ("drives/b/drive.json", "b");
     const PACK: (&str, &str) = ("packs/1/drives.parquet", "p");
-    const CATALOGUE: (&str, &str) = ("packs/catalogue.parquet", "c");
+    const CATALOG: (&str, &str) = ("packs/catalogue.parquet", "c");
 
     #[test]
     fn drives_of_two_writers_are_both_kept() {
@@ -261,14 +261,14 @@ mod tests {
         // Deleted: it does not come back in part. Over a pack: only as long as the packs are the same.
         assert_eq!(outcome(&[A], &[], &[signals], Intent::Write).0, "");
         assert_eq!(
-            outcome(&[CATALOGUE], &[("packs/catalogue.parquet", "c2")], &[signals], Intent::Write).0,
+            outcome(&[CATALOG], &[("packs/catalogue.parquet", "c2")], &[signals], Intent::Write).0,
             "packs/catalogue.parquet=c2"
         );
     }
 
     #[test]
     fn packing_keeps_what_others_wrote_and_brings_nothing_back() {
-        let packed = [("drives/a/drive.json", ""), PACK, CATALOGUE];
+        let packed = [("drives/a/drive.json", ""), PACK, CATALOG];
         // A drive that came meanwhile, and one that was replaced meanwhile: both keep their folders.
         let (files, conflicts, _) =
             outcome(&[A], &[("drives/a/drive.json", "a1"), B], &packed, Intent::Compact);

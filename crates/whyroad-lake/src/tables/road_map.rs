@@ -91,11 +91,11 @@ pub(crate) fn to_table(map: &RoadMap) -> TableBuilder {
         .numbers("facing_rad", rows.iter().map(|r| number(r.facing)))
         .points("left", lanes().map(|l| l.map_or(&[][..], |l| &l.left)))
         .points("right", lanes().map(|l| l.map_or(&[][..], |l| &l.right)))
-        .points("centre", lanes().map(|l| l.map_or(&[][..], |l| &l.centre)))
+        .points("centre", lanes().map(|l| l.map_or(&[][..], |l| &l.center)))
         .texts_or_null("left_mark", lanes().map(|l| l.map(|l| member_name(&l.left_mark))))
         .texts_or_null("right_mark", lanes().map(|l| l.map(|l| member_name(&l.right_mark))))
-        .texts_or_null("left_neighbour", lanes().map(|l| l.and_then(|l| l.left_neighbour.as_ref())))
-        .texts_or_null("right_neighbour", lanes().map(|l| l.and_then(|l| l.right_neighbour.as_ref())))
+        .texts_or_null("left_neighbour", lanes().map(|l| l.and_then(|l| l.left_neighbor.as_ref())))
+        .texts_or_null("right_neighbour", lanes().map(|l| l.and_then(|l| l.right_neighbor.as_ref())))
         .text_lists("successors", lanes().map(|l| l.map_or(&[][..], |l| &l.successors)))
         .text_lists("predecessors", lanes().map(|l| l.map_or(&[][..], |l| &l.predecessors)))
         .texts_or_null("lane_kind", lanes().map(|l| l.map(|l| member_name(&l.kind))))
@@ -111,7 +111,7 @@ pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
     let (features, ids) = (t.texts("feature")?, t.texts("id")?);
     let (boundaries, lane_ids) = (t.points("boundary")?, t.text_lists("lane_ids")?);
     let (purposes, values) = (t.texts_or_null("purpose")?, t.numbers("value")?);
-    let (left, right, centre) = (t.points("left")?, t.points("right")?, t.points("centre")?);
+    let (left, right, center) = (t.points("left")?, t.points("right")?, t.points("centre")?);
     let (left_marks, right_marks) = (t.members("left_mark")?, t.members("right_mark")?);
     let (left_ids, right_ids) = (t.texts_or_null("left_neighbour")?, t.texts_or_null("right_neighbour")?);
     let (successors, predecessors) = (t.text_lists("successors")?, t.text_lists("predecessors")?);
@@ -133,11 +133,11 @@ pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
                 id,
                 left: left[i].clone(),
                 right: right[i].clone(),
-                centre: centre[i].clone(),
+                center: center[i].clone(),
                 left_mark: left_marks[i].unwrap_or_default(),
                 right_mark: right_marks[i].unwrap_or_default(),
-                left_neighbour: text_at(left_ids, i),
-                right_neighbour: text_at(right_ids, i),
+                left_neighbor: text_at(left_ids, i),
+                right_neighbor: text_at(right_ids, i),
                 successors: successors[i].clone(),
                 predecessors: predecessors[i].clone(),
                 kind: kinds[i].unwrap_or_default(),

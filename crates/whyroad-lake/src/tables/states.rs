@@ -17,13 +17,13 @@ pub(crate) fn lights_to_table(lights: &[LightState]) -> TableBuilder {
         .texts("lane_id", lights.iter().map(|l| &l.lane_id))
         .texts_or_null("to_lane_id", lights.iter().map(|l| l.to_lane_id.as_ref()))
         .integers("time_ns", lights.iter().map(|l| l.time.0))
-        .texts("colour", lights.iter().map(|l| member_name(&l.colour)))
+        .texts("colour", lights.iter().map(|l| member_name(&l.color)))
         .numbers("countdown_s", lights.iter().map(|l| l.countdown_s.unwrap_or(f64::NAN)))
 }
 
 pub(crate) fn lights_from_table(t: &Table) -> Result<Vec<LightState>, LakeError> {
     let (lanes, to_lanes) = (t.texts("lane_id")?, t.texts_or_null("to_lane_id")?);
-    let (times, colours) = (t.integers("time_ns")?, t.texts("colour")?);
+    let (times, colors) = (t.integers("time_ns")?, t.texts("colour")?);
     let countdowns = known_or_none(t, "countdown_s")?;
     (0..t.rows())
         .map(|i| {
@@ -31,7 +31,7 @@ pub(crate) fn lights_from_table(t: &Table) -> Result<Vec<LightState>, LakeError>
                 lane_id: lanes.value(i).to_owned(),
                 to_lane_id: text_at(to_lanes, i),
                 time: Nanos(times[i]),
-                colour: t.member("colour", colours.value(i))?,
+                color: t.member("colour", colors.value(i))?,
                 countdown_s: countdowns[i],
             })
         })

@@ -7,7 +7,7 @@ use whyroad_model::road_map::{
     Area, Facility, Lane, LaneKind, LaneMark, LayerState, MapLayer, Point3, Sign, StopLine, TurnKind,
 };
 use whyroad_model::scene::{
-    ContextState, DriveMeta, Ego, EgoBus, FrameOfReference, LightColour, LightState, MediaFrame, Motion,
+    ContextState, DriveMeta, Ego, EgoBus, FrameOfReference, LightColor, LightState, MediaFrame, Motion,
     Track, TurnSignal,
 };
 use whyroad_model::{Drive, DriveId, Nanos, Need, ObjectClass, RoadMap, TrackId};
@@ -162,11 +162,11 @@ fn lane(id: String) -> impl Strategy<Value = Lane> {
             id: id.clone(),
             left: l.0,
             right: l.1,
-            centre: l.2,
+            center: l.2,
             left_mark: m[0],
             right_mark: m[1],
-            left_neighbour: t[0].clone(),
-            right_neighbour: t[1].clone(),
+            left_neighbor: t[0].clone(),
+            right_neighbor: t[1].clone(),
             successors: links.clone(),
             predecessors: links,
             kind,
@@ -222,7 +222,7 @@ fn states(n: usize) -> impl Strategy<Value = States> {
                     to_lane_id: (!w.is_empty()).then(|| w.clone()),
                     lane_id: w,
                     time: Nanos(t),
-                    colour: if t % 2 == 0 { LightColour::GreenYield } else { LightColour::Red },
+                    color: if t % 2 == 0 { LightColor::GreenYield } else { LightColor::Red },
                     countdown_s: (t % 3 == 0).then_some(4.5),
                 };
                 v.into_iter().map(state).collect()

@@ -7,7 +7,7 @@ use crate::rule::{OTHER, Rule};
 use std::collections::BTreeMap;
 use whyroad_model::units::Unit;
 use whyroad_model::{Bilingual, Column, FrameRange, ScenarioId, yaml};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// A case, ready to be drawn.
 #[derive(Clone, Debug)]
@@ -58,7 +58,7 @@ pub struct DrawnEpisode {
 
 /// The cases of a `<l2>.cases.yaml`, in order, with the signals that `rules` read. The error is the first case that
 /// cannot be read.
-pub fn drawn(text: &str, rules: &[Rule], catalogue: &Catalogue) -> Result<Vec<DrawnCase>, Reason> {
+pub fn drawn(text: &str, rules: &[Rule], catalog: &Catalog) -> Result<Vec<DrawnCase>, Reason> {
     let file: CaseFile = yaml::from_str(text).map_err(|e| {
         Bilingual::new(format!("用例无法读取：{e}"), format!("the cases cannot be read: {e}"))
     })?;
@@ -67,7 +67,7 @@ pub fn drawn(text: &str, rules: &[Rule], catalogue: &Catalogue) -> Result<Vec<Dr
     for case in &file.cases {
         let scenario = ScenarioId { l1: l1.clone(), l2: file.l2.clone(), l3: case.leaf.clone() };
         if let Some(rule) = rules.iter().find(|r| r.scenario == scenario) {
-            out.push(draw(case, &file.base, scenario, rule, catalogue)?);
+            out.push(draw(case, &file.base, scenario, rule, catalog)?);
         }
     }
     Ok(out)
@@ -78,7 +78,7 @@ fn draw(
     base: &BTreeMap<String, String>,
     scenario: ScenarioId,
     rule: &Rule,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
 ) -> Result<DrawnCase, Reason> {
     let n = frame_of(time(&case.duration)?);
     let read = rule.signals();
@@ -93,7 +93,7 @@ fn draw(
             }
             _ => (None, name.clone()),
         };
-        let Some(def) = catalogue.get(&signal) else { continue };
+        let Some(def) = catalog.get(&signal) else { continue };
         if !read.contains(&def.name) || case.lacks.contains(&signal) {
             continue;
         }
@@ -143,12 +143,12 @@ mod tests {
 
     #[test]
     fn every_leaf_with_a_rule_has_cases_to_draw() {
-        let catalogue = Catalogue::bundled();
-        let rules = RuleSet::of_framework(Framework::bundled(), catalogue).0.rules;
+        let catalog = Catalog::bundled();
+        let rules = RuleSet::of_framework(Framework::bundled(), catalog).0.rules;
         let files = Framework::bundled_files();
         let texts = files.iter().filter(|(name, _)| name.ends_with(".cases.yaml"));
         let cases: Vec<DrawnCase> =
-            texts.flat_map(|(_, text)| drawn(text, &rules, catalogue).unwrap()).collect();
+            texts.flat_map(|(_, text)| drawn(text, &rules, catalog).unwrap()).collect();
         for rule in rules.iter().filter(|r| r.scenario.l3.is_some()) {
             let of_rule: Vec<_> = cases.iter().filter(|c| c.scenario == rule.scenario).collect();
             assert!(

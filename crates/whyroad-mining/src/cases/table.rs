@@ -11,13 +11,13 @@ use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::units::Dimension;
 use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalId, SignalTable, Tri};
-use whyroad_signals::{Catalogue, SignalKind};
+use whyroad_signals::{Catalog, SignalKind};
 
 /// The table that the case describes.
 pub(super) fn table(
     case: &CaseText,
     base: &BTreeMap<String, String>,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
 ) -> Result<SignalTable, Reason> {
     let n = frame_of(duration(&case.duration)?);
     let mut table = SignalTable {
@@ -47,7 +47,7 @@ pub(super) fn table(
         if lacks(&signal) {
             continue;
         }
-        let def = catalogue.get(&signal).ok_or_else(|| no_signal(name, &signal, catalogue))?;
+        let def = catalog.get(&signal).ok_or_else(|| no_signal(name, &signal, catalog))?;
         let of_object = def.name.starts_with("target.");
         if of_object && object == "target" && case.target.is_none() {
             continue;
@@ -148,8 +148,8 @@ fn units_differ(wanted: Dimension, written: Dimension) -> Reason {
     )
 }
 
-fn no_signal(written: &str, meant: &str, catalogue: &Catalogue) -> Reason {
-    let near = nearest(meant, catalogue.iter().map(|d| d.name.as_str()));
+fn no_signal(written: &str, meant: &str, catalog: &Catalog) -> Reason {
+    let near = nearest(meant, catalog.iter().map(|d| d.name.as_str()));
     let (zh, en) = match near {
         Some(near) => (format!("；是否想写 '{near}'？"), format!("; did you mean '{near}'?")),
         None => (String::new(), String::new()),

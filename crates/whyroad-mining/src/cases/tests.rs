@@ -6,7 +6,7 @@ use whyroad_framework::Framework;
 /// equality have drives, these have what somebody thought of at the edges of each rule.
 #[test]
 fn both_evaluators_find_the_same_in_every_case() {
-    let all = RuleSet::of_framework(Framework::bundled(), Catalogue::bundled()).0;
+    let all = RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0;
     let files = Framework::bundled_files();
     let mut compared = 0;
     for (path, text) in files.iter().filter(|(path, _)| path.ends_with(CASES_EXTENSION)) {
@@ -14,7 +14,7 @@ fn both_evaluators_find_the_same_in_every_case() {
         let l1 = parsed.l1.unwrap_or_else(|| OTHER.to_owned());
         let rules = all.restricted_to(&[ScenarioId { l1, l2: parsed.l2, l3: None }]);
         for case in &parsed.cases {
-            let table = table(case, &parsed.base, Catalogue::bundled()).unwrap();
+            let table = table(case, &parsed.base, Catalog::bundled()).unwrap();
             let (ours, reference) =
                 (fast::mine_drive(&rules, &table), crate::drive::mine_drive(&rules, &table));
             assert_eq!(ours.missing, reference.missing, "{path}: {}", case.name);

@@ -184,10 +184,10 @@ mod tests {
     use super::*;
     use crate::rule::text::compile_text;
     use whyroad_model::{Column, Nanos};
-    use whyroad_signals::Catalogue;
+    use whyroad_signals::Catalog;
 
     fn rule(class: &str, text: &str) -> Rule {
-        compile_text(text, None, &class.parse().unwrap(), Catalogue::bundled(), "t").unwrap()
+        compile_text(text, None, &class.parse().unwrap(), Catalog::bundled(), "t").unwrap()
     }
 
     #[test]

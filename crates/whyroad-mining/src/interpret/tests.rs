@@ -7,7 +7,7 @@ use super::*;
 use crate::language::{Checker, parse};
 use std::collections::BTreeMap;
 use whyroad_model::{FrameRange, Nanos, ObjectClass};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 const N: f64 = f64::NAN;
 
@@ -30,7 +30,7 @@ fn tenths(n: usize) -> Vec<f64> {
 
 /// `1`, `0`, `?` a row.
 fn truths(text: &str, table: &SignalTable, target: Option<usize>) -> String {
-    let mut checker = Checker::new(Catalogue::bundled());
+    let mut checker = Checker::new(Catalog::bundled());
     let id = checker.condition(&parse::parse(text).unwrap()).unwrap();
     let mut evaluator = Evaluator::new(&checker.program, table);
     let mut pass = evaluator.pass(target.map(|t| &table.targets[t]));
@@ -166,7 +166,7 @@ fn what_is_not_of_the_target_is_judged_over_the_whole_drive() {
 #[test]
 fn margins_are_in_typical_magnitudes() {
     // ego.speed has scale 5 m/s in the catalog.
-    let mut checker = Checker::new(Catalogue::bundled());
+    let mut checker = Checker::new(Catalog::bundled());
     let id = checker.condition(&parse::parse("ego.speed > 5 m/s").unwrap()).unwrap();
     let t = table(&tenths(3), &[10.0, 2.5, 500.0]);
     let mut evaluator = Evaluator::new(&checker.program, &t);

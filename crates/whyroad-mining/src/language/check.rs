@@ -24,11 +24,11 @@ use super::syntax::{ArithmeticOp, Expr, ExprKind, Extent, Quantity, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::units::Dimension;
 use whyroad_model::{Bilingual, Nanos};
-use whyroad_signals::catalogue::{Catalogue, SignalDef, SignalKind, TargetRestriction};
+use whyroad_signals::catalog::{Catalog, SignalDef, SignalKind, TargetRestriction};
 
 /// Turns expressions into nodes of one program.
 pub struct Checker<'a> {
-    catalogue: &'a Catalogue,
+    catalog: &'a Catalog,
     /// Named numbers of the rule.
     pub parameters: BTreeMap<String, Quantity>,
     /// Named conditions or numbers of the rule, in terms of which others may be written.
@@ -83,9 +83,9 @@ type Lowered = Result<NodeId, Fault>;
 
 impl<'a> Checker<'a> {
     /// A checker with an empty program.
-    pub fn new(catalogue: &'a Catalogue) -> Self {
+    pub fn new(catalog: &'a Catalog) -> Self {
         Self {
-            catalogue,
+            catalog,
             parameters: BTreeMap::new(),
             definitions: BTreeMap::new(),
             names: BTreeMap::new(),
@@ -147,11 +147,11 @@ impl<'a> Checker<'a> {
     /// A name where a time is needed that is not a parameter: either unknown, or of something else.
     fn unknown_duration(&self, expr: &Expr) -> Result<Nanos, Fault> {
         if let ExprKind::Name(name) = &expr.kind
-            && self.catalogue.get(name).is_none()
+            && self.catalog.get(name).is_none()
             && !self.definitions.contains_key(name)
         {
             let own = self.parameters.keys().map(String::as_str);
-            return Err(names::unknown(self.catalogue, name, expr.span, own));
+            return Err(names::unknown(self.catalog, name, expr.span, own));
         }
         Err(Fault::new("rule.unit.mismatch", expr.span, "此处应为固定的时长", "expected a fixed time")
             .hint("例如 0.5 s 或参数名", "such as 0.5 s, or a parameter's name"))
@@ -263,9 +263,9 @@ impl<'a> Checker<'a> {
                 return self.of_role(role, signal, span);
             }
         }
-        let (def, restriction) = self.catalogue.resolve(name).ok_or_else(|| {
+        let (def, restriction) = self.catalog.resolve(name).ok_or_else(|| {
             let own = self.parameters.keys().chain(self.definitions.keys()).map(String::as_str);
-            names::unknown(self.catalogue, name, span, own)
+            names::unknown(self.catalog, name, span, own)
         })?;
         let restriction = match restriction {
             TargetRestriction::Any => None,
@@ -297,8 +297,8 @@ impl<'a> Checker<'a> {
                 format!("inside count, exists and forall there is only target.*, not the role '{role}'"),
             ));
         }
-        let Some(def) = self.catalogue.get(&format!("target.{signal}")) else {
-            return Err(names::unknown_of_role(self.catalogue, role, signal, span));
+        let Some(def) = self.catalog.get(&format!("target.{signal}")) else {
+            return Err(names::unknown_of_role(self.catalog, role, signal, span));
         };
         let (name, kind) = (def.name.clone(), kind_of(def));
         let second = self.roles.second.as_deref() == Some(role);
@@ -331,7 +331,7 @@ impl<'a> Checker<'a> {
     /// Typical magnitude of a number: that of the first signal in it.
     fn scale(&self, id: NodeId) -> Option<f64> {
         match &self.program.node(id).op {
-            Op::Signal(name) | Op::PairSignal { name, .. } => self.catalogue.get(name).map(|d| d.scale),
+            Op::Signal(name) | Op::PairSignal { name, .. } => self.catalog.get(name).map(|d| d.scale),
             op => op.operands().into_iter().find_map(|o| self.scale(o)),
         }
     }

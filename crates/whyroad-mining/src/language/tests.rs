@@ -6,10 +6,10 @@ use crate::language::syntax::{ExprKind, Quantity};
 use whyroad_model::Lang;
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::units::Unit;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 fn check(text: &str) -> Result<(Program, NodeId), Fault> {
-    let mut checker = Checker::new(Catalogue::bundled());
+    let mut checker = Checker::new(Catalog::bundled());
     let band = Quantity { value: 7.0, unit: Unit::parse("m").unwrap() };
     checker.parameters.insert("band".to_owned(), band);
     let expr = parse::parse(text)?;
@@ -22,7 +22,7 @@ fn fault(text: &str) -> Fault {
 }
 
 fn describe(text: &str) -> String {
-    let checker = Checker::new(Catalogue::bundled());
+    let checker = Checker::new(Catalog::bundled());
     checker.describe(&parse::parse(text).unwrap())
 }
 
@@ -178,7 +178,7 @@ fn a_description_reads_back_as_the_same_program() {
     ] {
         let text = text.replace("a_flag", "ego.standstill");
         let (program, id) = check(&text).unwrap();
-        let mut checker = Checker::new(Catalogue::bundled());
+        let mut checker = Checker::new(Catalog::bundled());
         let band = Quantity { value: 7.0, unit: Unit::parse("m").unwrap() };
         checker.parameters.insert("band".to_owned(), band);
         let described = checker.describe(&parse::parse(&text).unwrap());

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
 use whyroad_model::yaml::{self, Node, SyntaxError};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId, Severity};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// What was checked, and what is wrong with it.
 #[derive(Clone, Debug, Default)]
@@ -29,7 +29,7 @@ pub fn check_file(
     file: SourceFile<'_>,
     cases: Option<SourceFile<'_>>,
     framework: &BTreeMap<String, String>,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
 ) -> Checked {
     let yaml = match yaml::parse(file.text) {
         Ok(yaml) => yaml,
@@ -38,9 +38,9 @@ pub fn check_file(
     let word = |key: &str| yaml.get(key).and_then(Node::text).map(str::to_owned);
     match (word("l1"), word("l2")) {
         (Some(l1), l2) if l2.is_some() || yaml.get("labeling").is_some() => {
-            scenarios(file, cases, &ScenarioId { l1, l2, l3: None }, framework, catalogue)
+            scenarios(file, cases, &ScenarioId { l1, l2, l3: None }, framework, catalog)
         }
-        _ => bare(file, cases, &yaml, catalogue),
+        _ => bare(file, cases, &yaml, catalog),
     }
 }
 
@@ -60,7 +60,7 @@ fn scenarios(
     cases: Option<SourceFile<'_>>,
     class: &ScenarioId,
     framework: &BTreeMap<String, String>,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
 ) -> Checked {
     let own = match &class.l2 {
         Some(l2) => format!("scenarios/{}/{l2}.yaml", class.l1),
@@ -72,8 +72,8 @@ fn scenarios(
     let mut checked = Checked::default();
     let usable = framework.is_some();
     if let Some(framework) = framework {
-        found.extend(lint(&framework, catalogue));
-        let (rules, _) = RuleSet::of_framework(&framework, catalogue);
+        found.extend(lint(&framework, catalog));
+        let (rules, _) = RuleSet::of_framework(&framework, catalog);
         let rules = rules.restricted_to(std::slice::from_ref(class));
         checked.rules = rules.rules.len();
         if let Some(cases) = cases {
@@ -82,7 +82,7 @@ fn scenarios(
             };
             let beside = cases.name.replace(".cases.yaml", ".yaml");
             let faulty = found.iter().any(has_faults).then_some(beside).into_iter().collect();
-            let runner = CaseRunner { rules: &rules, catalogue, faulty: &faulty };
+            let runner = CaseRunner { rules: &rules, catalog, faulty: &faulty };
             let tally = runner.run(cases.name, cases.text);
             checked.cases = tally.cases.values().sum();
             checked.found = tally.failures;
@@ -99,12 +99,12 @@ fn scenarios(
 
 /// The rule of a file that holds a `mining:` block, or only the content of one: it belongs to no class, and its moments
 /// are those of the match.
-pub fn bare_rule(file: SourceFile<'_>, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
+pub fn bare_rule(file: SourceFile<'_>, catalog: &Catalog) -> Result<Rule, Vec<Diagnostic>> {
     let yaml = yaml::parse(file.text).map_err(|e| vec![unreadable(file, &e)])?;
-    rule_of(file, &yaml, catalogue)
+    rule_of(file, &yaml, catalog)
 }
 
-fn rule_of(file: SourceFile<'_>, yaml: &Node, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
+fn rule_of(file: SourceFile<'_>, yaml: &Node, catalog: &Catalog) -> Result<Rule, Vec<Diagnostic>> {
     let mining = yaml.entries().iter().find(|e| e.key == "mining");
     let (block, mark) = mining.map_or((yaml, yaml.mark), |e| (&e.node, e.mark));
     let nameless = ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None };
@@ -113,7 +113,7 @@ fn rule_of(file: SourceFile<'_>, yaml: &Node, catalogue: &Catalogue) -> Result<R
     if mining.is_some() {
         duplicates(block.entries(), file, &mut found);
     }
-    let rule = source::compile(&nameless, block, None, catalogue, &Origin { file, mark, expressions: &[] });
+    let rule = source::compile(&nameless, block, None, catalog, &Origin { file, mark, expressions: &[] });
     match rule {
         Ok(rule) if found.is_empty() => Ok(rule),
         Ok(_) => Err(found),
@@ -124,13 +124,13 @@ fn rule_of(file: SourceFile<'_>, yaml: &Node, catalogue: &Catalogue) -> Result<R
     }
 }
 
-fn bare(file: SourceFile<'_>, cases: Option<SourceFile<'_>>, yaml: &Node, catalogue: &Catalogue) -> Checked {
-    let rule = match rule_of(file, yaml, catalogue) {
+fn bare(file: SourceFile<'_>, cases: Option<SourceFile<'_>>, yaml: &Node, catalog: &Catalog) -> Checked {
+    let rule = match rule_of(file, yaml, catalog) {
         Ok(rule) => rule,
         Err(found) => return Checked { found, ..Checked::default() },
     };
     let rules = RuleSet { rules: vec![rule], ..RuleSet::default() };
-    let runner = CaseRunner { rules: &rules, catalogue, faulty: &BTreeSet::new() };
+    let runner = CaseRunner { rules: &rules, catalog, faulty: &BTreeSet::new() };
     let tally = cases.map(|c| runner.run(c.name, c.text)).unwrap_or_default();
     Checked { rules: 1, cases: tally.cases.values().sum(), found: tally.failures }
 }

@@ -9,16 +9,16 @@ use crate::language::parse::parse;
 use crate::language::syntax::{ExprKind, Quantity};
 use whyroad_framework::{ExpressionSource, Framework};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// All that is wrong, in the order of the files.
-pub fn lint(framework: &Framework, catalogue: &Catalogue) -> Vec<Diagnostic> {
-    let (rules, mut found) = RuleSet::of_framework(framework, catalogue);
+pub fn lint(framework: &Framework, catalog: &Catalog) -> Vec<Diagnostic> {
+    let (rules, mut found) = RuleSet::of_framework(framework, catalog);
     found.extend(unnamed(&rules, framework));
     // A rule takes over the moments of its labeling spec; those are checked below where they are written, once each.
     found.retain(|d| !d.location.pointer.as_ref().is_some_and(|p| p.contains("/labeling/")));
     for source in &framework.expressions {
-        found.extend(moment(source, framework, catalogue));
+        found.extend(moment(source, framework, catalog));
     }
     found.sort_by(|a, b| {
         let key = |d: &Diagnostic| (d.location.file.clone(), d.location.line, d.location.column);
@@ -59,8 +59,8 @@ fn unnamed(rules: &RuleSet, framework: &Framework) -> Vec<Diagnostic> {
     found
 }
 
-fn moment(source: &ExpressionSource, framework: &Framework, catalogue: &Catalogue) -> Vec<Diagnostic> {
-    let mut checker = Checker::new(catalogue);
+fn moment(source: &ExpressionSource, framework: &Framework, catalog: &Catalog) -> Vec<Diagnostic> {
+    let mut checker = Checker::new(catalog);
     names_of_the_rule(&source.class, framework, &mut checker);
     let text = source.expression.text().unwrap_or_default();
     let faults = match parse(text) {

@@ -8,7 +8,7 @@ use crate::episode::Episode;
 use crate::language::program::Moment;
 use crate::rule::text::compile_text;
 use whyroad_model::{Bilingual, Nanos, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// True at a decision moment, whatever made it one.
 const DECISION_MOMENT: &str = "ego.responds";
@@ -32,14 +32,14 @@ impl RuleSet {
     /// The same rules, and the one for decision moments that none of them explains. A catalog without the signal for
     /// decision moments leaves the set as it is.
     #[must_use]
-    pub fn with_decision_moments(mut self, catalogue: &Catalogue) -> Self {
-        self.rules.extend(decision_moments(catalogue));
+    pub fn with_decision_moments(mut self, catalog: &Catalog) -> Self {
+        self.rules.extend(decision_moments(catalog));
         self
     }
 }
 
-fn decision_moments(catalogue: &Catalogue) -> Option<Rule> {
-    let mut rule = compile_text(DECISION_MOMENT, None, &other(), catalogue, OTHER).ok()?;
+fn decision_moments(catalog: &Catalog) -> Option<Rule> {
+    let mut rule = compile_text(DECISION_MOMENT, None, &other(), catalog, OTHER).ok()?;
     rule.merge_gap = Nanos::default();
     rule.timing.at_match_start = Bilingual::new(
         "自车运动状态明显变化，而没有场景能解释",

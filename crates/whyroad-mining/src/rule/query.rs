@@ -15,7 +15,7 @@ use whyroad_framework::check::{ClassIndex, MessageKind, check_message};
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_model::messages::{MiningQuery, MiningQueryMessage};
 use whyroad_model::{Bilingual, Diagnostic, Location, Nanos, Severity};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// The query in a JSON text, its class resolved. `file` is its name in diagnostics.
 pub fn parse_query(text: &str, file: &str, framework: &Framework) -> Result<MiningQuery, Vec<Diagnostic>> {
@@ -70,16 +70,16 @@ fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Err
 /// break of a single frame ends a match.
 pub fn compile_query(
     query: &MiningQuery,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
     text: &str,
     file: &str,
 ) -> Result<Option<Rule>, Vec<Diagnostic>> {
-    let mut checker = Checker::new(catalogue);
+    let mut checker = Checker::new(catalog);
     let mut found = Vec::new();
     let mut conditions = Vec::new();
     let mut described = RuleParts::default();
     let source = QueryText::new(text, file);
-    let mut reader = Reader { checker: &mut checker, catalogue, source: &source, found: Vec::new() };
+    let mut reader = Reader { checker: &mut checker, catalog, source: &source, found: Vec::new() };
     for (i, clause) in query.conditions.iter().enumerate() {
         let pointer = format!("/mining_query/conditions/{i}");
         let Some(expr) = reader.clause(clause, &pointer) else { continue };

@@ -10,7 +10,7 @@ use whyroad_framework::{Calibration, Framework, Taxonomy};
 use whyroad_model::units::{Dimension, Unit};
 use whyroad_model::yaml::{self, DecodeError, Mark};
 use whyroad_model::{Diagnostic, Nanos, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Rules, in taxonomy order, an L2 before its leaves.
 #[derive(Clone, Debug, Default)]
@@ -25,7 +25,7 @@ pub struct RuleSet {
 
 impl RuleSet {
     /// All rules of a framework. A rule with faults is left out and its faults are reported.
-    pub fn of_framework(framework: &Framework, catalogue: &Catalogue) -> (RuleSet, Vec<Diagnostic>) {
+    pub fn of_framework(framework: &Framework, catalog: &Catalog) -> (RuleSet, Vec<Diagnostic>) {
         let mut found = Vec::new();
         let mut rules = Vec::new();
         let blocks: BTreeMap<_, _> = framework.rules.iter().map(|r| (&r.leaf, &r.rule)).collect();
@@ -42,7 +42,7 @@ impl RuleSet {
             };
             let file = SourceFile { name: &source.file, text: &source.text };
             let origin = Origin { file, mark: source.mark, expressions: &framework.expressions };
-            match compile(&source.leaf, &block, spec, catalogue, &origin) {
+            match compile(&source.leaf, &block, spec, catalog, &origin) {
                 Ok(rule) => rules.push(rule),
                 Err(faults) => found.extend(faults),
             }

@@ -13,7 +13,7 @@ use whyroad_framework::spec::MomentSpec;
 use whyroad_model::units::Dimension;
 use whyroad_model::yaml::{Entry, Node, Value};
 use whyroad_model::{Bilingual, Diagnostic, Nanos, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Matches nearer together than this are one unless the block says otherwise: a signal that drops out for a
 /// few frames does not make a second event.
@@ -76,14 +76,14 @@ pub fn compile(
     scenario: &ScenarioId,
     block: &Node,
     spec: Option<&ResolvedSpec>,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
     origin: &Origin<'_>,
 ) -> Result<Rule, Vec<Diagnostic>> {
     let mut found = Vec::new();
     let pointer = &block.pointer;
     let block = block::read(block, origin, &mut found);
     let mut c = Compiler {
-        checker: Checker::new(catalogue),
+        checker: Checker::new(catalog),
         scenario,
         origin,
         found,

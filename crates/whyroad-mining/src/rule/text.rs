@@ -6,7 +6,7 @@ use super::{Listed, PartPlace, Rule, RuleParts, TARGET, Timing};
 use crate::language::program::Subject;
 use crate::language::{Checker, parse};
 use whyroad_model::{Diagnostic, Location, Nanos, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// The rule of a text. Without a `target`, one that uses `target.*` is about any object. `name` stands for a
 /// file's name in diagnostics.
@@ -14,10 +14,10 @@ pub fn compile_text(
     text: &str,
     target: Option<Subject>,
     scenario: &ScenarioId,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
     name: &str,
 ) -> Result<Rule, Box<Diagnostic>> {
-    let mut checker = Checker::new(catalogue);
+    let mut checker = Checker::new(catalog);
     let mut described = RuleParts::default();
     let checked = parse::parse(text).and_then(|expr| {
         let when = checker.condition(&expr)?;

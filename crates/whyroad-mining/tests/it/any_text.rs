@@ -13,7 +13,7 @@ use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
 use whyroad_mining::{Rule, RuleSet, mine_drive};
 use whyroad_model::{Diagnostic, Lang, Nanos, ScenarioId, SignalTable, diagnostic};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 static FILES: LazyLock<BTreeMap<String, String>> = LazyLock::new(Framework::bundled_files);
 
@@ -128,7 +128,7 @@ const LABEL: &str = include_str!("../../../../examples/cutin_urgent_example.en.j
 fn query(text: &str) {
     match parse_query(text, "q.json", Framework::bundled()) {
         Err(found) => printed(&found),
-        Ok(q) => match compile_query(&q, Catalogue::bundled(), text, "q.json") {
+        Ok(q) => match compile_query(&q, Catalog::bundled(), text, "q.json") {
             Err(found) => printed(&found),
             Ok(rule) => rule.into_iter().for_each(run),
         },
@@ -141,7 +141,7 @@ proptest! {
     #[test]
     fn a_rule_in_one_line(text in any_text()) {
         let class: ScenarioId = "proactive.turn.straight".parse().unwrap();
-        match compile_text(&text, None, &class, Catalogue::bundled(), "--rule") {
+        match compile_text(&text, None, &class, Catalog::bundled(), "--rule") {
             Err(d) => printed(&[*d]),
             Ok(rule) => run(rule),
         }
@@ -167,7 +167,7 @@ proptest! {
 
     #[test]
     fn a_file_of_rules(text in any_text(), (at, len, by) in splice()) {
-        let check = |text: &str| printed(&check_file(SourceFile { name: "mine.yaml", text }, None, &FILES, Catalogue::bundled()).found);
+        let check = |text: &str| printed(&check_file(SourceFile { name: "mine.yaml", text }, None, &FILES, Catalog::bundled()).found);
         check(&text);
         check(&format!("target: any\nwhen: {text}\n"));
         check(&spliced(&FILES["scenarios/reactive_agent/cutin.yaml"], at, len, &by));

@@ -5,11 +5,11 @@
 use std::collections::BTreeMap;
 use whyroad_mining::rule::file::{Checked, check_file};
 use whyroad_mining::rule::origin::SourceFile;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 fn check(text: &str, cases: Option<&str>) -> Checked {
     let cases = cases.map(|text| SourceFile { name: "mine.cases.yaml", text });
-    check_file(SourceFile { name: "mine.yaml", text }, cases, &BTreeMap::new(), Catalogue::bundled())
+    check_file(SourceFile { name: "mine.yaml", text }, cases, &BTreeMap::new(), Catalog::bundled())
 }
 
 const FAULTY: &str = r#"mining:

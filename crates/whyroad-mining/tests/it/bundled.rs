@@ -3,11 +3,11 @@
 use whyroad_framework::Framework;
 use whyroad_mining::RuleSet;
 use whyroad_model::{Lang, diagnostic};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 #[test]
 fn every_bundled_rule_is_a_program() {
-    let (set, found) = RuleSet::of_framework(Framework::bundled(), Catalogue::bundled());
+    let (set, found) = RuleSet::of_framework(Framework::bundled(), Catalog::bundled());
     let text: String = found.iter().map(|d| diagnostic::render_text(d, Lang::En)).collect();
     assert!(found.is_empty(), "{text}");
     let ids: Vec<String> = set.rules.iter().map(|r| r.scenario.to_string()).collect();

@@ -5,14 +5,14 @@ use whyroad_framework::Framework;
 use whyroad_mining::RuleSet;
 use whyroad_mining::cases::{CaseKind, CaseRunner};
 use whyroad_model::{Lang, Severity, diagnostic};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 fn case_files() -> BTreeMap<String, String> {
     Framework::bundled_files().into_iter().filter(|(path, _)| path.ends_with(".cases.yaml")).collect()
 }
 
 fn rules() -> RuleSet {
-    RuleSet::of_framework(Framework::bundled(), Catalogue::bundled()).0
+    RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0
 }
 
 #[test]
@@ -21,7 +21,7 @@ fn every_rule_keeps_its_cases() {
     let mut cases = BTreeMap::new();
     let files = case_files();
     let mut failures = String::new();
-    let runner = CaseRunner { rules: &rules, catalogue: Catalogue::bundled(), faulty: &BTreeSet::new() };
+    let runner = CaseRunner { rules: &rules, catalog: Catalog::bundled(), faulty: &BTreeSet::new() };
     for (file, text) in &files {
         let tally = runner.run(file, text);
         for d in tally.failures {
@@ -78,7 +78,7 @@ cases:
     expect: []
     not_observable: [ego.lane_change]
 "#;
-    let runner = CaseRunner { rules: &rules(), catalogue: Catalogue::bundled(), faulty: &BTreeSet::new() };
+    let runner = CaseRunner { rules: &rules(), catalog: Catalog::bundled(), faulty: &BTreeSet::new() };
     let tally = runner.run("wrong.cases.yaml", wrong);
     let places: Vec<_> = tally.failures.iter().map(|d| (d.code, d.location.line)).collect();
     assert_eq!(places, [6, 11, 16, 21].map(|line| ("rule.case", Some(line))));
@@ -91,7 +91,7 @@ fn cases_of_a_faulty_rule_are_skipped_with_one_note() {
     let text = &files[&format!("{cutin}.cases.yaml")];
     let run = |faulty: &[String]| {
         let faulty = faulty.iter().cloned().collect();
-        let runner = CaseRunner { rules: &rules, catalogue: Catalogue::bundled(), faulty: &faulty };
+        let runner = CaseRunner { rules: &rules, catalog: Catalog::bundled(), faulty: &faulty };
         runner.run(&format!("{cutin}.cases.yaml"), text)
     };
     // Counted by hand in the file: one `- name:` per case.

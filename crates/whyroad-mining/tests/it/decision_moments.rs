@@ -6,7 +6,7 @@ use whyroad_mining::rule::other::other;
 use whyroad_mining::rule::text::compile_text;
 use whyroad_mining::{RuleSet, mine_drive};
 use whyroad_model::{Column, Nanos, SignalTable, Tri};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// 20 s at 10 Hz; the ego responds for 0.5 s from each of these frames on, and brakes in `brakes`.
 fn drive(responds: &[usize], brakes: std::ops::Range<usize>) -> SignalTable {
@@ -24,9 +24,9 @@ fn drive(responds: &[usize], brakes: std::ops::Range<usize>) -> SignalTable {
 /// One class that explains braking, and the moments that it does not.
 fn mined(table: &SignalTable) -> Vec<(String, usize, (usize, usize))> {
     let class = "reactive_agent.cutin.urgent".parse().unwrap();
-    let rule = compile_text("ego.brake", None, &class, Catalogue::bundled(), "test").unwrap();
+    let rule = compile_text("ego.brake", None, &class, Catalog::bundled(), "test").unwrap();
     let rules = RuleSet { rules: vec![rule], ..RuleSet::default() };
-    let rules = rules.with_decision_moments(Catalogue::bundled());
+    let rules = rules.with_decision_moments(Catalog::bundled());
     let found = mine_drive(&rules, table).episodes;
     found.iter().map(|e| (e.scenario.to_string(), e.keyframe, (e.range.start, e.range.end))).collect()
 }
@@ -59,7 +59,7 @@ fn moments_close_together_are_one() {
 fn where_decisions_cannot_be_seen_other_is_not_observable() {
     let mut table = drive(&[], 0..0);
     table.frame_columns.remove("ego.responds");
-    let rules = RuleSet::default().with_decision_moments(Catalogue::bundled());
+    let rules = RuleSet::default().with_decision_moments(Catalog::bundled());
     let found = mine_drive(&rules, &table);
     assert!(found.episodes.is_empty());
     assert_eq!(found.missing[&other()], ["ego.responds"]);

@@ -7,7 +7,7 @@ use whyroad_framework::Framework;
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::{CODES, RuleSet};
 use whyroad_model::{Diagnostic, Lang, diagnostic};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 #[test]
 fn every_code_has_its_page() {
@@ -26,7 +26,7 @@ fn faults(file: &str, from: &str, to: &str) -> Vec<Diagnostic> {
     *text = text.replacen(from, to, 1);
     let (framework, found) = Framework::from_files(&files);
     assert!(found.is_empty(), "{found:?}");
-    RuleSet::of_framework(&framework.unwrap(), Catalogue::bundled()).1
+    RuleSet::of_framework(&framework.unwrap(), Catalog::bundled()).1
 }
 
 const CUTIN: &str = "scenarios/reactive_agent/cutin.yaml";
@@ -101,7 +101,7 @@ const PRINTED: &str = r#"{
 fn query_faults(text: &str) -> String {
     let found = match parse_query(text, "query.json", Framework::bundled()) {
         Err(found) => found,
-        Ok(q) => compile_query(&q, Catalogue::bundled(), text, "query.json").err().unwrap_or_default(),
+        Ok(q) => compile_query(&q, Catalog::bundled(), text, "query.json").err().unwrap_or_default(),
     };
     found.iter().map(|d| diagnostic::render_text(d, Lang::En)).collect()
 }
@@ -109,7 +109,7 @@ fn query_faults(text: &str) -> String {
 #[test]
 fn the_printed_query_is_a_rule() {
     let query = parse_query(PRINTED, "query.json", Framework::bundled()).unwrap();
-    let rule = compile_query(&query, Catalogue::bundled(), PRINTED, "query.json").unwrap().unwrap();
+    let rule = compile_query(&query, Catalog::bundled(), PRINTED, "query.json").unwrap().unwrap();
     let texts: Vec<&str> = rule.atoms.iter().map(|a| a.text.as_str()).collect();
     // The first is printed in DATA_FORMAT.md 5.2.
     assert_eq!(texts, ["target_vehicle.lateral_offset > 0.5m", "ttc < 5s"]);

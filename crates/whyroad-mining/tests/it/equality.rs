@@ -5,11 +5,11 @@ use std::ops::Range;
 use whyroad_framework::Framework;
 use whyroad_mining::{DriveEpisodes, Episode, RuleSet, fast, mine_drive};
 use whyroad_model::{Column, FrameRange, SignalTable, Tri};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Every bundled rule.
 pub fn rules() -> RuleSet {
-    RuleSet::of_framework(Framework::bundled(), Catalogue::bundled()).0
+    RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0
 }
 
 /// Mines with both; how many episodes there were.

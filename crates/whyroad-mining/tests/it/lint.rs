@@ -3,7 +3,7 @@
 use whyroad_framework::Framework;
 use whyroad_mining::rule::lint::lint;
 use whyroad_model::{Diagnostic, Lang, diagnostic};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Findings after `from` became `to` in `file` of the built-in framework, and the line (from 1) on which that is.
 fn broken(file: &str, from: &str, to: &str) -> (Vec<Diagnostic>, usize) {
@@ -14,12 +14,12 @@ fn broken(file: &str, from: &str, to: &str) -> (Vec<Diagnostic>, usize) {
     *text = text.replacen(from, to, 1);
     let (framework, found) = Framework::from_files(&files);
     assert!(found.is_empty(), "the loader, which does not know the language, finds nothing: {found:?}");
-    (lint(&framework.unwrap(), Catalogue::bundled()), line)
+    (lint(&framework.unwrap(), Catalog::bundled()), line)
 }
 
 #[test]
 fn the_bundled_framework_is_free_of_findings() {
-    let mut found = lint(Framework::bundled(), Catalogue::bundled());
+    let mut found = lint(Framework::bundled(), Catalog::bundled());
     // A note that a definition could have a name is advice.
     found.retain(|d| d.code != "rule.words");
     let text: String = found.iter().map(|d| diagnostic::render_text(d, Lang::En)).collect();
@@ -70,17 +70,17 @@ fn a_moment_may_use_the_parameters_of_its_rule() {
     *text = text.replacen("rises(target.wheel_over_line)", "rises(target.longitudinal < reach)", 1);
     assert!(text.contains("    reach:"), "the L2's rule has this parameter");
     let framework = Framework::from_files(&files).0.unwrap();
-    assert_eq!(lint(&framework, Catalogue::bundled()), vec![]);
+    assert_eq!(lint(&framework, Catalog::bundled()), vec![]);
 }
 
 #[test]
-fn an_entry_of_the_signal_catalogue_with_a_mistake_is_shown_in_its_file() {
+fn an_entry_of_the_signal_catalog_with_a_mistake_is_shown_in_its_file() {
     let text = Framework::bundled().signals_yaml.replacen("name: ego.jerk", "name: ego.accel", 1).replacen(
         "unit: m/s3",
         "unit: m/s2",
         1,
     );
-    let (_, found) = Catalogue::parse(&text);
+    let (_, found) = Catalog::parse(&text);
     let line = text.lines().enumerate().filter(|(_, l)| l.ends_with("name: ego.accel")).nth(1).unwrap().0 + 1;
     // The entry's own name is missing now.
     assert_eq!(

@@ -11,11 +11,11 @@ use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::diagnostic::Severity;
 use whyroad_model::{Diagnostic, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 fn check(text: &str) -> Vec<Diagnostic> {
     let file = SourceFile { name: "mine.yaml", text };
-    check_file(file, None, &Framework::bundled_files(), Catalogue::bundled()).found
+    check_file(file, None, &Framework::bundled_files(), Catalog::bundled()).found
 }
 
 /// Code and marked text of each fault.
@@ -31,7 +31,7 @@ fn faults(text: &str) -> Vec<(&'static str, String)> {
 /// "Names for people".
 #[test]
 fn no_condition_that_people_are_shown_has_syntax() {
-    let (rules, found) = RuleSet::of_framework(Framework::bundled(), Catalogue::bundled());
+    let (rules, found) = RuleSet::of_framework(Framework::bundled(), Catalog::bundled());
     assert!(found.is_empty(), "{found:?}");
     let mut count = 0;
     for rule in &rules.rules {
@@ -44,7 +44,7 @@ fn no_condition_that_people_are_shown_has_syntax() {
                     assert!(!said.contains(syntax), "{}: {text}: {said}", rule.scenario);
                 }
                 let dotted =
-                    said.split(|c: char| c.is_whitespace()).any(|w| Catalogue::bundled().get(w).is_some());
+                    said.split(|c: char| c.is_whitespace()).any(|w| Catalog::bundled().get(w).is_some());
                 assert!(!dotted, "{}: {text}: {said}", rule.scenario);
             }
         }
@@ -59,7 +59,7 @@ fn a_long_definition_without_a_name_is_noted_and_a_name_of_nothing_is_a_fault() 
     let name = "    seen_crossing: { zh: 有可见的横穿车辆, en: a crossing vehicle is seen }\n";
     assert_eq!(text.matches(name).count(), 1);
     *text = text.replace(name, "");
-    let noted = lint(&Framework::from_files(&files).0.unwrap(), Catalogue::bundled());
+    let noted = lint(&Framework::from_files(&files).0.unwrap(), Catalog::bundled());
     let [note] = noted.as_slice() else { panic!("{noted:?}") };
     assert_eq!((note.code, note.severity), ("rule.words", Severity::Note));
     let line = note.location.snippet.clone().unwrap();
@@ -79,8 +79,7 @@ fn a_leaf_that_writes_a_definition_in_another_way_does_not_inherit_its_name() {
     let at = "      define:\n        rolls:";
     assert_eq!(text.matches(at).count(), 1);
     *text = text.replace(at, "      define:\n        over_the_line: \"target.wheel_over_line and ego.speed < 1 m/s within 2 s\"\n        rolls:");
-    let (rules, found) =
-        RuleSet::of_framework(&Framework::from_files(&files).0.unwrap(), Catalogue::bundled());
+    let (rules, found) = RuleSet::of_framework(&Framework::from_files(&files).0.unwrap(), Catalog::bundled());
     assert!(found.is_empty(), "{found:?}");
     let words = |leaf: &str| {
         let rule = rules.rules.iter().find(|r| r.scenario.to_string() == leaf).unwrap();
@@ -135,7 +134,7 @@ fn a_name_means_one_thing() {
 
 fn one_line(text: &str) -> Option<&'static str> {
     let class: ScenarioId = "proactive.turn.straight".parse().unwrap();
-    compile_text(text, None, &class, Catalogue::bundled(), "--rule").err().map(|d| d.code)
+    compile_text(text, None, &class, Catalog::bundled(), "--rule").err().map(|d| d.code)
 }
 
 #[test]
@@ -197,7 +196,7 @@ fn a_query_is_not_nested_beyond_sense_either() {
         let text = query(n);
         match parse_query(&text, "q.json", Framework::bundled()) {
             Err(found) => found.len(),
-            Ok(q) => compile_query(&q, Catalogue::bundled(), &text, "q.json").err().unwrap_or_default().len(),
+            Ok(q) => compile_query(&q, Catalog::bundled(), &text, "q.json").err().unwrap_or_default().len(),
         }
     };
     assert_eq!(found(20), 0);

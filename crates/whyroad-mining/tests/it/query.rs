@@ -8,7 +8,7 @@ use whyroad_framework::Framework;
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::{RuleSet, mine_drive};
 use whyroad_model::{Column, Diagnostic, Lang, Nanos, SignalTable, diagnostic};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// 10 Hz; m/s.
 const SPEEDS: [f64; 12] = [0.0, 0.0, 9.0, 9.0, 9.0, 0.0, 4.0, 4.0, 0.0, 9.0, 0.0, 0.0];
@@ -18,7 +18,7 @@ fn matched(conditions: Value) -> Result<Vec<(usize, usize)>, Vec<Diagnostic>> {
         json!({ "mining_query": { "scenario_id": "reactive_agent.cutin", "conditions": conditions } });
     let text = format!("{query:#}");
     let query = parse_query(&text, "query.json", Framework::bundled())?;
-    let rule = compile_query(&query, Catalogue::bundled(), &text, "query.json")?.unwrap();
+    let rule = compile_query(&query, Catalog::bundled(), &text, "query.json")?.unwrap();
     let table = SignalTable {
         times: (0..SPEEDS.len() as i64).map(|i| Nanos(i * 100_000_000)).collect(),
         frame_columns: BTreeMap::from([("ego.speed".to_owned(), Column::Number(SPEEDS.to_vec()))]),

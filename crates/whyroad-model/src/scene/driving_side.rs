@@ -84,7 +84,7 @@ impl RoadMap {
         let count = |of: fn(&Lane) -> &Option<String>| {
             self.lanes.iter().filter(|l| !l.in_junction && against(l, of(l))).count()
         };
-        let (left, right) = (count(|l| &l.left_neighbour), count(|l| &l.right_neighbour));
+        let (left, right) = (count(|l| &l.left_neighbor), count(|l| &l.right_neighbor));
         let agree = left.max(right) as f64 >= SHARE * (left + right) as f64;
         if left + right < PAIRS || !agree {
             return None;
@@ -94,7 +94,7 @@ impl RoadMap {
 }
 
 fn direction(lane: &Lane) -> Option<(f64, f64)> {
-    let (a, b): (&Point3, &Point3) = (lane.centre.first()?, lane.centre.last()?);
+    let (a, b): (&Point3, &Point3) = (lane.center.first()?, lane.center.last()?);
     let length = (b.x - a.x).hypot(b.y - a.y);
     (length > 0.0).then(|| ((b.x - a.x) / length, (b.y - a.y) / length))
 }
@@ -110,9 +110,9 @@ mod tests {
     /// Two-way streets; the neighbor that comes towards one is on the given side.
     fn map(oncoming_left: bool) -> RoadMap {
         let lane = |id: String, towards: f64, other: String| {
-            let centre = [0.0, 50.0].map(|x| Point3 { x: towards * x, y: 0.0, z: 0.0 }).to_vec();
+            let center = [0.0, 50.0].map(|x| Point3 { x: towards * x, y: 0.0, z: 0.0 }).to_vec();
             let (left, right) = if oncoming_left { (Some(other), None) } else { (None, Some(other)) };
-            Lane { id, centre, left_neighbour: left, right_neighbour: right, ..Lane::default() }
+            Lane { id, center, left_neighbor: left, right_neighbor: right, ..Lane::default() }
         };
         let mut lanes: Vec<Lane> = (0..2)
             .flat_map(|i| {

@@ -14,7 +14,7 @@ use super::timed::{Peer, TimedListener};
 use crate::app::App;
 use crate::metrics::Served;
 use crate::problem::{Answer, Problem};
-use crate::service::{drafting, modelling, retention, webhooks};
+use crate::service::{drafting, modeling, retention, webhooks};
 use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::extract::ConnectInfo;
@@ -44,7 +44,7 @@ pub async fn serve(
 ) -> std::io::Result<()> {
     let deliveries = webhooks::spawn(Arc::clone(&app));
     let drafts = drafting::spawn(&app);
-    let questions = modelling::spawn(&app);
+    let questions = modeling::spawn(&app);
     let sweeps = retention::spawn(&app);
     let figures = Arc::clone(&app);
     let service = router(app).into_make_service_with_connect_info::<Peer>();

@@ -81,7 +81,7 @@ pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
         }
         objects += 1;
         let is_target = target == Some(&track.id);
-        let colour = if is_target {
+        let color = if is_target {
             "#d9480f"
         } else if track.class.is_vru() {
             "#c2462f"
@@ -92,12 +92,12 @@ pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
         };
         let turn = heading - value(&track.motion.heading, heading);
         let size = (value(&track.length_m, 1.0).max(0.8), value(&track.width_m, 0.8).max(0.8));
-        boxed(&mut out, place(tx, ty), turn, size, colour);
+        boxed(&mut out, place(tx, ty), turn, size, color);
         if is_target {
             let (px, py) = place(tx, ty);
             let _ = write!(
                 out,
-                "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"{:.1}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{larger:.1}\"/>",
+                "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"{:.1}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{larger:.1}\"/>",
                 4.5 * larger
             );
         }
@@ -121,10 +121,10 @@ fn may_cross(half: [f64; 2], a: (f64, f64), b: (f64, f64)) -> bool {
     a.0.min(b.0) <= half[0] && a.0.max(b.0) >= -half[0] && a.1.min(b.1) <= half[1] && a.1.max(b.1) >= -half[1]
 }
 
-fn boxed(out: &mut String, at: (f64, f64), turn: f64, size: (f64, f64), colour: &str) {
+fn boxed(out: &mut String, at: (f64, f64), turn: f64, size: (f64, f64), color: &str) {
     let _ = write!(
         out,
-        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{colour}\" transform=\"rotate({:.0} {:.1} {:.1})\"/>",
+        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{color}\" transform=\"rotate({:.0} {:.1} {:.1})\"/>",
         at.0 - size.0 / 2.0,
         at.1 - size.1 / 2.0,
         size.0,

@@ -276,8 +276,8 @@ pub fn a_place_is_given_as_precisely_as_the_project_says(world: &World) {
     let lane = |who: &Person| who.get(&format!("/tasks/{task}/map")).fine()["lanes"][0]["centre"][0].clone();
     let number = |v: &Value| v.as_f64().unwrap();
     let (exact, exact_lane) = (x(&ann), lane(&ann));
-    let set = |metres: i64| {
-        admin.patch(&format!("/projects/{project}"), &json!({ "settings": { "place_precision_m": metres } }))
+    let set = |meters: i64| {
+        admin.patch(&format!("/projects/{project}"), &json!({ "settings": { "place_precision_m": meters } }))
     };
     assert_eq!(set(7).status, 422, "a square of 7 m says where it is");
     set(100).fine();

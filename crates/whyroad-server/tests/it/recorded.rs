@@ -10,7 +10,7 @@ use whyroad_model::messages::{
 };
 use whyroad_model::road_map::{Area, Lane, Point3, StopLine};
 use whyroad_model::scene::{
-    ContextState, DriveMeta, Ego, EgoBus, LightColour, LightState, MediaFrame, Motion, Track, TurnSignal,
+    ContextState, DriveMeta, Ego, EgoBus, LightColor, LightState, MediaFrame, Motion, Track, TurnSignal,
 };
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{
@@ -76,14 +76,14 @@ pub fn drive(id: &DriveId, future: Future) -> Drive {
     if brakes {
         tracks.push(track("secret_pedestrian", KEYFRAME + 1..frames, brakes));
     }
-    let light = |s: f64, colour| LightState {
+    let light = |s: f64, color| LightState {
         lane_id: "lane1".into(),
         to_lane_id: None,
         time: Nanos(START).plus_secs(s),
-        colour,
+        color,
         countdown_s: None,
     };
-    let after = if brakes { LightColour::Green } else { LightColour::Yellow };
+    let after = if brakes { LightColor::Green } else { LightColor::Yellow };
     let state = |s: f64, value: &str| ContextState {
         time: Nanos(START).plus_secs(s),
         kind: "weather".into(),
@@ -104,7 +104,7 @@ pub fn drive(id: &DriveId, future: Future) -> Drive {
         ego: Some(ego),
         tracks,
         map: Some(map()),
-        lights: Some(vec![light(1.0, LightColour::Red), light(9.9, after)]),
+        lights: Some(vec![light(1.0, LightColor::Red), light(9.9, after)]),
         context: Some(vec![state(0.0, "clear"), state(10.0, if brakes { "rain" } else { "fog" })]),
         media: Some((0..frames).map(picture).collect()),
     }
@@ -145,7 +145,7 @@ fn map() -> RoadMap {
             id: "lane1".into(),
             left: line(1.75),
             right: line(-1.75),
-            centre: line(0.0),
+            center: line(0.0),
             ..Lane::default()
         }],
         crosswalks: vec![

@@ -4,7 +4,7 @@
 use crate::road::context::Channels;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// What fair means, by kind of context that the log states.
 const FAIR: [(&str, &str); 3] = [("weather", "clear"), ("surface", "dry"), ("lighting", "day")];

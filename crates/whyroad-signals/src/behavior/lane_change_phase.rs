@@ -10,13 +10,13 @@ use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use crate::target::placement::MOVING_MPS;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{id, value::EgoLaneChangePhase};
+use whyroad_model::catalog::{id, value::EgoLaneChangePhase};
 use whyroad_model::road_map::LaneKind;
 
 /// Within this of the lane's center it is centered, m (LABELING.md 4).
-const CENTRED_M: f64 = 0.3;
+const CENTERED_M: f64 = 0.3;
 /// Farther off the center than this it has left it, m.
-const LEFT_CENTRE_M: f64 = 0.5;
+const LEFT_CENTER_M: f64 = 0.5;
 /// A peak is the largest of many values: this many standard deviations of it are noise.
 const PEAK_DEVIATIONS: f64 = 2.5;
 /// Share of its offset that an attempt must have been steered.
@@ -87,12 +87,12 @@ fn excursions(scene: &Interaction<'_>, road: &Road) -> Vec<Excursion> {
         };
         let off = now.map_or(0.0, |(_, _, offset)| offset);
         let side = usize::from(off < 0.0);
-        if !joined || open.as_ref().is_some_and(|x| off.abs() > CENTRED_M && x.side != side) {
+        if !joined || open.as_ref().is_some_and(|x| off.abs() > CENTERED_M && x.side != side) {
             open = None;
         }
-        if off.abs() <= CENTRED_M {
+        if off.abs() <= CENTERED_M {
             found.extend(open.take().map(|x| Excursion { end: i, ..x }));
-        } else if open.is_none() && joined && last.is_some_and(|(_, _, before)| before.abs() <= CENTRED_M) {
+        } else if open.is_none() && joined && last.is_some_and(|(_, _, before)| before.abs() <= CENTERED_M) {
             open = Some(Excursion { first: i, end: i, side });
         }
         last = now;
@@ -107,7 +107,7 @@ fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::
     let off = |i: usize| lanes.at(i).map_or(f64::NEG_INFINITY, |on| sign * on.lateral);
     let peak = (x.first..x.end).max_by(|&a, &b| off(a).total_cmp(&off(b)))?;
     let on = lanes.at(peak)?;
-    let beside = road.lanes[on.lane].neighbours[x.side]?;
+    let beside = road.lanes[on.lane].neighbors[x.side]?;
     if !matches!(road.lanes[beside].kind, LaneKind::Vehicle | LaneKind::Bus)
         || scene.times[x.end] - scene.times[x.first] > LONGEST_S
         || ego.speed[peak] < MOVING_MPS
@@ -119,7 +119,7 @@ fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::
     let noise = PEAK_DEVIATIONS * ego.place_sd(peak);
     let over_line = OVER_LINE_M + noise;
     let over = if x.side == 0 { high > left + over_line } else { low < -right - over_line };
-    if off(peak) <= LEFT_CENTRE_M + noise && !over {
+    if off(peak) <= LEFT_CENTER_M + noise && !over {
         return None;
     }
     // What it steered itself: beside a lane that widens or forks, who drives straight on gave nothing up.

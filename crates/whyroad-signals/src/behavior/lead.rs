@@ -4,7 +4,7 @@ use crate::behavior::stops::Standing;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     CategoryValue, id,
     value::{LeadClass, TargetLaneChange},
 };

@@ -6,7 +6,7 @@ use crate::target::placement::{MOVING_MPS, Placement, Target};
 use crate::target::rows::Rows;
 use std::f64::consts::FRAC_PI_4;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// Passing takes no longer than this, s.
 const WITHIN_S: f64 = 10.0;

@@ -7,7 +7,7 @@ use crate::target::interaction::Interaction;
 use crate::target::motion::OPPOSITE_RAD;
 use crate::target::placement::{Placement, Surroundings};
 use crate::target::rows::Rows;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::{ObjectClass, Tri};
 
 /// From this distance ahead of the front bumper on two pass each other, m.

@@ -6,7 +6,7 @@ use crate::series::GAP_S;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// The effect is looked for in this time after the change, s.
 const WITHIN_S: f64 = 3.0;

@@ -3,7 +3,7 @@
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// Stops are counted over this time, s.
 const COUNT_OVER_S: f64 = 60.0;

@@ -8,7 +8,7 @@ use crate::series::slope;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// The usual line is the median over this time, s.
 const MEDIAN_OVER_S: f64 = 5.0;

@@ -6,7 +6,7 @@ use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use crate::target::rows::Rows;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// Below this forward speed a vehicle reverses, m/s (as `ego.meta_longitudinal`).
 const REVERSE_MPS: f64 = -0.3;

@@ -9,7 +9,7 @@ use crate::target::lanes::drives;
 use crate::target::placement::{MOVING_MPS, Placement};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_4;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::{RoadMap, Tri};
 
 /// Vehicles within this of the ego make up the density, m.
@@ -122,7 +122,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let (mut density, mut flow) = (vec![0.0; n], vec![(0_usize, 0.0); n]);
     for target in scene.targets.iter().filter(|t| t.track.class.is_vehicle()) {
         for p in target.places.iter().flatten() {
-            if (p.footprint.centre - ego.position[p.frame]).is_within(DENSITY_REACH_M) {
+            if (p.footprint.center - ego.position[p.frame]).is_within(DENSITY_REACH_M) {
                 density[p.frame] += 1.0;
             }
             if flows(p) && p.speed().is_finite() {

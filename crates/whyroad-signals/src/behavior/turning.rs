@@ -5,7 +5,7 @@ use crate::geometry::unwrap;
 use crate::series::GAP_S;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// From this long before ...
 const BEFORE_S: f64 = 1.0;

@@ -9,7 +9,7 @@ use crate::target::approach::{CLOSING_LEAST_MPS, along};
 use crate::target::interaction::Interaction;
 use crate::target::placement::{Approach, Placement, Target};
 use crate::target::rows::Rows;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// What a car can brake, m/s2 (CriMe BTN, from CommonRoad's vehicle).
 const BRAKE_MPS2: f64 = 11.5;

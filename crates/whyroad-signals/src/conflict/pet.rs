@@ -34,7 +34,7 @@ fn stands(poses: impl Iterator<Item = (f64, f64, OrientedBox)>) -> Vec<Stand> {
     let mut found: Vec<Stand> = Vec::new();
     for (t, z, footprint) in poses {
         match found.last_mut() {
-            Some(last) if (footprint.centre - last.footprint.centre).norm() < STAND_M => last.until = t,
+            Some(last) if (footprint.center - last.footprint.center).norm() < STAND_M => last.until = t,
             _ => found.push(Stand { footprint, z, from: t, until: t }),
         }
     }
@@ -70,7 +70,7 @@ impl EgoSweep {
         let stands = stands(known.map(|i| (times[i], ego.z[i], ego.footprint(i))));
         let points = stands.iter().enumerate();
         let tree = RTree::bulk_load(
-            points.map(|(i, s)| GeomWithData::new([s.footprint.centre.x, s.footprint.centre.y], i)).collect(),
+            points.map(|(i, s)| GeomWithData::new([s.footprint.center.x, s.footprint.center.y], i)).collect(),
         );
         Self { radius: ego.length.hypot(ego.width) / 2.0, stands, tree }
     }
@@ -86,7 +86,7 @@ impl EgoSweep {
         for (j, other) in theirs.iter().enumerate() {
             let reach = self.radius + other.footprint.radius();
             pairs.extend(
-                self.near(other.footprint.centre, reach)
+                self.near(other.footprint.center, reach)
                     // On a bridge one passes over the other.
                     .filter(|&i| {
                         let apart = (self.stands[i].z - other.z).abs();
@@ -132,11 +132,11 @@ impl EgoSweep {
     /// its size is unknown.
     pub fn pet(&self, target: &Target<'_>, times: &[f64]) -> Vec<f64> {
         let known: Vec<_> = target.places.iter().flatten().filter(|p| p.is_sized()).collect();
-        let travelled = known.first().is_some_and(|first| {
-            let away = |p: &&Placement| p.footprint.centre - first.footprint.centre;
+        let traveled = known.first().is_some_and(|first| {
+            let away = |p: &&Placement| p.footprint.center - first.footprint.center;
             known.iter().any(|p| away(p).norm() >= LEAST_TRAVEL_M)
         });
-        let encounters = if travelled {
+        let encounters = if traveled {
             self.encounters(&stands(known.iter().map(|p| (times[p.frame], p.z, p.footprint))))
         } else {
             Vec::new()

@@ -9,7 +9,7 @@ use crate::target::placement::{MOVING_MPS, Placement, Surroundings, Target};
 use crate::target::rows::Rows;
 use std::ops::Range;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// Courses that meet at less than this run along each other: 20 deg.
 const CROSSING_LEAST_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
@@ -57,7 +57,7 @@ fn crossing(p: &Placement, around: &Surroundings<'_>, among: &Range<usize>) -> O
     }
     let direction = p.velocity * (1.0 / p.speed());
     let length = p.footprint.length;
-    let rear = p.footprint.centre - direction * (length / 2.0);
+    let rear = p.footprint.center - direction * (length / 2.0);
     let (ego_s, half) = (around.path.ego_s[p.frame], around.ego.length / 2.0);
     let line = &around.path.line;
     let (points, at, lengths) = (line.points(), line.arc_lengths(), line.segment_lengths());

@@ -8,7 +8,7 @@ use crate::target::gaps::lane_lateral_speed;
 use crate::target::interaction::Interaction;
 use crate::target::placement::Placement;
 use crate::target::rows::Rows;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// Minimum speed across the lane for approaching its edge, m/s.
 const LATERAL_LEAST_MPS: f64 = 0.05;

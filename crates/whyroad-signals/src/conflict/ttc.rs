@@ -7,7 +7,7 @@ use crate::target::approach::CLOSING_LEAST_MPS;
 use crate::target::placement::{Approach, Placement, Surroundings, Target};
 use crate::target::rows::Rows;
 use whyroad_model::ObjectClass;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::scene::Drive;
 
 /// Below this speed the ego is at standstill, and has no headway, m/s.
@@ -61,7 +61,7 @@ fn ttc_box(p: &Placement, class: ObjectClass, ego: &EgoMotion) -> f64 {
     if !p.is_sized() || !p.velocity.is_finite() || !ego.velocity[p.frame].is_finite() {
         return f64::NAN;
     }
-    if !p.same_level || !(own.centre - p.footprint.centre).is_within(BOX_REACH_M) {
+    if !p.same_level || !(own.center - p.footprint.center).is_within(BOX_REACH_M) {
         return f64::INFINITY;
     }
     let forward = p.footprint.direction();

@@ -10,7 +10,7 @@ use crate::target::interaction::Interaction;
 use crate::target::placement::{Placement, Surroundings};
 use crate::target::rows::Rows;
 use whyroad_model::ObjectClass;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// Accelerations that differ by no more are equal, m/s2 (CriMe TTC).
 const EQUAL_MPS2: f64 = 0.1;
@@ -148,9 +148,9 @@ fn contact(a: &OrientedBox, da: P2, ma: Line, b: &OrientedBox, db: P2, mb: Line)
     let mut t = 0.0;
     while t <= BOX_HORIZON_S {
         let at = |c: P2, direction: P2, line: Line| c + direction * line.covered(t);
-        let (x, y) = (a.moved_to(at(a.centre, da, ma)), b.moved_to(at(b.centre, db, mb)));
+        let (x, y) = (a.moved_to(at(a.center, da, ma)), b.moved_to(at(b.center, db, mb)));
         // Circles first: far apart they tell enough.
-        let circles = (x.centre - y.centre).norm() - around;
+        let circles = (x.center - y.center).norm() - around;
         let apart = if circles > 1.0 { circles } else { x.distance(&y) };
         if apart <= TOUCH_M {
             return t;
@@ -238,14 +238,14 @@ mod tests {
         for k in 0..4000_u32 {
             let turn = |n: u32| f64::from(k * n % 63) * 0.1;
             let a = OrientedBox::new(P2 { x: 0.0, y: 0.0 }, turn(1), 4.7, 1.9);
-            let centre = P2 { x: f64::from(k % 41) - 20.0, y: f64::from(k % 37) * 0.8 - 14.0 };
-            let b = OrientedBox::new(centre, turn(5), 4.0, 2.0);
+            let center = P2 { x: f64::from(k % 41) - 20.0, y: f64::from(k % 37) * 0.8 - 14.0 };
+            let b = OrientedBox::new(center, turn(5), 4.0, 2.0);
             let (da, db) = (a.direction(), P2::from_heading(turn(11)));
             let (ma, mb) =
                 (line(f64::from(k % 13) - 3.0, f64::from(k % 7) - 3.0), line(f64::from(k % 11), -1.0));
             let nearest = (0..=1000_u32).map(|i| {
                 let t = f64::from(i) * 0.01;
-                a.moved_to(da * ma.covered(t)).distance(&b.moved_to(centre + db * mb.covered(t)))
+                a.moved_to(da * ma.covered(t)).distance(&b.moved_to(center + db * mb.covered(t)))
             });
             let nearest = nearest.fold(f64::INFINITY, f64::min);
             if stay_apart(&a, da, ma, &b, db, mb) {

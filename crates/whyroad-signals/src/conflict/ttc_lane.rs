@@ -10,7 +10,7 @@ use crate::target::approach::CLOSING_LEAST_MPS;
 use crate::target::placement::{Placement, Surroundings, Target};
 use crate::target::rows::Rows;
 use std::f64::consts::FRAC_PI_4;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::scene::Drive;
 
 /// Half the length that a box takes up along a direction, m.

@@ -3,8 +3,8 @@
 
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
-use whyroad_model::catalogue::value::EgoTurnSignal;
+use whyroad_model::catalog::id;
+use whyroad_model::catalog::value::EgoTurnSignal;
 use whyroad_model::scene::{EgoBus, TurnSignal};
 
 /// The driver takes over when the brake is pressed this near in time to the end of cruise control, frames.

@@ -5,7 +5,7 @@ use crate::ego::motion::EgoMotion;
 use crate::series::{absorb_short_runs, smooth};
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     id,
     value::{EgoMetaLateral, EgoMetaLongitudinal},
 };

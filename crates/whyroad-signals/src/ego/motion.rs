@@ -6,7 +6,7 @@ use crate::geometry::{OrientedBox, P2, p2, unwrap, wrap};
 use crate::series::{below_with_hysteresis, slope};
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::scene::Ego;
 
 /// Half width of the window in which derivatives are fitted, s.

@@ -19,7 +19,7 @@ pub const YAW_RATE: usize = 4;
 pub const ACCEL: usize = 5;
 
 /// From the rear axle to the middle of a vehicle, as a share of its length.
-pub const REAR_TO_CENTRE: f64 = 0.27;
+pub const REAR_TO_CENTER: f64 = 0.27;
 /// Change of acceleration within a second, one standard deviation, m/s2. On the speeds of 43 simulated drives with
 /// noise of 0.2 m and 0.3 m/s, 0.5 % of the speeds are more than three of their deviations off; with 1.2 it was 1.6 %.
 const JERK: f64 = 2.0;
@@ -40,14 +40,14 @@ const DRIFT_RAD: f64 = 0.005;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bicycle {
     /// From the rear axle to the box center, m.
-    pub rear_to_centre_m: f64,
+    pub rear_to_center_m: f64,
 }
 
 impl Model<6> for Bicycle {
     const ANGLE: Option<usize> = Some(HEADING);
 
     fn predict(&self, s: &[f64; 6], dt: f64) -> ([f64; 6], Matrix<6>) {
-        let (half, lever) = (0.5 * dt, self.rear_to_centre_m);
+        let (half, lever) = (0.5 * dt, self.rear_to_center_m);
         let (sin, cos) = (s[HEADING] + s[YAW_RATE] * half).sin_cos();
         let ahead = s[SPEED] * dt + s[ACCEL] * dt * half;
         let aside = lever * s[YAW_RATE] * dt;
@@ -87,7 +87,7 @@ impl Model<6> for Bicycle {
         q[HEADING][YAW_RATE] = turn * dt2 / 2.0;
         q[YAW_RATE][HEADING] = q[HEADING][YAW_RATE];
         q[YAW_RATE][YAW_RATE] = turn * dt;
-        let swings = LEVER_SHARE * self.rear_to_centre_m * s[YAW_RATE];
+        let swings = LEVER_SHARE * self.rear_to_center_m * s[YAW_RATE];
         let slip = (SLIP_M * SLIP_M + swings * swings) * dt;
         q[X][X] = slip;
         q[Y][Y] = slip;

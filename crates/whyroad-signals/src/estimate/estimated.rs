@@ -1,7 +1,7 @@
 //! A drive to its estimated states: noise of each kind of object, ids joined, each object smoothed unless what the log
 //! states of it is exact and complete.
 
-use super::bicycle::{Bicycle, REAR_TO_CENTRE};
+use super::bicycle::{Bicycle, REAR_TO_CENTER};
 use super::deviation;
 use super::join::{Candidate, MAX_AWAY_S, joins};
 use super::jumps::between_jumps;
@@ -11,12 +11,12 @@ use super::samples;
 use super::smoother::{Deviations, MotionModel, States, smooth};
 use super::{complete_motion, forget_impossible, is_stated};
 use std::borrow::Cow;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::scene::{Ego, FrameOfReference, Motion, Track};
 use whyroad_model::{Column, Drive, ObjectClass, SignalTable, Tri};
 
 /// The same where the length is unknown, m.
-const REAR_TO_CENTRE_M: f64 = 1.2;
+const REAR_TO_CENTER_M: f64 = 1.2;
 /// Rows from which the noise of one kind of object is told by that kind alone.
 const ENOUGH_ROWS: usize = 300;
 
@@ -272,8 +272,8 @@ fn model_of(class: ObjectClass, lengths: &[f64]) -> MotionModel {
         return MotionModel::ConstantVelocity;
     }
     let length = lengths.get(lengths.len() / 2).copied().filter(|l| l.is_finite());
-    let rear_to_centre_m = length.map_or(REAR_TO_CENTRE_M, |l| REAR_TO_CENTRE * l);
-    MotionModel::Bicycle(Bicycle { rear_to_centre_m })
+    let rear_to_center_m = length.map_or(REAR_TO_CENTER_M, |l| REAR_TO_CENTER * l);
+    MotionModel::Bicycle(Bicycle { rear_to_center_m })
 }
 
 fn states_of(measured: &Measured, model: MotionModel, noise: &LogNoise) -> States {

@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn an_id_that_breaks_is_joined_and_a_neighbour_is_not() {
+    fn an_id_that_breaks_is_joined_and_a_neighbor_is_not() {
         use ObjectClass::{Car, Pedestrian};
         // Gone for 0.3 s; its neighbor in the next lane goes on.
         let broken = [car(0.0, 4.0, 0.0), car(4.3, 9.0, 0.1), car(0.0, 9.0, 3.5)];

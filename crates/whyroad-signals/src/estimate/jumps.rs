@@ -3,7 +3,7 @@
 //! seconds.
 
 use super::MAX_SIDE_STEP_M;
-use super::bicycle::REAR_TO_CENTRE;
+use super::bicycle::REAR_TO_CENTER;
 use super::noise::LogNoise;
 use super::objects::Measured;
 use super::smoother::MotionModel;
@@ -27,7 +27,7 @@ pub(super) fn between_jumps(
     noise: &LogNoise,
 ) -> Vec<Range<usize>> {
     let MotionModel::Bicycle(bicycle) = model else { return vec![run] };
-    let half = 0.5 * bicycle.rear_to_centre_m / REAR_TO_CENTRE;
+    let half = 0.5 * bicycle.rear_to_center_m / REAR_TO_CENTER;
     let front = |i: usize| {
         let (sin, cos) = measured.heading[i].sin_cos();
         (measured.x[i] + half * cos, measured.y[i] + half * sin)
@@ -66,7 +66,7 @@ mod tests {
     use crate::estimate::bicycle::Bicycle;
     use crate::estimate::noise::Noise;
 
-    const CAR: MotionModel = MotionModel::Bicycle(Bicycle { rear_to_centre_m: 1.3 });
+    const CAR: MotionModel = MotionModel::Bicycle(Bicycle { rear_to_center_m: 1.3 });
 
     /// A car at 15 m/s along x, a row every `step` tenths of a second, 3.2 m further left from `at` s on within
     /// `lasts` s.

@@ -16,7 +16,7 @@ pub const MAX_GAP_S: f64 = 0.25;
 const VELOCITY_REACH: usize = 2;
 /// Rows either side of the frame in the fit for acceleration: wider, because noise grows with the second derivative.
 const ACCELERATION_REACH: usize = 3;
-/// A heading that turns by more than this between two rows was re-labelled (front and rear swapped), not turned, rad.
+/// A heading that turns by more than this between two rows was re-labeled (front and rear swapped), not turned, rad.
 const MAX_HEADING_STEP_RAD: f64 = FRAC_PI_2;
 
 /// What follows from positions; one value a row, NaN where a row has too few neighbors.

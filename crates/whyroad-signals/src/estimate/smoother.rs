@@ -270,7 +270,7 @@ fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances, of_mean: f6
     };
     for s in &smoothed.states {
         let (sin, cos) = s[HEADING].sin_cos();
-        let aside = model.rear_to_centre_m * s[YAW_RATE];
+        let aside = model.rear_to_center_m * s[YAW_RATE];
         out.vx.push(s[SPEED] * cos - aside * sin);
         out.vy.push(s[SPEED] * sin + aside * cos);
     }

@@ -8,7 +8,7 @@ use super::polyline::segment_distance2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
     /// Center, m.
-    pub centre: P2,
+    pub center: P2,
     /// Direction of the length, rad.
     pub heading: f64,
     /// m.
@@ -21,25 +21,25 @@ pub struct OrientedBox {
 
 impl OrientedBox {
     /// A box; sizes in m, `heading` in rad. What is not known is NaN.
-    pub fn new(centre: P2, heading: f64, length: f64, width: f64) -> Self {
+    pub fn new(center: P2, heading: f64, length: f64, width: f64) -> Self {
         let (direction, radius) = (P2::from_heading(heading), length.hypot(width) / 2.0);
-        Self { centre, heading, length, width, direction, radius }
+        Self { center, heading, length, width, direction, radius }
     }
 
     /// A box without extent.
-    pub fn point(centre: P2) -> Self {
-        Self { centre, heading: 0.0, length: 0.0, width: 0.0, direction: P2 { x: 1.0, y: 0.0 }, radius: 0.0 }
+    pub fn point(center: P2) -> Self {
+        Self { center, heading: 0.0, length: 0.0, width: 0.0, direction: P2 { x: 1.0, y: 0.0 }, radius: 0.0 }
     }
 
     /// True for the same bits, so that whatever is worked out from either is the same.
     pub fn has_bits_of(&self, other: &OrientedBox) -> bool {
         let bits = |b: &OrientedBox| [b.heading, b.length, b.width].map(f64::to_bits);
-        self.centre.has_bits_of(other.centre) && bits(self) == bits(other)
+        self.center.has_bits_of(other.center) && bits(self) == bits(other)
     }
 
     /// The same box elsewhere.
-    pub fn moved_to(&self, centre: P2) -> Self {
-        Self { centre, ..*self }
+    pub fn moved_to(&self, center: P2) -> Self {
+        Self { center, ..*self }
     }
 
     /// Unit vector of the heading.
@@ -51,7 +51,7 @@ impl OrientedBox {
     pub fn corners(&self) -> [P2; 4] {
         let (forward, left) =
             (self.direction * (self.length / 2.0), self.direction.left() * (self.width / 2.0));
-        let c = self.centre;
+        let c = self.center;
         [c + forward + left, c - forward + left, c - forward - left, c + forward - left]
     }
 
@@ -62,7 +62,7 @@ impl OrientedBox {
 
     /// True when the two share at least a point.
     pub fn overlaps(&self, other: &OrientedBox) -> bool {
-        (other.centre - self.centre).is_within(self.radius + other.radius) && self.shadows_overlap(other)
+        (other.center - self.center).is_within(self.radius + other.radius) && self.shadows_overlap(other)
     }
 
     /// [`OrientedBox::overlaps`] of two boxes that are near each other.
@@ -122,8 +122,8 @@ impl OrientedBox {
     pub fn shadow(&self, axis: P2) -> (f64, f64) {
         let half = (self.direction.dot(axis) * self.length).abs() / 2.0
             + (self.direction.left().dot(axis) * self.width).abs() / 2.0;
-        let centre = self.centre.dot(axis);
-        (centre - half, centre + half)
+        let center = self.center.dot(axis);
+        (center - half, center + half)
     }
 }
 
@@ -189,7 +189,7 @@ mod tests {
         let mut apart = 0;
         for k in 0..3000_u32 {
             let (turn, step) = (f64::from(k) * 0.37, f64::from(k % 83) * 0.21);
-            let of = |centre: P2| OrientedBox::new(centre + far, turn, 0.4 + step, 0.5 * f64::from(k % 5));
+            let of = |center: P2| OrientedBox::new(center + far, turn, 0.4 + step, 0.5 * f64::from(k % 5));
             let a = OrientedBox::new(far, f64::from(k % 7) * FRAC_PI_4, 4.7, 1.9);
             let b = of(p2(f64::from(k % 29) - 14.0, f64::from(k % 31) * 2.0 - 30.0));
             if a.overlaps(&b) {

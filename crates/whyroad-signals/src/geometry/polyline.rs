@@ -58,7 +58,7 @@ pub struct Ray {
 impl Ray {
     /// False where it surely does not touch the circle: by more than rounding can do.
     fn may_touch(&self, block: &Block) -> bool {
-        let to = block.centre - self.from;
+        let to = block.center - self.from;
         let (along, radius) = (to.dot(self.direction), block.radius + 1e-3);
         self.direction.cross(to).abs() <= radius && along >= -radius && along <= self.reach + radius
     }

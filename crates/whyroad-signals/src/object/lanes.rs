@@ -81,7 +81,7 @@ impl BodyLanes {
         while let Some(lane) = todo.pop() {
             for segment in self.chain(road, lane).iter().copied() {
                 if found.insert(segment) {
-                    todo.extend(road.lanes[segment].neighbours.into_iter().flatten());
+                    todo.extend(road.lanes[segment].neighbors.into_iter().flatten());
                 }
             }
         }
@@ -113,12 +113,12 @@ fn lane_under(road: &Road, body: &Body, i: usize) -> Option<usize> {
             && lane.area.as_ref().is_some_and(|a| a.contains(p))
     };
     let under = road.lanes_near(p, 0.0).into_iter().filter(|l| holds(&road.lanes[*l]));
-    let away = |l: usize| road.lanes[l].centre.distance(p);
+    let away = |l: usize| road.lanes[l].center.distance(p);
     under.min_by(|a, b| away(*a).total_cmp(&away(*b)))
 }
 
 fn ends(lane: &LaneShape) -> (f64, f64) {
-    (lane.centre.smooth_heading_at(0.0, 1.0), lane.centre.smooth_heading_at(lane.centre.length(), 1.0))
+    (lane.center.smooth_heading_at(0.0, 1.0), lane.center.smooth_heading_at(lane.center.length(), 1.0))
 }
 
 fn is_turn(lane: &LaneShape) -> bool {
@@ -160,20 +160,20 @@ fn opposite_of(road: &Road, lane: usize) -> Option<usize> {
     if own.in_junction {
         return None;
     }
-    let middle = own.centre.length() / 2.0;
-    let heading = own.centre.smooth_heading_at(middle, 1.0);
+    let middle = own.center.length() / 2.0;
+    let heading = own.center.smooth_heading_at(middle, 1.0);
     let (left, right) = own.widths_at(middle);
     let across = P2::from_heading(heading).left();
-    [(0, left), (1, -right)].into_iter().filter(|(side, _)| own.neighbours[*side].is_none()).find_map(
+    [(0, left), (1, -right)].into_iter().filter(|(side, _)| own.neighbors[*side].is_none()).find_map(
         |(_, edge)| {
             let outward = edge.signum();
             let mut beyond = 0.5;
             while beyond <= MEDIAN_M {
-                let p = own.centre.point_at(middle) + across * (edge + outward * beyond);
+                let p = own.center.point_at(middle) + across * (edge + outward * beyond);
                 let against = road.lanes_near(p, 0.0).into_iter().find(|l| {
                     let other = &road.lanes[*l];
-                    let at = other.centre.project(p);
-                    let turned = wrap(other.centre.smooth_heading_at(at.s, 1.0) - heading).abs();
+                    let at = other.center.project(p);
+                    let turned = wrap(other.center.smooth_heading_at(at.s, 1.0) - heading).abs();
                     other.kind != LaneKind::Sidewalk
                         && !other.in_junction
                         && turned > AGAINST_RAD

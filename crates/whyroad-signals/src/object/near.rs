@@ -115,11 +115,11 @@ fn is_near((a, i, of_a): (&Body, usize, f64), (b, k, of_b): (&Body, usize, f64))
     if apart.dot(apart) <= PAIR_REACH_M * PAIR_REACH_M * (1.0 - 1e-9) {
         return true;
     }
-    let centres = apart.norm();
-    if centres <= PAIR_REACH_M {
+    let centers = apart.norm();
+    if centers <= PAIR_REACH_M {
         return true;
     }
-    if centres - of_a - of_b > PAIR_REACH_M {
+    if centers - of_a - of_b > PAIR_REACH_M {
         return false;
     }
     a.footprint(i).distance(&b.footprint(k)) <= PAIR_REACH_M
@@ -166,8 +166,8 @@ mod tests {
             let is_near = |i: usize, k: usize, frame: usize| {
                 let (a, b) = (&bodies[i], &bodies[k]);
                 let Some((m, n)) = a.at(frame).zip(b.at(frame)) else { return false };
-                let centres = (b.position[n] - a.position[m]).norm();
-                centres <= PAIR_REACH_M || a.footprint(m).distance(&b.footprint(n)) <= PAIR_REACH_M
+                let centers = (b.position[n] - a.position[m]).norm();
+                centers <= PAIR_REACH_M || a.footprint(m).distance(&b.footprint(n)) <= PAIR_REACH_M
             };
             let cars = PairClasses {
                 first: [ObjectClass::Car].into(),

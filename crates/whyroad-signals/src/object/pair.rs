@@ -9,8 +9,8 @@ use crate::refav::{
 };
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_4, PI};
-use whyroad_model::catalogue::CategoryValue;
-use whyroad_model::catalogue::value::{PairDirection, PairRoadSide, PairSector};
+use whyroad_model::catalog::CategoryValue;
+use whyroad_model::catalog::value::{PairDirection, PairRoadSide, PairSector};
 use whyroad_model::pair::PairSpan;
 use whyroad_model::{Column, Tri};
 
@@ -240,7 +240,7 @@ fn follows(scene: &Scene<'_>, m: &Meeting<'_>) -> Tri {
     }
     let lane = &road.lanes[own];
     let same = theirs == own || lane.successors.contains(&theirs);
-    let beside = lane.neighbours.contains(&Some(theirs));
+    let beside = lane.neighbors.contains(&Some(theirs));
     let (half, side) = (m.b.width[m.k] / 2.0, m.a.width[m.i] / 2.0);
     let reaches_in = [at.y + half, at.y - half].iter().any(|edge| edge.abs() <= side);
     Tri::from((same && at.y.abs() < FOLLOWING_BESIDE_M) || (beside && reaches_in))

@@ -8,8 +8,8 @@ use crate::refav::turning::turning;
 use crate::road::lane_change::{self, Rows};
 use crate::series::slope;
 use std::f64::consts::FRAC_PI_2;
-use whyroad_model::catalogue::CategoryValue;
-use whyroad_model::catalogue::value::{EgoLaneChange, EgoRefavTurning, ObjectLaneType};
+use whyroad_model::catalog::CategoryValue;
+use whyroad_model::catalog::value::{EgoLaneChange, EgoRefavTurning, ObjectLaneType};
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::road_map::LaneKind;
 use whyroad_model::{Column, ObjectClass, Tri};
@@ -122,7 +122,7 @@ struct ObjectClassCode(ObjectClass);
 
 impl CategoryValue for ObjectClassCode {
     const ALL: &'static [Self] = &[];
-    const NAMES: &'static [&'static str] = whyroad_model::catalogue::value::ObjectClass::NAMES;
+    const NAMES: &'static [&'static str] = whyroad_model::catalog::value::ObjectClass::NAMES;
     fn code(self) -> u16 {
         let at = Self::NAMES.iter().position(|n| *n == self.0.id());
         at.and_then(|i| u16::try_from(i).ok()).unwrap_or(UNKNOWN_CODE)
@@ -199,7 +199,7 @@ fn lane_changes(scene: &Scene<'_>) -> Option<Vec<Option<EgoLaneChange>>> {
 fn distance_to(area: &Polygon, of: &OrientedBox) -> f64 {
     let (low, high) = area.bounds();
     let reach = REACH_M + of.radius();
-    let c = of.centre;
+    let c = of.center;
     if c.x < low.x - reach || c.x > high.x + reach || c.y < low.y - reach || c.y > high.y + reach {
         return f64::INFINITY;
     }
@@ -254,8 +254,8 @@ fn at_stop_sign(scene: &Scene<'_>) -> Option<Column> {
         for id in &sign.lane_ids {
             // Usable lanes keep the map's order: sorted by id.
             if let Ok(lane) = road.lanes.binary_search_by(|l| l.id.as_str().cmp(id)) {
-                let centre = &road.lanes[lane].centre;
-                let facing = wrap(centre.smooth_heading_at(centre.length(), 1.0) + std::f64::consts::PI);
+                let center = &road.lanes[lane].center;
+                let facing = wrap(center.smooth_heading_at(center.length(), 1.0) + std::f64::consts::PI);
                 signs.push(StopSign { at, facing, lane });
             }
         }
@@ -281,9 +281,9 @@ fn nearest_end(road: &crate::road::network::Road, at: P2) -> Option<usize> {
     }
     let end = |l: usize| {
         let lane = &road.lanes[l];
-        let s = lane.centre.length();
-        let right = P2::from_heading(lane.centre.smooth_heading_at(s, 1.0)).left() * lane.widths_at(s).1;
-        (lane.centre.point_at(s) - right - at).norm()
+        let s = lane.center.length();
+        let right = P2::from_heading(lane.center.smooth_heading_at(s, 1.0)).left() * lane.widths_at(s).1;
+        (lane.center.point_at(s) - right - at).norm()
     };
     let near = road.lanes_near(at, SIGN_FORWARD_M).into_iter();
     let usable = near.filter(|l| !road.lanes[*l].in_junction && road.lanes[*l].kind != LaneKind::Sidewalk);

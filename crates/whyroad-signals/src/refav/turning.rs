@@ -2,7 +2,7 @@
 
 use crate::geometry::wrap;
 use std::f64::consts::FRAC_PI_4;
-use whyroad_model::catalogue::value::EgoRefavTurning;
+use whyroad_model::catalog::value::EgoRefavTurning;
 
 /// A mean of more than this is turning at a track's edge: 5 deg/s.
 const EDGE_RADPS: f64 = 5.0 * std::f64::consts::PI / 180.0;

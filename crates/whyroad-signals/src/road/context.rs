@@ -2,8 +2,8 @@
 //! until the next of its kind, also over missing frames; before the first nothing is known.
 
 use crate::table::TableBuilder;
-use whyroad_model::catalogue::{Category, CategoryValue, PerFrame, Signal};
-use whyroad_model::catalogue::{id, value::ContextPavement};
+use whyroad_model::catalog::{Category, CategoryValue, PerFrame, Signal};
+use whyroad_model::catalog::{id, value::ContextPavement};
 use whyroad_model::scene::ContextState;
 use whyroad_model::vocabulary::UNKNOWN;
 use whyroad_model::{Drive, Nanos, Tri};

@@ -24,13 +24,13 @@ pub struct Corridor {
 
 /// How much a lane turns from its start to its end, rad, without sign.
 fn turn_of(lane: &LaneShape) -> f64 {
-    wrap(lane.centre.heading_at(lane.centre.length()) - lane.centre.heading_at(0.0)).abs()
+    wrap(lane.center.heading_at(lane.center.length()) - lane.center.heading_at(0.0)).abs()
 }
 
 /// The continuation to take: one on the route, else one beside the route, else the straightest.
 fn choose(road: &Road, options: &[usize], route: &[usize]) -> Option<usize> {
     let rank = |&i: &usize| {
-        let beside = road.lanes[i].neighbours.iter().flatten().any(|n| route.contains(n));
+        let beside = road.lanes[i].neighbors.iter().flatten().any(|n| route.contains(n));
         let order = if route.contains(&i) {
             0.0
         } else if beside {
@@ -51,7 +51,7 @@ impl Corridor {
         // The lane itself may be shorter than what is wanted ahead of any place on it.
         while reach < AHEAD_M {
             let Some(next) = choose(road, &road.lanes[*chain.last()?].successors, route) else { break };
-            reach += road.lanes[next].centre.length();
+            reach += road.lanes[next].center.length();
             chain.push(next);
         }
         let mut behind = Vec::new();
@@ -59,7 +59,7 @@ impl Corridor {
         while reach < BEHIND_M {
             let last = behind.last().copied().unwrap_or(base);
             let Some(previous) = choose(road, &road.lanes[last].predecessors, route) else { break };
-            reach += road.lanes[previous].centre.length();
+            reach += road.lanes[previous].center.length();
             behind.push(previous);
         }
         behind.reverse();
@@ -71,7 +71,7 @@ impl Corridor {
         for &index in &behind {
             let lane = &road.lanes[index];
             starts.push((index, points.len()));
-            for (i, &p) in lane.centre.points().iter().enumerate() {
+            for (i, &p) in lane.center.points().iter().enumerate() {
                 if points.last().is_some_and(|&q: &P2| (p - q).norm() <= 0.05) {
                     continue;
                 }

@@ -11,7 +11,7 @@ use crate::road::way::beside;
 use crate::table::TableBuilder;
 use std::collections::BTreeSet;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// A junction farther ahead than this is not asked for its lights, m.
 const LIGHTS_REACH_M: f64 = 100.0;

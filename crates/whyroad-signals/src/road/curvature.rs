@@ -5,7 +5,7 @@ use crate::geometry::Polyline;
 use crate::road::ego_lane::EgoLane;
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// The chords whose directions are compared are this long, m.
 const REACH_M: f64 = 5.0;

@@ -9,7 +9,7 @@ use crate::road::network::Road;
 use crate::table::TableBuilder;
 use std::collections::BTreeMap;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{Number, PerFrame, Signal, id};
+use whyroad_model::catalog::{Number, PerFrame, Signal, id};
 use whyroad_model::road_map::LaneKind;
 
 /// A side must be this far over a line to count, m: boxes and maps are good to about a decimeter.
@@ -78,7 +78,7 @@ pub fn lane_count(road: &Road, lane: usize) -> f64 {
         let mut at = lane;
         // Bounded: a map whose neighbors form a ring must not hang us.
         for _ in 0..16 {
-            let Some(next) = road.lanes[at].neighbours[side] else { break };
+            let Some(next) = road.lanes[at].neighbors[side] else { break };
             at = next;
             if matches!(road.lanes[at].kind, LaneKind::Vehicle | LaneKind::Bus) {
                 count += 1;
@@ -92,18 +92,18 @@ pub fn lane_count(road: &Road, lane: usize) -> f64 {
 fn in_opposing_lane(road: &Road, footprint: &OrientedBox, z: f64) -> bool {
     let [a, b, c, d] = footprint.corners();
     let points = [a, b, c, d, (a + b) * 0.5, (c + d) * 0.5];
-    road.lanes_near(footprint.centre, footprint.radius()).into_iter().any(|l| {
+    road.lanes_near(footprint.center, footprint.radius()).into_iter().any(|l| {
         let lane = &road.lanes[l];
         let rolls = matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus);
         rolls
             && !lane.in_junction
             && lane.on_level(z)
             && points.iter().any(|&p| {
-                let at = lane.centre.project(p);
+                let at = lane.center.project(p);
                 let (left, right) = lane.widths_at(at.s);
-                let along = lane.centre.smooth_heading_at(at.s, 2.0);
+                let along = lane.center.smooth_heading_at(at.s, 2.0);
                 at.s > 0.0
-                    && at.s < lane.centre.length()
+                    && at.s < lane.center.length()
                     && at.lateral < left - INSIDE_M
                     && at.lateral > INSIDE_M - right
                     && wrap(along - footprint.heading).abs() >= ONCOMING_RAD

@@ -10,7 +10,7 @@ use crate::road::on_road::{OnRoad, time_to};
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     Number, PerFrame, Signal, id,
     value::{ContextConstruction, GateState, MapTollKind},
 };
@@ -149,7 +149,7 @@ fn roundabouts(on: &OnRoad<'_>) -> Vec<(Stretch, f64)> {
     for facility in on.map.facilities.iter().filter(|f| f.kind == "roundabout") {
         let Some(area) = Polygon::new(facility.boundary.iter().map(|p| p2(p.x, p.y))) else { continue };
         let within = |l: &usize| {
-            let line = &on.road.lanes[*l].centre;
+            let line = &on.road.lanes[*l].center;
             [0.25, 0.5, 0.75].iter().all(|t| area.contains(line.point_at(t * line.length())))
         };
         let lanes: Vec<usize> = (0..on.road.lanes.len()).filter(within).collect();

@@ -8,7 +8,7 @@ use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
 use std::f64::consts::PI;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{id, value::EgoMovement};
+use whyroad_model::catalog::{id, value::EgoMovement};
 
 /// Step in which the path is probed, m.
 const STEP_M: f64 = 0.5;
@@ -127,7 +127,7 @@ fn turns_round(road: &Road, path: &DrivenPath) -> Vec<Stretch> {
         let middle = path.line.point_at(at((begins + j) / 2));
         let course = headings[(begins + j) / 2];
         let led_round = road.lanes_near(middle, 0.5).into_iter().any(|l| {
-            let line = &road.lanes[l].centre;
+            let line = &road.lanes[l].center;
             let along = line.smooth_heading_at(line.project(middle).s, 2.0);
             !road.lanes[l].in_junction && wrap(along - course).abs() < TURN_RAD
         });

@@ -51,7 +51,7 @@ fn links(road: &Road, inside: &[usize]) -> (Vec<Link>, Vec<usize>) {
         let outside = |l: &&usize| !road.lanes[**l].in_junction && rolls(road, **l);
         for &l in road.lanes[lane].predecessors.iter().filter(outside) {
             entries.insert(l);
-            let line = &road.lanes[l].centre;
+            let line = &road.lanes[l].center;
             let at = line.point_at(line.length());
             let back = line.point_at((line.length() - DIRECTION_M).max(0.0));
             if seen.insert((l, true)) {
@@ -59,7 +59,7 @@ fn links(road: &Road, inside: &[usize]) -> (Vec<Link>, Vec<usize>) {
             }
         }
         for &l in road.lanes[lane].successors.iter().filter(outside) {
-            let line = &road.lanes[l].centre;
+            let line = &road.lanes[l].center;
             let (at, on) = (line.point_at(0.0), line.point_at(DIRECTION_M.min(line.length())));
             if seen.insert((l, false)) {
                 found.push(Link { outside: l, at, bearing: (on - at).heading() });
@@ -138,7 +138,7 @@ impl JunctionArms {
     /// comes from the arm into which the ego turns (that of its lane `exit`) does not cross its way.
     pub fn is_opposed(&self, road: &Road, approach: usize, exit: Option<usize>) -> bool {
         let into = |lane: usize| {
-            let line = &road.lanes[lane].centre;
+            let line = &road.lanes[lane].center;
             let before = (line.length() - DIRECTION_M).max(0.0);
             (line.point_at(line.length()) - line.point_at(before)).heading()
         };
@@ -165,7 +165,7 @@ pub fn groups(road: &Road, stated: impl Fn(usize) -> Option<String>) -> Vec<Vec<
     let mut named: std::collections::BTreeMap<String, Vec<usize>> = Default::default();
     let mut loose: Vec<Vec<usize>> = Vec::new();
     for &lane in &inside {
-        let line = &road.lanes[lane].centre;
+        let line = &road.lanes[lane].center;
         let middle = line.point_at(line.length() / 2.0);
         let in_area = || road.junctions.iter().position(|j| j.contains(middle)).map(|k| format!("area {k}"));
         match stated(lane).or_else(in_area) {

@@ -9,14 +9,14 @@ use crate::road::lanes::LanePlace;
 use crate::road::network::Road;
 use crate::road::own_shift::{OnWay, most_shifted};
 use crate::series::GAP_S;
-use whyroad_model::catalogue::value::EgoLaneChange;
+use whyroad_model::catalog::value::EgoLaneChange;
 
 /// Lateral speed from which an actor moves across, and below which it is stable, m/s (LABELING.md 4, RefAV).
 const LATERAL_MPS: f64 = 0.1;
 /// Standard deviations that the speed across and the offset must exceed too.
 const DEVIATIONS: f64 = 1.5;
 /// Within this of the new lane's center it has arrived, m (LABELING.md 4).
-const CENTRED_M: f64 = 0.3;
+const CENTERED_M: f64 = 0.3;
 /// Without lateral motion for this long it is stable too, if not in the center, s.
 const SETTLED_S: f64 = 2.0;
 /// A pause in the lateral motion shorter than this does not part the beginning, s.
@@ -80,7 +80,7 @@ fn side_of(road: &Road, a: usize, b: usize) -> Option<usize> {
         }
     }
     let beside = |x: usize, y: usize, side: usize| {
-        road.lanes[x].neighbours[side] == Some(y) || road.lanes[y].neighbours[1 - side] == Some(x)
+        road.lanes[x].neighbors[side] == Some(y) || road.lanes[y].neighbors[1 - side] == Some(x)
     };
     (0..2).find(|&side| {
         beside(a, b, side)
@@ -100,8 +100,8 @@ impl Rows<'_> {
     }
 
     /// Distance from the center within which it has arrived, m: not less than its noise.
-    fn centred_m(&self, row: usize) -> f64 {
-        self.aside.get(row).map_or(CENTRED_M, |a| CENTRED_M.max(DEVIATIONS * a.place_m))
+    fn centered_m(&self, row: usize) -> f64 {
+        self.aside.get(row).map_or(CENTERED_M, |a| CENTERED_M.max(DEVIATIONS * a.place_m))
     }
 
     /// Offset from a corridor's center and speed across it, both positive towards `sign`.
@@ -141,7 +141,7 @@ impl Rows<'_> {
             }
             let (offset, speed) = self.across(old, row, sign);
             if speed >= self.moving_mps(row)
-                || (offset > self.centred_m(row) && start == row + 1 && speed > 0.0)
+                || (offset > self.centered_m(row) && start == row + 1 && speed > 0.0)
             {
                 start = row;
             } else if self.times[start] - self.times[row] > PAUSE_S {
@@ -162,7 +162,7 @@ impl Rows<'_> {
                 still_since = None;
             }
             let settled =
-                still && (offset.abs() < self.centred_m(row) || self.times[row] - since >= SETTLED_S);
+                still && (offset.abs() < self.centered_m(row) || self.times[row] - since >= SETTLED_S);
             let broken = row + 1 < latest && self.gap_after(row);
             if settled || broken || self.times[row] - self.times[k] > LONGEST_HALF_S {
                 return row + 1;

@@ -10,7 +10,7 @@ use crate::road::way::Way;
 use crate::table::TableBuilder;
 use std::collections::BTreeSet;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     id,
     value::{EgoMovement, MapLaneKind, MapLaneTurns, MapLeftLane, MapLeftMark},
 };
@@ -58,7 +58,7 @@ fn turns_of(on: &OnRoad<'_>, lane: usize, entry: f64, left: usize, found: &mut B
     if onward.is_empty() {
         // As the road behind the junction goes; some maps draw the lanes inside as straight lines.
         let behind = shape.successors.first().map(|&l| heading_near(on.road, l, 0.0));
-        let exit = behind.unwrap_or_else(|| heading_near(on.road, lane, shape.centre.length()));
+        let exit = behind.unwrap_or_else(|| heading_near(on.road, lane, shape.center.length()));
         let turned = wrap(exit - entry).to_degrees();
         // The bounds of `ego.movement`.
         found.insert(match turned {
@@ -75,7 +75,7 @@ fn turns_of(on: &OnRoad<'_>, lane: usize, entry: f64, left: usize, found: &mut B
 
 /// Direction of a lane near arc length `s`, from within it.
 fn heading_near(road: &Road, lane: usize, s: f64) -> f64 {
-    let line = &road.lanes[lane].centre;
+    let line = &road.lanes[lane].center;
     line.smooth_heading_at(s.clamp(1.0, (line.length() - 1.0).max(1.0)), 1.0)
 }
 
@@ -85,7 +85,7 @@ fn entry_heading(road: &Road, lane: usize) -> f64 {
     for _ in 0..MOST_LINKS {
         let Some(&before) = road.lanes[at].predecessors.first() else { break };
         if !road.lanes[before].in_junction {
-            return heading_near(road, before, road.lanes[before].centre.length());
+            return heading_near(road, before, road.lanes[before].center.length());
         }
         at = before;
     }
@@ -108,7 +108,7 @@ pub fn turns_ahead(on: &OnRoad<'_>, way: &Way, front: f64, reach: f64) -> Option
         return Some(found);
     }
     let approach = way.steps[next - 1].lane;
-    let entry = heading_near(on.road, approach, on.road.lanes[approach].centre.length());
+    let entry = heading_near(on.road, approach, on.road.lanes[approach].center.length());
     for &lane in &on.road.lanes[approach].successors {
         if on.road.lanes[lane].in_junction && on.road.lanes[lane].kind != LaneKind::Sidewalk {
             turns_of(on, lane, entry, MOST_LINKS, &mut found);
@@ -150,9 +150,9 @@ fn mark_value(mark: LaneMark) -> Option<MapLeftMark> {
 /// The lane beside the ego's; unknown where the map names one that it does not have.
 fn beside_value(on: &OnRoad<'_>, index: usize, side: usize) -> Option<MapLeftLane> {
     let own = on.lane(index)?;
-    let Some(id) = [&own.left_neighbour, &own.right_neighbour][side] else { return Some(MapLeftLane::None) };
+    let Some(id) = [&own.left_neighbor, &own.right_neighbor][side] else { return Some(MapLeftLane::None) };
     let other = on.map.lane(id)?;
-    let same = on.road.lanes[index].neighbours[side].is_some();
+    let same = on.road.lanes[index].neighbors[side].is_some();
     Some(match (other.kind, same) {
         (LaneKind::Bike, _) => MapLeftLane::Bike,
         (LaneKind::Shoulder, _) => MapLeftLane::Shoulder,
@@ -173,7 +173,7 @@ fn limits(on: &OnRoad<'_>) -> Vec<Option<f64>> {
             let from = || {
                 let shape = &on.road.lanes[lane];
                 // As does a short piece that only joins two roads.
-                if !shape.in_junction && shape.centre.length() > JOINT_M {
+                if !shape.in_junction && shape.center.length() > JOINT_M {
                     return None;
                 }
                 before.or_else(|| shape.predecessors.iter().find_map(|&p| stated(p)))

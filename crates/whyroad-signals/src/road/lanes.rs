@@ -55,13 +55,13 @@ fn candidates(road: &Road, p: P2, heading: f64, tether: Tether, found: &mut Vec<
         if lane.kind == LaneKind::Sidewalk {
             continue;
         }
-        let at = lane.centre.project(p);
-        if at.s < -END_SLACK_M || at.s > lane.centre.length() + END_SLACK_M {
+        let at = lane.center.project(p);
+        if at.s < -END_SLACK_M || at.s > lane.center.length() + END_SLACK_M {
             continue;
         }
         let (left, right) = lane.widths_at(at.s);
         let beyond = (at.lateral - left).max(-at.lateral - right).max(0.0);
-        let turned = wrap(heading - lane.centre.smooth_heading_at(at.s, 2.0)).abs();
+        let turned = wrap(heading - lane.center.smooth_heading_at(at.s, 2.0)).abs();
         if beyond > tether.reach_m || turned > HEADING_LIMIT_RAD {
             continue;
         }
@@ -87,9 +87,9 @@ fn transition(road: &Road, a: usize, b: usize) -> f64 {
             return 0.1 * f64::from(hop);
         }
     }
-    let beside = |i: usize| road.lanes[i].neighbours.into_iter().flatten();
-    let to_neighbour = beside(a).any(|n| n == b) || beside(b).any(|n| n == a);
-    if to_neighbour {
+    let beside = |i: usize| road.lanes[i].neighbors.into_iter().flatten();
+    let to_neighbor = beside(a).any(|n| n == b) || beside(b).any(|n| n == a);
+    if to_neighbor {
         return CHANGE_COST;
     }
     let diagonal = beside(a).any(|n| road.lanes[n].successors.contains(&b))

@@ -7,8 +7,8 @@ use crate::road::ego_lane::{EgoLane, OnCorridor};
 use crate::road::network::Road;
 use crate::table::TableBuilder;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::catalogue::{id, value};
-use whyroad_model::scene::{LightColour, LightState};
+use whyroad_model::catalog::{id, value};
+use whyroad_model::scene::{LightColor, LightState};
 use whyroad_model::{Nanos, RoadMap};
 
 /// Lights farther ahead do not concern the ego yet, m: 6 s at 90 km/h. Rules ask for less where the ego is slower.
@@ -20,28 +20,28 @@ const LASTED_S: f64 = 5.0;
 const STANDS_MPS: f64 = 0.1;
 
 /// The value of light.state; `None` if the log does not know the color.
-fn shown_value(colour: LightColour) -> Option<value::LightState> {
-    Some(match colour {
-        LightColour::Red => value::LightState::Red,
-        LightColour::Yellow => value::LightState::Yellow,
-        LightColour::Green => value::LightState::Green,
-        LightColour::GreenYield => value::LightState::GreenYield,
-        LightColour::GreenRound => value::LightState::GreenRound,
-        LightColour::GreenArrow => value::LightState::GreenArrow,
-        LightColour::FlashingGreen => value::LightState::FlashingGreen,
-        LightColour::RedYellow => value::LightState::RedYellow,
-        LightColour::FlashingYellow => value::LightState::FlashingYellow,
-        LightColour::Off => value::LightState::Off,
-        LightColour::Unknown => return None,
+fn shown_value(color: LightColor) -> Option<value::LightState> {
+    Some(match color {
+        LightColor::Red => value::LightState::Red,
+        LightColor::Yellow => value::LightState::Yellow,
+        LightColor::Green => value::LightState::Green,
+        LightColor::GreenYield => value::LightState::GreenYield,
+        LightColor::GreenRound => value::LightState::GreenRound,
+        LightColor::GreenArrow => value::LightState::GreenArrow,
+        LightColor::FlashingGreen => value::LightState::FlashingGreen,
+        LightColor::RedYellow => value::LightState::RedYellow,
+        LightColor::FlashingYellow => value::LightState::FlashingYellow,
+        LightColor::Off => value::LightState::Off,
+        LightColor::Unknown => return None,
     })
 }
 
 /// What a light shows, and what it showed before.
 #[derive(Clone, Copy)]
 struct Shown {
-    colour: LightColour,
+    color: LightColor,
     /// `None` when no change was recorded.
-    previous: Option<LightColour>,
+    previous: Option<LightColor>,
     /// Since the change, or since it was first seen, s.
     lasted_s: f64,
     /// Until the next color, as its countdown shows, s; NaN without one.
@@ -52,7 +52,7 @@ impl Shown {
     /// Time since the change, s; a lower bound where none was recorded, NaN while that says nothing.
     fn since_change(self) -> f64 {
         let told = self.previous.is_some() || self.lasted_s >= LASTED_S - 1e-6;
-        if told && self.colour != LightColour::Unknown { self.lasted_s } else { f64::NAN }
+        if told && self.color != LightColor::Unknown { self.lasted_s } else { f64::NAN }
     }
 }
 
@@ -91,17 +91,17 @@ impl<'a> Lights<'a> {
         let states =
             || self.by_lane.get(lane).into_iter().flatten().filter(concerns).filter(|s| s.time <= time);
         let latest = states().max_by_key(|s| s.time)?;
-        let colour = latest.colour;
+        let color = latest.color;
         let passed_s = time.seconds_since(latest.time);
         // One that has run out and was not replaced shows nothing.
         let countdown_s = latest.countdown_s.map(|s| s - passed_s).filter(|s| *s >= 0.0).unwrap_or(f64::NAN);
-        let before = states().filter(|s| s.colour != colour).max_by_key(|s| s.time);
+        let before = states().filter(|s| s.color != color).max_by_key(|s| s.time);
         let since = states()
-            .filter(|s| s.colour == colour && before.is_none_or(|b| s.time > b.time))
+            .filter(|s| s.color == color && before.is_none_or(|b| s.time > b.time))
             .map(|s| s.time)
             .min()?;
         let lasted_s = time.seconds_since(since);
-        Some(Shown { colour, previous: before.map(|b| b.colour), lasted_s, countdown_s })
+        Some(Shown { color, previous: before.map(|b| b.color), lasted_s, countdown_s })
     }
 
     /// The next light on the corridor: what it shows, when known at `time`, and the distance of its stop line from
@@ -165,7 +165,7 @@ pub fn write(
                     f64::INFINITY,
                 ),
                 Some((shown, distance)) => (
-                    shown.and_then(|s| shown_value(s.colour)),
+                    shown.and_then(|s| shown_value(s.color)),
                     distance,
                     shown.and_then(|s| s.previous).and_then(shown_value),
                     shown.map_or(f64::NAN, Shown::since_change),

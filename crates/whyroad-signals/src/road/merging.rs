@@ -9,7 +9,7 @@ use crate::table::TableBuilder;
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     id,
     value::{MapFacilityChange, MapMergeZone},
 };
@@ -51,9 +51,9 @@ fn side_by_side(road: &Road, a: usize, b: usize) -> bool {
 
 /// How far the lane shifts sideways to reach the start of `into`, m.
 fn shift(road: &Road, lane: usize, into: usize) -> f64 {
-    let start = road.lanes[into].centre.point_at(0.0);
+    let start = road.lanes[into].center.point_at(0.0);
     let shift_of = |lane: usize| {
-        let line = &road.lanes[lane].centre;
+        let line = &road.lanes[lane].center;
         // Against the line's own beginning: what bends only to end in the other lane has shifted by its width.
         let (origin, heading) = (line.point_at(0.0), line.smooth_heading_at(0.0, 0.5));
         crate::geometry::P2::from_heading(heading).cross(start - origin).abs()
@@ -121,7 +121,7 @@ fn connects_ramp(road: &Road, lane: usize, is_ramp: impl Fn(usize) -> bool) -> b
         whole_road(road, lane).into_iter().all(|l| all_ramps(links(&road.lanes[l])))
     };
     !road.lanes[lane].in_junction
-        && road.lanes[lane].centre.length() < CONNECTOR_M
+        && road.lanes[lane].center.length() < CONNECTOR_M
         && (one_way(|l| &l.successors) || one_way(|l| &l.predecessors))
 }
 
@@ -152,7 +152,7 @@ impl Role {
                 .collect()
         };
         let ramp = tagged(lane, "ramp") || connects_ramp(road, lane, |l| tagged(l, "ramp"));
-        let through = !ramp && road.lanes[lane].centre.length() < ZONE_M;
+        let through = !ramp && road.lanes[lane].center.length() < ZONE_M;
         Self {
             ramp,
             joined: through && near(|l| &l.predecessors).into_iter().any(|l| tagged(l, "ramp")),
@@ -182,7 +182,7 @@ impl Role {
 fn begins_beside(road: &Road, lane: usize) -> bool {
     let next = |l: usize| road.lanes[l].successors.iter().copied();
     let before = |l: usize| road.lanes[l].predecessors.iter().copied();
-    let near: Vec<usize> = road.lanes[lane].neighbours.into_iter().flatten().collect();
+    let near: Vec<usize> = road.lanes[lane].neighbors.into_iter().flatten().collect();
     let goes_on = |p: usize| {
         let reached = next(p).chain(next(p).flat_map(|l| road.lanes[l].successors.iter().copied()));
         reached.chain(before(p).flat_map(next).flat_map(next)).any(|l| near.contains(&l))
@@ -192,7 +192,7 @@ fn begins_beside(road: &Road, lane: usize) -> bool {
 
 fn zone(on: &OnRoad<'_>, roles: &[Role], lane: usize, ends: f64) -> MapMergeZone {
     let role = roles[lane];
-    let beside = on.road.lanes[lane].neighbours.into_iter().flatten();
+    let beside = on.road.lanes[lane].neighbors.into_iter().flatten();
     if on.road.lanes[lane].in_junction || role.ramp {
         MapMergeZone::None
     } else if role.weaves() {

@@ -15,7 +15,7 @@ pub struct LaneShape {
     /// Id in the map.
     pub id: String,
     /// Center line in driving direction.
-    pub centre: Polyline,
+    pub center: Polyline,
     /// Distance from the center line to the left edge at each of its points, m.
     pub left_width: Vec<f64>,
     /// The same to the right edge.
@@ -33,13 +33,13 @@ pub struct LaneShape {
     /// Lanes that lead here.
     pub predecessors: Vec<usize>,
     /// Adjacent lanes of the same direction, left then right.
-    pub neighbours: [Option<usize>; 2],
+    pub neighbors: [Option<usize>; 2],
 }
 
 impl LaneShape {
     /// Widths to the left and right edge at arc length `s`, m.
     pub fn widths_at(&self, s: f64) -> (f64, f64) {
-        self.centre.interpolate_both([&self.left_width, &self.right_width], s)
+        self.center.interpolate_both([&self.left_width, &self.right_width], s)
     }
 
     /// True when an object whose box center has height `z` can be on this lane (or heights are unknown).
@@ -77,24 +77,24 @@ fn grid(areas: &[Polygon]) -> BoxGrid {
 }
 
 fn shape(lane: &Lane) -> Option<LaneShape> {
-    let centre = Polyline::new(plane(&lane.centre))?;
+    let center = Polyline::new(plane(&lane.center))?;
     let stated = lane.width_m.filter(|w| w.is_finite() && *w > 0.0).map_or(DEFAULT_HALF_WIDTH_M, |w| w / 2.0);
     let edges = (Polyline::new(plane(&lane.left)), Polyline::new(plane(&lane.right)));
     let (left_width, right_width, area) = match &edges {
         (Some(left), Some(right)) => {
-            let to = |edge: &Polyline| centre.points().iter().map(|&p| edge.distance(p)).collect();
+            let to = |edge: &Polyline| center.points().iter().map(|&p| edge.distance(p)).collect();
             let ring = left.points().iter().chain(right.points().iter().rev()).copied();
             (to(left), to(right), Polygon::new(ring))
         }
         _ => {
-            let widths = vec![stated; centre.points().len()];
+            let widths = vec![stated; center.points().len()];
             let side = |sign: f64| {
-                centre
+                center
                     .arc_lengths()
                     .iter()
                     .map(|&s| {
-                        centre.point_at(s)
-                            + P2::from_heading(centre.smooth_heading_at(s, 0.5)).left() * (sign * stated)
+                        center.point_at(s)
+                            + P2::from_heading(center.smooth_heading_at(s, 0.5)).left() * (sign * stated)
                     })
                     .collect::<Vec<P2>>()
             };
@@ -103,10 +103,10 @@ fn shape(lane: &Lane) -> Option<LaneShape> {
             (widths.clone(), widths, area)
         }
     };
-    let z = |f: fn(f64, f64) -> f64| lane.centre.iter().map(|p| p.z).fold(f64::NAN, f);
+    let z = |f: fn(f64, f64) -> f64| lane.center.iter().map(|p| p.z).fold(f64::NAN, f);
     Some(LaneShape {
         id: lane.id.clone(),
-        centre,
+        center,
         left_width,
         right_width,
         area,
@@ -115,15 +115,15 @@ fn shape(lane: &Lane) -> Option<LaneShape> {
         in_junction: lane.in_junction,
         successors: Vec::new(),
         predecessors: Vec::new(),
-        neighbours: [None, None],
+        neighbors: [None, None],
     })
 }
 
 /// Half way along, both lanes point the same way (neighbors in a map may run against each other).
 fn same_direction(a: &LaneShape, b: &LaneShape) -> bool {
-    let middle = a.centre.length() / 2.0;
-    let there = b.centre.project(a.centre.point_at(middle));
-    let direction = |lane: &LaneShape, s| P2::from_heading(lane.centre.smooth_heading_at(s, 1.0));
+    let middle = a.center.length() / 2.0;
+    let there = b.center.project(a.center.point_at(middle));
+    let direction = |lane: &LaneShape, s| P2::from_heading(lane.center.smooth_heading_at(s, 1.0));
     direction(a, middle).dot(direction(b, there.s)) > 0.5
 }
 
@@ -136,17 +136,17 @@ impl Road {
         let index = |id: &String| usable.binary_search_by(|(lane, _)| lane.id.cmp(id)).ok();
         let mut links = Vec::with_capacity(usable.len());
         for (i, (lane, shape)) in usable.iter().enumerate() {
-            let neighbour = |id: &Option<String>| {
+            let neighbor = |id: &Option<String>| {
                 let j = id.as_ref().and_then(index).filter(|&j| j != i)?;
                 same_direction(shape, &usable[j].1).then_some(j)
             };
             let linked = |ids: &[String]| ids.iter().filter_map(index).collect::<Vec<usize>>();
-            let neighbours = [neighbour(&lane.left_neighbour), neighbour(&lane.right_neighbour)];
-            links.push((linked(&lane.successors), linked(&lane.predecessors), neighbours));
+            let neighbors = [neighbor(&lane.left_neighbor), neighbor(&lane.right_neighbor)];
+            links.push((linked(&lane.successors), linked(&lane.predecessors), neighbors));
         }
         let mut lanes: Vec<LaneShape> = usable.into_iter().map(|(_, shape)| shape).collect();
-        for (lane, (successors, predecessors, neighbours)) in lanes.iter_mut().zip(links) {
-            (lane.successors, lane.predecessors, lane.neighbours) = (successors, predecessors, neighbours);
+        for (lane, (successors, predecessors, neighbors)) in lanes.iter_mut().zip(links) {
+            (lane.successors, lane.predecessors, lane.neighbors) = (successors, predecessors, neighbors);
         }
         let bounds = |(i, lane): (usize, &LaneShape)| Some((i, lane.area.as_ref()?.bounds()));
         let (junctions, drivable) = (polygons(&map.junctions), polygons(&map.drivable_areas));

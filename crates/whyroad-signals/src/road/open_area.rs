@@ -4,7 +4,7 @@ use crate::geometry::{P2, Polygon, p2};
 use crate::road::on_road::OnRoad;
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::road_map::LaneKind;
 
 /// A lane this near makes it a roadside, m: a parking strip and a lane beside it are narrower.
@@ -19,7 +19,7 @@ fn cut_ends(on: &OnRoad<'_>) -> Vec<P2> {
     let mut ends = Vec::new();
     for (i, lane) in on.road.lanes.iter().enumerate() {
         let (Some(given), Some(first), Some(last)) =
-            (on.lane(i), lane.centre.points().first(), lane.centre.points().last())
+            (on.lane(i), lane.center.points().first(), lane.center.points().last())
         else {
             continue;
         };
@@ -65,7 +65,7 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
             near.into_iter().any(|l| {
                 let lane = &on.road.lanes[l];
                 lane.kind != LaneKind::Sidewalk
-                    && lane.area.as_ref().map_or(lane.centre.distance(at), |a| a.distance(at)) < LANE_NEAR_M
+                    && lane.area.as_ref().map_or(lane.center.distance(at), |a| a.distance(at)) < LANE_NEAR_M
             })
         };
         Tri::from(areas.iter().any(|a| a.contains(at)) && !lane_near())

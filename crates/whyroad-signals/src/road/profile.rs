@@ -8,7 +8,7 @@ use crate::road::merging::merges_away;
 use crate::road::on_road::{OnRoad, within_horizon};
 use crate::road::way::{Way, beside};
 use crate::table::TableBuilder;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::road_map::Lane;
 
 /// The grade is that of a chord from this far behind to this far ahead, m.
@@ -35,7 +35,7 @@ impl Heights {
     fn of(lane: &Lane) -> Option<Self> {
         let (mut s, mut z) = (Vec::new(), Vec::new());
         let (mut at, mut before) = (0.0, None);
-        for p in &lane.centre {
+        for p in &lane.center {
             let here = p2(p.x, p.y);
             let step = before.map_or(f64::INFINITY, |b| (here - b).norm());
             // As `Polyline` drops repeated points.

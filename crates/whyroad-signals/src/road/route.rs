@@ -6,7 +6,7 @@ use crate::road::on_road::OnRoad;
 use crate::road::way::beside;
 use crate::table::TableBuilder;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     CategoryValue, id,
     value::{EgoMovement, RouteCommand},
 };
@@ -57,7 +57,7 @@ fn exits(on: &OnRoad<'_>, lane: usize) -> BTreeSet<usize> {
             if entered && !inside {
                 found.insert(next);
             } else if length < REACH_M && seen.insert(next) {
-                open.push((next, inside, length + on.road.lanes[next].centre.length()));
+                open.push((next, inside, length + on.road.lanes[next].center.length()));
             }
         }
     }
@@ -87,7 +87,7 @@ fn taken(on: &OnRoad<'_>, visits: &[usize], frame: usize) -> Option<(usize, f64)
         .iter()
         .filter_map(|&i| on.lanes.at(i).map(|place| (place.lane, driven(i))))
         .take_while(|&(lane, driven)| driven < FORK_M && !on.road.lanes[lane].in_junction)
-        .filter(|&(lane, _)| on.road.lanes[lane].centre.length() >= PIECE_M)
+        .filter(|&(lane, _)| on.road.lanes[lane].center.length() >= PIECE_M)
         .last()
 }
 
@@ -95,7 +95,7 @@ fn taken(on: &OnRoad<'_>, visits: &[usize], frame: usize) -> Option<(usize, f64)
 /// the map does not say how the lane goes on. `s` is where the ego is on it.
 fn leads_along(on: &OnRoad<'_>, visits: &[usize], (lane, s): (usize, f64), frame: usize) -> Option<bool> {
     let (taken, driven) = taken(on, visits, frame)?;
-    let length = |lane: usize| on.road.lanes[lane].centre.length();
+    let length = |lane: usize| on.road.lanes[lane].center.length();
     // How far off the lanes end to which it leads.
     let mut ends = BTreeMap::from([(lane, length(lane) - s)]);
     let mut open = vec![lane];

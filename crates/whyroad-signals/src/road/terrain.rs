@@ -5,7 +5,7 @@
 use crate::geometry::wrap;
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
-use whyroad_model::catalogue::{Number, PerFrame, Signal, id};
+use whyroad_model::catalog::{Number, PerFrame, Signal, id};
 
 /// Lateral acceleration beyond which a bend limits speed, m/s2 (taxonomy, high_curvature).
 const BEND_ACCEL: f64 = 2.0;

@@ -33,7 +33,7 @@ pub struct Way {
 
 /// How much a lane turns from its start to its end, rad, without sign.
 fn turn_of(road: &Road, lane: usize) -> f64 {
-    let line = &road.lanes[lane].centre;
+    let line = &road.lanes[lane].center;
     wrap(line.heading_at(line.length()) - line.heading_at(0.0)).abs()
 }
 
@@ -42,7 +42,7 @@ fn choose(road: &Road, options: &[usize], coming: &[usize]) -> Option<usize> {
     let rank = |&lane: &usize| {
         let on = coming.iter().position(|&l| l == lane);
         let beside =
-            || coming.iter().position(|l| road.lanes[lane].neighbours.iter().flatten().any(|n| n == l));
+            || coming.iter().position(|l| road.lanes[lane].neighbors.iter().flatten().any(|n| n == l));
         match (on, on.map_or_else(beside, |_| None)) {
             (Some(k), _) => (0, k, 0.0),
             (None, Some(k)) => (1, k, 0.0),
@@ -60,7 +60,7 @@ pub fn beside(road: &Road, lane: usize) -> Vec<usize> {
     for (side, found) in sides.iter_mut().enumerate() {
         let mut at = lane;
         // Bounded: a map whose neighbors form a ring must not hang us.
-        while let Some(next) = road.lanes[at].neighbours[side].filter(|_| found.len() < 16) {
+        while let Some(next) = road.lanes[at].neighbors[side].filter(|_| found.len() < 16) {
             found.push(next);
             at = next;
         }
@@ -73,7 +73,7 @@ impl Way {
     /// From the start of `lane` for an actor that is later in the lanes `coming`, in that order.
     pub fn new(road: &Road, lane: usize, coming: &[usize]) -> Self {
         let mut coming = coming;
-        let length = |lane: usize| road.lanes[lane].centre.length();
+        let length = |lane: usize| road.lanes[lane].center.length();
         let mut steps = vec![Step { lane, from: 0.0, to: length(lane), hopped: false }];
         let far_enough = length(lane) + REACH_M;
         while let Some(&last) = steps.last().filter(|s| s.to < far_enough) {

@@ -7,7 +7,7 @@ use super::view::{Owner, View};
 use crate::geometry::P2;
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// Maximum look-ahead, m.
 const HORIZON_M: f64 = 150.0;
@@ -85,8 +85,8 @@ impl<'a> Ahead<'a> {
         let Owner::Target(k) = owner else { return None };
         let target = &self.scene.targets[k];
         let place = target.places[target.track.row_at(frame)?].as_ref()?;
-        let centre: P2 = place.footprint.centre;
-        let lateral = self.scene.path.line.project_between(centre, s, s + CURVE_M + 10.0).lateral;
+        let center: P2 = place.footprint.center;
+        let lateral = self.scene.path.line.project_between(center, s, s + CURVE_M + 10.0).lateral;
         Some(if lateral.abs() <= ON_PATH_M { 0.0 } else { lateral })
     }
 

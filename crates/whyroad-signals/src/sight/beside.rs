@@ -7,7 +7,7 @@ use super::view::{Owner, View};
 use crate::geometry::P2;
 use crate::road::on_road::time_to;
 use crate::table::TableBuilder;
-use whyroad_model::catalogue::{CategoryValue, id, value::MapHiddenBesideBy};
+use whyroad_model::catalog::{CategoryValue, id, value::MapHiddenBesideBy};
 
 /// Length of the strip from the front bumper on, m.
 const LENGTH_M: f64 = 30.0;

@@ -12,7 +12,7 @@ use crate::road::junction::{Stretch, stretches};
 use crate::road::network::Road;
 use crate::table::TableBuilder;
 use std::f64::consts::{FRAC_PI_2, PI};
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// The junction is looked at from this distance on, m.
 const REACH_M: f64 = 60.0;

@@ -8,7 +8,7 @@ use super::view::Owner;
 use crate::table::TableBuilder;
 use crate::target::rows::Rows;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{id, value::TargetEmergence};
+use whyroad_model::catalog::{id, value::TargetEmergence};
 
 /// From this visible share on a target is seen.
 const VISIBLE_SHARE: f64 = 0.2;
@@ -87,7 +87,7 @@ fn rows_of(scene: &Scene<'_>, occlusion: &Occlusion<'_>, obstacles: &Obstacles<'
 
 fn emerges(scene: &Scene<'_>, k: usize, row: usize, seen: &Seen, was_hidden: bool) -> Tri {
     let Some(place) = &scene.targets[k].places[row] else { return Tri::Unknown };
-    if (place.footprint.centre - scene.ego.position[seen.frame]).norm() > REACH_M {
+    if (place.footprint.center - scene.ego.position[seen.frame]).norm() > REACH_M {
         return Tri::False;
     }
     if seen.share.is_nan() {

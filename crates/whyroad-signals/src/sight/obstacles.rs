@@ -97,7 +97,7 @@ impl<'a> Obstacles<'a> {
         let eye = ego.position[frame];
         let mut view = View::from(eye);
         for tracked in self.by_frame[frame].iter().filter(|t| t.hides) {
-            let near = |footprint: &OrientedBox| (footprint.centre - eye).is_within(REACH_M);
+            let near = |footprint: &OrientedBox| (footprint.center - eye).is_within(REACH_M);
             if let Some(footprint) = tracked.footprint.filter(near) {
                 view.add_box(Owner::Target(tracked.target), footprint);
             }

@@ -8,7 +8,7 @@ use crate::geometry::OrientedBox;
 use crate::table::TableBuilder;
 use crate::target::rows::Rows;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{id, value::TargetOccluder};
+use whyroad_model::catalog::{id, value::TargetOccluder};
 
 /// Farther targets are not looked at, m.
 const REACH_M: f64 = 80.0;
@@ -59,7 +59,7 @@ impl<'a> Occlusion<'a> {
     pub fn look(&mut self, frame: usize, view: Option<&View>, obstacles: &Obstacles<'_>) {
         let eye = self.scene.ego.position[frame];
         for &Tracked { target: k, row, footprint, .. } in obstacles.tracked(frame) {
-            let near = |footprint: &OrientedBox| (footprint.centre - eye).is_within(REACH_M);
+            let near = |footprint: &OrientedBox| (footprint.center - eye).is_within(REACH_M);
             let seen = &mut self.rows[k][row];
             if let (Some(view), Some(footprint)) = (view, footprint.filter(near))
                 && let Some(sight) = view.sight(Some(Owner::Target(k)), &footprint)
@@ -141,7 +141,7 @@ fn trace_back(scene: &Scene<'_>, k: usize, traces: &mut [Vec<Trace>]) {
         else {
             continue;
         };
-        if (p.footprint.centre - scene.ego.position[frame]).norm() > TRACED_REACH_M {
+        if (p.footprint.center - scene.ego.position[frame]).norm() > TRACED_REACH_M {
             continue;
         }
         for earlier in (before..frame).rev() {
@@ -149,8 +149,8 @@ fn trace_back(scene: &Scene<'_>, k: usize, traces: &mut [Vec<Trace>]) {
             if ago > TRACED_BACK_S + 1e-6 {
                 break;
             }
-            let centre = p.footprint.centre - p.velocity * ago;
-            traces[earlier].push(Trace { target: k, row, footprint: p.footprint.moved_to(centre) });
+            let center = p.footprint.center - p.velocity * ago;
+            traces[earlier].push(Trace { target: k, row, footprint: p.footprint.moved_to(center) });
         }
     }
 }

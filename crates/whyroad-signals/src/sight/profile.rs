@@ -7,7 +7,7 @@ use super::scene::Scene;
 use crate::geometry::{P2, p2};
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::road_map::{Point3, RoadMap};
 
 /// Driver's eye over the road, m (AASHTO Green Book: 1.08; RASt: 1.0; a van's 1.2).
@@ -113,7 +113,7 @@ impl<'a> Lanes<'a> {
         let bounds = map.lanes.iter().map(|lane| {
             let around = |f: fn(f64, f64) -> f64, start: f64| {
                 let fold = |acc: P2, p: &Point3| p2(f(acc.x, p.x), f(acc.y, p.y));
-                lane.centre.iter().fold(p2(start, start), fold)
+                lane.center.iter().fold(p2(start, start), fold)
             };
             (around(f64::min, f64::INFINITY), around(f64::max, f64::NEG_INFINITY))
         });
@@ -129,7 +129,7 @@ impl<'a> Lanes<'a> {
             p.x >= low.x - reach && p.x <= high.x + reach && p.y >= low.y - reach && p.y <= high.y + reach
         };
         let lanes = self.map.lanes.iter().zip(&self.bounds).filter(|(_, bounds)| near(bounds));
-        let heights = lanes.flat_map(|(l, _)| l.centre.windows(2)).filter_map(|w| near_segment(w, p));
+        let heights = lanes.flat_map(|(l, _)| l.center.windows(2)).filter_map(|w| near_segment(w, p));
         heights.min_by(|a, b| (a - about).abs().total_cmp(&(b - about).abs())).unwrap_or(f64::NAN)
     }
 }

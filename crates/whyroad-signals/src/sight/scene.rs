@@ -4,7 +4,7 @@ use crate::ego::motion::EgoMotion;
 use crate::road::network::Road;
 use crate::road::path::DrivenPath;
 use crate::target::placement::Target;
-use crate::target::relations::Neighbours;
+use crate::target::relations::Neighbors;
 use whyroad_model::{Drive, TrackId};
 
 /// What the family is computed from.
@@ -20,7 +20,7 @@ pub struct Scene<'a> {
     /// The targets in row order.
     pub targets: &'a [Target<'a>],
     /// Who leads.
-    pub near: &'a Neighbours,
+    pub near: &'a Neighbors,
     /// Seconds by frame.
     pub times: &'a [f64],
 }

@@ -10,7 +10,7 @@ use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use crate::target::placement::Placement;
 use crate::target::rows::Rows;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 
 /// The points before and behind are this far, and twice this far, from where the two are level, m.
 const REACHES_M: [f64; 6] = [8.0, 12.0, 20.0, 30.0, 45.0, 60.0];

@@ -9,7 +9,7 @@ use crate::table::TableBuilder;
 use crate::target::placement::{MOVING_MPS, Placement, Target};
 use std::cell::Cell;
 use std::f64::consts::FRAC_PI_3;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::road_map::LaneKind;
 
 /// Farther than this to one side is free, m.
@@ -97,7 +97,7 @@ fn beside(ego: &OrientedBox, other: &OrientedBox) -> [f64; 2] {
     // Clip the footprint to the stretch along the ego's box.
     let mut ring: Vec<P2> = other
         .corners()
-        .map(|c| P2 { x: (c - ego.centre).dot(forward), y: (c - ego.centre).dot(left) })
+        .map(|c| P2 { x: (c - ego.center).dot(forward), y: (c - ego.center).dot(left) })
         .into();
     for sign in [1.0, -1.0] {
         let depth = |p: &P2| half - sign * p.x;
@@ -152,7 +152,7 @@ fn room_beside(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize
     }
     let reach = ego.radius() + FREE_M;
     for p in near {
-        if (p.footprint.centre - ego.centre).is_within(reach + p.footprint.radius()) {
+        if (p.footprint.center - ego.center).is_within(reach + p.footprint.radius()) {
             let free = beside(&ego, &p.footprint);
             room = [0, 1].map(|i| if free[i] < room[i] { free[i] } else { room[i] });
         }

@@ -3,7 +3,7 @@
 use crate::ego::meta_actions::MetaActions;
 use crate::target::lanes::TargetLanes;
 use crate::target::placement::{Surroundings, Target};
-use crate::target::relations::Neighbours;
+use crate::target::relations::Neighbors;
 use whyroad_model::Drive;
 
 /// One drive with all that was found before.
@@ -19,7 +19,7 @@ pub struct Interaction<'a> {
     /// The ego's meta actions.
     pub actions: &'a MetaActions,
     /// Lead and follower by frame.
-    pub near: &'a Neighbours,
+    pub near: &'a Neighbors,
     /// Lanes of the targets by row; `None` without a map.
     pub lanes: Option<&'a TargetLanes>,
 }

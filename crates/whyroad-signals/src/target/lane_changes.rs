@@ -15,7 +15,7 @@ use crate::target::placement::{MOVING_MPS, Placement, Target};
 use crate::target::rows::Rows;
 use std::collections::BTreeMap;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{id, value::TargetLaneChange};
+use whyroad_model::catalog::{id, value::TargetLaneChange};
 use whyroad_model::road_map::LaneKind;
 
 /// A swing across the lane counts from this width on, m.
@@ -74,7 +74,7 @@ fn sideways(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], time
                 last = None;
                 return f64::NAN;
             };
-            let left = P2::from_heading(road.lanes[place.lane].centre.smooth_heading_at(place.s, 2.0)).left();
+            let left = P2::from_heading(road.lanes[place.lane].center.smooth_heading_at(place.s, 2.0)).left();
             sum += last.map_or(0.0, |l| (time(r) - time(l)) * velocity.dot(left));
             last = Some(r);
             sum
@@ -203,18 +203,18 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
 
 /// Against every lane for vehicles that is here, outside junctions.
 fn against(road: &Road, p: &Placement) -> bool {
-    if p.speed() < MOVING_MPS || road.in_junction(p.footprint.centre) {
+    if p.speed() < MOVING_MPS || road.in_junction(p.footprint.center) {
         return false;
     }
-    let here = road.lanes_near(p.footprint.centre, 0.0).into_iter().filter(|&i| {
+    let here = road.lanes_near(p.footprint.center, 0.0).into_iter().filter(|&i| {
         let lane = &road.lanes[i];
         matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus)
-            && lane.area.as_ref().is_some_and(|a| a.contains(p.footprint.centre))
+            && lane.area.as_ref().is_some_and(|a| a.contains(p.footprint.center))
     });
     let mut any = false;
     for i in here {
-        let centre = &road.lanes[i].centre;
-        let along = centre.smooth_heading_at(centre.project(p.footprint.centre).s, 2.0);
+        let center = &road.lanes[i].center;
+        let along = center.smooth_heading_at(center.project(p.footprint.center).s, 2.0);
         if wrap(p.course() - along).abs() < OPPOSITE_RAD {
             return false;
         }

@@ -7,7 +7,7 @@ use crate::target::gaps::lane_lateral_speed;
 use crate::target::placement::{Placement, Target};
 use crate::target::rows::Rows;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::scene::Drive;
 
 /// Across an edge: more than a decimeter inside and more than a decimeter outside.
@@ -29,11 +29,11 @@ fn across_line(p: &Placement) -> Tri {
 pub fn write(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     table.flag(id::TARGET_WHEEL_OVER_LINE, rows.placed(targets, Tri::Unknown, across_line));
-    let [depth, from_centre, speed] = rows.placed_columns(targets, |_, _, p| {
-        let from_centre = p.lane.map(|(at, _, _)| at.lateral.abs());
-        [p.intrusion(), from_centre, lane_lateral_speed(p)].map(|value| value.unwrap_or(f64::NAN))
+    let [depth, from_center, speed] = rows.placed_columns(targets, |_, _, p| {
+        let from_center = p.lane.map(|(at, _, _)| at.lateral.abs());
+        [p.intrusion(), from_center, lane_lateral_speed(p)].map(|value| value.unwrap_or(f64::NAN))
     });
     table.number(id::TARGET_LATERAL_OFFSET, depth);
-    table.number(id::TARGET_LANE_CENTRE_DISTANCE, from_centre);
+    table.number(id::TARGET_LANE_CENTRE_DISTANCE, from_center);
     table.number(id::TARGET_LANE_LATERAL_SPEED, speed);
 }

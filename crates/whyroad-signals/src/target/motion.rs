@@ -7,7 +7,7 @@ use crate::geometry::{P2, angle_between_lines, p2, wrap};
 use crate::table::TableBuilder;
 use crate::target::placement::Target;
 use crate::target::rows::Rows;
-use whyroad_model::catalogue::{CategoryValue, id, value::TargetClass};
+use whyroad_model::catalog::{CategoryValue, id, value::TargetClass};
 use whyroad_model::scene::Drive;
 use whyroad_model::{ObjectClass, Tri};
 

@@ -78,10 +78,10 @@ impl<'a> OnLines<'a> {
         frame: usize,
         before: Option<&OnLines<'a>>,
     ) -> Self {
-        let centre = footprint.centre;
+        let center = footprint.center;
         let same = before.filter(|b| b.footprint.has_bits_of(&footprint));
         let window = path.window_near(path.ego_s[frame]);
-        let foot = foot_of(&path.line, centre, window, before.map(|b| (b.footprint.centre, &b.foot)));
+        let foot = foot_of(&path.line, center, window, before.map(|b| (b.footprint.center, &b.foot)));
         let extents = match same.filter(|b| b.foot.at == foot.at) {
             Some(before) => before.extents,
             None if sized => extents(path, &footprint, &foot.at),
@@ -96,7 +96,7 @@ impl<'a> OnLines<'a> {
             let last = last.filter(|(_, lane)| std::ptr::eq(lane.corridor, on.corridor));
             let line = &on.corridor.line;
             let window = line.window(on.s - 105.0, on.s + 155.0);
-            let foot = foot_of(line, centre, window, last.map(|(b, lane)| (b.footprint.centre, &lane.foot)));
+            let foot = foot_of(line, center, window, last.map(|(b, lane)| (b.footprint.center, &lane.foot)));
             let known = last.filter(|(_, lane)| same.is_some() && lane.foot.at == foot.at);
             let beside = known.map(|(_, lane)| lane.beside);
             let beside = beside.unwrap_or_else(|| beside_lane(on.corridor, &footprint, sized, &foot));

@@ -61,7 +61,7 @@ pub struct Placement {
     /// Nearest and farthest arc length (from the ego's center) of the part of the footprint that is in the band which
     /// the ego sweeps along its path, m; `None` when no part is.
     pub band: Option<(f64, f64)>,
-    /// In the ego's lane, see [`Placement::centre_in_way`]; inside junctions, where no lines are drawn, a target
+    /// In the ego's lane, see [`Placement::center_in_way`]; inside junctions, where no lines are drawn, a target
     /// that was in the lane stays in it until its whole footprint has left.
     pub in_way: bool,
     /// There is room beside it for the ego within the ego's lane, or no lane is known.
@@ -135,7 +135,7 @@ impl Placement {
     }
 
     /// True when the center is between the edges of [`Placement::way`], on its level and within reach.
-    fn centre_in_way(&self) -> bool {
+    fn center_in_way(&self) -> bool {
         let (at, left, right) = self.way();
         let inside = at.lateral <= left && at.lateral >= -right;
         self.same_level && self.within_reach() && inside && self.is_as_far_by_lane()
@@ -229,7 +229,7 @@ impl<'a> Surroundings<'a> {
             (0..track.motion.len()).map(|row| self.at(track, row, &mut before)).collect();
         let mut was_in_way = false;
         for p in places.iter_mut().flatten() {
-            p.in_way = p.centre_in_way() || (was_in_way && self.is_held_in_way(p));
+            p.in_way = p.center_in_way() || (was_in_way && self.is_held_in_way(p));
             was_in_way = p.in_way;
         }
         places
@@ -244,12 +244,12 @@ impl<'a> Surroundings<'a> {
         let Some(mut last) = rows.next().and_then(|row| self.at(track, row, &mut before)) else {
             return places;
         };
-        last.in_way = last.centre_in_way();
+        last.in_way = last.center_in_way();
         let mut held = !last.in_way && self.is_held_in_way(&last);
         while held && let Some(row) = rows.next() {
             // A row without a place changes nothing.
             if let Some(p) = self.at(track, row, &mut before) {
-                last.in_way = p.centre_in_way();
+                last.in_way = p.center_in_way();
                 held = !last.in_way && self.is_held_in_way(&p);
             }
         }
@@ -261,7 +261,7 @@ impl<'a> Surroundings<'a> {
 
     /// Inside junctions, where no lines are drawn, who was in the ego's way stays in it until they have left it whole.
     fn is_held_in_way(&self, p: &Placement) -> bool {
-        p.intrusion().is_some_and(|d| d > 0.0) && self.road.is_some_and(|r| r.in_junction(p.footprint.centre))
+        p.intrusion().is_some_and(|d| d > 0.0) && self.road.is_some_and(|r| r.in_junction(p.footprint.center))
     }
 
     /// First and last arc length of the points around a footprint that are in the band swept by the ego while its
@@ -315,8 +315,8 @@ impl<'a> Surroundings<'a> {
     /// True when the target, keeping its velocity, is in the swept band where the ego is after `seconds`.
     pub fn meets(&self, p: &Placement, seconds: f64) -> bool {
         let ego_s = self.path.ego_s[p.frame] + self.ego.forward_speed[p.frame] * seconds;
-        let footprint = p.footprint.moved_to(p.footprint.centre + p.velocity * seconds);
-        let at = self.path.project_near(footprint.centre, ego_s);
+        let footprint = p.footprint.moved_to(p.footprint.center + p.velocity * seconds);
+        let at = self.path.project_near(footprint.center, ego_s);
         let (_, _, beside) = extents(self.path, &footprint, &at);
         let front = ego_s + self.ego.length / 2.0;
         // A meter of grace: the gap was closed along the path, which is not quite where the target moved.
@@ -328,12 +328,12 @@ impl<'a> Surroundings<'a> {
     fn at(&self, track: &Track, row: usize, before: &mut Option<OnLines<'a>>) -> Option<Placement> {
         let frame = track.frames[row] as usize;
         let m = &track.motion;
-        let centre = p2(m.x[row], m.y[row]);
-        if !self.ego.is_known(frame) || !centre.is_finite() {
+        let center = p2(m.x[row], m.y[row]);
+        if !self.ego.is_known(frame) || !center.is_finite() {
             return None;
         }
         let footprint =
-            OrientedBox::new(centre, wrap(m.heading[row]), track.length_m[row], track.width_m[row]);
+            OrientedBox::new(center, wrap(m.heading[row]), track.length_m[row], track.width_m[row]);
         let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
         let sized = sizes_known && footprint.heading.is_finite();
         let found = OnLines::new(self.path, self.lanes, (footprint, sized), frame, before.as_ref());

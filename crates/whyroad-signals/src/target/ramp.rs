@@ -6,7 +6,7 @@ use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use crate::target::rows::Rows;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::id;
+use whyroad_model::catalog::id;
 use whyroad_model::road_map::RoadMap;
 
 /// A lane that a ramp leads onto is one to gain speed in when it is no longer than this, m (as for `map.merge_zone`).
@@ -23,7 +23,7 @@ fn joining(road: &Road, map: &RoadMap) -> Vec<bool> {
     };
     (0..road.lanes.len())
         .map(|l| {
-            let short = road.lanes[l].centre.length() < ZONE_M && !road.lanes[l].in_junction;
+            let short = road.lanes[l].center.length() < ZONE_M && !road.lanes[l].in_junction;
             tagged(l, "ramp") || tagged(l, "acceleration") || (short && after_ramp(l))
         })
         .collect()

@@ -8,7 +8,7 @@ use crate::target::placement::{MOVING_MPS, Placement, Target};
 use crate::target::rows::Rows;
 use std::f64::consts::PI;
 use whyroad_model::Tri;
-use whyroad_model::catalogue::{id, value::TargetRelation};
+use whyroad_model::catalog::{id, value::TargetRelation};
 use whyroad_model::scene::Drive;
 
 /// A lead or follower heads within this of the lane: 60 deg (RefAV following: cos > 0.5).
@@ -22,7 +22,7 @@ const ONCOMING_REACH_M: f64 = 100.0;
 const BESIDE_REACH_M: (f64, f64) = (50.0, 6.0);
 
 /// Lead and follower by frame: `(target index, row in its track)`.
-pub struct Neighbours {
+pub struct Neighbors {
     /// The lead.
     pub lead: Vec<Option<(usize, usize)>>,
     /// The follower.
@@ -36,8 +36,8 @@ fn leads_or_follows(p: &Placement) -> bool {
 
 /// The nearest vehicles ahead and behind in the ego's lane, frame by frame. Ties go to the target that comes
 /// first by id, so that the order of candidates changes nothing.
-pub fn neighbours(targets: &[Target<'_>], frames: usize) -> Neighbours {
-    let mut found = Neighbours { lead: vec![None; frames], follower: vec![None; frames] };
+pub fn neighbors(targets: &[Target<'_>], frames: usize) -> Neighbors {
+    let mut found = Neighbors { lead: vec![None; frames], follower: vec![None; frames] };
     let (mut nearest, mut farthest) = (vec![f64::INFINITY; frames], vec![f64::NEG_INFINITY; frames]);
     for (k, target) in targets.iter().enumerate().filter(|(_, t)| t.track.class.is_vehicle()) {
         for (row, place) in target.places.iter().enumerate() {
@@ -89,7 +89,7 @@ fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> TargetRelation {
 }
 
 /// Writes `target.in_ego_lane`, `is_lead`, `is_follower`, `relation`.
-pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbours, table: &mut TableBuilder<'_>) {
+pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbors, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     table.flag(id::TARGET_IN_EGO_LANE, rows.placed(targets, Tri::Unknown, |p| Tri::from(p.in_way)));
     let is =
@@ -112,7 +112,7 @@ pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbours, table: &m
 }
 
 /// Writes the `lead.*` signals: the lead's own target signals, copied to the frame.
-pub fn write_lead(ego: &EgoMotion, near: &Neighbours, table: &mut TableBuilder<'_>) {
+pub fn write_lead(ego: &EgoMotion, near: &Neighbors, table: &mut TableBuilder<'_>) {
     let frames = 0..ego.len();
     let known = |i: usize| ego.is_known(i);
     table.flag(

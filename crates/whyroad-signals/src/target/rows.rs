@@ -4,7 +4,7 @@
 use crate::table::{TableBuilder, TargetRows};
 use crate::target::placement::{Placement, Target};
 use whyroad_model::Tri;
-use whyroad_model::catalogue::CategoryValue;
+use whyroad_model::catalog::CategoryValue;
 use whyroad_model::scene::{Drive, Track};
 
 /// The row layout of one table.

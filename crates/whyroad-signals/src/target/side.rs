@@ -8,7 +8,7 @@ use crate::target::motion::OPPOSITE_RAD;
 use crate::target::placement::Placement;
 use crate::target::rows::Rows;
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     id,
     value::{TargetLaneSide, TargetMovesAlong, TargetSide},
 };
@@ -67,7 +67,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let (targets, ego) = (scene.targets, scene.around.ego);
     let bearing = |p: &Placement| {
-        let away = p.footprint.centre - ego.position[p.frame];
+        let away = p.footprint.center - ego.position[p.frame];
         let at = wrap(p2(away.x, away.y).heading() - ego.heading[p.frame]);
         Some(side(at))
     };

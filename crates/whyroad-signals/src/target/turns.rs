@@ -8,7 +8,7 @@ use crate::target::interaction::Interaction;
 use crate::target::lanes::drives;
 use crate::target::placement::Target;
 use crate::target::rows::Rows;
-use whyroad_model::catalogue::{
+use whyroad_model::catalog::{
     id,
     value::{EgoMovement, TargetTurns},
 };
@@ -33,10 +33,10 @@ fn turns(road: &Road, target: &Target<'_>) -> Vec<Option<TargetTurns>> {
         return codes;
     }
     // Distance traveled; what stands does not add its noise up to a way.
-    let mut travelled = vec![0.0; n];
+    let mut traveled = vec![0.0; n];
     for r in 1..n {
         let step = (p2(m.x[r], m.y[r]) - p2(m.x[r - 1], m.y[r - 1])).norm();
-        travelled[r] = travelled[r - 1] + if step.is_finite() && m.speed(r) >= 0.3 { step } else { 0.0 };
+        traveled[r] = traveled[r - 1] + if step.is_finite() && m.speed(r) >= 0.3 { step } else { 0.0 };
     }
     let in_junction = LastPlace::new();
     let is_inside = |p: P2| in_junction.at(p, || road.in_junction(p));
@@ -44,15 +44,14 @@ fn turns(road: &Road, target: &Target<'_>) -> Vec<Option<TargetTurns>> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for r in inside {
         match runs.last_mut() {
-            Some((_, last)) if travelled[r] - travelled[*last] <= MERGE_M => *last = r,
+            Some((_, last)) if traveled[r] - traveled[*last] <= MERGE_M => *last = r,
             _ => runs.push((r, r)),
         }
     }
     let headings = unwrap(&m.heading);
     for (first, last) in runs {
-        let before =
-            (0..first).rev().take_while(|&r| travelled[first] - travelled[r] <= TURN_MARGIN_M).last();
-        let after = (last + 1..n).take_while(|&r| travelled[r] - travelled[last] <= TURN_MARGIN_M).last();
+        let before = (0..first).rev().take_while(|&r| traveled[first] - traveled[r] <= TURN_MARGIN_M).last();
+        let after = (last + 1..n).take_while(|&r| traveled[r] - traveled[last] <= TURN_MARGIN_M).last();
         let angle = headings[after.unwrap_or(last)] - headings[before.unwrap_or(first)];
         let whole = first > 0 && last + 1 < n;
         let code = if angle.is_nan() { None } else { junction::movement(angle, whole).map(turn) };

@@ -68,8 +68,8 @@ fn the_intention_of_a_change_begins_after_what_was_before() {
     let mut lanes = vec![junction, lane("a", &[(20.0, 0.0), (500.0, 0.0)], 3.5)];
     lanes.push(lane("b", &[(20.0, 3.5), (500.0, 3.5)], 3.5));
     lanes[0].successors = vec!["a".to_owned()];
-    (lanes[1].predecessors, lanes[1].left_neighbour) = (vec!["j".to_owned()], Some("b".to_owned()));
-    lanes[2].right_neighbour = Some("a".to_owned());
+    (lanes[1].predecessors, lanes[1].left_neighbor) = (vec!["j".to_owned()], Some("b".to_owned()));
+    lanes[2].right_neighbor = Some("a".to_owned());
     d.map = Some(map(lanes));
     d.ego.as_mut().unwrap().bus.turn_signal = vec![Some(TurnSignal::Left); 120];
     // It leaves the junction at 20 / 12 = 1.67 s.

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod behaviour;
+mod behavior;
 mod crime;
 mod criticality;
 mod distances;

@@ -78,7 +78,7 @@ fn shift(t: f64) -> f64 {
 }
 
 #[test]
-fn a_lane_change_lasts_from_leaving_one_centre_to_resting_on_the_other() {
+fn a_lane_change_lasts_from_leaving_one_center_to_resting_on_the_other() {
     let mut d = drive(120, |t| (12.0 * t, shift(t), 0.0));
     d.map = Some(road());
     let t = Table::of(&d);

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::Need;
 use whyroad_model::Tri::{False, True, Unknown};
 use whyroad_model::road_map::{Facility, Lane, LaneMark, Point3, RoadMap, Sign, StopLine};
-use whyroad_model::scene::{ContextState, Drive, LightColour, LightState};
+use whyroad_model::scene::{ContextState, Drive, LightColor, LightState};
 
 const INF: f64 = f64::INFINITY;
 
@@ -143,8 +143,8 @@ fn parting() -> RoadMap {
         lanes[a].successors = vec![lanes[b].id.clone()];
         lanes[b].predecessors = vec![lanes[a].id.clone()];
     }
-    lanes[0].right_neighbour = Some("r0".into());
-    lanes[2].left_neighbour = Some("l0".into());
+    lanes[0].right_neighbor = Some("r0".into());
+    lanes[2].left_neighbor = Some("l0".into());
     map(lanes)
 }
 
@@ -203,7 +203,7 @@ fn lights_stop_lines_and_times() {
         lane_id: lane.into(),
         to_lane_id: None,
         time: d.times[0],
-        colour: LightColour::Red,
+        color: LightColor::Red,
         countdown_s: None,
     };
     let (here, elsewhere) = (vec![state("in0")], vec![state("far")]);
@@ -325,8 +325,8 @@ fn a_roundabout() {
     };
     let mut outer = lane("outer", &ring(20.0), 3.5);
     let mut inner = lane("inner", &ring(16.5), 3.5);
-    outer.left_neighbour = Some("inner".into());
-    inner.right_neighbour = Some("outer".into());
+    outer.left_neighbor = Some("inner".into());
+    inner.right_neighbor = Some("outer".into());
     let mut m = map(vec![lane("a", &[(0.0, 0.0), (100.0, 0.0)], 3.5), outer, inner]);
     m.lanes[0].successors = vec!["outer".into()];
     let circle: Vec<(f64, f64)> = (0..72)

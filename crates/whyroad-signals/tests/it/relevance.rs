@@ -2,10 +2,10 @@
 
 use crate::scene::{Table, drive, near, road};
 use whyroad_model::Tri::{False, True};
-use whyroad_model::catalogue::CategoryValue;
-use whyroad_model::catalogue::value::{SignProhibitionKind, SignWarningKind};
+use whyroad_model::catalog::CategoryValue;
+use whyroad_model::catalog::value::{SignProhibitionKind, SignWarningKind};
 use whyroad_model::road_map::{Point3, Sign};
-use whyroad_model::scene::{LightColour, LightState};
+use whyroad_model::scene::{LightColor, LightState};
 use whyroad_model::{Column, Drive};
 
 const INF: f64 = f64::INFINITY;
@@ -65,17 +65,17 @@ fn a_height_under_which_the_ego_passes_easily_asks_for_nothing() {
 fn a_countdown_counts_down() {
     let mut d = east(vec![]);
     let start = d.times[0];
-    let state = |s: f64, colour, countdown_s| LightState {
+    let state = |s: f64, color, countdown_s| LightState {
         lane_id: "r0".into(),
         to_lane_id: None,
         time: start.plus_secs(s),
-        colour,
+        color,
         countdown_s,
     };
     d.lights = Some(vec![
-        state(0.0, LightColour::Red, Some(5.0)),
-        state(5.0, LightColour::GreenRound, None),
-        state(7.0, LightColour::GreenRound, Some(3.0)),
+        state(0.0, LightColor::Red, Some(5.0)),
+        state(5.0, LightColor::GreenRound, None),
+        state(7.0, LightColor::GreenRound, Some(3.0)),
     ]);
     let t = Table::of(&d);
     near(t.ego("light.countdown", 20), 3.0, 1e-9);

@@ -20,8 +20,8 @@ fn link(lanes: &mut [Lane], from: &str, to: &str) {
 }
 
 fn beside(lanes: &mut [Lane], left: &str, right: &str) {
-    lanes.iter_mut().find(|l| l.id == left).unwrap().right_neighbour = Some(right.into());
-    lanes.iter_mut().find(|l| l.id == right).unwrap().left_neighbour = Some(left.into());
+    lanes.iter_mut().find(|l| l.id == left).unwrap().right_neighbor = Some(right.into());
+    lanes.iter_mut().find(|l| l.id == right).unwrap().left_neighbor = Some(left.into());
 }
 
 fn tag(lanes: &mut [Lane], id: &str, tag: &str) {
@@ -33,7 +33,7 @@ fn a_ramp_of_five_percent() {
     // Flat to x = 100, then up 5 m on 100 m, then flat.
     let height = |x: f64| (x.clamp(100.0, 200.0) - 100.0) * 0.05;
     let mut hill = lane("a", &(-5..=40).map(|i| (f64::from(i) * 10.0, 0.0)).collect::<Vec<_>>(), 3.5);
-    hill.centre.iter_mut().for_each(|p| p.z = height(p.x));
+    hill.center.iter_mut().for_each(|p| p.z = height(p.x));
     let mut d = drive(200, |t| (10.0 * t, 0.0, 0.0));
     let ego = d.ego.as_mut().unwrap();
     for (z, x) in ego.motion.z.iter_mut().zip(&ego.motion.x) {
@@ -52,7 +52,7 @@ fn a_ramp_of_five_percent() {
     // Down the other way: the same with the other sign.
     let mut back = with_map.clone();
     let lane = &mut back.map.as_mut().unwrap().lanes[0];
-    [&mut lane.centre, &mut lane.left, &mut lane.right].into_iter().for_each(|l| l.reverse());
+    [&mut lane.center, &mut lane.left, &mut lane.right].into_iter().for_each(|l| l.reverse());
     std::mem::swap(&mut lane.left, &mut lane.right);
     let ego = back.ego.as_mut().unwrap();
     ego.motion.x.reverse();
@@ -64,7 +64,7 @@ fn a_ramp_of_five_percent() {
     // Heights that nobody states make no grade, not a flat road.
     let mut flat = with_map;
     flat.ego.as_mut().unwrap().motion.z.fill(f64::NAN);
-    flat.map.as_mut().unwrap().lanes[0].centre.iter_mut().for_each(|p: &mut Point3| p.z = f64::NAN);
+    flat.map.as_mut().unwrap().lanes[0].center.iter_mut().for_each(|p: &mut Point3| p.z = f64::NAN);
     assert_eq!(Table::of(&flat).0.unavailable["map.grade"], [Need::Elevation]);
 }
 
@@ -107,7 +107,7 @@ fn a_lane_that_ends_beside_others_that_go_on() {
 }
 
 #[test]
-fn an_acceleration_lane_that_becomes_one_with_its_neighbour() {
+fn an_acceleration_lane_that_becomes_one_with_its_neighbor() {
     // The ramp (from the right) becomes the added lane a, which bends into m2 at its end as SUMO's maps have it.
     let mut lanes = lane_drop();
     lanes[0] = lane("r", &[(-100.0, 0.0), (80.0, 0.0), (100.0, 3.5)], 3.5);
@@ -181,7 +181,7 @@ fn the_end_of_the_road_and_the_end_of_the_map() {
     // 150 m are looked at: from x = -152 the end is farther.
     leaves.successors.clear();
     let mut far = drive(10, |t| (-48.0 + t, 0.0, 0.0));
-    leaves.centre[2].x = 200.0;
+    leaves.center[2].x = 200.0;
     far.map = Some(map(vec![leaves]));
     assert_eq!(Table::of(&far).ego("map.dead_end_distance", 0), INF);
 }

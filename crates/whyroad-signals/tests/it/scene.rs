@@ -93,16 +93,16 @@ pub fn car(drive: &mut Drive, id: &str, pose: impl Fn(f64) -> Pose) {
 }
 
 /// A lane along `centre`, 3.5 m wide unless `width` says otherwise.
-pub fn lane(id: &str, centre: &[(f64, f64)], width: f64) -> Lane {
+pub fn lane(id: &str, center: &[(f64, f64)], width: f64) -> Lane {
     let side = |sign: f64| -> Vec<Point3> {
-        (0..centre.len())
+        (0..center.len())
             .map(|i| {
-                let (a, b) = (centre[i.saturating_sub(1)], centre[(i + 1).min(centre.len() - 1)]);
+                let (a, b) = (center[i.saturating_sub(1)], center[(i + 1).min(center.len() - 1)]);
                 let l = (b.0 - a.0).hypot(b.1 - a.1);
                 let (nx, ny) = (-(b.1 - a.1) / l, (b.0 - a.0) / l);
                 Point3 {
-                    x: centre[i].0 + sign * nx * width / 2.0,
-                    y: centre[i].1 + sign * ny * width / 2.0,
+                    x: center[i].0 + sign * nx * width / 2.0,
+                    y: center[i].1 + sign * ny * width / 2.0,
                     z: 0.0,
                 }
             })
@@ -112,7 +112,7 @@ pub fn lane(id: &str, centre: &[(f64, f64)], width: f64) -> Lane {
         id: id.into(),
         left: side(1.0),
         right: side(-1.0),
-        centre: centre.iter().map(|&(x, y)| Point3 { x, y, z: 0.0 }).collect(),
+        center: center.iter().map(|&(x, y)| Point3 { x, y, z: 0.0 }).collect(),
         width_m: Some(width),
         ..Lane::default()
     }
@@ -135,8 +135,8 @@ pub fn road() -> RoadMap {
     ];
     let mut link =
         |i: usize, left: Option<&str>, right: Option<&str>, next: Option<&str>, before: Option<&str>| {
-            lanes[i].left_neighbour = left.map(str::to_owned);
-            lanes[i].right_neighbour = right.map(str::to_owned);
+            lanes[i].left_neighbor = left.map(str::to_owned);
+            lanes[i].right_neighbor = right.map(str::to_owned);
             lanes[i].successors = next.map(str::to_owned).into_iter().collect();
             lanes[i].predecessors = before.map(str::to_owned).into_iter().collect();
         };

@@ -267,10 +267,10 @@ fn bend(inside: f64) -> Drive {
         let s = 10.0 * t;
         (at(s, 50.0).0, at(s, 50.0).1, s / 50.0)
     });
-    let centre: Vec<(f64, f64)> = (0..150).map(|i| at(f64::from(i) - 10.0, 50.0)).collect();
+    let center: Vec<(f64, f64)> = (0..150).map(|i| at(f64::from(i) - 10.0, 50.0)).collect();
     let wall: Vec<(f64, f64)> = (0..280).map(|i| at(f64::from(i) * 0.5 - 5.0, 50.0 - inside)).collect();
     let back: Vec<(f64, f64)> = (0..280).rev().map(|i| at(f64::from(i) * 0.5 - 5.0, 49.0 - inside)).collect();
-    let mut m = map(vec![lane("a", &centre, 3.5)]);
+    let mut m = map(vec![lane("a", &center, 3.5)]);
     m.facilities = vec![building(&[wall, back].concat())];
     d.map = Some(m);
     d

@@ -27,7 +27,7 @@ fn winding(parts: &'static [(f64, f64)]) -> impl Fn(f64) -> (f64, f64, f64) {
 }
 
 #[test]
-fn a_bend_asks_for_the_speed_of_2_metres_per_second_squared() {
+fn a_bend_asks_for_the_speed_of_2_meters_per_second_squared() {
     // 100 m straight, then a circle of 50 m radius: sqrt(2 x 50) = 10 m/s. At 0 s the bend is 100 m away.
     let d = drive(150, winding(&[(100.0, 0.0), (1000.0, 0.02)]));
     let t = Table::of(&d);
@@ -72,7 +72,7 @@ fn hill(grade: f64) -> whyroad_model::Drive {
     let mut d = drive(301, |t| (SPEED * t, 0.0, 0.0));
     let points: Vec<(f64, f64)> = (-5..=40).map(|k| (f64::from(k) * 10.0, 0.0)).collect();
     let mut road = map(vec![lane("a", &points, 3.5)]);
-    for p in &mut road.lanes[0].centre {
+    for p in &mut road.lanes[0].center {
         p.z = (p.x - 100.0).clamp(0.0, 80.0) * grade;
     }
     d.map = Some(road);

@@ -18,9 +18,9 @@ fn out(t: f64) -> f64 {
 }
 
 fn bend() -> Drive {
-    let centre: Vec<(f64, f64)> = (-30..160).map(|s| at(f64::from(s), 0.0)).map(|(x, y, _)| (x, y)).collect();
+    let center: Vec<(f64, f64)> = (-30..160).map(|s| at(f64::from(s), 0.0)).map(|(x, y, _)| (x, y)).collect();
     let mut d = drive(50, |t| at(10.0 * t, out(t)));
-    d.map = Some(map(vec![lane("bend", &centre, 3.5)]));
+    d.map = Some(map(vec![lane("bend", &center, 3.5)]));
     d
 }
 

@@ -5,10 +5,10 @@ use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::ObjectClass::{Bus, Pedestrian};
 use whyroad_model::road_map::{Facility, LaneMark, Point3, Sign, StopLine};
-use whyroad_model::scene::{ContextState, LightColour, LightState, TurnSignal};
+use whyroad_model::scene::{ContextState, LightColor, LightState, TurnSignal};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, FACILITY_KINDS, SIGN_KINDS};
 use whyroad_model::{Column, Drive, Nanos};
-use whyroad_signals::{Catalogue, SignalKind, SignalScope};
+use whyroad_signals::{Catalog, SignalKind, SignalScope};
 
 /// A drive with everything that a log can have: a lane change, a bend of nothing, a lead, a walker, a gap, lights.
 fn full() -> Drive {
@@ -30,14 +30,14 @@ fn full() -> Drive {
     for track in &mut d.tracks {
         track.turn_signal = vec![Some(TurnSignal::Off); track.frames.len()];
     }
-    let light = |time: i64, colour| LightState {
+    let light = |time: i64, color| LightState {
         lane_id: "l0".into(),
         to_lane_id: None,
         time: Nanos(time),
-        colour,
+        color,
         countdown_s: Some(9.0),
     };
-    d.lights = Some(vec![light(0, LightColour::Red), light(5_000_000_000, LightColour::Green)]);
+    d.lights = Some(vec![light(0, LightColor::Red), light(5_000_000_000, LightColor::Green)]);
     let bus = &mut d.ego.as_mut().unwrap().bus;
     bus.brake = vec![Some(false); 90];
     bus.aeb = vec![Some(false); 90];
@@ -82,13 +82,13 @@ fn tell_the_road(d: &mut Drive) {
 }
 
 #[test]
-fn the_table_agrees_with_the_catalogue() {
+fn the_table_agrees_with_the_catalog() {
     for (drive, complete) in
         [(full(), true), (drive(30, |t| (5.0 * t, 0.0, 0.0)), false), (Drive::default(), false)]
     {
         let table = Table::of(&drive).0;
         let rows = table.targets.iter().map(|t| t.frames.len()).sum::<usize>();
-        for def in Catalogue::bundled().iter() {
+        for def in Catalog::bundled().iter() {
             let (columns, others, len) = match def.scope {
                 SignalScope::Frame => (&table.frame_columns, &table.target_columns, table.times.len()),
                 SignalScope::Target => (&table.target_columns, &table.frame_columns, rows),
@@ -123,7 +123,7 @@ fn the_table_agrees_with_the_catalogue() {
         let known =
             table.frame_columns.keys().chain(table.target_columns.keys()).chain(table.unavailable.keys());
         // Beside a number that is estimated stands its deviation, `<signal>.sd` (docs/reference/lake.md).
-        let of = |n: &str| Catalogue::bundled().get(n.strip_suffix(".sd").unwrap_or(n)).is_some();
+        let of = |n: &str| Catalog::bundled().get(n.strip_suffix(".sd").unwrap_or(n)).is_some();
         assert!(known.into_iter().all(|n| of(n)));
         assert!(!complete || table.unavailable.is_empty(), "{:?}", table.unavailable);
     }
@@ -155,7 +155,7 @@ fn moved(mut d: Drive, angle: f64, dx: f64, dy: f64, later: i64) -> Drive {
     shift(&mut d.ego.as_mut().unwrap().motion);
     d.tracks.iter_mut().for_each(|t| shift(&mut t.motion));
     let map = d.map.as_mut().unwrap();
-    let lanes = map.lanes.iter_mut().flat_map(|l| [&mut l.left, &mut l.right, &mut l.centre]);
+    let lanes = map.lanes.iter_mut().flat_map(|l| [&mut l.left, &mut l.right, &mut l.center]);
     let areas = map.crosswalks.iter_mut().chain(&mut map.junctions).map(|a| &mut a.boundary);
     let areas = areas.chain(map.facilities.iter_mut().map(|f| &mut f.boundary));
     for s in &mut map.signs {
@@ -202,7 +202,7 @@ fn step_of(name: &str) -> f64 {
 /// A lake may come from elsewhere, so a drive may have positions that `ingest` would have refused: whatever they are,
 /// the work on them is bounded.
 #[test]
-fn a_position_at_a_billion_metres_costs_no_more_than_another() {
+fn a_position_at_a_billion_meters_costs_no_more_than_another() {
     let one = |d: &mut Drive| d.ego.as_mut().unwrap().motion.x[45] = 1e9;
     let all = |d: &mut Drive| d.ego.as_mut().unwrap().motion.x.iter_mut().for_each(|x| *x += 1e9);
     let half = |d: &mut Drive| d.ego.as_mut().unwrap().motion.y[45..].iter_mut().for_each(|y| *y = -1e9);
@@ -211,7 +211,7 @@ fn a_position_at_a_billion_metres_costs_no_more_than_another() {
         (0..90).for_each(|i| motion.x[i] = 1e9 * i as f64);
     };
     let lead = |d: &mut Drive| d.tracks[0].motion.x[20] = 1e9;
-    let lane = |d: &mut Drive| d.map.as_mut().unwrap().lanes[0].centre[0].x = -1e9;
+    let lane = |d: &mut Drive| d.map.as_mut().unwrap().lanes[0].center[0].x = -1e9;
     let large = |d: &mut Drive| d.tracks[0].length_m.iter_mut().for_each(|l| *l = 1e9);
     type Change<'a> = (&'a str, &'a dyn Fn(&mut Drive));
     let changes: [Change<'_>; 7] = [

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use whyroad_chat::ask::{Asked, ask};
 use whyroad_mining::rule::Rule;
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Arguments of `whyroad ask`.
 #[derive(clap::Args)]
@@ -45,7 +45,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
     let cache = args
         .out
         .as_ref()
@@ -53,7 +53,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let client = args.how.client(&args.model, cache, global.lang)?;
     let scenario = ScenarioId::custom(args.name.as_deref().unwrap_or("rule"));
     let asked =
-        ask(&client, (&framework, &catalogue), &args.question, &scenario, global.lang, args.corrections);
+        ask(&client, (&framework, &catalog), &args.question, &scenario, global.lang, args.corrections);
     let asked = match asked {
         Ok(asked) => asked,
         Err(e) => {

@@ -23,7 +23,7 @@ use whyroad_mining::rule::OTHER;
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_report::report::CardChoice;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Arguments of `whyroad demo`.
 #[derive(clap::Args)]
@@ -164,10 +164,10 @@ fn mine(
     lake: &Lake,
     out: &Path,
 ) -> anyhow::Result<(MinedLake, Summary)> {
-    let (catalogue, mut found) = Catalogue::parse(&framework.signals_yaml);
-    let (rules, of_rules) = RuleSet::of_framework(framework, &catalogue);
+    let (catalog, mut found) = Catalog::parse(&framework.signals_yaml);
+    let (rules, of_rules) = RuleSet::of_framework(framework, &catalog);
     found.extend(of_rules);
-    let rules = rules.with_decision_moments(&catalogue);
+    let rules = rules.with_decision_moments(&catalog);
     steps.findings(&found);
     let mut mined = mine_lake(lake, &rules, steps.lang, |_| ());
     steps.findings(&std::mem::take(&mut mined.diagnostics));

@@ -28,7 +28,7 @@ use whyroad_model::signal::EGO_ID;
 use whyroad_model::{Bilingual, ClipId, Diagnostic, Lang, ScenarioId, TrackId};
 use whyroad_render::truths;
 use whyroad_report::coverage::class_title;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Arguments of `whyroad explain`.
 #[derive(clap::Args)]
@@ -79,13 +79,13 @@ fn named(framework: &Framework, id: &ScenarioId) -> Bilingual {
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
     let rule = match (&args.rule, &args.class) {
         (Some(rule), _) => {
             let custom = CustomRule { rule, name: None, target: None };
-            custom.compile(&catalogue)?.map(|(rule, _)| rule)
+            custom.compile(&catalog)?.map(|(rule, _)| rule)
         }
-        (None, Some(class)) => rule_of(class, &framework, &catalogue),
+        (None, Some(class)) => rule_of(class, &framework, &catalog),
         // clap asks for one of them.
         (None, None) => Err(vec![]),
     };
@@ -140,7 +140,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         title: named(&framework, &rule.scenario),
         clip: &args.clip,
         explanation: &explanation,
-        missing: explanation.missing.iter().map(|name| catalogue.title(name)).collect(),
+        missing: explanation.missing.iter().map(|name| catalog.title(name)).collect(),
     };
     args.print.put(&json::document(&shown), || text::render(&shown, global.lang))?;
     if let Some(file) = &args.svg {
@@ -162,9 +162,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 }
 
 /// The rule of a class of the framework, or the one for decision moments.
-fn rule_of(class: &str, framework: &Framework, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
-    let (rules, faults) = RuleSet::of_framework(framework, catalogue);
-    let rules = rules.with_decision_moments(catalogue);
+fn rule_of(class: &str, framework: &Framework, catalog: &Catalog) -> Result<Rule, Vec<Diagnostic>> {
+    let (rules, faults) = RuleSet::of_framework(framework, catalog);
+    let rules = rules.with_decision_moments(catalog);
     let class = match framework.taxonomy.resolve(class) {
         _ if class == OTHER => ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None },
         Resolution::Found(id) => id,

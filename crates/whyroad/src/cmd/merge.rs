@@ -10,7 +10,7 @@ use whyroad_lake::Lake;
 use whyroad_lake::mined::PublishError;
 use whyroad_mining::RuleSet;
 use whyroad_model::{Diagnostic, Lang};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Arguments of `whyroad merge`.
 #[derive(clap::Args)]
@@ -37,8 +37,8 @@ pub(crate) struct Args {
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let lang = global.lang;
     let (framework, _) = framework_folder::load(global)?;
-    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
-    let precedence = RuleSet::of_framework(&framework, &catalogue).0.precedence;
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
+    let precedence = RuleSet::of_framework(&framework, &catalog).0.precedence;
     let mut parts = Vec::new();
     for dir in &args.parts {
         parts.extend(Part::find(dir)?);

@@ -23,7 +23,7 @@ use whyroad_lake::Lake;
 use whyroad_lake::mined::{Existing, MinedWriteError};
 use whyroad_mining::rule::Rule;
 use whyroad_model::{ClipCut, Diagnostic, Lang, ScenarioId, Severity};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Deaths of a worker after which a drive in work is set aside.
 const DEATHS: u16 = 3;
@@ -180,16 +180,16 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
     let Some(out) = &args.out else { return Err(stop("缺少 --out", "--out is missing")) };
     folders_only([out])?;
     let (framework, faults) = framework_folder::load(global)?;
-    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
     let mut findings: Vec<Diagnostic> = faults;
     let dir = global.framework.as_deref();
     let plan = match (&args.query, &args.rule) {
-        (Some(file), _) => plan::of_query(file, &framework, &catalogue)?,
+        (Some(file), _) => plan::of_query(file, &framework, &catalog)?,
         (None, Some(rule)) => {
             let custom = CustomRule { rule, name: args.name.as_deref(), target: args.target.as_deref() };
-            plan::of_custom(&custom, &framework, &catalogue)?
+            plan::of_custom(&custom, &framework, &catalog)?
         }
-        (None, None) => plan::of_rules(&args.scenario, &framework, &catalogue),
+        (None, None) => plan::of_rules(&args.scenario, &framework, &catalog),
     };
     let (mut plan, found) = match plan {
         Ok(p) => p,

@@ -25,7 +25,7 @@ use whyroad_render::birds_eye;
 use whyroad_render::markup::Markup;
 use whyroad_report::coverage::class_title;
 use whyroad_report::unexplained::{NearestClass, Unexplained, UnexplainedMoment, UnmetPart, page, render};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Classes that are kept for each moment.
 const NEAREST: usize = 5;
@@ -69,8 +69,8 @@ struct Found {
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
-    let (rules, faults) = RuleSet::of_framework(&framework, &catalogue);
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
+    let (rules, faults) = RuleSet::of_framework(&framework, &catalog);
     let faults = framework_folder::placed(global.framework.as_deref(), faults);
     faults.iter().for_each(|d| tell!("{}", render_text(d, global.lang)));
     let lake = match Lake::open(&args.lake) {
@@ -170,7 +170,7 @@ fn moment(record: &EpisodeRecord, table: &SignalTable, nearest: Vec<NearestClass
         keyframe,
         keyframe_s: table.times.first().map_or(0.0, |start| keyframe.seconds_since(*start)),
         ego_speed_mps: column("ego.speed").and_then(|c| c.number(frame)),
-        ego_action_names: ego_actions.iter().map(|a| Catalogue::bundled().value_name(a)).collect(),
+        ego_action_names: ego_actions.iter().map(|a| Catalog::bundled().value_name(a)).collect(),
         ego_actions,
         nearest,
     }

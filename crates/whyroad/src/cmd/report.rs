@@ -22,7 +22,7 @@ use whyroad_report::analytics::{
 use whyroad_report::report::{
     CardChoice, ChosenEpisodes, DrivePart, ReportBuilder, ReportContext, SignalInfo,
 };
-use whyroad_signals::{Catalogue, SignalKind};
+use whyroad_signals::{Catalog, SignalKind};
 
 /// Arguments of `whyroad report`.
 #[derive(clap::Args)]
@@ -229,8 +229,8 @@ pub(crate) struct Found<'a> {
 
 /// Writes the page, drives on all cores; a drive that cannot be read is named, and is not in it.
 pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::Result<Vec<Diagnostic>> {
-    let (catalogue, _) = Catalogue::parse(&found.framework.signals_yaml);
-    let signals: BTreeMap<String, SignalInfo> = catalogue
+    let (catalog, _) = Catalog::parse(&found.framework.signals_yaml);
+    let signals: BTreeMap<String, SignalInfo> = catalog
         .iter()
         .map(|d| {
             let values: &[String] = match &d.kind {
@@ -238,7 +238,7 @@ pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::R
                 _ => &[],
             };
             let info = SignalInfo {
-                values: values.iter().map(|v| (v.clone(), catalogue.value_name(v))).collect(),
+                values: values.iter().map(|v| (v.clone(), catalog.value_name(v))).collect(),
                 unit: d.unit,
                 title: d.title.clone(),
                 meaning: d.meaning.clone(),

@@ -18,7 +18,7 @@ use whyroad_mining::drive::DriveEpisodes;
 use whyroad_mining::fast::Plan;
 use whyroad_model::{Drive, DriveId, FrameRange, Lang, Nanos, TrackId};
 use whyroad_report::robustness::{Occurrence, Robustness, Shown, page, render};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Arguments of `whyroad robustness`.
 #[derive(clap::Args)]
@@ -73,8 +73,8 @@ struct Compared {
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, faults) = framework_folder::load(global)?;
-    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
-    let (rules, found) = RuleSet::of_framework(&framework, &catalogue);
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
+    let (rules, found) = RuleSet::of_framework(&framework, &catalog);
     let dir = global.framework.as_deref();
     let new = framework_folder::placed(dir, found);
     new.iter().for_each(|d| tell!("{}", render_text(d, global.lang)));

@@ -12,7 +12,7 @@ use whyroad_framework::Framework;
 use whyroad_mining::rule::file::{Checked, check_file};
 use whyroad_mining::rule::origin::SourceFile;
 use whyroad_model::{Lang, counted};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Arguments of `whyroad rules`.
 #[derive(clap::Args)]
@@ -43,7 +43,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         None => Framework::bundled_files(),
     };
     let signals = framework.get("schema/signals.yaml").map(String::as_str).unwrap_or_default();
-    let (catalogue, found) = Catalogue::parse(signals);
+    let (catalog, found) = Catalog::parse(signals);
     let mut found = framework_folder::placed(global.framework.as_deref(), found);
     let mut tallies = Vec::new();
     for file in &files {
@@ -53,7 +53,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             if beside.is_file() { Some((beside.display().to_string(), read(&beside)?)) } else { None };
         let cases = cases.as_ref().map(|(name, text)| SourceFile { name, text });
         let name = file.display().to_string();
-        let checked = check_file(SourceFile { name: &name, text: &text }, cases, &framework, &catalogue);
+        let checked = check_file(SourceFile { name: &name, text: &text }, cases, &framework, &catalog);
         tallies.push(tally(&name, &checked, global.lang));
         found.extend(checked.found);
     }

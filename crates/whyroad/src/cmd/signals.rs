@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use whyroad_engine::mine::derive_signals;
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, Diagnostic, Lang, Need};
-use whyroad_signals::catalogue::{Catalogue, SignalDef, SignalKind, SignalScope};
+use whyroad_signals::catalog::{Catalog, SignalDef, SignalKind, SignalScope};
 
 /// Arguments of `whyroad signals`.
 #[derive(clap::Args)]
@@ -48,16 +48,16 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         return Ok(derive(lake, jobs.map(usize::from), global.lang));
     }
     let (framework, found) = framework_folder::load(global)?;
-    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
     let code = if found.is_empty() { output::FINE } else { output::FINDINGS };
     match args.command {
         SignalsCommand::List { print } => {
-            let all: Vec<Value> = catalogue.iter().map(as_json).collect();
-            print.put(&all, || table(&catalogue, global.lang))?;
+            let all: Vec<Value> = catalog.iter().map(as_json).collect();
+            print.put(&all, || table(&catalog, global.lang))?;
         }
         SignalsCommand::Show { name, print } => {
-            let Some((signal, _)) = catalogue.resolve(&name) else {
-                tell!("{}", render_text(&unknown(&catalogue, &name), global.lang));
+            let Some((signal, _)) = catalog.resolve(&name) else {
+                tell!("{}", render_text(&unknown(&catalog, &name), global.lang));
                 return Ok(output::FINDINGS);
             };
             print.put(&as_json(signal), || page(signal, global.lang))?;
@@ -92,9 +92,9 @@ fn derive(lake: &Path, jobs: Option<usize>, lang: Lang) -> ExitCode {
     if found.is_empty() { output::FINE } else { output::lost_input() }
 }
 
-fn unknown(catalogue: &Catalogue, name: &str) -> Diagnostic {
+fn unknown(catalog: &Catalog, name: &str) -> Diagnostic {
     let message = Bilingual::new(format!("没有信号 '{name}'"), format!("signal '{name}' not found"));
-    let near = catalogue.similar(name).join(", ");
+    let near = catalog.similar(name).join(", ");
     let hint = if near.is_empty() {
         Bilingual::new("用 whyroad signals list 查看全部信号", "whyroad signals list shows them all")
     } else {
@@ -130,9 +130,9 @@ fn as_json(signal: &SignalDef) -> Value {
     })
 }
 
-fn table(catalogue: &Catalogue, lang: Lang) -> String {
+fn table(catalog: &Catalog, lang: Lang) -> String {
     let mut out = String::new();
-    for s in catalogue.iter() {
+    for s in catalog.iter() {
         let unit = if s.unit_symbol().is_empty() { kind_name(s) } else { s.unit_symbol() };
         let _ = writeln!(out, "{:<30} {:<9} {}", s.name, unit, first_sentence(s.meaning.get(lang)));
     }

@@ -18,7 +18,7 @@ use whyroad_label::check::{Checker, ClipIndex};
 use whyroad_lake::Lake;
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_model::{Bilingual, Diagnostic, Lang, Severity, counted};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Arguments of `whyroad validate`.
 #[derive(clap::Args)]
@@ -197,9 +197,9 @@ fn read_clips(run: &mut Run<'_>, checker: &Checker<'_>, path: &std::path::Path) 
 
 /// What `whyroad mine --query` says of a query whose form is right: unknown signals, units that do not fit.
 fn refused_by_mining(text: &str, name: &str, framework: &whyroad_framework::Framework) -> Vec<Diagnostic> {
-    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
     match parse_query(text, name, framework) {
-        Ok(query) => compile_query(&query, &catalogue, text, name).err().unwrap_or_default(),
+        Ok(query) => compile_query(&query, &catalog, text, name).err().unwrap_or_default(),
         Err(found) => found,
     }
 }

@@ -14,7 +14,7 @@ const STAGES: &[&str] = &[
     "geometry",
     "series",
     "estimate",
-    "catalogue",
+    "catalog",
     "needs",
     "table",
     "ego",

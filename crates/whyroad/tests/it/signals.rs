@@ -8,12 +8,12 @@ fn whyroad(arguments: &[&str]) -> Output {
 }
 
 #[test]
-fn the_list_names_every_signal_of_the_catalogue() {
+fn the_list_names_every_signal_of_the_catalog() {
     let output = whyroad(&["list", "--format", "json"]);
     assert!(output.status.success());
     let listed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let catalogue = include_str!("../../../../schema/signals.yaml");
-    let entries = catalogue.lines().filter(|l| l.starts_with("  - name: ")).count();
+    let catalog = include_str!("../../../../schema/signals.yaml");
+    let entries = catalog.lines().filter(|l| l.starts_with("  - name: ")).count();
     assert_eq!(listed.as_array().unwrap().len(), entries);
     assert!(listed.as_array().unwrap().iter().all(|s| s["meaning"]["zh"] != "" && s["source"] != ""));
 }

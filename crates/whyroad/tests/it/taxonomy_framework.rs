@@ -91,7 +91,7 @@ fn a_broken_rule_is_reported_once_and_its_cases_are_skipped() {
 }
 
 #[test]
-fn every_command_reports_faults_of_the_signal_catalogue() {
+fn every_command_reports_faults_of_the_signal_catalog() {
     let (from, to) =
         ("scope: frame\n    type: number\n    unit: m/s3", "scope: target\n    type: number\n    unit: m/s3");
     let folder = framework(&[("schema/signals.yaml", from, to)]);

@@ -245,8 +245,8 @@ impl Plain {
     fn on_the_rim(&self, id: &str, frame: usize) -> bool {
         let own = self.objects[id].rows[&frame];
         let rim = |o: &State| {
-            let centres = (o.x - own.x).hypot(o.y - own.y);
-            (48.0..70.0).contains(&centres) && !clear(between(&own.corners(), &o.corners()), 50.0)
+            let centers = (o.x - own.x).hypot(o.y - own.y);
+            (48.0..70.0).contains(&centers) && !clear(between(&own.corners(), &o.corners()), 50.0)
         };
         self.objects.values().filter_map(|o| o.rows.get(&frame)).any(rim)
     }

@@ -94,7 +94,7 @@ fn lane(id: &str, a: (f64, f64), b: (f64, f64), width: f64, kind: LaneKind) -> L
     Lane {
         id: id.into(),
         kind,
-        centre: line(0.0),
+        center: line(0.0),
         left: line(1.0),
         right: line(-1.0),
         width_m: Some(width),
@@ -128,8 +128,8 @@ fn road() -> RoadMap {
                     "w1" => ("w2", true),
                     _ => ("w1", false),
                 };
-                let neighbour = Some(format!("{}{part}", other.0));
-                if other.1 { lane.left_neighbour = neighbour } else { lane.right_neighbour = neighbour }
+                let neighbor = Some(format!("{}{part}", other.0));
+                if other.1 { lane.left_neighbor = neighbor } else { lane.right_neighbor = neighbor }
             }
             lanes.push(lane);
         }

@@ -38,7 +38,7 @@ fn drive() -> Drive {
 fn lane(id: &str, points: &[(f64, f64, f64)]) -> Lane {
     Lane {
         id: id.into(),
-        centre: points.iter().map(|&(x, y, z)| Point3 { x, y, z }).collect(),
+        center: points.iter().map(|&(x, y, z)| Point3 { x, y, z }).collect(),
         ..Lane::default()
     }
 }
@@ -116,7 +116,7 @@ fn headings_stored_as_heights_are_found() {
         Some(RoadMap { lanes: vec![bend("a", 0.0), bend("b", 3.5), bend("c", 7.0)], ..RoadMap::default() });
     assert_eq!(codes(&mut d), ["ingest.height.heading"]);
     let map = d.map.unwrap();
-    assert!(map.lanes[0].centre[5].z.is_nan() && !map.has(MapLayer::Heights));
+    assert!(map.lanes[0].center[5].z.is_nan() && !map.has(MapLayer::Heights));
 }
 
 #[test]

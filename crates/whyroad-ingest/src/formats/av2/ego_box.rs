@@ -13,25 +13,25 @@ pub(crate) struct EgoBox {
     pub length_m: f64,
     pub width_m: f64,
     pub height_m: f64,
-    pub centre: [f64; 3],
+    pub center: [f64; 3],
 }
 
 /// The car of all AV2 logs.
 pub(crate) const FORD_FUSION: EgoBox =
-    EgoBox { length_m: 4.877, width_m: 2.0, height_m: 1.473, centre: [1.339, 0.0, 0.438] };
+    EgoBox { length_m: 4.877, width_m: 2.0, height_m: 1.473, center: [1.339, 0.0, 0.438] };
 
 /// A stated center nearer to the origin than this is the axle, not a box center, m.
 const AT_ORIGIN_M: f64 = 0.05;
 
 /// What the log's own `EGO_VEHICLE` row says, with the center corrected when it is on the axle (second value: it was).
-pub(crate) fn from_row(size: [f64; 3], centre: [f64; 3]) -> (EgoBox, bool) {
+pub(crate) fn from_row(size: [f64; 3], center: [f64; 3]) -> (EgoBox, bool) {
     let size_known = size.iter().all(|v| *v > 0.0);
     let [length_m, width_m, height_m] =
         if size_known { size } else { [FORD_FUSION.length_m, FORD_FUSION.width_m, FORD_FUSION.height_m] };
     // Written so that NaN counts as not stated.
-    let stated = centre[0].hypot(centre[1]) > AT_ORIGIN_M;
+    let stated = center[0].hypot(center[1]) > AT_ORIGIN_M;
     (
-        EgoBox { length_m, width_m, height_m, centre: if stated { centre } else { FORD_FUSION.centre } },
+        EgoBox { length_m, width_m, height_m, center: if stated { center } else { FORD_FUSION.center } },
         !stated,
     )
 }

@@ -5,7 +5,7 @@
 //! limits. Sensor maps list successors fully and predecessors only in part, so each link is completed from its
 //! other end. Maps are local crops: ids of lanes beyond the border are kept, though no such lane is there.
 
-use crate::assemble::geometry::{between, centre_line, edges_oppose};
+use crate::assemble::geometry::{between, center_line, edges_oppose};
 use crate::assemble::{junctions, layers};
 use crate::report::RowCount;
 use geo::{ConvexHull, Coord, LineString, MultiPoint, Point};
@@ -154,13 +154,13 @@ fn lane(s: LaneSegment, turned_edges: &mut usize) -> Lane {
     let texts = |ids: Vec<i64>| ids.iter().map(i64::to_string).collect::<Vec<_>>();
     Lane {
         id: s.id.to_string(),
-        centre: if s.centerline.len() >= 2 { s.centerline } else { centre_line(&left, &right) },
+        center: if s.centerline.len() >= 2 { s.centerline } else { center_line(&left, &right) },
         left,
         right,
         left_mark: mark(&s.left_lane_mark_type),
         right_mark: mark(&s.right_lane_mark_type),
-        left_neighbour: s.left_neighbor_id.map(|id| id.to_string()),
-        right_neighbour: s.right_neighbor_id.map(|id| id.to_string()),
+        left_neighbor: s.left_neighbor_id.map(|id| id.to_string()),
+        right_neighbor: s.right_neighbor_id.map(|id| id.to_string()),
         successors: texts(s.successors),
         predecessors: texts(s.predecessors),
         kind: match s.lane_type.as_str() {
@@ -213,12 +213,12 @@ fn dangling_links(lanes: &[Lane]) -> Vec<Dangling> {
     let hull = corners.convex_hull();
     let mut out = Vec::new();
     for l in lanes {
-        let ends = [l.centre.first(), l.centre.last()].map(|p| p.copied().unwrap_or_default());
+        let ends = [l.center.first(), l.center.last()].map(|p| p.copied().unwrap_or_default());
         let links: [(&'static str, &[String], Point3); 4] = [
             ("successors", &l.successors, ends[1]),
             ("predecessors", &l.predecessors, ends[0]),
-            ("left_neighbor_id", l.left_neighbour.as_slice(), ends[0]),
-            ("right_neighbor_id", l.right_neighbour.as_slice(), ends[0]),
+            ("left_neighbor_id", l.left_neighbor.as_slice(), ends[0]),
+            ("right_neighbor_id", l.right_neighbor.as_slice(), ends[0]),
         ];
         for (field, ids, place) in links {
             for missing in ids.iter().filter(|id| !known(id)) {

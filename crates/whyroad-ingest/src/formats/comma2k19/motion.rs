@@ -1,4 +1,4 @@
-//! Camera poses (earth-centred) to the motion of the car's box center in a local frame, at frame times.
+//! Camera poses (earth-centered) to the motion of the car's box center in a local frame, at frame times.
 
 use super::recording::Pose;
 use crate::assemble::angles::wrap_angle;
@@ -18,7 +18,7 @@ pub(super) const EGO_WIDTH_M: f64 = 1.845;
 /// See [`EGO_LENGTH_M`].
 pub(super) const EGO_HEIGHT_M: f64 = 1.675;
 /// The camera is behind the windscreen at about mid-length; where exactly is not published, so nothing is added.
-pub(super) const CAMERA_TO_CENTRE_M: f64 = 0.0;
+pub(super) const CAMERA_TO_CENTER_M: f64 = 0.0;
 
 /// Motion at `frames` (seconds on the log's clock). Velocity is the data set's own.
 pub(super) fn at_frames(pose: &Pose, frames: &[f64]) -> Motion {

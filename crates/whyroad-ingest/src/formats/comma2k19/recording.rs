@@ -24,9 +24,9 @@ pub(super) struct Recording {
 #[derive(Default)]
 pub(super) struct Pose {
     pub times: Vec<f64>,
-    /// Earth-centred, m.
+    /// Earth-centered, m.
     pub positions: Vec<[f64; 3]>,
-    /// Earth-centred, m/s.
+    /// Earth-centered, m/s.
     pub velocities: Vec<[f64; 3]>,
     /// w, x, y, z.
     pub orientations: Vec<[f64; 4]>,

@@ -153,12 +153,12 @@ fn mapping(root: &Node, report: &mut FileReport) -> Option<Mapping> {
 
 fn ego_box(node: &Node, report: &mut FileReport) -> Option<EgoBox> {
     let mut fields = Fields::open(node, report)?;
-    let mut metres = |key| fields.get(key).and_then(|n| number(n, report));
+    let mut meters = |key| fields.get(key).and_then(|n| number(n, report));
     let ego = EgoBox {
-        length_m: metres("length_m"),
-        width_m: metres("width_m"),
-        height_m: metres("height_m"),
-        reference_to_centre_m: metres("reference_to_centre_m").unwrap_or(0.0),
+        length_m: meters("length_m"),
+        width_m: meters("width_m"),
+        height_m: meters("height_m"),
+        reference_to_centre_m: meters("reference_to_centre_m").unwrap_or(0.0),
     };
     fields.close(report);
     Some(ego)

@@ -3,7 +3,7 @@
 //!
 //! Not read: drivable areas, road segments and blocks, walkways, car parks, traffic lights (places without states).
 
-use crate::assemble::feature_map::{Boundary, Built, CentreLane, Feature, build, mean_width};
+use crate::assemble::feature_map::{Boundary, Built, CenterLane, Feature, build, mean_width};
 use crate::assemble::geometry::distance;
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashMap};
@@ -114,7 +114,7 @@ fn along(arc: &Arc, out: &mut Vec<Point3>) {
 
 /// nuScenes' divider types, color left out; `NIL` is no line.
 fn mark(name: &str) -> LaneMark {
-    match name.rsplit_once('_').map_or(name, |(kind, _colour)| kind) {
+    match name.rsplit_once('_').map_or(name, |(kind, _color)| kind) {
         "NIL" => LaneMark::None,
         "SINGLE_SOLID" | "SINGLE_ZIGZAG" => LaneMark::Solid,
         "DOUBLE_SOLID" => LaneMark::DoubleSolid,
@@ -140,13 +140,13 @@ pub(super) fn read(text: &[u8], places: &[Point3]) -> Result<Built, String> {
     let mut features = Vec::new();
     let all = city.lane.iter().map(|l| (l, false)).chain(city.lane_connector.iter().map(|l| (l, true)));
     for (row, connector) in all {
-        let mut centre = Vec::new();
+        let mut center = Vec::new();
         for arc in city.arcline_path_3.get(&row.token).into_iter().flatten().filter(|a| a.radius.abs() > 1e-6)
         {
-            along(arc, &mut centre);
+            along(arc, &mut center);
         }
-        centre.dedup_by(|b, a| distance(*a, *b) < 1e-3);
-        if !near(&centre) {
+        center.dedup_by(|b, a| distance(*a, *b) < 1e-3);
+        if !near(&center) {
             continue;
         }
         let mut side = |name: &str, dividers: &[Divider]| {
@@ -159,15 +159,15 @@ pub(super) fn read(text: &[u8], places: &[Point3]) -> Result<Built, String> {
             features.push((id.clone(), Ok(Feature::Line(line))));
             // The last divider's type belongs to no segment; a lane's marks rarely change along it.
             let marks = dividers.iter().take(dividers.len() - 1).map(|d| mark(&d.segment_type));
-            let last = centre.len().saturating_sub(1);
+            let last = center.len().saturating_sub(1);
             marks.map(|mark| Boundary { start: 0, end: last, feature: id.clone(), mark }).collect()
         };
         let boundaries =
             [side("left", &row.left_lane_divider_segments), side("right", &row.right_lane_divider_segments)];
         let links = city.connectivity.get(&row.token);
-        let width_m = row.polygon_token.as_deref().and_then(|t| mean_width(&outline(t), &centre));
+        let width_m = row.polygon_token.as_deref().and_then(|t| mean_width(&outline(t), &center));
         let lane = Lane {
-            centre,
+            center,
             kind: if row.lane_type.as_deref() == Some("BIKE") { LaneKind::Bike } else { LaneKind::Vehicle },
             in_junction: connector,
             width_m,
@@ -175,7 +175,7 @@ pub(super) fn read(text: &[u8], places: &[Point3]) -> Result<Built, String> {
             predecessors: links.map(|l| l.incoming.clone()).unwrap_or_default(),
             ..Lane::default()
         };
-        let lane = CentreLane { lane, boundaries, neighbours: [Vec::new(), Vec::new()] };
+        let lane = CenterLane { lane, boundaries, neighbors: [Vec::new(), Vec::new()] };
         features.push((row.token.clone(), Ok(Feature::Lane(Box::new(lane)))));
     }
     for row in &city.ped_crossing {
@@ -212,11 +212,11 @@ fn stop_line(area: &[Point3], lanes: &[Lane]) -> Option<(Vec<Point3>, Vec<String
     let ending: Vec<(&Lane, Point3)> = lanes
         .iter()
         .filter(|l| !l.in_junction)
-        .filter_map(|l| Some((l, *l.centre.last()?)))
+        .filter_map(|l| Some((l, *l.center.last()?)))
         .filter(|(_, end)| crate::assemble::geometry::contains(&ring, *end))
         .collect();
     let (lane, end) = *ending.first()?;
-    let before = lane.centre[lane.centre.len().saturating_sub(2)];
+    let before = lane.center[lane.center.len().saturating_sub(2)];
     let across = (end.y - before.y).atan2(end.x - before.x) + PI / 2.0;
     let (s, c) = across.sin_cos();
     let offsets = ending.iter().map(|(_, p)| (p.x - end.x) * c + (p.y - end.y) * s);

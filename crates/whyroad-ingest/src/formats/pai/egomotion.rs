@@ -83,12 +83,12 @@ impl PoseTrack {
 
     /// Motion of the point `centre` (in the rig, m) at the frames (us), which are those of [`PoseTrack::frames`]. False
     /// when the table's velocities contradict its positions; they are then unknown.
-    pub fn motion(&self, frames: &[i64], centre: [f64; 3]) -> (Motion, bool) {
+    pub fn motion(&self, frames: &[i64], center: [f64; 3]) -> (Motion, bool) {
         let mut motion = Motion::unknown(frames.len());
         let mut axle = vec![[f64::NAN; 2]; frames.len()];
         for (i, &time) in frames.iter().enumerate() {
             let Some(pose) = self.at(time) else { continue };
-            let p = pose.apply(centre);
+            let p = pose.apply(center);
             (motion.x[i], motion.y[i], motion.z[i]) = (p[0], p[1], p[2]);
             axle[i] = [pose.t[0], pose.t[1]];
             motion.heading[i] = se3::heading(pose.q);

@@ -32,21 +32,21 @@ struct Row {
     time: i64,
     class: String,
     /// In the rig, m.
-    centre: [f64; 3],
+    center: [f64; 3],
     size: [f64; 3],
     /// Box to rig.
     q: [f64; 4],
 }
 
 /// Reads the rows; `ego_centre` is the ego's box center in the rig, m.
-pub(super) fn read(table: &Columns, poses: &PoseTrack, ego_centre: [f64; 3]) -> Result<Obstacles, String> {
+pub(super) fn read(table: &Columns, poses: &PoseTrack, ego_center: [f64; 3]) -> Result<Obstacles, String> {
     let times = table.integers("timestamp_us")?;
     let (ids, classes) = (table.texts("track_id")?, table.texts("label_class")?);
     let three = |stem: &str| -> Result<[Vec<f64>; 3], String> {
         let of = |axis: &str| table.numbers(&format!("{stem}_{axis}"));
         Ok([of("x")?, of("y")?, of("z")?])
     };
-    let (centre, size, axis) = (three("center")?, three("size")?, three("orientation")?);
+    let (center, size, axis) = (three("center")?, three("size")?, three("orientation")?);
     let w = table.numbers("orientation_w")?;
     let optional = |name: &str| if table.has(name) { table.texts(name) } else { Ok(vec![None; times.len()]) };
     let (frames, sources) = (optional("reference_frame")?, optional("source")?);
@@ -66,7 +66,7 @@ pub(super) fn read(table: &Columns, poses: &PoseTrack, ego_centre: [f64; 3]) -> 
         }
         let at = |columns: &[Vec<f64>; 3]| [columns[0][i], columns[1][i], columns[2][i]];
         let q = unit([w[i], axis[0][i], axis[1][i], axis[2][i]]);
-        let finite = at(&centre).iter().all(|v| v.is_finite());
+        let finite = at(&center).iter().all(|v| v.is_finite());
         let (Some(time), Some(id), Some(q), true) = (times[i], ids[i].as_ref(), q, finite) else {
             out.count.drop_rows("invalid", 1);
             out.invalid_example.get_or_insert_with(|| format!("row {}", i + 1));
@@ -77,14 +77,14 @@ pub(super) fn read(table: &Columns, poses: &PoseTrack, ego_centre: [f64; 3]) -> 
             None => id.clone(),
         };
         let class = classes[i].clone().unwrap_or_default();
-        rows.entry(id).or_default().push(Row { time, class, centre: at(&centre), size: at(&size), q });
+        rows.entry(id).or_default().push(Row { time, class, center: at(&center), size: at(&size), q });
     }
     for (id, mut rows) in rows {
         rows.sort_by_key(|r| r.time);
         let before = rows.len();
         rows.dedup_by_key(|r| r.time);
         out.count.drop_rows("duplicate", before - rows.len());
-        if is_ego(&rows, ego_centre) {
+        if is_ego(&rows, ego_center) {
             out.count.keep("ego", rows.len());
             continue;
         }
@@ -93,9 +93,9 @@ pub(super) fn read(table: &Columns, poses: &PoseTrack, ego_centre: [f64; 3]) -> 
     Ok(out)
 }
 
-fn is_ego(rows: &[Row], centre: [f64; 3]) -> bool {
+fn is_ego(rows: &[Row], center: [f64; 3]) -> bool {
     (0..2).all(|k| {
-        let off: Vec<f64> = rows.iter().map(|r| (r.centre[k] - centre[k]).abs()).collect();
+        let off: Vec<f64> = rows.iter().map(|r| (r.center[k] - center[k]).abs()).collect();
         median(&off) < EGO_REACH_M[k]
     })
 }
@@ -112,7 +112,7 @@ impl Obstacles {
             self.span = Some(self.span.map_or((time, time), |(a, b)| (a.min(time), b.max(time))));
             sampled.push(Sample {
                 time,
-                position: pose.apply(row.centre),
+                position: pose.apply(row.center),
                 heading: se3::heading(se3::compose(pose.q, row.q)),
                 velocity: [f64::NAN; 2],
                 size: row.size,

@@ -1,6 +1,6 @@
 //! `map_features`: lanes by center line, painted lines, curbs, crosswalks, signs.
 
-use crate::assemble::feature_map::{Boundary, Built, CentreLane, Feature, Neighbour, build, mean_width};
+use crate::assemble::feature_map::{Boundary, Built, CenterLane, Feature, Neighbor, build, mean_width};
 use crate::encodings::pickle::Value;
 use std::collections::BTreeMap;
 use whyroad_model::road_map::{Lane, LaneKind, LaneMark, Point3, RoadMap};
@@ -23,7 +23,7 @@ pub(super) fn read(features: Value<'_>, stops: &BTreeMap<String, Point3>) -> Opt
 /// Leaves the heights of all lanes open: the third column of nuScenes' polylines is a heading.
 pub(super) fn forget_heights(map: &mut RoadMap) {
     for lane in &mut map.lanes {
-        let points = lane.centre.iter_mut().chain(&mut lane.left).chain(&mut lane.right);
+        let points = lane.center.iter_mut().chain(&mut lane.left).chain(&mut lane.right);
         points.for_each(|p| p.z = f64::NAN);
     }
 }
@@ -34,7 +34,7 @@ fn feature(f: Value<'_>, kind: &str) -> Option<Result<Feature, String>> {
     let area = || points("polygon").or_else(|_| points("polyline"));
     Some(match kind {
         _ if kind.starts_with("LANE_") => {
-            points("polyline").map(|centre| Feature::Lane(Box::new(lane(f, kind, centre))))
+            points("polyline").map(|center| Feature::Lane(Box::new(lane(f, kind, center))))
         }
         _ if kind.starts_with("ROAD_LINE_")
             || kind.starts_with("ROAD_EDGE_")
@@ -76,17 +76,17 @@ fn ids(f: Value<'_>, key: &str) -> Vec<String> {
     }
 }
 
-fn lane(f: Value<'_>, kind: &str, centre: Vec<Point3>) -> CentreLane {
+fn lane(f: Value<'_>, kind: &str, center: Vec<Point3>) -> CenterLane {
     let number = |key: &str| f.get(key).and_then(|v| v.number()).filter(|v| *v > 0.0);
     let limit = number("speed_limit_kmh")
         .map(|v| v * MPS_PER_KMH)
         .or(number("speed_limit_mph").map(|v| v * MPS_PER_MPH));
     // Waymo's connecting lanes are marked as made between two others; nuScenes' are of a kind of their own.
     let connecting = f.get("interpolating").and_then(|v| v.truth()) == Some(true) && kind != "LANE_FREEWAY";
-    let width_m = f.get("polygon").and_then(points).and_then(|outline| mean_width(&outline, &centre));
-    CentreLane {
+    let width_m = f.get("polygon").and_then(points).and_then(|outline| mean_width(&outline, &center));
+    CenterLane {
         lane: Lane {
-            centre,
+            center,
             kind: if kind == "LANE_BIKE_LANE" { LaneKind::Bike } else { LaneKind::Vehicle },
             in_junction: connecting || kind == "LANE_SURFACE_UNSTRUCTURE",
             speed_limit_mps: limit,
@@ -96,7 +96,7 @@ fn lane(f: Value<'_>, kind: &str, centre: Vec<Point3>) -> CentreLane {
             ..Lane::default()
         },
         boundaries: ["left_boundaries", "right_boundaries"].map(|key| boundaries(f, key)),
-        neighbours: ["left_neighbor", "right_neighbor"].map(|key| neighbours(f, key)),
+        neighbors: ["left_neighbor", "right_neighbor"].map(|key| neighbors(f, key)),
     }
 }
 
@@ -118,15 +118,15 @@ fn boundaries(f: Value<'_>, key: &str) -> Vec<Boundary> {
     items.filter_map(one).collect()
 }
 
-fn neighbours(f: Value<'_>, key: &str) -> Vec<Neighbour> {
+fn neighbors(f: Value<'_>, key: &str) -> Vec<Neighbor> {
     let Some(items) = f.get(key).and_then(|v| v.items()) else { return Vec::new() };
     let one = |n: Value<'_>| {
         // nuPlan's and nuScenes' neighbors are bare ids, beside the whole of the lane.
         if let Some(lane) = n.id() {
-            return Some(Neighbour { start: 0, end: 0, lane });
+            return Some(Neighbor { start: 0, end: 0, lane });
         }
         let (start, end) = (index(n, "self_start_index")?, index(n, "self_end_index")?);
-        Some(Neighbour { start, end, lane: n.get("feature_id")?.id()? })
+        Some(Neighbor { start, end, lane: n.get("feature_id")?.id()? })
     };
     items.filter_map(one).collect()
 }
@@ -134,7 +134,7 @@ fn neighbours(f: Value<'_>, key: &str) -> Vec<Neighbour> {
 /// MetaDrive's line types, color left out. They do not say which side of a passing line is solid.
 fn mark(name: &str) -> LaneMark {
     let kind = name.trim_start_matches("ROAD_LINE_");
-    match kind.rsplit_once('_').map_or(kind, |(kind, _colour)| kind) {
+    match kind.rsplit_once('_').map_or(kind, |(kind, _color)| kind) {
         "BROKEN_SINGLE" => LaneMark::Dashed,
         "SOLID_SINGLE" => LaneMark::Solid,
         "SOLID_DOUBLE" => LaneMark::DoubleSolid,

@@ -5,7 +5,7 @@ use crate::encodings::xml::{Tag, for_each_tag};
 use std::collections::HashMap;
 use std::path::Path;
 use whyroad_model::Nanos;
-use whyroad_model::scene::{LightColour, LightState};
+use whyroad_model::scene::{LightColor, LightState};
 
 /// States by lane and time, repeated ones left out. Light states before the drive's start are kept: they still hold
 /// then.
@@ -14,7 +14,7 @@ pub(super) fn read(path: &Path, links: &[LightLink], start: Nanos) -> Result<Vec
     for l in links {
         of_light.entry(&l.tls).or_default().push(l);
     }
-    let mut last: HashMap<(String, String), LightColour> = HashMap::new();
+    let mut last: HashMap<(String, String), LightColor> = HashMap::new();
     let mut states = Vec::new();
     for_each_tag(path, |tag| {
         let Tag::Open(e) = tag else { return };
@@ -25,16 +25,16 @@ pub(super) fn read(path: &Path, links: &[LightLink], start: Nanos) -> Result<Vec
             return;
         };
         for link in of_light.get(id.as_ref()).into_iter().flatten() {
-            let Some(colour) = letters.as_bytes().get(link.index).map(|c| colour(*c)) else { continue };
+            let Some(color) = letters.as_bytes().get(link.index).map(|c| color(*c)) else { continue };
             let movement = (link.lane.clone(), link.to_lane.clone());
-            if last.insert(movement, colour) == Some(colour) {
+            if last.insert(movement, color) == Some(color) {
                 continue;
             }
             states.push(LightState {
                 lane_id: link.lane.clone(),
                 to_lane_id: Some(link.to_lane.clone()),
                 time: start + Nanos((time * 1e9).round() as i64),
-                colour,
+                color,
                 countdown_s: None,
             });
         }
@@ -44,16 +44,16 @@ pub(super) fn read(path: &Path, links: &[LightLink], start: Nanos) -> Result<Vec
 }
 
 /// SUMO's letters (user documentation, "Traffic Lights", signal state definitions).
-fn colour(letter: u8) -> LightColour {
+fn color(letter: u8) -> LightColor {
     match letter {
-        b'r' => LightColour::Red,
-        b'y' | b'Y' => LightColour::Yellow,
-        b'G' => LightColour::Green,
+        b'r' => LightColor::Red,
+        b'y' | b'Y' => LightColor::Yellow,
+        b'G' => LightColor::Green,
         // `s` is a green right-turn arrow: stop first, then give way.
-        b'g' | b's' => LightColour::GreenYield,
-        b'u' => LightColour::RedYellow,
-        b'o' => LightColour::FlashingYellow,
-        b'O' => LightColour::Off,
-        _ => LightColour::Unknown,
+        b'g' | b's' => LightColor::GreenYield,
+        b'u' => LightColor::RedYellow,
+        b'o' => LightColor::FlashingYellow,
+        b'O' => LightColor::Off,
+        _ => LightColor::Unknown,
     }
 }

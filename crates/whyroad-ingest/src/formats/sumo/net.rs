@@ -137,18 +137,18 @@ pub(super) fn points(shape: &str) -> Vec<Point3> {
 fn add_lane(e: &Element, edge_id: &str, raw: &mut Raw, net: &mut Net) {
     net.count.read += 1;
     let id = e.text("id").unwrap_or_default();
-    let centre = points(e.get("shape").as_deref().unwrap_or(""));
+    let center = points(e.get("shape").as_deref().unwrap_or(""));
     let width = e.number("width").filter(|w| *w > 0.0).unwrap_or(DEFAULT_WIDTH_M);
     let Some(edge) = raw.edges.get_mut(edge_id) else { return net.count.drop_rows("invalid", 1) };
     let kind = lane_kind(e.get("allow").as_deref(), e.get("disallow").as_deref());
     let (Some(kind), false) = (kind, edge.function == "walkingarea") else {
         return net.count.set_aside("not_a_road_user_lane", 1);
     };
-    if centre.len() < 2 || id.is_empty() {
+    if center.len() < 2 || id.is_empty() {
         net.invalid_example.get_or_insert_with(|| format!("lane '{id}' has fewer than two points"));
         return net.count.drop_rows("invalid", 1);
     }
-    let (left, right) = (beside(&centre, width / 2.0), beside(&centre, -width / 2.0));
+    let (left, right) = (beside(&center, width / 2.0), beside(&center, -width / 2.0));
     if edge.function == "crossing" {
         net.count.keep("crosswalk", 1);
         raw.crossings.push(Area { id, boundary: between(&left, &right) });
@@ -164,7 +164,7 @@ fn add_lane(e: &Element, edge_id: &str, raw: &mut Raw, net: &mut Net) {
         tags: tags.into_iter().filter(|(_, holds)| *holds).map(|(tag, _)| tag.to_owned()).collect(),
         left,
         right,
-        centre,
+        center,
         kind,
         speed_limit_mps: e.number("speed").filter(|_| !internal),
         width_m: Some(width),
@@ -382,7 +382,7 @@ fn real_junctions<'e>(
 
 /// The neighbor on the side of the road's middle: on the left in right-hand traffic.
 fn towards_middle(lane: &mut Lane, left_hand: bool) -> &mut Option<String> {
-    if left_hand { &mut lane.right_neighbour } else { &mut lane.left_neighbour }
+    if left_hand { &mut lane.right_neighbor } else { &mut lane.left_neighbor }
 }
 
 /// The innermost lanes of an edge and of the one that runs the other way are neighbors where they touch.

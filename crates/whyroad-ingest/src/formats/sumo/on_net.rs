@@ -70,7 +70,7 @@ impl<'a> Segments<'a> {
     fn new(map: &'a RoadMap) -> Self {
         let mut by_cell: HashMap<Cell, Vec<[&Point3; 2]>> = HashMap::new();
         let rolls = |l: &&Lane| l.kind != LaneKind::Sidewalk;
-        for w in map.lanes.iter().filter(rolls).flat_map(|l| l.centre.windows(2)) {
+        for w in map.lanes.iter().filter(rolls).flat_map(|l| l.center.windows(2)) {
             let (a, b) = (&w[0], &w[1]);
             let length = (b.x - a.x).hypot(b.y - a.y);
             if length.is_nan() || length > LONGEST_M {
@@ -142,8 +142,8 @@ mod tests {
     use super::*;
 
     fn map() -> RoadMap {
-        let centre = [0.0, 200.0].map(|x| Point3 { x, y: 0.0, z: 0.0 }).to_vec();
-        RoadMap { lanes: vec![Lane { id: "a".into(), centre, ..Lane::default() }], ..RoadMap::default() }
+        let center = [0.0, 200.0].map(|x| Point3 { x, y: 0.0, z: 0.0 }).to_vec();
+        RoadMap { lanes: vec![Lane { id: "a".into(), center, ..Lane::default() }], ..RoadMap::default() }
     }
 
     fn fcd(rows: &[(f64, f64, f64)]) -> Fcd {

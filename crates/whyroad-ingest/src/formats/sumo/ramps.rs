@@ -74,8 +74,8 @@ impl Meeting<'_> {
     /// Directions of the roads at the node, rad.
     fn headings(&self, lanes: &BTreeMap<String, Lane>) -> Vec<f64> {
         let lane = |e: &Branch<'_>| e.lanes.first().and_then(|id| lanes.get(id));
-        let ends = self.ins.iter().filter_map(lane).filter_map(|l| l.centre.windows(2).last());
-        let begins = self.outs.iter().filter_map(lane).filter_map(|l| l.centre.windows(2).next());
+        let ends = self.ins.iter().filter_map(lane).filter_map(|l| l.center.windows(2).last());
+        let begins = self.outs.iter().filter_map(lane).filter_map(|l| l.center.windows(2).next());
         ends.chain(begins).map(|w| heading(w[0], w[1])).collect()
     }
 

@@ -22,19 +22,19 @@ pub(super) fn area(
         order.push(left.remove(i));
     }
     let outer: Vec<&Lane> = order.iter().filter_map(|id| lanes.get(edges[*id].lanes.first()?)).collect();
-    let centre: Vec<Point3> = outer.iter().flat_map(|l| l.centre.iter().copied()).collect();
-    let next = centre.iter().cycle().skip(1);
-    let doubled_area: f64 = centre.iter().zip(next).map(|(a, b)| a.x * b.y - b.x * a.y).sum();
-    let n = centre.len() as f64;
-    let middle = (centre.iter().map(|p| p.x).sum::<f64>() / n, centre.iter().map(|p| p.y).sum::<f64>() / n);
+    let center: Vec<Point3> = outer.iter().flat_map(|l| l.center.iter().copied()).collect();
+    let next = center.iter().cycle().skip(1);
+    let doubled_area: f64 = center.iter().zip(next).map(|(a, b)| a.x * b.y - b.x * a.y).sum();
+    let n = center.len() as f64;
+    let middle = (center.iter().map(|p| p.x).sum::<f64>() / n, center.iter().map(|p| p.y).sum::<f64>() / n);
     let mut boundary: Vec<Point3> = Vec::new();
     for id in &order {
         let edge = &edges[*id];
         // Driven counter-clockwise the right edge is outside, clockwise (left-hand traffic) the left one. Where traffic
         // drives on the left, lanes are counted from the left: the first is the outer one either way.
         let away = |l: &&Lane| {
-            let far = l.centre.iter().map(|p| (p.x - middle.0).hypot(p.y - middle.1)).sum::<f64>();
-            far / l.centre.len().max(1) as f64
+            let far = l.center.iter().map(|p| (p.x - middle.0).hypot(p.y - middle.1)).sum::<f64>();
+            far / l.center.len().max(1) as f64
         };
         let ends = [edge.lanes.first(), edge.lanes.last()].into_iter().flatten().filter_map(|l| lanes.get(l));
         let Some(lane) = ends.max_by(|a, b| away(a).total_cmp(&away(b))) else { continue };

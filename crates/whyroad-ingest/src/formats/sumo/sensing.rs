@@ -88,14 +88,14 @@ impl Footprint {
 
     /// Direction of its center and the least and greatest angle of its corners from there, rad.
     fn span(&self) -> (f64, f64, f64) {
-        let centre = self.y.atan2(self.x);
+        let center = self.y.atan2(self.x);
         let (sin, cos) = self.heading.sin_cos();
         let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(l, w)| {
             let (dx, dy) = (l * self.half_length, w * self.half_width);
             (self.y + dx * sin + dy * cos).atan2(self.x + dx * cos - dy * sin)
         });
-        let turned = corners.map(|a| crate::assemble::angles::wrap_angle(a - centre));
-        (centre, turned.into_iter().fold(0.0, f64::min), turned.into_iter().fold(0.0, f64::max))
+        let turned = corners.map(|a| crate::assemble::angles::wrap_angle(a - center));
+        (center, turned.into_iter().fold(0.0, f64::min), turned.into_iter().fold(0.0, f64::max))
     }
 }
 
@@ -124,20 +124,20 @@ struct Sight {
 
 /// Sight lines from the origin to `target` past the boxes of others (with their indices) and walls.
 fn look(target: &Footprint, others: &[(usize, Footprint)], walls: &[Wall]) -> Sight {
-    let (centre, low, high) = target.span();
+    let (center, low, high) = target.span();
     let nearer: Vec<&(usize, Footprint)> = others
         .iter()
         .filter(|(_, o)| o.distance() - o.half_length < target.distance() + target.half_length)
         .filter(|(_, o)| {
             let (other, least, most) = o.span();
-            let apart = crate::assemble::angles::wrap_angle(other - centre);
+            let apart = crate::assemble::angles::wrap_angle(other - center);
             // A sensor inside a box has it all around.
             o.hit((1.0, 0.0)) == Some(0.0) || (apart + least <= high && apart + most >= low)
         })
         .collect();
     let mut stopped: BTreeMap<Option<usize>, usize> = BTreeMap::new();
     for i in 0..SIGHT_LINES {
-        let angle = centre + low + (high - low) * (i as f64 + 0.5) / SIGHT_LINES as f64;
+        let angle = center + low + (high - low) * (i as f64 + 0.5) / SIGHT_LINES as f64;
         let direction = (angle.cos(), angle.sin());
         // Between two corners that the eye sees, every line meets the box; rounding at its edge does not matter.
         let Some(own) = target.hit(direction) else { continue };

@@ -79,7 +79,7 @@ fn sign(e: &Element<'_>, kind: &str, map: &RoadMap) -> Option<Sign> {
     let lane = e.text("lane");
     let position = match (e.number("x"), e.number("y")) {
         (Some(x), Some(y)) => Point3 { x, y, z: e.number("z").unwrap_or(0.0) },
-        _ => along(&map.lane(lane.as_deref()?)?.centre, e.number("pos")?)?,
+        _ => along(&map.lane(lane.as_deref()?)?.center, e.number("pos")?)?,
     };
     let lane_ids = lane.into_iter().collect();
     Some(Sign { id: e.text("id")?, kind: kind.to_owned(), position, lane_ids, value: None, facing: None })

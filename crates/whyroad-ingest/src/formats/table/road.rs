@@ -5,7 +5,7 @@ use super::reader::Reader;
 use super::sheet::{Sheet, list};
 use super::signs;
 use super::words::UnknownWords;
-use crate::assemble::geometry::centre_line;
+use crate::assemble::geometry::center_line;
 use crate::assemble::junctions;
 use crate::report::RowCount;
 use std::collections::BTreeSet;
@@ -78,10 +78,10 @@ fn line(text: &str) -> Option<Vec<Point3>> {
 fn read_lanes(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
     let (mut problems, mut words) = (Problems::default(), UnknownWords::default());
     let p = &mut problems;
-    let [ids, left_neighbour, right_neighbour, successors, predecessors, junction] =
+    let [ids, left_neighbor, right_neighbor, successors, predecessors, junction] =
         ["lane_id", "left_neighbour", "right_neighbour", "successors", "predecessors", "junction_id"]
             .map(|n| sheet.texts(n));
-    let [centre, left, right] =
+    let [center, left, right] =
         ["centre_xyz_m", "left_xyz_m", "right_xyz_m"].map(|n| sheet.parsed(n, LINE, p, line));
     let [left_mark, right_mark] = ["left_mark", "right_mark"].map(|n| sheet.words(n, MARKS, p));
     let kind = sheet.words("kind", "one of vehicle, bus, bike, sidewalk, shoulder, other", p);
@@ -99,10 +99,10 @@ fn read_lanes(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
             continue;
         };
         let edge = |e: &Option<Vec<Point3>>| e.clone().filter(|l| l.len() >= 2).unwrap_or_default();
-        let (left, right, stated) = (edge(&left[i]), edge(&right[i]), edge(&centre[i]));
+        let (left, right, stated) = (edge(&left[i]), edge(&right[i]), edge(&center[i]));
         let both = !left.is_empty() && !right.is_empty();
-        let centre = if stated.is_empty() && both { centre_line(&left, &right) } else { stated };
-        if centre.is_empty() {
+        let center = if stated.is_empty() && both { center_line(&left, &right) } else { stated };
+        if center.is_empty() {
             problems.row("no_line", row, &mut count);
             continue;
         }
@@ -113,13 +113,13 @@ fn read_lanes(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
         count.keep("lane", 1);
         map.lanes.push(Lane {
             id,
-            centre,
+            center,
             left: if both { left } else { Vec::new() },
             right: if both { right } else { Vec::new() },
             left_mark: left_mark[i].unwrap_or_default(),
             right_mark: right_mark[i].unwrap_or_default(),
-            left_neighbour: left_neighbour[i].clone(),
-            right_neighbour: right_neighbour[i].clone(),
+            left_neighbor: left_neighbor[i].clone(),
+            right_neighbor: right_neighbor[i].clone(),
             successors: list(&successors[i]),
             predecessors: list(&predecessors[i]),
             kind: kind[i].unwrap_or_default(),

@@ -6,10 +6,10 @@ use super::sheet::TIME;
 use super::words::UnknownWords;
 use crate::report::RowCount;
 use whyroad_model::Nanos;
-use whyroad_model::scene::{ContextState, LightColour, LightState};
+use whyroad_model::scene::{ContextState, LightColor, LightState};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, UNKNOWN, context_values};
 
-const COLOURS: &str = "one of red, yellow, green, green_yield, green_round, green_arrow, flashing_green, red_yellow, \
+const COLORS: &str = "one of red, yellow, green, green_yield, green_round, green_arrow, flashing_green, red_yellow, \
     flashing_yellow, off, unknown";
 
 /// Light states; `None` without the table.
@@ -20,7 +20,7 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
     let times = sheet.times(reader.start, &mut problems);
     let (lanes, to) = (sheet.texts("lane_id"), sheet.texts("to_lane_id"));
     let countdowns = sheet.numbers("countdown_s", &mut problems);
-    let colours: Vec<Option<LightColour>> = sheet.words("colour", COLOURS, &mut problems);
+    let colors: Vec<Option<LightColor>> = sheet.words("colour", COLORS, &mut problems);
     let mut count = RowCount { read: sheet.rows, ..RowCount::new("lights") };
     let mut out = Vec::new();
     for i in 0..sheet.rows {
@@ -30,10 +30,10 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
             (_, None) => problems.row("no_id", row, &mut count),
             (Some(t), Some(lane_id)) => {
                 count.keep("light", 1);
-                let colour = colours[i].unwrap_or(LightColour::Unknown);
+                let color = colors[i].unwrap_or(LightColor::Unknown);
                 let countdown_s = Some(countdowns[i]).filter(|s| *s >= 0.0);
                 let (to_lane_id, time) = (to[i].clone(), Nanos(t));
-                out.push(LightState { lane_id, to_lane_id, time, colour, countdown_s });
+                out.push(LightState { lane_id, to_lane_id, time, color, countdown_s });
             }
         }
     }

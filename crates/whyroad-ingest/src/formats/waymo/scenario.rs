@@ -1,7 +1,7 @@
 //! The `Scenario` message, as much of it as scene tables want. Field numbers: `scenario.proto` and `map.proto` of the
 //! Waymo Open Dataset (motion, 1.0 to 1.3).
 
-use crate::assemble::feature_map::{Boundary, CentreLane, Feature, Neighbour};
+use crate::assemble::feature_map::{Boundary, CenterLane, Feature, Neighbor};
 use crate::assemble::frames::Sample;
 use crate::encodings::protobuf::{Field, Fields, ProtoError};
 use whyroad_model::road_map::{Lane, LaneKind, LaneMark, Point3};
@@ -185,8 +185,8 @@ fn texts(ids: &[i64]) -> Vec<String> {
     ids.iter().map(i64::to_string).collect()
 }
 
-fn lane(field: Field<'_>) -> Parsed<CentreLane> {
-    let mut l = CentreLane::default();
+fn lane(field: Field<'_>) -> Parsed<CenterLane> {
+    let mut l = CenterLane::default();
     let (mut kind, mut interpolating) = (0, false);
     let (mut entries, mut exits) = (Vec::new(), Vec::new());
     for f in field.fields()? {
@@ -195,10 +195,10 @@ fn lane(field: Field<'_>) -> Parsed<CentreLane> {
             1 => l.lane.speed_limit_mps = Some(f.number()? * MPS_PER_MPH).filter(|v| *v > 0.0),
             2 => kind = f.int()?,
             3 => interpolating = f.int()? != 0,
-            8 => l.lane.centre.push(point(f)?),
+            8 => l.lane.center.push(point(f)?),
             9 => f.ints(&mut entries)?,
             10 => f.ints(&mut exits)?,
-            11 | 12 => l.neighbours[(f.number - 11) as usize].push(neighbour(f)?),
+            11 | 12 => l.neighbors[(f.number - 11) as usize].push(neighbor(f)?),
             13 | 14 => l.boundaries[(f.number - 13) as usize].push(boundary(f)?),
             _ => {}
         }
@@ -244,7 +244,7 @@ fn boundary(field: Field<'_>) -> Parsed<Boundary> {
     })
 }
 
-fn neighbour(field: Field<'_>) -> Parsed<Neighbour> {
+fn neighbor(field: Field<'_>) -> Parsed<Neighbor> {
     let [_, lane, start, end, _] = four(field)?;
-    Ok(Neighbour { start: start.max(0) as usize, end: end.max(0) as usize, lane: lane.to_string() })
+    Ok(Neighbor { start: start.max(0) as usize, end: end.max(0) as usize, lane: lane.to_string() })
 }

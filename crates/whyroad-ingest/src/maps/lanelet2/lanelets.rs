@@ -3,7 +3,7 @@
 
 use super::document::{Document, MemberKind, Relation, Tags};
 use super::ground::Ground;
-use crate::assemble::geometry::{between, centre_line, edges_oppose};
+use crate::assemble::geometry::{between, center_line, edges_oppose};
 use crate::maps::{MapReading, signs};
 use std::collections::{BTreeMap, HashMap};
 use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, Point3, TurnKind};
@@ -158,7 +158,7 @@ fn lanelet(
     };
     let lane = Lane {
         id: id.to_owned(),
-        centre: centre_line(&b.left, &b.right),
+        center: center_line(&b.left, &b.right),
         left_mark: mark(0),
         right_mark: mark(1),
         kind,
@@ -256,7 +256,7 @@ fn link(all: &mut [Lanelet]) {
     }
     for (i, (next, [left, right])) in links {
         let lane = &mut all[i].lane;
-        (lane.left_neighbour, lane.right_neighbour) = (left, right);
+        (lane.left_neighbor, lane.right_neighbor) = (left, right);
         lane.successors = next;
         lane.predecessors = before.remove(&i).unwrap_or_default();
     }

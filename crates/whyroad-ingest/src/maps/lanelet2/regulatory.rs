@@ -49,7 +49,7 @@ pub(super) fn add(document: &Document, lanelets: &Lanelets, ground: &mut Ground,
             continue;
         };
         let crossed =
-            || out.map.lanes.iter().filter(|l| crosses(&line, &l.centre)).map(|l| l.id.clone()).collect();
+            || out.map.lanes.iter().filter(|l| crosses(&line, &l.center)).map(|l| l.id.clone()).collect();
         let lane_ids = match of_lanes {
             Some(lanes) => lanes.into_iter().collect(),
             None if compare => crossed(),
@@ -121,7 +121,7 @@ impl Elements<'_> {
             "all_way_stop" if refers.is_empty() => {
                 let RoadMap { lanes, signs, .. } = &mut out.map;
                 for lane in stopping.iter().filter_map(|id| lane_of(lanes, id)) {
-                    signs.extend(lane.centre.last().map(|p| Sign {
+                    signs.extend(lane.center.last().map(|p| Sign {
                         id: format!("sign_{id}_{}", lane.id),
                         kind: "stop".into(),
                         position: *p,

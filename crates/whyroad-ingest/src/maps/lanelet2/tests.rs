@@ -100,12 +100,12 @@ fn lanelets_are_turned_linked_and_marked() {
         (r.map.lane("50").unwrap(), r.map.lane("51").unwrap(), r.map.lane("52").unwrap());
     // The upper bound runs west in the file; driving east, it is on the left.
     assert_eq!((upper.left[0].x, upper.left[0].y, upper.left[1].x), (0.0, 8.0, 10.0));
-    assert_eq!((upper.centre[0].y, upper.centre[0].z), (6.0, 3.0));
+    assert_eq!((upper.center[0].y, upper.center[0].z), (6.0, 3.0));
     // Solid on the left driving west is solid on the right driving east.
     assert_eq!((upper.left_mark, upper.right_mark), (LaneMark::DashedSolid, LaneMark::Dashed));
     assert_eq!((next.left_mark, lower.right_mark), (LaneMark::None, LaneMark::Unknown));
-    assert_eq!(upper.right_neighbour.as_deref(), Some("51"));
-    assert_eq!(lower.left_neighbour.as_deref(), Some("50"));
+    assert_eq!(upper.right_neighbor.as_deref(), Some("51"));
+    assert_eq!(lower.left_neighbor.as_deref(), Some("50"));
     assert_eq!(
         (&lower.successors[..], &next.predecessors[..]),
         (&["52".to_owned()][..], &["51".to_owned()][..])
@@ -136,11 +136,11 @@ fn a_lanelet_for_both_directions_is_driven_both_ways() {
     let content = street().replace(r#"<tag k="speed_limit" v="50 km/h"/>"#, r#"<tag k="one_way" v="no"/>"#);
     let r = reading(&content, &Options::default());
     let (there, back) = (r.map.lane("50").unwrap(), r.map.lane("50:back").unwrap());
-    assert_eq!((back.centre[0].x, back.centre.last().unwrap().x), (10.0, 0.0));
+    assert_eq!((back.center[0].x, back.center.last().unwrap().x), (10.0, 0.0));
     assert_eq!((back.left[0].y, back.right[0].y), (4.0, 8.0));
     // The lane beside it runs the other way now.
-    assert_eq!(back.left_neighbour.as_deref(), Some("51"));
-    assert_eq!(there.right_neighbour.as_deref(), Some("51"));
+    assert_eq!(back.left_neighbor.as_deref(), Some("51"));
+    assert_eq!(there.right_neighbor.as_deref(), Some("51"));
     assert_eq!(there.speed_limit_mps, None);
     assert_eq!(r.map.layer(MapLayer::SpeedLimits), LayerState::Partial);
 }

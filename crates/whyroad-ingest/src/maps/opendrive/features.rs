@@ -151,11 +151,11 @@ impl OnRoad<'_> {
     fn outline(&self, object: &Object, poses: &BTreeMap<u64, Pose>) -> Option<Vec<Point3>> {
         let own = poses.get(&object.s.to_bits())?;
         let z = self.height(object.s);
-        let centre = own.beside(object.t, z);
+        let center = own.beside(object.t, z);
         let (sin, cos) = (own.heading + object.heading).sin_cos();
         let local = |u: f64, v: f64, dz: f64| Point3 {
-            x: centre.x + u * cos - v * sin,
-            y: centre.y + u * sin + v * cos,
+            x: center.x + u * cos - v * sin,
+            y: center.y + u * sin + v * cos,
             z: z + dz,
         };
         let mut ring: Vec<Point3> = if object.corners.is_empty() {

@@ -35,7 +35,7 @@ pub(super) fn mark(document: &Document, lanes: &mut BTreeMap<LaneKey, Lane>) -> 
             && rolls(lane)
         {
             // Also where a street only turns back at its end, which is no junction.
-            lane.turn = layers::turn(&lane.centre);
+            lane.turn = layers::turn(&lane.center);
             inside.entry(junction).or_default().push(*key);
         }
     }
@@ -69,7 +69,7 @@ pub(super) fn rolls(lane: &Lane) -> bool {
 
 /// Driving direction at the first or last point of a lane.
 fn heading(lane: &Lane, last: bool) -> Option<f64> {
-    let mut steps = lane.centre.windows(2).filter(|w| distance(w[0], w[1]) > 1e-6);
+    let mut steps = lane.center.windows(2).filter(|w| distance(w[0], w[1]) > 1e-6);
     let w = if last { steps.next_back()? } else { steps.next()? };
     Some((w[1].y - w[0].y).atan2(w[1].x - w[0].x))
 }
@@ -88,7 +88,7 @@ fn is_junction(
         for (ids, comes) in [(&lane.predecessors, true), (&lane.successors, false)] {
             for other in ids.iter().filter_map(|id| by_id.get(id)).filter(|k| !own.contains(&k.road)) {
                 let there = &lanes[other];
-                let point = if comes { there.centre.last() } else { there.centre.first() };
+                let point = if comes { there.center.last() } else { there.center.first() };
                 let seen = arms.iter().any(|a| a.road == other.road && a.comes == comes);
                 if let (Some(&point), Some(heading), false) = (point, heading(there, comes), seen) {
                     arms.push(Arm { road: other.road, point, heading, comes });

@@ -99,7 +99,7 @@ pub(super) fn place(index: usize, road: &Road, budget: &mut Budget) -> Placed {
             let surface = Surface { road, section, range };
             surface.place(&side, (index, number), budget, &mut out);
         }
-        neighbours(index, number, road, &mut out.lanes);
+        neighbors(index, number, road, &mut out.lanes);
     }
     out
 }
@@ -230,11 +230,11 @@ impl Surface<'_> {
             lines.iter_mut().for_each(|l| l.reverse());
             lines.reverse();
         }
-        let [left, centre, right] = lines;
+        let [left, center, right] = lines;
         let constant = !lane.widths.is_empty() && lane.widths.is_flat();
         Lane {
             left,
-            centre,
+            center,
             right,
             width_m: constant.then(|| lane.widths.at(0.0)),
             speed_limit_mps: self.limit(lane),
@@ -256,7 +256,7 @@ impl Surface<'_> {
 }
 
 /// Lanes side by side: the number one higher lies to the left by ascending stations; 0 has no width.
-fn neighbours(road: usize, section: usize, doc: &Road, lanes: &mut BTreeMap<LaneKey, Lane>) {
+fn neighbors(road: usize, section: usize, doc: &Road, lanes: &mut BTreeMap<LaneKey, Lane>) {
     let first = LaneKey { road, section, lane: i32::MIN };
     let last = LaneKey { lane: i32::MAX, ..first };
     let keys: Vec<LaneKey> = lanes.range(first..=last).map(|(k, _)| *k).collect();
@@ -270,7 +270,7 @@ fn neighbours(road: usize, section: usize, doc: &Road, lanes: &mut BTreeMap<Lane
             std::mem::swap(&mut left, &mut right);
         }
         if let Some(lane) = lanes.get_mut(&key) {
-            (lane.left_neighbour, lane.right_neighbour) = (left, right);
+            (lane.left_neighbor, lane.right_neighbor) = (left, right);
         }
     }
 }

@@ -171,7 +171,7 @@ fn end_at(
                 let doc_lane =
                     document.roads[road].sections[section].lanes.iter().find(|l| l.id == key.lane)?;
                 let last = goes_forward(&document.roads[road], doc_lane) == (end == End::End);
-                if last { lane.centre.last() } else { lane.centre.first() }.copied()
+                if last { lane.center.last() } else { lane.center.first() }.copied()
             };
             let there = point(to, contact)?;
             let reach = |end| point(road, end).map(|p| crate::assemble::geometry::distance(p, there));

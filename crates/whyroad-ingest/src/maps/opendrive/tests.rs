@@ -55,24 +55,24 @@ fn a_street_for_both_directions() {
     let forward = r.map.lane("7_0_-1").unwrap();
     // The middle is 0.5 m left of the reference line: lane -1 from 50.5 to 47.0.
     assert!(near(forward.left[0], 100.0, 50.5) && near(forward.right[0], 100.0, 47.0));
-    assert!(near(forward.centre[0], 100.0, 48.75) && near(*forward.centre.last().unwrap(), 180.0, 48.75));
+    assert!(near(forward.center[0], 100.0, 48.75) && near(*forward.center.last().unwrap(), 180.0, 48.75));
     // 2 m at the start, and 80 m of 10 %.
     assert!(
-        (forward.centre[0].z - 2.0).abs() < 1e-6 && (forward.centre.last().unwrap().z - 10.0).abs() < 1e-6
+        (forward.center[0].z - 2.0).abs() < 1e-6 && (forward.center.last().unwrap().z - 10.0).abs() < 1e-6
     );
     assert!((forward.speed_limit_mps.unwrap() - 30.0 / 3.6).abs() < 1e-9);
     assert_eq!((forward.left_mark, forward.right_mark), (LaneMark::Dashed, LaneMark::DoubleSolid));
-    assert_eq!(forward.left_neighbour.as_deref(), Some("7_0_1"));
-    assert_eq!((forward.right_neighbour.as_deref(), forward.width_m), (None, Some(3.5)));
+    assert_eq!(forward.left_neighbor.as_deref(), Some("7_0_1"));
+    assert_eq!((forward.right_neighbor.as_deref(), forward.width_m), (None, Some(3.5)));
     let back = r.map.lane("7_0_1").unwrap();
-    assert!(near(back.centre[0], 180.0, 52.0) && near(*back.centre.last().unwrap(), 100.0, 52.0));
+    assert!(near(back.center[0], 180.0, 52.0) && near(*back.center.last().unwrap(), 100.0, 52.0));
     // Driving west, the left edge is the southern one.
     assert!(near(back.left[0], 180.0, 50.5) && near(back.right[0], 180.0, 53.5));
     assert!((back.speed_limit_mps.unwrap() - 50.0 / 3.6).abs() < 1e-9, "the road's");
-    assert_eq!(back.left_neighbour.as_deref(), Some("7_0_-1"));
-    assert_eq!(back.right_neighbour.as_deref(), Some("7_0_2"));
+    assert_eq!(back.left_neighbor.as_deref(), Some("7_0_-1"));
+    assert_eq!(back.right_neighbor.as_deref(), Some("7_0_2"));
     let bike = r.map.lane("7_0_-3").unwrap();
-    assert!(near(bike.centre[0], 100.0, 50.5 - 3.5 - 0.5 - 0.75) && bike.kind == LaneKind::Bike);
+    assert!(near(bike.center[0], 100.0, 50.5 - 3.5 - 0.5 - 0.75) && bike.kind == LaneKind::Bike);
     assert_eq!(r.map.layer(MapLayer::Heights), LayerState::Partial);
     assert_eq!(r.map.layer(MapLayer::Crosswalks), LayerState::Absent);
 }
@@ -87,7 +87,7 @@ fn left_hand_traffic_runs_the_other_way() {
     );
     let r = reading(&roads);
     let l = r.map.lane("1_0_-1").unwrap();
-    assert!(near(l.centre[0], 110.0, 48.5) && near(l.left[0], 110.0, 47.0));
+    assert!(near(l.center[0], 110.0, 48.5) && near(l.left[0], 110.0, 47.0));
 }
 
 #[test]
@@ -210,7 +210,7 @@ fn lanes_lead_over_a_junction() {
     assert!(left.in_junction && ahead.in_junction && left.junction_id.as_deref() == Some("9"));
     assert_eq!((left.turn, ahead.turn), (Some(TurnKind::Left), Some(TurnKind::Straight)));
     // The turn ends 1.5 m right of the reference line, which heads north at (0, 10).
-    assert!(near(*left.centre.last().unwrap(), 1.5, 10.0), "{:?}", left.centre.last());
+    assert!(near(*left.center.last().unwrap(), 1.5, 10.0), "{:?}", left.center.last());
     assert_eq!(r.map.lane("1_0_-1").unwrap().junction_id.as_deref(), Some("9"));
     assert_eq!(r.map.lane("2_0_-1").unwrap().junction_id, None);
     assert_eq!(r.map.junctions.len(), 1);

@@ -104,7 +104,7 @@ fn adds_nothing(
     let own = |n: &Named| words.objects[n.group].own;
     // A vehicle on the same side, or of the same color, may be called anything.
     let alike = |n: &Named, m: &Named| {
-        let marked = (n.side.is_some() && n.side == m.side) || (n.colour.is_some() && n.colour == m.colour);
+        let marked = (n.side.is_some() && n.side == m.side) || (n.color.is_some() && n.color == m.color);
         own(n).meets(words.known.vehicle) && own(m).meets(words.known.vehicle) && marked
     };
     let near = |n: &Named, m: &Named| own(n).meets(words.objects[m.group].near) || alike(n, m);
@@ -113,7 +113,7 @@ fn adds_nothing(
             n.absent == m.absent
                 && n.supposed == m.supposed
                 && (n.side.is_none() || n.side == m.side)
-                && (n.colour.is_none() || m.colour.is_none() || n.colour == m.colour)
+                && (n.color.is_none() || m.color.is_none() || n.color == m.color)
         };
         own(n).without(words.known.road).is_empty()
             || b.1.named.iter().filter(|m| near(n, m)).any(|m| agrees(&m))
@@ -132,7 +132,7 @@ fn adds_nothing(
         // Introduced twice at the same place, where one does nothing that is known.
         let new = |text: &str, n: &Named| subject::is_introduced(text, n.start, words);
         let twice = |n: &Named| {
-            let painted = |m: &Named| n.colour.is_some() && n.colour == m.colour;
+            let painted = |m: &Named| n.color.is_some() && n.color == m.color;
             let again = |m: &Named| {
                 near(n, m)
                     && n.side.is_some()
@@ -144,10 +144,8 @@ fn adds_nothing(
         let open = a.1.does.is_empty() || b.1.does.is_empty();
         a.1.does.meets(b.1.does) || open && a.1.there().any(twice)
     } else if both.meets(words.known.light) {
-        let colour = |text| words.light_colour(text);
-        things(a.1).without(words.known.light).is_empty()
-            && colour(a.0).is_some()
-            && colour(a.0) == colour(b.0)
+        let color = |text| words.light_color(text);
+        things(a.1).without(words.known.light).is_empty() && color(a.0).is_some() && color(a.0) == color(b.0)
     } else {
         let sided = |n: &Named| n.side.is_some() && b.1.there().any(|m| near(n, m) && n.side == m.side);
         !both.is_empty() && (both.0.count_ones() > 1 || a.1.there().any(sided) || a.1.does.meets(b.1.does))
@@ -230,7 +228,7 @@ fn pieces(text: &str, facts: &TextFacts, words: &Compared) -> Pieces {
         list.sort_unstable();
         list.dedup();
     }
-    let mut named: Vec<_> = facts.named.iter().map(|n| (n.group, n.side, n.colour)).collect();
+    let mut named: Vec<_> = facts.named.iter().map(|n| (n.group, n.side, n.color)).collect();
     named.sort_unstable();
     named.dedup();
     Pieces { units, pairs, content, is_latin: text.is_ascii(), named }

@@ -160,8 +160,8 @@ fn differs(
     // "The blue car" for the white one: the color is part of the word.
     let painted = |text: Option<&str>, n: &Named| {
         let mut word = text?.get(n.start..n.end)?.chars();
-        let colour = word.next().filter(|c| words.colour_chars.iter().any(|(own, _)| own == c))?;
-        (word.as_str() == "车").then_some(colour)
+        let color = word.next().filter(|c| words.color_chars.iter().any(|(own, _)| own == c))?;
+        (word.as_str() == "车").then_some(color)
     };
     let given = || {
         let parts = label.parts.iter().zip(&texts.components);
@@ -219,14 +219,14 @@ fn differs(
             return false;
         }
         // Most are said without either.
-        let same = if n.side.is_some() || n.colour.is_some() { meant(n) } else { Vec::new() };
+        let same = if n.side.is_some() || n.color.is_some() { meant(n) } else { Vec::new() };
         let side = n.side.is_some_and(|s| {
             same.iter().any(|c| c.side == Some(!s)) && !same.iter().any(|c| c.side == Some(s))
         });
-        let colour = n.colour.is_some_and(|k| {
-            same.iter().any(|c| c.colour.is_some_and(|o| o != k)) && !same.iter().any(|c| c.colour == Some(k))
+        let color = n.color.is_some_and(|k| {
+            same.iter().any(|c| c.color.is_some_and(|o| o != k)) && !same.iter().any(|c| c.color == Some(k))
         });
-        side || colour || other_car(n) || not_opposite(n) || is_elsewhere(n)
+        side || color || other_car(n) || not_opposite(n) || is_elsewhere(n)
     };
     let other_light = || other_light(label, texts, words, until);
     let Some(n) = texts.trace.there().filter(|n| n.start < until).find(differs).or_else(other_light) else {
@@ -253,26 +253,26 @@ fn other_light<'t>(
         return None;
     }
     // "The light has just dropped to red": behind the name, in the clause.
-    let colour = |text: Option<&str>, n: &Named| {
+    let color = |text: Option<&str>, n: &Named| {
         let text = text?;
-        let own = words.light_colour(text.get(n.start..n.end)?);
+        let own = words.light_color(text.get(n.start..n.end)?);
         let rest = text.get(n.end..)?;
         let end = rest.find(|c| "，。；,;.".contains(c)).unwrap_or(rest.len());
-        own.or_else(|| words.light_colour(&rest[..end]))
+        own.or_else(|| words.light_color(&rest[..end]))
     };
     let is_light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
     let given: Vec<usize> = label
         .parts
         .iter()
         .zip(&texts.components)
-        .flat_map(|(c, f)| f.there().filter(is_light).filter_map(|n| colour(c.description.get(), n)))
+        .flat_map(|(c, f)| f.there().filter(is_light).filter_map(|n| color(c.description.get(), n)))
         .collect();
     let said: Vec<(&Named, usize)> = texts
         .trace
         .there()
         .filter(|n| n.start < until)
         .filter(is_light)
-        .filter_map(|n| Some((n, colour(label.trace.get(), n)?)))
+        .filter_map(|n| Some((n, color(label.trace.get(), n)?)))
         .collect();
     let (n, _) = said.first()?;
     (!given.is_empty() && !said.iter().any(|(_, c)| given.contains(c))).then_some(n)

@@ -242,7 +242,7 @@ fn light<'n>(
 ) {
     let Some(text) = c.description.get() else { return };
     let group = kind(words, "light");
-    let colours: Vec<&str> = named
+    let colors: Vec<&str> = named
         .filter(|n| words.objects[n.group].own.meets(group))
         .filter_map(|n| {
             let word = text[n.start..n.end].to_ascii_lowercase();
@@ -263,7 +263,7 @@ fn light<'n>(
         })
         .collect();
     // "From red to green" names both: then nothing is compared but the last.
-    let Some(said) = colours.last() else { return };
+    let Some(said) = colors.last() else { return };
     let mut frames = frames_of(c, w);
     if frames.is_empty() {
         frames.extend(w.keyframe.saturating_sub(10)..=(w.keyframe + 3).min(w.end.saturating_sub(1)));

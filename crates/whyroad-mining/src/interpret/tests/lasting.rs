@@ -92,7 +92,7 @@ fn a_short_gap_in_the_log_is_bridged_like_a_break() {
 #[test]
 fn margins_of_chains_are_those_of_their_weakest_link() {
     // STL: since is the best beginning, each with the worst of what had to hold after it.
-    let mut checker = Checker::new(Catalogue::bundled());
+    let mut checker = Checker::new(Catalog::bundled());
     let text = "ego.speed > 5 m/s since ego.speed > 20 m/s";
     let id = checker.condition(&parse::parse(text).unwrap()).unwrap();
     // Scale 5 m/s. a: 4 -> 2 (cut off), 1, 0.2, 1; b: 0.5, -2, -2, -2 (cut off).

@@ -72,7 +72,7 @@ fn nothing_is_counted_where_nothing_was_recorded() {
 /// Truth over the rows of the pair (a, b), which are frames 2 and 3.
 fn of_pair(text: &str) -> String {
     let t = two_cars();
-    let mut checker = Checker::new(Catalogue::bundled());
+    let mut checker = Checker::new(Catalog::bundled());
     checker.roles = RoleNames { first: Some("lead".to_owned()), second: Some("obstacle".to_owned()) };
     let id = checker.condition(&parse::parse(text).unwrap()).unwrap();
     let mut evaluator = Evaluator::new(&checker.program, &t);
@@ -103,7 +103,7 @@ fn a_pair_is_judged_while_both_are_seen() {
 fn an_episode_is_looked_at_as_a_whole() {
     let t = two_cars();
     let of = |text: &str, keyframe: usize, matched: (usize, usize)| {
-        let mut checker = Checker::new(Catalogue::bundled());
+        let mut checker = Checker::new(Catalog::bundled());
         let id = checker.condition(&parse::parse(text).unwrap()).unwrap();
         let mut evaluator = Evaluator::new(&checker.program, &t);
         let pass = evaluator.pass(Some(&t.targets[0]));

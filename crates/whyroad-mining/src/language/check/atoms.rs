@@ -144,7 +144,7 @@ impl Checker<'_> {
         let (base, value_names) = match &self.program.node(measured).kind {
             ValueKind::Number(d) => (d.base(), BTreeMap::new()),
             ValueKind::Category(values) => {
-                let named = |v: &String| (v.clone(), self.catalogue.value_name(v));
+                let named = |v: &String| (v.clone(), self.catalog.value_name(v));
                 (&UNITS[0], values.iter().map(named).collect())
             }
             ValueKind::Condition => (&UNITS[0], BTreeMap::new()),

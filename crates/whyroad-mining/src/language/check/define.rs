@@ -57,7 +57,7 @@ impl Checker<'_> {
         if self.values.contains(name) {
             return Err(names::also_a_value(name, span));
         }
-        if name.contains('.') || self.catalogue.resolve(name).is_some() {
+        if name.contains('.') || self.catalog.resolve(name).is_some() {
             return taken("是信号的名称", "is the name of a signal, or looks like one");
         }
         if TAKEN.contains(&name) || crate::language::token::KEYWORDS.contains(&name) {

@@ -3,14 +3,14 @@
 use super::super::Fault;
 use super::super::syntax::Span;
 use whyroad_signals::SignalKind;
-use whyroad_signals::catalogue::Catalogue;
+use whyroad_signals::catalog::Catalog;
 
 /// Prefixes that name a target and at the same time say what it is (DATA_FORMAT.md 5.1 `target_vehicle.`).
 const TARGET_PREFIXES: &[&str] = &["target_vehicle.", "target_vru."];
 
 /// The fault for a name that is neither a signal nor one of the rule's `own` names.
 pub(super) fn unknown<'n>(
-    catalogue: &'n Catalogue,
+    catalog: &'n Catalog,
     written: &str,
     span: Span,
     own: impl Iterator<Item = &'n str>,
@@ -24,7 +24,7 @@ pub(super) fn unknown<'n>(
     let prefix = TARGET_PREFIXES.iter().find(|p| written.starts_with(**p));
     let plain = prefix.map_or(written.to_owned(), |p| format!("target.{}", &written[p.len()..]));
     let known = || {
-        catalogue
+        catalog
             .iter()
             .flat_map(|d| std::iter::once(d.name.as_str()).chain(d.aliases.iter().map(String::as_str)))
     };
@@ -34,7 +34,7 @@ pub(super) fn unknown<'n>(
     } else if let Some(near) = nearest(&plain, known().filter(|n| !n.contains('.')).chain(own)) {
         Some(near)
     } else {
-        return of_a_word(catalogue, &plain, fault);
+        return of_a_word(catalog, &plain, fault);
     };
     match near {
         Some(n) => {
@@ -49,8 +49,8 @@ pub(super) fn unknown<'n>(
 }
 
 /// `speed` may have been meant as `ego.speed`; `left` is what a category is compared with.
-fn of_a_word(catalogue: &Catalogue, word: &str, fault: Fault) -> Fault {
-    let names = || catalogue.iter().map(|d| d.name.as_str());
+fn of_a_word(catalog: &Catalog, word: &str, fault: Fault) -> Fault {
+    let names = || catalog.iter().map(|d| d.name.as_str());
     let whole: Vec<&str> = names().filter(|n| n.rsplit('.').next() == Some(word)).take(3).collect();
     if !whole.is_empty() {
         let quoted: Vec<String> = whole.iter().map(|n| format!("'{n}'")).collect();
@@ -59,7 +59,7 @@ fn of_a_word(catalogue: &Catalogue, word: &str, fault: Fault) -> Fault {
             format!("did you mean {}?", quoted.join(" or ")),
         );
     }
-    let of = catalogue.iter().find(|d| match &d.kind {
+    let of = catalog.iter().find(|d| match &d.kind {
         SignalKind::Category(values) => values.iter().any(|v| v == word),
         _ => false,
     });
@@ -91,14 +91,14 @@ pub(super) fn also_a_value(name: &str, span: Span) -> Fault {
 }
 
 /// The fault for `obstacle.gapp`, where `obstacle` is a role.
-pub(super) fn unknown_of_role(catalogue: &Catalogue, role: &str, written: &str, span: Span) -> Fault {
+pub(super) fn unknown_of_role(catalog: &Catalog, role: &str, written: &str, span: Span) -> Fault {
     let fault = Fault::new(
         "rule.signal.unknown",
         span,
         format!("没有名为 'target.{written}' 的信号，角色 {role} 也就没有 '{written}'"),
         format!("signal 'target.{written}' not found, so '{role}' has no '{written}'"),
     );
-    let known = catalogue.iter().filter_map(|d| d.name.strip_prefix("target."));
+    let known = catalog.iter().filter_map(|d| d.name.strip_prefix("target."));
     match nearest(written, known) {
         Some(n) => fault.hint(format!("是否想写 '{role}.{n}'？"), format!("did you mean '{role}.{n}'?")),
         None => fault.hint(
@@ -110,7 +110,7 @@ pub(super) fn unknown_of_role(catalogue: &Catalogue, role: &str, written: &str, 
 
 /// The fault for `pair.distanc`, where `prefix` stands for signals of `family`.
 pub(super) fn unknown_of_family(
-    catalogue: &Catalogue,
+    catalog: &Catalog,
     (prefix, family): (&str, &str),
     written: &str,
     span: Span,
@@ -122,7 +122,7 @@ pub(super) fn unknown_of_family(
         format!("signal '{family}.{written}' not found"),
     );
     let start = format!("{family}.");
-    let known = catalogue.iter().filter_map(|d| d.name.strip_prefix(&start));
+    let known = catalog.iter().filter_map(|d| d.name.strip_prefix(&start));
     match nearest(written, known) {
         Some(n) => fault.hint(format!("是否想写 '{prefix}.{n}'？"), format!("did you mean '{prefix}.{n}'?")),
         None => see_the_list(fault),

@@ -24,8 +24,8 @@ impl Checker<'_> {
             return Ok(None);
         };
         let family = if prefix == "other" { "object" } else { "pair" };
-        let Some(def) = self.catalogue.get(&format!("{family}.{signal}")) else {
-            return Err(names::unknown_of_family(self.catalogue, (prefix, family), signal, span));
+        let Some(def) = self.catalog.get(&format!("{family}.{signal}")) else {
+            return Err(names::unknown_of_family(self.catalog, (prefix, family), signal, span));
         };
         let (full, kind) = (def.name.clone(), kind_of(def));
         let op = match prefix {

@@ -253,7 +253,7 @@ impl Words<'_, '_> {
 
     /// The title of a signal; `target.`, "the target" in titles, is whoever it is about here.
     fn signal(&self, name: &str, whose: Whose) -> String {
-        let catalogue = self.checker.catalogue;
+        let catalog = self.checker.catalog;
         let roles = &self.checker.roles;
         let (role, rest) = name.split_once('.').unwrap_or(("", name));
         let is = |r: &Option<String>| r.as_deref() == Some(role);
@@ -267,7 +267,7 @@ impl Words<'_, '_> {
             let object = || self.say("该对象".into(), "object".into());
             (name.to_owned(), (whose == Whose::Object && role.starts_with("target")).then(object))
         };
-        let Some(def) = catalogue.get(&id) else { return name.replace(['.', '_'], " ") };
+        let Some(def) = catalog.get(&id) else { return name.replace(['.', '_'], " ") };
         let title = def.title.get(self.lang);
         match about {
             Some(who) if role == "other" => title.replace(&self.say("对象".into(), "object".into()), &who),
@@ -400,14 +400,14 @@ impl Words<'_, '_> {
     }
 
     fn value(&self, word: &str) -> String {
-        self.checker.catalogue.value_name(word).get(self.lang).to_owned()
+        self.checker.catalog.value_name(word).get(self.lang).to_owned()
     }
 
     fn compare(&self, first: &Expr, rest: &[(CompareOp, Expr)], whose: Whose) -> Phrase {
         if let [(op @ (CompareOp::Equal | CompareOp::NotEqual), Expr { kind: ExprKind::Name(word), .. })] =
             rest
             && !self.checker.is_own(word)
-            && self.checker.catalogue.get(word).is_none()
+            && self.checker.catalog.get(word).is_none()
             && !word.contains('.')
         {
             return self.is_one_of(first, &[word], *op == CompareOp::Equal, whose);

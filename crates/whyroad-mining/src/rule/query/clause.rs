@@ -11,12 +11,12 @@ use whyroad_model::messages::{
     OneOperator, OverTime, QueryClause, QueryCondition, QueryOperator, TwoOperator, TwoOverTime,
 };
 use whyroad_model::units::{UNITS, Unit};
-use whyroad_signals::{Catalogue, SignalKind};
+use whyroad_signals::{Catalog, SignalKind};
 
 /// Reads the clauses of one query in the order of its text.
 pub(super) struct Reader<'a, 'c> {
     pub checker: &'a mut Checker<'c>,
-    pub catalogue: &'c Catalogue,
+    pub catalog: &'c Catalog,
     /// The query's JSON.
     pub source: &'a QueryText<'a>,
     pub found: Vec<Diagnostic>,
@@ -106,7 +106,7 @@ impl Reader<'_, '_> {
     }
 
     fn comparison(&mut self, c: &QueryCondition, pointer: &str) -> Option<Expr> {
-        let checked = expression(c, self.catalogue).and_then(|expr| {
+        let checked = expression(c, self.catalog).and_then(|expr| {
             self.checker.condition(&expr).map_err(|f| (ComparisonPart::of(&f), f))?;
             Ok(expr)
         });
@@ -153,7 +153,7 @@ impl ComparisonPart {
     }
 }
 
-fn expression(c: &QueryCondition, catalogue: &Catalogue) -> Result<Expr, (ComparisonPart, Fault)> {
+fn expression(c: &QueryCondition, catalog: &Catalog) -> Result<Expr, (ComparisonPart, Fault)> {
     let field = Expr { kind: ExprKind::Name(c.field.clone()), span: FIELD };
     let whole = FIELD.to(VALUE);
     let wrong = |zh: &str, en: &str| (ComparisonPart::Value, Fault::new("rule.type", VALUE, zh, en));
@@ -176,7 +176,7 @@ fn expression(c: &QueryCondition, catalogue: &Catalogue) -> Result<Expr, (Compar
     };
     let value = match &c.value {
         Value::Number(n) => {
-            let unit = match (&c.unit, catalogue.get(&c.field).map(|d| &d.kind)) {
+            let unit = match (&c.unit, catalog.get(&c.field).map(|d| &d.kind)) {
                 (Some(symbol), _) => {
                     Unit::parse(symbol).ok_or_else(|| (ComparisonPart::Unit, unknown_unit(symbol, VALUE)))?
                 }

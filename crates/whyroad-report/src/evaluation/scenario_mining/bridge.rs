@@ -116,7 +116,7 @@ pub fn result(
         ResultObject {
             track_id: own.to_owned(),
             label,
-            centre: [m.x[row], m.y[row], if m.z[row].is_finite() { m.z[row] } else { 0.0 }],
+            center: [m.x[row], m.y[row], if m.z[row].is_finite() { m.z[row] } else { 0.0 }],
             size: size.map(|x| if x.is_finite() { x } else { 0.0 }),
             yaw: m.heading[row],
             score: if label == Label::OtherObject { 1.0 } else { score },

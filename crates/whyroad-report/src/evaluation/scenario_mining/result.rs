@@ -39,7 +39,7 @@ pub struct ResultObject {
     /// What it is to the prompt.
     pub label: Label,
     /// Box center, m.
-    pub centre: [f64; 3],
+    pub center: [f64; 3],
     /// Length, width, height, m.
     pub size: [f64; 3],
     /// Heading, rad.
@@ -59,8 +59,8 @@ impl MiningResult {
         let object = |o: &ResultObject| Object {
             track_id: o.track_id.clone(),
             label: o.label,
-            x: o.centre[0],
-            y: o.centre[1],
+            x: o.center[0],
+            y: o.center[1],
             score: o.score,
         };
         let frame = |f: &ResultFrame| Frame {
@@ -190,8 +190,8 @@ impl Pickle {
         self.text("description");
         self.text(&of.prompt);
         self.text("translation_m");
-        let centres: Vec<u8> = objects.iter().flat_map(|o| o.centre).flat_map(f64::to_le_bytes).collect();
-        self.array("<f8", &[n, 3], &centres);
+        let centers: Vec<u8> = objects.iter().flat_map(|o| o.center).flat_map(f64::to_le_bytes).collect();
+        self.array("<f8", &[n, 3], &centers);
         self.text("size");
         let sizes: Vec<u8> =
             objects.iter().flat_map(|o| o.size).flat_map(|x| (x as f32).to_le_bytes()).collect();

@@ -40,12 +40,12 @@ fn around(map: &RoadMap, places: &[[f64; 2]]) -> MapView {
         lanes: map
             .lanes
             .iter()
-            .filter(|l| near(&l.centre) || near(&l.left))
+            .filter(|l| near(&l.center) || near(&l.left))
             .map(|l| LaneView {
                 id: l.id.clone(),
                 left: line(&l.left),
                 right: line(&l.right),
-                centre: line(&l.centre),
+                center: line(&l.center),
                 left_mark: word(&l.left_mark),
                 right_mark: word(&l.right_mark),
                 kind: word(&l.kind),

@@ -4,7 +4,7 @@ use super::*;
 use crate::estimate::noise::{self, Noise};
 use crate::estimate::simulated::{Truth, correlated, white};
 
-const CAR: MotionModel = MotionModel::Bicycle(Bicycle { rear_to_centre_m: 1.3 });
+const CAR: MotionModel = MotionModel::Bicycle(Bicycle { rear_to_center_m: 1.3 });
 
 fn rms(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()

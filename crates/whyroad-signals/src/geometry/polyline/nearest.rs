@@ -100,21 +100,21 @@ fn squared(to: (f64, f64), along: (&f64, &f64), inverse: f64, low: f64, high: f6
 /// A circle around some segments: who is farther from it than from a segment elsewhere need not look at these.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
-    pub centre: P2,
+    pub center: P2,
     pub radius: f64,
 }
 
 impl Block {
     pub fn around(points: &[P2]) -> Self {
         let (first, last) = (points[0], points[points.len() - 1]);
-        let centre = (first + last) * 0.5;
-        let radius = points.iter().map(|p| (*p - centre).norm()).fold(0.0, f64::max);
-        Self { centre, radius }
+        let center = (first + last) * 0.5;
+        let radius = points.iter().map(|p| (*p - center).norm()).fold(0.0, f64::max);
+        Self { center, radius }
     }
 
     /// Squared distance of `p` from its center.
     fn away2(&self, p: P2) -> f64 {
-        let away = p - self.centre;
+        let away = p - self.center;
         away.dot(away)
     }
 

@@ -6,10 +6,10 @@ use std::f64::consts::PI;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Lane, Point3};
 
-fn lane(id: &str, centre: &[(f64, f64)], successors: &[&str]) -> Lane {
+fn lane(id: &str, center: &[(f64, f64)], successors: &[&str]) -> Lane {
     Lane {
         id: id.into(),
-        centre: centre.iter().map(|&(x, y)| Point3 { x, y, z: 0.0 }).collect(),
+        center: center.iter().map(|&(x, y)| Point3 { x, y, z: 0.0 }).collect(),
         width_m: Some(3.5),
         successors: successors.iter().map(|s| (*s).to_owned()).collect(),
         ..Lane::default()
@@ -30,8 +30,8 @@ fn road() -> Road {
         lane("left", &bend, &[]),
         lane("on", &[(50.0, 0.0), (70.0, 0.0)], &["c"]),
     ];
-    lanes[0].left_neighbour = Some("b".into());
-    lanes[1].right_neighbour = Some("a".into());
+    lanes[0].left_neighbor = Some("b".into());
+    lanes[1].right_neighbor = Some("a".into());
     (lanes[3].in_junction, lanes[4].in_junction) = (true, true);
     Road::new(&RoadMap { lanes, ..RoadMap::default() })
 }
@@ -55,7 +55,7 @@ fn straight_through_a_junction_stays_off_the_bend_that_begins_with_it() {
 }
 
 #[test]
-fn a_turning_actor_is_in_the_bend_from_its_first_metre() {
+fn a_turning_actor_is_in_the_bend_from_its_first_meter() {
     let road = road();
     let rows: Vec<(P2, f64, f64)> = (0..70)
         .map(|i| {

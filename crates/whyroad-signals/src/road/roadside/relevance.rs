@@ -54,8 +54,8 @@ fn beside_own_direction(on: &OnRoad<'_>, sign: &Sign, course: f64) -> bool {
         .map(|l| &on.road.lanes[l])
         .filter(|l| matches!(l.kind, LaneKind::Vehicle | LaneKind::Bus) && !l.in_junction)
         .map(|l| {
-            let s = l.centre.project(place).s;
-            (l.centre.distance(place), l.centre.smooth_heading_at(s, 2.0))
+            let s = l.center.project(place).s;
+            (l.center.distance(place), l.center.smooth_heading_at(s, 2.0))
         })
         .collect();
     let nearest = near.iter().map(|(distance, _)| *distance).fold(f64::INFINITY, f64::min);

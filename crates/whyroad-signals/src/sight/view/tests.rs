@@ -77,7 +77,7 @@ fn across_the_seam_of_angles() {
 fn slab(b: &OrientedBox, angle: f64) -> f64 {
     let (sin, cos) = b.heading.sin_cos();
     let turn = |x: f64, y: f64| (x * cos + y * sin, y * cos - x * sin);
-    let (o, d) = (turn(-b.centre.x, -b.centre.y), turn(angle.cos(), angle.sin()));
+    let (o, d) = (turn(-b.center.x, -b.center.y), turn(angle.cos(), angle.sin()));
     let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
     for (o, d, half) in [(o.0, d.0, b.length / 2.0), (o.1, d.1, b.width / 2.0)] {
         let (t0, t1) = ((-half - o) / d, (half - o) / d);
@@ -148,11 +148,11 @@ proptest! {
         }
         let v = view(&kept);
         for (k, target) in kept.iter().enumerate() {
-            let centre = target.centre.heading();
-            let turned = target.corners().map(|c| wrap(c.heading() - centre));
+            let center = target.center.heading();
+            let turned = target.corners().map(|c| wrap(c.heading() - center));
             let (low, high) = (turned.into_iter().fold(0.0, f64::min), turned.into_iter().fold(0.0, f64::max));
             let reaches = |i: &usize| {
-                let angle = centre + low + (high - low) * (*i as f64 + 0.5) / LINES as f64;
+                let angle = center + low + (high - low) * (*i as f64 + 0.5) / LINES as f64;
                 let own = slab(target, angle);
                 !kept.iter().enumerate().any(|(j, o)| j != k && slab(o, angle) < own)
             };
@@ -164,10 +164,10 @@ proptest! {
             prop_assert_eq!(sight.occluder.is_none(), sight.share == 1.0);
             // A place is hidden exactly when the line to it is stopped.
             let stopped = kept.iter().enumerate().any(|(j, o)| {
-                let at = slab(o, target.centre.heading());
-                j != k && at < target.centre.norm() - 1e-9
+                let at = slab(o, target.center.heading());
+                j != k && at < target.center.norm() - 1e-9
             });
-            let before = v.before(target.centre, |o| o != Owner::Target(k));
+            let before = v.before(target.center, |o| o != Owner::Target(k));
             prop_assert_eq!(before.is_some(), stopped);
         }
     }

@@ -13,7 +13,7 @@ use whyroad_lake::{Lake, MinedFolder};
 use whyroad_mining::RuleSet;
 use whyroad_model::messages::{EpisodeRecord, Keyframe, KeyframeType, TimeRange};
 use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Nanos, ScenarioId, TrackId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// What a path is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,9 +122,9 @@ fn run_rules(
         framework_folder::read(path)?
     };
     let framework = framework.with_context(|| no_framework(path.display()))?;
-    let (catalogue, of_signals) = Catalogue::parse(&framework.signals_yaml);
-    let (rules, of_rules) = RuleSet::of_framework(&framework, &catalogue);
-    let rules = rules.with_decision_moments(&catalogue);
+    let (catalog, of_signals) = Catalog::parse(&framework.signals_yaml);
+    let (rules, of_rules) = RuleSet::of_framework(&framework, &catalog);
+    let rules = rules.with_decision_moments(&catalog);
     found.extend(of_signals.into_iter().chain(of_rules));
     for d in &found {
         tell!("{}", output::render_text(d, global.lang));

@@ -8,14 +8,14 @@ use whyroad_model::ScenarioId;
 use whyroad_model::messages::query_clause::{QueryClause, RuleText};
 use whyroad_model::messages::{MiningQuery, MiningQueryMessage};
 use whyroad_model::yaml::Node;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Rounds of replacing names by their texts: definitions may use definitions.
 const DEPTH: usize = 12;
 
 /// Makes queries from the rules of a framework.
 pub(crate) struct Queries {
-    catalogue: Catalogue,
+    catalog: Catalog,
     blocks: BTreeMap<ScenarioId, Block>,
 }
 
@@ -32,7 +32,7 @@ struct Block {
 impl Queries {
     /// Of all rules.
     pub fn new(framework: &Framework) -> Self {
-        let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
+        let (catalog, _) = Catalog::parse(&framework.signals_yaml);
         let mut blocks: BTreeMap<ScenarioId, Block> = BTreeMap::new();
         for rule in &framework.rules {
             let own = read(&rule.rule);
@@ -43,7 +43,7 @@ impl Queries {
             };
             blocks.insert(rule.leaf.clone(), block);
         }
-        Self { catalogue, blocks }
+        Self { catalog, blocks }
     }
 
     /// The query that finds a class, `missing` samples short; `None` when it has no rule or one that a query cannot
@@ -64,7 +64,7 @@ impl Queries {
         };
         let message = MiningQueryMessage { mining_query: query };
         let text = serde_json::to_string_pretty(&message).ok()?;
-        compile_query(&message.mining_query, &self.catalogue, &text, "query").ok()?;
+        compile_query(&message.mining_query, &self.catalog, &text, "query").ok()?;
         Some(message)
     }
 }

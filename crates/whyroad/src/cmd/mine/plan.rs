@@ -16,7 +16,7 @@ use whyroad_mining::rule::origin::SourceFile;
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{Bilingual, Diagnostic, ObjectClass, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// What to run, and what to answer.
 pub(super) struct Plan {
@@ -32,9 +32,9 @@ pub(super) struct Plan {
 pub(super) type Planned = Result<(Plan, Vec<Diagnostic>), Vec<Diagnostic>>;
 
 /// All rules are run even when one class is asked for: which episode is primary depends on all of them.
-pub(super) fn of_rules(wanted: &[String], framework: &Framework, catalogue: &Catalogue) -> Planned {
-    let (rules, mut found) = RuleSet::of_framework(framework, catalogue);
-    let rules = rules.with_decision_moments(catalogue);
+pub(super) fn of_rules(wanted: &[String], framework: &Framework, catalog: &Catalog) -> Planned {
+    let (rules, mut found) = RuleSet::of_framework(framework, catalog);
+    let rules = rules.with_decision_moments(catalog);
     let mut classes = Vec::new();
     for text in wanted {
         match framework.taxonomy.resolve(text) {
@@ -77,16 +77,16 @@ pub(in crate::cmd) struct CustomRule<'a> {
 pub(super) fn of_custom(
     custom: &CustomRule<'_>,
     framework: &Framework,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
 ) -> anyhow::Result<Planned> {
-    let (rule, text) = match custom.compile(catalogue)? {
+    let (rule, text) = match custom.compile(catalog)? {
         Ok(compiled) => compiled,
         Err(found) => return Ok(Err(found)),
     };
     let scenario = rule.scenario.clone();
     let question = Question { query_id: custom.name(), scenario: scenario.clone(), limit: None };
     let asked = MiningQuestion::Rule { scenario, rule: text, target: custom.target.map(str::to_owned) };
-    let (all, _) = RuleSet::of_framework(framework, catalogue);
+    let (all, _) = RuleSet::of_framework(framework, catalog);
     let rules = RuleSet { rules: vec![rule], ..all };
     let plan = Plan { rules, questions: vec![question], searched: Searched::Question, asked, query: None };
     Ok(Ok((plan, vec![])))
@@ -112,12 +112,12 @@ impl CustomRule<'_> {
     /// Compiles it.
     pub(in crate::cmd) fn compile(
         &self,
-        catalogue: &Catalogue,
+        catalog: &Catalog,
     ) -> anyhow::Result<Result<Compiled, Vec<Diagnostic>>> {
         let scenario = ScenarioId::custom(&self.name());
         if !self.is_file() {
             let target = self.target.and_then(Subject::from_word);
-            let rule = compile_text(self.rule, target, &scenario, catalogue, "--rule");
+            let rule = compile_text(self.rule, target, &scenario, catalog, "--rule");
             return Ok(rule.map(|rule| (rule, self.rule.to_owned())).map_err(|d| vec![*d]));
         }
         if self.target.is_some() {
@@ -127,7 +127,7 @@ impl CustomRule<'_> {
             ));
         }
         let content = std::fs::read_to_string(self.rule).with_context(|| cannot_read(self.rule))?;
-        let rule = bare_rule(SourceFile { name: self.rule, text: &content }, catalogue);
+        let rule = bare_rule(SourceFile { name: self.rule, text: &content }, catalog);
         Ok(rule.map(|rule| (Rule { scenario, ..rule }, content)))
     }
 }
@@ -154,20 +154,20 @@ pub(in crate::cmd) fn rule_name(text: &str) -> Result<String, String> {
         .ok_or("a name has lower-case letters, digits and '_', and begins with a letter".to_owned())
 }
 
-pub(super) fn of_query(file: &Path, framework: &Framework, catalogue: &Catalogue) -> anyhow::Result<Planned> {
+pub(super) fn of_query(file: &Path, framework: &Framework, catalog: &Catalog) -> anyhow::Result<Planned> {
     let text = std::fs::read_to_string(file).with_context(|| cannot_read(file.display()))?;
     let name = file.display().to_string();
     let query = match parse_query(&text, &name, framework) {
         Ok(q) => q,
         Err(found) => return Ok(Err(found)),
     };
-    let conditions = match compile_query(&query, catalogue, &text, &name) {
+    let conditions = match compile_query(&query, catalog, &text, &name) {
         Ok(r) => r,
         Err(found) => return Ok(Err(found)),
     };
     // The class's own rules say what its episodes are, all rules together which of them is primary; the conditions
     // choose among them.
-    let (mut rules, mut found) = RuleSet::of_framework(framework, catalogue);
+    let (mut rules, mut found) = RuleSet::of_framework(framework, catalog);
     if !rules.rules.iter().any(|r| r.scenario.is_within(&query.scenario_id)) {
         let id = &query.scenario_id;
         let message = Bilingual::new(format!("{id} 还没有挖掘规则"), format!("{id} has no mining rule yet"));

@@ -11,7 +11,7 @@ use whyroad_framework::Framework;
 use whyroad_framework::docs::{fill_spec_page, taxonomy_page};
 use whyroad_framework::schemas::schemas as all_schemas;
 use whyroad_model::{Bilingual, Diagnostic, Lang};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// What to do with a generated text.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -66,10 +66,10 @@ fn reference_pages(
         Some(dir) => framework_folder::read_folder(dir)?,
         None => Framework::bundled_files(),
     };
-    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
-    let leaves = reference::leaf_pages(framework, &catalogue, &texts)
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
+    let leaves = reference::leaf_pages(framework, &catalog, &texts)
         .map_err(|reason| anyhow!("{}", reason.get(global.lang)))?;
-    let mut files = vec![(docs.join("reference/signals.md"), catalogue.page())];
+    let mut files = vec![(docs.join("reference/signals.md"), catalog.page())];
     files.extend(leaves.into_iter().map(|(path, text)| (docs.join("reference").join(path), text)));
     let pages = by_name(&docs.join("diagnostics"))?;
     if !pages.is_empty() {

@@ -13,7 +13,7 @@ use whyroad_mining::cases::CaseRunner;
 use whyroad_mining::{RuleSet, rule};
 use whyroad_model::diagnostic::{self, Severity};
 use whyroad_model::{Diagnostic, Lang};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 pub(super) fn run(global: &Global, file: Option<&Path>, format: FindingFormat) -> anyhow::Result<ExitCode> {
     let found = match file {
@@ -47,13 +47,13 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
     let (framework, mut found) = Framework::from_files(&files);
     let mut cases = 0;
     if let Some(f) = &framework {
-        let (catalogue, of_signals) = Catalogue::parse(&f.signals_yaml);
+        let (catalog, of_signals) = Catalog::parse(&f.signals_yaml);
         found.extend(of_signals);
-        found.extend(rule::lint::lint(f, &catalogue));
-        let (rules, _) = RuleSet::of_framework(f, &catalogue);
+        found.extend(rule::lint::lint(f, &catalog));
+        let (rules, _) = RuleSet::of_framework(f, &catalog);
         let errors = found.iter().filter(|d| d.severity == Severity::Error);
         let faulty = errors.filter_map(|d| d.location.file.clone()).collect();
-        let tally = CaseRunner { rules: &rules, catalogue: &catalogue, faulty: &faulty }.run_all(&files);
+        let tally = CaseRunner { rules: &rules, catalog: &catalog, faulty: &faulty }.run_all(&files);
         cases = tally.cases.values().sum();
         found.extend(tally.failures);
     }

@@ -1,10 +1,10 @@
 use crate::language::Checker;
 use crate::language::parse::parse;
 use whyroad_model::Bilingual;
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 fn words(text: &str) -> Bilingual {
-    let mut checker = Checker::new(Catalogue::bundled());
+    let mut checker = Checker::new(Catalog::bundled());
     checker.define("ring", "map.in_roundabout or map.distance_to_roundabout < 5 m").unwrap();
     checker.define("quick", "ego.speed > 20 m/s").unwrap();
     checker.names.insert("ring".into(), Bilingual::new("在环岛处", "at a roundabout"));

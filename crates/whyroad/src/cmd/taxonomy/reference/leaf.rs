@@ -218,7 +218,7 @@ impl Page<'_> {
         );
         self.out.push_str(head);
         for name in rule.signals() {
-            let Some(def) = self.s.catalogue.get(&name) else { continue };
+            let Some(def) = self.s.catalog.get(&name) else { continue };
             let log = Need::list(&def.needs, self.lang);
             let needed = if needs.contains(&name) { self.say("needed", "必需") } else { "" };
             let (meaning, unit) = (cell(def.meaning.get(self.lang)), def.unit_symbol());

@@ -9,21 +9,21 @@ use whyroad_framework::Framework;
 use whyroad_mining::RuleSet;
 use whyroad_mining::cases::drawing::drawn;
 use whyroad_model::{Bilingual, Lang, ScenarioId};
-use whyroad_signals::Catalogue;
+use whyroad_signals::Catalog;
 
 /// Path below `docs/reference/` and text of: a page in each language and a drawing for every leaf, and the index.
 /// `files` are the framework's, among them the cases beside the rules.
 pub(in crate::cmd::taxonomy) fn pages(
     framework: &Framework,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
     files: &BTreeMap<String, String>,
 ) -> Result<BTreeMap<String, String>, Bilingual> {
-    let rules = RuleSet::of_framework(framework, catalogue).0;
+    let rules = RuleSet::of_framework(framework, catalog).0;
     let mut all = Vec::new();
     for (_, text) in files.iter().filter(|(name, _)| name.ends_with(".cases.yaml")) {
-        all.extend(drawn(text, &rules.rules, catalogue)?);
+        all.extend(drawn(text, &rules.rules, catalog)?);
     }
-    let sources = Sources { framework, catalogue, rules, cases: cases::by_class(all) };
+    let sources = Sources { framework, catalog, rules, cases: cases::by_class(all) };
     let mut out = BTreeMap::new();
     for (l1, l2, l3) in framework.taxonomy.leaves() {
         let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);

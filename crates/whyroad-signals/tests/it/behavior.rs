@@ -6,7 +6,7 @@ use whyroad_model::Nanos;
 use whyroad_model::ObjectClass::Truck;
 use whyroad_model::Tri::{False, True, Unknown};
 use whyroad_model::road_map::{Point3, StopLine};
-use whyroad_model::scene::{LightColour, LightState};
+use whyroad_model::scene::{LightColor, LightState};
 
 /// 3.5 m to the left between 4 and 8 s, as a cosine.
 fn shift(t: f64) -> f64 {
@@ -215,14 +215,14 @@ fn the_light_remembers_its_change() {
     let line = vec![Point3 { x: 70.0, y: 0.0, z: 0.0 }];
     m.stop_lines = vec![StopLine { id: "s".into(), line, lane_ids: vec!["r0".into()] }];
     d.map = Some(m);
-    let at = |s: i64, colour| LightState {
+    let at = |s: i64, color| LightState {
         lane_id: "r0".into(),
         to_lane_id: None,
         time: Nanos(1_000_000_000 + s * 1_000_000_000),
-        colour,
+        color,
         countdown_s: None,
     };
-    d.lights = Some(vec![at(0, LightColour::Green), at(8, LightColour::Yellow), at(11, LightColour::Red)]);
+    d.lights = Some(vec![at(0, LightColor::Green), at(8, LightColor::Yellow), at(11, LightColor::Red)]);
     let t = Table::of(&d);
     // Green since before the recording: for 5 s nobody knows, then at least as long as seen.
     assert!(t.ego("light.time_since_change", 30).is_nan());

@@ -12,7 +12,7 @@ use whyroad_model::units::{Dimension, Unit};
 use whyroad_model::{Bilingual, Diagnostic, Displayed, Need, SignalId};
 
 pub use read::CODES;
-pub use whyroad_model::catalogue::SignalScope;
+pub use whyroad_model::catalog::SignalScope;
 
 /// What values a signal has.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +77,7 @@ pub enum TargetRestriction {
 
 /// All signals by name.
 #[derive(Clone, Debug, Default)]
-pub struct Catalogue {
+pub struct Catalog {
     /// Version of the catalog.
     pub version: String,
     defs: Vec<SignalDef>,
@@ -85,20 +85,20 @@ pub struct Catalogue {
     values: BTreeMap<String, Bilingual>,
 }
 
-static BUNDLED: LazyLock<Catalogue> =
-    LazyLock::new(|| Catalogue::parse(include_str!("../../../schema/signals.yaml")).0);
+static BUNDLED: LazyLock<Catalog> =
+    LazyLock::new(|| Catalog::parse(include_str!("../../../schema/signals.yaml")).0);
 
-impl Catalogue {
+impl Catalog {
     /// The catalog that this build was made with; the one [`crate::derive`] follows. A test asserts that it has no
     /// errors.
-    pub fn bundled() -> &'static Catalogue {
+    pub fn bundled() -> &'static Catalog {
         &BUNDLED
     }
 
     /// Reads the text of `schema/signals.yaml`, from the repository or from a framework folder. Entries with errors are
     /// left out and reported; the rest is usable. A folder may change meanings, units for display, scales, aliases and
     /// sources; an unknown or missing signal and a changed scope, type or need are errors.
-    pub fn parse(text: &str) -> (Catalogue, Vec<Diagnostic>) {
+    pub fn parse(text: &str) -> (Catalog, Vec<Diagnostic>) {
         read::read(text)
     }
 

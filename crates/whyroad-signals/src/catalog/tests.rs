@@ -3,20 +3,20 @@
 use super::*;
 
 #[test]
-fn the_bundled_catalogue_has_no_errors_and_the_named_signals() {
-    let (catalogue, diagnostics) = Catalogue::parse(include_str!("../../../../schema/signals.yaml"));
+fn the_bundled_catalog_has_no_errors_and_the_named_signals() {
+    let (catalog, diagnostics) = Catalog::parse(include_str!("../../../../schema/signals.yaml"));
     assert!(diagnostics.is_empty(), "{diagnostics:#?}");
     // Names and dimensions from issue 2's contract between rules and signals.
     let number = |d| SignalKind::Number(d);
-    assert_eq!(catalogue.get("ego.speed").unwrap().kind, number(Dimension::Speed));
-    assert_eq!(catalogue.get("ttc").unwrap().name, "target.ttc");
-    assert_eq!(catalogue.get("target.lateral_offset").unwrap().kind, number(Dimension::Length));
-    let (def, restriction) = catalogue.resolve("target_vehicle.lateral_offset").unwrap();
+    assert_eq!(catalog.get("ego.speed").unwrap().kind, number(Dimension::Speed));
+    assert_eq!(catalog.get("ttc").unwrap().name, "target.ttc");
+    assert_eq!(catalog.get("target.lateral_offset").unwrap().kind, number(Dimension::Length));
+    let (def, restriction) = catalog.resolve("target_vehicle.lateral_offset").unwrap();
     assert_eq!((def.name.as_str(), restriction), ("target.lateral_offset", TargetRestriction::Vehicle));
-    assert_eq!(catalogue.resolve("target_vru.path_lateral").unwrap().1, TargetRestriction::Vru);
-    assert!(catalogue.get("target_vehicle.nothing").is_none());
-    assert_eq!(catalogue.similar("ego.sped"), ["ego.speed"]);
-    for def in catalogue.iter() {
+    assert_eq!(catalog.resolve("target_vru.path_lateral").unwrap().1, TargetRestriction::Vru);
+    assert!(catalog.get("target_vehicle.nothing").is_none());
+    assert_eq!(catalog.similar("ego.sped"), ["ego.speed"]);
+    for def in catalog.iter() {
         assert!(
             !def.meaning.zh.is_empty() && !def.meaning.en.is_empty() && !def.source.is_empty(),
             "{}",
@@ -26,10 +26,10 @@ fn the_bundled_catalogue_has_no_errors_and_the_named_signals() {
 }
 
 /// The bundled text with `from`, which it holds, replaced once by `to`; what is wrong with it, and the catalog.
-fn changed(from: &str, to: &str) -> (Catalogue, Vec<Diagnostic>) {
+fn changed(from: &str, to: &str) -> (Catalog, Vec<Diagnostic>) {
     let text = include_str!("../../../../schema/signals.yaml");
     assert!(text.contains(from), "{from}");
-    Catalogue::parse(&text.replacen(from, to, 1))
+    Catalog::parse(&text.replacen(from, to, 1))
 }
 
 const SPEED: &str = "  - name: ego.speed\n    title: { zh: 自车速度, en: speed of the ego }\n    scope: frame\n    type: number\n    unit: m/s\n    scale: 5.0\n    needs: [ego pose]\n";
@@ -58,16 +58,16 @@ fn broken_entries_are_refused_one_by_one_where_they_are() {
         ("unit: m/s", "unit: m/s\n    unit: m/s", "signals.field.duplicate", 5),
     ];
     for (from, to, code, below) in cases {
-        let (catalogue, found) = changed(SPEED, &SPEED.replacen(from, to, 1));
+        let (catalog, found) = changed(SPEED, &SPEED.replacen(from, to, 1));
         let at: Vec<_> = found.iter().map(|d| (d.code, d.location.line)).collect();
         assert_eq!(at, [(code, Some(first + below))], "{from} -> {to}: {found:#?}");
         assert_eq!(found[0].location.file.as_deref(), Some("schema/signals.yaml"));
-        assert!(catalogue.get("ego.speed").is_none(), "{to}: a broken entry is left out");
-        assert!(catalogue.get("ego.jerk").is_some(), "the others are kept");
+        assert!(catalog.get("ego.speed").is_none(), "{to}: a broken entry is left out");
+        assert!(catalog.get("ego.jerk").is_some(), "the others are kept");
     }
     let (_, found) = changed("values: [straight, left, right, uturn]", "values: [straight, left, right]");
     assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["signals.changed"]);
-    assert_eq!(Catalogue::parse("signals: [").1[0].code, "signals.syntax");
+    assert_eq!(Catalog::parse("signals: [").1[0].code, "signals.syntax");
 }
 
 #[test]
@@ -86,9 +86,9 @@ fn a_folder_may_change_meaning_unit_scale_aliases_and_source() {
         "scale: 36\n    aliases: [ego.v]",
         1,
     );
-    let (catalogue, found) = changed(SPEED, &speed);
+    let (catalog, found) = changed(SPEED, &speed);
     assert!(found.is_empty(), "{found:#?}");
-    let def = catalogue.get("ego.v").unwrap();
+    let def = catalog.get("ego.v").unwrap();
     assert_eq!(def.id, SignalId::EgoSpeed);
     // 36 km/h are 10 m/s.
     assert!((def.scale - 10.0).abs() < 1e-9);
@@ -97,7 +97,7 @@ fn a_folder_may_change_meaning_unit_scale_aliases_and_source() {
 
 #[test]
 fn an_angle_is_displayed_in_degrees() {
-    let sight = Catalogue::bundled().get("map.sight_angle").unwrap();
+    let sight = Catalog::bundled().get("map.sight_angle").unwrap();
     assert_eq!((sight.kind.clone(), sight.unit_symbol()), (SignalKind::Number(Dimension::Angle), "deg"));
     // Half a turn is pi rad.
     assert_eq!(sight.displayed(std::f64::consts::PI).unwrap().text(1), "180 deg");
@@ -113,9 +113,9 @@ fn every_code_has_a_page() {
 }
 
 #[test]
-fn the_page_is_as_the_catalogue_says() {
+fn the_page_is_as_the_catalog_says() {
     let path = format!("{}/../../docs/reference/signals.md", env!("CARGO_MANIFEST_DIR"));
     let written = std::fs::read_to_string(&path).unwrap();
     let stale = "docs/reference/signals.md is stale: run `whyroad taxonomy docs`";
-    assert!(written == Catalogue::bundled().page(), "{stale}");
+    assert!(written == Catalog::bundled().page(), "{stale}");
 }

@@ -2,7 +2,7 @@
 //!
 //! [`SignalId`] names a signal. The constants of [`id`] also carry its scope and type, so that writing a value of the
 //! wrong type, or one per frame where one per target belongs, does not compile. The enums of [`value`] are the values
-//! of category signals. Meanings, units for display and aliases are not here: `whyroad_signals::Catalogue` has them,
+//! of category signals. Meanings, units for display and aliases are not here: `whyroad_signals::Catalog` has them,
 //! because a framework folder may change them.
 
 use crate::Need;

@@ -1,7 +1,7 @@
 //! The catalog as a page for readers: `docs/reference/signals.md`, written from `schema/signals.yaml` and checked
-//! by a test. The text before the tables is in `src/catalogue/preface.md`.
+//! by a test. The text before the tables is in `src/catalog/preface.md`.
 
-use super::{Catalogue, SignalDef, SignalKind, SignalScope};
+use super::{Catalog, SignalDef, SignalKind, SignalScope};
 use std::fmt::Write as _;
 
 fn values(def: &SignalDef) -> String {
@@ -35,7 +35,7 @@ fn escape(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
-impl Catalogue {
+impl Catalog {
     /// The page in Markdown: what holds for all signals, then one table per scope.
     pub fn page(&self) -> String {
         let mut out = format!("{}\n", include_str!("preface.md").trim_end());

@@ -1,8 +1,8 @@
 //! Reading `schema/signals.yaml` entry by entry, each checked against the signal of that name that is compiled in.
 
-use super::{Catalogue, SignalDef, SignalKind};
+use super::{Catalog, SignalDef, SignalKind};
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::catalogue::{SignalScope, SignalType};
+use whyroad_model::catalog::{SignalScope, SignalType};
 use whyroad_model::signal::short_meaning;
 use whyroad_model::suggest::suggestion_or_known;
 use whyroad_model::units::{UNITS, Unit};
@@ -38,26 +38,26 @@ static FORM: FormCodes = FormCodes {
 const FILE: &str = "schema/signals.yaml";
 
 /// The usable entries, and what is wrong with the others.
-pub(super) fn read(text: &str) -> (Catalogue, Vec<Diagnostic>) {
+pub(super) fn read(text: &str) -> (Catalog, Vec<Diagnostic>) {
     let mut report = FileReport::new(FILE, text, &FORM);
-    let catalogue = report.parse(text).and_then(|root| document(&root, &mut report)).unwrap_or_default();
-    (catalogue, report.diagnostics)
+    let catalog = report.parse(text).and_then(|root| document(&root, &mut report)).unwrap_or_default();
+    (catalog, report.diagnostics)
 }
 
-fn document(root: &Node, report: &mut FileReport<'_>) -> Option<Catalogue> {
+fn document(root: &Node, report: &mut FileReport<'_>) -> Option<Catalog> {
     let mut fields = Fields::open(root, report)?;
     let version = fields.text("version", report).unwrap_or_default();
     let values = fields.get("values").map_or_else(BTreeMap::new, |n| value_names(n, report));
     let signals = fields.need("signals", report);
     fields.close(report);
-    let mut catalogue = Catalogue { version, values, ..Catalogue::default() };
+    let mut catalog = Catalog { version, values, ..Catalog::default() };
     let signals = signals?;
     // An entry with another fault is not missing.
     let mut listed: BTreeSet<SignalId> = BTreeSet::new();
     for node in report.items(signals) {
         listed.extend(node.get("name").and_then(Node::text).and_then(|n| SignalId::from_name(n.trim())));
         if let Some((def, mark)) = entry(node, report) {
-            catalogue.add(def, mark, node, report);
+            catalog.add(def, mark, node, report);
         }
     }
     for id in SignalId::ALL.iter().filter(|id| !listed.contains(id)) {
@@ -68,7 +68,7 @@ fn document(root: &Node, report: &mut FileReport<'_>) -> Option<Catalogue> {
         let at = Mark { span: 1, ..signals.mark };
         report.push(Diagnostic::error("signals.missing", message), at, &signals.pointer);
     }
-    Some(catalogue)
+    Some(catalog)
 }
 
 /// What an entry says, before it is checked against the signal that is compiled in.
@@ -322,7 +322,7 @@ fn changed(report: &mut FileReport<'_>, node: &Node, id: SignalId, field: &str, 
     report.push(Diagnostic::error("signals.changed", message).with_hint(hint), node.mark, &node.pointer);
 }
 
-impl Catalogue {
+impl Catalog {
     /// Adds `def`, whose name is at `mark`, unless one of its names is taken.
     fn add(&mut self, def: SignalDef, mark: Mark, node: &Node, report: &mut FileReport<'_>) {
         let names: Vec<String> = std::iter::once(&def.name).chain(&def.aliases).cloned().collect();

@@ -51,7 +51,7 @@ pub struct DriveEntry {
 
 /// A catalog in memory, in columns: a million drives take some 200 MB.
 #[derive(Debug)]
-pub(crate) struct Catalogue {
+pub(crate) struct Catalog {
     /// Of the file from which it was read.
     pub identity: String,
     /// Number of the next pack; a number is never used twice.
@@ -70,13 +70,13 @@ struct Numbers {
     bytes: Vec<i64>,
 }
 
-impl Default for Catalogue {
+impl Default for Catalog {
     fn default() -> Self {
         Self { identity: String::new(), next_pack: 1, table: None, numbers: Numbers::default() }
     }
 }
 
-impl Catalogue {
+impl Catalog {
     /// Reads the file; a lake without one has no packed drive.
     pub fn read(path: &Path) -> Result<Self, LakeError> {
         // Made first: it is never newer than what is read.
