@@ -54,10 +54,10 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     b.all(raw.no_reason.all(), WordRole::NoReason);
     b.all(raw.distant.all(), WordRole::Distant);
     b.all(raw.beyond.all(), WordRole::Beyond);
-    for (i, words) in raw.colors.values().enumerate() {
+    for (i, words) in raw.colours.values().enumerate() {
         b.all(words.all(), WordRole::Color(i));
     }
-    let colors = raw.colors.values().enumerate();
+    let colors = raw.colours.values().enumerate();
     let color_chars =
         colors.flat_map(|(i, w)| w.zh.iter().filter_map(move |t| Some((t.chars().next()?, i, t.len()))));
     // "银" is silver rather than "银灰".

@@ -135,7 +135,7 @@ fn lights(drive: &Drive, times: &[Nanos]) -> Vec<LightView> {
             lane_id: state.lane_id.clone(),
             to_lane_id: state.to_lane_id.clone(),
             t_index: times.partition_point(|at| *at < state.time),
-            colour: word(&state.colour),
+            colour: word(&state.color),
         };
         // Of those before the first frame only the newest holds.
         let older = out.last().is_some_and(|o| {

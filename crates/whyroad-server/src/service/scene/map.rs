@@ -45,7 +45,7 @@ fn around(map: &RoadMap, places: &[[f64; 2]]) -> MapView {
                 id: l.id.clone(),
                 left: line(&l.left),
                 right: line(&l.right),
-                center: line(&l.center),
+                centre: line(&l.center),
                 left_mark: word(&l.left_mark),
                 right_mark: word(&l.right_mark),
                 kind: word(&l.kind),
