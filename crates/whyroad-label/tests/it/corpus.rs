@@ -38,6 +38,9 @@ const EIGHTH: (f64, f64) = (0.86, 0.0);
 /// The same of the ninth set, by a fifth author; it was 65 of 100 and 7 of 100 when it was first run.
 const NINTH: (f64, f64) = (0.88, 0.01);
 
+/// The same of the tenth set, by a sixth author, as it was first run.
+const TENTH: (f64, f64) = (0.56, 0.15);
+
 /// The same of the halves of the general set, the second of which is less looked at: 41 of 71 and 15 of 40, 49 of 64
 /// and 14 of 42 when they were written.
 const GENERAL: [(f64, f64); 2] = [(0.87, FALSE_ALARMS), (0.90, 0.08)];
@@ -176,7 +179,7 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
 /// must not get worse.
 #[test]
 fn labels_that_were_unseen_stay_found() {
-    let [first, second, third, fourth, fifth, sixth, seventh, eighth, ninth] = unseen();
+    let [first, second, third, fourth, fifth, sixth, seventh, eighth, ninth, tenth] = unseen();
     // Of the third set and of the general one the bases with an even number were improved on, the others were run once.
     let half_of = |set: &[(&'static str, Vec<Base>)], odd: usize| -> Vec<(&'static str, Vec<Base>)> {
         set.iter().map(|(l, all)| (*l, all.iter().skip(odd).step_by(2).cloned().collect())).collect()
@@ -193,6 +196,7 @@ fn labels_that_were_unseen_stay_found() {
         ("seventh set", seventh, (100, 100), SEVENTH),
         ("eighth set", eighth, (100, 100), EIGHTH),
         ("ninth set", ninth, (100, 100), NINTH),
+        ("tenth set", tenth, (100, 100), TENTH),
         ("general set, half that was improved on", half_of(&general(), 0), (50, 40), GENERAL[0]),
         ("general set, other half", half_of(&general(), 1), (50, 40), GENERAL[1]),
         ("weak kinds, half that was improved on", half_of(&weak(), 0), (150, 80), WEAK[0]),

@@ -33,6 +33,7 @@ const KINDS: &[(&str, &[&str])] = &[
     ("action_other", &["label.trace.contradicts", "label.trace.unlabelled"]),
     ("direction", &["label.trace.direction", "label.trace.contradicts"]),
     ("text_direction", &["label.trace.direction", "label.trace.contradicts"]),
+    ("unstated", &["label.trace.decision_missing", "label.trace.contradicts"]),
     ("unrelated", &["label.text.unrelated", "label.trace.decision_missing"]),
     ("near_duplicate", &["label.component.duplicate"]),
     ("placeholder", &["label.text.placeholder", "label.text.unrelated", "label.component.too_short"]),
