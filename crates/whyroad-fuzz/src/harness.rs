@@ -7,6 +7,7 @@ mod progress;
 
 use crate::mutate::{Random, mutate};
 use clock::ThreadClock;
+pub use progress::Begin;
 use progress::Progress;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -55,15 +56,6 @@ pub struct Limit {
     pub executions: u64,
     /// Maximum time.
     pub time: Duration,
-}
-
-/// Where a run begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Begin {
-    /// With the seeds themselves.
-    New,
-    /// Where the run before ended that had the same seed.
-    Resumed,
 }
 
 /// An input that broke the parser.

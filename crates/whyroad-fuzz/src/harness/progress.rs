@@ -1,10 +1,18 @@
 //! How far the run of a target is, in a file that outlives the process: its seed, the number of the next execution, and
 //! how often that one was begun. An execution that was begun twice and never ended ends the process.
 
-use super::Begin;
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::path::Path;
+
+/// Where a run begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begin {
+    /// With the seeds themselves.
+    New,
+    /// Where the run before ended that had the same seed.
+    Resumed,
+}
 
 pub(super) struct Progress {
     file: Option<File>,

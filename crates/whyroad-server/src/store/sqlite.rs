@@ -1,5 +1,6 @@
 //! SQLite: one writer thread that commits in groups, readers beside it (WAL).
 
+mod connection;
 mod log_file;
 mod readers;
 
@@ -7,14 +8,14 @@ use super::backend::{Backend, Job, Purpose};
 use super::sql::{Row, Tx, Value, holdable};
 use super::{migrate, private};
 use crate::problem::{Answer, Problem};
+use connection::{connect, problem};
 use log_file::LogFile;
 use readers::Readers;
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, ErrorCode, OpenFlags, ToSql};
+use rusqlite::{Connection, ToSql};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 /// Bytes of a page, as SQLite makes new files.
 const PAGE: i64 = 4096;
@@ -23,8 +24,6 @@ const GROUP: usize = 128;
 /// Readers at once: for work, and for reports.
 const READERS: usize = 4;
 const REPORTERS: usize = 2;
-/// How long another process (`whyroad tasks`) may keep the file.
-const BUSY: Duration = Duration::from_secs(10);
 
 pub(super) struct Sqlite {
     jobs: Mutex<Sender<Waiting>>,
@@ -105,17 +104,6 @@ impl Backend for Sqlite {
         self.reporters.give(connection);
         Ok(busy.map_err(problem)? == 0)
     }
-}
-
-fn connect(path: &Path) -> Answer<Connection> {
-    let flags =
-        OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let connection = Connection::open_with_flags(path, flags).map_err(problem)?;
-    connection.busy_timeout(BUSY).map_err(problem)?;
-    connection.set_prepared_statement_cache_capacity(64);
-    // FULL: what was acknowledged survives a loss of power, not only of the process.
-    connection.execute_batch("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON").map_err(problem)?;
-    Ok(connection)
 }
 
 fn write_loop(mut writer: Connection, queue: &Receiver<Waiting>, log: &LogFile) {
@@ -219,13 +207,6 @@ impl Tx for Plain<'_> {
 /// `$1` is a *named* parameter to SQLite; `?1` is the first.
 fn numbered(sql: &str) -> String {
     sql.replace('$', "?")
-}
-
-fn problem(e: rusqlite::Error) -> Problem {
-    match e.sqlite_error_code() {
-        Some(ErrorCode::DiskFull) => Problem::disk_full(),
-        _ => Problem::store(e),
-    }
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 //! under load somebody always does: it would grow without end, and reading would become slower with it. So, when it is
 //! long, readers are kept back for a moment.
 
+use super::connection::{connect, problem};
 use super::readers::Readers;
-use super::{connect, problem};
 use crate::problem::{Answer, Problem};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Connections that read: each reader has one for itself, and all can be kept back for a moment.
 
-use super::connect;
+use super::connection::connect;
 use crate::problem::{Answer, Problem};
 use rusqlite::Connection;
 use std::path::Path;
