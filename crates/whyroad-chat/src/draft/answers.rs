@@ -13,7 +13,7 @@ const CATEGORIES: [&str; 7] = [
     "traffic_lights",
     "yield_stop_control",
     "road_events",
-    "lane_lines",
+    "lane_and_lane_lines",
     "routing_intent",
     "odd_constraints",
 ];
