@@ -220,7 +220,8 @@ fn labels_that_were_unseen_stay_found() {
         println!("found {found}/{all}, true labels flagged {}/{}", flagged.0, flagged.1);
         println!("with notes: found {found_or_noted}, flagged {noted}");
         assert!(all >= least.0 && flagged.1 >= least.1);
-        if (found as f64) < found_of * all as f64 || flagged.0 as f64 > flagged_of * flagged.1 as f64 {
+        let share = |(some, all): (usize, usize)| some as f64 / all as f64;
+        if share((found, all)) < *found_of || share(flagged) > *flagged_of {
             worse.push(*name);
         }
     }
