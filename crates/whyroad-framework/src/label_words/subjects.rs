@@ -75,6 +75,11 @@ impl Subjects {
         self.vague.contains(&name.to_lowercase())
     }
 
+    /// The character at this byte of the text is in so many names that to share it says nothing.
+    pub fn is_common(&self, text: &str, at: usize) -> bool {
+        text[at..].starts_with(|c| self.common.contains(c))
+    }
+
     /// The text speaks of the ego.
     pub fn speaks_of_ego(&self, text: &str) -> bool {
         let [chinese, latin] = &self.ego;

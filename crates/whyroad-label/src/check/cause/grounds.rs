@@ -133,7 +133,7 @@ fn speaks(
         return Speaks::Against;
     }
     let is_name = |at: usize| trace.named.iter().any(|n| (n.start..n.end).contains(&at));
-    let is_common = |at: usize| text[at..].starts_with(|c| words.subjects.common.contains(c));
+    let is_common = |at: usize| words.subjects.is_common(text, at);
     let other = |at: usize| inside(at) && !is_name(at) && !is_common(at);
     let shared = || overlap::shared(label, text, &words.compared, &other);
     let enough = if text.is_ascii() { 1 } else { 2 };

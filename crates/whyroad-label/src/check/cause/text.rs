@@ -236,7 +236,7 @@ pub(in crate::check) fn around(
     let acts = |t: &str, f: &TextFacts| {
         f.there().find(|n| !words.subjects.is_landmark(t, n.start, n.end)).is_some_and(is_main)
     };
-    let is_common = |at: usize| text[at..].starts_with(|c| words.subjects.common.contains(c));
+    let is_common = |at: usize| words.subjects.is_common(text, at);
     let inside = |at: usize| at < decision_from && !is_common(at);
     // By a word, or by a thing beside whoever acts.
     let beside = texts.trace.there().filter(|n| n.start < decision_from && !is_main(n));

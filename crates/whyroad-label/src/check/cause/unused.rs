@@ -78,7 +78,7 @@ fn is_told(text: &str, facts: &TextFacts, trace: &str, texts: &Texts, words: &La
         return true;
     }
     let is_name = |at: usize| texts.trace.named.iter().any(|n| (n.start..n.end).contains(&at));
-    let is_common = |at: usize| trace[at..].starts_with(|c| words.subjects.common.contains(c));
+    let is_common = |at: usize| words.subjects.is_common(trace, at);
     // Where it is says nothing of what it is.
     let (from, to) = facts.apart.unwrap_or_default();
     [&text[..from], &text[to..]].iter().any(|part| {

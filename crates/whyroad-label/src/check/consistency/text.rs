@@ -117,7 +117,7 @@ fn reason_of_others(
         return None;
     }
     let is_name = |at: usize| all().any(|n| (n.start..n.end).contains(&at));
-    let is_common = |at: usize| text[at..].starts_with(|c| words.subjects.common.contains(c));
+    let is_common = |at: usize| words.subjects.is_common(text, at);
     let inside = |at: usize| at < to && !is_name(at) && !is_common(at);
     let shared = overlap::shared(label, text, &words.compared, &inside);
     (shared == 0 && !any_unread(label, texts, words)).then_some((0, to))

@@ -1,4 +1,4 @@
-//! The file of changes beside the database (`-wal`). SQLite begins it anew only at a moment at which nobody reads, and
+//! The file of changes beside the database (`-wal`). SQLite restarts it only at a moment at which nobody reads, and
 //! under load somebody always does: it would grow without end, and reading would become slower with it. So, when it is
 //! long, readers are kept back for a moment.
 
