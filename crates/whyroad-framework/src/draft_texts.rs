@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, yaml};
+use whyroad_model::{Bilingual, ComponentCategory, Diagnostic, Lang, ScenarioId, yaml};
 
 /// All texts of drafts.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -54,6 +54,8 @@ pub struct Seen {
     /// Uncertainty high.
     #[serde(default)]
     pub high: bool,
+    /// Category of the component.
+    pub category: Option<ComponentCategory>,
 }
 
 impl Seen {
@@ -189,6 +191,7 @@ mod tests {
         for leaf in f.specs.keys() {
             let seen = f.draft_texts.seen(leaf).unwrap_or_else(|| panic!("{leaf}"));
             assert!(!seen.get(Lang::Zh).is_ascii() && seen.get(Lang::En).is_ascii(), "{leaf}");
+            assert!(seen.category.is_some(), "{leaf}");
             let why = f.draft_texts.why(leaf).unwrap_or_else(|| panic!("{leaf}"));
             for lang in [Lang::Zh, Lang::En] {
                 assert!(why.all(lang).len() >= 2, "{leaf}");

@@ -9,6 +9,7 @@
 pub mod catalog;
 mod clip;
 pub mod column;
+mod component_category;
 pub mod decision;
 pub mod diagnostic;
 pub mod display;
@@ -34,6 +35,7 @@ pub mod yaml;
 pub use catalog::SignalId;
 pub use clip::ClipCut;
 pub use column::{Column, Tri};
+pub use component_category::ComponentCategory;
 pub use diagnostic::{Diagnostic, Location, Severity};
 pub use display::Displayed;
 pub use ids::{ClipId, DriveId, ScenarioId, TrackId};

@@ -4,19 +4,10 @@
 use crate::AnswerForm;
 use serde::Deserialize;
 use serde_json::{Value, json};
+use whyroad_model::ComponentCategory;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::{Cause, Uncertainty};
 
-/// LABELING.md 3: categories of components.
-const CATEGORIES: [&str; 7] = [
-    "critical_objects",
-    "traffic_lights",
-    "yield_stop_control",
-    "road_events",
-    "lane_and_lane_lines",
-    "routing_intent",
-    "odd_constraints",
-];
 /// Components of a draft.
 const MOST_COMPONENTS: usize = 6;
 /// Longest texts, characters.
@@ -102,9 +93,10 @@ fn or_null(ids: impl Iterator<Item = &'static str>) -> Value {
 
 /// Form of the first answer; `objects` are ids of the record.
 pub(super) fn history_form(objects: &[&str]) -> AnswerForm {
+    let categories: Vec<&str> = ComponentCategory::ALL.iter().map(|c| c.id()).collect();
     let component = object(json!({
         "description": { "type": "string" },
-        "category": { "type": "string", "enum": CATEGORIES },
+        "category": { "type": "string", "enum": categories },
         "uncertainty": { "type": "string", "enum": ["low", "high"] },
         "objects": some_of(objects),
     }));
@@ -138,7 +130,7 @@ impl HistoryAnswer {
             if !(1..=LONGEST_DESCRIPTION).contains(&length) {
                 return Err(format!("a description has {length} characters"));
             }
-            if !CATEGORIES.contains(&c.category.as_str()) {
+            if ComponentCategory::from_id(&c.category).is_none() {
                 return Err("a category is not one of those listed".to_owned());
             }
             if c.objects.iter().any(|o| !objects.contains(&o.as_str())) {

@@ -7,7 +7,7 @@ use whyroad_label::counterfactual::{Removed, counterfactual};
 use whyroad_label::judged::{Question, QuestionKind};
 use whyroad_model::messages::{Cause, CocLabel};
 use whyroad_model::names::class_name;
-use whyroad_model::{Bilingual, Drive, Lang, SignalTable};
+use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, SignalTable};
 
 /// Unnamed objects that are asked about, most effect first.
 const MOST_OMISSIONS: usize = 3;
@@ -173,7 +173,7 @@ pub(super) fn omission_candidates(
     let linked =
         |id: &str| label.critical_components.iter().any(|c| c.linked_objects.iter().any(|o| o == id));
     let names_light = label.critical_components.iter().any(|c| {
-        c.category.as_deref() == Some("traffic_lights")
+        c.category.as_deref() == Some(ComponentCategory::TrafficLights.id())
             || c.description.contains('灯')
             || c.description.to_lowercase().contains("light")
     });

@@ -4,7 +4,7 @@
 use whyroad_framework::Framework;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
 use whyroad_model::names::class_name;
-use whyroad_model::{Bilingual, Drive, Lang, ObjectClass, SignalTable, TrackId};
+use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, SignalTable, TrackId};
 
 /// The L2 that is about lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
@@ -34,33 +34,33 @@ pub(super) fn observed(
     keyframe: usize,
     lang: Lang,
 ) -> Vec<CriticalComponent> {
-    let mut found: Vec<(&str, Bilingual)> = Vec::new();
+    let mut found: Vec<(ComponentCategory, Bilingual)> = Vec::new();
     if let Some(target) = &episode.target_id {
         let class = drive.track(target).map_or(ObjectClass::Unknown, |t| t.class);
         let doing = framework.draft_texts.doing(&episode.scenario_id);
         let text = target_in_words(signals, target, class, keyframe, doing);
-        found.extend(text.map(|text| ("critical_objects", text)));
+        found.extend(text.map(|text| (ComponentCategory::CriticalObjects, text)));
     }
     // What bears on the decision: beside a lead or a crossing pedestrian, the light does not.
     if is_of_lights(episode) {
-        found.extend(light(signals, keyframe).map(|text| ("traffic_lights", text)));
+        found.extend(light(signals, keyframe).map(|text| (ComponentCategory::TrafficLights, text)));
     }
     if is_of_bend(episode) {
-        found.extend(bend(signals, keyframe).map(|text| ("road_events", text)));
+        found.extend(bend(signals, keyframe).map(|text| (ComponentCategory::RoadEvents, text)));
     }
     if is_of_route(episode) {
-        found.extend(route(signals, keyframe).map(|text| ("routing_intent", text)));
+        found.extend(route(signals, keyframe).map(|text| (ComponentCategory::RoutingIntent, text)));
     }
     found
         .into_iter()
         .map(|(category, text)| CriticalComponent {
-            category: Some(category.to_owned()),
+            category: Some(category.id().to_owned()),
             description: text.get(lang).to_owned(),
             uncertainty: None,
             id: None,
             evidence_times: Vec::new(),
             linked_objects: match (category, &episode.target_id) {
-                ("critical_objects", Some(target)) => vec![target.to_string()],
+                (ComponentCategory::CriticalObjects, Some(target)) => vec![target.to_string()],
                 _ => Vec::new(),
             },
         })

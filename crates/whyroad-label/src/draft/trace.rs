@@ -8,7 +8,7 @@ use whyroad_framework::draft_texts::Phrasings;
 use whyroad_framework::label_words::WordRole;
 use whyroad_model::decision::Lateral;
 use whyroad_model::messages::{CriticalComponent, DrivingDecision};
-use whyroad_model::{Lang, ScenarioId, SignalTable};
+use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable};
 
 /// Things in the state: two are enough for a person to see what matters.
 const MOST_IN_STATE: usize = 2;
@@ -286,8 +286,10 @@ pub(super) fn seen(
     // A light says what a class is about only where the class is about nothing else.
     let light = words.kinds.get("light").copied().unwrap_or_default();
     let only_light = about == Some(light);
+    let is_light =
+        |c: &CriticalComponent| c.category.as_deref() == Some(ComponentCategory::TrafficLights.id());
     let speaks = |c: &CriticalComponent| {
-        if c.category.as_deref() == Some("traffic_lights") && !only_light {
+        if is_light(c) && !only_light {
             return false;
         }
         let mut any = false;
@@ -297,13 +299,12 @@ pub(super) fn seen(
         any
     };
     // Where nothing is known of the class, what was found has to do; a light alone says little of other classes.
-    let says_more = |c: &CriticalComponent| c.category.as_deref() != Some("traffic_lights");
-    if found.iter().any(speaks) || (about.is_none() && found.iter().any(says_more)) {
+    if found.iter().any(speaks) || (about.is_none() && !found.iter().all(is_light)) {
         return None;
     }
     let seen = framework.draft_texts.seen(class)?;
     Some(CriticalComponent {
-        category: None,
+        category: seen.category.map(|c| c.id().to_owned()),
         description: seen.get(lang).to_owned(),
         uncertainty: seen.high.then_some(whyroad_model::messages::Uncertainty::High),
         id: None,

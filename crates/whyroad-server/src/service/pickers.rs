@@ -8,22 +8,11 @@ use whyroad_framework::decision_table::{ClassDecisions, Fit};
 use whyroad_framework::decisions::DecisionText;
 use whyroad_framework::taxonomy::{Decides, L1, L2, L3};
 use whyroad_framework::{DecisionSets, Framework, Taxonomy};
-use whyroad_model::Bilingual;
-
-/// Reference categories of critical components (LABELING.md 3, AR1 table 2): word in the label, Chinese, English.
-const CATEGORIES: [(&str, &str, &str); 7] = [
-    ("critical_objects", "关键目标", "critical objects"),
-    ("traffic_lights", "交通信号灯", "traffic lights"),
-    ("yield_stop_control", "让行/停车控制", "yield or stop control"),
-    ("road_events", "道路事件", "road events"),
-    ("lane_and_lane_lines", "车道与车道线", "lane and lane lines"),
-    ("routing_intent", "导航意图", "routing intent"),
-    ("odd_constraints", "运行设计域约束", "ODD constraints"),
-];
+use whyroad_model::ComponentCategory;
 
 /// All of it.
 pub fn of(framework: &Framework) -> FrameworkView {
-    let category = |(id, zh, en): &(&str, &str, &str)| json!({ "id": id, "name": Bilingual::new(*zh, *en) });
+    let category = |c: &ComponentCategory| json!({ "id": c.id(), "name": c.name() });
     let versions = [
         ("format", whyroad_model::FORMAT_VERSION),
         ("taxonomy", framework.taxonomy.version.as_str()),
@@ -41,7 +30,7 @@ pub fn of(framework: &Framework) -> FrameworkView {
             .map(|(a, b)| [a.id().to_owned(), b.id().to_owned()])
             .collect(),
         safety_reasons: SafetyReason::ALL.iter().map(|r| json!({ "id": r.id(), "name": r.name() })).collect(),
-        categories: CATEGORIES.iter().map(category).collect(),
+        categories: ComponentCategory::ALL.iter().map(category).collect(),
         records: records(framework),
         versions: versions.map(|(k, v)| (k.to_owned(), v.to_owned())).into(),
     }
