@@ -36,6 +36,8 @@ pub struct Openings {
 pub struct ClassTexts {
     /// The component where the recording tells none.
     seen: Option<Seen>,
+    /// Where the navigation leads is a component, where the recording tells it.
+    routed: Option<bool>,
     /// What the target of the episode does, where the class says it better than its motion at the keyframe.
     doing: Option<Pair>,
     /// Why it calls for a decision.
@@ -123,6 +125,11 @@ impl DraftTexts {
     /// What the class is about: of the leaf, or of its L2.
     pub fn seen(&self, class: &ScenarioId) -> Option<&Seen> {
         self.of(class, |c| c.seen.as_ref())
+    }
+
+    /// The ego does what it does because of its route: the leaf, or its L2.
+    pub fn is_routed(&self, class: &ScenarioId) -> bool {
+        self.of(class, |c| c.routed.as_ref()).is_some_and(|r| *r)
     }
 
     /// What the target does, in Chinese and English: of the leaf, or of its L2.

@@ -145,7 +145,7 @@ pub fn components(
     episode: &EpisodeRecord,
     lang: Lang,
 ) -> Vec<CriticalComponent> {
-    let observed = if components::needs_signals(episode) {
+    let observed = if components::needs_signals(framework, episode) {
         components::observed(framework, drive, &signals(), episode, keyframe_of(drive, episode), lang)
     } else {
         Vec::new()

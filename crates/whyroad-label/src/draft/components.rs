@@ -10,8 +10,11 @@ use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, Sign
 const TRAFFIC_LIGHT: &str = "traffic_light";
 
 /// Where nothing of this holds, [`observed`] finds nothing.
-pub(super) fn needs_signals(episode: &EpisodeRecord) -> bool {
-    episode.target_id.is_some() || is_of_lights(episode) || is_of_bend(episode) || is_of_route(episode)
+pub(super) fn needs_signals(framework: &Framework, episode: &EpisodeRecord) -> bool {
+    episode.target_id.is_some()
+        || is_of_lights(episode)
+        || is_of_bend(episode)
+        || framework.draft_texts.is_routed(&episode.scenario_id)
 }
 
 fn is_of_lights(episode: &EpisodeRecord) -> bool {
@@ -22,7 +25,7 @@ fn is_of_bend(episode: &EpisodeRecord) -> bool {
     episode.signals.iter().any(|s| s.starts_with("map.curvature"))
 }
 
-fn is_of_route(episode: &EpisodeRecord) -> bool {
+fn is_of_junction(episode: &EpisodeRecord) -> bool {
     episode.signals.iter().any(|s| s == "ego.movement")
 }
 
@@ -48,8 +51,10 @@ pub(super) fn observed(
     if is_of_bend(episode) {
         found.extend(bend(signals, keyframe).map(|text| (ComponentCategory::RoadEvents, text)));
     }
-    if is_of_route(episode) {
-        found.extend(route(signals, keyframe).map(|text| (ComponentCategory::RoutingIntent, text)));
+    if framework.draft_texts.is_routed(&episode.scenario_id) {
+        let intent = route(signals, keyframe)
+            .or_else(|| is_of_junction(episode).then(|| signaled_turn(signals, keyframe)).flatten());
+        found.extend(intent.map(|text| (ComponentCategory::RoutingIntent, text)));
     }
     found
         .into_iter()
@@ -160,24 +165,25 @@ fn bend(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
         .then(|| Bilingual::new("前方道路弯急，弯道半径小", "the road ahead bends sharply"))
 }
 
-/// The command of the navigation at the keyframe; where the log has none, the ego's own turn signal.
+/// The command of the navigation.
 fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
-    let word = |name: &str| signals.frame_columns.get(name).and_then(|c| c.category(frame));
-    let (zh, en) = match word("route.command").filter(|c| *c != "none") {
-        Some("straight") => ("导航路线在前方路口直行", "the route leads straight on at the junction ahead"),
-        Some("left") => ("导航路线在前方路口左转", "the route leads left at the junction ahead"),
-        Some("right") => ("导航路线在前方路口右转", "the route leads right at the junction ahead"),
-        Some("uturn") => ("导航路线在前方路口掉头", "the route makes a U-turn at the junction ahead"),
-        Some(_) => return None,
-        None => match word("ego.turn_signal") {
-            Some("left") => {
-                ("前方为路口，自车已打左转向灯", "a junction lies ahead and the ego signals left")
-            }
-            Some("right") => {
-                ("前方为路口，自车已打右转向灯", "a junction lies ahead and the ego signals right")
-            }
-            _ => return None,
-        },
+    let (zh, en) = match signals.frame_columns.get("route.command")?.category(frame)? {
+        "straight" => ("导航路线在前方路口直行", "the route leads straight on at the junction ahead"),
+        "left" => ("导航路线在前方路口左转", "the route leads left at the junction ahead"),
+        "right" => ("导航路线在前方路口右转", "the route leads right at the junction ahead"),
+        "uturn" => ("导航路线在前方路口掉头", "the route makes a U-turn at the junction ahead"),
+        "exit" => ("导航路线从前方出口驶出", "the route takes the exit ahead"),
+        _ => return None,
+    };
+    Some(Bilingual::new(zh, en))
+}
+
+/// The turn that the ego's own turn signal announces at a junction.
+fn signaled_turn(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
+    let (zh, en) = match signals.frame_columns.get("ego.turn_signal")?.category(frame)? {
+        "left" => ("前方为路口，自车已打左转向灯", "a junction lies ahead and the ego signals left"),
+        "right" => ("前方为路口，自车已打右转向灯", "a junction lies ahead and the ego signals right"),
+        _ => return None,
     };
     Some(Bilingual::new(zh, en))
 }

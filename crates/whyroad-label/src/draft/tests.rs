@@ -126,6 +126,33 @@ fn a_turn_has_its_side_and_a_lane_change_is_no_decision_of_a_cut_in() {
 }
 
 #[test]
+fn a_draft_names_the_route_only_where_the_recording_has_commands() {
+    let descriptions = |class: &str, command: Option<&str>| {
+        let draft = draft_of(class, |s| {
+            if let Some(command) = command {
+                s.frame_columns
+                    .insert("route.command".into(), category(&[command], vec![0; fixture::FRAMES]));
+            }
+        });
+        (draft.label.critical_components[0].description.clone(), draft.label.coc_trace)
+    };
+    for (class, command, said) in [
+        ("proactive.turn.left_normal", "left", "左转"),
+        ("proactive.turn.straight", "straight", "直行"),
+        ("proactive.merge_interaction.split_exit", "exit", "驶出"),
+        ("proactive.roundabout.exit", "exit", "驶出"),
+    ] {
+        let (component, trace) = descriptions(class, None);
+        assert!(!component.contains("导航") && !trace.contains("导航"), "{class}: {component} {trace}");
+        let (component, _) = descriptions(class, Some(command));
+        assert!(component.contains("导航") && component.contains(said), "{class}: {component}");
+    }
+    // Who avoids an obstacle does not do it for the route.
+    let (component, _) = descriptions("proactive.obstacle_avoidance.in_lane", Some("left"));
+    assert!(!component.contains("导航"), "{component}");
+}
+
+#[test]
 fn what_is_owed_is_null_in_the_label_and_named_in_the_notes() {
     // TAXONOMY.md: high_curvature must record the curvature, lane_change.overtake the vehicle that is overtaken.
     let bend = draft_of("reactive_road.geometry_adaptation.high_curvature", |s| {
