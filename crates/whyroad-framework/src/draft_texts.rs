@@ -15,7 +15,7 @@ pub struct DraftTexts {
     sides: BTreeMap<String, Pair>,
     openings: Openings,
     traces: Phrasings,
-    kept: Phrasings,
+    kept: Kept,
     classes: BTreeMap<String, ClassTexts>,
     decisions: DecisionTexts,
 }
@@ -107,7 +107,40 @@ impl Phrasings {
 struct DecisionTexts {
     longitudinal: BTreeMap<String, Phrasings>,
     lateral: BTreeMap<String, Phrasings>,
-    none: Phrasings,
+}
+
+/// What the ego does at the keyframe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EgoMotion {
+    /// It is at standstill.
+    Standing,
+    /// Its speed falls.
+    Slowing,
+    /// Anything else.
+    Driving,
+}
+
+impl EgoMotion {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Standing, Self::Slowing, Self::Driving];
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Kept {
+    standing: KeptTexts,
+    slowing: KeptTexts,
+    driving: KeptTexts,
+}
+
+/// Where nothing new is decided.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KeptTexts {
+    /// How the parts of a trace are joined: `{state}`, `{action}`.
+    pub traces: Phrasings,
+    /// That the ego goes on with what it does.
+    pub none: Phrasings,
 }
 
 impl DraftTexts {
@@ -167,14 +200,13 @@ impl DraftTexts {
         &self.traces
     }
 
-    /// The same where the ego keeps its speed.
-    pub fn kept(&self) -> &Phrasings {
-        &self.kept
-    }
-
-    /// No change of decision.
-    pub fn none(&self) -> &Phrasings {
-        &self.decisions.none
+    /// The same where nothing new is decided.
+    pub fn kept(&self, motion: EgoMotion) -> &KeptTexts {
+        match motion {
+            EgoMotion::Standing => &self.kept.standing,
+            EgoMotion::Slowing => &self.kept.slowing,
+            EgoMotion::Driving => &self.kept.driving,
+        }
     }
 
     /// The word of a direction.

@@ -96,7 +96,9 @@ pub fn draft_with_seed(
         .map(|s| records::known(signals, keyframe, episode.target_id.as_ref(), &s.records, &mut notes))
         .unwrap_or_default();
     let mut components = with_cause(framework, class, components, lang);
-    let facts = trace::DraftFacts { framework, class, components: &components, decision: &decision, lang };
+    let motion = trace::motion(signals, keyframe);
+    let facts =
+        trace::DraftFacts { framework, class, components: &components, decision: &decision, motion, lang };
     let coc_trace = trace::trace(&facts, signals, keyframe, trace::seed(&episode.episode_id, run));
     notes.push(Bilingual::new(
         "推理文本为模板草稿，须改写为完整的因果说明",

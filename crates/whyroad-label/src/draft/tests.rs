@@ -153,6 +153,27 @@ fn a_draft_names_the_route_only_where_the_recording_has_commands() {
 }
 
 #[test]
+fn a_draft_says_what_the_ego_goes_on_with_where_nothing_is_decided() {
+    let crossing = |motion: u16, speed: f64, accel: f64| {
+        draft_of("reactive_agent.vru_crossing.crosswalk", |s| {
+            with_motion(s, |_| motion);
+            s.frame_columns.insert("ego.speed".into(), Column::Number(vec![speed; fixture::FRAMES]));
+            s.frame_columns.insert("ego.accel".into(), Column::Number(vec![accel; fixture::FRAMES]));
+        })
+        .label
+    };
+    let says = |label: &CocLabel, words: [&str; 2]| words.iter().any(|w| label.coc_trace.contains(w));
+    let (stands, slows) = (["停着", "静止"], ["已经在减速", "在下降"]);
+    let [standing, slowing, driving] = [crossing(0, 0.0, 0.0), crossing(2, 8.0, -1.0), crossing(1, 8.0, 0.0)];
+    for label in [&standing, &slowing, &driving] {
+        assert_eq!(label.driving_decision.longitudinal, None);
+    }
+    assert!(says(&standing, stands) && !says(&standing, slows), "{}", standing.coc_trace);
+    assert!(says(&slowing, slows) && !says(&slowing, stands), "{}", slowing.coc_trace);
+    assert!(!says(&driving, slows) && !says(&driving, stands), "{}", driving.coc_trace);
+}
+
+#[test]
 fn what_is_owed_is_null_in_the_label_and_named_in_the_notes() {
     // TAXONOMY.md: high_curvature must record the curvature, lane_change.overtake the vehicle that is overtaken.
     let bend = draft_of("reactive_road.geometry_adaptation.high_curvature", |s| {
@@ -227,9 +248,15 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
     starting.frame_columns.insert("ego.speed".into(), Column::Number(vec![0.0; fixture::FRAMES]));
     let mut keeping = fixture::signals(&drive);
     with_motion(&mut keeping, |_| 2);
+    keeping.frame_columns.insert("ego.accel".into(), Column::Number(vec![-1.0; fixture::FRAMES]));
+    let mut cruising = fixture::signals(&drive);
+    with_motion(&mut cruising, |_| 1);
+    let mut standing = fixture::signals(&drive);
+    with_motion(&mut standing, |_| 0);
+    standing.frame_columns.insert("ego.speed".into(), Column::Number(vec![0.0; fixture::FRAMES]));
     let checker = crate::check::Checker::new(framework);
     let mut traces = std::collections::BTreeSet::new();
-    let motions = [&slowing, &starting, &keeping];
+    let motions = [&slowing, &starting, &keeping, &cruising, &standing];
     let all = framework.specs.keys().flat_map(|leaf| motions.map(|signals| (leaf, signals)));
     let mut wrong = Vec::new();
     for (leaf, signals) in all {

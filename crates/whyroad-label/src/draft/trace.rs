@@ -4,7 +4,7 @@
 
 use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
-use whyroad_framework::draft_texts::Phrasings;
+use whyroad_framework::draft_texts::{EgoMotion, Phrasings};
 use whyroad_framework::label_words::WordRole;
 use whyroad_model::decision::Lateral;
 use whyroad_model::messages::{CriticalComponent, DrivingDecision};
@@ -14,6 +14,8 @@ use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable};
 const MOST_IN_STATE: usize = 2;
 /// Below this speed the ego is at standstill, m/s.
 const STANDING_MPS: f64 = 0.3;
+/// Below this acceleration the speed falls, m/s2; as for a target.
+const SLOWING_MPS2: f64 = -0.5;
 /// Speeds are given in steps of this, km/h.
 const SPEED_STEP_KMH: f64 = 5.0;
 
@@ -23,7 +25,21 @@ pub(super) struct DraftFacts<'a> {
     pub class: &'a ScenarioId,
     pub components: &'a [CriticalComponent],
     pub decision: &'a DrivingDecision,
+    /// What the ego does at the keyframe.
+    pub motion: EgoMotion,
     pub lang: Lang,
+}
+
+/// What the ego does at `frame`.
+pub(super) fn motion(signals: &SignalTable, frame: usize) -> EgoMotion {
+    let number = |name: &str| signals.frame_columns.get(name).and_then(|c| c.number(frame));
+    if number("ego.speed").is_some_and(|v| v < STANDING_MPS) {
+        EgoMotion::Standing
+    } else if number("ego.accel").is_some_and(|a| a < SLOWING_MPS2) {
+        EgoMotion::Slowing
+    } else {
+        EgoMotion::Driving
+    }
 }
 
 /// Which phrasings are taken.
@@ -82,8 +98,9 @@ pub(super) fn trace(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usi
 fn opening(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> Option<String> {
     let speed = signals.frame_columns.get("ego.speed")?.number(keyframe)?;
     let all = facts.framework.draft_texts.openings();
-    if speed < STANDING_MPS {
-        return Some(all.standing.pick(facts.lang, seed).to_owned());
+    if facts.motion == EgoMotion::Standing {
+        // Where nothing is decided, the rest says so.
+        return facts.decides().then(|| all.standing.pick(facts.lang, seed).to_owned());
     }
     let kmh = (speed * 3.6 / SPEED_STEP_KMH).round().max(1.0) * SPEED_STEP_KMH;
     Some(all.moving.pick(facts.lang, seed).replace("{speed}", &format!("{kmh:.0}")))
@@ -115,11 +132,16 @@ impl<'a> DraftFacts<'a> {
         }
     }
 
+    /// That nothing changes.
+    fn none(&self) -> &'a Phrasings {
+        &self.framework.draft_texts.kept(self.motion).none
+    }
+
     /// How the parts are joined. Where nothing new is decided, what calls for a decision is no reason for what the ego
     /// does; nor is what others do where it turns as its route has it.
     fn joints(&self) -> &'a Phrasings {
         let texts = &self.framework.draft_texts;
-        if self.decides() { texts.traces() } else { texts.kept() }
+        if self.decides() { texts.traces() } else { &texts.kept(self.motion).traces }
     }
 
     fn decides(&self) -> bool {
@@ -142,7 +164,7 @@ impl<'a> DraftFacts<'a> {
             }
         });
         match (lang, along, across) {
-            (_, None, None) => texts.none().pick(lang, seed).to_owned(),
+            (_, None, None) => self.none().pick(lang, seed).to_owned(),
             (Lang::Zh, Some(a), Some(b)) => format!("{a}，并{b}"),
             (Lang::Zh, None, Some(b)) => format!("自车{b}"),
             (Lang::En, Some(a), Some(b)) => format!("{a} and {b}"),
@@ -160,7 +182,7 @@ impl<'a> DraftFacts<'a> {
             self.decision.longitudinal.and_then(|d| texts.longitudinal(self.class, d)).map_or(1, count);
         let across = self.decision.lateral.and_then(|d| texts.lateral(d)).map_or(1, count);
         let action =
-            if along * across == 1 { count(texts.none()) } else { along * across / common(along, across) };
+            if along * across == 1 { count(self.none()) } else { along * across / common(along, across) };
         (why, action, count(self.joints()))
     }
 
@@ -214,13 +236,19 @@ pub(super) fn seed(id: &str, run: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-fn languages<'a>(
+/// In both languages, whatever the ego was doing.
+fn all_facts<'a>(
     framework: &'a Framework,
     class: &'a ScenarioId,
     components: &'a [CriticalComponent],
     decision: &'a DrivingDecision,
-) -> [DraftFacts<'a>; 2] {
-    [Lang::Zh, Lang::En].map(|lang| DraftFacts { framework, class, components, decision, lang })
+) -> impl Iterator<Item = DraftFacts<'a>> {
+    let of = move |lang, motion| DraftFacts { framework, class, components, decision, motion, lang };
+    [Lang::Zh, Lang::En].into_iter().flat_map(move |lang| {
+        // It is said only where nothing new is decided.
+        let motions = if of(lang, EgoMotion::Driving).decides() { 1 } else { EgoMotion::ALL.len() };
+        EgoMotion::ALL.into_iter().take(motions).map(move |motion| of(lang, motion))
+    })
 }
 
 /// `trace` has the beginning of `text` in it; the first letter may be a capital there and is left out.
@@ -238,7 +266,7 @@ pub(crate) fn may_be_draft(
     decision: &DrivingDecision,
     trace: &str,
 ) -> bool {
-    languages(framework, class, &[], decision).iter().any(|facts| facts.may_be(trace))
+    all_facts(framework, class, &[], decision).any(|facts| facts.may_be(trace))
 }
 
 /// True when `trace` ends with what a draft of these parts says, in any of its phrasings: nobody has written it. What a
@@ -252,8 +280,8 @@ pub(crate) fn is_draft(
 ) -> bool {
     let bare =
         |t: &str| t.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect::<String>();
-    let all = languages(framework, class, components, decision);
-    let likely: Vec<&DraftFacts<'_>> = all.iter().filter(|facts| facts.may_be(trace)).collect();
+    let all = all_facts(framework, class, components, decision);
+    let likely: Vec<DraftFacts<'_>> = all.filter(|facts| facts.may_be(trace)).collect();
     if likely.is_empty() {
         return false;
     }
