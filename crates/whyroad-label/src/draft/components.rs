@@ -9,6 +9,9 @@ use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, Sign
 /// The L2 that is about lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
 
+/// The L1 that is about the road.
+const ROAD: &str = "reactive_road";
+
 /// Where nothing of this holds, [`observed`] finds nothing.
 pub(super) fn needs_signals(framework: &Framework, episode: &EpisodeRecord) -> bool {
     episode.target_id.is_some()
@@ -21,8 +24,9 @@ fn is_of_lights(episode: &EpisodeRecord) -> bool {
     episode.scenario_id.l2.as_deref() == Some(TRAFFIC_LIGHT)
 }
 
+/// Rules about others read the bend of the road too, to tell who follows it; there it bears on nothing.
 fn is_of_bend(episode: &EpisodeRecord) -> bool {
-    episode.signals.iter().any(|s| s.starts_with("map.curvature"))
+    episode.scenario_id.l1 == ROAD && episode.signals.iter().any(|s| s.starts_with("map.curvature"))
 }
 
 fn is_of_junction(episode: &EpisodeRecord) -> bool {

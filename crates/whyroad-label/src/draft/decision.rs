@@ -10,6 +10,9 @@ use whyroad_model::{Bilingual, Column, ObjectClass, SignalTable, Tri};
 
 /// Frames after the keyframe in which the first action is looked for: the 6 s of a sample's future (LABELING.md 4).
 const HORIZON_FRAMES: usize = 60;
+/// Frames after the keyframe in which slowing that began within the horizon may come to a stop: from 50 km/h and more,
+/// braking gently takes longer than 6 s. As long as a label's range is followed by the checks of motion.
+const STOP_FRAMES: usize = 150;
 /// A meta action shorter than 0.5 s is not a decision.
 const HELD_FRAMES: usize = 5;
 
@@ -94,37 +97,50 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize) -> (LongitudinalM
         let off = (keyframe..end).find(|&f| standstill.flag(f) == Tri::False);
         return off.map_or((LongitudinalMotion::Keeps, 0.0), |f| (LongitudinalMotion::Starts, seconds(f)));
     }
-    let Some((began, slows)) = first_change(meta, keyframe, end) else {
+    let Some((began, change)) = first_change(meta, keyframe, end) else {
         return (LongitudinalMotion::Keeps, 0.0);
     };
-    if !slows {
+    if change == SpeedChange::Rises {
         return (LongitudinalMotion::SpeedsUp, seconds(began));
     }
-    let stands = (began..end).any(|f| standstill.flag(f).is_true());
+    let stop_end = (keyframe + STOP_FRAMES + 1).min(meta.len());
+    let stands = (began..stop_end)
+        .take_while(|&f| speed_change(meta, f) != Some(SpeedChange::Rises))
+        .any(|f| standstill.flag(f).is_true());
     let motion = if stands { LongitudinalMotion::Stops } else { LongitudinalMotion::Slows };
     (motion, seconds(began))
 }
 
-/// First held stretch of speeding up or slowing after the keyframe, and whether it is slowing. What was already
-/// held for 0.5 s at the keyframe is not a response to it, and is skipped.
-fn first_change(meta: &Column, keyframe: usize, end: usize) -> Option<(usize, bool)> {
-    let change = |f: usize| match meta.category(f) {
-        Some("gentle_decelerate" | "strong_decelerate") => Some(true),
-        Some("gentle_accelerate" | "strong_accelerate") => Some(false),
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum SpeedChange {
+    Falls,
+    Rises,
+}
+
+fn speed_change(meta: &Column, frame: usize) -> Option<SpeedChange> {
+    match meta.category(frame) {
+        Some("gentle_decelerate" | "strong_decelerate") => Some(SpeedChange::Falls),
+        Some("gentle_accelerate" | "strong_accelerate") => Some(SpeedChange::Rises),
         _ => None,
+    }
+}
+
+/// First held stretch of speeding up or slowing after the keyframe. What was already held for 0.5 s at the keyframe is
+/// not a response to it, and is skipped.
+fn first_change(meta: &Column, keyframe: usize, end: usize) -> Option<(usize, SpeedChange)> {
+    let held = |from: usize, to: usize, change: SpeedChange| {
+        to <= end && (from..to).all(|f| speed_change(meta, f) == Some(change))
     };
-    let held =
-        |from: usize, to: usize, slows: bool| to <= end && (from..to).all(|f| change(f) == Some(slows));
     let mut from = keyframe;
-    if let Some(underway) = change(keyframe)
+    if let Some(underway) = speed_change(meta, keyframe)
         && keyframe >= HELD_FRAMES
         && held(keyframe - HELD_FRAMES, keyframe, underway)
     {
-        from = (keyframe..end).find(|&f| change(f) != Some(underway))?;
+        from = (keyframe..end).find(|&f| speed_change(meta, f) != Some(underway))?;
     }
     (from..end).find_map(|f| {
-        let slows = change(f)?;
-        held(f, f + HELD_FRAMES, slows).then_some((f, slows))
+        let change = speed_change(meta, f)?;
+        held(f, f + HELD_FRAMES, change).then_some((f, change))
     })
 }
 

@@ -97,6 +97,19 @@ fn what_the_ego_was_already_doing_is_no_answer_to_the_keyframe() {
 }
 
 #[test]
+fn slowing_that_ends_at_standstill_after_the_six_seconds_is_a_stop() {
+    // From 50 km/h at 2 m/s2 it takes 7 s: braking from 0.5 s after the keyframe, standing from 7 s after it.
+    let red = "reactive_rule.traffic_light.red_stop";
+    let motion = |stands: usize| move |f: usize| if f < 45 { 2 } else { u16::from(f < stands) };
+    let stops = draft_of(red, |s| with_motion(s, motion(110)));
+    assert_eq!(stops.label.driving_decision.longitudinal, Some(Longitudinal::StopForRegulation));
+    // Who speeds up again and stops later has not stopped for it.
+    let goes = |f: usize| if (60..80).contains(&f) { 3 } else { motion(110)(f) };
+    let later = draft_of(red, |s| with_motion(s, goes));
+    assert_eq!(later.label.driving_decision.longitudinal, None);
+}
+
+#[test]
 fn a_turn_has_its_side_and_a_lane_change_is_no_decision_of_a_cut_in() {
     let turn = draft_of("proactive.turn.left_normal", |s| {
         let codes = (0..fixture::FRAMES).map(|f| if f < 60 { u16::MAX } else { 0 }).collect();
@@ -164,7 +177,7 @@ fn a_draft_says_what_the_ego_goes_on_with_where_nothing_is_decided() {
     };
     let says = |label: &CocLabel, words: [&str; 2]| words.iter().any(|w| label.coc_trace.contains(w));
     let (stands, slows) = (["停着", "静止"], ["已经在减速", "在下降"]);
-    let [standing, slowing, driving] = [crossing(0, 0.0, 0.0), crossing(2, 8.0, -1.0), crossing(1, 8.0, 0.0)];
+    let [standing, slowing, driving] = [crossing(0, 0.0, 0.0), crossing(1, 8.0, -1.0), crossing(2, 8.0, 0.0)];
     for label in [&standing, &slowing, &driving] {
         assert_eq!(label.driving_decision.longitudinal, None);
     }
@@ -247,10 +260,10 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
     with_motion(&mut starting, |f| if f < 60 { 0 } else { 3 });
     starting.frame_columns.insert("ego.speed".into(), Column::Number(vec![0.0; fixture::FRAMES]));
     let mut keeping = fixture::signals(&drive);
-    with_motion(&mut keeping, |_| 2);
+    with_motion(&mut keeping, |_| 1);
     keeping.frame_columns.insert("ego.accel".into(), Column::Number(vec![-1.0; fixture::FRAMES]));
     let mut cruising = fixture::signals(&drive);
-    with_motion(&mut cruising, |_| 1);
+    with_motion(&mut cruising, |_| 2);
     let mut standing = fixture::signals(&drive);
     with_motion(&mut standing, |_| 0);
     standing.frame_columns.insert("ego.speed".into(), Column::Number(vec![0.0; fixture::FRAMES]));
