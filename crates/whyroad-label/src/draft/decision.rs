@@ -55,6 +55,11 @@ impl Asked<'_> {
         }
     }
 
+    /// The class exists because the ego did something.
+    fn decides(&self) -> bool {
+        self.allowed.is_some_and(|a| a.decides)
+    }
+
     /// The only lateral decision that the class can have.
     fn only_lateral(&self) -> Option<Lateral> {
         let mut all = self.allowed?.lateral.iter().map(|(entry, _)| entry.lateral);
@@ -69,7 +74,7 @@ pub(super) fn infer(
     asked: &Asked<'_>,
     notes: &mut Vec<Bilingual>,
 ) -> DrivingDecision {
-    let (motion, began) = longitudinal_motion(signals, keyframe);
+    let (motion, began) = longitudinal_motion(signals, keyframe, asked.decides());
     // What the class cannot do without is decided, whatever the motion of 6 s shows.
     let longitudinal = choose(motion, asked).or_else(|| asked.only_longitudinal());
     note_longitudinal(motion, began, longitudinal, asked.names, notes);
@@ -78,8 +83,9 @@ pub(super) fn infer(
     DrivingDecision { longitudinal, lateral, lateral_direction }
 }
 
-/// The motion, and how long after the keyframe it begins, s.
-fn longitudinal_motion(signals: &SignalTable, keyframe: usize) -> (LongitudinalMotion, f64) {
+/// The motion, and how long after the keyframe it begins, s. What the ego was doing before counts where the class
+/// `decides`.
+fn longitudinal_motion(signals: &SignalTable, keyframe: usize, decides: bool) -> (LongitudinalMotion, f64) {
     let (Some(meta), Some(standstill)) =
         (signals.frame_columns.get("ego.meta_longitudinal"), signals.frame_columns.get("ego.standstill"))
     else {
@@ -97,7 +103,7 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize) -> (LongitudinalM
         let off = (keyframe..end).find(|&f| standstill.flag(f) == Tri::False);
         return off.map_or((LongitudinalMotion::Keeps, 0.0), |f| (LongitudinalMotion::Starts, seconds(f)));
     }
-    let Some((began, change)) = first_change(meta, keyframe, end) else {
+    let Some((began, change)) = first_change(meta, keyframe, end, decides) else {
         return (LongitudinalMotion::Keeps, 0.0);
     };
     if change == SpeedChange::Rises {
@@ -126,13 +132,14 @@ fn speed_change(meta: &Column, frame: usize) -> Option<SpeedChange> {
 }
 
 /// First held stretch of speeding up or slowing after the keyframe. What was already held for 0.5 s at the keyframe is
-/// not a response to it, and is skipped.
-fn first_change(meta: &Column, keyframe: usize, end: usize) -> Option<(usize, SpeedChange)> {
+/// not a response to it, and is skipped; unless the class `decides`: then it is what the class exists for.
+fn first_change(meta: &Column, keyframe: usize, end: usize, decides: bool) -> Option<(usize, SpeedChange)> {
     let held = |from: usize, to: usize, change: SpeedChange| {
         to <= end && (from..to).all(|f| speed_change(meta, f) == Some(change))
     };
     let mut from = keyframe;
     if let Some(underway) = speed_change(meta, keyframe)
+        && !decides
         && keyframe >= HELD_FRAMES
         && held(keyframe - HELD_FRAMES, keyframe, underway)
     {

@@ -97,6 +97,16 @@ fn what_the_ego_was_already_doing_is_no_answer_to_the_keyframe() {
 }
 
 #[test]
+fn a_class_that_exists_because_the_ego_slows_has_a_decision_though_it_slowed_before() {
+    // scenarios/decisions.yaml: follow_stop decides. Its keyframe is the lead's stop, which the ego sees coming.
+    let slowing = |f: usize| u16::from(f < 70);
+    let d = draft_of("reactive_agent.following.follow_stop", |s| with_motion(s, slowing));
+    assert_eq!(d.label.driving_decision.longitudinal, Some(Longitudinal::LeadFollowing));
+    let other = draft_of("reactive_agent.following.steady", |s| with_motion(s, slowing));
+    assert_eq!(other.label.driving_decision.longitudinal, None);
+}
+
+#[test]
 fn slowing_that_ends_at_standstill_after_the_six_seconds_is_a_stop() {
     // From 50 km/h at 2 m/s2 it takes 7 s: braking from 0.5 s after the keyframe, standing from 7 s after it.
     let red = "reactive_rule.traffic_light.red_stop";
