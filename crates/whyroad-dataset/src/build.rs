@@ -146,7 +146,7 @@ fn key(inputs: &Inputs<'_>, labels: &Labels, selected: &Selected) -> String {
     // Drafts and their checks depend on all of these, whatever version they state.
     let f = inputs.framework;
     put(&format!("{:?} {:?} {:?} {:?}", f.taxonomy, f.specs, f.l1_specs, f.l2_specs));
-    put(&format!("{:?} {:?} {:?}", f.decision_table, f.record_types, f.draft_texts));
+    put(&format!("{:?} {:?} {:?}", f.decision_table(), f.record_types, f.draft_texts));
     put(&inputs.spec_text);
     put(&serde_json::to_string(&inputs.spec).unwrap_or_default());
     put(&labels.hash);

@@ -31,12 +31,8 @@ pub struct Framework {
     pub expressions: Vec<ExpressionSource>,
     /// Version that each file of `scenarios/` states, by relative path.
     pub spec_versions: BTreeMap<String, String>,
-    /// Words that name decisions in a trace.
-    pub lexicon: Lexicon,
-    /// Words of a label's texts.
-    pub label_words: LabelWords,
-    /// Which decisions each leaf goes with.
-    pub decision_table: DecisionTable,
+    /// What reads and judges the texts of labels.
+    reading: Reading,
     /// What the required records may hold.
     pub record_types: RecordTypes,
     /// Texts of label drafts.
@@ -49,6 +45,31 @@ pub struct Framework {
     pub signals_yaml: String,
     /// Text of `schema/precedence.yaml`, which whyroad-mining parses; empty when the file is absent.
     pub precedence_yaml: String,
+}
+
+/// What reads and judges the texts of labels. The words fill a fifth of a second of every start, and most commands read
+/// no label: those of the program itself, which a test holds free of findings, are compiled when first asked for.
+#[derive(Clone, Debug)]
+enum Reading {
+    Bundled(OnceLock<Box<ReadingTables>>),
+    Read(Box<ReadingTables>),
+}
+
+impl Default for Reading {
+    fn default() -> Self {
+        Self::Read(Box::default())
+    }
+}
+
+/// Tables that reading the texts of labels needs.
+#[derive(Clone, Debug, Default)]
+pub struct ReadingTables {
+    /// Words that name decisions in a trace.
+    pub lexicon: Lexicon,
+    /// Words of a label's texts.
+    pub label_words: LabelWords,
+    /// Which decisions each leaf goes with; its causes are kinds of the words.
+    pub decision_table: DecisionTable,
 }
 
 /// A mining rule as written, of a leaf or of an L2. whyroad-mining gives it meaning.
@@ -94,7 +115,38 @@ impl Framework {
     /// The framework that is built into this program. A test holds it free of findings.
     pub fn bundled() -> &'static Framework {
         static BUNDLED: OnceLock<Framework> = OnceLock::new();
-        BUNDLED.get_or_init(|| Framework::from_files(&Framework::bundled_files()).0.unwrap_or_default())
+        BUNDLED.get_or_init(|| load::bundled(&Framework::bundled_files()).unwrap_or_default())
+    }
+
+    /// Words that name decisions in a trace.
+    pub fn lexicon(&self) -> &Lexicon {
+        &self.reading().lexicon
+    }
+
+    /// Words of a label's texts.
+    pub fn label_words(&self) -> &LabelWords {
+        &self.reading().label_words
+    }
+
+    /// Which decisions each leaf goes with.
+    pub fn decision_table(&self) -> &DecisionTable {
+        &self.reading().decision_table
+    }
+
+    /// With other tables to read texts.
+    pub fn with_reading(self, change: impl FnOnce(&mut ReadingTables)) -> Self {
+        let mut tables = self.reading().clone();
+        change(&mut tables);
+        Self { reading: Reading::Read(Box::new(tables)), ..self }
+    }
+
+    fn reading(&self) -> &ReadingTables {
+        match &self.reading {
+            Reading::Read(tables) => tables,
+            Reading::Bundled(tables) => tables.get_or_init(|| {
+                Box::new(load::reading(&Self::bundled_files(), &self.taxonomy, &mut Vec::new()))
+            }),
+        }
     }
 
     /// The texts that [`Framework::bundled`] is made of, by relative path.

@@ -28,7 +28,7 @@ pub use calibration::Calibration;
 pub use decision_table::DecisionTable;
 pub use decisions::DecisionSets;
 pub use draft_texts::DraftTexts;
-pub use framework::{ExpressionSource, Framework, RuleSource};
+pub use framework::{ExpressionSource, Framework, ReadingTables, RuleSource};
 pub use label_words::LabelWords;
 pub use lexicon::Lexicon;
 pub use prompts::{Prompt, PromptName, Prompts};

@@ -71,7 +71,7 @@ pub fn draft_with_seed(
     let asked = decision::Asked {
         names: &framework.decisions,
         typical: &typical,
-        allowed: framework.decision_table.leaves.get(class),
+        allowed: framework.decision_table().leaves.get(class),
         mandated: spec.and_then(|s| s.lateral),
         target,
         is_safety: class.l1 == "safety",

@@ -149,7 +149,7 @@ impl ClassIndex {
                     let mut prescribed = framework
                         .specs
                         .get(&leaf)
-                        .map(|s| Prescribed::of(s, framework.decision_table.leaves.get(&leaf)))
+                        .map(|s| Prescribed::of(s, framework.decision_table().leaves.get(&leaf)))
                         .unwrap_or_default();
                     prescribed.title = c.name.clone();
                     index.names.push((leaf, c.name.clone()));

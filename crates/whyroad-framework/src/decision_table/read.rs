@@ -218,13 +218,13 @@ mod tests {
     #[test]
     fn every_leaf_has_its_decisions() {
         let f = Framework::bundled();
-        assert_eq!(f.decision_table.leaves.len(), f.taxonomy.counts().2);
-        for (id, class) in &f.decision_table.leaves {
+        assert_eq!(f.decision_table().leaves.len(), f.taxonomy.counts().2);
+        for (id, class) in &f.decision_table().leaves {
             assert!(class.longitudinal.iter().any(|(_, fit)| *fit == Fit::Usual), "{id}");
             assert!(!class.about.is_empty(), "{id}");
         }
         // The combinations that the issue found to pass.
-        let leaf = |l1: &str, l2: &str, l3: &str| &f.decision_table.leaves[&ScenarioId::leaf(l1, l2, l3)];
+        let leaf = |l1: &str, l2: &str, l3: &str| &f.decision_table().leaves[&ScenarioId::leaf(l1, l2, l3)];
         let red = leaf("reactive_rule", "traffic_light", "red_stop");
         assert_eq!(red.longitudinal_fit(Some(Longitudinal::Resume)), Fit::Impossible);
         let left = leaf("proactive", "turn", "left_normal");
@@ -243,7 +243,7 @@ mod tests {
         let table = |from: &str, to: &str| {
             let text = files[FILE].replacen(from, to, 1);
             assert_ne!(text, files[FILE], "{from}");
-            parse(FILE, &text, &f.taxonomy, &f.label_words).1
+            parse(FILE, &text, &f.taxonomy, f.label_words()).1
         };
         let said =
             |from: &str, to: &str| table(from, to).iter().map(|d| d.message.en.clone()).collect::<Vec<_>>();

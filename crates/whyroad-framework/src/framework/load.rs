@@ -1,6 +1,6 @@
 //! From the texts of `schema/` and `scenarios/` to a [`Framework`].
 
-use super::{ExpressionSource, Framework, RuleSource};
+use super::{ExpressionSource, Framework, Reading, ReadingTables, RuleSource};
 use crate::calibration::{CALIBRATION_FILE, Calibration};
 use crate::decision_table;
 use crate::decisions::read_decisions;
@@ -9,7 +9,7 @@ use crate::spec::{ReadSpec, Written, finish, overlay, read_spec};
 use crate::taxonomy::{Taxonomy, read_taxonomy};
 use crate::{DraftTexts, LabelWords, Lexicon, Prompts, RecordTypes};
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use whyroad_model::yaml::Entry;
 use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 
@@ -27,6 +27,54 @@ const PRECEDENCE: &str = "schema/precedence.yaml";
 const TABLES: &[&str] = &[DECISION_TABLE, RECORD_TYPES];
 
 pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<Diagnostic>) {
+    let (framework, mut out) = without_reading(files);
+    let framework = framework.map(|mut framework| {
+        framework.reading = Reading::Read(Box::new(reading(files, &framework.taxonomy, &mut out)));
+        framework
+    });
+    (framework, out)
+}
+
+/// The framework of this program, whose words are compiled when first asked for.
+pub(super) fn bundled(files: &BTreeMap<String, String>) -> Option<Framework> {
+    without_reading(files)
+        .0
+        .map(|framework| Framework { reading: Reading::Bundled(OnceLock::new()), ..framework })
+}
+
+/// What reads the texts of labels; problems go to `out`.
+pub(super) fn reading(
+    files: &BTreeMap<String, String>,
+    taxonomy: &Taxonomy,
+    out: &mut Vec<Diagnostic>,
+) -> ReadingTables {
+    let mut tables = ReadingTables::default();
+    match files.get(LABEL_WORDS) {
+        Some(text) => {
+            let (words, found) = LabelWords::parse(LABEL_WORDS, text);
+            tables.label_words = words;
+            out.extend(found);
+        }
+        None => out.push(missing_file(LABEL_WORDS)),
+    }
+    match files.get(LEXICON) {
+        Some(text) => {
+            let (lexicon, found) = Lexicon::parse(LEXICON, text, &tables.label_words.road_users);
+            tables.lexicon = lexicon;
+            out.extend(found);
+        }
+        None => out.push(missing_file(LEXICON)),
+    }
+    // A framework without this table leaves out the checks that read it.
+    if let Some(text) = files.get(DECISION_TABLE) {
+        let (table, found) = decision_table::parse(DECISION_TABLE, text, taxonomy, &tables.label_words);
+        tables.decision_table = table;
+        out.extend(found);
+    }
+    tables
+}
+
+fn without_reading(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<Diagnostic>) {
     let mut out = Vec::new();
     let Some(text) = files.get(TAXONOMY) else {
         out.push(missing_file(TAXONOMY));
@@ -45,22 +93,6 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
         }
         None => out.push(missing_file(DECISIONS)),
     }
-    match files.get(LABEL_WORDS) {
-        Some(text) => {
-            let (words, found) = LabelWords::parse(LABEL_WORDS, text);
-            framework.label_words = words;
-            out.extend(found);
-        }
-        None => out.push(missing_file(LABEL_WORDS)),
-    }
-    match files.get(LEXICON) {
-        Some(text) => {
-            let (lexicon, found) = Lexicon::parse(LEXICON, text, &framework.label_words.road_users);
-            framework.lexicon = lexicon;
-            out.extend(found);
-        }
-        None => out.push(missing_file(LEXICON)),
-    }
     if let Some(text) = files.get(DRAFT_TEXTS) {
         let (texts, found) = DraftTexts::parse(DRAFT_TEXTS, text);
         framework.draft_texts = texts;
@@ -69,13 +101,7 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
     let (prompts, found) = Prompts::read(files, &Framework::bundled_prompts());
     framework.prompts = prompts;
     out.extend(found);
-    // A framework without these tables leaves out the checks that read them.
-    if let Some(text) = files.get(DECISION_TABLE) {
-        let (table, found) =
-            decision_table::parse(DECISION_TABLE, text, &framework.taxonomy, &framework.label_words);
-        framework.decision_table = table;
-        out.extend(found);
-    }
+    // A framework without this table leaves out the checks that read it.
     if let Some(text) = files.get(RECORD_TYPES) {
         let (types, found) = RecordTypes::parse(RECORD_TYPES, text);
         framework.record_types = types;

@@ -31,7 +31,7 @@ pub(super) fn check(
     classes: &ClassIndex,
     sink: &mut dyn Sink,
 ) {
-    let (names, words) = (&framework.decisions, &framework.label_words);
+    let (names, words) = (&framework.decisions, framework.label_words());
     let Some(keyframe) = label.keyframe.timestamp.get() else { return };
     let times = &recorded.drive.times;
     let (Some(first), Some(last)) = (times.first(), times.last()) else { return };

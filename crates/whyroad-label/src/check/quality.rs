@@ -176,7 +176,7 @@ impl Checker<'_> {
 
     /// For each phrase that says what the ego does, the decisions that it may mean.
     fn said(&self, label: &CocLabel) -> Vec<Vec<Said>> {
-        let lexicon = &self.framework.lexicon;
+        let lexicon = self.framework.lexicon();
         let reading = read(&label.coc_trace, &Units::of(&label.coc_trace), lexicon);
         let asserted = reading.mentions.iter().filter(|m| m.force == Force::Asserted && !m.by_other);
         let mut out: Vec<Vec<Said>> = asserted
@@ -225,7 +225,7 @@ impl Checker<'_> {
 
     /// What the text says of the ego's speed ("accelerates", "comes to a stop") against what it did.
     fn against_speed(&self, label: &CocLabel, recorded: &Recorded) -> Option<(QualityKind, Diagnostic)> {
-        let lexicon = &self.framework.lexicon;
+        let lexicon = self.framework.lexicon();
         let text = &label.coc_trace;
         let reading = read(text, &Units::of(text), lexicon);
         let times = &recorded.drive.times;
@@ -254,7 +254,7 @@ impl Checker<'_> {
         let keyframe = frame_at(times, label.keyframe.timestamp).min(times.len().checked_sub(1)?);
         let ranking = counterfactual(&recorded.drive, &recorded.signals, keyframe)?;
         let most = ranking.effects.first().filter(|e| e.is_plain())?;
-        let words = &self.framework.label_words;
+        let words = self.framework.label_words();
         let kind = |name: &str| words.kinds.get(name).copied().unwrap_or_default();
         let (sought, zh, en) = match &most.removed {
             Removed::Light => {

@@ -449,7 +449,7 @@ mod tests {
     use whyroad_framework::Framework;
 
     fn said(text: &str) -> Vec<String> {
-        let words = &Framework::bundled().label_words;
+        let words = Framework::bundled().label_words();
         let facts = read(text, &Units::of(text), words);
         facts
             .named

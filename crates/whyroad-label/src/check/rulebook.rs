@@ -39,7 +39,7 @@ impl Rulebook<'_> {
             records::missing(label, p, sink);
             if let Some(decisions) = &p.decisions {
                 impossible =
-                    combination::decisions(label, p, decisions, &f.decision_table, &f.decisions, sink);
+                    combination::decisions(label, p, decisions, f.decision_table(), &f.decisions, sink);
             }
         }
         records::types(label, prescribed, &f.record_types, sink);
@@ -65,8 +65,8 @@ impl Rulebook<'_> {
     /// The texts: one finding for one fault, so the coarse ones come first and end it.
     /// `impossible`: the decision contradicts the class, so what the texts say about it is the same fault.
     fn texts(&self, label: &View<'_>, class: Option<&Prescribed>, impossible: bool, sink: &mut dyn Sink) {
-        let (words, lexicon) = (&self.framework.label_words, &self.framework.lexicon);
-        let background = self.framework.decision_table.causes.background;
+        let (words, lexicon) = (self.framework.label_words(), self.framework.lexicon());
+        let background = self.framework.decision_table().causes.background;
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
         duplicates::duplicates(label, &texts, words, background, sink);

@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_thing_in_unknown_words_is_unread() {
-        let words = &Framework::bundled().label_words;
+        let words = Framework::bundled().label_words();
         let unread = |text: &str| {
             let mut facts = reading::read(text, &Units::of(text), words);
             // As if no list had the thing.
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn what_is_introduced_was_not_there_before() {
-        let words = &Framework::bundled().label_words;
+        let words = Framework::bundled().label_words();
         let introduced = |text: &str, thing: &str| is_introduced(text, text.find(thing).unwrap(), words);
         assert!(introduced("and a wobbling cyclist", "cyclist") && !introduced("and the cyclist", "cyclist"));
         assert!(introduced("后面还有辆三轮车", "三轮车") && !introduced("三轮车横穿", "三轮车"));

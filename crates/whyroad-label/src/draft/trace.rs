@@ -309,8 +309,8 @@ pub(super) fn seen(
     found: &[CriticalComponent],
     lang: Lang,
 ) -> Option<CriticalComponent> {
-    let words = &framework.label_words;
-    let about = framework.decision_table.leaves.get(class).map(|c| c.about);
+    let words = framework.label_words();
+    let about = framework.decision_table().leaves.get(class).map(|c| c.about);
     // A light says what a class is about only where the class is about nothing else.
     let light = words.kinds.get("light").copied().unwrap_or_default();
     let only_light = about == Some(light);

@@ -296,8 +296,7 @@ fn true_labels_in_other_styles_pass() {
 /// The corpus can fail: a checker without word lists finds none of the faults of text.
 #[test]
 fn without_words_the_faults_of_text_are_missed() {
-    let mut framework = Framework::bundled().clone();
-    framework.label_words = Default::default();
+    let framework = Framework::bundled().clone().with_reading(|t| t.label_words = Default::default());
     let checker = Checker::new(&framework);
     let of_kind = |kind: &str| -> usize {
         let all = bases();

@@ -22,9 +22,14 @@ pub fn of(framework: &Framework) -> FrameworkView {
     FrameworkView {
         taxonomy: taxonomy(&framework.taxonomy),
         decisions: decisions(&framework.decisions),
-        choices: framework.decision_table.leaves.iter().map(|(id, c)| (id.to_string(), choices(c))).collect(),
+        choices: framework
+            .decision_table()
+            .leaves
+            .iter()
+            .map(|(id, c)| (id.to_string(), choices(c)))
+            .collect(),
         impossible_pairs: framework
-            .decision_table
+            .decision_table()
             .impossible_pairs
             .iter()
             .map(|(a, b)| [a.id().to_owned(), b.id().to_owned()])

@@ -20,7 +20,7 @@ pub fn classes(framework: &Framework, settings: &Settings) -> BTreeSet<String> {
     if settings.stage1_class == Stage1Class::Leaf {
         return BTreeSet::new();
     }
-    let telling = framework.decision_table.leaves.iter().filter(|(_, class)| class.reveals);
+    let telling = framework.decision_table().leaves.iter().filter(|(_, class)| class.reveals);
     telling.map(|(leaf, _)| l2(&leaf.to_string()).to_owned()).collect()
 }
 

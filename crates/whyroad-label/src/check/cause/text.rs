@@ -343,7 +343,7 @@ pub(in crate::check) fn kind(
     sink: &mut dyn Sink,
 ) {
     let Slot::Is(causes) = &label.causes else { return };
-    let (words, table) = (&framework.label_words, &framework.decision_table);
+    let (words, table) = (framework.label_words(), framework.decision_table());
     let about = class.map(|c| c.about).unwrap_or_default();
     let channels = [
         (label.longitudinal.get().map(|d| d.id()), &causes.longitudinal, pointer::CAUSES_LONGITUDINAL),

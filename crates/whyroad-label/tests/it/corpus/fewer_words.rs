@@ -13,7 +13,6 @@ pub(super) const PARTS: u64 = 5;
 
 /// The bundled framework without part `part` of the words for things, states and decisions.
 pub(super) fn without(part: u64) -> Framework {
-    let mut framework = Framework::bundled().clone();
     let mut words: Value = yaml::from_str(LABEL_WORDS).unwrap();
     for lists in words["objects"].as_array_mut().unwrap() {
         thin(lists, part);
@@ -36,9 +35,10 @@ pub(super) fn without(part: u64) -> Framework {
     let (lexicon, problems) =
         Lexicon::parse("decision_lexicon.yaml", &decisions.to_string(), &words.road_users);
     assert!(problems.is_empty(), "{problems:?}");
-    framework.label_words = words;
-    framework.lexicon = lexicon;
-    framework
+    Framework::bundled().clone().with_reading(|tables| {
+        tables.label_words = words;
+        tables.lexicon = lexicon;
+    })
 }
 
 /// Takes out part `part` of the words of both languages, and leaves at least one.
