@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use whyroad_framework::Framework;
 use whyroad_server::App;
 use whyroad_server::app::LeaseClock;
@@ -239,9 +239,10 @@ impl Person {
 
     /// A call of any path.
     pub fn raw(&self, verb: &str, path: &str, body: Option<&[u8]>, more: &[(&str, &str)]) -> Reply {
-        let mut bytes = Vec::new();
-        let _ = self.send(verb, path, body, more).read_to_end(&mut bytes);
+        let (mut bytes, begun) = (Vec::new(), Instant::now());
+        let read = self.send(verb, path, body, more).read_to_end(&mut bytes);
         parse(&bytes)
+            .unwrap_or_else(|| panic!("{verb} {path}: no answer within {:?}: {read:?}", begun.elapsed()))
     }
 
     /// Number of lines in an answer that comes in chunks (RFC 9112, 7.1); it is read without being kept.
@@ -303,8 +304,9 @@ impl Person {
     }
 }
 
-fn parse(bytes: &[u8]) -> Reply {
-    let end = bytes.windows(4).position(|w| w == b"\r\n\r\n").expect("an answer with a head");
+/// `None` where the head is not there whole.
+fn parse(bytes: &[u8]) -> Option<Reply> {
+    let end = bytes.windows(4).position(|w| w == b"\r\n\r\n")?;
     let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
     let mut lines = head.split("\r\n");
     let status = lines.next().unwrap().split(' ').nth(1).unwrap().parse().unwrap();
@@ -316,7 +318,7 @@ fn parse(bytes: &[u8]) -> Reply {
     if reply.header("transfer-encoding") == Some("chunked") {
         reply.body = joined(&reply.body);
     }
-    reply
+    Some(reply)
 }
 
 /// The content of a body in chunks (RFC 9112, 7.1), which must be whole.
