@@ -42,7 +42,7 @@ pub struct ClassTexts {
     doing: Option<Pair>,
     /// Why it calls for a decision.
     why: Option<Phrasings>,
-    /// Longitudinal decisions in words of this class.
+    /// Decisions of both channels in words of this class.
     #[serde(default)]
     decisions: BTreeMap<String, Phrasings>,
 }
@@ -185,9 +185,10 @@ impl DraftTexts {
         self.of(class, |c| c.decisions.get(d.id())).or_else(|| self.decisions.longitudinal.get(d.id()))
     }
 
-    /// A lateral decision as the end of a trace; `{side}` stands for its direction.
-    pub fn lateral(&self, d: Lateral) -> Option<&Phrasings> {
-        self.decisions.lateral.get(d.id())
+    /// A lateral decision as the end of a trace, in words of the class, or else in those of all; `{side}` stands for
+    /// its direction.
+    pub fn lateral(&self, class: &ScenarioId, d: Lateral) -> Option<&Phrasings> {
+        self.of(class, |c| c.decisions.get(d.id())).or_else(|| self.decisions.lateral.get(d.id()))
     }
 
     /// How a trace may begin.
@@ -241,7 +242,7 @@ mod tests {
             assert!(f.draft_texts.longitudinal(&leaf, *d).is_some_and(|p| p.all(Lang::Zh).len() >= 2), "{d}");
         }
         for d in Lateral::ALL {
-            assert!(f.draft_texts.lateral(*d).is_some_and(|p| p.all(Lang::En).len() >= 2), "{d}");
+            assert!(f.draft_texts.lateral(&leaf, *d).is_some_and(|p| p.all(Lang::En).len() >= 2), "{d}");
         }
     }
 }

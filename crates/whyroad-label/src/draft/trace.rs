@@ -156,7 +156,7 @@ impl<'a> DraftFacts<'a> {
         let along = longitudinal
             .and_then(|d| texts.longitudinal(self.class, d))
             .map(|p| p.pick(lang, seed).to_owned());
-        let across = lateral.and_then(|d| texts.lateral(d)).map(|p| {
+        let across = lateral.and_then(|d| texts.lateral(self.class, d)).map(|p| {
             let text = p.pick(lang, seed);
             match lateral_direction {
                 Some(side) => text.replace("{side}", texts.side(*side, lang)),
@@ -180,7 +180,7 @@ impl<'a> DraftFacts<'a> {
         let why = texts.why(self.class).map_or(1, count);
         let along =
             self.decision.longitudinal.and_then(|d| texts.longitudinal(self.class, d)).map_or(1, count);
-        let across = self.decision.lateral.and_then(|d| texts.lateral(d)).map_or(1, count);
+        let across = self.decision.lateral.and_then(|d| texts.lateral(self.class, d)).map_or(1, count);
         let action =
             if along * across == 1 { count(self.none()) } else { along * across / common(along, across) };
         (why, action, count(self.joints()))
