@@ -56,7 +56,11 @@ pub struct Obstacles<'a> {
 impl<'a> Obstacles<'a> {
     /// Of this scene.
     pub fn new(scene: &'a Scene<'a>) -> Self {
-        let mut by_frame = vec![Vec::new(); scene.ego.len()];
+        let mut counts = vec![0; scene.ego.len()];
+        for frame in scene.targets.iter().flat_map(|target| &target.track.frames) {
+            counts[*frame as usize] += 1;
+        }
+        let mut by_frame: Vec<Vec<Tracked>> = counts.into_iter().map(Vec::with_capacity).collect();
         for (k, target) in scene.targets.iter().enumerate() {
             for (row, (&frame, place)) in target.track.frames.iter().zip(&target.places).enumerate() {
                 let known = place.as_ref().filter(|p| p.is_sized() && p.footprint.heading.is_finite());
