@@ -105,27 +105,26 @@ pub fn solve<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
         }
     }
     let mut x = *b;
+    // A row at a time, as in a product.
     for i in 0..N {
+        let mut row = x[i];
         for k in 0..i {
             let factor = l[i][k];
             for c in 0..N {
-                x[i][c] -= factor * x[k][c];
+                row[c] -= factor * x[k][c];
             }
         }
-        for c in 0..N {
-            x[i][c] /= l[i][i];
-        }
+        x[i] = row.map(|value| value / l[i][i]);
     }
     for i in (0..N).rev() {
+        let mut row = x[i];
         for k in i + 1..N {
             let factor = l[k][i];
             for c in 0..N {
-                x[i][c] -= factor * x[k][c];
+                row[c] -= factor * x[k][c];
             }
         }
-        for c in 0..N {
-            x[i][c] /= l[i][i];
-        }
+        x[i] = row.map(|value| value / l[i][i]);
     }
     x
 }
