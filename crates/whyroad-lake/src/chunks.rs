@@ -80,7 +80,7 @@ pub(crate) fn write(
         (ColumnWriter::Int64ColumnWriter(to), Cells::Integers(values)) => to.write_batch(values, None, None),
         (ColumnWriter::DoubleColumnWriter(to), Cells::Signal(Column::Number(values))) => {
             if values.iter().any(|x| x.is_nan()) {
-                divide(values, |x| (!x.is_nan()).then_some(*x), levels, numbers);
+                divide_copied(values, |x| (!x.is_nan(), *x), levels, numbers);
                 to.write_batch(numbers, Some(levels), None)
             } else {
                 levels.clear();
@@ -89,7 +89,7 @@ pub(crate) fn write(
             }
         }
         (ColumnWriter::BoolColumnWriter(to), Cells::Signal(Column::Flag(values))) => {
-            divide(values, |flag: &Tri| flag.known(), levels, flags);
+            divide_copied(values, |flag| (*flag != Tri::Unknown, *flag == Tri::True), levels, flags);
             to.write_batch(flags, Some(levels), None)
         }
         (ColumnWriter::ByteArrayColumnWriter(to), Cells::Signal(Column::Category { codes, names })) => {
@@ -124,4 +124,24 @@ fn divide<T, U>(all: &[T], known: impl Fn(&T) -> Option<U>, levels: &mut Vec<i16
         values.extend(value);
         level
     }));
+}
+
+/// [`divide`] of what costs nothing to copy, without a branch per value; what is unknown has any value.
+fn divide_copied<T, U: Copy + Default>(
+    all: &[T],
+    known: impl Fn(&T) -> (bool, U),
+    levels: &mut Vec<i16>,
+    values: &mut Vec<U>,
+) {
+    levels.clear();
+    values.clear();
+    values.resize(all.len(), U::default());
+    let mut count = 0;
+    levels.extend(all.iter().map(|value| {
+        let (known, value) = known(value);
+        values[count] = value;
+        count += usize::from(known);
+        i16::from(known)
+    }));
+    values.truncate(count);
 }

@@ -55,7 +55,8 @@ pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> 
 /// True where values come again so often that a dictionary is shorter than the values, and faster to read.
 pub(crate) fn repeats(values: &[f64]) -> bool {
     let sample = &values[..values.len().min(8192)];
-    let (mut distinct, mut last) = (HashSet::new(), None);
+    // Room for as many as can be told apart here.
+    let (mut distinct, mut last) = (HashSet::with_capacity(sample.len() / 8 + 1), None);
     // Of most columns the first few rows tell.
     !sample.is_empty()
         && sample.iter().map(|x| x.to_bits()).all(|bits| {

@@ -30,15 +30,18 @@ pub fn diagonal<const N: usize>(values: [f64; N]) -> Matrix<N> {
 pub fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     let mut out = zero();
     for i in 0..N {
+        // A row at a time: it stays in registers.
+        let mut row = [0.0; N];
         for k in 0..N {
             let factor = a[i][k];
             // Transition matrices are mostly zeros.
             if factor != 0.0 {
                 for j in 0..N {
-                    out[i][j] += factor * b[k][j];
+                    row[j] += factor * b[k][j];
                 }
             }
         }
+        out[i] = row;
     }
     out
 }
@@ -102,27 +105,26 @@ pub fn solve<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
         }
     }
     let mut x = *b;
+    // A row at a time, as in a product.
     for i in 0..N {
+        let mut row = x[i];
         for k in 0..i {
             let factor = l[i][k];
             for c in 0..N {
-                x[i][c] -= factor * x[k][c];
+                row[c] -= factor * x[k][c];
             }
         }
-        for c in 0..N {
-            x[i][c] /= l[i][i];
-        }
+        x[i] = row.map(|value| value / l[i][i]);
     }
     for i in (0..N).rev() {
+        let mut row = x[i];
         for k in i + 1..N {
             let factor = l[k][i];
             for c in 0..N {
-                x[i][c] -= factor * x[k][c];
+                row[c] -= factor * x[k][c];
             }
         }
-        for c in 0..N {
-            x[i][c] /= l[i][i];
-        }
+        x[i] = row.map(|value| value / l[i][i]);
     }
     x
 }

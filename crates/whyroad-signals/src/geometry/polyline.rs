@@ -5,7 +5,7 @@ mod nearest;
 
 use super::P2;
 use nearest::{BLOCK, Block, Segments};
-pub use nearest::{Foot, Projection, Window};
+pub use nearest::{Foot, Projection, TOGETHER, Window};
 use std::ops::Range;
 
 /// A polyline with the arc length at each point.
@@ -183,6 +183,11 @@ impl Polyline {
     /// Nearest foot point of `p` among these segments.
     pub fn project_within(&self, p: P2, window: Window) -> Projection {
         self.foot(p, window, None).at
+    }
+
+    /// [`Polyline::project_within`] of several places, in a fraction of the time.
+    pub fn project_each(&self, places: [P2; TOGETHER], window: Window) -> [Projection; TOGETHER] {
+        self.segments.feet(places, window)
     }
 
     /// Nearest foot point of `p` among these segments; the search begins near `before`, the foot point of a place that

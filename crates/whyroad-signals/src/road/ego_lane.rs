@@ -65,9 +65,9 @@ impl EgoLane {
 pub fn lateral_extent(corridor: &Corridor, footprint: &OrientedBox, s: f64) -> (f64, f64) {
     let reach = footprint.radius() + 3.0;
     let window = corridor.line.window(s - reach, s + reach);
-    footprint.corners().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &corner| {
-        let lateral = corridor.line.project_within(corner, window).lateral;
-        (low.min(lateral), high.max(lateral))
+    let corners = corridor.line.project_each(footprint.corners(), window);
+    corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), on| {
+        (low.min(on.lateral), high.max(on.lateral))
     })
 }
 

@@ -33,13 +33,13 @@ type Wall = GeomWithData<Line<[f64; 2]>, usize>;
 
 /// A target in one frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Tracked {
+pub struct Tracked<'a> {
     /// Index of the target.
     pub target: usize,
     /// Row of its track.
     pub row: usize,
     /// Its box, where it is known.
-    pub footprint: Option<OrientedBox>,
+    pub footprint: Option<&'a OrientedBox>,
     /// Whether it can hide something.
     hides: bool,
 }
@@ -47,7 +47,7 @@ pub struct Tracked {
 /// Everything that is tracked and everything that hides, over the whole drive.
 pub struct Obstacles<'a> {
     scene: &'a Scene<'a>,
-    by_frame: Vec<Vec<Tracked>>,
+    by_frame: Vec<Vec<Tracked<'a>>>,
     walls: RTree<Wall>,
     /// Whether the map has buildings; if not, no area is known to be free of them.
     pub covers_buildings: bool,
@@ -56,7 +56,11 @@ pub struct Obstacles<'a> {
 impl<'a> Obstacles<'a> {
     /// Of this scene.
     pub fn new(scene: &'a Scene<'a>) -> Self {
-        let mut by_frame = vec![Vec::new(); scene.ego.len()];
+        let mut counts = vec![0; scene.ego.len()];
+        for frame in scene.targets.iter().flat_map(|target| &target.track.frames) {
+            counts[*frame as usize] += 1;
+        }
+        let mut by_frame: Vec<Vec<Tracked<'a>>> = counts.into_iter().map(Vec::with_capacity).collect();
         for (k, target) in scene.targets.iter().enumerate() {
             for (row, (&frame, place)) in target.track.frames.iter().zip(&target.places).enumerate() {
                 let known = place.as_ref().filter(|p| p.is_sized() && p.footprint.heading.is_finite());
@@ -64,7 +68,7 @@ impl<'a> Obstacles<'a> {
                 by_frame[frame as usize].push(Tracked {
                     target: k,
                     row,
-                    footprint: known.map(|p| p.footprint),
+                    footprint: known.map(|p| &p.footprint),
                     hides: known.is_some_and(|p| p.same_level) && !low,
                 });
             }
@@ -84,7 +88,7 @@ impl<'a> Obstacles<'a> {
     }
 
     /// What is tracked in `frame`, in the order of the targets.
-    pub fn tracked(&self, frame: usize) -> &[Tracked] {
+    pub fn tracked(&self, frame: usize) -> &[Tracked<'a>] {
         &self.by_frame[frame]
     }
 
@@ -97,9 +101,9 @@ impl<'a> Obstacles<'a> {
         let eye = ego.position[frame];
         let mut view = View::from(eye);
         for tracked in self.by_frame[frame].iter().filter(|t| t.hides) {
-            let near = |footprint: &OrientedBox| (footprint.center - eye).is_within(REACH_M);
+            let near = |footprint: &&OrientedBox| (footprint.center - eye).is_within(REACH_M);
             if let Some(footprint) = tracked.footprint.filter(near) {
-                view.add_box(Owner::Target(tracked.target), footprint);
+                view.add_box(Owner::Target(tracked.target), *footprint);
             }
         }
         let around =

@@ -60,8 +60,7 @@ pub fn extents(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> (
     let mut beside = Beside { lateral: at.lateral, low: at.lateral, high: at.lateral, heading };
     let (mut near, mut far) = (at.s, at.s);
     let window = around_foot(path, footprint, at);
-    for corner in footprint.corners() {
-        let on = path.line.project_within(corner, window);
+    for on in path.line.project_each(footprint.corners(), window) {
         (near, far) = (near.min(on.s), far.max(on.s));
         (beside.low, beside.high) = (beside.low.min(on.lateral), beside.high.max(on.lateral));
     }

@@ -3,7 +3,7 @@
 
 use crate::ego::motion::{EgoMotion, STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS, given_or_slope};
 use crate::estimate::Deviations;
-use crate::geometry::{OrientedBox, P2, Projection, p2, wrap};
+use crate::geometry::{OrientedBox, P2, Projection, TOGETHER, p2, wrap};
 use crate::road::ego_lane::EgoLane;
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
 use crate::road::path::DrivenPath;
@@ -282,9 +282,15 @@ impl<'a> Surroundings<'a> {
         }
         let window = around_foot(self.path, footprint, at);
         let corners = footprint.corners();
-        // Arc length and how far inside the band (negative: outside), point by point around the footprint.
-        let probe = |p: P2| {
-            let on = self.path.line.project_within(p, window);
+        // Points around the footprint, from its last corner on.
+        let mut around = vec![corners[3]];
+        for (i, &a) in corners.iter().enumerate() {
+            let from = corners[(i + 3) % 4];
+            let steps = ((a - from).norm() / BAND_STEP_M).ceil().max(1.0);
+            around.extend((1..=steps as usize).map(|k| from + (a - from) * (k as f64 / steps)));
+        }
+        // Arc length and how far inside the band (negative: outside).
+        let inside = |on: &Projection| {
             let margin = if (on.s - ego_s).abs() <= self.ego.length / 2.0 { 0.0 } else { PATH_MARGIN_M };
             (on.s, half + margin - on.lateral.abs())
         };
@@ -293,20 +299,20 @@ impl<'a> Surroundings<'a> {
             let (low, high) = extent.unwrap_or((s, s));
             extent = Some((low.min(s), high.max(s)));
         };
-        let mut before = probe(corners[3]);
-        for (i, &a) in corners.iter().enumerate() {
-            let from = corners[(i + 3) % 4];
-            let steps = ((a - from).norm() / BAND_STEP_M).ceil().max(1.0);
-            for k in 1..=steps as usize {
-                let now = probe(from + (a - from) * (k as f64 / steps));
-                if now.1 >= 0.0 {
-                    include(now.0);
+        let mut last: Option<(f64, f64)> = None;
+        for some in around.chunks(TOGETHER) {
+            let places = std::array::from_fn(|k| some[k.min(some.len() - 1)]);
+            let feet = self.path.line.project_each(places, window);
+            for now in feet[..some.len()].iter().map(inside) {
+                if let Some(before) = last.replace(now) {
+                    if now.1 >= 0.0 {
+                        include(now.0);
+                    }
+                    if (now.1 >= 0.0) != (before.1 >= 0.0) {
+                        // Where the side leaves the band, between two points.
+                        include(before.0 + (now.0 - before.0) * (before.1 / (before.1 - now.1)));
+                    }
                 }
-                if (now.1 >= 0.0) != (before.1 >= 0.0) {
-                    // Where the side leaves the band, between two points.
-                    include(before.0 + (now.0 - before.0) * (before.1 / (before.1 - now.1)));
-                }
-                before = now;
             }
         }
         extent

@@ -9,7 +9,10 @@ use std::ops::Range;
 pub(super) const BLOCK: usize = 16;
 
 /// Up to this number of segments are looked at together.
-const MOST: usize = 2 * BLOCK;
+pub(super) const MOST: usize = 2 * BLOCK;
+
+/// Number of places whose foot points are sought together: the corners of a box.
+pub const TOGETHER: usize = 4;
 
 /// Some segments of a polyline, one after another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,10 +78,7 @@ impl Segments {
         let last = self.inverse.len() - 1;
         for i in [0, last] {
             if range.contains(&i) {
-                let (low, high) = (
-                    if i == 0 { f64::NEG_INFINITY } else { 0.0 },
-                    if i == last { f64::INFINITY } else { 1.0 },
-                );
+                let (low, high) = self.ends(i);
                 let to = (p.x - self.from_x[i], p.y - self.from_y[i]);
                 let along = (&self.along_x[i], &self.along_y[i]);
                 about[i - range.start] = squared(to, along, self.inverse[i], low, high);
@@ -195,33 +195,75 @@ impl Segments {
     /// Looks for a nearer foot point on these segments, at most [`MOST`]; of equally near ones the first on the line is
     /// taken.
     fn look(&self, p: P2, segments: Range<usize>, best: &mut Foot) {
-        let n = self.inverse.len();
         // Without division, to within rounding: which segments can be the nearest.
         let mut about = [f64::INFINITY; MOST];
         self.about(p, segments.clone(), &mut about);
         let least = least_of(&about).min(best.d2);
         let enough = least * (1.0 + 1e-9) + 1e-8;
         for (i, _) in segments.zip(&about).filter(|(_, about)| **about <= enough) {
-            let a = P2 { x: self.from_x[i], y: self.from_y[i] };
-            let ab = P2 { x: self.along_x[i], y: self.along_y[i] };
-            let length = self.s[i + 1] - self.s[i];
-            let mut along = (p - a).dot(ab) / length;
-            // The first and last segment go on straight; between them the foot stays on the segment.
-            if i > 0 {
-                along = along.max(0.0);
-            }
-            if i + 1 < n {
-                along = along.min(length);
-            }
-            let foot = a + ab * (along / length);
-            let away = p - foot;
-            let d2 = away.dot(away);
-            if d2 < best.d2 || (d2 == best.d2 && i < best.at.segment) {
-                let side = if ab.cross(p - a) >= 0.0 { 1.0 } else { -1.0 };
-                best.at = Projection { s: self.s[i] + along, lateral: side * d2.sqrt(), segment: i };
-                best.d2 = d2;
+            self.take_if_nearer(p, i, best);
+        }
+    }
+
+    /// Takes the foot point of `p` on this segment if it is nearer; of equally near ones the first on the line.
+    fn take_if_nearer(&self, p: P2, i: usize, best: &mut Foot) {
+        let a = P2 { x: self.from_x[i], y: self.from_y[i] };
+        let ab = P2 { x: self.along_x[i], y: self.along_y[i] };
+        let length = self.s[i + 1] - self.s[i];
+        let mut along = (p - a).dot(ab) / length;
+        // The first and last segment go on straight; between them the foot stays on the segment.
+        if i > 0 {
+            along = along.max(0.0);
+        }
+        if i + 1 < self.inverse.len() {
+            along = along.min(length);
+        }
+        let foot = a + ab * (along / length);
+        let away = p - foot;
+        let d2 = away.dot(away);
+        if d2 < best.d2 || (d2 == best.d2 && i < best.at.segment) {
+            let side = if ab.cross(p - a) >= 0.0 { 1.0 } else { -1.0 };
+            best.at = Projection { s: self.s[i] + along, lateral: side * d2.sqrt(), segment: i };
+            best.d2 = d2;
+        }
+    }
+
+    /// Nearest foot points of [`TOGETHER`] places among these segments, as [`Segments::foot`] finds each: the places
+    /// side by side, so that a segment is compared with all of them at once.
+    pub fn feet(&self, places: [P2; TOGETHER], window: Window) -> [Projection; TOGETHER] {
+        let Window { first, end } = window;
+        if end - first > MOST {
+            return places.map(|p| self.foot(p, window, None).at);
+        }
+        let (x, y) = (places.map(|p| p.x), places.map(|p| p.y));
+        let mut about = [[0.0; TOGETHER]; MOST];
+        let mut least = [f64::INFINITY; TOGETHER];
+        for (i, about) in (first..end).zip(&mut about) {
+            let (low, high) = self.ends(i);
+            let along = (&self.along_x[i], &self.along_y[i]);
+            let (from_x, from_y, inverse) = (self.from_x[i], self.from_y[i], self.inverse[i]);
+            for k in 0..TOGETHER {
+                about[k] = squared((x[k] - from_x, y[k] - from_y), along, inverse, low, high);
+                least[k] = if about[k] < least[k] { about[k] } else { least[k] };
             }
         }
+        let enough = least.map(|least| least * (1.0 + 1e-9) + 1e-8);
+        let mut best = [Foot::none(window); TOGETHER];
+        for (i, about) in (first..end).zip(&about) {
+            for k in 0..TOGETHER {
+                if about[k] <= enough[k] {
+                    self.take_if_nearer(places[k], i, &mut best[k]);
+                }
+            }
+        }
+        best.map(|foot| foot.at)
+    }
+
+    /// Between which shares of a segment a foot point on it can be: the first and the last go on straight.
+    fn ends(&self, i: usize) -> (f64, f64) {
+        let low = if i == 0 { f64::NEG_INFINITY } else { 0.0 };
+        let high = if i + 1 == self.inverse.len() { f64::INFINITY } else { 1.0 };
+        (low, high)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The search for the nearest segment against asking every one, and cases by hand.
 
+use super::nearest::MOST;
 use super::*;
 use crate::geometry::p2;
 
@@ -82,9 +83,14 @@ fn a_long_line_is_searched_as_a_short_one() {
             let p = p2(f64::from(k % 71) * 3.5 - 80.0, f64::from(k % 37) * 2.5 - 40.0);
             let p = if line.points[0].x > 1e5 { p * 0.02 + line.points[0] } else { p };
             let (a, b) = ((k as usize * 7) % n, (k as usize * 13) % n);
-            for (first, end) in [(0, n), (a.min(b), a.max(b) + 1)] {
+            // All of the line, some of it, and as little as is around a box.
+            for (first, end) in [(0, n), (a.min(b), a.max(b) + 1), (a, (a + 1 + b % MOST).min(n))] {
                 let (window, nearest) = (Window { first, end }, one_by_one(line, p, first..end));
                 assert_eq!(line.project_within(p, window), nearest, "{p:?} {first}..{end}");
+                // Several places at once, the same one among them.
+                let places = [p, p + p2(0.3, -4.0), p, p * 0.5];
+                let each = places.map(|p| one_by_one(line, p, first..end));
+                assert_eq!(line.project_each(places, window), each, "{p:?} {first}..{end}");
                 // Whatever the search begins with.
                 let found = line.foot(p, window, before.as_ref());
                 assert_eq!(found.at, nearest, "{p:?} {first}..{end}");
