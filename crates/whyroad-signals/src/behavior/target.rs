@@ -14,6 +14,8 @@ const REVERSE_MPS: f64 = -0.3;
 const FORWARD_MPS: f64 = 2.0;
 /// less than this long before or after does not go backwards: its box jumps, s.
 const CHANGE_OF_GEAR_S: f64 = 1.0;
+/// The same where it drives forwards faster than this both before and after, m/s.
+const ROCKING_MPS: f64 = 1.0;
 /// Less than this backwards is a tracker's jitter or a car that rocks as it stops, m.
 const REVERSE_LEAST_M: f64 = 1.0;
 /// A stand of at least this long is parking or waiting, s.
@@ -49,7 +51,10 @@ fn reverses(is_vehicle: bool, times: &[f64], forward_speed: &[f64]) -> Vec<Tri> 
                 let away = if *i < start { times[start] - times[*i] } else { times[*i] - times[end - 1] };
                 away <= CHANGE_OF_GEAR_S
             };
-            let jumps = (0..start).chain(end..n).filter(near).any(|i| forward_speed[i] > FORWARD_MPS);
+            let before = || (0..start).filter(near).map(|i| forward_speed[i]);
+            let after = || (end..n).filter(near).map(|i| forward_speed[i]);
+            let rocks = before().any(|v| v > ROCKING_MPS) && after().any(|v| v > ROCKING_MPS);
+            let jumps = rocks || before().chain(after()).any(|v| v > FORWARD_MPS);
             out[start..end].fill(if jumps {
                 Tri::False
             } else if far {

@@ -120,7 +120,7 @@ pub fn write(lanes: &EgoLane, road: &Road, ego: &EgoMotion, table: &mut TableBui
     number(id::EGO_LANE_OFFSET, &|_, on| on.lateral);
     number(id::EGO_LANE_WIDTH, &|_, on| {
         let (left, right) = on.corridor.widths_at(on.s);
-        left + right
+        if road.lanes[on.lane].width_is_known { left + right } else { f64::NAN }
     });
     number(id::EGO_LATERAL_SPEED, &|i, on| {
         let across = P2::from_heading(on.corridor.line.smooth_heading_at(on.s, 2.0)).left();

@@ -20,6 +20,8 @@ pub struct LaneShape {
     pub left_width: Vec<f64>,
     /// The same to the right edge.
     pub right_width: Vec<f64>,
+    /// The map states its width or its edges; where it does not, the width is that of an ordinary lane.
+    pub width_is_known: bool,
     /// The lane's area.
     pub area: Option<Polygon>,
     /// Lowest and highest point of the center line, m; NaN when the map is flat.
@@ -78,8 +80,10 @@ fn grid(areas: &[Polygon]) -> BoxGrid {
 
 fn shape(lane: &Lane) -> Option<LaneShape> {
     let center = Polyline::new(plane(&lane.center))?;
-    let stated = lane.width_m.filter(|w| w.is_finite() && *w > 0.0).map_or(DEFAULT_HALF_WIDTH_M, |w| w / 2.0);
+    let width = lane.width_m.filter(|w| w.is_finite() && *w > 0.0);
+    let stated = width.map_or(DEFAULT_HALF_WIDTH_M, |w| w / 2.0);
     let edges = (Polyline::new(plane(&lane.left)), Polyline::new(plane(&lane.right)));
+    let width_is_known = width.is_some() || (edges.0.is_some() && edges.1.is_some());
     let (left_width, right_width, area) = match &edges {
         (Some(left), Some(right)) => {
             let to = |edge: &Polyline| center.points().iter().map(|&p| edge.distance(p)).collect();
@@ -109,6 +113,7 @@ fn shape(lane: &Lane) -> Option<LaneShape> {
         center,
         left_width,
         right_width,
+        width_is_known,
         area,
         height: (z(f64::min), z(f64::max)),
         kind: lane.kind,

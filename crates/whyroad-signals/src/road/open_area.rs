@@ -3,6 +3,7 @@
 use crate::geometry::{P2, Polygon, p2};
 use crate::road::on_road::OnRoad;
 use crate::table::TableBuilder;
+use std::f64::consts::PI;
 use whyroad_model::Tri;
 use whyroad_model::catalog::id;
 use whyroad_model::road_map::LaneKind;
@@ -33,6 +34,19 @@ fn cut_ends(on: &OnRoad<'_>) -> Vec<P2> {
     ends
 }
 
+/// Whether the map ends before this place: its lanes are far off, and all of them lie to one side.
+fn beyond_all_lanes(on: &OnRoad<'_>, at: P2) -> bool {
+    if !on.road.lanes_near(at, CUT_NEAR_M).is_empty() {
+        return false;
+    }
+    let points = on.road.lanes.iter().flat_map(|lane| lane.center.points());
+    let mut directions: Vec<f64> = points.map(|&p| (p - at).heading()).collect();
+    directions.sort_by(f64::total_cmp);
+    let (Some(first), Some(last)) = (directions.first(), directions.last()) else { return false };
+    let round = first + 2.0 * PI - last;
+    directions.windows(2).map(|pair| pair[1] - pair[0]).fold(round, f64::max) > PI
+}
+
 /// Writes `map.open_area`; nothing for maps that state neither car parks nor where one can drive.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     if on.road.drivable.is_empty() && !on.map.covers("parking") {
@@ -56,7 +70,8 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let ends = cut_ends(on);
     let open = |frame: usize| {
         let at = on.ego.position[frame];
-        let beyond = || cut_off[frame] || ends.iter().any(|end| (*end - at).norm() < CUT_NEAR_M);
+        let cut_near = || ends.iter().any(|end| (*end - at).norm() < CUT_NEAR_M);
+        let beyond = || cut_off[frame] || cut_near() || beyond_all_lanes(on, at);
         if !on.map.covers("parking") && beyond() {
             return Tri::Unknown;
         }

@@ -201,6 +201,8 @@ pub struct Surroundings<'a> {
 /// drawn with corners, lanes on the outside of bends.
 const MOST_DETOUR_M: f64 = 15.0;
 const MOST_DETOUR: f64 = 0.25;
+/// No car is narrower than twice this, m.
+const LEAST_HALF_WIDTH_M: f64 = 0.75;
 /// The band that the ego sweeps is this much wider than the ego on either side, m.
 const PATH_MARGIN_M: f64 = 0.3;
 /// Points around a footprint are this close, m.
@@ -357,9 +359,10 @@ impl<'a> Surroundings<'a> {
         let beyond = (on_path.s - self.path.driven.1).max(self.path.driven.0 - on_path.s).max(0.0);
         let off_level = (z - path_z).abs() > LEVEL_M + 0.06 * beyond;
         let needed = self.ego.width + 2.0 * PATH_MARGIN_M;
-        // A width that is not known (NaN) is no reason to call the lane blocked.
+        // What has no known width is at least this wide.
+        let side = if sized { 0.0 } else { LEAST_HALF_WIDTH_M };
         let leaves_room = lane.is_none_or(|(at, left, right)| {
-            let room = (left - at.high).max(right + at.low);
+            let room = (left - at.high).max(right + at.low) - side;
             room.is_nan() || room >= needed
         });
         let velocity = p2(m.vx[row], m.vy[row]);

@@ -31,7 +31,7 @@ pub struct Neighbors {
 
 fn leads_or_follows(p: &Placement) -> bool {
     let (at, _, _) = p.way();
-    p.is_sized() && p.blocks_way() && wrap(p.footprint.heading - at.heading).abs() <= SAME_WAY_RAD
+    p.blocks_way() && wrap(p.footprint.heading - at.heading).abs() <= SAME_WAY_RAD
 }
 
 /// The nearest vehicles ahead and behind in the ego's lane, frame by frame. Ties go to the target that comes
@@ -95,8 +95,7 @@ pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbors, table: &mu
     let is =
         |who: &[Option<(usize, usize)>], k: usize, p: &Placement| who[p.frame].is_some_and(|(j, _)| j == k);
     let flag = |who: &[Option<(usize, usize)>], k: usize, p: Option<&Placement>| {
-        // Without a size the nearest is unknown.
-        p.filter(|p| p.is_sized()).map_or(Tri::Unknown, |p| Tri::from(is(who, k, p)))
+        p.map_or(Tri::Unknown, |p| Tri::from(is(who, k, p)))
     };
     table.flag(id::TARGET_IS_LEAD, rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.lead, k, p)));
     table.flag(

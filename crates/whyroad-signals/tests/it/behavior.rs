@@ -93,6 +93,8 @@ fn what_targets_do() {
     let mut d = drive(150, |t| (5.0 * t, 0.0, 0.0));
     // Stands for 7 s, then backs at 1 m/s for 3 s.
     car(&mut d, "backs", |t| (40.0 - (t - 7.0).clamp(0.0, 3.0), 3.5, 0.0));
+    // 0.2 m/s and 1.5 m/s more or less every 4 s: its box goes back by 1.5 m at a time.
+    car(&mut d, "rocks", |t| (20.0 + 0.2 * t - 3.0 / PI * (PI * t / 2.0).cos(), 3.5, 0.0));
     // 12 m/s, brakes at 5 m/s2 from 4 s: stands at 6.4 s.
     car(&mut d, "brakes", |t| {
         let b = (t - 4.0).clamp(0.0, 2.4);
@@ -110,6 +112,8 @@ fn what_targets_do() {
     let (from, to) = when_of(&t, "backs", "target.reverses", 150).unwrap();
     assert!((70..=71).contains(&from) && (98..=100).contains(&to), "{from} {to}");
     assert_eq!(when_of(&t, "brakes", "target.reverses", 150), None);
+    // Between two stretches forwards; what it does as the record ends is not known.
+    assert_eq!(when_of(&t, "rocks", "target.reverses", 140), None);
     near(t.num("backs", "target.time_standing", 60), 6.0, 1e-6);
     let (from, to) = when_of(&t, "backs", "target.starts", 150).unwrap();
     assert!((70..=71).contains(&from) && to == from + 9, "{from} {to}");

@@ -40,6 +40,15 @@ fn gap_is_bumper_to_bumper_and_distance_is_box_to_box() {
     assert_eq!(t.num("behind", "target.ttc", 0), INF);
     assert_eq!(t.flag("behind", "target.is_follower", 0), True);
     assert_eq!(t.flag("behind", "target.is_lead", 0), False);
+    // Without sizes the centers tell who leads and who follows, but nobody how long the gap is.
+    for track in &mut d.tracks {
+        track.length_m.fill(f64::NAN);
+        track.width_m.fill(f64::NAN);
+    }
+    let t = Table::of(&d);
+    assert_eq!(t.flag("ahead", "target.is_lead", 0), True);
+    assert_eq!(t.flag("behind", "target.is_follower", 0), True);
+    assert!(whyroad_signals::derive(&d).unavailable.contains_key("target.gap"));
 }
 
 #[test]

@@ -89,6 +89,13 @@ fn a_lane_change_lasts_from_leaving_one_center_to_resting_on_the_other() {
     near(t.ego("ego.lateral_speed", 60), 1.75 * PI / 4.0, 1e-3);
     near(t.ego("ego.lane_offset", 20), 0.0, 1e-6);
     near(t.ego("ego.lane_width", 20), 3.5, 1e-6);
+    let mut center_lines = d.clone();
+    for lane in center_lines.map.iter_mut().flat_map(|m| &mut m.lanes) {
+        lane.width_m = None;
+        lane.left.clear();
+        lane.right.clear();
+    }
+    assert!(Table::of(&center_lines).ego("ego.lane_width", 20).is_nan(), "nothing states how wide it is");
     near(t.ego("map.lane_count", 20), 2.0, 0.0);
     // Before the middle it is left of the old center, after it right of the new one: shift(5) = 0.5126.
     near(t.ego("ego.lane_offset", 50), 0.5126, 1e-3);

@@ -115,6 +115,16 @@ fn an_open_area_has_no_lane_near() {
     cut.lanes.push(Lane { successors: vec!["gone".into()], ..lane("b", &[(90.0, 70.0), (50.0, 70.0)], 3.5) });
     let t = Table::of(&whyroad_model::Drive { map: Some(cut), ..d.clone() });
     assert_eq!([0, 40].map(|i| t.ego_flag("map.open_area", i)), [False, Unknown]);
+    // The same yard 60 m beyond the end of a road: the map ends before it.
+    let mut beyond = road.clone();
+    beyond.lanes = vec![lane("a", &[(-100.0, 0.0), (-10.0, 0.0)], 3.5)];
+    let t = Table::of(&whyroad_model::Drive { map: Some(beyond.clone()), ..d.clone() });
+    assert_eq!(t.ego_flag("map.open_area", 40), Unknown);
+    // Roads on two sides of it: the map has it.
+    beyond.lanes.push(lane("b", &[(110.0, -100.0), (110.0, 100.0)], 3.5));
+    beyond.lanes.push(lane("c", &[(0.0, 110.0), (100.0, 110.0)], 3.5));
+    let t = Table::of(&whyroad_model::Drive { map: Some(beyond), ..d.clone() });
+    assert_eq!(t.ego_flag("map.open_area", 40), True);
     road.drivable_areas.clear();
     let park = Facility { id: "p".into(), kind: "parking".into(), boundary: square(0.0, 20.0, 100.0, 60.0) };
     road.facilities = vec![park];

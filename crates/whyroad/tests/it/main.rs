@@ -52,5 +52,6 @@ mod taxonomy_framework;
 mod traps;
 mod truth;
 mod truth_recorded;
+mod truth_rerooted;
 mod validate;
 mod width;

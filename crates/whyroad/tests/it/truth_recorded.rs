@@ -21,13 +21,15 @@ const DRIVES: &[&str] = &[
 const LEAST_PRECISION: f64 = 0.90;
 const LEAST_RECALL: f64 = 0.80;
 
-fn data() -> Option<PathBuf> {
+/// The folder of the recordings, where they are.
+pub fn data() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let data = std::env::var_os("WHYROAD_DATA").map_or(beside, PathBuf::from);
     data.join("av2").is_dir().then_some(data)
 }
 
-fn whyroad(args: &[&str]) -> String {
+/// What a command printed.
+pub fn whyroad(args: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_whyroad"))
         .args(args)
         .env_remove("WHYROAD_FRAMEWORK")
@@ -37,6 +39,54 @@ fn whyroad(args: &[&str]) -> String {
     // 1: there are findings about the logs, which is fine here.
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
+}
+
+/// What `evaluate` says of mined episodes.
+pub struct Outcome {
+    told: serde_json::Value,
+}
+
+impl Outcome {
+    /// Evaluates a mined folder.
+    pub fn of(mined: &str, truth: &[String]) -> Self {
+        let mut args = vec!["evaluate", "--episodes", mined, "--format", "json"];
+        for file in truth {
+            args.extend(["--truth", file]);
+        }
+        Self { told: serde_json::from_str(&whyroad(&args)).unwrap() }
+    }
+
+    fn count(&self, what: &str) -> f64 {
+        self.told["total"][what].as_f64().unwrap()
+    }
+
+    /// Share of what is found that is right.
+    pub fn precision(&self) -> f64 {
+        self.count("matched") / (self.count("matched") + self.count("spurious"))
+    }
+
+    /// Share of what is there that is found.
+    pub fn recall(&self) -> f64 {
+        self.count("matched") / self.count("truth")
+    }
+
+    /// Prints the figures, and each entry that is missed or not so.
+    pub fn print(&self) {
+        println!(
+            "{} of {} found, {} false: precision {:.2}, recall {:.2}, median keyframe error {} s",
+            self.told["total"]["matched"],
+            self.told["total"]["truth"],
+            self.told["total"]["spurious"],
+            self.precision(),
+            self.recall(),
+            self.told["keyframe_error_median_s"]
+        );
+        for list in ["missed", "spurious"] {
+            for entry in self.told[list].as_array().unwrap() {
+                println!("{list}: {entry}");
+            }
+        }
+    }
 }
 
 #[test]
@@ -60,25 +110,10 @@ fn what_a_person_saw_is_found() {
         .iter()
         .map(|name| truth.join(format!("{name}.truth.jsonl")).to_str().unwrap().to_owned())
         .collect();
-    let mut args = vec!["evaluate", "--episodes", &mined, "--format", "json"];
-    for file in &files {
-        args.extend(["--truth", file]);
-    }
-    let told: serde_json::Value = serde_json::from_str(&whyroad(&args)).unwrap();
-    let (found, there, not_so) =
-        (&told["total"]["matched"], &told["total"]["truth"], &told["total"]["spurious"]);
-    let count = |value: &serde_json::Value| value.as_f64().unwrap();
-    let precision = count(found) / (count(found) + count(not_so));
-    let recall = count(found) / count(there);
-    println!(
-        "{found} of {there} found, {not_so} false: precision {precision:.2}, recall {recall:.2}, median keyframe error {} s",
-        told["keyframe_error_median_s"]
-    );
-    for list in ["missed", "spurious"] {
-        for entry in told[list].as_array().unwrap() {
-            println!("{list}: {entry}");
-        }
-    }
+    let outcome = Outcome::of(&mined, &files);
+    let told = &outcome.told;
+    outcome.print();
+    let (precision, recall) = (outcome.precision(), outcome.recall());
     assert!(precision >= LEAST_PRECISION, "precision {precision}: {}", told["spurious"]);
     assert!(recall >= LEAST_RECALL, "recall {recall}: {}", told["missed"]);
     // On the drives with a complete map nothing is missed and nothing false is found. The radar drive has no classes:
