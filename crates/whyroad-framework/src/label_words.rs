@@ -8,6 +8,7 @@ mod compared;
 mod compile;
 mod numbers;
 mod subjects;
+mod undecided;
 
 pub use aftermath::{Aftermath, NewSubject, TellWord};
 pub use bearing::{Bearing, Bears};
@@ -15,6 +16,7 @@ pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
 pub use numbers::Numbers;
 pub use subjects::Subjects;
+pub use undecided::{ClauseMood, Undecided};
 
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
@@ -286,6 +288,8 @@ pub struct LabelWords {
     pub compared: Compared,
     /// How the thing is found that a component speaks of.
     pub subjects: Subjects,
+    /// How a clause that decides nothing is told from one that may.
+    pub undecided: Undecided,
 }
 
 impl LabelWords {
@@ -468,6 +472,7 @@ struct File {
     clauses: clauses::RawClauses,
     compared: compared::RawCompared,
     subjects: subjects::RawSubjects,
+    undecided: undecided::RawUndecided,
     placeholder: Words,
     unfinished: Words,
     template: Words,

@@ -166,6 +166,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         opposite,
         compared,
         subjects: raw.subjects.compile(),
+        undecided: raw.undecided.compile(),
     };
     (words, problems)
 }

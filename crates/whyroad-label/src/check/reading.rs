@@ -157,6 +157,8 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 // What cannot be seen is not said to be there.
                 clause.supposed |= ["看", "cannot", "can't"].iter().any(|w| word.starts_with(w));
             }
+            // "Its left wheels": where a part of it is.
+            WordRole::Side(_) if words.subjects.begins_with_own_part(&text[hit.end..]) => out.words += 1,
             WordRole::Side(left) => {
                 out.words += 1;
                 // "An old man comes from the left": behind the name in Chinese, too.

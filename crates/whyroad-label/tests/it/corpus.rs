@@ -8,7 +8,7 @@ mod build;
 mod faults;
 mod fewer_words;
 
-use build::{Base, bases, forms, general, styles, unseen, weak};
+use build::{Base, bases, eleventh, forms, general, styles, unseen, weak};
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
@@ -47,6 +47,9 @@ const GENERAL: [(f64, f64); 2] = [(0.87, FALSE_ALARMS), (0.90, 0.08)];
 
 /// The same of the halves of the set of weak kinds.
 const WEAK: [(f64, f64); 2] = [(0.85, 0.0), (0.85, 0.014)];
+
+/// The same of the halves of the eleventh set, as they were first run.
+const ELEVENTH: [(f64, f64); 2] = [(0.0, 1.0), (0.0, 1.0)];
 
 /// The same with one word in five missing from the lists; it was 3240 of 3575 and 124 of 1265 before the checks were
 /// made to ask what was read.
@@ -201,6 +204,8 @@ fn labels_that_were_unseen_stay_found() {
         ("general set, other half", half_of(&general(), 1), (50, 40), GENERAL[1]),
         ("weak kinds, half that was improved on", half_of(&weak(), 0), (150, 80), WEAK[0]),
         ("weak kinds, other half", half_of(&weak(), 1), (130, 70), WEAK[1]),
+        ("eleventh set, half that was improved on", half_of(&eleventh(), 0), (150, 100), ELEVENTH[0]),
+        ("eleventh set, other half", half_of(&eleventh(), 1), (150, 100), ELEVENTH[1]),
     ];
     let mut worse = Vec::new();
     for (name, bases, least, (found_of, flagged_of)) in &sets {

@@ -49,7 +49,11 @@ pub(in crate::check) fn unnamed(
                 && words.subjects.may_be_ego.iter().any(|w| ends_with(&text[..n.end], w))
                 && (words.subjects.is_general(name) || text.is_ascii() || is_given())
     };
-    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n);
+    // "Traffic or no traffic".
+    let either = |n: &Named| {
+        texts.trace.named.iter().any(|m| m.absent && m.group == n.group && m.clause == n.clause)
+    };
+    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n) && !either(n);
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
     // In other words, or one that a component has in words that no list knows: most labels do not come to this.
     let unread = new.peek().map(|_| Unread::of(label, texts, words, background));

@@ -199,7 +199,13 @@ pub(in crate::check) fn class(
     if all.meets(class.about) || all.without(background).is_empty() || unknown_actor {
         return false;
     }
-    if any_unread(label, texts, words) {
+    // What hides the rest of the road may be the road itself: "nothing past the brow can be seen".
+    let hides = class.about.meets(words.known.sight) && label.components.get().is_some_and(|c| c.any_high);
+    let written = class.about.meets(words.known.sign) && {
+        let mut texts = label.parts.iter().filter_map(|c| c.description.get());
+        texts.any(|t| words.subjects.speaks_of_writing(t))
+    };
+    if hides || written || any_unread(label, texts, words) {
         return false;
     }
     sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {

@@ -38,7 +38,7 @@ pub(in crate::check) fn aftermath(
         return responds(label)
             .then(resolved)
             .flatten()
-            .or_else(|| aftermath::done(texts, words, text.len()));
+            .or_else(|| aftermath::done(text, texts, words));
     };
     reading.mentions.retain(|m| m.start < found.0);
     reading.end = reading.end.min(found.0);

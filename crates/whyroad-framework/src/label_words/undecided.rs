@@ -1,0 +1,118 @@
+//! How a clause of a trace is told that states or explains something from one that may decide (`undecided` of
+//! `schema/label_words.yaml`).
+
+use super::Words;
+use serde::Deserialize;
+use std::collections::HashSet;
+
+/// Words of clauses that decide nothing, and of those that may.
+#[derive(Clone, Debug, Default)]
+pub struct Undecided {
+    /// Begin a clause in Latin letters whose subject follows.
+    begins: HashSet<String>,
+    /// May stand before a subject of Latin letters.
+    opens: HashSet<String>,
+    /// Verbs that say what is.
+    is: HashSet<String>,
+    /// Behind the ego: what it is or could do, not what it does.
+    could: HashSet<String>,
+    /// What the ego acts with: as a subject, it does the deciding.
+    controls: HashSet<String>,
+    /// Chinese: the same.
+    controls_chinese: Vec<String>,
+    /// Chinese: somebody who is not named acts, the ego.
+    acts: Vec<String>,
+    /// Chinese: what would come of it.
+    would: Vec<String>,
+    /// Chinese: begin a clause with a subject of its own, or say that there is something.
+    there: Vec<String>,
+}
+
+/// What a clause says of deciding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClauseMood {
+    /// It says what is, of something that is not the ego; or what would be.
+    State,
+    /// It goes on with what was said before, or may decide.
+    Open,
+    /// The ego acts, or somebody who is not named.
+    Acts,
+}
+
+impl Undecided {
+    /// What a clause says. `names`: first bytes, in it, of the things it names, which act or are there.
+    pub fn mood(&self, clause: &str, names: &[usize]) -> ClauseMood {
+        if clause.is_ascii() { self.mood_latin(clause, names) } else { self.mood_chinese(clause, names) }
+    }
+
+    fn mood_latin(&self, clause: &str, names: &[usize]) -> ClauseMood {
+        /// A subject has at most so many words.
+        const LONGEST: usize = 9;
+        let lower = clause.to_ascii_lowercase();
+        let all: Vec<&str> = lower
+            .split(|c: char| !c.is_ascii_alphanumeric() && c != '\'')
+            .filter(|w| !w.is_empty())
+            .skip_while(|w| self.opens.contains(*w))
+            .collect();
+        let Some(first) = all.first() else { return ClauseMood::State };
+        let (own, rest) = first.split_once('\'').unwrap_or((first, ""));
+        if ["we", "i", "ego", "the ego"].contains(&own) {
+            let next = if rest.is_empty() { all.get(1).copied().unwrap_or_default() } else { rest };
+            return if self.could.contains(next) { ClauseMood::State } else { ClauseMood::Acts };
+        }
+        let named = names.first().is_some_and(|at| *at < lower.len() / 2);
+        if !self.begins.contains(own) && !named {
+            return ClauseMood::Open;
+        }
+        let verb = all.iter().take(LONGEST).position(|w| self.is.contains(*w) || w.contains("'s") || w.contains("'re"));
+        let Some(verb) = verb else { return ClauseMood::Open };
+        let subject = &all[..verb];
+        if subject.iter().any(|w| self.controls.contains(*w)) { ClauseMood::Acts } else { ClauseMood::State }
+    }
+
+    fn mood_chinese(&self, clause: &str, names: &[usize]) -> ClauseMood {
+        /// Bytes of what may stand before the subject.
+        const NEAR: usize = 18;
+        let has = |all: &[String]| all.iter().any(|w| clause.contains(w.as_str()));
+        let clause = clause.trim_start();
+        if has(&self.would) {
+            return ClauseMood::State;
+        }
+        if has(&self.acts) || has(&self.controls_chinese) {
+            return ClauseMood::Acts;
+        }
+        let begins = self.there.iter().any(|w| clause.starts_with(w.as_str()));
+        if begins || names.first().is_some_and(|at| *at <= NEAR) { ClauseMood::State } else { ClauseMood::Open }
+    }
+}
+
+/// The lists as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawUndecided {
+    begins: Words,
+    opens: Words,
+    is: Words,
+    could: Words,
+    controls: Words,
+    acts: Words,
+    would: Words,
+    there: Words,
+}
+
+impl RawUndecided {
+    pub(super) fn compile(&self) -> Undecided {
+        let set = |w: &Words| w.en.iter().cloned().collect();
+        Undecided {
+            begins: set(&self.begins),
+            opens: set(&self.opens),
+            is: set(&self.is),
+            could: set(&self.could),
+            controls: set(&self.controls),
+            controls_chinese: self.controls.zh.clone(),
+            acts: self.acts.zh.clone(),
+            would: self.would.zh.clone(),
+            there: self.there.zh.clone(),
+        }
+    }
+}
