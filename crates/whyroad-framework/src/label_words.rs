@@ -7,6 +7,7 @@ mod clauses;
 mod compared;
 mod compile;
 mod numbers;
+mod remote;
 mod subjects;
 mod undecided;
 
@@ -15,6 +16,7 @@ pub use bearing::{Bearing, Bears};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
 pub use numbers::Numbers;
+pub use remote::Remote;
 pub use subjects::Subjects;
 pub use undecided::{ClauseMood, Undecided};
 
@@ -286,8 +288,12 @@ pub struct LabelWords {
     pub opposite: Vec<(Doings, Doings)>,
     /// What texts are compared without.
     pub compared: Compared,
+    /// Says that the ego keeps its course or speed as before, in lower case.
+    pub unchanged_course: Vec<String>,
     /// How the thing is found that a component speaks of.
     pub subjects: Subjects,
+    /// Times and distances that are far from any decision.
+    pub remote: Remote,
     /// How a clause that decides nothing is told from one that may.
     pub undecided: Undecided,
 }
@@ -465,6 +471,7 @@ struct File {
     denied: Words,
     supposed: Words,
     unchanged: Words,
+    unchanged_course: Words,
     uncertain: Words,
     hindsight: RawHindsight,
     resolved: Words,
@@ -473,6 +480,7 @@ struct File {
     compared: compared::RawCompared,
     subjects: subjects::RawSubjects,
     undecided: undecided::RawUndecided,
+    remote: remote::RawRemote,
     placeholder: Words,
     unfinished: Words,
     template: Words,

@@ -166,6 +166,8 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         opposite,
         compared,
         subjects: raw.subjects.compile(),
+        unchanged_course: raw.unchanged_course.all().map(str::to_owned).collect(),
+        remote: raw.remote.compile(),
         undecided: raw.undecided.compile(),
     };
     (words, problems)

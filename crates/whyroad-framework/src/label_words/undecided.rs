@@ -73,12 +73,14 @@ impl Undecided {
     fn mood_chinese(&self, clause: &str, names: &[usize]) -> ClauseMood {
         /// Bytes of what may stand before the subject.
         const NEAR: usize = 18;
-        let has = |all: &[String]| all.iter().any(|w| clause.contains(w.as_str()));
         let clause = clause.trim_start();
-        if has(&self.would) {
+        if self.acts.iter().any(|w| clause.contains(w.as_str())) {
+            return ClauseMood::Acts;
+        }
+        if self.would.iter().any(|w| clause.contains(w.as_str())) {
             return ClauseMood::State;
         }
-        if has(&self.acts) || has(&self.controls_chinese) {
+        if self.controls_chinese.iter().any(|w| clause.contains(w.as_str())) {
             return ClauseMood::Acts;
         }
         let begins = self.there.iter().any(|w| clause.starts_with(w.as_str()));

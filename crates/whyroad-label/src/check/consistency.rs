@@ -8,3 +8,4 @@ pub(super) mod text;
 pub(super) mod trace;
 pub(super) mod trace_rules;
 mod trace_stems;
+mod undecided;

@@ -3,7 +3,7 @@
 //! question alone.
 
 use super::business::{class, combination, decision, records};
-use super::cause::{circular, links, text as cause_text, unused};
+use super::cause::{circular, links, remote, text as cause_text, unused};
 use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::trace_rules::Said;
 use super::consistency::{duplicates, moment, objects, plausible, text, trace, trace_rules};
@@ -81,7 +81,7 @@ impl Rulebook<'_> {
         let another_class = class.is_some_and(|c| text::class(label, &texts, words, background, c, sink));
         cause_text::proximate(label, &texts, words, sink);
         let about = class.and_then(|c| c.decisions.as_ref()).map(|d| d.about).unwrap_or_default();
-        if !cause_text::distant(label, &texts, words, sink) {
+        if !remote::remote(label, &texts, words, sink) && !cause_text::distant(label, &texts, words, sink) {
             unused::unused(label, &texts, words, about, sink);
         }
         if !another_class && !impossible {
@@ -97,7 +97,7 @@ impl Rulebook<'_> {
         {
             return;
         }
-        text::unchanged(label, &texts, sink);
+        text::unchanged(label, &texts, words, sink);
         let acts = reading.as_ref().is_some_and(|r| !r.mentions.is_empty() || r.names_ego);
         let because = reading.as_ref().and_then(|r| r.because);
         let decides = reading.as_ref().map_or(0, |r| {

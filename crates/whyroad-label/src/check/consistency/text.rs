@@ -12,7 +12,7 @@ use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Divider, GroupSet};
 use whyroad_model::Bilingual;
-use whyroad_model::decision::Longitudinal;
+use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
 /// The trace speaks of what the components speak of. True when it has nothing to do with them. `acts`: it names the
@@ -149,7 +149,7 @@ fn any_unread(label: &View<'_>, texts: &Texts, words: &LabelWords) -> bool {
 }
 
 /// A stop is decided once: whoever stands already and goes on standing decides nothing (LABELING.md 6, minimality).
-pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, sink: &mut dyn Sink) {
+pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
     let stops = matches!(
         label.longitudinal.get(),
         Some(
@@ -159,7 +159,20 @@ pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, sink: &mut dy
                 | Longitudinal::LeadFollowing
         )
     );
-    let (Some((start, end)), Some(text), true) = (texts.trace.unchanged, label.trace.get(), stops) else {
+    // To keep the lane or the speed is a decision by itself, and none beside another.
+    let beside = match (label.longitudinal.get(), label.lateral.get()) {
+        (Some(along), Some(Lateral::LaneKeeping)) => along != Longitudinal::SetSpeedTracking,
+        (Some(Longitudinal::SetSpeedTracking), Some(_)) => true,
+        _ => false,
+    };
+    let course = || {
+        let lower = label.trace.get()?.to_ascii_lowercase();
+        let all = words.unchanged_course.iter();
+        all.filter_map(|w| lower.rfind(w.as_str()).map(|at| (at, at + w.len()))).max()
+    };
+    let kept = if beside { course() } else { None };
+    let (Some((start, end)), Some(text)) = (texts.trace.unchanged.filter(|_| stops).or(kept), label.trace.get())
+    else {
         return;
     };
     sink.report(

@@ -2,6 +2,7 @@
 
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
 use crate::check::consistency::trace_stems::{self, ByStem};
+use crate::check::consistency::undecided;
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use crate::check::view::View;
@@ -184,13 +185,14 @@ pub(in crate::check) fn trace(
             found = true;
             // A trace that is too short is reported as such.
             if !(not_stated && seen.length < limits.too_short_below / 2) {
-                verdict(&v, text, names, sink);
+                let read = not_stated && undecided::is_undecided(text, texts, words);
+                verdict(&v, text, names, read, sink);
             }
         }
     });
     if let (false, Some(v)) = (found, side_beside(text, reading, lexicon, label, texts, words)) {
         found = true;
-        verdict(&v, text, names, sink);
+        verdict(&v, text, names, false, sink);
     }
     // "Does not yield and turns left": the other channel is stated.
     if let (false, Some(along), Some(_)) = (found, longitudinal.get(), lateral.get()) {
@@ -202,7 +204,7 @@ pub(in crate::check) fn trace(
         let read = || trace_stems::read(text, reading, lexicon, (Some(along), None), texts, words, None);
         if !stated && let ByStem::Denied(start, end) = read() {
             found = true;
-            verdict(&TraceVerdict::Denied { label: along.id(), start, end }, text, names, sink);
+            verdict(&TraceVerdict::Denied { label: along.id(), start, end }, text, names, false, sink);
         }
     }
     // A short one may still hold all three: "yellow, far away, stopping".
@@ -373,7 +375,8 @@ pub(in crate::check) fn direction_name(direction: LateralDirection) -> Bilingual
     }
 }
 
-fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, sink: &mut dyn Sink) {
+/// `read`: nothing in the trace may be a decision in words that no list knows.
+fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink: &mut dyn Sink) {
     let name = |id: &str| names.name(id);
     let check_end = |words: Words| {
         words.hint("检查决策，或改写因果描述的结尾", "check the decision, or rewrite the end of the trace")
@@ -448,7 +451,11 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, sink: &mut dyn Si
             });
         }
         TraceVerdict::NotStated { label, start, end } => {
-            let finding = Finding::note("label.trace.decision_missing", pointer::COC_TRACE);
+            let code = "label.trace.decision_missing";
+            let finding = match read {
+                true => Finding::warning(code, pointer::COC_TRACE),
+                false => Finding::note(code, pointer::COC_TRACE),
+            };
             sink.report(at(finding, start, end), &|| {
                 let (label, ending) = (name(label), excerpt(&text[*start..*end]));
                 Words::new(
