@@ -38,6 +38,8 @@ pub struct Lexicon {
     pub towards_ego: Vec<String>,
     /// Behind a name of the ego: its lane, or a place near it.
     pub of_ego: Vec<String>,
+    /// Right behind a phrase in Chinese: what can be done, not what is.
+    pub can: Vec<String>,
     /// Behind a name of the ego: what it is about.
     pub meant: Vec<String>,
     /// Beginnings of whoever is given way.
@@ -179,6 +181,7 @@ struct RoleWords {
     towards_ego: Words,
     of_ego: Words,
     meant: Words,
+    can: Words,
     joined: Words,
     pronoun: Words,
     given_way: Words,

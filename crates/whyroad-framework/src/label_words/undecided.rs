@@ -12,6 +12,8 @@ pub struct Undecided {
     begins: HashSet<String>,
     /// May stand before a subject of Latin letters.
     opens: HashSet<String>,
+    /// Begin a clause in Latin letters that says first where or when.
+    where_from: HashSet<String>,
     /// Verbs that say what is.
     is: HashSet<String>,
     /// Behind the ego: what it is or could do, not what it does.
@@ -55,19 +57,27 @@ impl Undecided {
             .skip_while(|w| self.opens.contains(*w))
             .collect();
         let Some(first) = all.first() else { return ClauseMood::State };
-        let (own, rest) = first.split_once('\'').unwrap_or((first, ""));
-        if ["we", "i", "ego", "the ego"].contains(&own) {
-            let next = if rest.is_empty() { all.get(1).copied().unwrap_or_default() } else { rest };
+        let ego = |w: &str| ["we", "i", "ego"].contains(&w.split('\'').next().unwrap_or_default());
+        let (own, _) = first.split_once('\'').unwrap_or((first, ""));
+        if let Some(at) = all.iter().position(|w| ego(w)) {
+            let next = match all[at].split_once('\'') {
+                Some((_, "re")) => all.get(at + 1).copied().unwrap_or_default(),
+                Some((_, rest)) => rest,
+                None => all.get(at + 1).copied().unwrap_or_default(),
+            };
+            let next = if next == "are" || next == "is" { all.get(at + 2).copied().unwrap_or_default() } else { next };
             return if self.could.contains(next) { ClauseMood::State } else { ClauseMood::Acts };
         }
         let named = names.first().is_some_and(|at| *at < lower.len() / 2);
-        if !self.begins.contains(own) && !named {
-            return ClauseMood::Open;
+        let is_verb = |w: &&str| self.is.contains(*w) || w.contains("'s") || w.contains("'re");
+        let Some(verb) = all.iter().take(LONGEST).position(|w| is_verb(&w)) else { return ClauseMood::Open };
+        // "That's us away", "it's the brakes".
+        let points = ["it", "that"].contains(&own) && verb == 0;
+        if points || all[..=verb].iter().any(|w| self.controls.contains(*w)) && !self.where_from.contains(own) {
+            return ClauseMood::Acts;
         }
-        let verb = all.iter().take(LONGEST).position(|w| self.is.contains(*w) || w.contains("'s") || w.contains("'re"));
-        let Some(verb) = verb else { return ClauseMood::Open };
-        let subject = &all[..verb];
-        if subject.iter().any(|w| self.controls.contains(*w)) { ClauseMood::Acts } else { ClauseMood::State }
+        let begins = self.begins.contains(own) || self.where_from.contains(own) || named;
+        if begins { ClauseMood::State } else { ClauseMood::Open }
     }
 
     fn mood_chinese(&self, clause: &str, names: &[usize]) -> ClauseMood {
@@ -94,6 +104,7 @@ impl Undecided {
 pub(super) struct RawUndecided {
     begins: Words,
     opens: Words,
+    where_from: Words,
     is: Words,
     could: Words,
     controls: Words,
@@ -108,6 +119,7 @@ impl RawUndecided {
         Undecided {
             begins: set(&self.begins),
             opens: set(&self.opens),
+            where_from: set(&self.where_from),
             is: set(&self.is),
             could: set(&self.could),
             controls: set(&self.controls),

@@ -160,6 +160,7 @@ pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
         towards_ego: list(&w.towards_ego),
         of_ego: list(&w.of_ego),
         meant: list(&w.meant),
+        can: list(&w.can),
         trie,
         patterns,
     };

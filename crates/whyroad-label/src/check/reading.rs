@@ -361,7 +361,9 @@ impl Denial {
     /// True when what starts at `at` is close enough to be denied.
     fn reaches(self, text: &str, at: usize) -> bool {
         let reach = if self.is_latin { BETWEEN_LATIN } else { BETWEEN_CHINESE };
-        text[self.end..at].chars().nth(reach).is_none()
+        // "Without a signal it comes out": 不打灯就……
+        let between = &text[self.end..at];
+        between.chars().nth(reach).is_none() && !between.contains('就')
     }
 }
 

@@ -218,7 +218,9 @@ pub(in crate::check) fn class(
         let mut texts = label.parts.iter().filter_map(|c| c.description.get());
         texts.any(|t| words.subjects.speaks_of_writing(t))
     };
-    if hides || written || any_unread(label, texts, words) {
+    // A place may be called anything; who is not there is not.
+    let by_place = !class.about.meets(words.known.actor) && !all.meets(words.known.actor);
+    if hides || written || by_place || any_unread(label, texts, words) {
         return false;
     }
     sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {

@@ -131,6 +131,15 @@ pub(in crate::check) fn trace(
             TraceVerdict::Unlabelled { .. } => lateral == Slot::Broken,
             _ => false,
         };
+        // "The left-turn waiting area", "we are first for the left turn": a name.
+        let is_name = match v {
+            TraceVerdict::Unlabelled { start, end, .. } => {
+                let inside = |n: &Named| n.start <= end && n.end > end;
+                text[..start].ends_with('是') || texts.trace.named.iter().any(inside)
+            }
+            _ => false,
+        };
+        let unreadable = unreadable || is_name;
         if !unreadable {
             let mut v = v;
             let by_stem = |decision: &str, other: Option<Lateral>, apart: Option<(usize, usize)>| {
@@ -185,7 +194,7 @@ pub(in crate::check) fn trace(
             found = true;
             // A trace that is too short is reported as such.
             if !(not_stated && seen.length < limits.too_short_below / 2) {
-                let read = not_stated && undecided::is_undecided(text, texts, words);
+                let read = not_stated && undecided::is_undecided(text, reading, texts, words);
                 verdict(&v, text, names, read, sink);
             }
         }

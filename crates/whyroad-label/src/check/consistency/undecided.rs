@@ -1,6 +1,7 @@
 //! A trace that was read to its end and states no decision: every clause says what is, of something that is not the
 //! ego, or what would be. Where a clause may be what the ego does, in words that no list knows, nothing is said.
 
+use crate::check::consistency::trace::Reading;
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
@@ -10,7 +11,11 @@ use whyroad_framework::label_words::{ClauseMood, Divider};
 const MOST_CLAUSES: usize = 24;
 
 /// Nothing in the trace is what the ego does.
-pub(super) fn is_undecided(text: &str, texts: &Texts, words: &LabelWords) -> bool {
+pub(super) fn is_undecided(text: &str, reading: &Reading, texts: &Texts, words: &LabelWords) -> bool {
+    // What a "therefore" marks is a decision, in whatever words.
+    if reading.marked {
+        return false;
+    }
     let kinds = [Divider::Sentence, Divider::Clause];
     let end = text.trim_end().trim_end_matches(['.', '。', '!', '！']).len();
     let ends = words.clauses.ends(&texts.units, &kinds, end).filter(|to| *to <= end);
@@ -39,10 +44,9 @@ pub(super) fn is_undecided(text: &str, texts: &Texts, words: &LabelWords) -> boo
         let names: Vec<usize> = inside.map(|n| n.start - begin).collect();
         match words.undecided.mood(&text[begin..to], &names) {
             ClauseMood::State => true,
-            ClauseMood::Acts => false,
             // In Chinese the decision comes last; in English the last sentence states it.
-            ClauseMood::Open if text.is_ascii() => begin < last_sentence && !names.is_empty(),
-            ClauseMood::Open => from < last,
+            ClauseMood::Open if text.is_ascii() => begin < last_sentence,
+            _ => from < last && !text.is_ascii(),
         }
     })
 }

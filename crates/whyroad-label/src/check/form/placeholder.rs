@@ -47,7 +47,12 @@ pub(in crate::check) fn components(
             let is_told = || label.trace.get().is_some_and(|t| {
                 overlap::shared_with(text, t, &words.compared, &|_| true) > 0
             });
-            let finding = match is_short(text) || !is_told() {
+            // What speaks of something that was named before, or counts, may say it in any words.
+            let speaks_on = || {
+                let first = text.split(' ').next().unwrap_or_default().to_ascii_lowercase();
+                words.subjects.has_pronoun(text) || words.subjects.is_pronoun(&first) || words.numbers.any(text)
+            };
+            let finding = match is_short(text) || !speaks_on() && !is_told() {
                 true => Finding::warning("label.text.unrelated", at),
                 false => Finding::note("label.text.unrelated", at),
             };

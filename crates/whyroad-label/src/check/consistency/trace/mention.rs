@@ -258,6 +258,13 @@ impl Reader<'_> {
 
     fn mention(&mut self, hit: Hit, phrase: usize) {
         self.back_negation = None;
+        let (before, behind) = (&self.text[..hit.start], &self.text[hit.end..]);
+        // "Only left turns", "it can be stopped": a noun, and what could be done.
+        let is_noun = behind.is_ascii() && before.ends_with("left ") || before.ends_with("right ");
+        let is_noun = is_noun && self.text[hit.start..hit.end].eq_ignore_ascii_case("turns");
+        if is_noun || self.lexicon.can.iter().any(|w| behind.starts_with(w.as_str())) {
+            return;
+        }
         let actor = if self.actor == Actor::Unknown { self.inherited } else { self.actor };
         let carried = self.actor == Actor::Unknown && self.inherited == Actor::Other;
         let negated = match &mut self.negation {
