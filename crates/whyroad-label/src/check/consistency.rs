@@ -4,6 +4,7 @@ pub(super) mod duplicates;
 pub(super) mod moment;
 pub(super) mod objects;
 pub(super) mod plausible;
+pub(super) mod records;
 pub(super) mod text;
 pub(super) mod trace;
 pub(super) mod trace_rules;

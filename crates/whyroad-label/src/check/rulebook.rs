@@ -6,7 +6,7 @@ use super::business::{class, combination, decision, records};
 use super::cause::{circular, links, remote, text as cause_text, unused};
 use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::trace_rules::Said;
-use super::consistency::{duplicates, moment, objects, plausible, text, trace, trace_rules};
+use super::consistency::{duplicates, moment, objects, plausible, records as told, text, trace, trace_rules};
 use super::form::{placeholder, version};
 use super::texts::Texts;
 use super::view::View;
@@ -69,6 +69,7 @@ impl Rulebook<'_> {
         let background = self.framework.decision_table.causes.background;
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
+        told::against_texts(label, class, &texts, words, sink);
         duplicates::duplicates(label, &texts, words, background, sink);
         let mut reading = label.trace.get().map(|t| trace::read(t, &texts.units, lexicon));
         let after = label

@@ -133,7 +133,7 @@ pub(in crate::check) fn trace(
         };
         // "The left-turn waiting area", "we are first for the left turn": a name.
         let is_name = match v {
-            TraceVerdict::Unlabelled { start, end, .. } => {
+            TraceVerdict::Unlabelled { start, end, says, .. } if says == Lateral::Turn.id() => {
                 let inside = |n: &Named| n.start <= end && n.end > end;
                 text[..start].ends_with('是') || texts.trace.named.iter().any(inside)
             }

@@ -50,7 +50,7 @@ pub(in crate::check) fn components(
             // What speaks of something that was named before, or counts, may say it in any words.
             let speaks_on = || {
                 let first = text.split(' ').next().unwrap_or_default().to_ascii_lowercase();
-                words.subjects.has_pronoun(text) || words.subjects.is_pronoun(&first) || words.numbers.any(text)
+                words.subjects.has_pronoun(text) || words.subjects.is_pronoun(&first) || text.is_ascii() && words.numbers.any(text)
             };
             let finding = match is_short(text) || !speaks_on() && !is_told() {
                 true => Finding::warning("label.text.unrelated", at),
