@@ -1,7 +1,7 @@
 //! Numbers with a unit in a text (`quantities` of `schema/label_words.yaml`), in digits or in words: "四百米", "400 m",
 //! "forty meters".
 
-use super::Words;
+use super::{CharSet, Words};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -59,15 +59,34 @@ impl Quantities {
         out.into_iter().map(|q| q.0).collect()
     }
 
+    /// How many of the thing whose name starts at `at` the text says there are: "三头黄牛", "four sheep".
+    pub fn count_before(&self, text: &str, at: usize, counters: &CharSet) -> Option<f64> {
+        let before = text[..at].trim_end();
+        if text.is_ascii() {
+            let word = before.rsplit(' ').next()?.to_ascii_lowercase();
+            return self.numbers.get(&word).copied().or_else(|| word.parse().ok());
+        }
+        let before = before.strip_suffix(|c| counters.contains(c))?;
+        let c = before.chars().next_back()?;
+        let counts = before[..before.len() - c.len_utf8()].ends_with('第');
+        (!counts).then(|| self.numbers.get(c.encode_utf8(&mut [0; 4]) as &str).copied()).flatten()
+    }
+
     /// The number that ends at `at`, with its first byte.
     fn number_before(&self, text: &str, at: usize) -> Option<(f64, usize)> {
-        let before = text[..at].trim_end_matches([' ', '-', '多', '来', '余', '几']);
+        let before = text[..at].trim_end_matches([' ', '-', '多', '来', '余']);
         let digits = before.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.');
         if digits.len() < before.len() {
             return before[digits.len()..].parse().ok().map(|v| (v, digits.len()));
         }
-        let chinese = before.trim_end_matches(|c: char| !c.is_ascii() && self.numbers.contains_key(c.encode_utf8(&mut [0; 4]) as &str));
+        let chinese = before.trim_end_matches(|c: char| {
+            !c.is_ascii() && self.numbers.contains_key(c.encode_utf8(&mut [0; 4]) as &str)
+        });
         if chinese.len() < before.len() {
+            // "Some tens of meters".
+            if chinese.ends_with(['几', '数']) {
+                return None;
+            }
             return self.chinese(&before[chinese.len()..]).map(|v| (v, chinese.len()));
         }
         // "Four hundred", "twenty-five".
@@ -111,8 +130,16 @@ pub(super) struct RawQuantities {
 
 impl RawQuantities {
     pub(super) fn compile(&self) -> Quantities {
-        let units = self.units.iter().flat_map(|(unit, words)| words.iter().map(move |(w, f)| (unit.clone(), w.clone(), *f)));
+        let units = self
+            .units
+            .iter()
+            .flat_map(|(unit, words)| words.iter().map(move |(w, f)| (unit.clone(), w.clone(), *f)));
         let beside = self.beside.iter().map(|(id, w)| (id.clone(), w.all().map(str::to_owned).collect()));
-        Quantities { units: units.collect(), numbers: self.numbers.clone(), away: self.away.all().map(str::to_owned).collect(), beside: beside.collect() }
+        Quantities {
+            units: units.collect(),
+            numbers: self.numbers.clone(),
+            away: self.away.all().map(str::to_owned).collect(),
+            beside: beside.collect(),
+        }
     }
 }

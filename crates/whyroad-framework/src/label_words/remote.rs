@@ -50,11 +50,14 @@ impl Remote {
             from += word.len() + 1;
         }
         let word = |i: usize| all.get(i).map_or("", |w| w.1);
-        let is_number = |i: usize| word(i).starts_with(|c: char| c.is_ascii_digit()) || self.number.contains(word(i));
+        let is_number =
+            |i: usize| word(i).starts_with(|c: char| c.is_ascii_digit()) || self.number.contains(word(i));
         let counted = |i: usize| (i.saturating_sub(4)..i).any(is_number);
         let is_year = |i: usize| {
             let w = word(i);
-            w.len() == 4 && (w.starts_with("19") || w.starts_with("20")) && w.bytes().all(|b| b.is_ascii_digit())
+            w.len() == 4
+                && (w.starts_with("19") || w.starts_with("20"))
+                && w.bytes().all(|b| b.is_ascii_digit())
         };
         let i = (0..all.len()).find(|&i| {
             let (before, w, next) = (if i > 0 { word(i - 1) } else { "" }, word(i), word(i + 1));

@@ -118,7 +118,8 @@ impl Subjects {
     pub fn begins_with_own_part(&self, text: &str) -> bool {
         let text = text.trim_start();
         let word = text.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-        text.starts_with(|c| self.own_parts.0.contains(c)) || self.own_parts.1.contains(&word.to_ascii_lowercase())
+        text.starts_with(|c| self.own_parts.0.contains(c))
+            || self.own_parts.1.contains(&word.to_ascii_lowercase())
     }
 
     /// The name at `start..end` of the text only says where something else is.

@@ -65,7 +65,11 @@ impl Undecided {
                 Some((_, rest)) => rest,
                 None => all.get(at + 1).copied().unwrap_or_default(),
             };
-            let next = if next == "are" || next == "is" { all.get(at + 2).copied().unwrap_or_default() } else { next };
+            let next = if next == "are" || next == "is" {
+                all.get(at + 2).copied().unwrap_or_default()
+            } else {
+                next
+            };
             return if self.could.contains(next) { ClauseMood::State } else { ClauseMood::Acts };
         }
         let named = names.first().is_some_and(|at| *at < lower.len() / 2);
@@ -73,7 +77,8 @@ impl Undecided {
         let Some(verb) = all.iter().take(LONGEST).position(|w| is_verb(&w)) else { return ClauseMood::Open };
         // "That's us away", "it's the brakes".
         let points = ["it", "that"].contains(&own) && verb == 0;
-        if points || all[..=verb].iter().any(|w| self.controls.contains(*w)) && !self.where_from.contains(own) {
+        if points || all[..=verb].iter().any(|w| self.controls.contains(*w)) && !self.where_from.contains(own)
+        {
             return ClauseMood::Acts;
         }
         let begins = self.begins.contains(own) || self.where_from.contains(own) || named;
@@ -94,7 +99,11 @@ impl Undecided {
             return ClauseMood::Acts;
         }
         let begins = self.there.iter().any(|w| clause.starts_with(w.as_str()));
-        if begins || names.first().is_some_and(|at| *at <= NEAR) { ClauseMood::State } else { ClauseMood::Open }
+        if begins || names.first().is_some_and(|at| *at <= NEAR) {
+            ClauseMood::State
+        } else {
+            ClauseMood::Open
+        }
     }
 }
 

@@ -77,7 +77,7 @@ impl Rulebook<'_> {
             .get()
             .zip(reading.as_mut())
             .and_then(|(text, r)| trace_rules::aftermath(text, label, &texts, r, words, lexicon));
-        cause_text::hindsight(label, &texts, after, lexicon, sink);
+        cause_text::hindsight(label, &texts, after, (words, lexicon), sink);
         cause_text::unobserved(label, words, sink);
         let another_class = class.is_some_and(|c| text::class(label, &texts, words, background, c, sink));
         cause_text::proximate(label, &texts, words, sink);

@@ -75,7 +75,9 @@ fn begins_with_cause(text: &str, texts: &Texts, words: &LabelWords, reading: &Re
         own.meets(components) && !own.meets(words.known.no_cause) && !own.meets(words.known.road)
     };
     let because = reading.because.is_some_and(|at| at < decided);
-    !because && texts.trace.there().any(|n| n.end <= decided && is_cause(n))
+    // "In the blind spot one has to slow, so it slows in the blind spot".
+    let again = |n: &Named| texts.trace.there().any(|m| m.start >= decided && m.group == n.group);
+    !because && texts.trace.there().any(|n| n.end <= decided && is_cause(n) && !again(n))
 }
 
 /// Some part of the text names a cause and is not the decision itself.

@@ -16,10 +16,13 @@ pub(in crate::check) fn remote(
     sink: &mut dyn Sink,
 ) -> bool {
     // A lane is changed and a turn prepared for what the route shows far ahead.
-    let by_route = label.lateral.get().is_some_and(|l| !matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
-    let parts = label.parts.iter().zip(&texts.components).map(|(c, f)| {
-        (pointer::critical_components_item_description(c.index), c.description.get(), f)
-    });
+    let by_route =
+        label.lateral.get().is_some_and(|l| !matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
+    let parts = label
+        .parts
+        .iter()
+        .zip(&texts.components)
+        .map(|(c, f)| (pointer::critical_components_item_description(c.index), c.description.get(), f));
     let trace = std::iter::once((pointer::COC_TRACE.to_owned(), label.trace.get(), &texts.trace));
     let found = parts.chain(trace).find_map(|(at, text, facts)| {
         let text = text?;

@@ -63,7 +63,9 @@ pub(in crate::check) fn duplicates(
         let text = |k: usize| label.parts[k].description.get().unwrap_or_default();
         // What the ego does is not what the other does.
         let of_ego = |k: usize| {
-            text(k).split(['，', ',', '。', ';', '；']).any(|c| words.subjects.begins_with_ego(c.trim_start()))
+            text(k)
+                .split(['，', ',', '。', ';', '；'])
+                .any(|c| words.subjects.begins_with_ego(c.trim_start()))
         };
         groups[i].meets(groups[j])
             && of_ego(i) == of_ego(j)

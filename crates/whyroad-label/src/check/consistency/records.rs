@@ -69,8 +69,9 @@ fn other_number(label: &View<'_>, id: &str, value: f64, unit: &str, words: &Labe
         return None;
     }
     let clause = |text: &str, at: usize| {
-        let mark = |c: char| "，。；！？,;!?".contains(c);
-        let from = text[..at].rfind(mark).map_or(0, |i| i + text[i..].chars().next().map_or(1, char::len_utf8));
+        let mark = |c: char| "，。；！？,;!?.".contains(c);
+        let from =
+            text[..at].rfind(mark).map_or(0, |i| i + text[i..].chars().next().map_or(1, char::len_utf8));
         let to = text[at..].find(mark).map_or(text.len(), |i| at + i);
         text[from..to].trim().to_owned()
     };
@@ -78,7 +79,9 @@ fn other_number(label: &View<'_>, id: &str, value: f64, unit: &str, words: &Labe
         let part = clause(text, at).to_lowercase();
         beside.is_empty() || beside.iter().any(|w| part.contains(w.as_str()))
     };
-    all.iter().find(|(t, _, at)| states(t, *at)).map(|(t, _, at)| clause(t, *at))
+    // "At 20 m": where something is.
+    let is_place = |text: &str, at: usize| text[..at].ends_with(" at ");
+    all.iter().find(|(t, _, at)| states(t, *at) && !is_place(t, *at)).map(|(t, _, at)| clause(t, *at))
 }
 
 /// A light that the texts say is not there.
@@ -125,34 +128,43 @@ fn other_thing(label: &View<'_>, texts: &Texts, record: &str, words: &LabelWords
     let facts = reading::read(record, &Units::of(record), words);
     let own = |n: &Named| words.objects[n.group].own;
     let all = || texts.components.iter().chain([&texts.trace]);
-    let denies = ["none", "no ", "not ", "无", "没"].iter().any(|w| record.to_ascii_lowercase().starts_with(w));
+    let denies =
+        ["none", "no ", "not ", "无", "没"].iter().any(|w| record.to_ascii_lowercase().starts_with(w));
     if denies {
-        let speaks = |f: &&TextFacts| f.there().any(|n| own(n).meets(words.known.sight)) && f.clear.is_empty();
+        let speaks =
+            |f: &&TextFacts| f.there().any(|n| own(n).meets(words.known.sight)) && f.clear.is_empty();
         let hidden = texts.components.iter().position(|f| speaks(&f));
-        let opposite = |t: &str| words.subjects.opposite.iter().any(|w| t.to_ascii_lowercase().contains(w.as_str()));
+        let opposite =
+            |t: &str| words.subjects.opposite.iter().any(|w| t.to_ascii_lowercase().contains(w.as_str()));
         let comes = || {
             let mut parts = label.parts.iter().zip(&texts.components);
             parts.position(|(c, f)| {
-                f.there().any(|n| own(n).meets(words.known.actor)) && c.description.get().is_some_and(opposite)
+                f.there().any(|n| own(n).meets(words.known.actor))
+                    && c.description.get().is_some_and(opposite)
             })
         };
         // "None" alone, or of traffic; of the light or the view another thing is meant.
         let at = hidden.or_else(comes)?;
         return label.parts.get(at)?.description.get().map(str::to_owned);
     }
-    let near = all().flat_map(|f| &f.named).fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near));
+    let near = all()
+        .flat_map(|f| &f.named)
+        .fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near));
     let says_where = words.known.no_cause.with(words.known.road).with(words.known.sight);
     let things = || facts.there().filter(|n| !own(n).without(says_where).is_empty());
-    let unread = label.parts.iter().zip(&texts.components).any(|(c, f)| {
-        c.description.get().is_none_or(|t| crate::check::subject::is_unread(t, f, words))
-    });
+    let unread = label
+        .parts
+        .iter()
+        .zip(&texts.components)
+        .any(|(c, f)| c.description.get().is_none_or(|t| crate::check::subject::is_unread(t, f, words)));
     let quote = || label.parts.first().and_then(|c| c.description.get()).map(str::to_owned);
     if !unread && things().next().is_some() && !things().any(|n| own(n).meets(near)) {
         return quote();
     }
     let other_side = |n: &&Named| {
         n.side.is_some_and(|side| {
-            let same = || all().flat_map(TextFacts::there).filter(|m| own(m).meets(words.objects[n.group].near));
+            let same =
+                || all().flat_map(TextFacts::there).filter(|m| own(m).meets(words.objects[n.group].near));
             same().any(|m| m.side == Some(!side)) && !same().any(|m| m.side == Some(side))
         })
     };

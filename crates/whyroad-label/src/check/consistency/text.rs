@@ -171,7 +171,8 @@ pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, words: &Label
         all.filter_map(|w| lower.rfind(w.as_str()).map(|at| (at, at + w.len()))).max()
     };
     let kept = if beside { course() } else { None };
-    let (Some((start, end)), Some(text)) = (texts.trace.unchanged.filter(|_| stops).or(kept), label.trace.get())
+    let (Some((start, end)), Some(text)) =
+        (texts.trace.unchanged.filter(|_| stops).or(kept), label.trace.get())
     else {
         return;
     };
@@ -219,7 +220,8 @@ pub(in crate::check) fn class(
         texts.any(|t| words.subjects.speaks_of_writing(t))
     };
     // A place may be called anything; who is not there is not.
-    let by_place = !class.about.meets(words.known.actor) && !all.meets(words.known.actor);
+    let something = words.known.actor.with(words.known.adverse);
+    let by_place = !class.about.meets(words.known.actor) && !all.meets(something);
     if hides || written || by_place || any_unread(label, texts, words) {
         return false;
     }

@@ -36,10 +36,7 @@ pub(in crate::check) fn aftermath(
     };
     let Some(found) = aftermath::find(text, texts, reading, words, &decides, &resumes) else {
         let resolved = || aftermath::resolved(text, texts, reading, words, &decides);
-        return responds(label)
-            .then(resolved)
-            .flatten()
-            .or_else(|| aftermath::done(text, texts, words));
+        return responds(label).then(resolved).flatten().or_else(|| aftermath::done(text, texts, words));
     };
     reading.mentions.retain(|m| m.start < found.0);
     reading.end = reading.end.min(found.0);
