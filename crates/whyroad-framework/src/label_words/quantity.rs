@@ -100,7 +100,7 @@ impl Quantities {
             }
         }
         let start = start?;
-        (value > 0.0 || factor > 1.0).then(|| (if value > 0.0 { value } else { factor }, start))
+        (value > 0.0 || factor > 1.0).then_some((if value > 0.0 { value } else { factor }, start))
     }
 
     fn chinese(&self, text: &str) -> Option<f64> {

@@ -74,7 +74,7 @@ impl Undecided {
         }
         let named = names.first().is_some_and(|at| *at < lower.len() / 2);
         let is_verb = |w: &&str| self.is.contains(*w) || w.contains("'s") || w.contains("'re");
-        let Some(verb) = all.iter().take(LONGEST).position(|w| is_verb(&w)) else { return ClauseMood::Open };
+        let Some(verb) = all.iter().take(LONGEST).position(is_verb) else { return ClauseMood::Open };
         // "That's us away", "it's the brakes".
         let points = ["it", "that"].contains(&own) && verb == 0;
         if points || all[..=verb].iter().any(|w| self.controls.contains(*w)) && !self.where_from.contains(own)

@@ -36,7 +36,7 @@ pub(super) fn is_undecided(text: &str, reading: &Reading, texts: &Texts, words: 
     let Some(&(last, _)) = clauses.last() else { return false };
     let marks = texts.units.marks();
     let sentences = marks.iter().filter(|m| words.clauses.divides(**m) == Some(Divider::Sentence));
-    let last_sentence = sentences.map(|m| m.end()).filter(|at| *at < end).last().unwrap_or(0);
+    let last_sentence = sentences.map(|m| m.end()).rfind(|at| *at < end).unwrap_or(0);
     let is_thing = |n: &&Named| !words.objects[n.group].own.meets(words.known.gap);
     clauses.iter().all(|&(from, to)| {
         let begin = text[from..to].find(char::is_alphanumeric).map_or(from, |i| from + i);
