@@ -7,14 +7,20 @@ mod clauses;
 mod compared;
 mod compile;
 mod numbers;
+mod quantity;
+mod remote;
 mod subjects;
+mod undecided;
 
 pub use aftermath::{Aftermath, NewSubject, TellWord};
 pub use bearing::{Bearing, Bears};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
 pub use numbers::Numbers;
+pub use quantity::{Quantities, Quantity};
+pub use remote::Remote;
 pub use subjects::Subjects;
+pub use undecided::{ClauseMood, Undecided};
 
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
@@ -284,8 +290,18 @@ pub struct LabelWords {
     pub opposite: Vec<(Doings, Doings)>,
     /// What texts are compared without.
     pub compared: Compared,
+    /// Says that the ego keeps its course or speed as before, in lower case.
+    pub unchanged_course: Vec<String>,
     /// How the thing is found that a component speaks of.
     pub subjects: Subjects,
+    /// Times and distances that are far from any decision.
+    pub remote: Remote,
+    /// Numbers with a unit.
+    pub quantities: Quantities,
+    /// Numbers of exits, in order.
+    exits: Vec<Vec<String>>,
+    /// How a clause that decides nothing is told from one that may.
+    pub undecided: Undecided,
 }
 
 impl LabelWords {
@@ -423,6 +439,27 @@ impl LabelWords {
         all.filter_map(|(i, names)| Some((last(names)?, i))).max().map(|(_, i)| i)
     }
 
+    /// The number of an exit, from 0, that a record states.
+    pub fn ordinal(&self, record: &str) -> Option<usize> {
+        let lower = record.to_lowercase();
+        self.exits.iter().position(|words| words.iter().any(|w| lower.contains(w.as_str())))
+    }
+
+    /// The number of the exit, from 0, that a text speaks of.
+    pub fn ordinal_of_exit(&self, text: &str) -> Option<usize> {
+        /// Bytes behind the number.
+        const NEAR: usize = 16;
+        let lower = text.to_lowercase();
+        let is_exit = |at: usize| {
+            let end = (at + NEAR).min(lower.len());
+            let end = (end..=lower.len()).find(|i| lower.is_char_boundary(*i)).unwrap_or(lower.len());
+            lower[at..end].contains("出口") || lower[at..end].contains("exit")
+        };
+        self.exits.iter().position(|words| {
+            words.iter().any(|w| lower.match_indices(w.as_str()).any(|(at, w)| is_exit(at + w.len())))
+        })
+    }
+
     /// True when `text` says why something could not be observed.
     pub fn gives_reason(&self, text: &str) -> bool {
         let mut any = false;
@@ -461,6 +498,7 @@ struct File {
     denied: Words,
     supposed: Words,
     unchanged: Words,
+    unchanged_course: Words,
     uncertain: Words,
     hindsight: RawHindsight,
     resolved: Words,
@@ -468,6 +506,10 @@ struct File {
     clauses: clauses::RawClauses,
     compared: compared::RawCompared,
     subjects: subjects::RawSubjects,
+    undecided: undecided::RawUndecided,
+    remote: remote::RawRemote,
+    quantities: quantity::RawQuantities,
+    exits: Vec<Words>,
     placeholder: Words,
     unfinished: Words,
     template: Words,

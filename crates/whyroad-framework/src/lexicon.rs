@@ -34,6 +34,14 @@ pub struct Lexicon {
     pub pronouns: Vec<String>,
     /// Words before whoever is given way.
     pub gives_way: Vec<String>,
+    /// Before a name of the ego: something goes there.
+    pub towards_ego: Vec<String>,
+    /// Behind a name of the ego: its lane, or a place near it.
+    pub of_ego: Vec<String>,
+    /// Right behind a phrase in Chinese: what can be done, not what is.
+    pub can: Vec<String>,
+    /// Behind a name of the ego: what it is about.
+    pub meant: Vec<String>,
     /// Beginnings of whoever is given way.
     pub given_way: Vec<String>,
     /// Behind a phrase in Chinese, what would come of it.
@@ -170,6 +178,10 @@ struct RoleWords {
     negation_end: Words,
     refuses: Words,
     consequence: Words,
+    towards_ego: Words,
+    of_ego: Words,
+    meant: Words,
+    can: Words,
     joined: Words,
     pronoun: Words,
     given_way: Words,
@@ -204,6 +216,11 @@ impl Lexicon {
     /// A word that denies, in upper or lower case, denies what the ego does, not what it can do or has to do.
     pub fn refuses(&self, word: &str) -> bool {
         self.refuses.iter().any(|w| w.eq_ignore_ascii_case(word))
+    }
+
+    /// What follows a name of the ego says what it is about.
+    pub fn is_meant(&self, follows: &str) -> bool {
+        self.meant.iter().any(|w| follows.starts_with(w.as_str()))
     }
 
     /// From the text of `schema/decision_lexicon.yaml`; `file` is named in diagnostics. `road_users`: words for road

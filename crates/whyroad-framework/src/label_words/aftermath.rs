@@ -46,6 +46,10 @@ pub struct Aftermath {
     tells: Vec<TellWord>,
     /// Words behind which a verb of Latin letters has a subject.
     pub subjects: Vec<String>,
+    /// In a component, with a past tense: what came later; in lower case.
+    pub later: Vec<String>,
+    /// Past tenses.
+    pub told: Vec<String>,
     /// Words that may stand between a subject and its verb.
     pub between: Vec<String>,
     /// What begins a clause about somebody else.
@@ -81,6 +85,7 @@ struct RawNewSubject {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawAftermath {
     subjects: Words,
+    later: Words,
     between: Words,
     new_subject: RawNewSubject,
     decided: Words,
@@ -114,6 +119,8 @@ impl RawAftermath {
             trace: trie(tells.keys().map(String::as_str), problems),
             tells: tells.into_values().collect(),
             subjects: list(&self.subjects),
+            later: self.later.all().map(str::to_owned).collect(),
+            told: self.past.en.iter().chain(&self.past_of_subject.en).cloned().collect(),
             between: list(&self.between),
             new_subject: NewSubject {
                 begins: list(&self.new_subject.begins),

@@ -166,6 +166,11 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         opposite,
         compared,
         subjects: raw.subjects.compile(),
+        unchanged_course: raw.unchanged_course.all().map(str::to_owned).collect(),
+        remote: raw.remote.compile(),
+        quantities: raw.quantities.compile(),
+        exits: raw.exits.iter().map(|w| w.all().map(str::to_owned).collect()).collect(),
+        undecided: raw.undecided.compile(),
     };
     (words, problems)
 }

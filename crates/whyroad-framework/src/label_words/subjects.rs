@@ -47,6 +47,10 @@ pub struct Subjects {
     vague: HashSet<String>,
     /// Parts that every vehicle has, in lower case.
     parts: HashSet<String>,
+    /// Parts that have a left and a right one: in Chinese by their first character, in lower case.
+    own_parts: (CharSet, HashSet<String>),
+    /// Says that something is written, in lower case.
+    writing: Vec<String>,
     /// The ego, in Chinese and in Latin letters.
     ego: [Vec<String>; 2],
     /// Behind a name in Chinese, before one of Latin letters: it only says where something else is; in lower case.
@@ -87,6 +91,35 @@ impl Subjects {
             || text
                 .split(|c: char| !c.is_ascii_alphabetic())
                 .any(|word| latin.iter().any(|w| word.eq_ignore_ascii_case(w)))
+    }
+
+    /// The text begins with the ego, as the one who does something.
+    pub fn begins_with_ego(&self, text: &str) -> bool {
+        let [chinese, latin] = &self.ego;
+        if text.is_ascii() {
+            let mut all = text.split_whitespace().filter(|w| !w.eq_ignore_ascii_case("the"));
+            let possessive = ["our", "my", "us"];
+            return all.next().is_some_and(|first| {
+                let is_ego = latin.iter().any(|w| first.eq_ignore_ascii_case(w));
+                is_ego && !possessive.iter().any(|w| first.eq_ignore_ascii_case(w))
+            });
+        }
+        let rest = chinese.iter().find_map(|w| text.strip_prefix(w.as_str()));
+        rest.is_some_and(|r| !r.starts_with(|c| self.behind_own.contains(c)))
+    }
+
+    /// The text says that something is written.
+    pub fn speaks_of_writing(&self, text: &str) -> bool {
+        let lower = text.to_ascii_lowercase();
+        self.writing.iter().any(|w| lower.contains(w.as_str()))
+    }
+
+    /// The text begins with a part of which everybody has a left and a right one: "wheels".
+    pub fn begins_with_own_part(&self, text: &str) -> bool {
+        let text = text.trim_start();
+        let word = text.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        text.starts_with(|c| self.own_parts.0.contains(c))
+            || self.own_parts.1.contains(&word.to_ascii_lowercase())
     }
 
     /// The name at `start..end` of the text only says where something else is.
@@ -147,6 +180,8 @@ pub(super) struct RawSubjects {
     may_be_ego: Words,
     vague: Words,
     parts: Words,
+    own_parts: Words,
+    writing: Words,
     ego: Words,
     landmark: Words,
     stand_for: Words,
@@ -186,6 +221,8 @@ impl RawSubjects {
             landmark: [self.landmark.zh.clone(), self.landmark.en.clone()],
             stand_for: list(&self.stand_for),
             stand_for_chinese: self.stand_for.zh.clone(),
+            own_parts: (chars(&self.own_parts), list(&self.own_parts)),
+            writing: all(&self.writing),
             parts: self.parts.all().map(str::to_owned).collect(),
             at: [all(&self.before_ego), all(&self.behind_ego)],
             goes_to: [all(&self.goes_left), all(&self.goes_right)],

@@ -3,5 +3,6 @@
 pub(super) mod circular;
 mod grounds;
 pub(super) mod links;
+pub(super) mod remote;
 pub(super) mod text;
 pub(super) mod unused;

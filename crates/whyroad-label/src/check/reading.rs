@@ -157,6 +157,8 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 // What cannot be seen is not said to be there.
                 clause.supposed |= ["看", "cannot", "can't"].iter().any(|w| word.starts_with(w));
             }
+            // "Its left wheels": where a part of it is.
+            WordRole::Side(_) if words.subjects.begins_with_own_part(&text[hit.end..]) => out.words += 1,
             WordRole::Side(left) => {
                 out.words += 1;
                 // "An old man comes from the left": behind the name in Chinese, too.
@@ -359,7 +361,9 @@ impl Denial {
     /// True when what starts at `at` is close enough to be denied.
     fn reaches(self, text: &str, at: usize) -> bool {
         let reach = if self.is_latin { BETWEEN_LATIN } else { BETWEEN_CHINESE };
-        text[self.end..at].chars().nth(reach).is_none()
+        // "Without a signal it comes out": 不打灯就……
+        let between = &text[self.end..at];
+        between.chars().nth(reach).is_none() && !between.contains('就')
     }
 }
 

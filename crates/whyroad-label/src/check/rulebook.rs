@@ -3,10 +3,10 @@
 //! question alone.
 
 use super::business::{class, combination, decision, records};
-use super::cause::{circular, links, text as cause_text, unused};
+use super::cause::{circular, links, remote, text as cause_text, unused};
 use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::trace_rules::Said;
-use super::consistency::{duplicates, moment, objects, plausible, text, trace, trace_rules};
+use super::consistency::{duplicates, moment, objects, plausible, records as told, text, trace, trace_rules};
 use super::form::{placeholder, version};
 use super::texts::Texts;
 use super::view::View;
@@ -69,6 +69,7 @@ impl Rulebook<'_> {
         let background = self.framework.decision_table().causes.background;
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
+        told::against_texts(label, class, &texts, words, sink);
         duplicates::duplicates(label, &texts, words, background, sink);
         let mut reading = label.trace.get().map(|t| trace::read(t, &texts.units, lexicon));
         let after = label
@@ -76,12 +77,12 @@ impl Rulebook<'_> {
             .get()
             .zip(reading.as_mut())
             .and_then(|(text, r)| trace_rules::aftermath(text, label, &texts, r, words, lexicon));
-        cause_text::hindsight(label, &texts, after, lexicon, sink);
+        cause_text::hindsight(label, &texts, after, (words, lexicon), sink);
         cause_text::unobserved(label, words, sink);
         let another_class = class.is_some_and(|c| text::class(label, &texts, words, background, c, sink));
         cause_text::proximate(label, &texts, words, sink);
         let about = class.and_then(|c| c.decisions.as_ref()).map(|d| d.about).unwrap_or_default();
-        if !cause_text::distant(label, &texts, words, sink) {
+        if !remote::remote(label, &texts, words, sink) && !cause_text::distant(label, &texts, words, sink) {
             unused::unused(label, &texts, words, about, sink);
         }
         if !another_class && !impossible {
@@ -97,7 +98,7 @@ impl Rulebook<'_> {
         {
             return;
         }
-        text::unchanged(label, &texts, sink);
+        text::unchanged(label, &texts, words, sink);
         let acts = reading.as_ref().is_some_and(|r| !r.mentions.is_empty() || r.names_ego);
         let because = reading.as_ref().and_then(|r| r.because);
         let decides = reading.as_ref().map_or(0, |r| {

@@ -8,7 +8,7 @@ mod build;
 mod faults;
 mod fewer_words;
 
-use build::{Base, bases, forms, general, styles, unseen, weak};
+use build::{Base, bases, eleventh, forms, general, styles, unseen, weak};
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
@@ -33,13 +33,13 @@ const SIXTH: (f64, f64) = (0.86, FALSE_ALARMS);
 const SEVENTH: (f64, f64) = (0.92, 0.02);
 
 /// The same of the eighth set, by a fourth author; it was 59 of 100 and 13 of 100 when it was first run.
-const EIGHTH: (f64, f64) = (0.86, 0.0);
+const EIGHTH: (f64, f64) = (0.87, 0.0);
 
 /// The same of the ninth set, by a fifth author; it was 65 of 100 and 7 of 100 when it was first run.
 const NINTH: (f64, f64) = (0.88, 0.01);
 
-/// The same of the tenth set, by a sixth author, as it was first run.
-const TENTH: (f64, f64) = (0.56, 0.15);
+/// The same of the tenth set, by a sixth author; it was 56 of 100 and 15 of 100 when it was first run.
+const TENTH: (f64, f64) = (0.58, 0.01);
 
 /// The same of the halves of the general set, the second of which is less looked at: 41 of 71 and 15 of 40, 49 of 64
 /// and 14 of 42 when they were written.
@@ -47,6 +47,10 @@ const GENERAL: [(f64, f64); 2] = [(0.87, FALSE_ALARMS), (0.90, 0.08)];
 
 /// The same of the halves of the set of weak kinds.
 const WEAK: [(f64, f64); 2] = [(0.85, 0.0), (0.85, 0.014)];
+
+/// The same of the halves of the eleventh set, the second of which was not improved on: 79 of 232 and 31 of 146, 85 of
+/// 227 and 33 of 142 when it was first run.
+const ELEVENTH: [(f64, f64); 2] = [(0.66, 0.055), (0.57, 0.12)];
 
 /// The same with one word in five missing from the lists; it was 3240 of 3575 and 124 of 1265 before the checks were
 /// made to ask what was read.
@@ -201,6 +205,8 @@ fn labels_that_were_unseen_stay_found() {
         ("general set, other half", half_of(&general(), 1), (50, 40), GENERAL[1]),
         ("weak kinds, half that was improved on", half_of(&weak(), 0), (150, 80), WEAK[0]),
         ("weak kinds, other half", half_of(&weak(), 1), (130, 70), WEAK[1]),
+        ("eleventh set, half that was improved on", half_of(&eleventh(), 0), (150, 100), ELEVENTH[0]),
+        ("eleventh set, other half", half_of(&eleventh(), 1), (150, 100), ELEVENTH[1]),
     ];
     let mut worse = Vec::new();
     for (name, bases, least, (found_of, flagged_of)) in &sets {

@@ -38,6 +38,7 @@ pub(in crate::check) fn circular(
     // A decision in words that no list knows may have a reason in such words.
     if !repeated
         && (said == Said::Unread
+            || begins_with_cause(text, texts, words, reading)
             || gives_cause(text, texts, words, &decision_in)
             || has_other_words(label, text, texts, words, &decision_in))
     {
@@ -62,6 +63,21 @@ fn is_done_by_other(text: &str, from: usize, to: usize, texts: &Texts, words: &L
         let before = text[from..n.start].to_ascii_lowercase();
         acts && before.rfind(" by ").is_some_and(|at| before.len() - at <= NEAR)
     })
+}
+
+/// What a component names stands before whatever is said of the ego: "the stop sign requires a halt". Behind it, it may
+/// be what the decision is about.
+fn begins_with_cause(text: &str, texts: &Texts, words: &LabelWords, reading: &Reading) -> bool {
+    let components = texts.all_components(words);
+    let decided = reading.mentions.iter().map(|m| m.start).min().unwrap_or(text.len());
+    let is_cause = |n: &Named| {
+        let own = words.objects[n.group].own;
+        own.meets(components) && !own.meets(words.known.no_cause) && !own.meets(words.known.road)
+    };
+    let because = reading.because.is_some_and(|at| at < decided);
+    // "In the blind spot one has to slow, so it slows in the blind spot".
+    let again = |n: &Named| texts.trace.there().any(|m| m.start >= decided && m.group == n.group);
+    !because && texts.trace.there().any(|n| n.end <= decided && is_cause(n) && !again(n))
 }
 
 /// Some part of the text names a cause and is not the decision itself.

@@ -20,7 +20,7 @@ pub(in crate::check) fn hindsight(
     label: &View<'_>,
     texts: &Texts,
     after: Option<(usize, usize)>,
-    lexicon: &Lexicon,
+    (words, lexicon): (&LabelWords, &Lexicon),
     sink: &mut dyn Sink,
 ) {
     let report = |sink: &mut dyn Sink, at: String, text: &str, (start, end): (usize, usize)| {
@@ -38,8 +38,11 @@ pub(in crate::check) fn hindsight(
     };
     for (c, facts) in label.parts.iter().zip(&texts.components) {
         let Some(text) = c.description.get() else { continue };
-        if let Some(at) =
-            facts.hindsight.or(facts.after_response).or_else(|| after_decision(text, facts, label, lexicon))
+        if let Some(at) = facts
+            .hindsight
+            .or(facts.after_response)
+            .or_else(|| after_decision(text, facts, label, lexicon))
+            .or_else(|| told_later(text, words))
         {
             return report(sink, pointer::critical_components_item_description(c.index), text, at);
         }
@@ -47,6 +50,33 @@ pub(in crate::check) fn hindsight(
     if let (Some(text), Some(at)) = (label.trace.get(), texts.trace.hindsight.or(after)) {
         report(sink, pointer::COC_TRACE.to_owned(), text, at);
     }
+}
+
+/// Bytes of a component that tells in the past tense what came later: "then drove on", "after 200 m it turned off". What
+/// is seen stands in the present or the perfect.
+fn told_later(text: &str, words: &LabelWords) -> Option<(usize, usize)> {
+    let lower = text.to_ascii_lowercase();
+    let find =
+        |all: &[String]| all.iter().filter_map(|w| lower.find(w.as_str()).map(|at| (at, at + w.len()))).min();
+    let (start, end) = find(&words.aftermath.later)?;
+    if !text.is_ascii() {
+        return text[end..].contains('了').then_some((start, end));
+    }
+    let is_past = |w: &str| {
+        w.len() >= 5 && w.ends_with("ed") && !w.ends_with("eed")
+            || words.aftermath.told.iter().any(|t| t == w)
+    };
+    let mut all = lower.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty()).peekable();
+    let mut last = "";
+    let told = std::iter::from_fn(|| all.next()).any(|w| {
+        // Behind an auxiliary or an article it is a participle: "has stopped", "the parked car".
+        let is_participle =
+            ["has", "have", "had", "is", "are", "was", "were", "been", "being", "a", "an", "the"]
+                .contains(&last);
+        last = w;
+        is_past(w) && !is_participle
+    });
+    told.then_some((start, end))
 }
 
 /// Bytes of a component that say what comes after the label's own decision: "after merging" in whatever words, where
@@ -280,12 +310,12 @@ pub(in crate::check) fn denied(
                 | Longitudinal::RoadSpeedAdaptation
         )
     );
-    let (Some(text), true) = (label.trace.get(), restricts) else { return false };
-    let by_itself = || irrelevant(text, texts, words);
+    let Some(text) = label.trace.get() else { return false };
+    let by_itself = || irrelevant(text, texts, words, restricts);
     // A change of lane or a turn has its own cause, which may be the route or the road.
     let stays = label.lateral.get().is_none_or(|l| matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
     let clauses = || {
-        stays
+        (stays && restricts)
             .then(|| grounds::against(label, texts, words, (background, about), (reading, lexicon)))
             .flatten()
     };
@@ -305,7 +335,9 @@ pub(in crate::check) fn denied(
 }
 
 /// Bytes of what says that everything the trace names has no part in the decision.
-fn irrelevant(text: &str, texts: &Texts, words: &LabelWords) -> Option<(usize, usize)> {
+///
+/// `restricts`: the decision responds to something; another one may have its reason in what is not there.
+fn irrelevant(text: &str, texts: &Texts, words: &LabelWords, restricts: bool) -> Option<(usize, usize)> {
     let (start, end) = texts.trace.irrelevant?;
     // "No threat, but the road is wet".
     let behind = text[end..].to_ascii_lowercase();
@@ -329,8 +361,17 @@ fn irrelevant(text: &str, texts: &Texts, words: &LabelWords) -> Option<(usize, u
     let is_other = |n: &Named| {
         if own.is_empty() { n.start >= end } else { !words.objects[n.group].own.meets(about) }
     };
+    // Said of what the first component names, it leaves nothing but what is named behind it.
+    let first = texts.components.first().map(|f| {
+        let there = f.there().filter(is_cause);
+        there.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].own))
+    });
+    let of_first =
+        own.iter().any(|n| is_cause(n) && first.is_some_and(|f| words.objects[n.group].near.meets(f)));
+    let of_first = of_first || own.is_empty() && words.subjects.has_pronoun(&text[from..end]);
+    let is_other = |n: &Named| if of_first { n.start >= end } else { is_other(n) };
     let another = texts.trace.there().filter(is_cause).any(is_other);
-    (!another).then_some((start, end))
+    (!another && (of_first || restricts)).then_some((start, end))
 }
 
 /// The components that are named as the cause of a decision speak of something that can bring it about: by the table of

@@ -61,7 +61,14 @@ pub(in crate::check) fn duplicates(
     let facts = &texts.components[..texts.components.len().min(COMPARED)];
     let same_facts = |i: usize, j: usize| {
         let text = |k: usize| label.parts[k].description.get().unwrap_or_default();
-        (groups[i].meets(groups[j]))
+        // What the ego does is not what the other does.
+        let of_ego = |k: usize| {
+            text(k)
+                .split(['，', ',', '。', ';', '；'])
+                .any(|c| words.subjects.begins_with_ego(c.trim_start()))
+        };
+        groups[i].meets(groups[j])
+            && of_ego(i) == of_ego(j)
             && (adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words, background)
                 || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words, background))
     };

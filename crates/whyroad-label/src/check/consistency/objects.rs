@@ -49,7 +49,10 @@ pub(in crate::check) fn unnamed(
                 && words.subjects.may_be_ego.iter().any(|w| ends_with(&text[..n.end], w))
                 && (words.subjects.is_general(name) || text.is_ascii() || is_given())
     };
-    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n);
+    // "Traffic or no traffic".
+    let either =
+        |n: &Named| texts.trace.named.iter().any(|m| m.absent && m.group == n.group && m.clause == n.clause);
+    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n) && !either(n);
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
     // In other words, or one that a component has in words that no list knows: most labels do not come to this.
     let unread = new.peek().map(|_| Unread::of(label, texts, words, background));
@@ -211,6 +214,68 @@ fn differs(
         let given = c.description.get().and_then(|t| at_end(t, other));
         given.is_some_and(|g| at_end(text, n).is_some_and(|said| said != g))
     };
+    // "Three cows" for two of them.
+    let other_count = |n: &Named| {
+        let count = |t: &str, n: &Named| words.quantities.count_before(t, n.start, &words.subjects.counters);
+        let Some(said) = count(text, n) else { return false };
+        let parts = label.parts.iter().zip(&texts.components);
+        let own = words.objects[n.group].own;
+        let given: Vec<f64> = parts
+            .filter_map(|(c, f)| Some((c.description.get()?, f)))
+            .flat_map(|(t, f)| {
+                f.there().filter(|m| words.objects[m.group].own == own).map(move |m| count(t, m))
+            })
+            .flatten()
+            .collect();
+        own.meets(words.known.actor) && !given.is_empty() && !given.contains(&said)
+    };
+    // A bend or a wall on the other side: by itself, or as a part of its name.
+    let turned = |t: Option<&str>, n: &Named| {
+        let word = t.and_then(|t| t.get(n.start..n.end)).unwrap_or_default();
+        match word.chars().next() {
+            Some('左') => Some(true),
+            Some('右') => Some(false),
+            _ => n.side,
+        }
+    };
+    let is_fixed = |n: &Named| {
+        let own = words.objects[n.group].own;
+        own.meets(words.known.adverse.with(words.known.sight)) && !own.meets(words.known.actor)
+    };
+    let other_bend = |n: &Named| {
+        let Some(side) = turned(Some(text), n).filter(|_| is_fixed(n)) else { return false };
+        let own = words.objects[n.group].own;
+        let parts = label.parts.iter().zip(&texts.components);
+        let given: Vec<bool> = parts
+            .flat_map(|(c, f)| f.there().filter(|m| words.objects[m.group].own == own).map(move |m| (c, m)))
+            .filter_map(|(c, m)| turned(c.description.get(), m))
+            .collect();
+        !given.is_empty() && !given.contains(&side)
+    };
+    // It stands, where its component says that it moves off.
+    let other_doing = |n: &Named| {
+        let own = words.objects[n.group].own;
+        if !own.meets(words.known.actor) {
+            return false;
+        }
+        let mut same =
+            texts.components.iter().filter(|f| f.there().any(|m| words.objects[m.group].own == own));
+        let (Some(given), None) = (same.next(), same.next()) else { return false };
+        let others = texts
+            .trace
+            .there()
+            .filter(|m| m.clause == n.clause && words.objects[m.group].own.meets(words.known.actor));
+        if given.does.is_empty()
+            || given.there().filter(|m| words.objects[m.group].own.meets(words.known.actor)).count() > 1
+            || others.count() > 1
+        {
+            return false;
+        }
+        let opposite = words.opposite_of(given.does).without(given.does);
+        let (from, to) = words.clauses.around(&texts.units, n.start..n.end, text.len(), &|_| true);
+        let acts = || texts.trace.acts.iter().filter(|a| (from..to).contains(&a.start) && !a.denied);
+        acts().any(|a| a.doing.meets(opposite)) && !acts().any(|a| a.doing.meets(given.does))
+    };
     let is_part = |n: &Named, text: Option<&str>| {
         text.and_then(|t| t.get(n.start..n.end)).is_some_and(|t| words.subjects.is_part(t))
     };
@@ -228,15 +293,18 @@ fn differs(
         });
         side || color || other_car(n) || not_opposite(n) || is_elsewhere(n)
     };
+    let is_other = |n: &&Named| differs(n) || other_count(n) || other_bend(n) || other_doing(n);
     let other_light = || other_light(label, texts, words, until);
-    let Some(n) = texts.trace.there().filter(|n| n.start < until).find(differs).or_else(other_light) else {
+    let Some(n) = texts.trace.there().filter(|n| n.start < until).find(is_other).or_else(other_light) else {
         return;
     };
     sink.report(Finding::warning("label.trace.object_differs", pointer::COC_TRACE).part(n.start, n.end), &|| {
         let thing = &text[n.start..n.end];
         Words::new(
-            format!("因果描述中的“{thing}”与关键要素所说的方位或颜色不同"),
-            format!("the trace puts '{thing}' on another side, or gives it another color, than the component does"),
+            format!("因果描述中的“{thing}”与关键要素所说的不同（方位、颜色、数量或动作）"),
+            format!(
+                "the trace says otherwise of '{thing}' than the component does (side, color, number or what it does)"
+            ),
         )
         .hint("改正其中有误的一处", "correct the one that is wrong")
     });
@@ -260,12 +328,17 @@ fn other_light<'t>(
         let end = rest.find(|c| "，。；,;.".contains(c)).unwrap_or(rest.len());
         own.or_else(|| words.light_color(&rest[..end]))
     };
+    // Whoever jumps a red light has one of his own.
+    let jumped = |t: Option<&str>, n: &Named| t.is_some_and(|t| t[..n.start].ends_with(['闯', '抢']));
     let is_light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
     let given: Vec<usize> = label
         .parts
         .iter()
         .zip(&texts.components)
-        .flat_map(|(c, f)| f.there().filter(is_light).filter_map(|n| color(c.description.get(), n)))
+        .flat_map(|(c, f)| {
+            let text = c.description.get();
+            f.there().filter(is_light).filter(move |n| !jumped(text, n)).filter_map(move |n| color(text, n))
+        })
         .collect();
     let said: Vec<(&Named, usize)> = texts
         .trace

@@ -12,7 +12,7 @@ use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Divider, GroupSet};
 use whyroad_model::Bilingual;
-use whyroad_model::decision::Longitudinal;
+use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
 /// The trace speaks of what the components speak of. True when it has nothing to do with them. `acts`: it names the
@@ -149,7 +149,7 @@ fn any_unread(label: &View<'_>, texts: &Texts, words: &LabelWords) -> bool {
 }
 
 /// A stop is decided once: whoever stands already and goes on standing decides nothing (LABELING.md 6, minimality).
-pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, sink: &mut dyn Sink) {
+pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
     let stops = matches!(
         label.longitudinal.get(),
         Some(
@@ -159,7 +159,21 @@ pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, sink: &mut dy
                 | Longitudinal::LeadFollowing
         )
     );
-    let (Some((start, end)), Some(text), true) = (texts.trace.unchanged, label.trace.get(), stops) else {
+    // To keep the lane or the speed is a decision by itself, and none beside another.
+    let beside = match (label.longitudinal.get(), label.lateral.get()) {
+        (Some(along), Some(Lateral::LaneKeeping)) => along != Longitudinal::SetSpeedTracking,
+        (Some(Longitudinal::SetSpeedTracking), Some(_)) => true,
+        _ => false,
+    };
+    let course = || {
+        let lower = label.trace.get()?.to_ascii_lowercase();
+        let all = words.unchanged_course.iter();
+        all.filter_map(|w| lower.rfind(w.as_str()).map(|at| (at, at + w.len()))).max()
+    };
+    let kept = if beside { course() } else { None };
+    let (Some((start, end)), Some(text)) =
+        (texts.trace.unchanged.filter(|_| stops).or(kept), label.trace.get())
+    else {
         return;
     };
     sink.report(
@@ -199,7 +213,16 @@ pub(in crate::check) fn class(
     if all.meets(class.about) || all.without(background).is_empty() || unknown_actor {
         return false;
     }
-    if any_unread(label, texts, words) {
+    // What hides the rest of the road may be the road itself: "nothing past the brow can be seen".
+    let hides = class.about.meets(words.known.sight) && label.components.get().is_some_and(|c| c.any_high);
+    let written = class.about.meets(words.known.sign) && {
+        let mut texts = label.parts.iter().filter_map(|c| c.description.get());
+        texts.any(|t| words.subjects.speaks_of_writing(t))
+    };
+    // A place may be called anything; who is not there is not.
+    let something = words.known.actor.with(words.known.adverse);
+    let by_place = !class.about.meets(words.known.actor) && !all.meets(something);
+    if hides || written || by_place || any_unread(label, texts, words) {
         return false;
     }
     sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {

@@ -2,6 +2,7 @@
 
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
 use crate::check::consistency::trace_stems::{self, ByStem};
+use crate::check::consistency::undecided;
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use crate::check::view::View;
@@ -35,10 +36,7 @@ pub(in crate::check) fn aftermath(
     };
     let Some(found) = aftermath::find(text, texts, reading, words, &decides, &resumes) else {
         let resolved = || aftermath::resolved(text, texts, reading, words, &decides);
-        return responds(label)
-            .then(resolved)
-            .flatten()
-            .or_else(|| aftermath::done(texts, words, text.len()));
+        return responds(label).then(resolved).flatten().or_else(|| aftermath::done(text, texts, words));
     };
     reading.mentions.retain(|m| m.start < found.0);
     reading.end = reading.end.min(found.0);
@@ -130,6 +128,15 @@ pub(in crate::check) fn trace(
             TraceVerdict::Unlabelled { .. } => lateral == Slot::Broken,
             _ => false,
         };
+        // "The left-turn waiting area", "we are first for the left turn": a name.
+        let is_name = match v {
+            TraceVerdict::Unlabelled { start, end, says, .. } if says == Lateral::Turn.id() => {
+                let inside = |n: &Named| n.start <= end && n.end > end;
+                text[..start].ends_with('是') || texts.trace.named.iter().any(inside)
+            }
+            _ => false,
+        };
+        let unreadable = unreadable || is_name;
         if !unreadable {
             let mut v = v;
             let by_stem = |decision: &str, other: Option<Lateral>, apart: Option<(usize, usize)>| {
@@ -184,13 +191,14 @@ pub(in crate::check) fn trace(
             found = true;
             // A trace that is too short is reported as such.
             if !(not_stated && seen.length < limits.too_short_below / 2) {
-                verdict(&v, text, names, sink);
+                let read = not_stated && undecided::is_undecided(text, reading, texts, words);
+                verdict(&v, text, names, read, sink);
             }
         }
     });
     if let (false, Some(v)) = (found, side_beside(text, reading, lexicon, label, texts, words)) {
         found = true;
-        verdict(&v, text, names, sink);
+        verdict(&v, text, names, false, sink);
     }
     // "Does not yield and turns left": the other channel is stated.
     if let (false, Some(along), Some(_)) = (found, longitudinal.get(), lateral.get()) {
@@ -202,7 +210,7 @@ pub(in crate::check) fn trace(
         let read = || trace_stems::read(text, reading, lexicon, (Some(along), None), texts, words, None);
         if !stated && let ByStem::Denied(start, end) = read() {
             found = true;
-            verdict(&TraceVerdict::Denied { label: along.id(), start, end }, text, names, sink);
+            verdict(&TraceVerdict::Denied { label: along.id(), start, end }, text, names, false, sink);
         }
     }
     // A short one may still hold all three: "yellow, far away, stopping".
@@ -373,7 +381,8 @@ pub(in crate::check) fn direction_name(direction: LateralDirection) -> Bilingual
     }
 }
 
-fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, sink: &mut dyn Sink) {
+/// `read`: nothing in the trace may be a decision in words that no list knows.
+fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink: &mut dyn Sink) {
     let name = |id: &str| names.name(id);
     let check_end = |words: Words| {
         words.hint("检查决策，或改写因果描述的结尾", "check the decision, or rewrite the end of the trace")
@@ -448,7 +457,11 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, sink: &mut dyn Si
             });
         }
         TraceVerdict::NotStated { label, start, end } => {
-            let finding = Finding::note("label.trace.decision_missing", pointer::COC_TRACE);
+            let code = "label.trace.decision_missing";
+            let finding = match read {
+                true => Finding::warning(code, pointer::COC_TRACE),
+                false => Finding::note(code, pointer::COC_TRACE),
+            };
             sink.report(at(finding, start, end), &|| {
                 let (label, ending) = (name(label), excerpt(&text[*start..*end]));
                 Words::new(

@@ -54,10 +54,12 @@ pub(super) fn read(
         let can_act = |n: &&Named| words.objects[n.group].named && (from..to).contains(&n.start);
         let named = texts.trace.there().filter(can_act).map(|n| n.start).min();
         let acts = |at: usize| !marked && named.is_some_and(|n| n < from + at);
+        // "Slower than us" is no slowing.
+        let compares = |at: usize| clause[..at].contains('比');
         let stem = lexicon
             .stems
             .find(&clause, along, across)
-            .filter(|at| !describes(&clause[..*at], &clause[*at..], words));
+            .filter(|at| !describes(&clause[..*at], &clause[*at..], words) && !compares(*at));
         let denied =
             reading.mentions.iter().any(|m| (from..to).contains(&m.start) && m.force == Force::Negated);
         if stem.is_some_and(|at| !acts(at)) && !denied {

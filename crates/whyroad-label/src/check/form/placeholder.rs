@@ -1,5 +1,6 @@
 //! Texts that say nothing: placeholders, and words that have to do with no road.
 
+use crate::check::overlap;
 use crate::check::reading::TextFacts;
 use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
@@ -43,7 +44,22 @@ pub(in crate::check) fn components(
             });
         } else if facts.words == 0 && !says_something(text, lexicon) && !words.is_of_driving(text) {
             // In a few words this says nothing; in more, something that no list knows.
-            let finding = match is_short(text) {
+            let is_told = || {
+                label
+                    .trace
+                    .get()
+                    .is_some_and(|t| overlap::shared_with(text, t, &words.compared, &|_| true) > 0)
+            };
+            // What speaks of something that was named before, or counts, may say it in any words.
+            let speaks_on = || {
+                let first = text.split(' ').next().unwrap_or_default().to_ascii_lowercase();
+                words.subjects.has_pronoun(text)
+                    || words.subjects.is_pronoun(&first)
+                    || text.is_ascii() && words.numbers.any(text)
+            };
+            // What is idle is found by its use.
+            let is_idle = facts.idle.is_some() || facts.apart.is_some();
+            let finding = match is_short(text) || !is_idle && !speaks_on() && !is_told() {
                 true => Finding::warning("label.text.unrelated", at),
                 false => Finding::note("label.text.unrelated", at),
             };

@@ -39,8 +39,18 @@ const KINDS: &[(&str, &[&str])] = &[
     ("placeholder", &["label.text.placeholder", "label.text.unrelated", "label.component.too_short"]),
     ("other_class", &["label.text.class", "label.cause.kind", "label.text.unrelated"]),
     ("proximate", &["label.cause.proximate"]),
-    ("distant", &["label.cause.proximate"]),
-    ("minimality", &["label.decision.unchanged"]),
+    // A far cause in the place of the near one is a reason that has nothing to do with the components, too.
+    ("distant", &["label.cause.proximate", "label.text.unrelated"]),
+    // A second maneuver that nothing calls for: by the text, by the class, or by the causes.
+    (
+        "minimality",
+        &[
+            "label.decision.unchanged",
+            "label.decision.impossible",
+            "label.trace.unlabelled",
+            "label.cause.kind",
+        ],
+    ),
     ("impossible_decision", &["label.decision.impossible"]),
     ("impossible_lateral", &["label.decision.impossible", "label.lateral.mandated"]),
     ("impossible_direction", &["label.decision.impossible", "label.direction.invalid"]),

@@ -116,11 +116,16 @@ pub(in crate::check::consistency) fn resolved(
 /// Words of a time at which the ego has responded already, or whoever it responds to is done, as bytes of `text`:
 /// "after it had merged". Not where the clause says what is to be waited for.
 pub(in crate::check::consistency) fn done(
+    text: &str,
     texts: &Texts,
     words: &LabelWords,
-    end: usize,
 ) -> Option<(usize, usize)> {
+    let end = text.len();
     let is_told = |&(start, to): &(usize, usize)| {
+        // "Not going over there we get nowhere".
+        if text[..start].chars().rev().take(2).any(|c| "不没别".contains(c)) {
+            return false;
+        }
         let (from, until) = words.clauses.around(&texts.units, start..to, end, &|_| true);
         let mut exempt = false;
         words.aftermath.trace_hits(&texts.units, from..until, |tell, a, b| {
@@ -197,7 +202,9 @@ fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts, wor
     let before = clause[..start].trim_end();
     let end = offset + before.len();
     // The ego itself changes a measure: "speed adjusted".
-    let is_measure = |n: &Named| words.objects[n.group].own.meets(words.known.gap);
+    // A road does nothing: "one lane left".
+    let acts_not = words.known.gap.with(words.known.road).with(words.known.no_cause);
+    let is_measure = |n: &Named| words.objects[n.group].own.meets(acts_not);
     if facts.named.iter().any(|n| n.end == end && !is_measure(n)) {
         return true;
     }

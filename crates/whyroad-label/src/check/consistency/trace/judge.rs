@@ -130,7 +130,9 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         let deciding = || relevant().filter(|m| m.start >= reading.decision_from);
 
         let Some(label) = self.label else {
-            let named = deciding().filter(firm).find(|m| {
+            // "We are to turn right here": its route, where another clause decides.
+            let decides = |m: &&Mention| reading.marked || !m.meant || m.clause == reading.last_clause;
+            let named = deciding().filter(firm).filter(decides).find(|m| {
                 let other = says(m).iter().all(|d| !self.null_allows.contains(d));
                 other || lexicon.phrases[m.phrase].change
             });

@@ -34,6 +34,8 @@ pub(in crate::check) struct Mention {
     pub by_ego: bool,
     /// It is denied.
     pub denied: bool,
+    /// Behind "we are to": what the ego is about, where another clause decides.
+    pub meant: bool,
     /// Its subject is taken over from an earlier clause, where another road user acts.
     pub carried: bool,
 }
@@ -94,6 +96,8 @@ struct Reader<'l> {
     actor: Actor,
     /// The ego is named in it.
     names_ego: bool,
+    /// It says what the ego is about: "we are to".
+    meant: bool,
     hypothesis: bool,
     intention: bool,
     reason: bool,
@@ -117,6 +121,7 @@ pub(in crate::check) fn read(text: &str, units: &Units, lexicon: &Lexicon) -> Re
         clause: 0,
         actor: Actor::Unknown,
         names_ego: false,
+        meant: false,
         hypothesis: false,
         intention: false,
         reason: false,
@@ -196,6 +201,8 @@ impl Reader<'_> {
                 // "Braking is surely too late", in Chinese without a word between the two.
                 let is_latin = self.text[hit.start..].starts_with(|c: char| c.is_ascii());
                 let behind = if is_latin { limits.adjacent_reach } else { limits.behind_reach };
+                // "Eases left without leaving it": in Latin letters only a predicate takes back what precedes it.
+                let adjacent = adjacent || is_latin && !self.text[hit.start..].starts_with("is");
                 if !adjacent && last.is_some_and(|m| m.clause == self.clause && hit.start - m.end <= behind) {
                     self.back_negation = Some(self.out.mentions.len() - 1);
                 }
@@ -207,10 +214,13 @@ impl Reader<'_> {
                 }
             }
             Role::NegationEnd => self.negation = None,
+            // "Towards our lane", "behind the ego": said of where something is or goes.
+            Role::Ego if self.is_place_of_ego(hit) => self.out.names_ego = true,
             Role::Ego => {
                 self.actor = Actor::Ego;
                 self.names_ego = true;
                 self.out.names_ego = true;
+                self.meant = self.lexicon.is_meant(&self.text[hit.end..]);
             }
             Role::Agent => match (self.governs, self.actor) {
                 (true, Actor::Unknown) => self.actor = Actor::Object,
@@ -233,6 +243,14 @@ impl Reader<'_> {
         self.anything_in_sentence = true;
     }
 
+    /// The name of the ego at `hit` says where something else is or goes, not who acts.
+    fn is_place_of_ego(&self, hit: Hit) -> bool {
+        let (before, behind) = (self.text[..hit.start].trim_end(), &self.text[hit.end..]);
+        let lexicon = self.lexicon;
+        lexicon.towards_ego.iter().any(|w| before.ends_with(w.as_str()))
+            && lexicon.of_ego.iter().any(|w| behind.starts_with(w.as_str()))
+    }
+
     fn is_pronoun(&self, hit: Hit) -> bool {
         let word = &self.text[hit.start..hit.end];
         self.out.marked && self.lexicon.pronouns.iter().any(|p| word.eq_ignore_ascii_case(p))
@@ -240,6 +258,13 @@ impl Reader<'_> {
 
     fn mention(&mut self, hit: Hit, phrase: usize) {
         self.back_negation = None;
+        let (before, behind) = (&self.text[..hit.start], &self.text[hit.end..]);
+        // "Only left turns", "it can be stopped": a noun, and what could be done.
+        let is_noun = behind.is_ascii() && before.ends_with("left ") || before.ends_with("right ");
+        let is_noun = is_noun && self.text[hit.start..hit.end].eq_ignore_ascii_case("turns");
+        if is_noun || self.lexicon.can.iter().any(|w| behind.starts_with(w.as_str())) {
+            return;
+        }
         let actor = if self.actor == Actor::Unknown { self.inherited } else { self.actor };
         let carried = self.actor == Actor::Unknown && self.inherited == Actor::Other;
         let negated = match &mut self.negation {
@@ -292,6 +317,7 @@ impl Reader<'_> {
             end: hit.end,
             clause: self.clause,
             denied,
+            meant: self.meant,
             carried,
         });
     }
@@ -313,6 +339,7 @@ impl Reader<'_> {
         self.clause += 1;
         self.actor = Actor::Unknown;
         self.names_ego = false;
+        self.meant = false;
         self.hypothesis = false;
         self.intention = false;
         self.reason = false;

@@ -1,0 +1,145 @@
+//! Numbers with a unit in a text (`quantities` of `schema/label_words.yaml`), in digits or in words: "四百米", "400 m",
+//! "forty meters".
+
+use super::{CharSet, Words};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// Words of numbers and units.
+#[derive(Clone, Debug, Default)]
+pub struct Quantities {
+    /// Unit of a record, word, and how many of the unit one of it is.
+    units: Vec<(String, String, f64)>,
+    numbers: BTreeMap<String, f64>,
+    /// Behind a distance to something.
+    away: Vec<String>,
+    /// Record id and the words beside which a text states it.
+    pub beside: BTreeMap<String, Vec<String>>,
+}
+
+/// A number with a unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity {
+    /// In the unit that was asked for.
+    pub value: f64,
+    /// First byte in the text.
+    pub start: usize,
+}
+
+impl Quantities {
+    /// The quantities of `text` in `unit`.
+    pub fn find(&self, text: &str, unit: &str) -> Vec<Quantity> {
+        let lower = text.to_ascii_lowercase();
+        let mut out: Vec<(Quantity, usize)> = Vec::new();
+        let own = self.units.iter().filter(|(of, ..)| of == unit);
+        for (_, word, factor) in own {
+            for (at, _) in lower.match_indices(word.as_str()) {
+                let end = at + word.len();
+                let letter = |c: char| c.is_ascii_alphabetic() || c == '/' || c == '²';
+                // "m" of "mph", "公里" of "公里/小时".
+                if lower[end..].starts_with(letter) || lower[end..].starts_with("每小时") {
+                    continue;
+                }
+                // "20 m ahead": where something is.
+                if self.away.iter().any(|w| lower[end..].trim_start().starts_with(w.as_str())) {
+                    continue;
+                }
+                if let Some((value, start)) = self.number_before(&lower, at) {
+                    // "三米六".
+                    let tenths = lower[end..].chars().next().filter(|c| !c.is_ascii());
+                    let tenths = tenths.and_then(|c| self.numbers.get(c.encode_utf8(&mut [0; 4]) as &str));
+                    let value = value + tenths.filter(|n| **n < 10.0).map_or(0.0, |n| n / 10.0);
+                    out.push((Quantity { value: value * factor, start }, end));
+                }
+            }
+        }
+        // The longest unit at a number: "km" rather than "m".
+        out.sort_by(|a, b| a.0.start.cmp(&b.0.start).then(b.1.cmp(&a.1)));
+        out.dedup_by_key(|q| q.0.start);
+        out.into_iter().map(|q| q.0).collect()
+    }
+
+    /// How many of the thing whose name starts at `at` the text says there are: "三头黄牛", "four sheep".
+    pub fn count_before(&self, text: &str, at: usize, counters: &CharSet) -> Option<f64> {
+        let before = text[..at].trim_end();
+        if text.is_ascii() {
+            let word = before.rsplit(' ').next()?.to_ascii_lowercase();
+            return self.numbers.get(&word).copied().or_else(|| word.parse().ok());
+        }
+        let before = before.strip_suffix(|c| counters.contains(c))?;
+        let c = before.chars().next_back()?;
+        let counts = before[..before.len() - c.len_utf8()].ends_with('第');
+        (!counts).then(|| self.numbers.get(c.encode_utf8(&mut [0; 4]) as &str).copied()).flatten()
+    }
+
+    /// The number that ends at `at`, with its first byte.
+    fn number_before(&self, text: &str, at: usize) -> Option<(f64, usize)> {
+        let before = text[..at].trim_end_matches([' ', '-', '多', '来', '余']);
+        let digits = before.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.');
+        if digits.len() < before.len() {
+            return before[digits.len()..].parse().ok().map(|v| (v, digits.len()));
+        }
+        let chinese = before.trim_end_matches(|c: char| {
+            !c.is_ascii() && self.numbers.contains_key(c.encode_utf8(&mut [0; 4]) as &str)
+        });
+        if chinese.len() < before.len() {
+            // "Some tens of meters".
+            if chinese.ends_with(['几', '数']) {
+                return None;
+            }
+            return self.chinese(&before[chinese.len()..]).map(|v| (v, chinese.len()));
+        }
+        // "Four hundred", "twenty-five".
+        let (mut value, mut start, mut factor) = (0.0, None, 1.0);
+        for word in before.rsplit([' ', '-']).take(3) {
+            let Some(n) = self.numbers.get(word) else { break };
+            start = Some(before[..start.unwrap_or(before.len())].rfind(word)?);
+            match *n {
+                n if n >= 100.0 => factor = n,
+                n => value += n * factor,
+            }
+        }
+        let start = start?;
+        (value > 0.0 || factor > 1.0).then_some((if value > 0.0 { value } else { factor }, start))
+    }
+
+    fn chinese(&self, text: &str) -> Option<f64> {
+        let (mut sum, mut last) = (0.0, 0.0);
+        for c in text.chars() {
+            let n = *self.numbers.get(c.encode_utf8(&mut [0; 4]) as &str)?;
+            if n >= 10.0 {
+                sum += if last == 0.0 { n } else { last * n };
+                last = 0.0;
+            } else {
+                last = n;
+            }
+        }
+        Some(sum + last)
+    }
+}
+
+/// The lists as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawQuantities {
+    units: BTreeMap<String, BTreeMap<String, f64>>,
+    numbers: BTreeMap<String, f64>,
+    away: Words,
+    beside: BTreeMap<String, Words>,
+}
+
+impl RawQuantities {
+    pub(super) fn compile(&self) -> Quantities {
+        let units = self
+            .units
+            .iter()
+            .flat_map(|(unit, words)| words.iter().map(move |(w, f)| (unit.clone(), w.clone(), *f)));
+        let beside = self.beside.iter().map(|(id, w)| (id.clone(), w.all().map(str::to_owned).collect()));
+        Quantities {
+            units: units.collect(),
+            numbers: self.numbers.clone(),
+            away: self.away.all().map(str::to_owned).collect(),
+            beside: beside.collect(),
+        }
+    }
+}

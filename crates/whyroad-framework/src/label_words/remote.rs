@@ -1,0 +1,132 @@
+//! What is far from the moment of a decision, in time or on the road (`remote` of `schema/label_words.yaml`): a date, a
+//! span of days or years, kilometers, the junction after the next. Read by form, not from a list of phrases.
+
+use super::{CharSet, Words};
+use serde::Deserialize;
+use std::collections::HashSet;
+
+/// Words of times and distances that are far.
+#[derive(Clone, Debug, Default)]
+pub struct Remote {
+    /// By themselves.
+    dates: HashSet<String>,
+    dates_chinese: Vec<String>,
+    /// Behind one of `which`.
+    spans: HashSet<String>,
+    which: HashSet<String>,
+    /// Behind a span.
+    ago: HashSet<String>,
+    ago_chinese: Vec<String>,
+    spans_chinese: Vec<String>,
+    /// Long units, and what makes a speed of one.
+    lengths: HashSet<String>,
+    lengths_chinese: Vec<String>,
+    per: HashSet<String>,
+    /// Counted on the way to something.
+    stages: HashSet<String>,
+    stages_chinese: Vec<String>,
+    /// Behind what is counted.
+    on: HashSet<String>,
+    on_chinese: Vec<String>,
+    digits: CharSet,
+    number: HashSet<String>,
+}
+
+impl Remote {
+    /// Bytes of the first time or distance of `text` that is far.
+    pub fn find(&self, text: &str) -> Option<(usize, usize)> {
+        if text.is_ascii() { self.find_latin(text) } else { self.find_chinese(text) }
+    }
+
+    fn find_latin(&self, text: &str) -> Option<(usize, usize)> {
+        let lower = text.to_ascii_lowercase();
+        let mut all: Vec<(usize, &str)> = Vec::new();
+        let mut from = 0;
+        for word in lower.split(|c: char| !c.is_ascii_alphanumeric() && c != '.') {
+            let bare = word.trim_matches('.');
+            if !bare.is_empty() {
+                all.push((from, bare));
+            }
+            from += word.len() + 1;
+        }
+        let word = |i: usize| all.get(i).map_or("", |w| w.1);
+        let is_number =
+            |i: usize| word(i).starts_with(|c: char| c.is_ascii_digit()) || self.number.contains(word(i));
+        let counted = |i: usize| (i.saturating_sub(4)..i).any(is_number);
+        let is_year = |i: usize| {
+            let w = word(i);
+            w.len() == 4
+                && (w.starts_with("19") || w.starts_with("20"))
+                && w.bytes().all(|b| b.is_ascii_digit())
+        };
+        let i = (0..all.len()).find(|&i| {
+            let (before, w, next) = (if i > 0 { word(i - 1) } else { "" }, word(i), word(i + 1));
+            self.dates.contains(w)
+                || is_year(i) && ["in", "since", "of"].contains(&before)
+                || self.spans.contains(w) && (self.which.contains(before) || self.ago.contains(next))
+                || self.lengths.contains(w) && counted(i) && !self.per.contains(next)
+                || self.stages.contains(w) && counted(i) && self.on.contains(next)
+                || ["further", "farther"].contains(&w) && ["on", "up"].contains(&next) && counted(i)
+        })?;
+        Some((all[i].0, all[i].0 + all[i].1.len()))
+    }
+
+    fn find_chinese(&self, text: &str) -> Option<(usize, usize)> {
+        let is_number = |c: char| c.is_ascii_digit() || self.digits.contains(c);
+        let counted = |at: usize| text[..at].trim_end().ends_with(is_number);
+        let begins = |at: usize, all: &[String]| all.iter().any(|w| text[at..].starts_with(w.as_str()));
+        let find = |all: &[String], holds: &dyn Fn(usize, usize) -> bool| {
+            let hits = all.iter().flat_map(|w| text.match_indices(w.as_str()));
+            hits.map(|(at, w)| (at, at + w.len())).filter(|(at, end)| holds(*at, *end)).min()
+        };
+        let date = find(&self.dates_chinese, &|_, _| true);
+        let span = || find(&self.spans_chinese, &|at, end| counted(at) && begins(end, &self.ago_chinese));
+        // Most kilometers are those of a speed.
+        let away = |at: usize, end: usize| {
+            let from = text[..at].rfind(['，', '。', '；']).unwrap_or(0);
+            begins(end, &self.on_chinese) || text[from..at].contains("还有")
+        };
+        let length = || find(&self.lengths_chinese, &|at, end| counted(at) && away(at, end));
+        let stage = || find(&self.stages_chinese, &|at, end| counted(at) && begins(end, &self.on_chinese));
+        date.or_else(span).or_else(length).or_else(stage)
+    }
+}
+
+/// The lists as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawRemote {
+    dates: Words,
+    which: Words,
+    spans: Words,
+    ago: Words,
+    lengths: Words,
+    per: Words,
+    stages: Words,
+    far: Words,
+    number: Words,
+}
+
+impl RawRemote {
+    pub(super) fn compile(&self) -> Remote {
+        let set = |w: &Words| w.en.iter().cloned().collect();
+        Remote {
+            dates: set(&self.dates),
+            dates_chinese: self.dates.zh.clone(),
+            spans: set(&self.spans),
+            spans_chinese: self.spans.zh.clone(),
+            which: set(&self.which),
+            ago: set(&self.ago),
+            ago_chinese: self.ago.zh.clone(),
+            lengths: set(&self.lengths),
+            lengths_chinese: self.lengths.zh.clone(),
+            per: set(&self.per),
+            stages: set(&self.stages),
+            stages_chinese: self.stages.zh.clone(),
+            on: set(&self.far),
+            on_chinese: self.far.zh.clone(),
+            digits: CharSet::of(self.number.zh.iter().map(String::as_str)),
+            number: set(&self.number),
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! How a clause of a trace is told that states or explains something from one that may decide (`undecided` of
+//! `schema/label_words.yaml`).
+
+use super::Words;
+use serde::Deserialize;
+use std::collections::HashSet;
+
+/// Words of clauses that decide nothing, and of those that may.
+#[derive(Clone, Debug, Default)]
+pub struct Undecided {
+    /// Begin a clause in Latin letters whose subject follows.
+    begins: HashSet<String>,
+    /// May stand before a subject of Latin letters.
+    opens: HashSet<String>,
+    /// Begin a clause in Latin letters that says first where or when.
+    where_from: HashSet<String>,
+    /// Verbs that say what is.
+    is: HashSet<String>,
+    /// Behind the ego: what it is or could do, not what it does.
+    could: HashSet<String>,
+    /// What the ego acts with: as a subject, it does the deciding.
+    controls: HashSet<String>,
+    /// Chinese: the same.
+    controls_chinese: Vec<String>,
+    /// Chinese: somebody who is not named acts, the ego.
+    acts: Vec<String>,
+    /// Chinese: what would come of it.
+    would: Vec<String>,
+    /// Chinese: begin a clause with a subject of its own, or say that there is something.
+    there: Vec<String>,
+}
+
+/// What a clause says of deciding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClauseMood {
+    /// It says what is, of something that is not the ego; or what would be.
+    State,
+    /// It goes on with what was said before, or may decide.
+    Open,
+    /// The ego acts, or somebody who is not named.
+    Acts,
+}
+
+impl Undecided {
+    /// What a clause says. `names`: first bytes, in it, of the things it names, which act or are there.
+    pub fn mood(&self, clause: &str, names: &[usize]) -> ClauseMood {
+        if clause.is_ascii() { self.mood_latin(clause, names) } else { self.mood_chinese(clause, names) }
+    }
+
+    fn mood_latin(&self, clause: &str, names: &[usize]) -> ClauseMood {
+        /// A subject has at most so many words.
+        const LONGEST: usize = 9;
+        let lower = clause.to_ascii_lowercase();
+        let all: Vec<&str> = lower
+            .split(|c: char| !c.is_ascii_alphanumeric() && c != '\'')
+            .filter(|w| !w.is_empty())
+            .skip_while(|w| self.opens.contains(*w))
+            .collect();
+        let Some(first) = all.first() else { return ClauseMood::State };
+        let ego = |w: &str| ["we", "i", "ego"].contains(&w.split('\'').next().unwrap_or_default());
+        let (own, _) = first.split_once('\'').unwrap_or((first, ""));
+        if let Some(at) = all.iter().position(|w| ego(w)) {
+            let next = match all[at].split_once('\'') {
+                Some((_, "re")) => all.get(at + 1).copied().unwrap_or_default(),
+                Some((_, rest)) => rest,
+                None => all.get(at + 1).copied().unwrap_or_default(),
+            };
+            let next = if next == "are" || next == "is" {
+                all.get(at + 2).copied().unwrap_or_default()
+            } else {
+                next
+            };
+            return if self.could.contains(next) { ClauseMood::State } else { ClauseMood::Acts };
+        }
+        let named = names.first().is_some_and(|at| *at < lower.len() / 2);
+        let is_verb = |w: &&str| self.is.contains(*w) || w.contains("'s") || w.contains("'re");
+        let Some(verb) = all.iter().take(LONGEST).position(is_verb) else { return ClauseMood::Open };
+        // "That's us away", "it's the brakes".
+        let points = ["it", "that"].contains(&own) && verb == 0;
+        if points || all[..=verb].iter().any(|w| self.controls.contains(*w)) && !self.where_from.contains(own)
+        {
+            return ClauseMood::Acts;
+        }
+        let begins = self.begins.contains(own) || self.where_from.contains(own) || named;
+        if begins { ClauseMood::State } else { ClauseMood::Open }
+    }
+
+    fn mood_chinese(&self, clause: &str, names: &[usize]) -> ClauseMood {
+        /// Bytes of what may stand before the subject.
+        const NEAR: usize = 18;
+        let clause = clause.trim_start();
+        if self.acts.iter().any(|w| clause.contains(w.as_str())) {
+            return ClauseMood::Acts;
+        }
+        if self.would.iter().any(|w| clause.contains(w.as_str())) {
+            return ClauseMood::State;
+        }
+        if self.controls_chinese.iter().any(|w| clause.contains(w.as_str())) {
+            return ClauseMood::Acts;
+        }
+        let begins = self.there.iter().any(|w| clause.starts_with(w.as_str()));
+        if begins || names.first().is_some_and(|at| *at <= NEAR) {
+            ClauseMood::State
+        } else {
+            ClauseMood::Open
+        }
+    }
+}
+
+/// The lists as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawUndecided {
+    begins: Words,
+    opens: Words,
+    where_from: Words,
+    is: Words,
+    could: Words,
+    controls: Words,
+    acts: Words,
+    would: Words,
+    there: Words,
+}
+
+impl RawUndecided {
+    pub(super) fn compile(&self) -> Undecided {
+        let set = |w: &Words| w.en.iter().cloned().collect();
+        Undecided {
+            begins: set(&self.begins),
+            opens: set(&self.opens),
+            where_from: set(&self.where_from),
+            is: set(&self.is),
+            could: set(&self.could),
+            controls: set(&self.controls),
+            controls_chinese: self.controls.zh.clone(),
+            acts: self.acts.zh.clone(),
+            would: self.would.zh.clone(),
+            there: self.there.zh.clone(),
+        }
+    }
+}

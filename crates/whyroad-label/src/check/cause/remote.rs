@@ -1,0 +1,42 @@
+//! A cause that is far from the moment of the decision: a date, a span of days or years, kilometers, the junction after
+//! the next. The ego responds to what is near (LABELING.md 6, proximate cause).
+
+use crate::check::texts::Texts;
+use crate::check::view::View;
+use whyroad_framework::LabelWords;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_model::decision::Lateral;
+use whyroad_model::label_fields::pointer;
+
+/// No text speaks of a time or a place far away; of a route it may. True when one does.
+pub(in crate::check) fn remote(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    sink: &mut dyn Sink,
+) -> bool {
+    // A lane is changed and a turn prepared for what the route shows far ahead.
+    let by_route =
+        label.lateral.get().is_some_and(|l| !matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
+    let parts = label
+        .parts
+        .iter()
+        .zip(&texts.components)
+        .map(|(c, f)| (pointer::critical_components_item_description(c.index), c.description.get(), f));
+    let trace = std::iter::once((pointer::COC_TRACE.to_owned(), label.trace.get(), &texts.trace));
+    let found = parts.chain(trace).find_map(|(at, text, facts)| {
+        let text = text?;
+        let (start, end) = words.remote.find(text)?;
+        (!(by_route && facts.groups.meets(words.known.route))).then_some((at, text, start, end))
+    });
+    let Some((at, text, start, end)) = found else { return false };
+    sink.report(Finding::warning("label.cause.proximate", at).part(start, end), &|| {
+        let phrase = &text[start..end];
+        Words::new(
+            format!("“{phrase}”离决策的时刻或地点太远，不会引起这次决策"),
+            format!("'{phrase}' is too far from the moment or the place of the decision to bring it about"),
+        )
+        .hint("只写眼前直接引起决策的要素", "write only what is near and brings the decision about")
+    });
+    true
+}

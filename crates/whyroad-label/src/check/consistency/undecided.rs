@@ -1,0 +1,52 @@
+//! A trace that was read to its end and states no decision: every clause says what is, of something that is not the
+//! ego, or what would be. Where a clause may be what the ego does, in words that no list knows, nothing is said.
+
+use crate::check::consistency::trace::Reading;
+use crate::check::reading::Named;
+use crate::check::texts::Texts;
+use whyroad_framework::LabelWords;
+use whyroad_framework::label_words::{ClauseMood, Divider};
+
+/// Clauses that are read.
+const MOST_CLAUSES: usize = 24;
+
+/// Nothing in the trace is what the ego does.
+pub(super) fn is_undecided(text: &str, reading: &Reading, texts: &Texts, words: &LabelWords) -> bool {
+    // What a "therefore" marks is a decision, in whatever words.
+    if reading.marked {
+        return false;
+    }
+    let kinds = [Divider::Sentence, Divider::Clause];
+    let end = text.trim_end().trim_end_matches(['.', '。', '!', '！']).len();
+    let ends = words.clauses.ends(&texts.units, &kinds, end).filter(|to| *to <= end);
+    let mut clauses: Vec<(usize, usize)> = Vec::new();
+    for to in ends.take(MOST_CLAUSES) {
+        let mut from = clauses.last().map_or(0, |c| c.1);
+        // "A gap is going and there is little time": two clauses.
+        while let Some(joint) = text.get(from..to).and_then(|part| {
+            let next = words.clauses.clause_end(&texts.units, from + 1, to);
+            (next > from + 1 && next < to && !part.is_empty()).then_some(next)
+        }) {
+            clauses.push((from, joint));
+            from = joint;
+        }
+        clauses.push((from, to));
+    }
+    clauses.retain(|(from, to)| text[*from..*to].contains(char::is_alphanumeric));
+    let Some(&(last, _)) = clauses.last() else { return false };
+    let marks = texts.units.marks();
+    let sentences = marks.iter().filter(|m| words.clauses.divides(**m) == Some(Divider::Sentence));
+    let last_sentence = sentences.map(|m| m.end()).rfind(|at| *at < end).unwrap_or(0);
+    let is_thing = |n: &&Named| !words.objects[n.group].own.meets(words.known.gap);
+    clauses.iter().all(|&(from, to)| {
+        let begin = text[from..to].find(char::is_alphanumeric).map_or(from, |i| from + i);
+        let inside = texts.trace.named.iter().filter(|n| (begin..to).contains(&n.start)).filter(is_thing);
+        let names: Vec<usize> = inside.map(|n| n.start - begin).collect();
+        match words.undecided.mood(&text[begin..to], &names) {
+            ClauseMood::State => true,
+            // In Chinese the decision comes last; in English the last sentence states it.
+            ClauseMood::Open if text.is_ascii() => begin < last_sentence,
+            _ => from < last && !text.is_ascii(),
+        }
+    })
+}
