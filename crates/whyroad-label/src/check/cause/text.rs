@@ -52,8 +52,8 @@ pub(in crate::check) fn hindsight(
     }
 }
 
-/// Bytes of a component that tells in the past tense what came later: "then drove on", "after 200 m it turned off". What
-/// is seen stands in the present or the perfect.
+/// Bytes of a component that tells in the past tense what came later: "then drove on", "after 200 m it turned off".
+/// What is seen stands in the present or the perfect.
 fn told_later(text: &str, words: &LabelWords) -> Option<(usize, usize)> {
     let lower = text.to_ascii_lowercase();
     let find =

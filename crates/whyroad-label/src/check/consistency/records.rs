@@ -122,8 +122,8 @@ fn other_place(label: &View<'_>, record: &str, words: &LabelWords) -> Option<Str
     all.find(|t| is(t, other)).map(str::to_owned)
 }
 
-/// Somebody or something that the record names and no text does; or on the other side; or "none", where a component says
-/// what hides the view or comes towards the ego.
+/// Somebody or something that the record names and no text does; or on the other side; or "none", where a component
+/// says what hides the view or comes towards the ego.
 fn other_thing(label: &View<'_>, texts: &Texts, record: &str, words: &LabelWords) -> Option<String> {
     let facts = reading::read(record, &Units::of(record), words);
     let own = |n: &Named| words.objects[n.group].own;
