@@ -50,6 +50,8 @@ pub struct Aftermath {
     pub later: Vec<String>,
     /// Past tenses.
     pub told: Vec<String>,
+    /// Behind these a word that ends as a past tense does is a participle.
+    pub participle: Vec<String>,
     /// Words that may stand between a subject and its verb.
     pub between: Vec<String>,
     /// What begins a clause about somebody else.
@@ -86,6 +88,7 @@ struct RawNewSubject {
 pub(super) struct RawAftermath {
     subjects: Words,
     later: Words,
+    participle: Words,
     between: Words,
     new_subject: RawNewSubject,
     decided: Words,
@@ -120,6 +123,7 @@ impl RawAftermath {
             tells: tells.into_values().collect(),
             subjects: list(&self.subjects),
             later: self.later.all().map(str::to_owned).collect(),
+            participle: self.participle.en.clone(),
             told: self.past.en.iter().chain(&self.past_of_subject.en).cloned().collect(),
             between: list(&self.between),
             new_subject: NewSubject {

@@ -19,6 +19,8 @@ pub struct Subjects {
     pub counters: CharSet,
     /// Whoever is there is neither to the left nor to the right; in lower case.
     pub opposite: Vec<String>,
+    /// A record that begins with one of these says that there is nothing; in lower case.
+    pub nothing: Vec<String>,
     /// In so many names of things that to share one says nothing.
     pub common: CharSet,
     /// The same of Latin letters, in lower case.
@@ -167,6 +169,7 @@ pub(super) struct RawSubjects {
     behind_own: Words,
     counts: Words,
     counters: Words,
+    nothing: Words,
     opposite: Words,
     common: Words,
     general: Words,
@@ -203,7 +206,8 @@ impl RawSubjects {
             behind_own: chars(&self.behind_own),
             counts: chars(&self.counts),
             counters: chars(&self.counters),
-            opposite: self.opposite.all().map(str::to_owned).collect(),
+            nothing: all(&self.nothing),
+            opposite: all(&self.opposite),
             common: chars(&self.common),
             common_words: list(&self.common),
             general: self.general.all().map(str::to_owned).collect(),

@@ -8,7 +8,7 @@ use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::trace_rules::Said;
 use super::consistency::{duplicates, moment, objects, plausible, records as told, text, trace, trace_rules};
 use super::form::{placeholder, version};
-use super::texts::Texts;
+use super::texts::{TextScope, Texts};
 use super::view::View;
 use whyroad_framework::Framework;
 use whyroad_framework::check::class_index::{ClassIndex, Found, Prescribed};
@@ -67,66 +67,54 @@ impl Rulebook<'_> {
     fn texts(&self, label: &View<'_>, class: Option<&Prescribed>, impossible: bool, sink: &mut dyn Sink) {
         let (words, lexicon) = (self.framework.label_words(), self.framework.lexicon());
         let background = self.framework.decision_table().causes.background;
+        let about = class.and_then(|c| c.decisions.as_ref()).map(|d| d.about).unwrap_or_default();
         let texts = Texts::of(label, words);
-        placeholder::components(label, &texts, words, lexicon, sink);
-        told::against_texts(label, class, &texts, words, sink);
-        duplicates::duplicates(label, &texts, words, background, sink);
+        let scope = &TextScope { label, texts: &texts, words, lexicon, background, about };
+        placeholder::components(scope, sink);
+        told::against_texts(scope, class, sink);
+        duplicates::duplicates(scope, sink);
         let mut reading = label.trace.get().map(|t| trace::read(t, &texts.units, lexicon));
         let after = label
             .trace
             .get()
             .zip(reading.as_mut())
-            .and_then(|(text, r)| trace_rules::aftermath(text, label, &texts, r, words, lexicon));
-        cause_text::hindsight(label, &texts, after, (words, lexicon), sink);
+            .and_then(|(text, r)| trace_rules::aftermath(text, scope, r));
+        cause_text::hindsight(scope, after, sink);
         cause_text::unobserved(label, words, sink);
-        let another_class = class.is_some_and(|c| text::class(label, &texts, words, background, c, sink));
-        cause_text::proximate(label, &texts, words, sink);
-        let about = class.and_then(|c| c.decisions.as_ref()).map(|d| d.about).unwrap_or_default();
-        if !remote::remote(label, &texts, words, sink) && !cause_text::distant(label, &texts, words, sink) {
-            unused::unused(label, &texts, words, about, sink);
+        let another_class = class.is_some_and(|c| text::class(scope, c, sink));
+        cause_text::proximate(scope, sink);
+        if !remote::remote(scope, sink) && !cause_text::distant(scope, sink) {
+            unused::unused(scope, sink);
         }
         if !another_class && !impossible {
             cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink);
         }
-        if placeholder::trace(label, &texts, words, sink) || placeholder::draft(label, self.framework, sink) {
+        if placeholder::trace(scope, sink) || placeholder::draft(label, self.framework, sink) {
             return;
         }
-        if cause_text::unobserved_in_trace(label, &texts, words, sink)
-            || reading.as_ref().is_some_and(|r| {
-                cause_text::denied(label, &texts, words, (background, about), (r, lexicon), sink)
-            })
+        if cause_text::unobserved_in_trace(scope, sink)
+            || reading.as_ref().is_some_and(|r| cause_text::denied(scope, r, sink))
         {
             return;
         }
-        text::unchanged(label, &texts, words, sink);
-        let acts = reading.as_ref().is_some_and(|r| !r.mentions.is_empty() || r.names_ego);
-        let because = reading.as_ref().and_then(|r| r.because);
-        let decides = reading.as_ref().map_or(0, |r| {
-            let own = r.mentions.iter().filter(|m| !m.by_other && m.force == trace::Force::Asserted);
-            let first = own.map(|m| m.start).find(|at| !r.marked || *at >= r.decision_from);
-            if r.marked { r.decision_from } else { first.unwrap_or(r.end) }
-        });
-        if !another_class
-            && text::unrelated(label, &texts, words, background, (acts, because, decides), about, sink)
-        {
+        text::unchanged(scope, sink);
+        if !another_class && text::unrelated(scope, &text::TraceParts::of(reading.as_ref()), sink) {
             return;
         }
         if impossible {
             return;
         }
         let Some(reading) = reading else { return };
-        let said =
-            trace_rules::trace(label, lexicon, &self.framework.decisions, &reading, &texts, words, sink);
+        let said = trace_rules::trace(scope, &self.framework.decisions, &reading, sink);
         // A trace too short, or without a decision, cannot give a reason for one.
-        let circular = said != Said::TooLittle
-            && circular::circular(label, &texts, words, &reading, lexicon, said, sink);
+        let circular = said != Said::TooLittle && circular::circular(scope, &reading, said, sink);
         let decides_at = if reading.marked { reading.decision_from } else { 0 };
         if said != Said::TooLittle
             && !circular
             && !another_class
-            && !cause_text::around(label, &texts, words, (about, decides_at), sink)
+            && !cause_text::around(scope, decides_at, sink)
         {
-            objects::unnamed(label, &texts, words, background, (reading.end, said), sink);
+            objects::unnamed(scope, reading.end, said, sink);
         }
     }
 

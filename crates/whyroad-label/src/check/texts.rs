@@ -2,9 +2,22 @@
 
 use super::reading::{self, TextFacts};
 use super::view::View;
-use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::GroupSet;
 use whyroad_framework::lexicon::units::Units;
+use whyroad_framework::{LabelWords, Lexicon};
+
+/// What the rules about the texts look at.
+#[derive(Clone, Copy)]
+pub(super) struct TextScope<'a> {
+    pub label: &'a View<'a>,
+    pub texts: &'a Texts,
+    pub words: &'a LabelWords,
+    pub lexicon: &'a Lexicon,
+    /// What only says where something is.
+    pub background: GroupSet,
+    /// What the class is about.
+    pub about: GroupSet,
+}
 
 /// The texts of a label as read, once for all rules.
 pub(super) struct Texts {

@@ -5,24 +5,21 @@ use crate::check::consistency::trace::{Mention, Reading};
 use crate::check::consistency::trace_rules::{self, Said};
 use crate::check::overlap;
 use crate::check::reading::Named;
-use crate::check::texts::Texts;
-use crate::check::view::View;
+use crate::check::texts::{TextScope, Texts};
+use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Clauses, Divider};
 use whyroad_framework::lexicon::Role;
-use whyroad_framework::{LabelWords, Lexicon};
 use whyroad_model::label_fields::pointer;
 
 /// The trace gives a reason that is not the decision again.
 pub(in crate::check) fn circular(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
+    scope: &TextScope<'_>,
     reading: &Reading,
-    lexicon: &Lexicon,
     said: Said,
     sink: &mut dyn Sink,
 ) -> bool {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
     let Some(text) = label.trace.get() else { return false };
     let decision_in = |from: usize, to: usize| {
         trace_rules::states_decision(reading, lexicon, label, from, to)
@@ -33,14 +30,14 @@ pub(in crate::check) fn circular(
     }
     let repeated = match said {
         Said::Unread => echoes(text, texts, words),
-        _ => repeats(text, label, texts, words, reading, lexicon) || echoes(text, texts, words),
+        _ => repeats(text, scope, reading) || echoes(text, texts, words),
     };
     // A decision in words that no list knows may have a reason in such words.
     if !repeated
         && (said == Said::Unread
             || begins_with_cause(text, texts, words, reading)
             || gives_cause(text, texts, words, &decision_in)
-            || has_other_words(label, text, texts, words, &decision_in))
+            || has_other_words(text, scope, &decision_in))
     {
         return false;
     }
@@ -120,13 +117,8 @@ fn is_own_duty(part: &str, clauses: &Clauses) -> bool {
 }
 
 /// What no list knows may still be a cause: words that the components have, apart from those of the decision.
-fn has_other_words(
-    label: &View<'_>,
-    text: &str,
-    texts: &Texts,
-    words: &LabelWords,
-    decision_in: &dyn Fn(usize, usize) -> bool,
-) -> bool {
+fn has_other_words(text: &str, scope: &TextScope<'_>, decision_in: &dyn Fn(usize, usize) -> bool) -> bool {
+    let TextScope { label, texts, words, .. } = *scope;
     let is_name = |at: usize| texts.trace.named.iter().any(|n| (n.start..n.end).contains(&at));
     let apart = |at: usize| !decision_in(at.saturating_sub(6), at + 6) && !is_name(at);
     overlap::shared(label, text, &words.compared, &apart) >= if text.is_ascii() { 1 } else { 2 }
@@ -135,14 +127,8 @@ fn has_other_words(
 
 /// The parts of the trace before and behind its last decision say nothing but that decision: no thing, no state or
 /// number, and no word that the decision does not have, too. Whoever it is about counts for nothing.
-fn repeats(
-    text: &str,
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    reading: &Reading,
-    lexicon: &Lexicon,
-) -> bool {
+fn repeats(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
     /// A longer trace says more than its decision.
     const LONGEST: usize = 160;
     if text.len() > LONGEST {

@@ -6,10 +6,10 @@ use crate::check::consistency::trace_rules;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
-use crate::check::texts::Texts;
+use crate::check::texts::TextScope;
 use crate::check::view::View;
+use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{Doings, GroupSet};
-use whyroad_framework::{LabelWords, Lexicon};
 
 /// Clauses that are read.
 const MOST_CLAUSES: usize = 24;
@@ -24,13 +24,8 @@ struct Given<'t> {
 /// Bytes of the first clause that speaks against the decision of a trace which says nothing for it.
 ///
 /// `background`: groups that say where something is. `about`: the triggers of the class.
-pub(super) fn against(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    (background, about): (GroupSet, GroupSet),
-    (reading, lexicon): (&Reading, &Lexicon),
-) -> Option<(usize, usize)> {
+pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, lexicon, background, about } = *scope;
     let text = label.trace.get()?;
     let trace = &texts.trace;
     let absent = trace.named.iter().any(|n| n.absent);

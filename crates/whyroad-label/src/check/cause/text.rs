@@ -6,7 +6,7 @@ use crate::check::consistency::trace::Reading;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
-use crate::check::texts::Texts;
+use crate::check::texts::{TextScope, Texts};
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::decision_table::ClassDecisions;
@@ -16,13 +16,8 @@ use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
 /// What was only known after the keyframe. `after`: bytes of what the trace tells after its decision.
-pub(in crate::check) fn hindsight(
-    label: &View<'_>,
-    texts: &Texts,
-    after: Option<(usize, usize)>,
-    (words, lexicon): (&LabelWords, &Lexicon),
-    sink: &mut dyn Sink,
-) {
+pub(in crate::check) fn hindsight(scope: &TextScope<'_>, after: Option<(usize, usize)>, sink: &mut dyn Sink) {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
     let report = |sink: &mut dyn Sink, at: String, text: &str, (start, end): (usize, usize)| {
         sink.report(Finding::error("label.text.hindsight", at).part(start, end), &|| {
             let phrase = text[start..end].trim();
@@ -69,10 +64,7 @@ fn told_later(text: &str, words: &LabelWords) -> Option<(usize, usize)> {
     let mut all = lower.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty()).peekable();
     let mut last = "";
     let told = std::iter::from_fn(|| all.next()).any(|w| {
-        // Behind an auxiliary or an article it is a participle: "has stopped", "the parked car".
-        let is_participle =
-            ["has", "have", "had", "is", "are", "was", "were", "been", "being", "a", "an", "the"]
-                .contains(&last);
+        let is_participle = words.aftermath.participle.iter().any(|p| p == last);
         last = w;
         is_past(w) && !is_participle
     });
@@ -125,12 +117,8 @@ pub(in crate::check) fn unobserved(label: &View<'_>, words: &LabelWords, sink: &
 }
 
 /// A trace that says that the cause was not observed says in the same sentence why. True when it does not.
-pub(in crate::check) fn unobserved_in_trace(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    sink: &mut dyn Sink,
-) -> bool {
+pub(in crate::check) fn unobserved_in_trace(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
+    let TextScope { label, texts, words, .. } = *scope;
     let (Some((start, end)), Some(text)) = (texts.trace.unobserved, label.trace.get()) else { return false };
     // Behind it, or in the clause before it: "outside the field of view, hence UNOBSERVED".
     let (_, to) = words.clauses.around(&texts.units, start..end, text.len(), &|d| d == Divider::Sentence);
@@ -158,7 +146,8 @@ pub(in crate::check) fn unobserved_in_trace(
 }
 
 /// A stopped lead stands between the ego and the light (LABELING.md 6, proximate cause).
-pub(in crate::check) fn proximate(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+pub(in crate::check) fn proximate(scope: &TextScope<'_>, sink: &mut dyn Sink) {
+    let TextScope { label, texts, words, .. } = *scope;
     if label.longitudinal != Slot::Is(Longitudinal::StopForRegulation) {
         return;
     }
@@ -195,12 +184,8 @@ pub(in crate::check) fn proximate(label: &View<'_>, texts: &Texts, words: &Label
 
 /// A component that is far away, or beyond somebody whom it names, causes no response to somebody who is nearer: "the
 /// light two hundred meters beyond the van" (LABELING.md 6, proximate cause).
-pub(in crate::check) fn distant(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    sink: &mut dyn Sink,
-) -> bool {
+pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
+    let TextScope { label, texts, words, .. } = *scope;
     let wanted = match label.longitudinal.get() {
         Some(Longitudinal::YieldToAgent | Longitudinal::LeadFollowing | Longitudinal::StopForObstacle) => {
             words.known.actor
@@ -233,13 +218,8 @@ pub(in crate::check) fn distant(
 
 /// A trace whose reason is only what is around whoever the ego responds to, and not him: the school, and not the child
 /// that runs out of it. Where he is in words that no list knows, or stands for a pronoun, the trace is left alone.
-pub(in crate::check) fn around(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    (about, decision_from): (GroupSet, usize),
-    sink: &mut dyn Sink,
-) -> bool {
+pub(in crate::check) fn around(scope: &TextScope<'_>, decision_from: usize, sink: &mut dyn Sink) -> bool {
+    let TextScope { label, texts, words, about, .. } = *scope;
     let main = match label.longitudinal.get() {
         Some(Longitudinal::LeadFollowing) => words.known.vehicle,
         // The class is about nobody but road users, so that it is one of them who lets the ego go.
@@ -292,14 +272,8 @@ pub(in crate::check) fn around(
 
 /// A trace that says of whatever it names that it has no part in the decision, and names nothing else; or that says
 /// otherwise of it than the components do, or that it is harmless, and nothing for its decision.
-pub(in crate::check) fn denied(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    (background, about): (GroupSet, GroupSet),
-    (reading, lexicon): (&Reading, &Lexicon),
-    sink: &mut dyn Sink,
-) -> bool {
+pub(in crate::check) fn denied(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink) -> bool {
+    let TextScope { label, texts, words, .. } = *scope;
     let restricts = matches!(
         label.longitudinal.get(),
         Some(
@@ -314,11 +288,7 @@ pub(in crate::check) fn denied(
     let by_itself = || irrelevant(text, texts, words, restricts);
     // A change of lane or a turn has its own cause, which may be the route or the road.
     let stays = label.lateral.get().is_none_or(|l| matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
-    let clauses = || {
-        (stays && restricts)
-            .then(|| grounds::against(label, texts, words, (background, about), (reading, lexicon)))
-            .flatten()
-    };
+    let clauses = || (stays && restricts).then(|| grounds::against(scope, reading)).flatten();
     let Some((start, end)) = by_itself().or_else(clauses) else { return false };
     sink.report(Finding::warning("label.trace.contradicts", pointer::COC_TRACE).part(start, end), &|| {
         let phrase = &text[start..end];

@@ -2,8 +2,7 @@
 
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
-use crate::check::texts::Texts;
-use crate::check::view::View;
+use crate::check::texts::{TextScope, Texts};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::GroupSet;
@@ -12,13 +11,8 @@ use whyroad_model::label_fields::pointer;
 /// Every component bears on the decision.
 ///
 /// `about`: the triggers of the class.
-pub(in crate::check) fn unused(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    about: GroupSet,
-    sink: &mut dyn Sink,
-) {
+pub(in crate::check) fn unused(scope: &TextScope<'_>, sink: &mut dyn Sink) {
+    let TextScope { label, texts, words, about, .. } = *scope;
     if label.parts.len() < 2 || words.is_empty() {
         return;
     }

@@ -2,8 +2,7 @@
 
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
-use crate::check::texts::Texts;
-use crate::check::view::View;
+use crate::check::texts::TextScope;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Compared, GroupSet, hashed};
@@ -30,13 +29,8 @@ const LEAST_CONTENT: usize = 4;
 /// No component is said twice.
 ///
 /// `background`: what no text is about.
-pub(in crate::check) fn duplicates(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    background: GroupSet,
-    sink: &mut dyn Sink,
-) {
+pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
+    let TextScope { label, texts, words, background, .. } = *scope;
     if label.parts.len() < 2 {
         return;
     }

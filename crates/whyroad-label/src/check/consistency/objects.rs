@@ -5,7 +5,7 @@ use crate::check::consistency::trace_rules::Said;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
-use crate::check::texts::Texts;
+use crate::check::texts::{TextScope, Texts};
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
@@ -13,14 +13,8 @@ use whyroad_framework::label_words::GroupSet;
 use whyroad_model::label_fields::pointer;
 
 /// Each thing in the trace, as far as `until`, is in a component.
-pub(in crate::check) fn unnamed(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    background: GroupSet,
-    (until, said): (usize, Said),
-    sink: &mut dyn Sink,
-) {
+pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink) {
+    let TextScope { label, texts, words, background, .. } = *scope;
     let Some(text) = label.trace.get() else { return };
     // What a component that cannot be read names is not known: that of a broken field.
     let unread = label.parts.iter().any(|c| c.description.get().is_none());
@@ -57,7 +51,7 @@ pub(in crate::check) fn unnamed(
     // In other words, or one that a component has in words that no list knows: most labels do not come to this.
     let unread = new.peek().map(|_| Unread::of(label, texts, words, background));
     let Some(n) = new.find(|n| unread.as_ref().is_some_and(|u| !u.may_name(text, n, texts, words))) else {
-        return differs(label, texts, words, (until, said), sink);
+        return differs(scope, until, said, sink);
     };
     sink.report(
         Finding::warning("label.trace.unnamed_object", pointer::COC_TRACE).part(n.start, n.end),
@@ -140,13 +134,8 @@ impl<'a> Unread<'a> {
 }
 
 /// What the trace says of a thing's side and color is what its component says.
-fn differs(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    (until, said): (usize, Said),
-    sink: &mut dyn Sink,
-) {
+fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink) {
+    let TextScope { label, texts, words, .. } = *scope;
     let Some(text) = label.trace.get() else { return };
     let general = |n: &Named| words.subjects.is_general(&text[n.start..n.end]);
     let meant = |n: &Named| -> Vec<&Named> {
@@ -294,7 +283,7 @@ fn differs(
         side || color || other_car(n) || not_opposite(n) || is_elsewhere(n)
     };
     let is_other = |n: &&Named| differs(n) || other_count(n) || other_bend(n) || other_doing(n);
-    let other_light = || other_light(label, texts, words, until);
+    let other_light = || other_light(scope, until);
     let Some(n) = texts.trace.there().filter(|n| n.start < until).find(is_other).or_else(other_light) else {
         return;
     };
@@ -311,12 +300,8 @@ fn differs(
 }
 
 /// The light of the trace, where it has a color that no component gives a light.
-fn other_light<'t>(
-    label: &View<'_>,
-    texts: &'t Texts,
-    words: &LabelWords,
-    until: usize,
-) -> Option<&'t Named> {
+fn other_light<'t>(scope: &TextScope<'t>, until: usize) -> Option<&'t Named> {
+    let TextScope { label, texts, words, .. } = *scope;
     if !texts.trace.groups.meets(words.known.light) {
         return None;
     }

@@ -2,7 +2,7 @@
 //! component has it. What the texts do not state is not judged.
 
 use crate::check::reading::{self, Named, TextFacts};
-use crate::check::texts::Texts;
+use crate::check::texts::TextScope;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::class_index::Prescribed;
@@ -17,12 +17,11 @@ const SAME: f64 = 0.15;
 
 /// What the records hold is what the texts say.
 pub(in crate::check) fn against_texts(
-    label: &View<'_>,
+    scope: &TextScope<'_>,
     class: Option<&Prescribed>,
-    texts: &Texts,
-    words: &LabelWords,
     sink: &mut dyn Sink,
 ) {
+    let TextScope { label, words, .. } = *scope;
     let Slot::Is(records) = &label.records else { return };
     if words.is_empty() {
         return;
@@ -32,10 +31,10 @@ pub(in crate::check) fn against_texts(
         let Some((_, title, unit)) = spec else { continue };
         let said = match *value {
             RecordValue::Number(n) => unit.as_ref().and_then(|u| other_number(label, id, n, u, words)),
-            RecordValue::Flag(there) => there.then(|| denied_light(label, texts, words)).flatten(),
+            RecordValue::Flag(there) => there.then(|| denied_light(scope)).flatten(),
             RecordValue::Text(text) => other_ordinal(label, text, words)
                 .or_else(|| other_place(label, text, words))
-                .or_else(|| other_thing(label, texts, text, words)),
+                .or_else(|| other_thing(scope, text)),
             RecordValue::Nested => None,
         };
         let Some(said) = said else { continue };
@@ -85,7 +84,8 @@ fn other_number(label: &View<'_>, id: &str, value: f64, unit: &str, words: &Labe
 }
 
 /// A light that the texts say is not there.
-fn denied_light(label: &View<'_>, texts: &Texts, words: &LabelWords) -> Option<String> {
+fn denied_light(scope: &TextScope<'_>) -> Option<String> {
+    let TextScope { label, texts, words, .. } = *scope;
     let light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
     let all = || texts.components.iter().chain([&texts.trace]);
     let absent = |f: &TextFacts| f.named.iter().filter(|n| light(n)).any(|n| n.absent);
@@ -124,13 +124,13 @@ fn other_place(label: &View<'_>, record: &str, words: &LabelWords) -> Option<Str
 
 /// Somebody or something that the record names and no text does; or on the other side; or "none", where a component
 /// says what hides the view or comes towards the ego.
-fn other_thing(label: &View<'_>, texts: &Texts, record: &str, words: &LabelWords) -> Option<String> {
+fn other_thing(scope: &TextScope<'_>, record: &str) -> Option<String> {
+    let TextScope { label, texts, words, .. } = *scope;
     let facts = reading::read(record, &Units::of(record), words);
     let own = |n: &Named| words.objects[n.group].own;
     let all = || texts.components.iter().chain([&texts.trace]);
-    let denies =
-        ["none", "no ", "not ", "无", "没"].iter().any(|w| record.to_ascii_lowercase().starts_with(w));
-    if denies {
+    let lower = record.to_ascii_lowercase();
+    if words.subjects.nothing.iter().any(|w| lower.starts_with(w.as_str())) {
         let speaks =
             |f: &&TextFacts| f.there().any(|n| own(n).meets(words.known.sight)) && f.clear.is_empty();
         let hidden = texts.components.iter().position(|f| speaks(&f));

@@ -1,13 +1,13 @@
 //! Texts with one another and with the class: a trace that has nothing to do with its components, a decision that goes
 //! on as before, and words that belong to another class.
 
+use crate::check::consistency::trace::{Force, Reading};
 use crate::check::consistency::trace_rules;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
-use crate::check::texts::Texts;
+use crate::check::texts::TextScope;
 use crate::check::view::View;
-use whyroad_framework::LabelWords;
 use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Divider, GroupSet};
@@ -15,25 +15,41 @@ use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
-/// The trace speaks of what the components speak of. True when it has nothing to do with them. `acts`: it names the
-/// ego, or something that a driver does. `because`: first byte of its reason, where a word introduces one. `decides`:
-/// first byte of its decision. `about`: the triggers of the class.
-pub(in crate::check) fn unrelated(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    background: GroupSet,
-    (acts, because, decides): (bool, Option<usize>, usize),
-    about: GroupSet,
-    sink: &mut dyn Sink,
-) -> bool {
+/// Where the parts of a trace are.
+pub(in crate::check) struct TraceParts {
+    /// It names the ego, or something that a driver does.
+    pub acts: bool,
+    /// First byte of its reason, where a word introduces one.
+    pub because: Option<usize>,
+    /// First byte of its decision.
+    pub decides: usize,
+}
+
+impl TraceParts {
+    /// Without a trace there is nothing.
+    pub fn of(reading: Option<&Reading>) -> Self {
+        let Some(r) = reading else { return Self { acts: false, because: None, decides: 0 } };
+        let own = r.mentions.iter().filter(|m| !m.by_other && m.force == Force::Asserted);
+        let first = own.map(|m| m.start).find(|at| !r.marked || *at >= r.decision_from);
+        Self {
+            acts: !r.mentions.is_empty() || r.names_ego,
+            because: r.because,
+            decides: if r.marked { r.decision_from } else { first.unwrap_or(r.end) },
+        }
+    }
+}
+
+/// The trace speaks of what the components speak of. True when it has nothing to do with them.
+pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sink: &mut dyn Sink) -> bool {
+    let TraceParts { acts, because, decides } = *parts;
+    let TextScope { label, texts, words, background, .. } = *scope;
     if words.is_empty() || label.trace.get().is_none_or(|t| t.trim().is_empty()) {
         return false;
     }
     let reasonless = texts.trace.no_reason.map(|at| (at, true));
     let elsewhere = || {
-        let own = because.and_then(|at| reason_elsewhere(label, texts, words, at));
-        let other = || reason_of_others(label, texts, words, (background, about), decides);
+        let own = because.and_then(|at| reason_elsewhere(scope, at));
+        let other = || reason_of_others(scope, decides);
         own.or_else(other).map(|at| (at, false))
     };
     if let Some((at, none)) = reasonless.or_else(elsewhere) {
@@ -50,7 +66,7 @@ pub(in crate::check) fn unrelated(
         return false;
     }
     // Other words may still be shared, fewer of them where a component is in words that no list knows.
-    let enough = |t: &str| if t.is_ascii() || any_unread(label, texts, words) { 1 } else { 2 };
+    let enough = |t: &str| if t.is_ascii() || any_unread(scope) { 1 } else { 2 };
     if label.trace.get().is_some_and(|t| {
         overlap::shared(label, t, &words.compared, &|_| true) >= enough(t)
             || overlap::shares_characters(label, t, words)
@@ -69,12 +85,8 @@ pub(in crate::check) fn unrelated(
 
 /// Bytes of the reason that the trace gives, where it names nothing, has no word of driving, and shares none with the
 /// components, though it has several: "because the battery is down to nine per cent". `from`: its first byte.
-fn reason_elsewhere(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    from: usize,
-) -> Option<(usize, usize)> {
+fn reason_elsewhere(scope: &TextScope<'_>, from: usize) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, .. } = *scope;
     let text = label.trace.get()?;
     let (_, to) = words.clauses.around(&texts.units, from..from, text.len(), &|d| d == Divider::Sentence);
     let part = text.get(from..to)?;
@@ -89,13 +101,8 @@ fn reason_elsewhere(
 /// Bytes of a reason that names things, none of which is near what a component names, and has no word of any: the
 /// toll plaza, where the components have sheep. Only where all components have been read. A reason that speaks of the
 /// route alone is none for a response to somebody. `to`: one past its last byte.
-fn reason_of_others(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    (background, about): (GroupSet, GroupSet),
-    to: usize,
-) -> Option<(usize, usize)> {
+fn reason_of_others(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, background, about, .. } = *scope;
     let text = label.trace.get()?;
     let named = |n: &Named| words.objects[n.group].own;
     let all = || texts.trace.named.iter().filter(|n| n.start < to);
@@ -120,7 +127,7 @@ fn reason_of_others(
     let is_common = |at: usize| words.subjects.is_common(text, at);
     let inside = |at: usize| at < to && !is_name(at) && !is_common(at);
     let shared = overlap::shared(label, text, &words.compared, &inside);
-    (shared == 0 && !any_unread(label, texts, words)).then_some((0, to))
+    (shared == 0 && !any_unread(scope)).then_some((0, to))
 }
 
 /// `none`: the trace says so.
@@ -143,13 +150,15 @@ fn without_reason(label: &View<'_>, (start, end): (usize, usize), none: bool, si
 }
 
 /// Some component speaks of a thing in words that no list knows.
-fn any_unread(label: &View<'_>, texts: &Texts, words: &LabelWords) -> bool {
+fn any_unread(scope: &TextScope<'_>) -> bool {
+    let TextScope { label, texts, words, .. } = *scope;
     let mut parts = label.parts.iter().zip(&texts.components);
     parts.any(|(c, f)| c.description.get().is_none_or(|t| subject::is_unread(t, f, words)))
 }
 
 /// A stop is decided once: whoever stands already and goes on standing decides nothing (LABELING.md 6, minimality).
-pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
+    let TextScope { label, texts, words, .. } = *scope;
     let stops = matches!(
         label.longitudinal.get(),
         Some(
@@ -194,14 +203,8 @@ pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, words: &Label
 
 /// The texts speak of what the class is about. Reported only where they speak of something else, and of nothing and
 /// nobody whom no list knows. `background`: what no text is about.
-pub(in crate::check) fn class(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    background: GroupSet,
-    prescribed: &Prescribed,
-    sink: &mut dyn Sink,
-) -> bool {
+pub(in crate::check) fn class(scope: &TextScope<'_>, prescribed: &Prescribed, sink: &mut dyn Sink) -> bool {
+    let TextScope { label, texts, words, background, .. } = *scope;
     let Some(class) = &prescribed.decisions else { return false };
     if class.about.is_empty() || texts.components.is_empty() || words.is_empty() {
         return false;
@@ -222,7 +225,7 @@ pub(in crate::check) fn class(
     // A place may be called anything; who is not there is not.
     let something = words.known.actor.with(words.known.adverse);
     let by_place = !class.about.meets(words.known.actor) && !all.meets(something);
-    if hides || written || by_place || any_unread(label, texts, words) {
+    if hides || written || by_place || any_unread(scope) {
         return false;
     }
     sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {

@@ -4,12 +4,12 @@ use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, af
 use crate::check::consistency::trace_stems::{self, ByStem};
 use crate::check::consistency::undecided;
 use crate::check::reading::Named;
-use crate::check::texts::Texts;
+use crate::check::texts::TextScope;
 use crate::check::view::View;
+use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::label_words::Divider;
 use whyroad_framework::lexicon::Lexicon;
-use whyroad_framework::{DecisionSets, LabelWords};
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::{name, pointer};
@@ -17,12 +17,10 @@ use whyroad_model::label_fields::{name, pointer};
 /// What the trace tells of what came later, as bytes. What stands behind the decision is taken out of `reading`.
 pub(in crate::check) fn aftermath(
     text: &str,
-    label: &View<'_>,
-    texts: &Texts,
+    scope: &TextScope<'_>,
     reading: &mut Reading,
-    words: &LabelWords,
-    lexicon: &Lexicon,
 ) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
     let decides =
         |m: &Mention| matches!(m.force, Force::Asserted | Force::Doubtful) && says_label(m, lexicon, label);
     let resumes = |m: &Mention| match lexicon.phrases[m.phrase].longitudinal.as_slice() {
@@ -64,14 +62,12 @@ pub(in crate::check) enum Said {
 
 /// Form of the trace, and what it says against the decisions.
 pub(in crate::check) fn trace(
-    label: &View<'_>,
-    lexicon: &Lexicon,
+    scope: &TextScope<'_>,
     names: &DecisionSets,
     reading: &Reading,
-    texts: &Texts,
-    words: &LabelWords,
     sink: &mut dyn Sink,
 ) -> Said {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
     let Some(text) = label.trace.get() else { return Said::TooLittle };
     if text.trim().is_empty() {
         sink.report(Finding::error("label.trace.empty", pointer::COC_TRACE), &|| {
@@ -151,8 +147,7 @@ pub(in crate::check) fn trace(
             match v {
                 TraceVerdict::NotStated { label: decision, .. } => {
                     match by_stem(decision, lateral.get(), None) {
-                        ByStem::Stated { .. } => match goes_to_other_side(text, reading, label, texts, words)
-                        {
+                        ByStem::Stated { .. } => match goes_to_other_side(text, scope, reading) {
                             Some(other) => v = other,
                             None => return,
                         },
@@ -163,9 +158,9 @@ pub(in crate::check) fn trace(
                             v = TraceVerdict::Against { label: decision, start, end }
                         }
                         ByStem::Unread => {
-                            let denied = denied_of_vehicle(text, reading, lexicon, label, texts, words)
-                                .or_else(|| refused(text, reading));
-                            let side = || goes_to_other_side(text, reading, label, texts, words);
+                            let denied =
+                                denied_of_vehicle(text, scope, reading).or_else(|| refused(text, reading));
+                            let side = || goes_to_other_side(text, scope, reading);
                             if let Some((start, end)) = denied {
                                 v = TraceVerdict::Denied { label: decision, start, end };
                             } else if let Some(other) = side() {
@@ -196,7 +191,7 @@ pub(in crate::check) fn trace(
             }
         }
     });
-    if let (false, Some(v)) = (found, side_beside(text, reading, lexicon, label, texts, words)) {
+    if let (false, Some(v)) = (found, side_beside(text, scope, reading)) {
         found = true;
         verdict(&v, text, names, false, sink);
     }
@@ -237,14 +232,8 @@ pub(in crate::check) fn trace(
 }
 
 /// "The vehicle does not stop", where no component speaks of a vehicle: the ego. Bytes of what is denied.
-fn denied_of_vehicle(
-    text: &str,
-    reading: &Reading,
-    lexicon: &Lexicon,
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-) -> Option<(usize, usize)> {
+fn denied_of_vehicle(text: &str, scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
     if texts.components.iter().any(|f| f.groups.meets(words.known.vehicle)) {
         return None;
     }
@@ -270,13 +259,8 @@ fn refused(text: &str, reading: &Reading) -> Option<(usize, usize)> {
 
 /// The side to which the trace moves in words that no list knows, where it is not the label's: "and over leftwards we
 /// go". Not where the label's side is named in what decides, too, or somebody is there.
-fn goes_to_other_side(
-    text: &str,
-    reading: &Reading,
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-) -> Option<TraceVerdict> {
+fn goes_to_other_side(text: &str, scope: &TextScope<'_>, reading: &Reading) -> Option<TraceVerdict> {
+    let TextScope { label, texts, words, .. } = *scope;
     let direction = label.direction.get()?;
     let (own, other, says) = match direction {
         LateralDirection::Left => (0, 1, LateralDirection::Right),
@@ -307,14 +291,8 @@ fn goes_to_other_side(
 
 /// The side to which the trace moves, where it is said apart from the verb: "moves over to the lane on the right". Not
 /// where it is that of somebody, or where the label's side is named, too.
-fn side_beside(
-    text: &str,
-    reading: &Reading,
-    lexicon: &Lexicon,
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-) -> Option<TraceVerdict> {
+fn side_beside(text: &str, scope: &TextScope<'_>, reading: &Reading) -> Option<TraceVerdict> {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
     let (lateral, direction) = (label.lateral.get()?, label.direction.get()?);
     let (own, other, says) = match direction {
         LateralDirection::Left => (["左", "left"], ["右", "right"], LateralDirection::Right),

@@ -2,7 +2,7 @@
 
 use crate::check::overlap;
 use crate::check::reading::TextFacts;
-use crate::check::texts::Texts;
+use crate::check::texts::TextScope;
 use crate::check::view::{ComponentView, View};
 use crate::draft::{has_beginning, is_draft, may_be_draft};
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
@@ -17,13 +17,8 @@ use whyroad_model::messages::{CriticalComponent, DrivingDecision, ProvenanceSour
 const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
 
 /// Each component says something. True when one does not.
-pub(in crate::check) fn components(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    lexicon: &Lexicon,
-    sink: &mut dyn Sink,
-) {
+pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
     if words.is_empty() {
         return;
     }
@@ -101,12 +96,8 @@ fn says_something(text: &str, lexicon: &Lexicon) -> bool {
 }
 
 /// The trace is no placeholder. True when it is one.
-pub(in crate::check) fn trace(
-    label: &View<'_>,
-    texts: &Texts,
-    words: &LabelWords,
-    sink: &mut dyn Sink,
-) -> bool {
+pub(in crate::check) fn trace(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
+    let TextScope { label, texts, words, .. } = *scope;
     let Some(text) = label.trace.get().filter(|t| !t.trim().is_empty()) else { return false };
     if words.is_empty() {
         return false;
