@@ -21,9 +21,9 @@ pub(super) trait Backend: Send + Sync {
     fn write(&self, job: Job) -> Answer<()>;
     /// Runs `job` on one consistent state.
     fn read(&self, purpose: Purpose, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()>;
-    /// Empties the log of changes, where the database leaves that to us: it holds what was deleted since. False when
-    /// another process keeps it in use.
-    fn empty_log(&self) -> Answer<bool> {
+    /// Removes what is left of deleted rows in free space and in the log of changes, where the database leaves that to
+    /// us. False when another process keeps it in use.
+    fn purge(&self) -> Answer<bool> {
         Ok(true)
     }
 }

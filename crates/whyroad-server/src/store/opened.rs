@@ -114,10 +114,11 @@ impl Store {
         value.ok_or_else(|| Problem::store("no result"))
     }
 
-    /// Removes what was deleted from the database's log of changes; false when another process keeps it in use. Of a
-    /// database server this is the server's task.
-    pub fn empty_log(&self) -> Answer<bool> {
-        self.backend.empty_log()
+    /// Removes what is left of deleted rows from the database's files: earlier versions in free space, and its log of
+    /// changes; false when another process keeps them in use. Of a database server this is the server's task. A SQLite
+    /// file is written anew, which takes as much space again for that time.
+    pub fn purge(&self) -> Answer<bool> {
+        self.backend.purge()
     }
 
     /// Runs `job` on one consistent state of the store.

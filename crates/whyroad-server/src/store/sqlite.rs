@@ -12,7 +12,7 @@ use connection::{connect, problem};
 use log_file::LogFile;
 use readers::Readers;
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, ToSql};
+use rusqlite::{Connection, ErrorCode, ToSql};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex};
@@ -98,11 +98,26 @@ impl Backend for Sqlite {
         result.and(ended)
     }
 
-    fn empty_log(&self) -> Answer<bool> {
+    fn purge(&self) -> Answer<bool> {
+        // Rows that have moved between pages leave copies behind, which `secure_delete` does not overwrite.
+        let anew = |connection: &Connection| {
+            connection.execute_batch("VACUUM")?;
+            connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| row.get::<_, i64>(0))
+        };
         let connection = self.reporters.take()?;
-        let busy = connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| row.get::<_, i64>(0));
+        let busy = anew(&connection);
         self.reporters.give(connection);
-        Ok(busy.map_err(problem)? == 0)
+        match busy {
+            Err(e)
+                if matches!(
+                    e.sqlite_error_code(),
+                    Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked)
+                ) =>
+            {
+                Ok(false)
+            }
+            busy => Ok(busy.map_err(problem)? == 0),
+        }
     }
 }
 

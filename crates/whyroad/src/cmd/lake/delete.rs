@@ -129,12 +129,14 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
     audit::put(&file, "begun", args.request.as_deref(), &counts)?;
     lake.publish()?;
+    let mut purged = true;
     if let Some(store) = &store {
         for id in &drives {
             deletion::delete_drive(store, id).map_err(|p| store_args::error(&p, lang))?;
         }
-        if !store.empty_log().map_err(|p| store_args::error(&p, lang))? {
-            counts.unsearched.push(log_in_use(lang));
+        purged = store.purge().map_err(|p| store_args::error(&p, lang))?;
+        if !purged {
+            counts.unsearched.push(store_in_use(lang));
         }
     }
     for folder in &folders {
@@ -152,7 +154,10 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     lake.remove_drives(&drives)?;
     lake.publish_removal()?;
-    audit::put(&file, "done", args.request.as_deref(), &counts)?;
+    // Otherwise the same command, run again, goes on with it.
+    if purged {
+        audit::put(&file, "done", args.request.as_deref(), &counts)?;
+    }
     lake.publish()?;
     args.print.put(&counts, || text(&counts, false, lang))?;
     Ok(outcome(&counts))
@@ -286,11 +291,11 @@ fn text(c: &Deleted, dry_run: bool, lang: Lang) -> String {
     out
 }
 
-fn log_in_use(lang: Lang) -> String {
+fn store_in_use(lang: Lang) -> String {
     match lang {
-        Lang::Zh => "存储的 -wal 文件正被另一进程使用，仍含已删除的行；请停止服务后再次运行".to_owned(),
+        Lang::Zh => "存储正被另一进程使用，其文件仍可能含已删除的行；请停止服务后再次运行".to_owned(),
         Lang::En => {
-            "the store's -wal file is in use by another process and still has the deleted rows; stop the \
+            "the store is in use by another process, and its files may still have the deleted rows; stop the \
                      service and run the command again"
                 .to_owned()
         }
