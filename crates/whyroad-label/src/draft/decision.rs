@@ -74,18 +74,32 @@ pub(super) fn infer(
     asked: &Asked<'_>,
     notes: &mut Vec<Bilingual>,
 ) -> DrivingDecision {
-    let (motion, began) = longitudinal_motion(signals, keyframe, asked.decides());
-    // What the class cannot do without is decided, whatever the motion of 6 s shows.
-    let longitudinal = choose(motion, asked).or_else(|| asked.only_longitudinal());
-    note_longitudinal(motion, began, longitudinal, asked.names, notes);
-    let (lateral, lateral_direction) = lateral(signals, keyframe, asked, notes);
+    let mut of_lateral = Vec::new();
+    let (lateral, lateral_direction) = lateral(signals, keyframe, asked, &mut of_lateral);
     let lateral = lateral.or_else(|| asked.only_lateral());
+    // What the class cannot do without is decided, whatever the motion of 6 s shows.
+    let chosen = |motion| choose(motion, asked).or_else(|| asked.only_longitudinal());
+    let (mut motion, mut began) = longitudinal_motion(signals, keyframe, Before::IsNoAnswer);
+    let mut longitudinal = chosen(motion);
+    // Where the class exists because the ego did something, it did it already.
+    if longitudinal.is_none() && lateral.is_none() && asked.decides() {
+        (motion, began) = longitudinal_motion(signals, keyframe, Before::Counts);
+        longitudinal = chosen(motion);
+    }
+    note_longitudinal(motion, began, longitudinal, asked.names, notes);
+    notes.append(&mut of_lateral);
     DrivingDecision { longitudinal, lateral, lateral_direction }
 }
 
-/// The motion, and how long after the keyframe it begins, s. What the ego was doing before counts where the class
-/// `decides`.
-fn longitudinal_motion(signals: &SignalTable, keyframe: usize, decides: bool) -> (LongitudinalMotion, f64) {
+/// What the ego was already doing at the keyframe.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Before {
+    IsNoAnswer,
+    Counts,
+}
+
+/// The motion, and how long after the keyframe it begins, s.
+fn longitudinal_motion(signals: &SignalTable, keyframe: usize, before: Before) -> (LongitudinalMotion, f64) {
     let (Some(meta), Some(standstill)) =
         (signals.frame_columns.get("ego.meta_longitudinal"), signals.frame_columns.get("ego.standstill"))
     else {
@@ -103,7 +117,7 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize, decides: bool) ->
         let off = (keyframe..end).find(|&f| standstill.flag(f) == Tri::False);
         return off.map_or((LongitudinalMotion::Keeps, 0.0), |f| (LongitudinalMotion::Starts, seconds(f)));
     }
-    let Some((began, change)) = first_change(meta, keyframe, end, decides) else {
+    let Some((began, change)) = first_change(meta, keyframe, end, before) else {
         return (LongitudinalMotion::Keeps, 0.0);
     };
     if change == SpeedChange::Rises {
@@ -132,14 +146,14 @@ fn speed_change(meta: &Column, frame: usize) -> Option<SpeedChange> {
 }
 
 /// First held stretch of speeding up or slowing after the keyframe. What was already held for 0.5 s at the keyframe is
-/// not a response to it, and is skipped; unless the class `decides`: then it is what the class exists for.
-fn first_change(meta: &Column, keyframe: usize, end: usize, decides: bool) -> Option<(usize, SpeedChange)> {
+/// not a response to it, and is skipped unless it counts.
+fn first_change(meta: &Column, keyframe: usize, end: usize, before: Before) -> Option<(usize, SpeedChange)> {
     let held = |from: usize, to: usize, change: SpeedChange| {
         to <= end && (from..to).all(|f| speed_change(meta, f) == Some(change))
     };
     let mut from = keyframe;
     if let Some(underway) = speed_change(meta, keyframe)
-        && !decides
+        && before == Before::IsNoAnswer
         && keyframe >= HELD_FRAMES
         && held(keyframe - HELD_FRAMES, keyframe, underway)
     {
