@@ -116,7 +116,7 @@ impl Store {
 
     /// Removes what is left of deleted rows from the database's files: earlier versions in free space, and its log of
     /// changes; false when another process keeps them in use. Of a database server this is the server's task. A SQLite
-    /// file is written anew, which takes as much space again for that time.
+    /// file is rewritten, which takes as much space again for that time.
     pub fn purge(&self) -> Answer<bool> {
         self.backend.purge()
     }

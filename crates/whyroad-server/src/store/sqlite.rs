@@ -100,12 +100,12 @@ impl Backend for Sqlite {
 
     fn purge(&self) -> Answer<bool> {
         // Rows that have moved between pages leave copies behind, which `secure_delete` does not overwrite.
-        let anew = |connection: &Connection| {
+        let rewrite = |connection: &Connection| {
             connection.execute_batch("VACUUM")?;
             connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| row.get::<_, i64>(0))
         };
         let connection = self.reporters.take()?;
-        let busy = anew(&connection);
+        let busy = rewrite(&connection);
         self.reporters.give(connection);
         match busy {
             Err(e)

@@ -203,24 +203,25 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         let given = c.description.get().and_then(|t| at_end(t, other));
         given.is_some_and(|g| at_end(text, n).is_some_and(|said| said != g))
     };
+    // The components' names for the same thing, with the text that each is in.
+    let same_in_parts = |n: &Named| {
+        let own = words.objects[n.group].own;
+        let parts = label.parts.iter().zip(&texts.components);
+        let texts = parts.filter_map(|(c, f)| Some((c.description.get()?, f)));
+        texts.flat_map(move |(t, f)| {
+            f.there().filter(move |m| words.objects[m.group].own == own).map(move |m| (t, m))
+        })
+    };
     // "Three cows" for two of them.
     let other_count = |n: &Named| {
         let count = |t: &str, n: &Named| words.quantities.count_before(t, n.start, &words.subjects.counters);
         let Some(said) = count(text, n) else { return false };
-        let parts = label.parts.iter().zip(&texts.components);
-        let own = words.objects[n.group].own;
-        let given: Vec<f64> = parts
-            .filter_map(|(c, f)| Some((c.description.get()?, f)))
-            .flat_map(|(t, f)| {
-                f.there().filter(|m| words.objects[m.group].own == own).map(move |m| count(t, m))
-            })
-            .flatten()
-            .collect();
-        own.meets(words.known.actor) && !given.is_empty() && !given.contains(&said)
+        let given: Vec<f64> = same_in_parts(n).filter_map(|(t, m)| count(t, m)).collect();
+        words.objects[n.group].own.meets(words.known.actor) && !given.is_empty() && !given.contains(&said)
     };
     // A bend or a wall on the other side: by itself, or as a part of its name.
-    let turned = |t: Option<&str>, n: &Named| {
-        let word = t.and_then(|t| t.get(n.start..n.end)).unwrap_or_default();
+    let turned = |t: &str, n: &Named| {
+        let word = t.get(n.start..n.end).unwrap_or_default();
         match word.chars().next() {
             Some('左') => Some(true),
             Some('右') => Some(false),
@@ -232,13 +233,8 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         own.meets(words.known.adverse.with(words.known.sight)) && !own.meets(words.known.actor)
     };
     let other_bend = |n: &Named| {
-        let Some(side) = turned(Some(text), n).filter(|_| is_fixed(n)) else { return false };
-        let own = words.objects[n.group].own;
-        let parts = label.parts.iter().zip(&texts.components);
-        let given: Vec<bool> = parts
-            .flat_map(|(c, f)| f.there().filter(|m| words.objects[m.group].own == own).map(move |m| (c, m)))
-            .filter_map(|(c, m)| turned(c.description.get(), m))
-            .collect();
+        let Some(side) = turned(text, n).filter(|_| is_fixed(n)) else { return false };
+        let given: Vec<bool> = same_in_parts(n).filter_map(|(t, m)| turned(t, m)).collect();
         !given.is_empty() && !given.contains(&side)
     };
     // It stands, where its component says that it moves off.
