@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::messages::DrivingDecision;
 use whyroad_model::{Bilingual, ComponentCategory, Diagnostic, Lang, ScenarioId, yaml};
 
 /// All texts of drafts.
@@ -40,11 +41,40 @@ pub struct ClassTexts {
     routed: Option<bool>,
     /// What the target of the episode does, where the class says it better than its motion at the keyframe.
     doing: Option<Pair>,
+    /// What the target does, where a signal of it tells: the first that holds at the keyframe.
+    #[serde(default)]
+    doing_when: Vec<DoingWhen>,
     /// Why it calls for a decision.
     why: Option<Phrasings>,
+    /// The same where only one of the two channels decides.
+    why_only: Option<WhyOnly>,
     /// Decisions of both channels in words of this class.
     #[serde(default)]
     decisions: BTreeMap<String, Phrasings>,
+}
+
+/// What a target does while a signal of it holds.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DoingWhen {
+    /// Name of a flag of targets.
+    pub signal: String,
+    zh: String,
+    en: String,
+}
+
+impl DoingWhen {
+    /// In Chinese and English.
+    pub fn texts(&self) -> (&str, &str) {
+        (&self.zh, &self.en)
+    }
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WhyOnly {
+    longitudinal: Option<Phrasings>,
+    lateral: Option<Phrasings>,
 }
 
 /// What a class is about, in words.
@@ -109,20 +139,39 @@ struct DecisionTexts {
     lateral: BTreeMap<String, Phrasings>,
 }
 
-/// What the ego does at the keyframe.
+/// Why nothing new is decided: what holds at the keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EgoMotion {
-    /// It is at standstill.
+pub enum WhyKept {
+    /// The ego is at standstill.
     Standing,
-    /// Its speed falls.
+    /// The speed of the ego falls already.
     Slowing,
-    /// Anything else.
+    /// The distance to the target does not shrink.
+    NotCloser,
+    /// The target is farther away than the ego needs to stop comfortably.
+    FarAway,
+    /// The ego is slow.
+    Slow,
+    /// Nobody else is what the class is about: the speed of the ego suits the place.
+    Suits,
+    /// The ego turns, which changes nothing along its path.
+    Turning,
+    /// None of these is known.
     Driving,
 }
 
-impl EgoMotion {
+impl WhyKept {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Standing, Self::Slowing, Self::Driving];
+    pub const ALL: [Self; 8] = [
+        Self::Standing,
+        Self::Slowing,
+        Self::NotCloser,
+        Self::FarAway,
+        Self::Slow,
+        Self::Suits,
+        Self::Turning,
+        Self::Driving,
+    ];
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -130,6 +179,11 @@ impl EgoMotion {
 struct Kept {
     standing: KeptTexts,
     slowing: KeptTexts,
+    not_closer: KeptTexts,
+    far_away: KeptTexts,
+    slow: KeptTexts,
+    suits: KeptTexts,
+    turning: KeptTexts,
     driving: KeptTexts,
 }
 
@@ -170,9 +224,21 @@ impl DraftTexts {
         self.of(class, |c| c.doing.as_ref()).map(|p| (p.zh.as_str(), p.en.as_str()))
     }
 
-    /// Why it calls for a decision: of the leaf, or of its L2.
-    pub fn why(&self, class: &ScenarioId) -> Option<&Phrasings> {
-        self.of(class, |c| c.why.as_ref())
+    /// What the target does while a signal of it holds: of the leaf, or of its L2.
+    pub fn doing_when(&self, class: &ScenarioId) -> &[DoingWhen] {
+        self.of(class, |c| Some(&c.doing_when).filter(|all| !all.is_empty())).map_or(&[], Vec::as_slice)
+    }
+
+    /// Why it calls for this decision: of the leaf, or of its L2.
+    pub fn why(&self, class: &ScenarioId, decision: &DrivingDecision) -> Option<&Phrasings> {
+        self.of(class, |c| {
+            let only = c.why_only.as_ref().and_then(|only| match (decision.longitudinal, decision.lateral) {
+                (Some(_), None) => only.longitudinal.as_ref(),
+                (None, Some(_)) => only.lateral.as_ref(),
+                _ => None,
+            });
+            only.or(c.why.as_ref())
+        })
     }
 
     fn of<T>(&self, class: &ScenarioId, part: impl Fn(&ClassTexts) -> Option<&T>) -> Option<&T> {
@@ -202,11 +268,16 @@ impl DraftTexts {
     }
 
     /// The same where nothing new is decided.
-    pub fn kept(&self, motion: EgoMotion) -> &KeptTexts {
-        match motion {
-            EgoMotion::Standing => &self.kept.standing,
-            EgoMotion::Slowing => &self.kept.slowing,
-            EgoMotion::Driving => &self.kept.driving,
+    pub fn kept(&self, why: WhyKept) -> &KeptTexts {
+        match why {
+            WhyKept::Standing => &self.kept.standing,
+            WhyKept::Slowing => &self.kept.slowing,
+            WhyKept::NotCloser => &self.kept.not_closer,
+            WhyKept::FarAway => &self.kept.far_away,
+            WhyKept::Slow => &self.kept.slow,
+            WhyKept::Suits => &self.kept.suits,
+            WhyKept::Turning => &self.kept.turning,
+            WhyKept::Driving => &self.kept.driving,
         }
     }
 
@@ -224,6 +295,7 @@ mod tests {
     use crate::Framework;
     use whyroad_model::Lang;
     use whyroad_model::decision::{Lateral, Longitudinal};
+    use whyroad_model::messages::DrivingDecision;
 
     #[test]
     fn every_leaf_and_decision_has_texts() {
@@ -232,7 +304,15 @@ mod tests {
             let seen = f.draft_texts.seen(leaf).unwrap_or_else(|| panic!("{leaf}"));
             assert!(!seen.get(Lang::Zh).is_ascii() && seen.get(Lang::En).is_ascii(), "{leaf}");
             assert!(seen.category.is_some(), "{leaf}");
-            let why = f.draft_texts.why(leaf).unwrap_or_else(|| panic!("{leaf}"));
+            let none = DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None };
+            let why = f.draft_texts.why(leaf, &none).unwrap_or_else(|| panic!("{leaf}"));
+            for when in f.draft_texts.doing_when(leaf) {
+                assert!(
+                    f.signals_yaml.contains(&format!("- name: {}\n", when.signal)),
+                    "{leaf}: {}",
+                    when.signal
+                );
+            }
             for lang in [Lang::Zh, Lang::En] {
                 assert!(why.all(lang).len() >= 2, "{leaf}");
             }

@@ -21,7 +21,7 @@ use whyroad_model::messages::{
     ScenarioLabel, Uncertainty,
 };
 use whyroad_model::time::frame_at;
-use whyroad_model::{Bilingual, Drive, Lang, Nanos, ScenarioId, SignalTable};
+use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, Nanos, ScenarioId, SignalTable};
 
 /// A skeleton and what is to be said of it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -96,9 +96,13 @@ pub fn draft_with_seed(
         .map(|s| records::known(signals, keyframe, episode.target_id.as_ref(), &s.records, &mut notes))
         .unwrap_or_default();
     let mut components = with_cause(framework, class, components, lang);
-    let motion = trace::motion(signals, keyframe);
+    let of_others = framework
+        .draft_texts
+        .seen(class)
+        .is_some_and(|seen| seen.category == Some(ComponentCategory::CriticalObjects));
+    let kept = trace::why_kept(signals, keyframe, episode.target_id.as_ref(), of_others);
     let facts =
-        trace::DraftFacts { framework, class, components: &components, decision: &decision, motion, lang };
+        trace::DraftFacts { framework, class, components: &components, decision: &decision, kept, lang };
     let coc_trace = trace::trace(&facts, signals, keyframe, trace::seed(&episode.episode_id, run));
     notes.push(Bilingual::new(
         "推理文本为模板草稿，须改写为完整的因果说明",

@@ -2,9 +2,17 @@
 //! or signaled by then. Nothing after it is read: the maneuver that follows is not the intention that caused it.
 
 use whyroad_framework::Framework;
+use whyroad_framework::draft_texts::DoingWhen;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
 use whyroad_model::names::class_name;
-use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, SignalTable, TrackId};
+use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, SignalTable};
+
+/// Nearer than this along the ego's path, others are beside it, m.
+const BESIDE_M: f64 = 3.0;
+/// Farther than this from the ego's middle, others are on a side, m.
+const ASIDE_M: f64 = 1.8;
+/// The same of those who come in, m.
+const FROM_A_SIDE_M: f64 = 0.3;
 
 /// The L2 that is about lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
@@ -44,8 +52,7 @@ pub(super) fn observed(
     let mut found: Vec<(ComponentCategory, Bilingual)> = Vec::new();
     if let Some(target) = &episode.target_id {
         let class = drive.track(target).map_or(ObjectClass::Unknown, |t| t.class);
-        let doing = framework.draft_texts.doing(&episode.scenario_id);
-        let text = target_in_words(signals, target, class, keyframe, doing);
+        let text = target_in_words(framework, signals, episode, class, keyframe);
         found.extend(text.map(|text| (ComponentCategory::CriticalObjects, text)));
     }
     // What bears on the decision: beside a lead or a crossing pedestrian, the light does not.
@@ -76,18 +83,31 @@ pub(super) fn observed(
         .collect()
 }
 
-/// Where the target is and what it is doing.
+/// Where the target of `episode` is and what it is doing.
 fn target_in_words(
+    framework: &Framework,
     signals: &SignalTable,
-    id: &TrackId,
+    episode: &EpisodeRecord,
     class: ObjectClass,
     frame: usize,
-    of_class: Option<(&str, &str)>,
 ) -> Option<Bilingual> {
-    let row = signals.target(id)?.row(frame)?;
+    let row = signals.target(episode.target_id.as_ref()?)?.row(frame)?;
     let number = |name: &str| signals.target_columns.get(name).and_then(|c| c.number(row));
     let holds = |name: &str| signals.target_columns.get(name).is_some_and(|c| c.flag(row).is_true());
-    let place = place(number("target.longitudinal")?, number("target.lateral")?);
+    let texts = &framework.draft_texts;
+    let told = texts.doing_when(&episode.scenario_id).iter().find(|when| holds(&when.signal));
+    let of_class = told.map(DoingWhen::texts).or_else(|| texts.doing(&episode.scenario_id));
+    let is_lead = holds("target.is_lead");
+    let crosses_a_line =
+        holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3);
+    let comes_in = crosses_a_line && !is_lead;
+    let (ahead, aside) = (number("target.longitudinal")?, number("target.lateral")?);
+    let place = if is_lead && !crosses_a_line && ahead > BESIDE_M {
+        Bilingual::new("本车道前方", "ahead in the ego's lane")
+    } else {
+        // Who comes in does so from a side.
+        place(ahead, aside, if crosses_a_line { FROM_A_SIDE_M } else { ASIDE_M })
+    };
     let name = match class {
         ObjectClass::StaticObject => Bilingual::new("障碍物", "obstacle"),
         _ => class_name(class),
@@ -95,8 +115,6 @@ fn target_in_words(
     // Opposite headings within 45 degrees.
     let oncoming = number("target.heading_difference").is_some_and(|a| a.abs() > 135_f64.to_radians());
     let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
-    let comes_in =
-        holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3);
     let doing = if let Some((zh, en)) = of_class {
         Bilingual::new(zh, en)
     } else if is_fixed || holds("target.standstill") {
@@ -114,9 +132,7 @@ fn target_in_words(
             _ if oncoming => Bilingual::new("正对向驶来", "is oncoming"),
             Some(a) if a < -0.5 => Bilingual::new("正在减速", "is slowing"),
             Some(a) if a > 0.5 => Bilingual::new("正在加速", "is speeding up"),
-            _ if holds("target.is_lead") => {
-                Bilingual::new("在本车道同向行驶", "is driving ahead in the ego's lane")
-            }
+            _ if is_lead => Bilingual::new("同向行驶", "is driving the same way"),
             _ if class == ObjectClass::Animal => Bilingual::new("正在移动", "is moving"),
             _ => Bilingual::new("正在行驶", "is moving"),
         }
@@ -127,14 +143,14 @@ fn target_in_words(
     ))
 }
 
-/// Ahead, behind or beside, from the ego's frame (m).
-fn place(longitudinal_m: f64, lateral_m: f64) -> Bilingual {
+/// Ahead, behind or beside, from the ego's frame (m); on a side from `aside_m` on.
+fn place(longitudinal_m: f64, lateral_m: f64, aside_m: f64) -> Bilingual {
     let side = match lateral_m {
-        y if y > 1.8 => Some(("左", "left")),
-        y if y < -1.8 => Some(("右", "right")),
+        y if y > aside_m => Some(("左", "left")),
+        y if y < -aside_m => Some(("右", "right")),
         _ => None,
     };
-    match (longitudinal_m > 3.0, longitudinal_m < -3.0, side) {
+    match (longitudinal_m > BESIDE_M, longitudinal_m < -BESIDE_M, side) {
         (true, _, Some((zh, en))) => Bilingual::new(format!("{zh}前方"), format!("ahead on the {en}")),
         (true, _, None) => Bilingual::new("正前方", "straight ahead"),
         (_, true, Some((zh, en))) => Bilingual::new(format!("{zh}后方"), format!("behind on the {en}")),

@@ -4,11 +4,11 @@
 
 use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
-use whyroad_framework::draft_texts::{EgoMotion, Phrasings};
+use whyroad_framework::draft_texts::{Phrasings, WhyKept};
 use whyroad_framework::label_words::WordRole;
-use whyroad_model::decision::Lateral;
+use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::messages::{CriticalComponent, DrivingDecision};
-use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable};
+use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable, TrackId};
 
 /// Things in the state: two are enough for a person to see what matters.
 const MOST_IN_STATE: usize = 2;
@@ -16,6 +16,16 @@ const MOST_IN_STATE: usize = 2;
 const STANDING_MPS: f64 = 0.3;
 /// Below this acceleration the speed falls, m/s2; as for a target.
 const SLOWING_MPS2: f64 = -0.5;
+/// Below this speed the ego is slow, m/s: it stops within its own length.
+const SLOW_MPS: f64 = 15.0 / 3.6;
+/// Braking that nobody calls hard, m/s2.
+const COMFORTABLE_MPS2: f64 = 2.0;
+/// Before a driver brakes, s.
+const REACTION_S: f64 = 1.5;
+/// Frames over which a distance shrinks or does not.
+const BEFORE_FRAMES: usize = 5;
+/// What a distance may shrink by over them, m: noise.
+const NOISE_M: f64 = 0.1;
 /// Speeds are given in steps of this, km/h.
 const SPEED_STEP_KMH: f64 = 5.0;
 
@@ -25,20 +35,45 @@ pub(super) struct DraftFacts<'a> {
     pub class: &'a ScenarioId,
     pub components: &'a [CriticalComponent],
     pub decision: &'a DrivingDecision,
-    /// What the ego does at the keyframe.
-    pub motion: EgoMotion,
+    /// Why nothing new is decided, where nothing is.
+    pub kept: WhyKept,
     pub lang: Lang,
 }
 
-/// What the ego does at `frame`.
-pub(super) fn motion(signals: &SignalTable, frame: usize) -> EgoMotion {
+/// Why nothing new is decided at `frame` about `target`; `of_others`: it is about others where no target is known.
+pub(super) fn why_kept(
+    signals: &SignalTable,
+    frame: usize,
+    target: Option<&TrackId>,
+    of_others: bool,
+) -> WhyKept {
     let number = |name: &str| signals.frame_columns.get(name).and_then(|c| c.number(frame));
-    if number("ego.speed").is_some_and(|v| v < STANDING_MPS) {
-        EgoMotion::Standing
-    } else if number("ego.accel").is_some_and(|a| a < SLOWING_MPS2) {
-        EgoMotion::Slowing
+    let speed = number("ego.speed");
+    if speed.is_some_and(|v| v < STANDING_MPS) {
+        return WhyKept::Standing;
+    }
+    if number("ego.accel").is_some_and(|a| a < SLOWING_MPS2) {
+        return WhyKept::Slowing;
+    }
+    let Some(target) = target else {
+        return if of_others { WhyKept::Driving } else { WhyKept::Suits };
+    };
+    let distance = |frame: usize| {
+        let row = signals.target(target)?.row(frame)?;
+        signals.target_columns.get("target.distance")?.number(row)
+    };
+    let now = distance(frame);
+    let before = frame.checked_sub(BEFORE_FRAMES).and_then(distance);
+    if now.zip(before).is_some_and(|(now, before)| now > before - NOISE_M) {
+        return WhyKept::NotCloser;
+    }
+    let stopping = speed.map(|v| v * REACTION_S + v * v / (2.0 * COMFORTABLE_MPS2));
+    if now.zip(stopping).is_some_and(|(now, stopping)| now > stopping) {
+        WhyKept::FarAway
+    } else if speed.is_some_and(|v| v < SLOW_MPS) {
+        WhyKept::Slow
     } else {
-        EgoMotion::Driving
+        WhyKept::Driving
     }
 }
 
@@ -98,9 +133,18 @@ pub(super) fn trace(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usi
 fn opening(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> Option<String> {
     let speed = signals.frame_columns.get("ego.speed")?.number(keyframe)?;
     let all = facts.framework.draft_texts.openings();
-    if facts.motion == EgoMotion::Standing {
+    if speed < STANDING_MPS {
         // Where nothing is decided, the rest says so.
         return facts.decides().then(|| all.standing.pick(facts.lang, seed).to_owned());
+    }
+    // Who still rolls at the keyframe and then moves off has no speed worth telling.
+    if facts.decision.longitudinal == Some(Longitudinal::Resume) {
+        return None;
+    }
+    // Nor is there room for it before what says already where the ego drives.
+    let of_ego = if facts.lang == Lang::Zh { "自车" } else { "the ego " };
+    if facts.components.iter().take(MOST_IN_STATE).any(|c| c.description.starts_with(of_ego)) {
+        return None;
     }
     let kmh = (speed * 3.6 / SPEED_STEP_KMH).round().max(1.0) * SPEED_STEP_KMH;
     Some(all.moving.pick(facts.lang, seed).replace("{speed}", &format!("{kmh:.0}")))
@@ -112,7 +156,7 @@ impl<'a> DraftFacts<'a> {
         let texts = &self.framework.draft_texts;
         let things = self.components.iter().take(things).rev();
         let state: Vec<&str> = things.map(|c| c.description.trim_end_matches(['。', '.'])).collect();
-        let why = texts.why(self.class).map_or("", |p| p.pick(self.lang, choice.why));
+        let why = texts.why(self.class, self.decision).map_or("", |p| p.pick(self.lang, choice.why));
         let action = self.action(choice.action);
         let joined = self.joints().pick(self.lang, choice.joined);
         let (comma, stop) = if self.lang == Lang::Zh { ("，", "。") } else { ("; ", ".") };
@@ -134,14 +178,15 @@ impl<'a> DraftFacts<'a> {
 
     /// That nothing changes.
     fn none(&self) -> &'a Phrasings {
-        &self.framework.draft_texts.kept(self.motion).none
+        &self.framework.draft_texts.kept(self.kept).none
     }
 
     /// How the parts are joined. Where nothing new is decided, what calls for a decision is no reason for what the ego
     /// does; nor is what others do where it turns as its route has it.
     fn joints(&self) -> &'a Phrasings {
         let texts = &self.framework.draft_texts;
-        if self.decides() { texts.traces() } else { &texts.kept(self.motion).traces }
+        let kept = if self.decision.lateral.is_some() { WhyKept::Turning } else { self.kept };
+        if self.decides() { texts.traces() } else { &texts.kept(kept).traces }
     }
 
     fn decides(&self) -> bool {
@@ -177,7 +222,7 @@ impl<'a> DraftFacts<'a> {
     fn phrasings(&self) -> (u64, u64, u64) {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let count = |p: &Phrasings| p.all(lang).len().max(1) as u64;
-        let why = texts.why(self.class).map_or(1, count);
+        let why = texts.why(self.class, self.decision).map_or(1, count);
         let along =
             self.decision.longitudinal.and_then(|d| texts.longitudinal(self.class, d)).map_or(1, count);
         let across = self.decision.lateral.and_then(|d| texts.lateral(self.class, d)).map_or(1, count);
@@ -197,7 +242,7 @@ impl<'a> DraftFacts<'a> {
                 begins(said)
             });
         }
-        let Some(whys) = self.framework.draft_texts.why(self.class) else { return true };
+        let Some(whys) = self.framework.draft_texts.why(self.class, self.decision) else { return true };
         whys.all(self.lang).iter().any(|why| begins(why))
     }
 }
@@ -210,6 +255,7 @@ fn common(a: u64, b: u64) -> u64 {
 /// An action whose side is not known yet: a person states it.
 fn without_side(text: &str) -> String {
     let parts = [
+        ("向{side}偏移", "向一侧偏移"),
         ("向{side}", ""),
         ("从{side}侧", ""),
         ("{side}转", "转弯"),
@@ -236,18 +282,18 @@ pub(super) fn seed(id: &str, run: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// In both languages, whatever the ego was doing.
+/// In both languages, whatever keeps the ego from deciding.
 fn all_facts<'a>(
     framework: &'a Framework,
     class: &'a ScenarioId,
     components: &'a [CriticalComponent],
     decision: &'a DrivingDecision,
 ) -> impl Iterator<Item = DraftFacts<'a>> {
-    let of = move |lang, motion| DraftFacts { framework, class, components, decision, motion, lang };
+    let of = move |lang, kept| DraftFacts { framework, class, components, decision, kept, lang };
     [Lang::Zh, Lang::En].into_iter().flat_map(move |lang| {
         // It is said only where nothing new is decided.
-        let motions = if of(lang, EgoMotion::Driving).decides() { 1 } else { EgoMotion::ALL.len() };
-        EgoMotion::ALL.into_iter().take(motions).map(move |motion| of(lang, motion))
+        let count = if of(lang, WhyKept::Driving).decides() { 1 } else { WhyKept::ALL.len() };
+        WhyKept::ALL.into_iter().take(count).map(move |kept| of(lang, kept))
     })
 }
 
