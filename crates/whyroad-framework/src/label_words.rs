@@ -425,6 +425,16 @@ impl LabelWords {
         any
     }
 
+    /// The text tells a thing from another one of its kind: "a second van", "另一辆".
+    pub fn tells_another(&self, text: &str) -> bool {
+        if text.is_ascii() {
+            return text
+                .split(|c: char| !c.is_ascii_alphabetic())
+                .any(|w| self.subjects.another.iter().any(|a| w.eq_ignore_ascii_case(a)));
+        }
+        self.subjects.another.iter().any(|w| text.contains(w.as_str()))
+    }
+
     /// The last color of a light in `text`, as an index in the file's order: "from green to yellow".
     pub fn light_color(&self, text: &str) -> Option<usize> {
         let lower = text.to_lowercase();

@@ -24,11 +24,33 @@ pub struct Quantity {
     pub value: f64,
     /// First byte in the text.
     pub start: usize,
+    /// One past the last byte of its unit.
+    pub end: usize,
+    /// Said to be more or less that.
+    pub is_rough: bool,
+}
+
+impl Quantity {
+    /// Nobody would call the two different: a person rounds.
+    pub fn is_about(&self, other: &Quantity) -> bool {
+        let part = if self.is_rough || other.is_rough { 0.3 } else { 0.12 };
+        (self.value - other.value).abs() <= part * self.value.max(other.value) + 0.6
+    }
 }
 
 impl Quantities {
-    /// The quantities of `text` in `unit`.
+    /// The quantities of `text` in `unit`, but for distances to something.
     pub fn find(&self, text: &str, unit: &str) -> Vec<Quantity> {
+        self.of_unit(text, unit, false)
+    }
+
+    /// The lengths and distances of `text`, in meters.
+    pub fn lengths(&self, text: &str) -> Vec<Quantity> {
+        self.of_unit(text, "m", true)
+    }
+
+    /// `away`: also distances to something.
+    fn of_unit(&self, text: &str, unit: &str, away: bool) -> Vec<Quantity> {
         let lower = text.to_ascii_lowercase();
         let mut out: Vec<(Quantity, usize)> = Vec::new();
         let own = self.units.iter().filter(|(of, ..)| of == unit);
@@ -41,7 +63,7 @@ impl Quantities {
                     continue;
                 }
                 // "20 m ahead": where something is.
-                if self.away.iter().any(|w| lower[end..].trim_start().starts_with(w.as_str())) {
+                if !away && self.away.iter().any(|w| lower[end..].trim_start().starts_with(w.as_str())) {
                     continue;
                 }
                 if let Some((value, start)) = self.number_before(&lower, at) {
@@ -49,7 +71,9 @@ impl Quantities {
                     let tenths = lower[end..].chars().next().filter(|c| !c.is_ascii());
                     let tenths = tenths.and_then(|c| self.numbers.get(c.encode_utf8(&mut [0; 4]) as &str));
                     let value = value + tenths.filter(|n| **n < 10.0).map_or(0.0, |n| n / 10.0);
-                    out.push((Quantity { value: value * factor, start }, end));
+                    // "Some thirty meters", "三十来米".
+                    let is_rough = lower[..at].ends_with(['多', '来', '余', '几', '把']);
+                    out.push((Quantity { value: value * factor, start, end, is_rough }, end));
                 }
             }
         }
@@ -90,17 +114,25 @@ impl Quantities {
             return self.chinese(&before[chinese.len()..]).map(|v| (v, chinese.len()));
         }
         // "Four hundred", "twenty-five".
-        let (mut value, mut start, mut factor) = (0.0, None, 1.0);
-        for word in before.rsplit([' ', '-']).take(3) {
-            let Some(n) = self.numbers.get(word) else { break };
-            start = Some(before[..start.unwrap_or(before.len())].rfind(word)?);
-            match *n {
-                n if n >= 100.0 => factor = n,
-                n => value += n * factor,
+        let (mut all, mut start) = (Vec::new(), before.len());
+        for word in before.rsplit([' ', '-']).take(4) {
+            // "A hundred and twenty".
+            if word != "and" || all.is_empty() {
+                let Some(n) = self.numbers.get(word) else { break };
+                all.push(*n);
+                start = before[..start].rfind(word)?;
             }
         }
-        let start = start?;
-        (value > 0.0 || factor > 1.0).then_some((if value > 0.0 { value } else { factor }, start))
+        let (mut sum, mut last) = (0.0, 0.0);
+        for n in all.into_iter().rev() {
+            if n >= 100.0 {
+                sum += if last > 0.0 { last * n } else { n };
+                last = 0.0;
+            } else {
+                last += n;
+            }
+        }
+        (sum + last > 0.0).then_some((sum + last, start))
     }
 
     fn chinese(&self, text: &str) -> Option<f64> {
@@ -111,7 +143,8 @@ impl Quantities {
                 sum += if last == 0.0 { n } else { last * n };
                 last = 0.0;
             } else {
-                last = n;
+                // "四五十": somewhere between.
+                last = if last > 0.0 && (n - last - 1.0).abs() < 0.1 { last + 0.5 } else { n };
             }
         }
         Some(sum + last)

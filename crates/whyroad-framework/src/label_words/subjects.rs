@@ -63,6 +63,10 @@ pub struct Subjects {
     pub at: [Vec<String>; 2],
     /// Words of a movement to one side, in lower case: left, right.
     pub goes_to: [Vec<String>; 2],
+    /// Say that somebody is another one of his kind.
+    pub another: Vec<String>,
+    /// Names of each part of which there is a left and a right one, in lower case.
+    pub side_parts: Vec<Vec<String>>,
 }
 
 impl Subjects {
@@ -192,6 +196,8 @@ pub(super) struct RawSubjects {
     behind_ego: Words,
     goes_left: Words,
     goes_right: Words,
+    another: Words,
+    side_parts: Vec<Words>,
 }
 
 impl RawSubjects {
@@ -230,6 +236,8 @@ impl RawSubjects {
             parts: self.parts.all().map(str::to_owned).collect(),
             at: [all(&self.before_ego), all(&self.behind_ego)],
             goes_to: [all(&self.goes_left), all(&self.goes_right)],
+            another: all(&self.another),
+            side_parts: self.side_parts.iter().map(all).collect(),
         }
     }
 }

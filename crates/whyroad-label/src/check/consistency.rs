@@ -1,5 +1,6 @@
 //! Consistency (DATA_FORMAT.md 4.3): times with one another, and the trace with the decisions.
 
+mod attributes;
 pub(super) mod duplicates;
 pub(super) mod moment;
 pub(super) mod objects;

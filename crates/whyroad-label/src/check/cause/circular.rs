@@ -31,7 +31,7 @@ pub(in crate::check) fn circular(
     let repeated = match said {
         Said::Unread => echoes(text, texts, words),
         _ => repeats(text, scope, reading) || echoes(text, texts, words),
-    };
+    } || empty_reason(text, scope, reading);
     // A decision in words that no list knows may have a reason in such words.
     if !repeated
         && (said == Said::Unread
@@ -57,6 +57,8 @@ fn is_done_by_other(text: &str, from: usize, to: usize, texts: &Texts, words: &L
     const NEAR: usize = 16;
     texts.trace.there().filter(|n| (from..to).contains(&n.start)).any(|n| {
         let acts = words.objects[n.group].own.meets(words.known.actor);
+        // The part may begin inside a character.
+        let from = (from..=n.start).find(|at| text.is_char_boundary(*at)).unwrap_or(n.start);
         let before = text[from..n.start].to_ascii_lowercase();
         acts && before.rfind(" by ").is_some_and(|at| before.len() - at <= NEAR)
     })
@@ -193,6 +195,49 @@ fn echoes(text: &str, texts: &Texts, words: &LabelWords) -> bool {
     let new = second.iter().filter(|w| !first.iter().any(|f| same(f, w))).count();
     // In Chinese a word has two characters.
     if text.is_ascii() { second.len() > new && new <= 1 } else { second.len() >= 2 + 2 * new && new <= 2 }
+}
+
+/// What the trace itself calls the reason adds nothing to its decision, whatever was told before: "because giving way is
+/// what we are doing". No thing but places of the decision, no number, nothing said of anybody else, no other word.
+fn empty_reason(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
+    let lower = text.to_ascii_lowercase();
+    let marks = words.clauses.because.iter().chain(&words.clauses.again);
+    let marked = marks.flat_map(|w| lower.match_indices(w.as_str()).map(|(at, w)| at + w.len())).max();
+    let Some(from) = marked else { return false };
+    let (_, to) = words.clauses.around(&texts.units, from..from, text.len(), &|d| d != Divider::Aside);
+    let Some(part) = text.get(from..to) else { return false };
+    let inside = |at: usize| (from..to).contains(&at);
+    let is_reason = |n: &Named| {
+        let own = words.objects[n.group].own;
+        inside(n.start) && !own.meets(words.known.no_cause) && !own.meets(words.known.road)
+    };
+    if texts.trace.named.iter().any(is_reason) || part.contains(|c: char| c.is_ascii_digit()) {
+        return false;
+    }
+    // "Because it is slowing down", where somebody may be meant.
+    let acts = |n: &Named| words.objects[n.group].own.meets(words.known.actor);
+    let somebody = || texts.trace.named.iter().any(|n| n.start < from && acts(n));
+    let is_pronoun = |w: &str| w.eq_ignore_ascii_case("it") || w.eq_ignore_ascii_case("its");
+    let of_it = || part.split(|c: char| !c.is_ascii_alphabetic()).any(is_pronoun);
+    if (words.subjects.has_pronoun(part) && !words.subjects.speaks_of_ego(part) || of_it()) && somebody()
+        || reading.mentions.iter().any(|m| inside(m.start) && (m.by_other || m.denied))
+    {
+        return false;
+    }
+    let decides = trace_rules::states_decision(reading, lexicon, label, from, to)
+        || lexicon.stems.find(part, label.longitudinal.get(), label.lateral.get()).is_some();
+    let mut spoken: Vec<(usize, usize)> =
+        reading.mentions.iter().map(|m| (m.start, m.end)).filter(|m| inside(m.0)).collect();
+    spoken.extend(texts.trace.named.iter().map(|n| (n.start, n.end)));
+    let before = content(text, 0, from, &[], words);
+    let left = content(text, from, to, &spoken, words);
+    let same = |a: &str, b: &str| a == b || a.is_ascii() && a.get(..4).is_some_and(|s| b.starts_with(s));
+    // A word that a component has, too, is of the scene.
+    let given: Vec<String> =
+        label.parts.iter().filter_map(|c| c.description.get()).map(str::to_ascii_lowercase).collect();
+    let of_scene = |w: &String| given.iter().any(|text| text.contains(w.as_str()));
+    decides && left.iter().all(|w| before.iter().any(|b| same(b, w)) && !of_scene(w))
 }
 
 /// Bounds of the parts of a trace: at marks, and before words that join or give a reason.

@@ -23,6 +23,8 @@ const FEWEST_CONTENT: f64 = 0.5;
 /// Words and things, and the share of the shorter text that the longer one holds: of Latin letters, and Chinese.
 const CONCEPTS_LATIN: (usize, f64) = (5, 0.7);
 const CONCEPTS_CHINESE: (usize, f64) = (12, 0.62);
+/// Shorter lengths are widths and margins, which things of a kind may share.
+const LEAST_DISTANCE_M: f64 = 5.0;
 /// Words without articles, pronouns and auxiliaries.
 const LEAST_CONTENT: usize = 4;
 
@@ -119,6 +121,9 @@ fn adds_nothing(
         own(n).without(words.known.road).is_empty()
             || b.1.named.iter().filter(|m| near(n, m)).any(|m| agrees(&m))
     };
+    if same_place(a, b, words, &near) {
+        return true;
+    }
     if !a.1.named.iter().all(is_known) {
         return false;
     }
@@ -152,6 +157,28 @@ fn adds_nothing(
         !both.is_empty() && (both.0.count_ones() > 1 || a.1.there().any(sided) || a.1.does.meets(b.1.does))
     };
     same && (!words.numbers.any(a.0) || words.numbers.any(b.0))
+}
+
+/// Both speak of one road user of a kind at the same distance, and neither says that there is another: nobody names
+/// two that are as far away as one another without telling them apart.
+fn same_place(
+    a: (&str, &TextFacts),
+    b: (&str, &TextFacts),
+    words: &LabelWords,
+    near: &dyn Fn(&Named, &Named) -> bool,
+) -> bool {
+    let acts = |f: &&Named| words.objects[f.group].own.meets(words.known.actor.with(words.known.adverse));
+    let (Some(n), Some(m)) = (a.1.there().find(acts), b.1.there().find(acts)) else { return false };
+    let differ =
+        n.side.zip(m.side).is_some_and(|(x, y)| x != y) || n.color.zip(m.color).is_some_and(|(x, y)| x != y);
+    if differ || !near(n, m) && !near(m, n) || words.tells_another(a.0) || words.tells_another(b.0) {
+        return false;
+    }
+    let lengths = |text| words.quantities.lengths(text);
+    match (lengths(a.0).as_slice(), lengths(b.0).as_slice()) {
+        ([x], [y]) => x.is_about(y) && x.value >= LEAST_DISTANCE_M,
+        _ => false,
+    }
 }
 
 /// A text taken apart.

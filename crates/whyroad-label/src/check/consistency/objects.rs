@@ -1,6 +1,7 @@
 //! Things of the trace that no component names, or that are elsewhere or of another color there. A component in words
 //! that no list knows may name anything.
 
+use crate::check::consistency::attributes;
 use crate::check::consistency::trace_rules::Said;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
@@ -279,16 +280,19 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         side || color || other_car(n) || not_opposite(n) || is_elsewhere(n)
     };
     let is_other = |n: &&Named| differs(n) || other_count(n) || other_bend(n) || other_doing(n);
-    let other_light = || other_light(scope, until);
-    let Some(n) = texts.trace.there().filter(|n| n.start < until).find(is_other).or_else(other_light) else {
+    let other_thing = texts.trace.there().filter(|n| n.start < until).find(is_other);
+    let other_thing = other_thing.or_else(|| other_light(scope, until)).map(|n| (n.start, n.end));
+    let other_side = || attributes::other_side(scope);
+    let Some((start, end)) = other_thing.or_else(|| attributes::other_length(scope)).or_else(other_side)
+    else {
         return;
     };
-    sink.report(Finding::warning("label.trace.object_differs", pointer::COC_TRACE).part(n.start, n.end), &|| {
-        let thing = &text[n.start..n.end];
+    sink.report(Finding::warning("label.trace.object_differs", pointer::COC_TRACE).part(start, end), &|| {
+        let thing = &text[start..end];
         Words::new(
-            format!("因果描述中的“{thing}”与关键要素所说的不同（方位、颜色、数量或动作）"),
+            format!("因果描述中的“{thing}”与关键要素所说的不同（方位、距离、颜色、数量或动作）"),
             format!(
-                "the trace says otherwise of '{thing}' than the component does (side, color, number or what it does)"
+                "the trace says otherwise of '{thing}' than the component does (side, distance, color, number or what it does)"
             ),
         )
         .hint("改正其中有误的一处", "correct the one that is wrong")

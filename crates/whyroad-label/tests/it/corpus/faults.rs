@@ -67,6 +67,10 @@ const KINDS: &[(&str, &[&str])] = &[
     ("draft", &["label.trace.draft"]),
     ("cause_missing", &["label.cause.missing"]),
     ("unobserved", &["label.cause.unobserved"]),
+    // What the ego does beside its decision.
+    ("unstated_action", &["label.trace.unlabelled", "label.trace.contradicts"]),
+    // A component that speaks against the decision.
+    ("part_contradicts", &["label.trace.contradicts"]),
     ("trace_placeholder", &["label.text.placeholder", "label.trace.too_short", "label.text.unrelated"]),
     ("uncertainty", &["label.uncertainty.missing"]),
     ("keyframe_outside", &["label.keyframe."]),
@@ -111,7 +115,9 @@ pub(super) fn written(base: &Base, language: &str) -> Vec<Fault> {
                 // What belongs to another class takes the place of all; the rest is added or takes the last place.
                 match kind.as_str() {
                     "other_class" => *list = vec![component(0, part)],
-                    "near_duplicate" | "distant" => list.push(component(base.parts.len(), part)),
+                    "near_duplicate" | "distant" | "part_contradicts" => {
+                        list.push(component(base.parts.len(), part))
+                    }
                     "proximate" => *list.last_mut().unwrap() = component(base.parts.len() - 1, part),
                     _ => {
                         let i = list.len() - 1;
@@ -138,8 +144,16 @@ pub(super) fn written(base: &Base, language: &str) -> Vec<Fault> {
     }
     for (kind, all) in &base.whole_faults {
         for whole in all {
-            add(kind, &whole.decision, &|l| {
+            let what = if whole.parts.is_empty() { &whole.decision } else { &whole.trace };
+            add(kind, what, &|l| {
                 l["coc_trace"] = json!(whole.trace);
+                if whole.parts.is_empty() {
+                    return decide(l, &whole.decision, &ids);
+                }
+                let parts: Vec<Value> =
+                    whole.parts.iter().enumerate().map(|(i, p)| component(i, p)).collect();
+                let ids: Vec<String> = (0..parts.len()).map(|i| format!("c{}", i + 1)).collect();
+                l["critical_components"] = json!(parts);
                 decide(l, &whole.decision, &ids);
             });
         }
