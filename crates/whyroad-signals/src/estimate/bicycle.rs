@@ -74,6 +74,22 @@ impl Model<6> for Bicycle {
         (next, f)
     }
 
+    fn moved(f: &Matrix<6>, matrix: &Matrix<6>) -> Matrix<6> {
+        // Ones on the diagonal, zeros but for what `predict` sets.
+        let mut out = *matrix;
+        let places = [HEADING, SPEED, YAW_RATE, ACCEL];
+        for (row, others) in [(X, &places[..]), (Y, &places), (HEADING, &[YAW_RATE]), (SPEED, &[ACCEL])] {
+            let mut sum = matrix[row];
+            for &k in others {
+                for j in 0..6 {
+                    sum[j] += f[row][k] * matrix[k][j];
+                }
+            }
+            out[row] = sum;
+        }
+        out
+    }
+
     fn noise(&self, s: &[f64; 6], dt: f64) -> Matrix<6> {
         let (dt2, dt3) = (dt * dt, dt * dt * dt);
         let mut q = zero();
@@ -92,5 +108,25 @@ impl Model<6> for Bicycle {
         q[X][X] = slip;
         q[Y][Y] = slip;
         q
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::matrix::product;
+    use super::*;
+
+    #[test]
+    fn a_matrix_is_moved_as_by_the_whole_product() {
+        // A covariance of no particular form, moved on curves to either side, at a stand and in reverse.
+        let matrix: Matrix<6> =
+            std::array::from_fn(|i| std::array::from_fn(|j| (7.0 * i as f64 - 3.0 * j as f64).sin()));
+        let bicycle = Bicycle { rear_to_center_m: 1.2 };
+        for (heading, speed, yaw_rate) in
+            [(0.3, 12.0, 0.2), (-2.9, 5.0, -0.4), (1.6, 0.0, 0.0), (0.0, -2.0, 0.1)]
+        {
+            let (_, f) = bicycle.predict(&[3.0, -4.0, heading, speed, yaw_rate, 0.7], 0.1);
+            assert_eq!(Bicycle::moved(&f, &matrix), product(&f, &matrix), "{heading} {speed} {yaw_rate}");
+        }
     }
 }

@@ -150,16 +150,17 @@ fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<
     let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
     let of = |t: &Track| Measured::new(&t.frames, &t.motion, &t.known_at, &drive.times, &seconds, MAX_AWAY_S);
     let mut measured: Vec<Measured> = drive.tracks.iter().map(of).collect();
+    let mut only_measured = without_gaps(&measured);
     let of_ego = drive.ego.as_ref().map(|e| {
         let frames: Vec<u32> = (0..e.motion.len() as u32).collect();
         Measured::new(&frames, &e.motion, &e.known_at, &drive.times, &seconds, MAX_AWAY_S)
     });
-    let noise = noise_of(drive, &measured, of_ego.as_ref());
+    let noise = noise_of(drive, &only_measured, of_ego.as_ref());
     let kind = |class: ObjectClass| if on_wheels(class) { noise.vehicles } else { noise.others };
 
     let mut out = Estimated { noise, ..none };
     let mut tracks: Cow<'_, [Track]> = Cow::Borrowed(&drive.tracks);
-    let next = next_of(&drive.tracks, &measured, kind);
+    let next = next_of(&drive.tracks, &only_measured, kind);
     let exact = |m: &Measured, of: &Motion, noise: &LogNoise| {
         noise.is_negligible() && m.is_complete() && is_stated(of)
     };
@@ -172,13 +173,15 @@ fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<
     if next.iter().any(Option::is_some) {
         let (whole, ids) = chained(&drive.tracks, &next);
         measured = whole.iter().map(of).collect();
+        only_measured = without_gaps(&measured);
         out.joined = ids;
         tracks = Cow::Owned(whole);
     }
     (out.tracks, out.bridged) = (Vec::new(), Vec::new());
     let mut estimated: Vec<Track> = Vec::with_capacity(tracks.len());
-    for (track, measured) in tracks.iter().zip(&measured).filter(|(_, m)| wanted(m)) {
-        let noise = of_one(kind(track.class), measured);
+    let rows = measured.iter().zip(&only_measured);
+    for (track, (measured, only_measured)) in tracks.iter().zip(rows).filter(|(_, (m, _))| wanted(m)) {
+        let noise = of_one(kind(track.class), measured, only_measured);
         if noise.is_negligible() && measured.is_complete() {
             let mut exact = track.clone();
             complete_motion(&mut exact.motion, &measured.times, &track.length_m, track.class);
@@ -204,7 +207,8 @@ fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<
         out.bridged.push(measured.bridged());
     }
     let ego = drive.ego.as_ref().zip(of_ego).map(|(ego, measured)| {
-        let (ego, sd) = of_the_ego(ego, &measured, &of_one(noise.ego, &measured));
+        let noise = of_one(noise.ego, &measured, &measured.compact());
+        let (ego, sd) = of_the_ego(ego, &measured, &noise);
         out.ego = sd;
         ego
     });
@@ -309,20 +313,17 @@ fn within_reach(measured: &Measured, run: std::ops::Range<usize>) -> Vec<std::op
     cuts.windows(2).map(|w| w[0]..w[1]).filter(|r| !r.is_empty()).collect()
 }
 
-/// Noise of each kind of object; of a kind that is rare, that of all objects together.
-fn noise_of(drive: &Drive, measured: &[Measured], ego: Option<&Measured>) -> DriveNoise {
-    let compact: Vec<(bool, Cow<'_, Measured>)> = drive
-        .tracks
-        .iter()
-        .zip(measured)
-        .map(|(t, m)| {
-            let rows = if m.is_complete() { Cow::Borrowed(m) } else { Cow::Owned(m.compact()) };
-            (on_wheels(t.class), rows)
-        })
-        .collect();
-    let all = compact.iter().map(|(_, m)| m.rows(0..m.times.len()));
+/// Of each object the measured rows alone.
+fn without_gaps(measured: &[Measured]) -> Vec<Measured> {
+    measured.iter().map(|m| if m.is_complete() { m.clone() } else { m.compact() }).collect()
+}
+
+/// Noise of each kind of object, by their measured rows; of a kind that is rare, that of all objects together.
+fn noise_of(drive: &Drive, only_measured: &[Measured], ego: Option<&Measured>) -> DriveNoise {
+    let all = only_measured.iter().map(|m| m.rows(0..m.times.len()));
+    let classes = drive.tracks.iter().map(|t| on_wheels(t.class));
     let of = |wheels: bool| {
-        let own = compact.iter().filter(move |(w, _)| *w == wheels).map(|(_, m)| m.rows(0..m.times.len()));
+        let own = classes.clone().zip(all.clone()).filter(move |(w, _)| *w == wheels).map(|(_, rows)| rows);
         let rows: usize = own.clone().map(|r| r.times.len()).sum();
         if rows >= ENOUGH_ROWS { noise::estimate(own) } else { noise::estimate(all.clone()) }
     };
@@ -335,20 +336,19 @@ fn noise_of(drive: &Drive, measured: &[Measured], ego: Option<&Measured>) -> Dri
 }
 
 /// The noise of one track: that of its kind, or its own where it is badly tracked (a box that jumps to and fro along a
-/// long vehicle, or one far off that is placed again twice a second).
-fn of_one(kind: LogNoise, measured: &Measured) -> LogNoise {
+/// long vehicle, or one far off that is placed again twice a second). `only_measured` are the measured rows alone.
+fn of_one(kind: LogNoise, measured: &Measured, only_measured: &Measured) -> LogNoise {
     let known = measured.x.iter().filter(|x| x.is_finite()).count();
     let (Some(first), Some(last)) = (measured.times.first(), measured.times.last()) else { return kind };
     let step = (last - first) / known as f64;
     if step > COARSE_S {
-        return of_coarse(kind, &measured.compact());
+        return of_coarse(kind, only_measured);
     }
     if known < ENOUGH_OF_ONE {
         return kind;
     }
     let least = BADLY_TRACKED_M.max(BADLY_TRACKED_MPS * step);
-    let compact = measured.compact();
-    let own = noise::estimate(std::iter::once(compact.rows(0..compact.times.len()))).position;
+    let own = noise::of_positions(only_measured.rows(0..only_measured.times.len()));
     let bad = own.deviation() > least && own.deviation() > BADLY_TRACKED * kind.position.deviation();
     if bad { LogNoise { position: own, ..kind } } else { kind }
 }
@@ -375,17 +375,13 @@ fn of_coarse(kind: LogNoise, compact: &Measured) -> LogNoise {
 
 fn next_of(
     tracks: &[Track],
-    measured: &[Measured],
+    only_measured: &[Measured],
     kind: impl Fn(ObjectClass) -> LogNoise,
 ) -> Vec<Option<usize>> {
-    let compact: Vec<Cow<'_, Measured>> = measured
-        .iter()
-        .map(|m| if m.is_complete() { Cow::Borrowed(m) } else { Cow::Owned(m.compact()) })
-        .collect();
     let middle = |v: &[f64]| v.get(v.len() / 2).copied().unwrap_or(f64::NAN);
     let candidates: Vec<Candidate<'_>> = tracks
         .iter()
-        .zip(&compact)
+        .zip(only_measured)
         .map(|(t, m)| Candidate {
             rows: m.rows(0..m.times.len()),
             class: t.class,

@@ -13,8 +13,13 @@ pub trait Model<const N: usize> {
     /// The state `dt` seconds later, and the derivatives of that by the state.
     fn predict(&self, state: &[f64; N], dt: f64) -> ([f64; N], Matrix<N>);
 
-    /// Covariance that `dt` seconds add.
+    /// Covariance that `dt` seconds add, equal to its own transpose to the bit.
     fn noise(&self, state: &[f64; N], dt: f64) -> Matrix<N>;
+
+    /// The product of a matrix of derivatives, as [`Model::predict`] gives it, and `matrix`.
+    fn moved(derivatives: &Matrix<N>, matrix: &Matrix<N>) -> Matrix<N> {
+        product(derivatives, matrix)
+    }
 }
 
 /// A measurement of one component.
@@ -72,9 +77,9 @@ pub fn smooth<const N: usize, M: Model<N>>(
             let dt = times[row] - times[row - 1];
             let noise = model.noise(&state, dt);
             (state, transition) = model.predict(&state, dt);
-            // F P F', with the mostly empty F on the left both times.
-            let moved = product(&transition, &transposed(&product(&transition, &covariance)));
-            let moved = transposed(&moved);
+            // The transpose of F P F', with the mostly empty F on the left both times; what is made symmetric next
+            // need not be turned back.
+            let moved = M::moved(&transition, &transposed(&M::moved(&transition, &covariance)));
             covariance = symmetric(&sum(&moved, &noise));
         }
         seen.clear();
@@ -101,7 +106,8 @@ pub fn smooth<const N: usize, M: Model<N>>(
         if row + 1 < n {
             let (here, next) = (&steps[row], &steps[row + 1]);
             // G' = P_predicted^-1 F P_filtered, so G = P_filtered F' P_predicted^-1.
-            let gain = transposed(&solve(&next.predicted.1, &product(&next.transition, &here.filtered.1)));
+            let turned_gain = solve(&next.predicted.1, &M::moved(&next.transition, &here.filtered.1));
+            let gain = transposed(&turned_gain);
             let mut back = here.filtered.0;
             for (value, weights) in back.iter_mut().zip(&gain) {
                 for k in 0..N {
@@ -113,8 +119,7 @@ pub fn smooth<const N: usize, M: Model<N>>(
                 }
             }
             let off = difference(&covariance, &next.predicted.1);
-            covariance =
-                symmetric(&sum(&here.filtered.1, &product(&product(&gain, &off), &transposed(&gain))));
+            covariance = symmetric(&sum(&here.filtered.1, &product(&product(&gain, &off), &turned_gain)));
             state = back;
         }
         out.states[row] = state;

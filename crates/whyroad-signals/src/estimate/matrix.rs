@@ -34,11 +34,8 @@ pub fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
         let mut row = [0.0; N];
         for k in 0..N {
             let factor = a[i][k];
-            // Transition matrices are mostly zeros.
-            if factor != 0.0 {
-                for j in 0..N {
-                    row[j] += factor * b[k][j];
-                }
+            for j in 0..N {
+                row[j] += factor * b[k][j];
             }
         }
         out[i] = row;

@@ -111,30 +111,50 @@ const OF_MOTION: [f64; 3] = [0.5, 0.05, 0.5];
 
 /// The noise of objects of one kind, estimated from all of them together. What too few rows can tell is zero.
 pub fn estimate<'a>(objects: impl Iterator<Item = Rows<'a>> + Clone) -> LogNoise {
-    let of = |quantity: usize, order: Order, pick: fn(Rows<'a>) -> [&'a [f64]; 2]| {
-        let step = median_step(objects.clone());
-        let variances = STRIDES.map(|stride| {
-            let mut squares = Vec::new();
-            for rows in objects.clone() {
-                if squares.len() >= MOST_SAMPLES {
-                    break;
-                }
-                order.squares(rows.times, pick(rows), stride, step, &mut squares);
-            }
-            let own = OF_MOTION[quantity] * (stride as f64 * step).powi(order.power());
-            robust_variance(&mut squares).map(|v| (v - own * own).max(0.0))
-        });
-        order.split(variances, step, NEGLIGIBLE[quantity])
-    };
+    let step = median_step(objects.clone());
+    let velocity = if stated(objects.clone()) { VELOCITY } else { SPEED };
     LogNoise {
-        position: of(0, Order::Third, |r| [r.x, r.y]),
-        heading: of(1, Order::SecondOfAngles, |r| [r.heading, &[]]),
-        velocity: if stated(objects.clone()) {
-            of(2, Order::Second, |r| [r.vx, r.vy])
-        } else {
-            of(2, Order::Second, |r| [r.forward, &[]])
-        },
+        position: noise_in(POSITION, objects.clone(), step),
+        heading: noise_in(HEADING, objects.clone(), step),
+        velocity: noise_in(velocity, objects, step),
     }
+}
+
+/// [`LogNoise::position`] of one object by itself.
+pub fn of_positions(rows: Rows<'_>) -> Noise {
+    let rows = std::iter::once(rows);
+    noise_in(POSITION, rows.clone(), median_step(rows))
+}
+
+/// A measured quantity.
+#[derive(Clone, Copy)]
+struct Quantity {
+    /// In [`OF_MOTION`] and [`NEGLIGIBLE`].
+    index: usize,
+    order: Order,
+    values: for<'a> fn(Rows<'a>) -> [&'a [f64]; 2],
+}
+
+const POSITION: Quantity = Quantity { index: 0, order: Order::Third, values: |r| [r.x, r.y] };
+const HEADING: Quantity = Quantity { index: 1, order: Order::SecondOfAngles, values: |r| [r.heading, &[]] };
+const VELOCITY: Quantity = Quantity { index: 2, order: Order::Second, values: |r| [r.vx, r.vy] };
+const SPEED: Quantity = Quantity { index: 2, order: Order::Second, values: |r| [r.forward, &[]] };
+
+/// The noise of one quantity; `step` is the median time from row to row, s.
+fn noise_in<'a>(of: Quantity, objects: impl Iterator<Item = Rows<'a>> + Clone, step: f64) -> Noise {
+    let Quantity { index, order, values } = of;
+    let variances = STRIDES.map(|stride| {
+        let mut squares = Vec::new();
+        for rows in objects.clone() {
+            if squares.len() >= MOST_SAMPLES {
+                break;
+            }
+            order.squares(rows.times, values(rows), stride, step, &mut squares);
+        }
+        let own = OF_MOTION[index] * (stride as f64 * step).powi(order.power());
+        robust_variance(&mut squares).map(|v| (v - own * own).max(0.0))
+    });
+    order.split(variances, step, NEGLIGIBLE[index])
 }
 
 /// Sum of the squares, and number, of what one object's positions are off smooth motion, in m of one coordinate along
@@ -174,6 +194,7 @@ fn stated<'a>(mut objects: impl Iterator<Item = Rows<'a>>) -> bool {
 fn median_step<'a>(objects: impl Iterator<Item = Rows<'a>>) -> f64 {
     let mut steps: Vec<f64> = Vec::new();
     for rows in objects {
+        steps.reserve(rows.times.len());
         steps.extend(rows.times.windows(2).map(|w| w[1] - w[0]).filter(|s| *s <= MAX_STEP_S));
         if steps.len() > 5000 {
             break;
@@ -199,6 +220,8 @@ impl Order {
     fn squares(self, times: &[f64], values: [&[f64]; 2], stride: usize, step: f64, out: &mut Vec<f64>) {
         let reach = stride * self.power() as usize;
         let span = step * reach as f64;
+        let known = values.iter().filter(|v| !v.is_empty()).count();
+        out.reserve(known * times.len().saturating_sub(reach));
         for end in reach..times.len() {
             if (times[end] - times[end - reach] - span).abs() > 0.2 * step {
                 continue;

@@ -13,6 +13,8 @@ const CELL_M: f64 = 16.0;
 const MOST_CELLS: f64 = 65_536.0;
 /// Maximum number of entries in all cells, per box.
 const MOST_ENTRIES: usize = 64;
+/// Room for the boxes near a place: more are rare.
+const MOSTLY_NEAR: usize = 32;
 
 /// The boxes by cell. Numbers of boxes are those of the order in which they were given.
 #[derive(Clone, Debug, Default)]
@@ -114,10 +116,10 @@ impl BoxGrid {
 
     /// Numbers of the boxes within `reach` meters of `p` on each axis, ascending, each once.
     pub fn near(&self, p: P2, reach: f64) -> Vec<usize> {
-        let mut found = Vec::new();
         if self.boxes.is_empty() {
-            return found;
+            return Vec::new();
         }
+        let mut found = Vec::with_capacity(MOSTLY_NEAR);
         let (from, to) = (P2 { x: p.x - reach, y: p.y - reach }, P2 { x: p.x + reach, y: p.y + reach });
         for cell in self.cells(&(from, to)) {
             let meets = |(_, (low, high)): &&(u32, Bounds)| {

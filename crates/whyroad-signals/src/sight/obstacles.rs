@@ -99,7 +99,7 @@ impl<'a> Obstacles<'a> {
             return None;
         }
         let eye = ego.position[frame];
-        let mut view = View::from(eye);
+        let mut view = View::from(eye, self.by_frame[frame].len());
         for tracked in self.by_frame[frame].iter().filter(|t| t.hides) {
             let near = |footprint: &&OrientedBox| (footprint.center - eye).is_within(REACH_M);
             if let Some(footprint) = tracked.footprint.filter(near) {

@@ -173,18 +173,21 @@ pub struct Sight {
 }
 
 /// Everything that hides, around one eye.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct View {
     eye: P2,
     pieces: Vec<Piece>,
     /// For each 64 pieces, by range of directions, which of them are there.
     ranges: Vec<[u64; RANGES]>,
+    /// By range of directions, how near the nearest of them is, m; infinite where there is none.
+    nearest: [f64; RANGES],
 }
 
 impl View {
-    /// An empty view from `eye`.
-    pub fn from(eye: P2) -> Self {
-        Self { eye, pieces: Vec::new(), ranges: Vec::new() }
+    /// An empty view from `eye`, with room for this number of pieces.
+    pub fn from(eye: P2, pieces: usize) -> Self {
+        let ranges = Vec::with_capacity(pieces.div_ceil(64));
+        Self { eye, pieces: Vec::with_capacity(pieces), ranges, nearest: [f64::INFINITY; RANGES] }
     }
 
     /// Adds the box of a target. A box around the eye hides nothing: it is the ego's own trailer, or an error.
@@ -209,8 +212,11 @@ impl View {
             if k % 64 == 0 {
                 self.ranges.push([0; RANGES]);
             }
-            for range in first..first + count {
-                self.ranges[k / 64][range % RANGES] |= 1 << (k % 64);
+            for range in (first..first + count).map(|range| range % RANGES) {
+                self.ranges[k / 64][range] |= 1 << (k % 64);
+                if nearest < self.nearest[range] {
+                    self.nearest[range] = nearest;
+                }
             }
             self.pieces.push(Piece { owner, sector, outline, nearest, footprint });
         }
@@ -273,13 +279,16 @@ impl View {
         let to = place - self.eye;
         // To within rounding, without a root.
         let reach = to.dot(to) * (1.0 + 1e-9);
-        let near = |p: &&Piece| p.nearest * p.nearest < reach;
-        let mut around = self.pieces_in((range_of(to), 1)).filter(near).peekable();
+        let near = |nearest: f64| nearest * nearest < reach;
+        let range = range_of(to);
         // Most places are before everything or before an open sky: then nothing more is worked out.
-        around.peek()?;
+        if !near(self.nearest[range]) {
+            return None;
+        }
         let distance = to.norm();
         let direction = to * (1.0 / distance.max(1e-9));
-        around
+        self.pieces_in((range, 1))
+            .filter(|p| near(p.nearest))
             .filter(|p| p.nearest < distance && p.sector.contains(direction) && counts(p.owner))
             .map(|p| (entry(p.outline.corners(), direction), p.owner))
             .filter(|(at, _)| *at < distance)

@@ -207,6 +207,8 @@ const LEAST_HALF_WIDTH_M: f64 = 0.75;
 const PATH_MARGIN_M: f64 = 0.3;
 /// Points around a footprint are this close, m.
 const BAND_STEP_M: f64 = 0.5;
+/// Room is made for no more of them at once, however long a box is said to be.
+const MOST_ROOM: usize = 1024;
 
 impl<'a> Surroundings<'a> {
     /// Places `track` in these of its rows, without gaps and closing speeds, which [`crate::target::approach::place`]
@@ -285,7 +287,9 @@ impl<'a> Surroundings<'a> {
         let window = around_foot(self.path, footprint, at);
         let corners = footprint.corners();
         // Points around the footprint, from its last corner on.
-        let mut around = vec![corners[3]];
+        let most = (2.0 * (footprint.length + footprint.width) / BAND_STEP_M) as usize;
+        let mut around = Vec::with_capacity(most.min(MOST_ROOM) + 9);
+        around.push(corners[3]);
         for (i, &a) in corners.iter().enumerate() {
             let from = corners[(i + 3) % 4];
             let steps = ((a - from).norm() / BAND_STEP_M).ceil().max(1.0);

@@ -10,7 +10,7 @@ fn at(x: f64, y: f64, heading: f64, length: f64, width: f64) -> OrientedBox {
 }
 
 fn view(boxes: &[OrientedBox]) -> View {
-    let mut view = View::from(p2(0.0, 0.0));
+    let mut view = View::from(p2(0.0, 0.0), 0);
     for (k, b) in boxes.iter().enumerate() {
         view.add_box(Owner::Target(k), *b);
     }
@@ -113,7 +113,7 @@ proptest! {
         many in prop::collection::vec((-PI..PI, 1.0..60.0_f64, -PI..PI, 0.0..40.0_f64), 1..150),
         places in prop::collection::vec((-PI..PI, 0.0..80.0_f64), 60),
     ) {
-        let mut v = View::from(p2(0.0, 0.0));
+        let mut v = View::from(p2(0.0, 0.0), 0);
         for (k, (angle, r, h, l)) in many.iter().enumerate() {
             if k % 3 == 0 {
                 let (a, along) = (P2::from_heading(*angle) * *r, P2::from_heading(*h) * *l);
@@ -176,7 +176,7 @@ proptest! {
 #[test]
 fn a_right_angle_in_a_corner() {
     // A wall from (10, 3) away along y hides what is beyond it and not what is before it.
-    let mut v = View::from(p2(0.0, 0.0));
+    let mut v = View::from(p2(0.0, 0.0), 0);
     v.add_wall(Owner::Building(0), p2(10.0, 3.0), p2(10.0, 30.0));
     assert_eq!(v.before(p2(20.0, 5.9), |_| true), None);
     assert_eq!(v.before(p2(20.0, 6.1), |_| true), Some(Owner::Building(0)));
