@@ -356,7 +356,9 @@ impl Times {
     fn range(&self, start: Nanos, end: Nanos) -> FrameRange {
         let from = self.frame_at(start);
         let beyond = self.frames.last().is_none_or(|l| (l.end.0 - end.0).abs() <= (l.time.0 - end.0).abs());
-        let to = if beyond { self.frames.len() } else { self.frame_at(end) };
+        // A frame before a gap may be over and yet begin nearer to `end` than the next one.
+        let nearest = self.frame_at(end);
+        let to = if beyond { self.frames.len() } else { nearest + usize::from(self.end(nearest) <= end) };
         FrameRange::new(from, to.max(from + 1))
     }
 }

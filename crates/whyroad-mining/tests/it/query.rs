@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
 use whyroad_mining::rule::query::{compile_query, parse_query};
-use whyroad_mining::{RuleSet, mine_drive};
+use whyroad_mining::{Episode, RuleSet, mine_drive};
 use whyroad_model::{Column, Diagnostic, Lang, Nanos, SignalTable, diagnostic};
 use whyroad_signals::Catalog;
 
@@ -14,18 +14,24 @@ use whyroad_signals::Catalog;
 const SPEEDS: [f64; 12] = [0.0, 0.0, 9.0, 9.0, 9.0, 0.0, 4.0, 4.0, 0.0, 9.0, 0.0, 0.0];
 
 fn matched(conditions: Value) -> Result<Vec<(usize, usize)>, Vec<Diagnostic>> {
+    let tenths: Vec<i64> = (0..SPEEDS.len() as i64).map(|i| 100 * i).collect();
+    Ok(mined(conditions, &tenths, &SPEEDS)?.iter().map(|e| (e.matched.start, e.matched.end)).collect())
+}
+
+/// Episodes of a drive with frames at `times_ms`.
+fn mined(conditions: Value, times_ms: &[i64], speeds: &[f64]) -> Result<Vec<Episode>, Vec<Diagnostic>> {
     let query =
         json!({ "mining_query": { "scenario_id": "reactive_agent.cutin", "conditions": conditions } });
     let text = format!("{query:#}");
     let query = parse_query(&text, "query.json", Framework::bundled())?;
     let rule = compile_query(&query, Catalog::bundled(), &text, "query.json")?.unwrap();
     let table = SignalTable {
-        times: (0..SPEEDS.len() as i64).map(|i| Nanos(i * 100_000_000)).collect(),
-        frame_columns: BTreeMap::from([("ego.speed".to_owned(), Column::Number(SPEEDS.to_vec()))]),
+        times: times_ms.iter().map(|t| Nanos(t * 1_000_000)).collect(),
+        frame_columns: BTreeMap::from([("ego.speed".to_owned(), Column::Number(speeds.to_vec()))]),
         ..SignalTable::default()
     };
     let rules = RuleSet { rules: vec![rule], ..RuleSet::default() };
-    Ok(mine_drive(&rules, &table).episodes.iter().map(|e| (e.matched.start, e.matched.end)).collect())
+    Ok(mine_drive(&rules, &table).episodes)
 }
 
 fn faster_than(speed: f64) -> Value {
@@ -61,6 +67,18 @@ fn clauses_mean_what_the_rule_language_means() {
     for (conditions, expected) in cases {
         assert_eq!(matched(conditions.clone()).unwrap(), expected, "{conditions}");
     }
+}
+
+/// The time range of an episode holds its match. The frame at 0.4 s lasts until 0.5 s; the next one, behind the
+/// gap, is farther from that than it is itself.
+#[test]
+fn a_range_that_ends_with_the_last_frame_before_a_gap_holds_that_frame() {
+    let times = [0, 100, 200, 300, 400, 605, 705];
+    let speeds = [0.0, 0.0, 0.0, 9.0, 9.0, 0.0, 0.0];
+    let found = mined(json!([faster_than(8.0)]), &times, &speeds).unwrap();
+    let [episode] = found.as_slice() else { panic!("{found:?}") };
+    assert_eq!((episode.keyframe, episode.range.start, episode.range.end), (3, 3, 5));
+    assert!(episode.context.end >= 5);
 }
 
 #[test]

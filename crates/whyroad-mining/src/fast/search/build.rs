@@ -252,7 +252,9 @@ impl Clock<'_, '_> {
         let from = self.frame_at(start);
         let beyond =
             n.checked_sub(1).is_none_or(|l| (self.end(l).0 - end.0).abs() <= (self.time(l).0 - end.0).abs());
-        let to = if beyond { n } else { self.frame_at(end) };
+        // A frame before a gap may be over and yet begin nearer to `end` than the next one.
+        let nearest = self.frame_at(end);
+        let to = if beyond { n } else { nearest + usize::from(self.end(nearest) <= end) };
         FrameRange::new(from, to.max(from + 1))
     }
 }
