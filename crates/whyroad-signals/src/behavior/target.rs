@@ -16,8 +16,18 @@ const FORWARD_MPS: f64 = 2.0;
 const CHANGE_OF_GEAR_S: f64 = 1.0;
 /// The same where it drives forwards faster than this both before and after, m/s.
 const ROCKING_MPS: f64 = 1.0;
+/// A standing box that slides back is where it stood again after at most this long, s,
+const SLIDES_BACK_S: f64 = 5.0;
+/// to this, m.
+const SAME_PLACE_M: f64 = 0.3;
 /// Less than this backwards is a tracker's jitter or a car that rocks as it stops, m.
 const REVERSE_LEAST_M: f64 = 1.0;
+/// Who gains more speed than this, m/s,
+const HEAVY_GAIN_MPS: f64 = 3.0;
+/// in this time is no loaded lorry (1 m/s in a second) and no bus (1.5 m/s), s.
+const HEAVY_GAIN_S: f64 = 2.0;
+/// Boxes that jump do so again after this long, s: the pace of such jumps in recorded drives.
+const JUMPS_AGAIN_S: f64 = 3.0;
 /// A stand of at least this long is parking or waiting, s.
 const PARKED_S: f64 = 5.0;
 /// ... and counts for this long after its end, s.
@@ -28,6 +38,27 @@ const SUDDEN_MPS2: f64 = -4.0;
 const SUDDEN_LEAST_MPS: f64 = 1.0;
 /// Half width of the mean over the acceleration, s.
 const MEAN_REACH_S: f64 = 0.2;
+
+/// Whether what stood before frame `start` and went backwards until frame `end` stands where it had stood soon after:
+/// its box slid, or it only made room for somebody.
+fn slides(times: &[f64], forward_speed: &[f64], start: usize, end: usize) -> bool {
+    let stands = |i: usize| forward_speed[i].abs() < -REVERSE_MPS;
+    let just_before = (0..start).rev().take_while(|&i| times[start] - times[i] <= CHANGE_OF_GEAR_S);
+    if start == 0 || !just_before.into_iter().all(stands) {
+        return false;
+    }
+    let mut way = 0.0;
+    for i in start..forward_speed.len() - 1 {
+        if i >= end && (forward_speed[i].is_nan() || times[i] - times[end - 1] > SLIDES_BACK_S) {
+            return false;
+        }
+        if i >= end && stands(i) && way > -SAME_PLACE_M {
+            return true;
+        }
+        way += forward_speed[i] * (times[i + 1] - times[i]);
+    }
+    false
+}
 
 /// By row, whether a vehicle goes backwards: in one stretch for at least [`REVERSE_LEAST_M`]. A shorter stretch that
 /// the beginning or the end of the track cuts off is unknown.
@@ -55,7 +86,7 @@ fn reverses(is_vehicle: bool, times: &[f64], forward_speed: &[f64]) -> Vec<Tri> 
             let after = || (end..n).filter(near).map(|i| forward_speed[i]);
             let rocks = before().any(|v| v > ROCKING_MPS) && after().any(|v| v > ROCKING_MPS);
             let jumps = rocks || before().chain(after()).any(|v| v > FORWARD_MPS);
-            out[start..end].fill(if jumps {
+            out[start..end].fill(if jumps || slides(times, forward_speed, start, end) {
                 Tri::False
             } else if far {
                 Tri::True
@@ -68,6 +99,19 @@ fn reverses(is_vehicle: bool, times: &[f64], forward_speed: &[f64]) -> Vec<Tri> 
         start = end + 1;
     }
     out
+}
+
+/// By row, whether a long vehicle's box jumped along the road just before: it gained speed as no such vehicle does.
+fn box_jumps(is_large: bool, times: &[f64], speed: &[f64]) -> Vec<Tri> {
+    let within = |i: usize, time: f64| (0..=i).rev().take_while(move |&j| times[i] - times[j] <= time + 1e-6);
+    let gains = |i: usize| within(i, HEAVY_GAIN_S).any(|j| speed[i] - speed[j] > HEAVY_GAIN_MPS);
+    let gained: Vec<bool> = (0..speed.len()).map(|i| is_large && gains(i)).collect();
+    let of = |i: usize| match within(i, JUMPS_AGAIN_S).any(|j| gained[j]) {
+        true => Tri::True,
+        false if is_large && speed[i].is_nan() => Tri::Unknown,
+        false => Tri::False,
+    };
+    (0..speed.len()).map(of).collect()
 }
 
 fn was_parked(standing: &Standing, r: usize) -> Tri {
@@ -92,7 +136,7 @@ fn brakes_suddenly(speed: f64, accel: f64) -> Tri {
     }
 }
 
-/// Writes `target.reverses`, `starts`, `time_standing`, `was_parked`, `sudden_brake`.
+/// Writes `target.reverses`, `starts`, `time_standing`, `was_parked`, `sudden_brake`, `box_jumps`.
 pub fn write(scene: &Interaction<'_>, standing: &[Standing], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let targets = scene.targets;
@@ -109,4 +153,7 @@ pub fn write(scene: &Interaction<'_>, standing: &[Standing], table: &mut TableBu
     );
     let sudden = |k: usize, r: usize| brakes_suddenly(targets[k].speed[r], mean_accel[k][r]);
     table.flag(id::TARGET_SUDDEN_BRAKE, rows.spread(targets, Tri::Unknown, |k, r, _| sudden(k, r)));
+    let jumps: Vec<Vec<Tri>> =
+        targets.iter().map(|t| box_jumps(t.track.class.is_large_vehicle(), &t.times, &t.speed)).collect();
+    table.flag(id::TARGET_BOX_JUMPS, rows.spread(targets, Tri::Unknown, |k, r, _| jumps[k][r]));
 }

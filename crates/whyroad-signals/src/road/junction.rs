@@ -72,7 +72,8 @@ pub fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
 }
 
 /// Heading turned over one traversal and whether the recording holds it from entry to exit. A turn that begins before
-/// the area or ends behind it is counted as far as it goes on.
+/// the area or ends behind it is counted as far as it goes on; where the recording begins or ends in the midst of it, as
+/// in a slip lane before the area, nobody knows how far it goes.
 fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64, bool)> {
     let s = &path.ego_s;
     let near = |&i: &usize| s[i] >= stretch.from - TURN_MARGIN_M && s[i] <= stretch.to + TURN_MARGIN_M;
@@ -103,7 +104,17 @@ fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64,
             ends = i;
         }
     }
-    Some((headings[ends] - headings[begins], whole))
+    let known = |i: &usize| headings[*i].is_finite() && s[*i].is_finite();
+    let (edge_first, edge_last) = ((0..headings.len()).find(known)?, (0..headings.len()).rfind(known)?);
+    let turns_over = |a: usize, b: usize| goes_on(headings[a], headings[b], s[b] - s[a]);
+    // Whether the recording's first and last meters are part of it.
+    let after_edge = || (edge_first..=last).find(|&i| s[i] - s[edge_first] >= TURN_MARGIN_M);
+    let before_edge = || (first..=edge_last).rfind(|&i| s[edge_last] - s[i] >= TURN_MARGIN_M);
+    let begins_in_it =
+        s[begins] - s[edge_first] < STEP_M && after_edge().is_some_and(|i| turns_over(edge_first, i));
+    let ends_in_it =
+        s[edge_last] - s[ends] < STEP_M && before_edge().is_some_and(|i| turns_over(i, edge_last));
+    Some((headings[ends] - headings[begins], whole && !begins_in_it && !ends_in_it))
 }
 
 /// Where the path turns round outside of junctions, as at an opening of the median, and no lane leads round there (a

@@ -95,6 +95,12 @@ fn what_targets_do() {
     car(&mut d, "backs", |t| (40.0 - (t - 7.0).clamp(0.0, 3.0), 3.5, 0.0));
     // 0.2 m/s and 1.5 m/s more or less every 4 s: its box goes back by 1.5 m at a time.
     car(&mut d, "rocks", |t| (20.0 + 0.2 * t - 3.0 / PI * (PI * t / 2.0).cos(), 3.5, 0.0));
+    // Stands, and from 6 s on its box slides back by 2 m and returns to its place, all within 4 s.
+    car(&mut d, "slides", |t| (50.0 - (1.0 - (PI / 2.0 * (t - 6.0).clamp(0.0, 4.0)).cos()), 3.5, 0.0));
+    // A lorry at 5 m/s whose box runs ahead at 10 m/s for a second from 8 s on; a car that does so may speed up that fast.
+    let jump = |t: f64| (60.0 + 5.0 * t + 5.0 * (t - 8.0).clamp(0.0, 1.0), -3.5, 0.0);
+    add(&mut d, "lorry", Truck, (8.0, 2.5), jump);
+    car(&mut d, "sprints", jump);
     // 12 m/s, brakes at 5 m/s2 from 4 s: stands at 6.4 s.
     car(&mut d, "brakes", |t| {
         let b = (t - 4.0).clamp(0.0, 2.4);
@@ -112,8 +118,12 @@ fn what_targets_do() {
     let (from, to) = when_of(&t, "backs", "target.reverses", 150).unwrap();
     assert!((70..=71).contains(&from) && (98..=100).contains(&to), "{from} {to}");
     assert_eq!(when_of(&t, "brakes", "target.reverses", 150), None);
+    assert_eq!(when_of(&t, "slides", "target.reverses", 150), None, "it stands where it stood");
     // Between two stretches forwards; what it does as the record ends is not known.
     assert_eq!(when_of(&t, "rocks", "target.reverses", 140), None);
+    let (from, to) = when_of(&t, "lorry", "target.box_jumps", 150).unwrap();
+    assert!((78..=84).contains(&from) && (115..=125).contains(&to), "{from} {to}, 3 s after it");
+    assert_eq!(when_of(&t, "sprints", "target.box_jumps", 150), None, "a car");
     near(t.num("backs", "target.time_standing", 60), 6.0, 1e-6);
     let (from, to) = when_of(&t, "backs", "target.starts", 150).unwrap();
     assert!((70..=71).contains(&from) && to == from + 9, "{from} {to}");

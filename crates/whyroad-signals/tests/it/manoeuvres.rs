@@ -204,6 +204,35 @@ fn turns_by_integrated_heading() {
 }
 
 #[test]
+fn how_far_a_turn_goes_is_unknown_where_the_record_begins_in_it() {
+    // 40 deg of a circle of 20 m to the left, from (0, 0); the junction is the part beyond 6 m of the arc.
+    let angle = 40_f64.to_radians();
+    let (arc, sin, cos) = (20.0 * angle, angle.sin(), angle.cos());
+    let way = move |s: f64| {
+        let a = (s / 20.0).clamp(0.0, angle);
+        let after = (s - arc).max(0.0);
+        (s.min(0.0) + 20.0 * a.sin() + after * cos, 20.0 * (1.0 - a.cos()) + after * sin, a)
+    };
+    let junction = area("j", &[(5.9, -5.0), (18.0, -5.0), (18.0, 20.0), (5.9, 20.0)]);
+    let movement = |before: f64, place: f64| {
+        let mut d = drive(120, |t| way(4.0 * t - before));
+        let mut m = map(vec![lane("far", &[(900.0, 900.0), (950.0, 900.0)], 3.5)]);
+        m.junctions = vec![junction.clone()];
+        d.map = Some(m);
+        let t = Table::of(&d);
+        let frame = ((place + before) / 0.4) as usize;
+        assert_eq!(t.ego_flag("ego.in_junction", frame), True);
+        t.ego_category("ego.movement", frame).map(str::to_owned)
+    };
+    assert_eq!(movement(0.0, 12.0), None, "as in a slip lane, of which the record holds the last part");
+    assert_eq!(
+        movement(20.0, 12.0).as_deref(),
+        Some("straight"),
+        "the record holds the straight road before it"
+    );
+}
+
+#[test]
 fn a_u_turn_is_one_whichever_way_the_wrap_goes() {
     // Half circle of radius 6 m at 4 m/s from heading 0 or from just under pi, left: 180 deg in 4.7 s.
     for start in [0.0, 3.0] {
