@@ -63,9 +63,9 @@ pub enum Rank {
 pub const LISTED_CONDITIONS: usize = 5;
 
 /// What a response condition comes to, from its truth by frame over `range`; `None` for a frame in which it is not
-/// judged.
+/// judged. Over no frame at all nothing is known: an answer that was not looked for is not absent.
 pub(crate) fn response(range: FrameRange, mut truth: impl FnMut(usize) -> Option<Tri>) -> EgoResponse {
-    let mut known = true;
+    let mut known = !range.is_empty();
     for frame in range.start..range.end {
         match truth(frame) {
             Some(Tri::True) => return EgoResponse::Observed,

@@ -8,10 +8,12 @@ use super::layout::RowSet;
 use super::{Evaluation, Plan, Signals, find_all};
 use crate::episode::{Episode, Found, find};
 use crate::interpret::{Evaluator, Moments, Roles, Series};
-use crate::rule::Rule;
+use crate::language::program::{Moment, NodeId, Op, Program, ValueKind};
+use crate::rule::{ResponseCondition, Rule, Timing};
 use proptest::prelude::*;
-use random::{rule, table};
-use whyroad_model::{FrameRange, SignalTable};
+use random::{plain_rule, rule, table};
+use whyroad_model::messages::EgoResponse;
+use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalTable, Tri};
 
 /// Equal but for the last bits of a score.
 fn same(fast: &[Found], reference: &[Found]) {
@@ -55,7 +57,7 @@ fn same_values(rule: &Rule, table: &SignalTable) {
                 pass = reference.at_episode(&pass, moments);
             }
             for i in 0..rule.program.nodes.len() {
-                let local = crate::language::NodeId(i);
+                let local = NodeId(i);
                 let of = plan.rules[0].node(local);
                 let what =
                     || format!("{:?} at {row_set:?} of {:?}", rule.program.nodes[i].op, rule.program.nodes);
@@ -107,5 +109,67 @@ proptest! {
         let signals = Signals::of_table(&table);
         let reference: Vec<Found> = rules.iter().map(|r| find(r, &table)).collect();
         same(&find_all(&plan, &signals), &reference);
+    }
+}
+
+/// A rule that matches while `ego.f` holds.
+fn while_flagged(timing: impl Fn(NodeId) -> Timing) -> Rule {
+    let mut program = Program::default();
+    let flag = program.add(Op::Signal("ego.f".into()), ValueKind::Condition);
+    Rule { timing: timing(flag), ..plain_rule(program, flag) }
+}
+
+/// The flag holds in these frames of a drive with frames at these times.
+fn flagged(times_ms: &[i64], frames: FrameRange) -> SignalTable {
+    let flags = (0..times_ms.len()).map(|i| Tri::from(frames.contains(i))).collect();
+    SignalTable {
+        drive_id: "d".into(),
+        times: times_ms.iter().map(|ms| Nanos(ms * 1_000_000)).collect(),
+        frame_columns: [("ego.f".to_owned(), Column::Flag(flags))].into(),
+        ..SignalTable::default()
+    }
+}
+
+/// The only episode of the rule, which both evaluators find alike.
+fn only_episode(rule: &Rule, table: &SignalTable) -> Episode {
+    let found = find(rule, table);
+    same(&find_all(&Plan::of_rules([rule]), &Signals::of_table(table)), std::slice::from_ref(&found));
+    let [episode] = found.episodes.as_slice() else { panic!("{:#?}", found.episodes) };
+    episode.clone()
+}
+
+/// docs/reference/rules.md: "The time range always contains the keyframe."
+#[test]
+fn the_time_range_holds_the_last_frame_before_a_gap() {
+    let at_last =
+        |flag| Timing { keyframe: vec![(Moment::Last(flag), Bilingual::new("", ""))], ..Timing::of_match() };
+    // One frame lost, and three.
+    for times in [[0, 100, 200, 400, 500], [0, 100, 200, 600, 700]] {
+        let episode = only_episode(&while_flagged(at_last), &flagged(&times, FrameRange::new(1, 3)));
+        assert_eq!(episode.keyframe, 2);
+        assert_eq!(episode.range, FrameRange::new(1, 3), "{times:?}");
+    }
+}
+
+/// docs/reference/rules.md: an answer is looked for from the start of the match to the end of the time range; here the
+/// range ends before the match begins.
+#[test]
+fn an_answer_that_was_looked_for_in_no_frame_is_unknown() {
+    let before_match = |_| Timing {
+        keyframe: vec![(
+            Moment::Offset(Box::new(Moment::MatchStart), Nanos(-300_000_000)),
+            Bilingual::new("", ""),
+        )],
+        end: vec![Moment::Keyframe],
+        ..Timing::of_match()
+    };
+    let mut rule = while_flagged(before_match);
+    let lacking = rule.program.add(Op::Signal("ego.g".into()), ValueKind::Condition);
+    let table = flagged(&[0, 100, 200, 300, 400, 500, 600], FrameRange::new(5, 6));
+    for condition in [lacking, rule.when] {
+        rule.response = Some(ResponseCondition { condition, of_target: false });
+        let episode = only_episode(&rule, &table);
+        assert_eq!(episode.range, FrameRange::new(2, 3));
+        assert_eq!(episode.response, EgoResponse::Unknown);
     }
 }
