@@ -72,8 +72,8 @@ pub fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
 }
 
 /// Heading turned over one traversal and whether the recording holds it from entry to exit. A turn that begins before
-/// the area or ends behind it is counted as far as it goes on; where the recording begins or ends in the midst of it, as
-/// in a slip lane before the area, nobody knows how far it goes.
+/// the area or ends behind it is counted as far as it goes on; where the recording begins or ends in the midst of it,
+/// as in a slip lane before the area, nobody knows how far it goes.
 fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64, bool)> {
     let s = &path.ego_s;
     let near = |&i: &usize| s[i] >= stretch.from - TURN_MARGIN_M && s[i] <= stretch.to + TURN_MARGIN_M;

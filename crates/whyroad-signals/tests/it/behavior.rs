@@ -97,7 +97,7 @@ fn what_targets_do() {
     car(&mut d, "rocks", |t| (20.0 + 0.2 * t - 3.0 / PI * (PI * t / 2.0).cos(), 3.5, 0.0));
     // Stands, and from 6 s on its box slides back by 2 m and returns to its place, all within 4 s.
     car(&mut d, "slides", |t| (50.0 - (1.0 - (PI / 2.0 * (t - 6.0).clamp(0.0, 4.0)).cos()), 3.5, 0.0));
-    // A lorry at 5 m/s whose box runs ahead at 10 m/s for a second from 8 s on; a car that does so may speed up that fast.
+    // A lorry at 5 m/s whose box runs ahead at 10 m/s for a second from 8 s on; a car may speed up that fast.
     let jump = |t: f64| (60.0 + 5.0 * t + 5.0 * (t - 8.0).clamp(0.0, 1.0), -3.5, 0.0);
     add(&mut d, "lorry", Truck, (8.0, 2.5), jump);
     car(&mut d, "sprints", jump);

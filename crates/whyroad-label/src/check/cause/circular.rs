@@ -197,8 +197,8 @@ fn echoes(text: &str, texts: &Texts, words: &LabelWords) -> bool {
     if text.is_ascii() { second.len() > new && new <= 1 } else { second.len() >= 2 + 2 * new && new <= 2 }
 }
 
-/// What the trace itself calls the reason adds nothing to its decision, whatever was told before: "because giving way is
-/// what we are doing". No thing but places of the decision, no number, nothing said of anybody else, no other word.
+/// What the trace itself calls the reason adds nothing to its decision, whatever was told before: "because giving way
+/// is what we are doing". No thing but places of the decision, no number, nothing said of anybody else, no other word.
 fn empty_reason(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     let lower = text.to_ascii_lowercase();

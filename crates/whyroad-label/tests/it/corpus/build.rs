@@ -69,8 +69,8 @@ pub(super) fn bases() -> Vec<(&'static str, Vec<Base>)> {
     vec![("zh", read(include_str!("zh.yaml"))), ("en", read(include_str!("en.yaml")))]
 }
 
-/// Those that were written before the checks were improved (first set) and after (second to tenth, twelfth and fourteenth set), and
-/// not looked at until their first figures were taken.
+/// Those that were written before the checks were improved (first set) and after (second to tenth, twelfth and
+/// fourteenth set), and not looked at until their first figures were taken.
 pub(super) fn unseen() -> [Vec<(&'static str, Vec<Base>)>; 12] {
     let read = |text: &str| yaml::from_str::<Vec<Base>>(text).unwrap();
     [
