@@ -99,7 +99,7 @@ pub fn draft_with_seed(
     let of_others = framework
         .draft_texts
         .seen(class)
-        .is_some_and(|seen| seen.category == Some(ComponentCategory::CriticalObjects));
+        .is_some_and(|seen| seen.high || seen.category == Some(ComponentCategory::CriticalObjects));
     let kept = trace::why_kept(signals, keyframe, episode.target_id.as_ref(), of_others);
     let facts =
         trace::DraftFacts { framework, class, components: &components, decision: &decision, kept, lang };

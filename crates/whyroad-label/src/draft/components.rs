@@ -102,7 +102,9 @@ fn target_in_words(
         holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3);
     let comes_in = crosses_a_line && !is_lead;
     let (ahead, aside) = (number("target.longitudinal")?, number("target.lateral")?);
-    let place = if is_lead && !crosses_a_line && ahead > BESIDE_M {
+    let turned = number("target.heading_difference").map(f64::abs);
+    let same_way = turned.is_some_and(|a| a < 45_f64.to_radians());
+    let place = if is_lead && same_way && !crosses_a_line && ahead > BESIDE_M {
         Bilingual::new("本车道前方", "ahead in the ego's lane")
     } else {
         // Who comes in does so from a side.
@@ -113,7 +115,7 @@ fn target_in_words(
         _ => class_name(class),
     };
     // Opposite headings within 45 degrees.
-    let oncoming = number("target.heading_difference").is_some_and(|a| a.abs() > 135_f64.to_radians());
+    let oncoming = turned.is_some_and(|a| a > 135_f64.to_radians());
     let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
     let doing = if let Some((zh, en)) = of_class {
         Bilingual::new(zh, en)

@@ -40,7 +40,8 @@ pub(super) struct DraftFacts<'a> {
     pub lang: Lang,
 }
 
-/// Why nothing new is decided at `frame` about `target`; `of_others`: it is about others where no target is known.
+/// Why nothing new is decided at `frame` about `target`; `of_others`: it is about others where no target is known, or
+/// about who may be hidden.
 pub(super) fn why_kept(
     signals: &SignalTable,
     frame: usize,
