@@ -1,12 +1,10 @@
 //! Comparisons of numbers that have standard deviations (`crate::deviation` defines them), on the stretches of a
 //! column.
 
-use super::bits::Bits;
-use super::compare::compare_columns;
+use super::compare::{both_known, compare_columns, within_noise};
 use super::layout::Segment;
 use super::numbers::Numbers;
 use super::truth::Truth;
-use crate::deviation::stated;
 use crate::language::syntax::CompareOp;
 
 /// Truth of a comparison; each stretch is compared by itself.
@@ -19,14 +17,11 @@ pub(super) fn crossed(
     let n = noise.len();
     let (a, b) = (a.cut(), b.cut());
     let (a, b) = (&a[..n], &b[..n]);
-    let known = Bits::collect(n, |i| !a[i].is_nan() && !b[i].is_nan());
+    let known = both_known(a, b);
     let mut yes = compare_columns(op, a, b);
     yes.and_with(&known);
     // Few rows are as near to the other side as their noise: these stay as the row before them is.
-    let near = Bits::collect(n, |i| {
-        let noise = stated(noise[i]);
-        noise > 0.0 && (a[i] - b[i]).abs() <= noise
-    });
+    let near = within_noise(a, b, noise);
     for segment in segments {
         let rows = segment.range();
         for i in near.positions(rows.start + 1..rows.end.max(rows.start + 1)) {
