@@ -1,19 +1,42 @@
 //! Values to Parquet's own column writers: those of the known rows, and which rows these are. Nothing is made an Arrow
 //! array for it; the Arrow schema only says what the columns are.
+//!
+//! Columns of a row group with equal values are in the file once: the footer names the same pages for each of them. That
+//! is plain Parquet, where a column is wherever the footer says, so that no reader has to know of it.
 
 use crate::LakeError;
+use crate::signals::pages::Chunk;
 use arrow_schema::Schema;
 use parquet::arrow::{ArrowSchemaConverter, add_encoded_arrow_schema_to_metadata};
-use parquet::column::writer::ColumnWriter;
+use parquet::column::writer::{ColumnCloseResult, ColumnWriter};
 use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result as ParquetResult};
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::file::metadata::{
+    ColumnChunkMetaData, FileMetaData, ParquetMetaData, ParquetMetaDataWriter, RowGroupMetaData,
+};
+use parquet::file::properties::{WriterProperties, WriterPropertiesPtr};
+use parquet::file::writer::{SerializedColumnWriter, SerializedRowGroupWriter, TrackedWrite};
+use parquet::schema::types::{ColumnDescPtr, SchemaDescPtr, SchemaDescriptor};
 use std::fs::File;
-use std::path::Path;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::{Column, Tri};
+
+/// What a file of this format begins and ends with.
+const MAGIC: &[u8] = b"PAR1";
+
+/// Where a column of a row group comes from.
+#[derive(Clone, Copy)]
+pub(crate) enum Source<'a> {
+    /// Values.
+    Cells(Cells<'a>),
+    /// A column of another file, as it is there.
+    Copied(&'a Chunk, &'a ColumnChunkMetaData),
+    /// The same values as the column of this index, which comes before.
+    SameAs(usize),
+}
 
 /// The values of one column in one row group.
 #[derive(Clone, Copy)]
@@ -32,34 +55,155 @@ pub(crate) enum Cells<'a> {
 
 /// What a column is prepared in, kept for the next one.
 #[derive(Default)]
-pub(crate) struct Buffers {
+struct Buffers {
     levels: Vec<i16>,
     numbers: Vec<f64>,
     flags: Vec<bool>,
     texts: Vec<ByteArray>,
 }
 
-/// A file with the columns of `schema`.
-pub(crate) fn create(
-    path: &Path,
-    schema: &Schema,
-    mut properties: WriterProperties,
-) -> Result<SerializedFileWriter<File>, LakeError> {
-    let broken = |e: ParquetError| LakeError::broken(path, e);
-    add_encoded_arrow_schema_to_metadata(schema, &mut properties);
-    let columns = ArrowSchemaConverter::new().convert(schema).map_err(broken)?;
-    let file = File::create(path).map_err(LakeError::io(path))?;
-    SerializedFileWriter::new(file, columns.root_schema_ptr(), Arc::new(properties)).map_err(broken)
+/// A file on its way to the disk, row group by row group.
+pub(crate) struct ChunkWriter {
+    path: PathBuf,
+    to: TrackedWrite<File>,
+    schema: SchemaDescPtr,
+    properties: WriterPropertiesPtr,
+    groups: Vec<RowGroupMetaData>,
+    buffers: Buffers,
 }
 
-/// Ends a file; it is on the disk when this returns.
-pub(crate) fn finish(path: &Path, writer: SerializedFileWriter<File>) -> Result<(), LakeError> {
-    let file = writer.into_inner().map_err(|e| LakeError::broken(path, e))?;
-    file.sync_all().map_err(LakeError::io(path))
+impl ChunkWriter {
+    /// A file with the columns of `schema`.
+    pub fn create(path: &Path, schema: &Schema, mut properties: WriterProperties) -> Result<Self, LakeError> {
+        let broken = |e: ParquetError| LakeError::broken(path, e);
+        add_encoded_arrow_schema_to_metadata(schema, &mut properties);
+        let columns = ArrowSchemaConverter::new().convert(schema).map_err(broken)?;
+        let file = File::create(path).map_err(LakeError::io(path))?;
+        let mut to = TrackedWrite::new(file);
+        to.write_all(MAGIC).map_err(LakeError::io(path))?;
+        Ok(Self {
+            path: path.to_owned(),
+            to,
+            schema: Arc::new(SchemaDescriptor::new(columns.root_schema_ptr())),
+            properties: Arc::new(properties.into_builder().set_offset_index_disabled(true).build()),
+            groups: Vec::new(),
+            buffers: Buffers::default(),
+        })
+    }
+
+    /// The columns.
+    pub fn columns(&self) -> &[ColumnDescPtr] {
+        self.schema.columns()
+    }
+
+    /// Writes a row group with this number of rows: one source per column.
+    pub fn row_group(&mut self, rows: usize, sources: &[Source<'_>]) -> Result<(), LakeError> {
+        let group = self.encoded(rows, sources).map_err(|e| LakeError::broken(&self.path, e))?;
+        self.groups.push(group);
+        Ok(())
+    }
+
+    fn encoded(&mut self, rows: usize, sources: &[Source<'_>]) -> ParquetResult<RowGroupMetaData> {
+        let ordinal = i32::try_from(self.groups.len()).map_err(|e| ParquetError::General(e.to_string()))?;
+        let (schema, properties) = (Arc::clone(&self.schema), Arc::clone(&self.properties));
+        let mut group = SerializedRowGroupWriter::new(schema, properties, &mut self.to, ordinal, None);
+        let mut shared = Vec::new();
+        for (at, source) in sources.iter().enumerate() {
+            match source {
+                Source::Cells(cells) => {
+                    let missing = || ParquetError::General("more columns than the schema has".into());
+                    let mut column = group.next_column()?.ok_or_else(missing)?;
+                    write(&mut column, *cells, &mut self.buffers)?;
+                    column.close()?;
+                }
+                Source::Copied(chunk, metadata) => {
+                    group.append_column(*chunk, closed((*metadata).clone(), rows))?;
+                }
+                Source::SameAs(of) => {
+                    let column = self.schema.column(at);
+                    let nothing = Chunk { start: 0, bytes: bytes::Bytes::new() };
+                    group.append_column(
+                        &nothing,
+                        closed(ColumnChunkMetaData::builder(column).build()?, rows),
+                    )?;
+                    shared.push((at, *of));
+                }
+            }
+        }
+        let metadata = group.close()?;
+        if shared.is_empty() {
+            return Ok((*metadata).clone());
+        }
+        let mut columns = metadata.columns().to_vec();
+        let mut bytes = metadata.total_byte_size();
+        for (at, of) in shared {
+            columns[at] = at_the_place_of(&columns[of], &columns[at])?;
+            bytes += columns[at].uncompressed_size();
+        }
+        let group = (*metadata).clone().into_builder();
+        group.set_column_metadata(columns).set_total_byte_size(bytes).build()
+    }
+
+    /// Ends the file; it is on the disk when this returns.
+    pub fn finish(self) -> Result<(), LakeError> {
+        let Self { path, mut to, schema, properties, groups, .. } = self;
+        let rows = groups.iter().map(RowGroupMetaData::num_rows).sum();
+        let of_file = FileMetaData::new(
+            properties.writer_version().as_num(),
+            rows,
+            Some(properties.created_by().to_owned()),
+            properties.key_value_metadata().cloned(),
+            schema,
+            None,
+        );
+        let metadata = ParquetMetaData::new(of_file, groups);
+        ParquetMetaDataWriter::new(&mut to, &metadata).finish().map_err(|e| LakeError::broken(&path, e))?;
+        let file = to.into_inner().map_err(|e| LakeError::broken(&path, e))?;
+        file.sync_all().map_err(LakeError::io(&path))
+    }
+}
+
+/// A column that is written, with the number of its rows.
+fn closed(metadata: ColumnChunkMetaData, rows: usize) -> ColumnCloseResult {
+    ColumnCloseResult {
+        bytes_written: u64::try_from(metadata.compressed_size()).unwrap_or(0),
+        rows_written: rows as u64,
+        metadata,
+        bloom_filter: None,
+        column_index: None,
+        offset_index: None,
+    }
+}
+
+/// What the footer says of a column that is where another one is.
+fn at_the_place_of(
+    other: &ColumnChunkMetaData,
+    column: &ColumnChunkMetaData,
+) -> ParquetResult<ColumnChunkMetaData> {
+    if other.column_type() != column.column_type() {
+        return Err(ParquetError::General("columns of different types have no values in common".into()));
+    }
+    let mut out = ColumnChunkMetaData::builder(column.column_descr_ptr())
+        .set_compression_codec(other.compression_codec())
+        .set_encodings_mask(*other.encodings_mask())
+        .set_total_compressed_size(other.compressed_size())
+        .set_total_uncompressed_size(other.uncompressed_size())
+        .set_num_values(other.num_values())
+        .set_data_page_offset(other.data_page_offset())
+        .set_dictionary_page_offset(other.dictionary_page_offset())
+        .set_unencoded_byte_array_data_bytes(other.unencoded_byte_array_data_bytes())
+        .set_definition_level_histogram(other.definition_level_histogram().cloned());
+    if let Some(statistics) = other.statistics() {
+        out = out.set_statistics(statistics.clone());
+    }
+    if let Some(stats) = other.page_encoding_stats() {
+        out = out.set_page_encoding_stats(stats.clone());
+    }
+    out.build()
 }
 
 /// Writes the values of a column; fails where they are not of its type.
-pub(crate) fn write(
+fn write(
     column: &mut SerializedColumnWriter<'_>,
     cells: Cells<'_>,
     buffers: &mut Buffers,

@@ -14,6 +14,7 @@
 mod bitmap;
 mod column;
 mod encodings;
+mod equal;
 pub(crate) mod pages;
 mod read;
 mod steps;
