@@ -1,15 +1,20 @@
-//! Values to Parquet's own column writers: those of the known rows, and which rows these are. Nothing is made an Arrow
-//! array for it; the Arrow schema only says what the columns are.
+//! Values to the column chunks of Parquet files: those of the known rows, and which rows these are. Nothing is made an
+//! Arrow array for it; the Arrow schema only says what the columns are.
+//!
+//! Flags and texts, most columns of signals, are made pages here (`encoded`), numbers by Parquet's own column writers.
 //!
 //! Columns of a row group with equal values are in the file once: the footer names the same pages for each of them. That
 //! is plain Parquet, where a column is wherever the footer says, so that no reader has to know of it.
 
+mod encoded;
+
 use crate::LakeError;
 use crate::signals::pages::Chunk;
 use arrow_schema::Schema;
+use encoded::Encoded;
 use parquet::arrow::{ArrowSchemaConverter, add_encoded_arrow_schema_to_metadata};
+use parquet::basic::Type;
 use parquet::column::writer::{ColumnCloseResult, ColumnWriter};
-use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::{
     ColumnChunkMetaData, FileMetaData, ParquetMetaData, ParquetMetaDataWriter, RowGroupMetaData,
@@ -21,8 +26,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::{Column, Tri};
+use whyroad_model::Column;
 
 /// What a file of this format begins and ends with.
 const MAGIC: &[u8] = b"PAR1";
@@ -58,8 +62,6 @@ pub(crate) enum Cells<'a> {
 struct Buffers {
     levels: Vec<i16>,
     numbers: Vec<f64>,
-    flags: Vec<bool>,
-    texts: Vec<ByteArray>,
 }
 
 /// A file on its way to the disk, row group by row group.
@@ -110,12 +112,17 @@ impl ChunkWriter {
         let mut shared = Vec::new();
         for (at, source) in sources.iter().enumerate() {
             match source {
-                Source::Cells(cells) => {
-                    let missing = || ParquetError::General("more columns than the schema has".into());
-                    let mut column = group.next_column()?.ok_or_else(missing)?;
-                    write(&mut column, *cells, &mut self.buffers)?;
-                    column.close()?;
-                }
+                Source::Cells(cells) => match encoded(*cells, self.schema.columns().get(at))? {
+                    Some((bytes, metadata)) => {
+                        group.append_column(&Chunk { start: 0, bytes }, closed(metadata, rows))?;
+                    }
+                    None => {
+                        let missing = || ParquetError::General("more columns than the schema has".into());
+                        let mut column = group.next_column()?.ok_or_else(missing)?;
+                        write(&mut column, *cells, &mut self.buffers)?;
+                        column.close()?;
+                    }
+                },
                 Source::Copied(chunk, metadata) => {
                     group.append_column(*chunk, closed((*metadata).clone(), rows))?;
                 }
@@ -202,21 +209,34 @@ fn at_the_place_of(
     out.build()
 }
 
+/// Flags and texts as a column of this type; `None` where Parquet's own writer makes it.
+fn encoded(cells: Cells<'_>, column: Option<&ColumnDescPtr>) -> ParquetResult<Option<Encoded>> {
+    let Some(column) = column else { return Ok(None) };
+    let (physical, nullable) = (column.physical_type(), column.max_def_level() == 1);
+    let column = || Arc::clone(column);
+    match cells {
+        Cells::Runs(runs) if physical == Type::BYTE_ARRAY && !nullable => {
+            encoded::runs(runs.iter().map(|(text, rows)| (Some(*text), *rows)), column())
+        }
+        Cells::Signal(Column::Flag(flags)) if physical == Type::BOOLEAN && nullable => {
+            encoded::flags(flags, column())
+        }
+        Cells::Signal(Column::Category { codes, names }) if physical == Type::BYTE_ARRAY && nullable => {
+            encoded::words(codes, names, column())
+        }
+        _ => return Ok(None),
+    }
+    .map(Some)
+}
+
 /// Writes the values of a column; fails where they are not of its type.
 fn write(
     column: &mut SerializedColumnWriter<'_>,
     cells: Cells<'_>,
     buffers: &mut Buffers,
 ) -> ParquetResult<()> {
-    let Buffers { levels, numbers, flags, texts } = buffers;
+    let Buffers { levels, numbers } = buffers;
     let written = match (column.untyped(), cells) {
-        (ColumnWriter::ByteArrayColumnWriter(to), Cells::Runs(runs)) => {
-            texts.clear();
-            for (text, rows) in runs {
-                texts.extend(std::iter::repeat_n(ByteArray::from(*text), *rows));
-            }
-            to.write_batch(texts, None, None)
-        }
         (ColumnWriter::Int32ColumnWriter(to), Cells::Indices(values)) => {
             let values: Vec<i32> = values.iter().map(|v| v.cast_signed()).collect();
             to.write_batch(&values, None, None)
@@ -224,23 +244,13 @@ fn write(
         (ColumnWriter::Int64ColumnWriter(to), Cells::Integers(values)) => to.write_batch(values, None, None),
         (ColumnWriter::DoubleColumnWriter(to), Cells::Signal(Column::Number(values))) => {
             if values.iter().any(|x| x.is_nan()) {
-                divide_copied(values, |x| (!x.is_nan(), *x), levels, numbers);
+                divide(values, levels, numbers);
                 to.write_batch(numbers, Some(levels), None)
             } else {
                 levels.clear();
                 levels.resize(values.len(), 1);
                 to.write_batch(values, Some(levels), None)
             }
-        }
-        (ColumnWriter::BoolColumnWriter(to), Cells::Signal(Column::Flag(values))) => {
-            divide_copied(values, |flag| (*flag != Tri::Unknown, *flag == Tri::True), levels, flags);
-            to.write_batch(flags, Some(levels), None)
-        }
-        (ColumnWriter::ByteArrayColumnWriter(to), Cells::Signal(Column::Category { codes, names })) => {
-            let words: Vec<ByteArray> = names.iter().map(|w| ByteArray::from(w.as_str())).collect();
-            let word = |c: &u16| words.get(usize::from(*c)).filter(|_| *c != UNKNOWN_CODE).cloned();
-            divide(codes, word, levels, texts);
-            to.write_batch(texts, Some(levels), None)
         }
         (to, Cells::Nulls(rows)) => {
             levels.clear();
@@ -257,35 +267,16 @@ fn write(
     written.map(drop)
 }
 
-/// Divides values into definition levels (1: known, 0: null) and those that are known.
-fn divide<T, U>(all: &[T], known: impl Fn(&T) -> Option<U>, levels: &mut Vec<i16>, values: &mut Vec<U>) {
+/// Divides numbers into definition levels (1: known, 0: null) and those that are known, without a branch per value.
+fn divide(all: &[f64], levels: &mut Vec<i16>, values: &mut Vec<f64>) {
     levels.clear();
     values.clear();
-    values.reserve(all.len());
-    levels.extend(all.iter().map(|value| {
-        let value = known(value);
-        let level = i16::from(value.is_some());
-        values.extend(value);
-        level
-    }));
-}
-
-/// [`divide`] of what costs nothing to copy, without a branch per value; what is unknown has any value.
-fn divide_copied<T, U: Copy + Default>(
-    all: &[T],
-    known: impl Fn(&T) -> (bool, U),
-    levels: &mut Vec<i16>,
-    values: &mut Vec<U>,
-) {
-    levels.clear();
-    values.clear();
-    values.resize(all.len(), U::default());
+    values.resize(all.len(), 0.0);
     let mut count = 0;
     levels.extend(all.iter().map(|value| {
-        let (known, value) = known(value);
-        values[count] = value;
-        count += usize::from(known);
-        i16::from(known)
+        values[count] = *value;
+        count += usize::from(!value.is_nan());
+        i16::from(!value.is_nan())
     }));
     values.truncate(count);
 }

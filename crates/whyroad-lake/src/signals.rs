@@ -11,7 +11,7 @@
 //! side, so a lake with stored signals answers what one without them answers. Flags are bits, categories a byte
 //! or less a row (dictionary). Unknown is null on disk.
 
-mod bitmap;
+pub(crate) mod bitmap;
 mod column;
 mod encodings;
 mod equal;
