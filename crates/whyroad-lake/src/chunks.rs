@@ -1,7 +1,7 @@
-//! Values to the column chunks of Parquet files: those of the known rows, and which rows these are. Nothing is made an
-//! Arrow array for it; the Arrow schema only says what the columns are.
+//! Values to the column chunks of Parquet files: those of the known rows, and which rows these are. Signals are not made
+//! Arrow arrays for it; the Arrow schema only says what the columns are.
 //!
-//! Flags and texts, most columns of signals, are made pages here (`encoded`), numbers by Parquet's own column writers.
+//! Flags, texts and nulls, most columns, are made pages here (`encoded`), numbers by Parquet's own column writers.
 //!
 //! Columns of a row group with equal values are in the file once: the footer names the same pages for each of them. That
 //! is plain Parquet, where a column is wherever the footer says, so that no reader has to know of it.
@@ -10,6 +10,9 @@ mod encoded;
 
 use crate::LakeError;
 use crate::signals::pages::Chunk;
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, Int64Type, UInt32Type};
+use arrow_array::{Array, StringArray};
 use arrow_schema::Schema;
 use encoded::Encoded;
 use parquet::arrow::{ArrowSchemaConverter, add_encoded_arrow_schema_to_metadata};
@@ -26,7 +29,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use whyroad_model::Column;
+use whyroad_model::{Column, Tri};
 
 /// What a file of this format begins and ends with.
 const MAGIC: &[u8] = b"PAR1";
@@ -53,6 +56,8 @@ pub(crate) enum Cells<'a> {
     Integers(&'a [i64]),
     /// Values of a signal; what is unknown becomes null.
     Signal(&'a Column),
+    /// Values of an Arrow array, nulls included.
+    Array(&'a dyn Array),
     /// Nulls in this number of rows.
     Nulls(usize),
 }
@@ -209,12 +214,24 @@ fn at_the_place_of(
     out.build()
 }
 
-/// Flags and texts as a column of this type; `None` where Parquet's own writer makes it.
+/// Flags, texts and nulls as a column of this type; `None` where Parquet's own writer makes it.
 fn encoded(cells: Cells<'_>, column: Option<&ColumnDescPtr>) -> ParquetResult<Option<Encoded>> {
     let Some(column) = column else { return Ok(None) };
     let (physical, nullable) = (column.physical_type(), column.max_def_level() == 1);
     let column = || Arc::clone(column);
     match cells {
+        Cells::Nulls(rows) => encoded::nulls(rows, column()),
+        Cells::Array(array) if array.null_count() == array.len() && nullable => {
+            encoded::nulls(array.len(), column())
+        }
+        Cells::Array(array) => match (array.as_string_opt::<i32>(), array.as_boolean_opt()) {
+            (Some(texts), _) if physical == Type::BYTE_ARRAY => encoded::runs(runs_of(texts), column()),
+            (_, Some(flags)) if physical == Type::BOOLEAN && nullable => {
+                let flags: Vec<Tri> = flags.iter().map(Tri::from).collect();
+                encoded::flags(&flags, column())
+            }
+            _ => return Ok(None),
+        },
         Cells::Runs(runs) if physical == Type::BYTE_ARRAY && !nullable => {
             encoded::runs(runs.iter().map(|(text, rows)| (Some(*text), *rows)), column())
         }
@@ -227,6 +244,21 @@ fn encoded(cells: Cells<'_>, column: Option<&ColumnDescPtr>) -> ParquetResult<Op
         _ => return Ok(None),
     }
     .map(Some)
+}
+
+/// Texts that are the same in rows one after another, each with the number of these rows.
+pub(crate) fn runs_of(texts: &StringArray) -> impl Iterator<Item = (Option<&str>, usize)> {
+    let text = |row: usize| texts.is_valid(row).then(|| texts.value(row));
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let start = next;
+        let first = (start < texts.len()).then(|| text(start))?;
+        next += 1;
+        while next < texts.len() && text(next) == first {
+            next += 1;
+        }
+        Some((first, next - start))
+    })
 }
 
 /// Writes the values of a column; fails where they are not of its type.
@@ -243,40 +275,68 @@ fn write(
         }
         (ColumnWriter::Int64ColumnWriter(to), Cells::Integers(values)) => to.write_batch(values, None, None),
         (ColumnWriter::DoubleColumnWriter(to), Cells::Signal(Column::Number(values))) => {
-            if values.iter().any(|x| x.is_nan()) {
-                divide(values, levels, numbers);
-                to.write_batch(numbers, Some(levels), None)
-            } else {
-                levels.clear();
-                levels.resize(values.len(), 1);
-                to.write_batch(values, Some(levels), None)
-            }
+            let known = |row: usize| !values[row].is_nan();
+            let values =
+                divided(values, values.iter().any(|x| x.is_nan()).then_some(&known), levels, numbers);
+            to.write_batch(values, Some(levels), None)
         }
-        (to, Cells::Nulls(rows)) => {
-            levels.clear();
-            levels.resize(rows, 0);
+        (to, Cells::Array(array)) => {
+            let is_known = |row: usize| array.is_valid(row);
+            let known: Option<&dyn Fn(usize) -> bool> =
+                if array.null_count() > 0 { Some(&is_known) } else { None };
+            // A column without nulls passes over the levels.
             match to {
-                ColumnWriter::BoolColumnWriter(to) => to.write_batch(&[], Some(levels), None),
-                ColumnWriter::DoubleColumnWriter(to) => to.write_batch(&[], Some(levels), None),
-                ColumnWriter::ByteArrayColumnWriter(to) => to.write_batch(&[], Some(levels), None),
-                _ => return Err(ParquetError::General("a column is missing and has no nulls".into())),
+                ColumnWriter::DoubleColumnWriter(to) => {
+                    let values = array.as_primitive_opt::<Float64Type>().ok_or_else(other_type)?.values();
+                    let values = divided(values, known, levels, numbers);
+                    to.write_batch(values, Some(levels), None)
+                }
+                ColumnWriter::Int64ColumnWriter(to) => {
+                    let values = array.as_primitive_opt::<Int64Type>().ok_or_else(other_type)?.values();
+                    let mut own = Vec::new();
+                    let values = divided(values, known, levels, &mut own);
+                    to.write_batch(values, Some(levels), None)
+                }
+                ColumnWriter::Int32ColumnWriter(to) => {
+                    let values = array.as_primitive_opt::<UInt32Type>().ok_or_else(other_type)?.values();
+                    let values: Vec<i32> = values.iter().map(|v| v.cast_signed()).collect();
+                    let mut own = Vec::new();
+                    let values = divided(&values, known, levels, &mut own);
+                    to.write_batch(values, Some(levels), None)
+                }
+                _ => return Err(other_type()),
             }
         }
-        _ => return Err(ParquetError::General("the values are not of the column's type".into())),
+        _ => return Err(other_type()),
     };
     written.map(drop)
 }
 
-/// Divides numbers into definition levels (1: known, 0: null) and those that are known, without a branch per value.
-fn divide(all: &[f64], levels: &mut Vec<i16>, values: &mut Vec<f64>) {
+fn other_type() -> ParquetError {
+    ParquetError::General("the values are not of the column's type".into())
+}
+
+/// Definition levels (1: known, 0: null) of rows, and the values of those that are known; all of them are for `None`.
+fn divided<'v, T: Copy + Default>(
+    all: &'v [T],
+    known: Option<&(impl Fn(usize) -> bool + ?Sized)>,
+    levels: &mut Vec<i16>,
+    values: &'v mut Vec<T>,
+) -> &'v [T] {
     levels.clear();
+    let Some(known) = known else {
+        levels.resize(all.len(), 1);
+        return all;
+    };
     values.clear();
-    values.resize(all.len(), 0.0);
+    values.resize(all.len(), T::default());
     let mut count = 0;
-    levels.extend(all.iter().map(|value| {
+    // Without a branch per value.
+    levels.extend(all.iter().enumerate().map(|(row, value)| {
+        let known = known(row);
         values[count] = *value;
-        count += usize::from(!value.is_nan());
-        i16::from(!value.is_nan())
+        count += usize::from(known);
+        i16::from(known)
     }));
-    values.truncate(count);
+    &values[..count]
 }

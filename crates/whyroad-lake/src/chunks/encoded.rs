@@ -4,7 +4,7 @@
 
 use crate::signals::bitmap::{Bitmap, low};
 use bytes::Bytes;
-use parquet::basic::{Compression, Encoding, PageType};
+use parquet::basic::{Compression, Encoding, PageType, Type};
 use parquet::column::page::{CompressedPage, Page, PageWriter};
 use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result as ParquetResult};
@@ -132,6 +132,30 @@ fn placed(
     let stated = |text: Option<&&str>| text.map(|t| ByteArray::from(*t));
     let (least, greatest) = (stated(texts.iter().min()), stated(texts.iter().max()));
     let statistics = Statistics::byte_array(least, greatest, None, Some(nulls as u64), false);
+    pages.finish(column, statistics)
+}
+
+/// A column in which nothing is known.
+pub(super) fn nulls(rows: usize, column: ColumnDescPtr) -> ParquetResult<Encoded> {
+    let count = Some(rows as u64);
+    let statistics = match column.physical_type() {
+        Type::BYTE_ARRAY => return placed(&[], std::iter::once((None, rows)), column),
+        Type::BOOLEAN => Statistics::boolean(None, None, None, count, false),
+        Type::INT32 => Statistics::int32(None, None, None, count, false),
+        Type::INT64 => Statistics::int64(None, None, None, count, false),
+        Type::DOUBLE => Statistics::double(None, None, None, count, false),
+        other => return Err(ParquetError::General(format!("no columns of {other} are written"))),
+    };
+    if column.max_def_level() == 0 {
+        return Err(ParquetError::General("a value is missing that must be there".into()));
+    }
+    let mut pages = Pages::new(Encoding::PLAIN);
+    for start in (0..rows).step_by(PAGE_ROWS) {
+        let rows = PAGE_ROWS.min(rows - start);
+        let mut known = Bitmap::with_capacity(rows);
+        known.push_run(false, rows);
+        pages.data(levels(&known)?, rows)?;
+    }
     pages.finish(column, statistics)
 }
 
