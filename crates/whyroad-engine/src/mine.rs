@@ -28,6 +28,7 @@ use whyroad_model::messages::ClipMetadata;
 use whyroad_model::{
     Bilingual, ClipCut, ClipId, Diagnostic, Drive, DriveId, Lang, Nanos, ScenarioId, SignalTable,
 };
+use whyroad_signals::Wanted;
 
 /// One drive's contribution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -173,6 +174,10 @@ fn found_in(rule: &Rule, table: &SignalTable) -> Found {
     find_all(&Plan::of_rules([rule]), &Signals::of_table(table)).pop().unwrap_or_default()
 }
 
+/// Rules that ask for no more signals than this get these alone where none are stored: a custom rule or a class mostly
+/// asks for less than ten, all rules for 180.
+const FEW_SIGNALS: usize = 30;
+
 /// Finds what each rule finds in a drive.
 type Find<'a> = fn(&Miner<'a>, &DriveId, &Outline) -> Result<Vec<Found>, LakeError>;
 
@@ -311,7 +316,8 @@ impl<'a> Miner<'a> {
         rules.iter().map(one).collect()
     }
 
-    /// Runs these rules on the stored signals; where there are none, derives and stores them.
+    /// Runs these rules on the stored signals; where there are none, derives and stores them. For rules that ask for few
+    /// signals only these are derived, and not stored: a store has all.
     fn run_stored(&self, id: &DriveId, rules: &[usize]) -> Result<Vec<Found>, LakeError> {
         if let Some(file) = self.lake.signals(id, whyroad_signals::VERSION)?
             && let Ok(found) = find_stored(&self.plan, &file, 0, rules)
@@ -319,8 +325,14 @@ impl<'a> Miner<'a> {
             return Ok(found);
         }
         // Missing, or unreadable: derived (again).
-        let table = derived_signals(self.lake, id)?;
-        self.note(self.lake.write_signals(id, whyroad_signals::VERSION, &table));
+        let asked: BTreeSet<&str> = rules.iter().flat_map(|i| self.plan.rules[*i].names()).collect();
+        let table = if asked.len() <= FEW_SIGNALS {
+            whyroad_signals::derive_wanted(&self.lake.read_drive(id)?, &Wanted::only(asked))
+        } else {
+            let table = derived_signals(self.lake, id)?;
+            self.note(self.lake.write_signals(id, whyroad_signals::VERSION, &table));
+            table
+        };
         Ok(Search::new(&self.plan, &Signals::of_table(&table), rules.iter().copied()).found())
     }
 

@@ -33,8 +33,10 @@ impl TableBuilder {
 
     /// Numbers; NaN becomes null.
     pub fn numbers(self, name: &str, values: impl IntoIterator<Item = f64>) -> Self {
-        let array: Float64Array = values.into_iter().map(|v| (!v.is_nan()).then_some(v)).collect();
-        self.push(name, true, Arc::new(array))
+        let values: Vec<f64> = values.into_iter().collect();
+        let unknown = values.iter().any(|v| v.is_nan());
+        let known = unknown.then(|| values.iter().map(|v| !v.is_nan()).collect::<Vec<bool>>().into());
+        self.push(name, true, Arc::new(Float64Array::new(values.into(), known)))
     }
     /// Integers that are always known: times.
     pub fn integers(self, name: &str, values: impl IntoIterator<Item = i64>) -> Self {
@@ -222,6 +224,9 @@ impl Table {
 fn or_nan(a: &Float64Array) -> Vec<f64> {
     if a.null_count() == 0 {
         return a.values().to_vec();
+    }
+    if a.null_count() == a.len() {
+        return vec![f64::NAN; a.len()];
     }
     a.iter().map(|v| v.unwrap_or(f64::NAN)).collect()
 }

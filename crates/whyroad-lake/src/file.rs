@@ -1,18 +1,19 @@
 //! One table, one Parquet file: how it is written, and what is checked when it is read.
 
+use crate::chunks::{Cells, ChunkWriter, Source, runs_of};
 use crate::columns::{Table, TableBuilder};
 use crate::{LAKE_VERSION, LakeError};
-use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use arrow_schema::SchemaRef;
+use arrow_array::{ArrayRef, RecordBatch};
+use arrow_schema::{DataType, SchemaRef};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
 };
 use parquet::basic::Compression;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
-use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
 use parquet::file::statistics::Statistics;
 use parquet::schema::types::ColumnPath;
 use std::collections::HashSet;
@@ -24,6 +25,9 @@ use whyroad_model::Nanos;
 /// Order of the rows, as the file's metadata state it.
 pub(crate) const ROW_ORDER_KEY: &str = "whyroad.row_order";
 const VERSION_KEY: &str = "whyroad.lake_version";
+
+/// Rows in which a text stands on average, at least, where its column is written as runs.
+const LEAST_RUN_ROWS: usize = 4;
 
 /// How tables are written; `more` is metadata beside the version and the order of the rows.
 pub(crate) fn properties(row_order: &str, more: Vec<KeyValue>) -> WriterPropertiesBuilder {
@@ -48,8 +52,28 @@ pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> 
             properties = properties.set_column_dictionary_enabled(path, false);
         }
     }
-    write_batches(path, &batch.schema(), [&batch], properties.build())?;
+    match flat(&batch) {
+        Some(sources) => {
+            let properties = properties.set_statistics_enabled(EnabledStatistics::Chunk);
+            let mut writer = ChunkWriter::create(path, &batch.schema(), properties.build())?;
+            writer.row_group(batch.num_rows(), &sources)?;
+            writer.finish()?;
+        }
+        None => write_batches(path, &batch.schema(), [&batch], properties.build())?,
+    }
     Ok(batch.num_rows())
+}
+
+/// Columns that can be written without Arrow's writer: none is nested, and texts hardly change from row to row. `None` for
+/// other tables, which mostly have few rows.
+fn flat(batch: &RecordBatch) -> Option<Vec<Source<'_>>> {
+    let is_flat = |column: &ArrayRef| match column.data_type() {
+        DataType::Float64 | DataType::Int64 | DataType::UInt32 | DataType::Boolean => true,
+        DataType::Utf8 => runs_of(column.as_string()).count() * LEAST_RUN_ROWS <= column.len(),
+        _ => false,
+    };
+    let all = batch.num_rows() > 0 && batch.columns().iter().all(is_flat);
+    all.then(|| batch.columns().iter().map(|c| Source::Cells(Cells::Array(c))).collect())
 }
 
 /// True where values come again so often that a dictionary is shorter than the values, and faster to read.
@@ -192,6 +216,41 @@ pub(crate) fn span(
 mod tests {
     use super::*;
     use crate::tables::frames;
+
+    /// A table of all types of columns, with what they can lack.
+    fn table(rows: usize, texts: bool) -> TableBuilder {
+        let word =
+            move |i: usize| if texts { format!("row {i}") } else { ["near", "far"][i / 50 % 2].to_owned() };
+        TableBuilder::default()
+            .texts("always", (0..rows).map(word))
+            .texts_or_null(
+                "sometimes",
+                (0..rows).map(|i| (i / 40 % 3 > 0).then(|| format!("part {}", i / 1000))),
+            )
+            .texts_or_null("never", (0..rows).map(|_| None::<&str>))
+            .indices("index", (0..rows).map(|i| i as u32 % 1000))
+            .integers("time", (0..rows).map(|i| i as i64 * 100_000_000 - 5))
+            .integers_or_null("later", (0..rows).map(|i| (i % 7 == 0).then_some(i as i64)))
+            .integers_or_null("no_later", (0..rows).map(|_| None))
+            .numbers("number", (0..rows).map(|i| (i as f64 * 0.37).sin()))
+            .numbers("known_at_times", (0..rows).map(|i| if i % 3 == 0 { f64::NAN } else { i as f64 }))
+            .numbers("repeated", (0..rows).map(|i| f64::from(u8::try_from(i % 4).unwrap())))
+            .numbers("unknown", (0..rows).map(|_| f64::NAN))
+            .flags("flag", (0..rows).map(|i| [Some(true), None, Some(false)][i / 5 % 3]))
+            .flags("no_flag", (0..rows).map(|_| None))
+    }
+
+    #[test]
+    fn what_is_written_without_arrows_writer_is_what_it_would_have_written() {
+        for (rows, texts) in [(1, false), (300, false), (150_000, false), (300, true)] {
+            let written = table(rows, texts).finish().unwrap();
+            assert_eq!(flat(&written).is_some(), rows >= 300 && !texts, "{rows} rows");
+            let file = tempfile::NamedTempFile::new().unwrap();
+            write_table(file.path(), table(rows, texts), frames::ROW_ORDER).unwrap();
+            let read = read_table(file.path(), frames::ROW_ORDER).unwrap().unwrap().batch;
+            assert_eq!(read, written, "{rows} rows");
+        }
+    }
 
     #[test]
     fn a_column_with_a_negative_offset_is_refused() {

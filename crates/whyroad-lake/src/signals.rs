@@ -11,9 +11,10 @@
 //! side, so a lake with stored signals answers what one without them answers. Flags are bits, categories a byte
 //! or less a row (dictionary). Unknown is null on disk.
 
-mod bitmap;
+pub(crate) mod bitmap;
 mod column;
 mod encodings;
+mod equal;
 pub(crate) mod pages;
 mod read;
 mod steps;

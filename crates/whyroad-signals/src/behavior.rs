@@ -16,19 +16,44 @@ pub mod turning;
 
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
+use crate::wanted;
 
 /// Writes all families of this folder.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
-    stops::write(scene, table);
-    let standing = stops::targets_standing(scene);
-    target::write(scene, &standing, table);
-    passing::write(scene, table);
-    overtaking::write(scene, table);
-    traffic::write(scene, table);
-    lead::write(scene, &standing, table);
-    lane_change_phase::write(scene, table);
-    swerve::write(scene, table);
-    turning::write(scene, table);
-    fair_speed::write(scene, table);
-    responds::write(scene, table);
+    if table.asks(wanted::STOPS) {
+        stops::write(scene, table);
+    }
+    let by_themselves = table.asks(wanted::TARGETS_BY_THEMSELVES);
+    let of_lead = table.asks(wanted::LEAD_BEHAVIOR);
+    let standing = if by_themselves || of_lead { stops::targets_standing(scene) } else { Vec::new() };
+    if by_themselves {
+        target::write(scene, &standing, table);
+    }
+    if table.asks(wanted::PASSING) {
+        passing::write(scene, table);
+    }
+    if table.asks(wanted::OVERTAKING) {
+        overtaking::write(scene, table);
+    }
+    if table.asks(wanted::TRAFFIC) {
+        traffic::write(scene, table);
+    }
+    if of_lead {
+        lead::write(scene, &standing, table);
+    }
+    if table.asks(wanted::LANE_CHANGE_PHASE) {
+        lane_change_phase::write(scene, table);
+    }
+    if table.asks(wanted::SWERVE) {
+        swerve::write(scene, table);
+    }
+    if table.asks(wanted::TURNING) {
+        turning::write(scene, table);
+    }
+    if table.asks(wanted::FAIR_SPEED) {
+        fair_speed::write(scene, table);
+    }
+    if table.asks(wanted::RESPONDS) {
+        responds::write(scene, table);
+    }
 }

@@ -10,11 +10,20 @@ pub mod ttc_lane;
 
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
+use crate::wanted;
 
 /// Writes the families on conflicts of pairs.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
-    ttc_accel::write(scene, table);
-    criticality::write(scene, table);
-    point::write(scene, table);
-    time_to_line::write(scene, table);
+    if table.asks(wanted::TTC_ACCEL) {
+        ttc_accel::write(scene, table);
+    }
+    if table.asks(wanted::CRITICALITY) {
+        criticality::write(scene, table);
+    }
+    if table.asks(wanted::CONFLICT_POINT) {
+        point::write(scene, table);
+    }
+    if table.asks(wanted::TIME_TO_LINE) {
+        time_to_line::write(scene, table);
+    }
 }

@@ -25,6 +25,7 @@ use crate::target::placement::{PlacedRows, Surroundings, Target};
 use crate::target::relations::{self, Neighbors};
 use crate::target::rows::{Rows, observed_tracks};
 use crate::target::{self, crosswalk, free_width, line_crossing};
+use crate::wanted::{self, Wanted};
 use crate::{behavior, refav, sight};
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::catalog::id;
@@ -35,7 +36,15 @@ use whyroad_model::{Drive, Need, SignalTable};
 ///
 /// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
 pub fn derive(drive: &Drive) -> SignalTable {
-    derive_part(drive, Part::All)
+    derive_wanted(drive, &Wanted::all())
+}
+
+/// Of [`derive`] the signals that are asked for, with their standard deviations, each with the same values. What only
+/// other signals follow from is not worked out.
+pub fn derive_wanted(drive: &Drive, wanted: &Wanted) -> SignalTable {
+    let mut table = derive_part(drive, Part::All, wanted);
+    wanted.keep(&mut table);
+    table
 }
 
 /// Of the last frame of [`derive`], only what says what is where and how it moves: the ego, the road under it with its
@@ -43,7 +52,7 @@ pub fn derive(drive: &Drive) -> SignalTable {
 /// each other, which is most of the work, is left out, and targets that were gone by then. Each value in the last frame
 /// is that of [`derive`]; of the other frames and columns nothing is said.
 pub fn derive_last_frame(drive: &Drive) -> SignalTable {
-    let table = derive_part(drive, Part::LastFrame);
+    let table = derive_part(drive, Part::LastFrame, &Wanted::all());
     SignalTable { unavailable: BTreeMap::new(), ..table }
 }
 
@@ -55,7 +64,7 @@ enum Part {
     All,
 }
 
-fn derive_part(drive: &Drive, part: Part) -> SignalTable {
+fn derive_part(drive: &Drive, part: Part, wanted: &Wanted) -> SignalTable {
     let drive = with_possible_sizes(drive);
     let mut estimated = match part {
         Part::LastFrame => estimated_at_the_end(&drive),
@@ -64,7 +73,7 @@ fn derive_part(drive: &Drive, part: Part) -> SignalTable {
     add_derived(&mut estimated.drive);
     let drive = &*estimated.drive;
     let missing = missing(drive);
-    let mut table = TableBuilder::new(Catalog::bundled(), drive);
+    let mut table = TableBuilder::new(Catalog::bundled(), drive, wanted);
     let network = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
     let mut ego = EgoStage::new(drive, &missing);
     if let Some(ego) = &mut ego {
@@ -75,6 +84,12 @@ fn derive_part(drive: &Drive, part: Part) -> SignalTable {
         ego.write(&mut table);
         if let Some(on_road) = RoadStage::new(ego, network.as_ref()) {
             on_road.write(&mut table);
+            if !wanted::PLACED.iter().any(|family| table.asks(family)) {
+                on_road.write_ahead(&[], &mut table);
+                let mut table = table.finish(&missing);
+                estimated.complete(&mut table);
+                return table;
+            }
             let rows = match part {
                 Part::LastFrame => PlacedRows::Last,
                 Part::All => PlacedRows::All,
@@ -114,8 +129,10 @@ fn write_without_ego(
     let channels = Channels::new(drive);
     context::write(&channels, table);
     route::write_stated(drive, &channels, table);
-    target::motion::write_relative(drive, ego.map(|e| &e.motion), table);
-    if let Some(road) = road {
+    if table.asks(wanted::RELATIVE) {
+        target::motion::write_relative(drive, ego.map(|e| &e.motion), table);
+    }
+    if let Some(road) = road.filter(|_| table.asks(wanted::CROSSWALK)) {
         crosswalk::write(drive, road, table);
     }
 }
@@ -193,6 +210,29 @@ impl<'a> RoadStage<'a> {
     }
 }
 
+impl RoadStage<'_> {
+    /// What is ahead on the road, and how much room the targets leave on it.
+    fn write_ahead(&self, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
+        let Self { ego, road, lanes, path } = self;
+        let (drive, times, motion) = (ego.drive, &ego.times[..], &ego.motion);
+        let asked = table.asks(wanted::ROAD_AHEAD) || table.asks(wanted::FREE_WIDTH);
+        if let (Some(map), Some(road), Some(lanes), true) = (&drive.map, *road, lanes, asked) {
+            let encounters = junction::Encounters::new(road, path, motion);
+            junction::write(&encounters, path, motion, table);
+            let ways = Ways::new(road, lanes);
+            let on =
+                OnRoad { drive, map, road, path, ego: motion, lanes, encounters: &encounters, times, ways };
+            if table.asks(wanted::ROAD_AHEAD) {
+                road::write(&on, table);
+            }
+            if table.asks(wanted::FREE_WIDTH) {
+                free_width::write(&on, targets, table);
+            }
+        }
+        terrain::write(path, table);
+    }
+}
+
 /// Stage 3: the targets, placed around the ego, its path and its lanes.
 pub(crate) struct PlacedStage<'a> {
     /// The stage before.
@@ -245,33 +285,39 @@ impl<'a> PlacedStage<'a> {
     /// What of the targets follows from their places alone.
     fn write_places(&self, table: &mut TableBuilder<'_>) {
         let drive = self.on_road.ego.drive;
-        target::motion::write(drive, &self.targets, table);
-        relations::write(drive, &self.targets, &self.near, table);
-        line_crossing::write(drive, &self.targets, table);
+        if table.asks(wanted::MOTION) {
+            target::motion::write(drive, &self.targets, table);
+        }
+        if table.asks(wanted::RELATIONS) {
+            relations::write(drive, &self.targets, &self.near, table);
+        }
+        if table.asks(wanted::LINE_CROSSING) {
+            line_crossing::write(drive, &self.targets, table);
+        }
     }
 
     fn write(&self, table: &mut TableBuilder<'_>) {
-        let RoadStage { ego, road, lanes, path } = self.on_road;
-        let (drive, times, motion) = (ego.drive, &ego.times[..], &ego.motion);
-        if let (Some(map), Some(road), Some(lanes)) = (&drive.map, *road, lanes) {
-            let encounters = junction::Encounters::new(road, path, motion);
-            junction::write(&encounters, path, motion, table);
-            let ways = Ways::new(road, lanes);
-            let on =
-                OnRoad { drive, map, road, path, ego: motion, lanes, encounters: &encounters, times, ways };
-            road::write(&on, table);
-            free_width::write(&on, &self.targets, table);
-        }
-        terrain::write(path, table);
+        let EgoStage { drive, times, motion, .. } = self.on_road.ego;
+        self.on_road.write_ahead(&self.targets, table);
         self.write_places(table);
-        ttc::write(drive, &self.around, &self.targets, table);
-        ttc_lane::write(drive, &self.around, &self.targets, table);
-        relations::write_lead(motion, &self.near, table);
-        sight::write(&self.scene(), table);
-        let rows = Rows::new(drive, table);
-        let sweep = pet::EgoSweep::new(motion, times);
-        let pets: Vec<Vec<f64>> = self.targets.iter().map(|t| sweep.pet(t, times)).collect();
-        table.number(id::TARGET_PET, rows.spread(&self.targets, f64::NAN, |k, r, _| pets[k][r]));
+        if table.asks(wanted::TTC) {
+            ttc::write(drive, &self.around, &self.targets, table);
+        }
+        if table.asks(wanted::TTC_LANE) {
+            ttc_lane::write(drive, &self.around, &self.targets, table);
+        }
+        if table.asks(wanted::LEAD) {
+            relations::write_lead(motion, &self.near, table);
+        }
+        if table.asks(wanted::SIGHT) {
+            sight::write(&self.scene(), table);
+        }
+        if table.asks(wanted::PET) {
+            let rows = Rows::new(drive, table);
+            let sweep = pet::EgoSweep::new(motion, times);
+            let pets: Vec<Vec<f64>> = self.targets.iter().map(|t| sweep.pet(t, times)).collect();
+            table.number(id::TARGET_PET, rows.spread(&self.targets, f64::NAN, |k, r, _| pets[k][r]));
+        }
     }
 }
 
@@ -291,5 +337,7 @@ fn write_pairs(placed: &PlacedStage<'_>, table: &mut TableBuilder<'_>) {
     conflict::write(&scene, table);
     target::write(&scene, table);
     behavior::write(&scene, table);
-    refav::write(&scene, table);
+    if table.asks(wanted::REFAV) {
+        refav::write(&scene, table);
+    }
 }

@@ -13,6 +13,7 @@ pub mod geometry;
 mod needs;
 mod series;
 mod table;
+mod wanted;
 
 // Stages in the order in which they build on one another; a test forbids imports against this order.
 mod ego;
@@ -31,13 +32,14 @@ mod derive;
 mod occluders;
 
 pub use catalog::{Catalog, SignalDef, SignalKind, SignalScope, TargetRestriction};
-pub use derive::{derive, derive_last_frame, meta_actions};
+pub use derive::{derive, derive_last_frame, derive_wanted, meta_actions};
 pub use ego::meta_actions::MetaActions;
 pub use estimate::estimate;
 pub use object::{Objects, PairClasses, WithPairs, derive_objects};
 pub use occluders::occluders;
 pub use road::lane_ids::ego_lane_ids;
 pub use sight::Occluder;
+pub use wanted::Wanted;
 
 /// Version of the signals: changes with the catalog and with the code that derives them.
 pub const VERSION: &str = env!("WHYROAD_SIGNALS_VERSION");

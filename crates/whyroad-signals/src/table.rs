@@ -2,6 +2,7 @@
 //! constant in [`whyroad_model::catalog::id`] carries them. A family only computes.
 
 use crate::catalog::{Catalog, SignalKind};
+use crate::wanted::Wanted;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use whyroad_model::catalog::{
@@ -69,11 +70,13 @@ pub struct TableBuilder<'a> {
     catalog: &'a Catalog,
     table: SignalTable,
     rows: usize,
+    wanted: &'a Wanted,
 }
 
 impl<'a> TableBuilder<'a> {
-    /// An empty table for `drive`: one target per track, dense from its first to its last frame.
-    pub fn new(catalog: &'a Catalog, drive: &Drive) -> Self {
+    /// An empty table for `drive`: one target per track, dense from its first to its last frame. It is for signals that
+    /// are `wanted`; others may be missing.
+    pub fn new(catalog: &'a Catalog, drive: &Drive, wanted: &'a Wanted) -> Self {
         let mut rows = 0;
         let mut targets = Vec::with_capacity(drive.tracks.len());
         for track in drive.tracks.iter().filter(|t| !t.frames.is_empty()) {
@@ -87,7 +90,12 @@ impl<'a> TableBuilder<'a> {
             targets,
             ..SignalTable::default()
         };
-        Self { catalog, table, rows }
+        Self { catalog, table, rows, wanted }
+    }
+
+    /// True where something of a family of signals is asked for.
+    pub fn asks(&self, family: &[SignalId]) -> bool {
+        self.wanted.any(family)
     }
 
     /// Number of target rows.
@@ -187,7 +195,7 @@ impl<'a> TableBuilder<'a> {
     /// not enough of it.
     pub fn finish(mut self, missing: &BTreeSet<Need>) -> SignalTable {
         let mut unavailable = BTreeMap::new();
-        for def in self.catalog.iter().filter(|d| !d.scope.is_on_demand()) {
+        for def in self.catalog.iter().filter(|d| !d.scope.is_on_demand() && self.wanted.has(&d.name)) {
             // A bus that never reports a channel lacks it: "AEB never seen active" must not read as "never active".
             let silent = |need: &Need| {
                 *need == Need::VehicleBus

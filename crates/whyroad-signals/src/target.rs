@@ -19,13 +19,24 @@ pub mod side;
 pub mod turns;
 
 use crate::table::TableBuilder;
+use crate::wanted;
 use interaction::Interaction;
 
 /// Writes the families on lanes, sides and turns of targets.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
-    lane_changes::write(scene, table);
-    ramp::write(scene, table);
-    side::write(scene, table);
-    turns::write(scene, table);
-    detour::write(scene, table);
+    if table.asks(wanted::LANE_CHANGES) {
+        lane_changes::write(scene, table);
+    }
+    if table.asks(wanted::RAMP) {
+        ramp::write(scene, table);
+    }
+    if table.asks(wanted::SIDE) {
+        side::write(scene, table);
+    }
+    if table.asks(wanted::TURNS) {
+        turns::write(scene, table);
+    }
+    if table.asks(wanted::DETOUR) {
+        detour::write(scene, table);
+    }
 }

@@ -24,7 +24,13 @@ use whyroad_mining::RuleSet;
 use whyroad_mining::drive::arbitrated;
 use whyroad_mining::fast::{Plan, Search, Signals};
 use whyroad_model::{Column, Drive, SignalTable, Tri};
-use whyroad_signals::Catalog;
+use whyroad_signals::{Catalog, Wanted, derive_wanted};
+
+/// Signals of a rule about the ego, and of one about who is ahead.
+const FEW: [(&str, &[&str]); 2] = [
+    ("(derive two of the ego alone)", &["ego.accel", "ego.speed"]),
+    ("(derive two of targets alone)", &["target.ttc", "target.in_ego_lane"]),
+];
 
 /// Frames per drive: a minute.
 const FRAMES: usize = 600;
@@ -129,6 +135,11 @@ fn measure(folder: &Path, objects: usize) {
         rows += drive.tracks.iter().map(|t| t.frames.len()).sum::<usize>();
         // `derive` begins with this; it is measured once more by itself.
         stages.run("(estimate alone)", || drop(black_box(whyroad_signals::estimate::estimated(&drive))));
+        // And what rules cost that ask for few signals of drives without stored ones.
+        for (name, signals) in FEW {
+            stages
+                .run(name, || drop(black_box(derive_wanted(&drive, &Wanted::only(signals.iter().copied())))));
+        }
         let table = stages.run("estimate and derive signals", || whyroad_signals::derive(&drive));
         drop(drive);
         digest(&table, &mut results);

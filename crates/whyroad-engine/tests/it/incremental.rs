@@ -71,6 +71,27 @@ fn mined_again_it_says_the_same() {
 }
 
 #[test]
+fn rules_that_ask_for_few_signals_get_these_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = lake(dir.path(), &["multilane"]);
+    let all = rules();
+    let reference = MineOptions { evaluator: Evaluator::Reference, ..MineOptions::default() };
+    let (mut episodes, mut runs) = (0, 0);
+    for rule in all.rules.iter().step_by(11) {
+        let one = RuleSet { rules: vec![rule.clone()], ..all.clone() };
+        let mined = mine(&lake, &one, MineOptions::default());
+        assert_same(&mined, &mine(&lake, &one, reference));
+        episodes += mined.drives[0].episodes.len();
+        runs += 1;
+    }
+    assert!(runs >= 10 && episodes > 0, "{runs} rules found {episodes} episodes");
+    assert!(!file(&lake, 0, "signals").exists(), "a store has all signals");
+    // With all of them it is stored, and what was kept of single rules is not run again.
+    assert_same(&mine(&lake, &all, MineOptions::default()), &mine(&lake, &all, reference));
+    assert!(file(&lake, 0, "signals").exists());
+}
+
+#[test]
 fn only_what_is_new_is_run() {
     let dir = tempfile::tempdir().unwrap();
     let a = lake(dir.path(), &["multilane"]);

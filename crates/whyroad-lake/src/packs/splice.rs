@@ -2,16 +2,15 @@
 //! statistics. Only what a file lacks is written: the id of the drive, and nulls for a signal that it does not have.
 
 use crate::LakeError;
-use crate::chunks::{self, Buffers, Cells};
+use crate::chunks::{Cells, ChunkWriter, Source};
 use crate::file;
 use crate::signals::pages::Chunk;
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use parquet::arrow::parquet_to_arrow_schema;
-use parquet::column::writer::ColumnCloseResult;
-use parquet::errors::{ParquetError, Result as ParquetResult};
-use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
+use parquet::file::metadata::{ColumnChunkMetaData, KeyValue, ParquetMetaData, RowGroupMetaData};
 use parquet::schema::types::ColumnPath;
-use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -34,10 +33,10 @@ impl Part {
         self.metadata.row_groups().get(self.group?)
     }
 
-    /// Bytes of its columns.
+    /// Bytes of its columns; what several share counts once.
     pub fn bytes(&self) -> u64 {
-        let size = self.row_group().map_or(0, RowGroupMetaData::compressed_size);
-        u64::try_from(size).unwrap_or(0)
+        let columns = self.row_group().map_or(&[][..], RowGroupMetaData::columns);
+        columns.iter().map(|c| c.byte_range()).collect::<BTreeSet<_>>().iter().map(|(_, length)| length).sum()
     }
 }
 
@@ -82,45 +81,32 @@ pub(super) fn write(
     more: Vec<KeyValue>,
     parts: &[(&DriveId, &Part)],
 ) -> Result<(), LakeError> {
-    let mut writer = chunks::create(path, schema, file::properties(row_order, more).build())?;
-    let columns = writer.schema_descr().columns().to_vec();
-    let mut buffers = Buffers::default();
+    let mut writer = ChunkWriter::create(path, schema, file::properties(row_order, more).build())?;
+    let columns = writer.columns().to_vec();
     for (id, part) in parts {
         let Some(from) = part.row_group() else { continue };
         let chunk = bytes_of(part, from)?;
-        let mut copy = || -> ParquetResult<()> {
-            let sources: HashMap<&ColumnPath, usize> =
-                from.columns().iter().enumerate().map(|(i, c)| (c.column_path(), i)).collect();
-            let rows = u64::try_from(from.num_rows()).unwrap_or(0);
-            let mut group = writer.next_row_group()?;
-            for column in &columns {
-                if let Some(&source) = sources.get(column.path()) {
-                    let metadata = from.column(source).clone();
-                    let close = ColumnCloseResult {
-                        bytes_written: u64::try_from(metadata.compressed_size()).unwrap_or(0),
-                        rows_written: rows,
-                        metadata,
-                        bloom_filter: None,
-                        column_index: None,
-                        offset_index: None,
-                    };
-                    group.append_column(&chunk, close)?;
-                    continue;
+        let own: HashMap<&ColumnPath, &ColumnChunkMetaData> =
+            from.columns().iter().map(|c| (c.column_path(), c)).collect();
+        let rows = usize::try_from(from.num_rows()).unwrap_or(0);
+        let drive = [(id.as_str(), rows)];
+        // What columns share in the file they share in the pack.
+        let mut places = HashMap::new();
+        let sources = columns.iter().enumerate().map(|(at, column)| match own.get(column.path()) {
+            Some(source) => match places.entry((source.byte_range(), source.column_type())) {
+                Entry::Occupied(first) => Source::SameAs(*first.get()),
+                Entry::Vacant(first) => {
+                    first.insert(at);
+                    Source::Copied(&chunk, source)
                 }
-                let rows = usize::try_from(rows).unwrap_or(0);
-                let missing = || ParquetError::General("the file has fewer columns than its schema".into());
-                let mut new = group.next_column()?.ok_or_else(missing)?;
-                let drive = [(id.as_str(), rows)];
-                let is_id = column.path().parts() == [DRIVE_ID];
-                let cells = if is_id { Cells::Runs(&drive) } else { Cells::Nulls(rows) };
-                chunks::write(&mut new, cells, &mut buffers)?;
-                new.close()?;
-            }
-            group.close().map(drop)
-        };
-        copy().map_err(|e| LakeError::broken(&part.path, e))?;
+            },
+            None if column.path().parts() == [DRIVE_ID] => Source::Cells(Cells::Runs(&drive)),
+            None => Source::Cells(Cells::Nulls(rows)),
+        });
+        let sources: Vec<Source<'_>> = sources.collect();
+        writer.row_group(rows, &sources)?;
     }
-    chunks::finish(path, writer)
+    writer.finish()
 }
 
 /// The bytes of a row group, read at once.

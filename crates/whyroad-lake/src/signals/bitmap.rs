@@ -2,7 +2,7 @@
 
 /// Bits that are appended.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Bitmap {
+pub(crate) struct Bitmap {
     pub words: Vec<u64>,
     pub len: usize,
     /// How many are 1.
@@ -10,7 +10,7 @@ pub(super) struct Bitmap {
 }
 
 /// Ones below bit `n` of a word; all 64 for `n >= 64`.
-pub(super) fn low(n: usize) -> u64 {
+pub(crate) fn low(n: usize) -> u64 {
     if n >= 64 { u64::MAX } else { (1 << n) - 1 }
 }
 

@@ -1,12 +1,12 @@
 //! Signal tables to Parquet.
 
+use super::equal::earlier_equals;
 use super::{Contents, FRAME, KEY, ROW_ORDER, StoredDrive, TIME, digest};
 use crate::LakeError;
-use crate::chunks::{self, Buffers, Cells};
+use crate::chunks::{Cells, ChunkWriter, Source};
 use crate::file::{properties, repeats};
 use arrow_schema::{DataType, Field, Schema};
 use parquet::basic::Encoding;
-use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::schema::types::ColumnPath;
@@ -125,28 +125,27 @@ fn write_file(
     let signals: Vec<(&String, &Column)> =
         names.into_iter().filter_map(|name| Some((name, sample(name)?))).collect();
     let schema = schema(keys(first).targets.is_some(), &signals);
-    let mut writer = chunks::create(path, &schema, writer_properties(contents, &signals))?;
-    let mut buffers = Buffers::default();
-    let mut write = |table: &SignalTable| -> ParquetResult<()> {
+    let mut writer = ChunkWriter::create(path, &schema, writer_properties(contents, &signals))?;
+    for (_, table) in drives {
         let Keys { targets, frames, times } = keys(table);
         let drive = [(table.drive_id.as_str(), frames.len())];
-        let mut cells = vec![Cells::Runs(&drive)];
-        cells.extend(targets.as_deref().map(Cells::Runs));
-        cells.extend([Cells::Indices(&frames), Cells::Integers(&times)]);
-        cells.extend(signals.iter().map(|(name, sample)| {
-            // Null where the drive has no such column, or has it of another type.
-            let own = columns(table).get(*name).filter(|c| discriminant(*c) == discriminant(sample));
-            own.map_or(Cells::Nulls(frames.len()), Cells::Signal)
+        let mut sources = vec![Source::Cells(Cells::Runs(&drive))];
+        sources.extend(targets.as_deref().map(|runs| Source::Cells(Cells::Runs(runs))));
+        sources.extend([Cells::Indices(&frames), Cells::Integers(&times)].map(Source::Cells));
+        // Null where the drive has no such column, or has it of another type.
+        let own: Vec<Option<&Column>> = signals
+            .iter()
+            .map(|(name, sample)| {
+                columns(table).get(*name).filter(|c| discriminant(*c) == discriminant(sample))
+            })
+            .collect();
+        let before = sources.len();
+        sources.extend(own.iter().zip(earlier_equals(&own)).map(|(column, same)| match (same, column) {
+            (Some(of), _) => Source::SameAs(before + of),
+            (None, Some(column)) => Source::Cells(Cells::Signal(column)),
+            (None, None) => Source::Cells(Cells::Nulls(frames.len())),
         }));
-        let mut group = writer.next_row_group()?;
-        for cells in cells {
-            let missing = || ParquetError::General("more columns than the schema has".into());
-            let mut column = group.next_column()?.ok_or_else(missing)?;
-            chunks::write(&mut column, cells, &mut buffers)?;
-            column.close()?;
-        }
-        group.close().map(drop)
-    };
-    drives.iter().try_for_each(|(_, table)| write(table)).map_err(|e| LakeError::broken(path, e))?;
-    chunks::finish(path, writer)
+        writer.row_group(frames.len(), &sources)?;
+    }
+    writer.finish()
 }

@@ -2,6 +2,7 @@
 //! then track, then frame: a clip's rows are contiguous, and a whole track is found by joining its clips.
 
 use crate::LakeError;
+use crate::chunks::runs_of;
 use crate::columns::{Table, TableBuilder, empty_if_unknown, member_name};
 use crate::tables::ego::{known_at_column, motion_columns, read_known_at, read_motion};
 use crate::tables::frames;
@@ -14,12 +15,17 @@ pub(crate) const ROW_ORDER: &str = "clip,track_id,frame";
 
 pub(crate) fn to_table(drive: &Drive) -> TableBuilder {
     let clips = frames::clip_ids(drive);
-    // (clip, track, row); tracks are ordered by id and rows by frame, so this sorts into the promised order.
+    // (clip, track, row) in the promised order: tracks are ordered by id and rows by frame.
     let mut order: Vec<(usize, usize, usize)> = Vec::new();
-    for (t, track) in drive.tracks.iter().enumerate() {
-        order.extend(track.frames.iter().enumerate().map(|(row, &f)| (f as usize / CLIP_FRAMES, t, row)));
+    let mut next_rows = vec![0; drive.tracks.len()];
+    for clip in 0..clips.len() {
+        for (t, (track, next)) in drive.tracks.iter().zip(&mut next_rows).enumerate() {
+            let of_clip =
+                track.frames[*next..].iter().take_while(|f| **f as usize / CLIP_FRAMES == clip).count();
+            order.extend((*next..*next + of_clip).map(|row| (clip, t, row)));
+            *next += of_clip;
+        }
     }
-    order.sort_unstable();
     let tracks = || order.iter().map(|&(_, t, _)| &drive.tracks[t]);
     let number = |pick: fn(&Track) -> &[f64]| {
         order.iter().map(|&(_, t, row)| pick(&drive.tracks[t])[row]).collect::<Vec<_>>()
@@ -88,8 +94,14 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
     let occluders = t.texts_or_null("occluder")?;
     let (known_at, times) = (read_known_at(t)?, t.integers("time_ns")?);
 
-    let key = |i: usize| (frames[i] as usize / CLIP_FRAMES, ids.value(i), frames[i]);
-    if let Some(row) = (1..t.rows()).find(|&i| key(i - 1) >= key(i)) {
+    let clip = |i: usize| frames[i] as usize / CLIP_FRAMES;
+    // Of most rows the frames tell: the row before is of the same object and clip.
+    let follows = |i: usize| {
+        let (before, now) = (ids.value(i - 1), ids.value(i));
+        clip(i - 1) < clip(i)
+            || (clip(i - 1) == clip(i) && (before < now || (before == now && frames[i - 1] < frames[i])))
+    };
+    if let Some(row) = (1..t.rows()).find(|&i| !follows(i)) {
         return Err(LakeError::RowOrder { path: t.path.clone(), row });
     }
     if let Some(f) = frames.iter().find(|&&f| f as usize >= frame_count) {
@@ -100,8 +112,12 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
     }
     // Clips ascend, so a track's rows come in the order of its frames although they are apart in the file.
     let mut rows_of: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for i in 0..t.rows() {
-        rows_of.entry(ids.value(i)).or_default().push(i);
+    let mut start = 0;
+    for (id, rows) in runs_of(ids) {
+        if let Some(id) = id {
+            rows_of.entry(id).or_default().extend(start..start + rows);
+        }
+        start += rows;
     }
     rows_of
         .into_iter()
@@ -112,7 +128,13 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
                     LakeError::broken(&t.path, format!("'{}' is not an object class", classes.value(row)))
                 })
             };
-            let stated = rows.iter().map(|&i| Ok((class(i)?, source_classes.value(i))));
+            let mut last: Option<(ObjectClass, &str)> = None;
+            let stated = rows.iter().map(|&i| {
+                // Mostly it is the class of the row before.
+                let same = last.filter(|(known, _)| known.id() == classes.value(i));
+                let known = same.map_or_else(|| class(i), |(known, _)| Ok(known))?;
+                Ok(*last.insert((known, source_classes.value(i))))
+            });
             let stated = stated.collect::<Result<Vec<_>, LakeError>>()?;
             let mut track = Track {
                 id: TrackId::from(id),

@@ -2,7 +2,7 @@
 
 use crate::folders::{copy, files};
 use crate::round_trip::{drive, shown, small_drive};
-use crate::signals::{one, same_columns, table};
+use crate::signals::{SHARED, one, same_columns, shared, table, with_equal_columns};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::fs;
@@ -270,6 +270,23 @@ fn whatever_a_killed_compaction_leaves_every_drive_is_there_once() {
             named,
             "{what}"
         );
+    }
+}
+
+#[test]
+fn columns_that_share_their_place_share_it_in_a_pack() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = lake_of(dir.path(), &["a", "b"]);
+    for id in ["a", "b"] {
+        let table = SignalTable { drive_id: id.into(), ..with_equal_columns() };
+        lake.write_signals(&id.into(), VERSION, &table).unwrap();
+    }
+    compact(&lake, 10);
+    let pack = lake.entry(&"a".into()).unwrap().pack.unwrap();
+    assert_eq!(shared(&dir.path().join("packs").join(pack).join("signals")), [SHARED, SHARED]);
+    for id in ["a", "b"] {
+        let file = lake.signals(&id.into(), VERSION).unwrap().unwrap();
+        same_columns(&file.read_table(0).unwrap().target_columns, &with_equal_columns().target_columns);
     }
 }
 

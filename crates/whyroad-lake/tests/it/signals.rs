@@ -1,8 +1,14 @@
 //! Stored signals: what is written is read, bit by bit; what the files promise is checked; a store of other content
 //! or another version is ignored.
 
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::metadata::{ParquetMetaDataReader, RowGroupMetaData};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+use std::path::Path;
 use whyroad_lake::signals::{Range, TableKind, write_signals};
 use whyroad_lake::{Lake, LakeError, SignalFile};
 use whyroad_model::column::UNKNOWN_CODE;
@@ -124,6 +130,92 @@ pub(crate) fn one() -> SignalTable {
     }
 }
 
+/// Signals some of which have the same values: `a` and `b`, `f` and `g`, `u` and `v`. Zero of the other sign, words of
+/// other meaning and a value that is unknown in one row only are other values.
+pub(crate) fn with_equal_columns() -> SignalTable {
+    let numbers = |values: [f64; 3]| Column::Number(values.to_vec());
+    let words = |codes: [u16; 3], names: [&str; 2]| {
+        let names: Vec<String> = names.map(str::to_owned).to_vec();
+        Column::Category { codes: codes.to_vec(), names: names.into() }
+    };
+    let columns = [
+        ("a", numbers([1.5, f64::NAN, 0.0])),
+        ("b", numbers([1.5, -f64::NAN, 0.0])),
+        ("c", numbers([1.5, f64::NAN, -0.0])),
+        ("d", numbers([1.5, 2.5, 0.0])),
+        ("f", Column::Flag(vec![Tri::Unknown, Tri::True, Tri::False])),
+        ("g", Column::Flag(vec![Tri::Unknown, Tri::True, Tri::False])),
+        ("h", Column::Flag(vec![Tri::False, Tri::True, Tri::False])),
+        ("u", words([UNKNOWN_CODE; 3], ["left", "right"])),
+        ("v", words([UNKNOWN_CODE; 3], ["near", "far"])),
+        ("x", words([0, 1, UNKNOWN_CODE], ["left", "right"])),
+        ("y", words([0, 1, UNKNOWN_CODE], ["near", "far"])),
+    ];
+    let columns = columns.map(|(name, column)| (format!("target.{name}"), column));
+    SignalTable { target_columns: BTreeMap::from(columns), ..one() }
+}
+
+/// The groups of signals that are at the same place in the file of the targets, by their names, in each row group.
+pub(crate) fn shared(dir: &Path) -> Vec<Vec<String>> {
+    let file = std::fs::File::open(dir.join("targets.parquet")).unwrap();
+    let metadata = ParquetMetaDataReader::new().parse_and_finish(&file).unwrap();
+    let of_group = |group: &RowGroupMetaData| {
+        let mut places = BTreeMap::<(u64, u64), Vec<&str>>::new();
+        for column in group.columns() {
+            places.entry(column.byte_range()).or_default().push(&column.column_path().parts()[0]);
+        }
+        places.into_values().filter(|names| names.len() > 1).map(|names| names.join(" ")).collect()
+    };
+    metadata.row_groups().iter().map(of_group).collect()
+}
+
+/// What is shared in [`with_equal_columns`].
+pub(crate) const SHARED: [&str; 3] = ["target.a target.b", "target.f target.g", "target.u target.v"];
+
+#[test]
+fn equal_columns_are_stored_once_and_read_as_any_others() {
+    let dir = tempfile::tempdir().unwrap();
+    let table = with_equal_columns();
+    write_signals(dir.path(), "v1", &[("h".to_owned(), &table)]).unwrap();
+    assert_eq!(shared(dir.path()), [SHARED]);
+    let file = SignalFile::open(dir.path()).unwrap().unwrap();
+    same_columns(&file.read_table(0).unwrap().target_columns, &table.target_columns);
+    for name in ["target.a", "target.b"] {
+        let range = Range { bounds: Some((0.0, 1.5)), known: 2, rows: 3 };
+        assert_eq!(file.range(0, name), Some(range), "{name}");
+    }
+    // The common reader, all columns at once and one alone.
+    let read = |name: Option<&str>| {
+        let file = std::fs::File::open(dir.path().join("targets.parquet")).unwrap();
+        let builder = ParquetRecordBatchReaderBuilder::try_new(file).unwrap();
+        let columns = builder.parquet_schema().columns().iter().enumerate();
+        let leaves = columns.filter(|(_, c)| name.is_none_or(|name| c.path().parts() == [name]));
+        let mask = ProjectionMask::leaves(builder.parquet_schema(), leaves.map(|(i, _)| i));
+        builder.with_projection(mask).build().unwrap().next().unwrap().unwrap()
+    };
+    let whole = read(None);
+    assert_eq!(whole.num_columns(), 4 + table.target_columns.len());
+    for name in ["target.a", "target.b"] {
+        let column = whole.column_by_name(name).unwrap();
+        let values: Vec<Option<f64>> = column.as_primitive::<Float64Type>().iter().collect();
+        assert_eq!(values, [Some(1.5), None, Some(0.0)], "{name}");
+        assert_eq!(read(Some(name)).column(0), column);
+    }
+}
+
+#[test]
+fn what_is_equal_in_one_drive_need_not_be_in_another() {
+    let dir = tempfile::tempdir().unwrap();
+    let (a, mut b) = (with_equal_columns(), SignalTable { drive_id: "e".into(), ..with_equal_columns() });
+    b.target_columns.insert("target.b".to_owned(), Column::Number(vec![7.0; 3]));
+    b.target_columns.insert("target.d".to_owned(), Column::Number(vec![7.0; 3]));
+    write_signals(dir.path(), "v1", &[("h".to_owned(), &a), ("h".to_owned(), &b)]).unwrap();
+    assert_eq!(shared(dir.path()), [SHARED, ["target.b target.d", "target.f target.g", "target.u target.v"]]);
+    let file = SignalFile::open(dir.path()).unwrap().unwrap();
+    same_columns(&file.read_table(0).unwrap().target_columns, &a.target_columns);
+    same_columns(&file.read_table(1).unwrap().target_columns, &b.target_columns);
+}
+
 #[test]
 fn several_drives_are_a_row_group_each() {
     let dir = tempfile::tempdir().unwrap();
@@ -201,7 +293,7 @@ fn a_store_of_other_content_or_version_is_none() {
 
 #[test]
 fn rows_out_of_order_are_an_error() {
-    use parquet::arrow::{ArrowWriter, arrow_reader::ParquetRecordBatchReaderBuilder};
+    use parquet::arrow::ArrowWriter;
     use parquet::file::properties::WriterProperties;
     let dir = tempfile::tempdir().unwrap();
     write_signals(dir.path(), "v1", &[("h".to_owned(), &one())]).unwrap();

@@ -25,4 +25,5 @@ mod sumo_truth;
 mod target_ramp;
 mod terrain;
 mod ttc_lane;
+mod wanted;
 mod whole;

@@ -11,7 +11,7 @@ use whyroad_model::{Column, Drive, Nanos};
 use whyroad_signals::{Catalog, SignalKind, SignalScope};
 
 /// A drive with everything that a log can have: a lane change, a bend of nothing, a lead, a walker, a gap, lights.
-fn full() -> Drive {
+pub(crate) fn full() -> Drive {
     let shift = |t: f64| 1.75 * (1.0 - (PI * ((t - 2.0).clamp(0.0, 4.1)) / 4.1).cos());
     let mut d = drive(90, move |t| (9.0 * t, shift(t), (shift(t + 0.01) - shift(t - 0.01)).atan2(0.18)));
     let mut m = road();

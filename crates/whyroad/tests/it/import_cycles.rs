@@ -16,6 +16,7 @@ const STAGES: &[&str] = &[
     "estimate",
     "catalog",
     "needs",
+    "wanted",
     "table",
     "ego",
     "road",
