@@ -21,6 +21,10 @@ MODEL = {
     "Orig2": 'carFollowModel="KraussOrig1" sigma="0.6"',
     "ACC2": 'carFollowModel="ACC" speedControlGain="-0.3" gapClosingControlGainSpeed="0.6"',
     "EIDM2": 'carFollowModel="EIDM" tpreview="3" treaction="0.8" epsilon="1"',
+    "KraussX": 'carFollowModel="KraussX" sigma="0.35"',
+    "IDM4": 'carFollowModel="IDM" delta="3" stepping="0.1" sigma="0.15"',
+    "EIDM3": 'carFollowModel="EIDM" tpreview="5" treaction="0.3" tpersdrive="4" ccoolness="0.9"',
+    "W99c": 'carFollowModel="W99" cc1="1.4" cc2="3" cc7="0.4" cc8="2.5"',
 }
 
 

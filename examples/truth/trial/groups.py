@@ -22,6 +22,7 @@ from networks import (
     web_town,
 )
 from networks_drawn import circles, country, knotted, motorway, street
+from networks_joined import dumbbell, herringbone, hexagons, plain_exits
 from networks_mixed import lit_grid, parked, spokes, weaving
 from networks_planned import arterial, collector, estate, one_way_blocks
 from networks_shaped import ladder, oval, parting, river_town
@@ -84,6 +85,12 @@ SETS = {
         "weaving": (weaving, 7019, 150, 0.1, "Orig2", 3, 1.0, 0),
         "parked": (parked, 7027, 220, 0.1, "ACC2+moto", 2.5, 0.5, 0.2),
     },
+    "held7": {
+        "herringbone": (herringbone, 8009, 220, 0.1, "KraussX+moto", 2.5, 0.7, 0.12),
+        "plainexits": (plain_exits, 8011, 150, 0.1, "IDM4", 4, 1.1, 0),
+        "dumbbell": (dumbbell, 8017, 220, 0.2, "EIDM3", 3, 0.6, 0),
+        "hexagons": (hexagons, 8039, 220, 0.1, "W99c+moto", "sublane", 0.6, 0.12),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -94,4 +101,6 @@ NOISE = {
     "held5": (0.07, 0.04, 0.2, 1.0, 0.02),
     "held6/litgrid": (0.04, 0.08, 0.15, 0.0, 0.0),
     "held6/parked": (0.04, 0.08, 0.15, 0.0, 0.0),
+    "held7/herringbone": (0.05, 0.1, 0.1, 0.5, 0.01),
+    "held7/plainexits": (0.08, 0.05, 0.25, 0.5, 0.03),
 }

@@ -102,14 +102,20 @@ def leaf_of(w, ego, p, m):
     return None if same_exit else "cross_conflict"
 
 
+def comes_out(net, l, p):
+    """Another way into the road that the ego goes on along, at 60 degrees or more to it: no ramp, no ring."""
+    return l.b == p.link.b and l.a != p.link.a and l.dir in "lrt" and not p.node.on_ring and abs(bend(net.heading(l.lane), net.heading(l.to, False))) > 60
+
+
 def junctions(w, ego, lead):
     rows, net = w.rows[ego], w.net
     yield from rings(w, ego)
     yield from unfinished(w, ego)
     for p in w.passing[ego]:
         if not p.node.real:
-            # Whether who drives on past an opening in the median passes a junction is not said.
-            if any(l.dir in "lrt" for l in net.out.get(p.link.lane, [])) or any(l.a == p.link.a and l.dir in "lrt" for links in net.out.values() for l in links):
+            # Whether who drives on past an opening in the median passes a junction is not said, where others turn off into it
+            # or come out of it.
+            if any(l.a == p.link.a and l.dir in "lrt" or comes_out(net, l, p) for links in net.out.values() for l in links):
                 into = w.later(ego, p.first, w.length(ego) / 2)
                 yield w.entry("proactive.turn.straight", ego, into - 30, into, w.later(ego, p.last, w.length(ego) / 2) + 20, optional=True)
             continue
