@@ -53,6 +53,15 @@ test("a note has the row's unit, and an absolute value is said in words", () => 
   assert.equal(noteOf(["ego.accel"], [met("abs(ego.accel) >= 2m/s2", 3)], "zh"), "超出 ±2 m/s² (3 m/s²)");
 });
 
+test("a limit that another one implies is left out, and a value never looks like the limit that it is not", () => {
+  const gap = [met("0m < target.gap", 3.94), met("target.gap >= 0m", 3.94)];
+  assert.equal(noteOf(["target.gap"], gap, "zh", scaleOf("m", "km/h")), "> 0 m (3.94 m)");
+  const aside = [met("target.path_lateral < 0.8m", 0.7966)];
+  assert.equal(noteOf(["target.path_lateral"], aside, "en", scaleOf("m", "km/h")), "< 0.8 m (0.797 m)");
+  const same = [met("target.gap <= 2m", 2)];
+  assert.equal(noteOf(["target.gap"], same, "en", scaleOf("m", "km/h")), "≤ 2 m (2 m)", "equal is equal");
+});
+
 test("the condition of the class itself decides more than what it shares, a comparison with 0 least", () => {
   // As `whyroad mine` writes them for an urgent cut-in.
   const conditions = ["target.wheel_over_line", "target.thw < 2s", "target.gap >= 0m", "target.ttc < 3s"].map((c) => met(c, 1));

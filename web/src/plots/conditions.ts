@@ -91,8 +91,13 @@ export function comparisonText(c: Comparison, actual: unknown, reader: "zh" | "e
   const compared = c.absolute ? aboutZero(c.operator, limit, reader) : `${SIGNS[c.operator]} ${limit}`;
   if (actual === undefined) return compared;
   if (typeof actual !== "number") return `${compared} (?)`;
-  // As many digits as the row's value has beside it; of what is greater, fewer tell as much.
-  const digits = scale ? Math.min(scale.digits, Math.abs(actual * factor) >= 10 ? 1 : 3) : 3;
+  // As many digits as the row's value has beside it; of what is greater, fewer tell as much. More where it would look
+  // like the limit that it is not.
+  const wanted = scale ? Math.min(scale.digits, Math.abs(actual * factor) >= 10 ? 1 : 3) : 3;
+  const differs = Math.abs(actual) !== Math.abs(c.value / (IN_BASE[c.unit] ?? 1));
+  const alike = (digits: number): boolean => shown(Math.abs(actual), digits) === shown(Math.abs(c.value / (IN_BASE[c.unit] ?? 1)), 3);
+  let digits = wanted;
+  while (differs && digits < 3 && alike(digits)) digits++;
   return `${compared} (${shown(actual, digits)})`;
 }
 
@@ -111,8 +116,12 @@ export function noteOf(
   reader: "zh" | "en",
   scale?: Scale,
 ): string | undefined {
-  // One value that is compared several times is said once, after the last of its limits.
-  const found = comparisonsOf(signals, conditions);
+  // One value that is compared several times is said once, after the last of its limits; `>= 0` says nothing beside
+  // `> 0`.
+  const every = comparisonsOf(signals, conditions);
+  const stricter = (a: Comparison, b: Comparison): boolean =>
+    a !== b && a.signal === b.signal && a.absolute === b.absolute && a.value === b.value && `${a.operator}=` === b.operator;
+  const found = every.filter(({ c }) => !every.some((other) => stricter(other.c, c)));
   const isSaidLater = (actual: unknown, i: number): boolean => found[i + 1] !== undefined && found[i + 1]?.actual === actual;
   const notes = found.map(({ c, actual }, i) => comparisonText(c, isSaidLater(actual, i) ? undefined : (actual ?? null), reader, scale));
   return notes.length > 0 ? notes.join("; ") : undefined;

@@ -13,6 +13,7 @@ export const labelTexts = {
   "label.unseen": ["被遮挡", "occluded"],
   "label.target": ["规则目标", "rule target"],
   "label.target_short": ["规则目标", "target"],
+  "label.no_task": ["没有此任务", "Task not found"],
   "label.unavailable": [
     "此任务可能不存在、已被删除，或未指派给您。",
     "The task may not exist, may have been deleted, or may not be assigned to you.",
@@ -93,6 +94,7 @@ export const labelTexts = {
   "stage.release": ["退回队列", "Release"],
   "stage.reason": ["原因", "Reason"],
   "stage.take": ["领取此任务", "Take this task"],
+  "stage.finished": ["只读：此任务{state}。", "Read-only: this task is {state}."],
   "stage.read_only": ["只读：您没有领取此任务。", "Read-only: you do not hold this task."],
   "stage.lost": [
     "此任务已被他人领取，或已超过领取时限。未保存的修改仍保留在本机。",
@@ -295,6 +297,7 @@ export const labelTexts = {
   "history.at": ["时间", "Time"],
   "history.actor": ["操作人", "User"],
   "history.action": ["操作", "Action"],
+  "history.same": ["{value}（与之前相同）", "{value} (as before)"],
   "history.what": ["内容", "Fields and note"],
 
   "adj.title": ["并排裁决", "Adjudicate side by side"],

@@ -49,11 +49,13 @@ fn text_and_page_show_what_changed() {
     assert!(text.contains("1 drives, seed 3"), "{text}");
     assert!(text.contains("0.40          2          3       1.50      0.5 s"), "{text}");
     assert!(!text.contains("drops: "), "nothing changed there: {text}");
-    let page = page(&of, Lang::Zh, 0.9);
+    let page = page(&of, Lang::Zh, 0.9, |_| Bilingual::new("稳定行驶", "Steady driving"));
     assert!(
         page.contains("class=\"low\">0.4 <small>(3)</small>") && page.contains("class=\"same\">1"),
         "{page}"
     );
+    // Classes by name; ids only in tooltips. Figures of the noise are not in the heads of columns.
+    assert!(page.contains("稳定行驶") && !page.contains(">driving_state"), "{page}");
 }
 
 #[test]

@@ -5,8 +5,8 @@ use super::{LISTED_CLASSES, Unexplained};
 use whyroad_model::Lang;
 use whyroad_render::markup::Markup;
 
-const STYLE: &str = ".group{display:flex;gap:1.5rem;flex-wrap:wrap;border-top:1px solid #999;padding:1rem 0}\
-.group svg{width:22rem;height:auto}.group div{flex:1;min-width:20rem}.unmet{color:#555;margin:0 0 .5em 1em}";
+const STYLE: &str = ".group{display:flex;gap:1.5rem;flex-wrap:wrap;border-top:1px solid var(--rule);padding:1rem 0}\
+.group svg{width:22rem;height:auto}.group div{flex:1;min-width:20rem}.unmet{color:var(--faint);margin:0 0 .5em 1em}h1{margin:1rem 0 0}main{padding-bottom:2rem}";
 
 /// The page; `scenes` has an SVG for each group, in their order (empty: none).
 pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
@@ -15,11 +15,16 @@ pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
     let mut m = Markup::new();
     m.raw("<!doctype html>\n<html lang=\"").raw(if zh { "zh" } else { "en" });
     m.raw("\">\n<head><meta charset=\"utf-8\">\n<title>").text(title).raw("</title>\n<style>");
-    m.raw(crate::STYLE).raw(STYLE).raw("</style></head>\n<body>\n<h1>").text(title).raw("</h1>\n<p>");
+    m.raw(crate::STYLE).raw(STYLE).raw("</style></head>\n<body>\n<main><h1>").text(title).raw("</h1>\n<p>");
     m.text(&if zh {
         format!("{} 个时刻，{} 个行程，{} 组", of.moments, of.drives, of.groups.len())
     } else {
-        format!("{} moments, {} drives, {} groups", of.moments, of.drives, of.groups.len())
+        format!(
+            "{}, {}, {}",
+            counted(of.moments, "moment"),
+            counted(of.drives, "drive"),
+            counted(of.groups.len(), "group")
+        )
     });
     m.raw("</p>\n");
     for (i, g) in of.groups.iter().enumerate() {
@@ -31,7 +36,7 @@ pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
         m.text(&if zh {
             format!("{}. {} 个时刻，{} 个行程", i + 1, g.moments, g.drives)
         } else {
-            format!("{}. {} moments, {} drives", i + 1, g.moments, g.drives)
+            format!("{}. {}, {}", i + 1, counted(g.moments, "moment"), counted(g.drives, "drive"))
         });
         m.raw("</h2><p>")
             .text(g.example.clip_id.as_str())
@@ -57,6 +62,11 @@ pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
         }
         m.raw("</div></section>\n");
     }
-    m.raw("</body>\n</html>\n");
+    m.raw("</main></body>\n</html>\n");
     m.into_string()
+}
+
+/// `1 moment`, `2 moments`.
+fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

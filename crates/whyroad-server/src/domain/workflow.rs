@@ -382,9 +382,9 @@ impl State {
             Self::Rework => ("返工", "in rework"),
             Self::Checked => ("待抽检", "checked"),
             Self::InAudit => ("抽检中", "in audit"),
-            Self::Accepted => ("已通过", "accepted"),
+            Self::Accepted => ("已接受", "accepted"),
             Self::Skipped => ("已跳过", "skipped"),
-            Self::Rejected => ("已拒绝", "rejected"),
+            Self::Rejected => ("已剔除", "rejected"),
         };
         Bilingual::new(zh, en)
     }
@@ -399,9 +399,9 @@ impl Action {
             Self::LockStage1 => ("锁定阶段一", "locked"),
             Self::Submit => ("提交", "submitted"),
             Self::Skip => ("跳过", "skipped"),
-            Self::Reject => ("拒绝", "rejected"),
-            Self::Accept => ("通过", "accepted"),
-            Self::SendBack => ("退回返工", "sent back"),
+            Self::Reject => ("剔除", "rejected"),
+            Self::Accept => ("接受", "accepted"),
+            Self::SendBack => ("退回", "sent back"),
             Self::Reopen => ("重新打开", "reopened"),
         };
         Bilingual::new(zh, en)
@@ -412,7 +412,7 @@ impl Role {
     /// The name of the role.
     pub fn name(self) -> Bilingual {
         let (zh, en) = match self {
-            Self::Lead => ("组长", "lead"),
+            Self::Lead => ("负责人", "lead"),
             Self::Annotator => ("标注员", "annotator"),
             Self::Checker => ("质检员", "checker"),
             Self::Auditor => ("抽检员", "auditor"),

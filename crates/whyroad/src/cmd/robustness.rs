@@ -17,6 +17,7 @@ use whyroad_mining::RuleSet;
 use whyroad_mining::drive::DriveEpisodes;
 use whyroad_mining::fast::Plan;
 use whyroad_model::{Drive, DriveId, FrameRange, Lang, Nanos, TrackId};
+use whyroad_report::coverage::class_title;
 use whyroad_report::robustness::{Occurrence, Robustness, Shown, page, render};
 use whyroad_signals::Catalog;
 
@@ -152,7 +153,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         DataFormat::Json => format!("{:#}\n", serde_json::to_value(&result)?),
     });
     if let Some(file) = &args.page {
-        std::fs::write(file, page(&result, global.lang, floor))
+        std::fs::write(file, page(&result, global.lang, floor, |id| class_title(&framework.taxonomy, id)))
             .with_context(|| cannot_write(file.display()))?;
         say!("{}", file.display());
     }

@@ -25,7 +25,10 @@ pub(super) fn write(m: &mut Markup, a: &Analytics) {
     m.raw("</li><li><b>?</b> ").say("不可观测（缺信号）", "not observable (signals missing)");
     m.raw("</li><li><b>–</b> ").say("没有规则", "no rule");
     m.raw("</li></ul>");
-    m.raw("<details open><summary>").say("全部场景", "All classes").raw("</summary>");
+    // Most classes of a lake have nothing; a table of zeros hides the others.
+    m.raw("<div class=\"stage-box\"><label><input type=\"checkbox\" class=\"every\"> ")
+        .say("列出全部场景，包括没有事件的", "List all classes, also those without episodes")
+        .raw("</label>");
     m.raw("<table class=\"stages\"><thead><tr><th scope=\"col\">").say("场景", "class").raw("</th>");
     let columns = Columns::of(a);
     for &i in &columns.stages {
@@ -43,7 +46,7 @@ pub(super) fn write(m: &mut Markup, a: &Analytics) {
     for row in &a.stages {
         line(m, row, state(a, row), &columns, &most);
     }
-    m.raw("</tbody></table></details>");
+    m.raw("</tbody></table></div>");
 }
 
 /// The columns for which there is input: others would only repeat that there is none.
@@ -85,10 +88,14 @@ fn state(a: &Analytics, row: &StageRow) -> Option<CoverageState> {
 
 fn line(m: &mut Markup, row: &StageRow, state: Option<CoverageState>, columns: &Columns, most: &[f64]) {
     let id = row.scenario_id.to_string();
-    m.raw(match (&row.scenario_id.l2, &row.scenario_id.l3) {
-        (None, _) => "<tr class=\"l1\">",
-        (Some(_), None) => "<tr class=\"l2\">",
-        _ => "<tr class=\"l3\">",
+    let counts = row.counts.all().into_iter().map(|(_, n)| n).chain([row.secondary, row.wanted]);
+    let has_any = counts.flatten().any(|n| n > 0);
+    m.raw(match (&row.scenario_id.l2, &row.scenario_id.l3, has_any) {
+        (None, _, _) => "<tr class=\"l1\">",
+        (Some(_), None, true) => "<tr class=\"l2\">",
+        (Some(_), None, false) => "<tr class=\"l2 nothing\">",
+        (_, _, true) => "<tr class=\"l3\">",
+        (_, _, false) => "<tr class=\"l3 nothing\">",
     });
     m.raw("<th scope=\"row\" title=\"").text(&id).raw("\">").both(&row.name);
     if !row.in_taxonomy && row.scenario_id.l1 != whyroad_model::ids::OTHER {

@@ -134,3 +134,26 @@ fn words_round_trip() {
         assert_eq!(serde_json::to_value(s).unwrap(), s.word());
     }
 }
+
+/// Messages of the service name states, actions and roles as the page does.
+#[test]
+fn names_are_those_of_the_page() {
+    let page = concat!(
+        include_str!("../../../../../web/src/text/screen_texts.ts"),
+        include_str!("../../../../../web/src/text/label_texts.ts")
+    );
+    let is_on_page = |key: &str, name: Bilingual| {
+        let line = format!("\"{key}\": [\"{}\"", name.zh);
+        assert!(page.contains(&line), "{line}");
+    };
+    let word = |value: serde_json::Value| value.as_str().unwrap().to_owned();
+    for state in State::ALL {
+        is_on_page(&format!("state.{}", word(serde_json::json!(state))), state.name());
+    }
+    for action in Action::ALL {
+        is_on_page(&format!("act.{}", word(serde_json::json!(action))), action.name());
+    }
+    for role in Role::ALL {
+        is_on_page(&format!("role.{}", word(serde_json::json!(role))), role.name());
+    }
+}

@@ -104,7 +104,7 @@ pub(super) fn where_to_look(page: &Path, lake: &Lake, out: &Path, released: bool
     };
     if released {
         text += &match lang {
-            Lang::Zh => format!("\n用已通过的标注构建数据集：{build}"),
+            Lang::Zh => format!("\n用已接受的标注构建数据集：{build}"),
             Lang::En => format!("\nto build a data set from the labels that were accepted: {build}"),
         };
     }
