@@ -28,12 +28,14 @@ const MAX_BYTES: usize = 1 << 20;
 /// Different failures after which a target is given up.
 const MOST_FAILURES: usize = 20;
 /// One execution in this many starts from a whole seed, where there are small ones, too.
-const WHOLE_SEED_EVERY: usize = 32;
+const WHOLE_SEED_EVERY: usize = 128;
+/// Between two looks at the CPU time, which takes as long as a fast execution.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
 /// Between two lines about a run that lasts.
 const REPORT_EVERY: Duration = Duration::from_secs(60);
 
-/// Reads bytes; what it makes of them is dropped.
-pub type Parser = Box<dyn Fn(&[u8])>;
+/// Reads bytes; what it makes of them is dropped. True when they can be what it reads.
+pub type Parser = Box<dyn Fn(&[u8]) -> bool>;
 
 /// A parser of untrusted bytes.
 pub struct Target {
@@ -74,6 +76,8 @@ pub struct Failure {
 pub struct Outcome {
     /// Inputs that were tried, with those of the run that was continued.
     pub executions: u64,
+    /// CPU time of all of them.
+    pub spent: Duration,
     /// What broke the parser in this run, once for each line of code.
     pub failures: Vec<Failure>,
 }
@@ -142,21 +146,31 @@ pub fn run(target: &Target, seed: u64, limit: Limit, begin: Begin, folder: &Path
     let clock = ThreadClock::new();
     watch(&target.name, clock.clone(), Arc::clone(&begun));
     let mut reported = Instant::now();
+    let mut looked = (Instant::now(), clock.time());
     let count = (target.small.len() + target.seeds.len()) as u64;
     while progress.next() < limit.executions.max(count) && start.elapsed() < limit.time {
         let number = progress.next();
         progress.begin();
         let input = input(target, seed, number);
-        let from = clock.time();
+        if looked.0.elapsed() > LOOK_EVERY {
+            let now = clock.time();
+            progress.spend(now - looked.1);
+            looked = (Instant::now(), now);
+        }
+        // A little earlier than it begins: what came since the last look took less than a tenth of a second.
+        let from = looked.1;
         begun.store(from.as_millis() as u64 + 1, Ordering::Relaxed);
+        let on_wall = Instant::now();
         RUNNING.with(|r| *r.borrow_mut() = true);
         let result = panic::catch_unwind(AssertUnwindSafe(|| (target.run)(&input)));
         RUNNING.with(|r| *r.borrow_mut() = false);
         begun.store(0, Ordering::Relaxed);
         let what = match result {
             Err(_) => Some(LAST_PANIC.with(|last| last.borrow().clone())),
-            Ok(()) if clock.time() > from + SLOW => Some("took too long".to_owned()),
-            Ok(()) => None,
+            Ok(_) if on_wall.elapsed() > SLOW && clock.time() > from + SLOW => {
+                Some("took too long".to_owned())
+            }
+            Ok(_) => None,
         };
         progress.end();
         if what.is_some_and(|what| failed(number, what, &input)) {
@@ -168,8 +182,13 @@ pub fn run(target: &Target, seed: u64, limit: Limit, begin: Begin, folder: &Path
         }
     }
     begun.store(u64::MAX, Ordering::Relaxed);
+    progress.spend(clock.time() - looked.1);
     progress.write();
-    Outcome { executions: progress.next(), failures: failures.into_values().collect() }
+    Outcome {
+        executions: progress.next(),
+        spent: progress.spent(),
+        failures: failures.into_values().collect(),
+    }
 }
 
 /// A line for who watches the run.

@@ -47,16 +47,17 @@ fn main() -> ExitCode {
     for target in chosen {
         if let Some(file) = &input {
             let bytes = std::fs::read(file).unwrap_or_default();
-            (target.run)(&bytes);
+            let taken = (target.run)(&bytes);
+            println!("{}", if taken { "accepted" } else { "refused" });
             continue;
         }
-        let begun = std::time::Instant::now();
         let outcome = run(target, seed, limit, begin, &folder);
         println!(
-            "{:<24} {:>9} executions  {:>7.1} s  {} failures",
+            "{:<24} {:>9} executions  {:>7.1} s of CPU time  {:>7.0} per second  {} failures",
             target.name,
             outcome.executions,
-            begun.elapsed().as_secs_f64(),
+            outcome.spent.as_secs_f64(),
+            outcome.executions as f64 / outcome.spent.as_secs_f64().max(1e-3),
             outcome.failures.len()
         );
         for f in &outcome.failures {

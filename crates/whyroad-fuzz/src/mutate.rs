@@ -54,18 +54,63 @@ impl Random {
 
 /// One to four changes to `input`; parts of `other` may be mixed in.
 pub(crate) fn mutate(random: &mut Random, input: &mut Vec<u8>, other: &[u8]) {
+    let is_text = input.iter().take(64).all(|b| *b >= b'\t');
     for _ in 0..=random.below(4) {
         if input.is_empty() {
             input.extend_from_slice(other);
             continue;
         }
-        one(random, input, other);
+        if is_text && random.below(2) == 0 {
+            one_of_text(random, input, other);
+        } else {
+            one(random, input, other);
+        }
     }
+}
+
+/// Characters between which a text has its parts.
+const DELIMITERS: &[u8] = b"<>{}[](),;:/=\"' \n";
+
+/// A change that leaves the form of a text mostly as it is: a part between delimiters is removed, repeated elsewhere or
+/// put in place of another.
+fn one_of_text(random: &mut Random, input: &mut Vec<u8>, other: &[u8]) {
+    let part = part_of_text(random, input);
+    match random.below(4) {
+        0 => drop(input.drain(part)),
+        1 => {
+            let copy = input[part].to_vec();
+            let at = part_of_text(random, input).start;
+            input.splice(at..at, copy);
+        }
+        2 => {
+            let from = if other.is_empty() { &*input } else { other };
+            let copy = from[part_of_text(random, from)].to_vec();
+            input.splice(part, copy);
+        }
+        _ => {
+            input.splice(part, TEXTS[random.below(TEXTS.len())].bytes());
+        }
+    }
+}
+
+/// A few parts between delimiters that follow each other; `text` is not empty.
+fn part_of_text(random: &mut Random, text: &[u8]) -> std::ops::Range<usize> {
+    let is_delimiter = |b: &u8| DELIMITERS.contains(b);
+    let at = random.below(text.len());
+    let start = text[..at].iter().rposition(is_delimiter).map_or(0, |p| p + 1);
+    let mut end = start;
+    for _ in 0..=[0, 0, 2, 8][random.below(4)] {
+        let rest = &text[end..];
+        let skipped = usize::from(end > start && end < text.len());
+        end += rest.iter().skip(skipped).position(is_delimiter).map_or(rest.len(), |p| p + skipped);
+    }
+    start..end
 }
 
 fn one(random: &mut Random, input: &mut Vec<u8>, other: &[u8]) {
     let at = random.below(input.len());
-    match random.below(10) {
+    match random.below(12) {
+        10 | 11 => near(random, input, at),
         0 => input[at] ^= 1 << random.below(8),
         1 => input[at] = random.next() as u8,
         2 | 3 => {
@@ -91,6 +136,17 @@ fn one(random: &mut Random, input: &mut Vec<u8>, other: &[u8]) {
         }
         _ => number_in_text(random, input, at),
     }
+}
+
+/// Adds a little to a number of one, two or four bytes: lengths and counts that are off by a few.
+fn near(random: &mut Random, input: &mut [u8], at: usize) {
+    let size = [1, 2, 4][random.below(3)].min(input.len() - at);
+    let little = random.below(2) == 0;
+    let bytes = &mut input[at..at + size];
+    let place = |k: usize| if little { k } else { size - 1 - k };
+    let number = (0..size).fold(0_u32, |n, k| n | u32::from(bytes[place(k)]) << (8 * k));
+    let changed = number.wrapping_add(random.below(17) as u32).wrapping_sub(8);
+    (0..size).for_each(|k| bytes[place(k)] = (changed >> (8 * k)) as u8);
 }
 
 /// Puts another number (or no number) in place of the run of digits at or behind `at`.

@@ -3,6 +3,8 @@
 mod cut;
 mod ingest;
 mod lake;
+mod made;
+mod readers;
 mod text;
 
 use crate::harness::Target;
@@ -11,7 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Every target, in the order of their names.
 pub fn all() -> Vec<Target> {
-    let mut all = ingest::targets();
+    let mut all = readers::targets();
+    all.extend(ingest::targets());
     all.extend(lake::targets());
     all.extend(text::targets());
     all.sort_by(|a, b| a.name.cmp(&b.name));
@@ -25,6 +28,11 @@ fn repository() -> PathBuf {
 /// The bytes of a file of the repository; empty when it is not there, which the smoke test refuses.
 fn file(path: &str) -> Vec<u8> {
     fs::read(repository().join(path)).unwrap_or_default()
+}
+
+/// A fixture of the recorded formats.
+fn fixture(name: &str) -> Vec<u8> {
+    file(&format!("crates/whyroad-ingest/tests/fixtures/{name}"))
 }
 
 fn unchanged(_: &mut Vec<u8>) {}

@@ -6,6 +6,7 @@ use crate::assemble::finish::finish;
 use crate::maps::{self, MapBeside};
 use crate::options::{OptionSpec, Options};
 use crate::report::SourceReport;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -53,6 +54,9 @@ pub trait Adapter: Sync {
     /// several drives (a simulation: one per ego).
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>);
 
+    /// Reads a log from memory, where the format allows it; formats that look for files by other means do nothing.
+    fn read_files(&self, _files: &FilesInMemory, _options: &Options, _drives: &mut DriveSink<'_>) {}
+
     /// Maximum number of parts of one file or folder that [`Adapter::read_batch`] reads in one pass.
     fn batch_size(&self) -> usize {
         1
@@ -63,6 +67,9 @@ pub trait Adapter: Sync {
         sources.iter().for_each(|source| self.read(source, options, drives));
     }
 }
+
+/// Files of a log in memory, by name.
+pub type FilesInMemory = BTreeMap<String, Vec<u8>>;
 
 /// Why a file is not a source, in both languages.
 pub type SkipReason = whyroad_model::Bilingual;

@@ -1,6 +1,7 @@
 //! The recorded formats: one module each, registered in [`ALL`].
 
 use crate::adapter::AdapterRef;
+use crate::readers::FileReader;
 
 pub mod av2;
 pub mod av2_motion;
@@ -41,3 +42,7 @@ pub fn closest(name: &str) -> Option<&'static str> {
     let scored = ALL.iter().map(|a| (strsim::jaro_winkler(a.0.name(), &name.to_lowercase()), a.0.name()));
     scored.filter(|(score, _)| *score >= 0.75).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
 }
+
+/// Readers of the formats that read single files.
+pub(crate) const READERS: &[&[FileReader]] =
+    &[av2::READERS, av2_motion::READERS, mcap::READERS, pai::READERS, sumo::READERS, waymo::READERS];

@@ -10,12 +10,14 @@ mod leftover;
 mod maps;
 mod options;
 mod origin;
+#[doc(hidden)]
+pub mod readers;
 pub mod report;
 pub mod rows;
 mod run;
 mod source;
 
-pub use adapter::{Adapter, AdapterRef, DriveSink, FormatAbout, Located, SkipReason, Source};
+pub use adapter::{Adapter, AdapterRef, DriveSink, FilesInMemory, FormatAbout, Located, SkipReason, Source};
 pub use assemble::angles;
 pub use assemble::datum::Datum;
 pub use encodings::can;
@@ -25,7 +27,7 @@ pub use formats::{
 pub use maps::{MAP, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS as MAP_OPTIONS};
 pub use options::{DEFAULT_START, LICENCE, OptionSpec, OptionType, OptionValue, Options, START};
 pub use report::{RowCount, SourceReport};
-pub use run::{batches, find_sources, ingest, ingest_each, read};
+pub use run::{batches, find_sources, ingest, ingest_each, read, read_files};
 
 /// Codes of the diagnostics of all adapters; each has a page in `docs/diagnostics/`.
 pub fn codes() -> Vec<&'static str> {

@@ -13,13 +13,15 @@ pub(crate) use cache::MapBeside;
 pub(crate) use findings::CODES;
 pub use options::{MAP, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS};
 
+use crate::assemble::finish::finish;
 use crate::encodings::compressed;
+use crate::encodings::input::Input;
 use crate::options::Options;
-use crate::report::RowCount;
+use crate::readers::{FileReader, drive_on};
+use crate::report::{RowCount, SourceReport};
 use crate::source::{ContentHash, file_label};
 use cache::Loaded;
 use options::Placement;
-use std::fs;
 use std::io::Read;
 use std::path::Path;
 use whyroad_model::{Diagnostic, RoadMap};
@@ -68,13 +70,13 @@ enum MapFormat {
     Lanelet2,
 }
 
-fn format_of(path: &Path) -> Result<MapFormat, String> {
-    let size = fs::metadata(path).map_err(|e| e.to_string())?.len();
+fn format_of(input: &Input<'_>) -> Result<MapFormat, String> {
+    let size = input.open().map_err(|e| e.to_string())?.1;
     if size > MAX_FILE_BYTES {
         return Err(format!("it has {size} bytes"));
     }
     let mut head = Vec::new();
-    let mut file = compressed::open(path).map_err(|e| e.to_string())?.take(HEAD);
+    let mut file = compressed::open(input.clone()).map_err(|e| e.to_string())?.take(HEAD);
     file.read_to_end(&mut head).map_err(|e| e.to_string())?;
     let text = String::from_utf8_lossy(&head);
     let at = |tag: &str| text.find(tag).unwrap_or(usize::MAX);
@@ -86,6 +88,11 @@ fn format_of(path: &Path) -> Result<MapFormat, String> {
 }
 
 fn load(file: &Path, options: &Options) -> Loaded {
+    load_input(file, &file.into(), options)
+}
+
+/// The same from any input; `file` is its name.
+fn load_input(file: &Path, input: &Input<'_>, options: &Options) -> Loaded {
     let label = file.display().to_string();
     let mut out = Loaded::default();
     let placement = match Placement::of(options) {
@@ -95,9 +102,9 @@ fn load(file: &Path, options: &Options) -> Loaded {
             return out;
         }
     };
-    let read = format_of(file).map_err(MapFault::Unreadable).and_then(|format| match format {
-        MapFormat::OpenDrive => opendrive::read(file).map_err(MapFault::Unreadable),
-        MapFormat::Lanelet2 => lanelet2::read(file, &placement),
+    let read = format_of(input).map_err(MapFault::Unreadable).and_then(|format| match format {
+        MapFormat::OpenDrive => opendrive::read(input.clone()).map_err(MapFault::Unreadable),
+        MapFormat::Lanelet2 => lanelet2::read(input.clone(), &placement),
     });
     let reading = match read {
         Ok(reading) => reading,
@@ -112,10 +119,30 @@ fn load(file: &Path, options: &Options) -> Loaded {
     out.diagnostics.extend(findings::of_map(&label, &reading));
     let mut hash = ContentHash::new("map", REVISION);
     placement.add_to(&mut hash);
-    hash.add("map", &fs::read(file).unwrap_or_default());
+    hash.add("map", &input.bytes().unwrap_or_default());
     let stem = file_label(file);
     let name = reading.name.unwrap_or_else(|| stem.split('.').next().unwrap_or(&stem).to_owned());
     let tables = std::iter::once(reading.count).chain(reading.features).collect();
     out.map = Some(MapBeside { map: reading.map, name, label, hash: hash.finish(), tables });
     out
+}
+
+/// For [`crate::readers`].
+pub(crate) const READERS: &[FileReader] = &[
+    FileReader { name: "map-meters", read: |bytes| beside(bytes, &Options::default()) },
+    FileReader {
+        name: "map-degrees",
+        read: |bytes| beside(bytes, &Options::default().with(&MAP_ORIGIN, "49,8".to_owned())),
+    },
+];
+
+/// Reads a map and gives it to a drive.
+fn beside(bytes: &[u8], options: &Options) -> bool {
+    let Some(map) = load_input(Path::new("map"), &bytes.into(), options).map else { return false };
+    let (mut drive, mut report) = (drive_on(None), SourceReport::new("map".to_owned()));
+    map.attach(&mut drive, &mut report);
+    // The check removes a map that lies elsewhere.
+    let has_lanes = drive.map.as_ref().is_some_and(|map| !map.lanes.is_empty());
+    drop(finish(&mut drive));
+    has_lanes
 }

@@ -2,7 +2,7 @@
 //! texts. Numbers, texts, truth values, lists and structs; any other type is null. Not for recorded signals.
 
 use crate::encodings::cells;
-use crate::encodings::columns::read_parquet;
+use crate::encodings::columns::{Columns, read_parquet};
 use arrow_array::cast::AsArray;
 use arrow_array::{Array, ArrayRef, OffsetSizeTrait};
 use arrow_schema::DataType;
@@ -15,7 +15,11 @@ const MAX_DEPTH: usize = 16;
 
 /// The rows of a Parquet file; of all columns, or only those named in `columns` that the file has.
 pub fn read_rows(path: &Path, columns: Option<&[&str]>) -> Result<Vec<Map<String, Value>>, String> {
-    let table = read_parquet(path)?;
+    Ok(of_columns(&read_parquet(path)?, columns))
+}
+
+/// The rows of a table that was read.
+pub(crate) fn of_columns(table: &Columns, columns: Option<&[&str]>) -> Vec<Map<String, Value>> {
     let mut out = Vec::new();
     for batch in &table.0 {
         let schema = batch.schema();
@@ -32,7 +36,7 @@ pub fn read_rows(path: &Path, columns: Option<&[&str]>) -> Result<Vec<Map<String
             out.push(taken.iter().map(cell).collect());
         }
     }
-    Ok(out)
+    out
 }
 
 /// One value per row; null where the type is none of those above or nested too deep.

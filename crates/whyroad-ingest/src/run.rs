@@ -1,6 +1,6 @@
 //! From paths to a lake: which sources there are, and one source at a time into the lake.
 
-use crate::adapter::{AdapterRef, DriveSink, Source};
+use crate::adapter::{AdapterRef, DriveSink, FilesInMemory, Source};
 use crate::formats;
 use crate::leftover;
 use crate::options::Options;
@@ -60,6 +60,18 @@ pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport)
     let mut sink = DriveSink::new(&|_, _| false, &mut each).with_map(options);
     source.adapter.0.read(source, options, &mut sink);
     first.unwrap_or_else(|| (None, SourceReport::new(source.path.display().to_string())))
+}
+
+/// Reads a log from memory: its drives, each with its report; none where the format reads from disk only.
+pub fn read_files(
+    format: AdapterRef,
+    files: &FilesInMemory,
+    options: &Options,
+) -> Vec<(Option<Drive>, SourceReport)> {
+    let mut out = Vec::new();
+    let mut each = |drive, report| out.push((drive, report));
+    format.0.read_files(files, options, &mut DriveSink::new(&|_, _| false, &mut each));
+    out
 }
 
 /// The sources in their order, cut into those that are read together.

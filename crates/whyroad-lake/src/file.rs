@@ -7,6 +7,7 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{DataType, SchemaRef};
+use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
@@ -14,6 +15,7 @@ use parquet::arrow::arrow_reader::{
 use parquet::basic::Compression;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
+use parquet::file::reader::ChunkReader;
 use parquet::file::statistics::Statistics;
 use parquet::schema::types::ColumnPath;
 use std::collections::HashSet;
@@ -141,8 +143,18 @@ pub(crate) fn open(path: &Path, row_order: &str) -> Result<Option<(File, ArrowRe
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(LakeError::io(path)(e)),
     };
+    let footer = checked_footer(path, &file, row_order)?;
+    Ok(Some((file, footer)))
+}
+
+/// The footer of a table from any source, checked; `path` is its name.
+fn checked_footer(
+    path: &Path,
+    source: &impl ChunkReader,
+    row_order: &str,
+) -> Result<ArrowReaderMetadata, LakeError> {
     let broken = |e: &dyn std::fmt::Display| LakeError::broken(path, e);
-    let footer = ArrowReaderMetadata::load(&file, ArrowReaderOptions::new()).map_err(|e| broken(&e))?;
+    let footer = ArrowReaderMetadata::load(source, ArrowReaderOptions::new()).map_err(|e| broken(&e))?;
     check_columns(footer.metadata()).map_err(|e| broken(&e))?;
     match stated(&footer, VERSION_KEY).and_then(|v| v.parse::<u32>().ok()) {
         Some(LAKE_VERSION) => {}
@@ -153,7 +165,7 @@ pub(crate) fn open(path: &Path, row_order: &str) -> Result<Option<(File, ArrowRe
         Some(order) if order == row_order => {}
         other => return Err(broken(&format!("row order is {other:?}, expected '{row_order}'"))),
     }
-    Ok(Some((file, footer)))
+    Ok(footer)
 }
 
 /// A value of the file's metadata.
@@ -165,18 +177,34 @@ pub(crate) fn stated(footer: &ArrowReaderMetadata, key: &str) -> Option<String> 
 /// Reads one table whole; `None` when the file does not exist (the log has no such table).
 pub(crate) fn read_table(path: &Path, row_order: &str) -> Result<Option<Table>, LakeError> {
     let Some((file, footer)) = open(path, row_order)? else { return Ok(None) };
+    read_whole(path, file, footer).map(Some)
+}
+
+/// [`read_table`] of bytes in memory.
+pub(crate) fn read_table_bytes(bytes: &[u8], row_order: &str) -> Result<Table, LakeError> {
+    let (path, source) = (Path::new("memory"), Bytes::copy_from_slice(bytes));
+    let footer = checked_footer(path, &source, row_order)?;
+    read_whole(path, source, footer)
+}
+
+/// All rows of a file of which a footer was read.
+fn read_whole(
+    path: &Path,
+    source: impl ChunkReader + 'static,
+    footer: ArrowReaderMetadata,
+) -> Result<Table, LakeError> {
     if footer.metadata().num_row_groups() > 1 {
         let reason = "more than one row group: the rows of a drive must be one";
         return Err(LakeError::broken(path, reason));
     }
     let groups = (0..footer.metadata().num_row_groups()).collect();
-    read_groups(path, file, footer, groups).map(Some)
+    read_groups(path, source, footer, groups)
 }
 
 /// Reads these row groups of an opened file as one table.
 pub(crate) fn read_groups(
     path: &Path,
-    file: File,
+    source: impl ChunkReader + 'static,
     footer: ArrowReaderMetadata,
     groups: Vec<usize>,
 ) -> Result<Table, LakeError> {
@@ -184,7 +212,7 @@ pub(crate) fn read_groups(
     let stated: i64 = groups.iter().map(|g| footer.metadata().row_group(*g).num_rows()).sum();
     let rows = usize::try_from(stated).unwrap_or(0);
     let schema = footer.schema().clone();
-    let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, footer).with_row_groups(groups);
+    let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(source, footer).with_row_groups(groups);
     let mut reader = builder.with_batch_size(rows.max(1)).build().map_err(|e| broken(&e))?;
     let batch = next_batch(&mut reader).map_err(|e| broken(&e))?;
     let batch = batch.unwrap_or_else(|| RecordBatch::new_empty(schema));

@@ -23,6 +23,8 @@ mod media;
 pub mod mined;
 mod outline;
 mod packs;
+#[doc(hidden)]
+pub mod readers;
 pub mod sheet;
 pub mod signals;
 mod size;

@@ -25,8 +25,12 @@ pub use column::StoredColumn;
 pub use read::{Range, SignalFile, TableKind};
 pub use write::write_signals;
 
+use crate::LakeError;
+use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::Path;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{DriveId, FrameRange, Need, ObjectClass, TrackId};
 
@@ -37,6 +41,19 @@ pub(crate) const KEY: &str = "whyroad.signals";
 /// What `targets` states instead of the text of `frames`: it is long, and mostly the same for every drive.
 pub(crate) fn digest(contents: &str) -> String {
     format!("blake3:{}", &blake3::hash(contents.as_bytes()).to_hex()[..32])
+}
+
+/// What one of the two files of a store says and holds, from bytes in memory: the text of the contents can be read, or
+/// is a hash. The number of columns that can be read.
+pub(crate) fn read_bytes(bytes: &[u8]) -> Result<usize, LakeError> {
+    let path = Path::new("memory");
+    let (mut table, contents) = table::Table::of(path, &Bytes::copy_from_slice(bytes))?;
+    if let Ok(contents) = serde_json::from_str::<Contents>(&contents) {
+        table.divide(&contents.drives.iter().map(|drive| drive.frames).collect::<Vec<_>>());
+        let rows = contents.drives.iter().map(StoredDrive::target_rows);
+        table.divide(&rows.collect::<Vec<_>>());
+    }
+    Ok(table.read_all(&mut Cursor::new(bytes)).len())
 }
 
 /// Columns before the signals: who and when.

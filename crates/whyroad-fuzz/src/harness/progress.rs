@@ -1,9 +1,11 @@
-//! How far the run of a target is, in a file that outlives the process: its seed, the number of the next execution, and
-//! how often that one was begun. An execution that was begun twice and never ended ends the process.
+//! How far the run of a target is, in a file that outlives the process: its seed, the number of the next execution, how
+//! often that one was begun, and the CPU time so far. An execution that was begun twice and never ended ends the
+//! process.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::path::Path;
+use std::time::Duration;
 
 /// Where a run begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +21,7 @@ pub(super) struct Progress {
     seed: u64,
     next: u64,
     begun: u64,
+    spent: Duration,
     fatal: Option<u64>,
 }
 
@@ -26,7 +29,7 @@ impl Progress {
     pub fn open(folder: &Path, target: &str, seed: u64, begin: Begin) -> Self {
         let path = folder.join(format!("{target}.progress"));
         let file = OpenOptions::new().create(true).truncate(false).read(true).write(true).open(path).ok();
-        let mut progress = Self { file, seed, next: 0, begun: 0, fatal: None };
+        let mut progress = Self { file, seed, next: 0, begun: 0, spent: Duration::ZERO, fatal: None };
         if begin == Begin::Resumed {
             progress.read();
         }
@@ -38,11 +41,11 @@ impl Progress {
         let mut text = String::new();
         let Some(Ok(_)) = self.file.as_mut().map(|f| f.read_to_string(&mut text)) else { return };
         let numbers: Vec<u64> = text.split_whitespace().map_while(|n| n.parse().ok()).collect();
-        let [seed, next, begun] = numbers[..] else { return };
+        let [seed, next, begun, spent_ms] = numbers[..] else { return };
         if seed != self.seed {
             return;
         }
-        (self.next, self.begun) = (next, begun);
+        (self.next, self.begun, self.spent) = (next, begun, Duration::from_millis(spent_ms));
         if begun > 1 {
             self.fatal = Some(next);
             (self.next, self.begun) = (next + 1, 0);
@@ -52,6 +55,16 @@ impl Progress {
     /// Number of the next execution.
     pub fn next(&self) -> u64 {
         self.next
+    }
+
+    /// Adds CPU time.
+    pub fn spend(&mut self, time: Duration) {
+        self.spent += time;
+    }
+
+    /// CPU time of all executions.
+    pub fn spent(&self) -> Duration {
+        self.spent
     }
 
     /// The execution that ended the process twice.
@@ -73,7 +86,8 @@ impl Progress {
     /// Writes all of it in place: always of the same length.
     pub fn write(&mut self) {
         let Some(file) = &mut self.file else { return };
-        let line = format!("{:20} {:20} {:20}\n", self.seed, self.next, self.begun);
+        let line =
+            format!("{:20} {:20} {:20} {:20}\n", self.seed, self.next, self.begun, self.spent.as_millis());
         let _ = file.rewind().and_then(|()| file.write_all(line.as_bytes()));
     }
 }

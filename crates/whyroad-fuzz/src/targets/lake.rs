@@ -1,22 +1,71 @@
-//! Files of a lake: tables of a drive, its manifest, and stored signals.
+//! Files of a lake: each by itself on bytes in memory (`drive-*`, `signals-*`), and all of a drive, of which one file is
+//! changed, from a folder (`folder-lake`, `folder-signals`).
 
-use super::{repository, unchanged, work_folder};
+use super::{unchanged, work_folder};
 use crate::harness::Target;
+use crate::targets::readers::example;
 use std::fs;
-use std::path::Path;
-use whyroad_ingest::{AdapterRef, Options, find_sources, read, sumo};
+use std::path::{Path, PathBuf};
+use whyroad_ingest::{FilesInMemory, Options, formats, read_files};
 use whyroad_lake::signals::write_signals;
-use whyroad_lake::{Lake, SignalFile};
-use whyroad_model::Drive;
+use whyroad_lake::{Lake, SignalFile, readers};
+use whyroad_model::scene::MediaFrame;
+use whyroad_model::{Drive, Nanos};
 
+/// Frames of the small drive.
+const FEW: usize = 3;
+
+/// A drive with every table.
 fn drive() -> Option<Drive> {
-    let path = repository().join("crates/whyroad-ingest/tests/fixtures/crossroads.fcd.xml");
-    let (sources, _) = find_sources(Some(AdapterRef(&sumo::Sumo)), &[path]);
-    read(sources.first()?, &Options::default()).0
+    let names =
+        ["drive.yaml", "ego.csv", "objects.csv", "lanes.csv", "areas.csv", "lights.csv", "context.csv"];
+    let files: FilesInMemory = names.iter().map(|n| ((*n).to_owned(), example(n))).collect();
+    let (drive, _) = read_files(formats::by_name("table")?, &files, &Options::default()).pop()?;
+    let image =
+        |index| MediaFrame { camera: "front".into(), time: Nanos(0), uri: "front/a.jpg".into(), index };
+    Some(Drive { media: Some((0..3).map(image).collect()), ..drive?.until_frame(FEW) })
 }
 
-fn targets_in(folder: &Path, make: &dyn Fn(&str) -> Target) -> Vec<Target> {
-    let mut names: Vec<String> = fs::read_dir(folder)
+pub(super) fn targets() -> Vec<Target> {
+    let Some(drive) = drive() else { return Vec::new() };
+    let (lake, signals) = (work_folder(), work_folder());
+    let id = drive.meta.drive_id.clone();
+    let written = Lake::create_or_open(lake.path()).and_then(|lake| lake.write_drive(&drive));
+    let stored = write_signals(signals.path(), "1", &[(String::new(), &whyroad_signals::derive(&drive))]);
+    if written.is_err() || stored.is_err() {
+        return Vec::new();
+    }
+    let tables = lake.path().join("drives").join(id.as_str());
+    let mut out: Vec<Target> =
+        readers::ALL.iter().map(|reader| in_memory(reader, &tables, signals.path())).collect();
+    out.push(in_folder("folder-lake", lake.path(), tables, move |folder| {
+        Lake::open(folder).is_ok_and(|lake| lake.read_drive(&id).is_ok() & lake.outline(&id).is_ok())
+    }));
+    out.push(in_folder("folder-signals", signals.path(), signals.path().to_owned(), |folder| {
+        let Ok(Some(file)) = SignalFile::open(folder) else { return false };
+        (0..file.contents().drives.len()).fold(true, |all, i| all & file.read_table(i).is_ok())
+    }));
+    out
+}
+
+fn in_memory(reader: &readers::LakeReader, tables: &Path, signals: &Path) -> Target {
+    let seeds = match reader.name.strip_prefix("drive-") {
+        Some("manifest") => vec![tables.join("drive.json")],
+        Some(table) => vec![tables.join(format!("{table}.parquet"))],
+        None => vec![signals.join("frames.parquet"), signals.join("targets.parquet")],
+    };
+    Target {
+        name: reader.name.to_owned(),
+        seeds: seeds.into_iter().filter_map(|path| fs::read(path).ok()).collect(),
+        small: Vec::new(),
+        repair: unchanged,
+        run: Box::new(reader.read),
+    }
+}
+
+/// A target whose input says in its first byte which file of `changed` it is, and then its content.
+fn in_folder(name: &str, folder: &Path, changed: PathBuf, read: impl Fn(&Path) -> bool + 'static) -> Target {
+    let mut names: Vec<String> = fs::read_dir(&changed)
         .into_iter()
         .flatten()
         .flatten()
@@ -24,64 +73,22 @@ fn targets_in(folder: &Path, make: &dyn Fn(&str) -> Target) -> Vec<Target> {
         .map(|e| e.file_name().to_string_lossy().into_owned())
         .collect();
     names.sort();
-    names.iter().map(|n| make(n)).collect()
-}
-
-/// Frames of the small drive, which lies beside the changed file.
-const FEW: usize = 3;
-
-pub(super) fn targets() -> Vec<Target> {
-    let Some(drive) = drive() else { return Vec::new() };
-    let few = drive.until_frame(FEW);
-    let id = drive.meta.drive_id.clone();
-    let (whole, small) = (work_folder(), work_folder());
-    let in_lake = |folder: &Path, drive: &Drive| {
-        let written = Lake::create_or_open(folder).and_then(|lake| lake.write_drive(drive));
-        written.is_ok().then(|| folder.join("drives").join(id.as_str()))
+    let whole: Vec<Vec<u8>> = names.iter().filter_map(|n| fs::read(changed.join(n)).ok()).collect();
+    let own = copy_of(folder);
+    let places =
+        names.iter().map(|n| own.path().join(changed.strip_prefix(folder).unwrap_or(&changed)).join(n));
+    let places: Vec<PathBuf> = places.collect();
+    let seeds =
+        whole.iter().enumerate().map(|(i, content)| [&[i as u8], content.as_slice()].concat()).collect();
+    let run = move |bytes: &[u8]| {
+        let Some((which, content)) = bytes.split_first() else { return false };
+        let which = usize::from(*which) % places.len();
+        let _ = fs::write(&places[which], content);
+        let taken = read(own.path());
+        let _ = fs::write(&places[which], &whole[which]);
+        taken
     };
-    let (Some(seeds), Some(_)) = (in_lake(whole.path(), &drive), in_lake(small.path(), &few)) else {
-        return Vec::new();
-    };
-    let mut out = targets_in(&seeds, &|name| {
-        let (own, id) = (copy_of(small.path()), id.clone());
-        let path = own.path().join("drives").join(id.as_str()).join(name);
-        Target {
-            name: format!("lake-{}", name.split('.').next().unwrap_or(name)),
-            seeds: fs::read(seeds.join(name)).into_iter().collect(),
-            small: fs::read(&path).into_iter().collect(),
-            repair: unchanged,
-            run: Box::new(move |bytes| {
-                let _ = fs::write(&path, bytes);
-                if let Ok(lake) = Lake::open(own.path()) {
-                    drop(lake.read_drive(&id));
-                    drop(lake.outline(&id));
-                }
-            }),
-        }
-    });
-    let (whole, small) = (work_folder(), work_folder());
-    let stored = |folder: &Path, drive: &Drive| {
-        write_signals(folder, "1", &[(String::new(), &whyroad_signals::derive(drive))]).is_ok()
-    };
-    if stored(whole.path(), &drive) && stored(small.path(), &few) {
-        out.extend(targets_in(whole.path(), &|name| {
-            let own = copy_of(small.path());
-            let path = own.path().join(name);
-            Target {
-                name: format!("signals-{}", name.split('.').next().unwrap_or(name)),
-                seeds: fs::read(whole.path().join(name)).into_iter().collect(),
-                small: fs::read(&path).into_iter().collect(),
-                repair: unchanged,
-                run: Box::new(move |bytes| {
-                    let _ = fs::write(&path, bytes);
-                    if let Ok(Some(file)) = SignalFile::open(own.path()) {
-                        (0..file.contents().drives.len()).for_each(|i| drop(file.read_table(i)));
-                    }
-                }),
-            }
-        }));
-    }
-    out
+    Target { name: name.to_owned(), seeds, small: Vec::new(), repair: unchanged, run: Box::new(run) }
 }
 
 fn copy_of(folder: &Path) -> tempfile::TempDir {

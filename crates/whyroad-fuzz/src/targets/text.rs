@@ -5,6 +5,21 @@ use crate::harness::Target;
 use whyroad_framework::Framework;
 use whyroad_framework::check::{Layout, Splitter};
 use whyroad_label::check::Checker;
+use whyroad_label::import;
+
+const AUTO_LABEL: &str = "results:
+  event_start_frame: 51
+  event_start_timestamp: 5100000
+  coc_prompt_version: v2
+  final_content:
+    ego_behavior_schema:
+      effect_on_ego_behavior: The car ahead brakes, so the ego slows down.
+";
+const META_ACTIONS: &str = "Keep speed - Start: 0.0, End: 1.5\nSlow down - Start: 1.5, End: 3.0\n";
+const ALPAMAYO: &str = concat!(
+    r#"{"clip_id": "a", "event_start_timestamp": 5100000, "chain_of_causation": "The light is red.", "#,
+    r#""critical_components_analysis": [{"component": "light", "why": "red"}, "queue"]}"#
+);
 
 pub(super) fn targets() -> Vec<Target> {
     let text = |name: &str, seeds: Vec<Vec<u8>>, run: crate::harness::Parser| Target {
@@ -30,18 +45,39 @@ pub(super) fn targets() -> Vec<Target> {
         text(
             "yaml",
             yaml.iter().map(|p| file(p)).collect(),
-            Box::new(|bytes| drop(whyroad_model::yaml::parse(&String::from_utf8_lossy(bytes)))),
+            Box::new(|bytes| whyroad_model::yaml::parse(&String::from_utf8_lossy(bytes)).is_ok()),
         ),
         text(
             "rule-language",
             rules.iter().map(|r| r.as_bytes().to_vec()).collect(),
-            Box::new(|bytes| drop(whyroad_mining::language::parse::parse(&String::from_utf8_lossy(bytes)))),
+            Box::new(|bytes| whyroad_mining::language::parse::parse(&String::from_utf8_lossy(bytes)).is_ok()),
         ),
         text(
             "label-json",
             labels.iter().map(|p| file(p)).collect(),
-            Box::new(move |bytes| {
-                drop(checker.check_text(&String::from_utf8_lossy(bytes)));
+            Box::new(move |bytes| checker.check_text(&String::from_utf8_lossy(bytes)).is_empty()),
+        ),
+        text(
+            "import-auto-labeler",
+            vec![AUTO_LABEL.into()],
+            Box::new(|bytes| {
+                let text = String::from_utf8_lossy(bytes);
+                !import::auto_labeler::read_text("a.yaml", "a", "cot_5100000", &text).found.is_empty()
+            }),
+        ),
+        text(
+            "import-meta-actions",
+            vec![META_ACTIONS.into()],
+            Box::new(|bytes| {
+                let text = String::from_utf8_lossy(bytes);
+                import::auto_labeler::read_meta_actions("a.txt", &text).diagnostics.is_empty()
+            }),
+        ),
+        text(
+            "import-alpamayo",
+            vec![ALPAMAYO.into(), [ALPAMAYO, "\n", ALPAMAYO].concat().into()],
+            Box::new(|bytes| {
+                !import::alpamayo2::read("a.json", "a", &String::from_utf8_lossy(bytes)).found.is_empty()
             }),
         ),
         text(
@@ -55,6 +91,7 @@ pub(super) fn targets() -> Vec<Target> {
                     splitter.feed(tail, &mut |_| ());
                     splitter.finish(&mut |_| ());
                 }
+                true
             }),
         ),
     ]

@@ -2,11 +2,11 @@
 //! (plain, bz2, lz4). Source: the ROS wiki, "Bags/Format/2.0". One chunk is in memory at a time; indexes are skipped,
 //! so a bag without an index (`.bag.active`) is read as far as it goes.
 
+use super::input::Input;
 use super::mcap_records::{Channel, Message, Schema};
+use crate::readers::FileReader;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::io::{self, BufReader, Read};
 use std::rc::Rc;
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
@@ -142,30 +142,30 @@ impl Reader {
 }
 
 /// Calls `each` for every message. A chunk that cannot be unpacked is passed over; the errors say what was lost.
-pub(crate) fn read(path: &Path, each: &mut dyn FnMut(Message<'_>)) -> Vec<BagError> {
+pub(crate) fn read(input: &Input<'_>, each: &mut dyn FnMut(Message<'_>)) -> Vec<BagError> {
     let mut errors = Vec::new();
-    if let Err(e) = read_all(path, each, &mut errors) {
+    if let Err(e) = read_all(input, each, &mut errors) {
         errors.push(e);
     }
     errors
 }
 
 fn read_all(
-    path: &Path,
+    input: &Input<'_>,
     each: &mut dyn FnMut(Message<'_>),
     lost: &mut Vec<BagError>,
 ) -> Result<(), BagError> {
-    let mut file = BufReader::with_capacity(1 << 16, File::open(path)?);
-    let end = file.get_ref().metadata()?.len();
+    let (file, end) = input.open()?;
+    let mut file = BufReader::with_capacity(1 << 16, file);
     let mut magic = [0; MAGIC.len()];
     if file.read_exact(&mut magic).is_err() || magic != MAGIC {
         return Err(BagError::Magic);
     }
-    let mut at = file.seek(SeekFrom::Start(MAGIC.len() as u64))?;
+    let mut at = MAGIC.len() as u64;
     let mut reader = Reader::default();
     let (mut head, mut body) = (Vec::new(), Vec::new());
     while at < end {
-        let length = |at: u64, file: &mut BufReader<File>| -> Result<u64, BagError> {
+        let length = |at: u64, file: &mut dyn Read| -> Result<u64, BagError> {
             let mut raw = [0; 4];
             if end.saturating_sub(at) < 4 {
                 return Err(BagError::Truncated(at));
@@ -201,3 +201,7 @@ fn read_all(
     }
     Ok(())
 }
+
+/// For [`crate::readers`].
+pub(crate) const READER: FileReader =
+    FileReader { name: "rosbag-records", read: |bytes| read(&bytes.into(), &mut |_| ()).is_empty() };

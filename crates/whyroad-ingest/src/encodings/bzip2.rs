@@ -2,6 +2,7 @@
 //! checksums of every block. Written here because the maintained crate brings a C library's port and its license for
 //! chunks of ROS 1 bags alone.
 
+use crate::readers::FileReader;
 use std::num::Wrapping;
 
 const BLOCK: u64 = 0x3141_5926_5359;
@@ -270,6 +271,10 @@ fn inverse(last: &[u8], origin: usize, limit: usize, out: &mut Vec<u8>) -> Resul
     }
     Ok(())
 }
+
+/// For [`crate::readers`].
+pub(crate) const READER: FileReader =
+    FileReader { name: "bzip2", read: |bytes| unpack(bytes, 1 << 20).is_ok() };
 
 #[cfg(test)]
 mod tests {

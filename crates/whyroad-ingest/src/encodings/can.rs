@@ -1,6 +1,7 @@
 //! Vehicle bus frames to physical values, by a DBC file. Any source with raw CAN uses this; which signal means
 //! what on which car is the adapter's business, not ours.
 
+use crate::readers::FileReader;
 use can_dbc::{ByteOrder, Dbc, MultiplexIndicator, ValueType};
 use std::collections::BTreeMap;
 
@@ -94,6 +95,19 @@ impl SignalCoding {
         self.raw(frame).map(|raw| raw as f64 * self.factor + self.offset)
     }
 }
+
+/// For [`crate::readers`].
+pub(crate) const READER: FileReader = FileReader {
+    name: "can-database",
+    read: |bytes| {
+        let Ok(database) = CanDatabase::parse(&String::from_utf8_lossy(bytes)) else { return false };
+        let all = database.dbc.messages.iter().flat_map(|m| m.signals.iter().map(|s| (&m.name, &s.name)));
+        for coding in all.filter_map(|(message, signal)| database.signal(message, signal)) {
+            let _ = (coding.value(&[0xa5; 8]), coding.value(&[0x5a; 3]));
+        }
+        true
+    },
+};
 
 #[cfg(test)]
 mod recorded;

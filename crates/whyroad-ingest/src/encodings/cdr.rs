@@ -2,6 +2,7 @@
 //! its parts behind lines of `=`): ROS 2 (CDR, little and big endian, as rosbag2 writes it) and ROS 1 (little endian,
 //! without gaps).
 
+use crate::readers::FileReader;
 use serde_json::{Map, Number, Value};
 use std::collections::BTreeMap;
 
@@ -221,6 +222,22 @@ impl<'a> Bytes<'a> {
         Some(u64::from_le_bytes(wide))
     }
 }
+
+/// A part with its length in two bytes before it, and what follows.
+pub(crate) fn sized(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = bytes.split_first_chunk::<2>()?;
+    rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))
+}
+
+/// For [`crate::readers`]: the length of a definition in two bytes, the definition, a message.
+pub(crate) const READER: FileReader = FileReader {
+    name: "ros-message",
+    read: |bytes| {
+        let Some((definition, message)) = sized(bytes) else { return false };
+        let of = MessageType::parse("a/msg/A", &String::from_utf8_lossy(definition));
+        of.decode(message).is_some() | of.decode_ros1(message).is_some()
+    },
+};
 
 #[cfg(test)]
 mod tests {

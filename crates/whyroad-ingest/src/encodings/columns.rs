@@ -2,6 +2,7 @@
 //! asked for.
 
 use super::cells;
+use crate::readers::FileReader;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
@@ -38,6 +39,15 @@ fn read_batches(source: impl ChunkReader + 'static) -> Result<Columns, String> {
 }
 
 impl Columns {
+    /// Reads every column as whatever it can be read; false without columns.
+    fn read_all(&self) -> bool {
+        let names = self.names();
+        for name in &names {
+            drop((self.numbers(name), self.integers(name), self.texts(name), self.words(name)));
+        }
+        !names.is_empty()
+    }
+
     /// Names of the columns, in the file's order.
     pub fn names(&self) -> Vec<String> {
         self.0
@@ -140,3 +150,18 @@ pub(crate) struct Words {
     /// Index into `texts` of each row; `None` is null.
     pub rows: Vec<Option<usize>>,
 }
+
+/// For [`crate::readers`].
+pub(crate) const PARQUET: FileReader = FileReader {
+    name: "parquet",
+    read: |bytes| {
+        let columns = read_parquet_bytes(bytes.to_vec());
+        columns.is_ok_and(|columns| columns.read_all() && crate::rows::of_columns(&columns, None).len() > 1)
+    },
+};
+
+/// For [`crate::readers`].
+pub(crate) const FEATHER: FileReader = FileReader {
+    name: "feather",
+    read: |bytes| super::feather::read(bytes).is_ok_and(|feather| feather.columns.read_all()),
+};

@@ -1,9 +1,9 @@
 //! Opens a file, plain or compressed: gzip, xz and zstd are recognized by their first bytes, whatever the name says.
 //! Everything is unpacked as a stream, and not more than a log of this size can hold: see [`limit`].
 
-use std::fs::File;
+use super::input::Input;
+use crate::readers::FileReader;
 use std::io::{self, BufReader, Read};
-use std::path::Path;
 
 /// Endings of compressed files.
 pub(crate) const ENDINGS: &[&str] = &[".gz", ".xz", ".zst"];
@@ -20,12 +20,13 @@ pub(crate) fn limit(packed: u64) -> u64 {
 }
 
 /// The file's unpacked bytes.
-pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read>> {
+pub(crate) fn open<'a>(input: impl Into<Input<'a>>) -> io::Result<Box<dyn Read + 'a>> {
+    let (mut file, length) = input.into().open()?;
     let mut magic = Vec::new();
-    File::open(path)?.take(6).read_to_end(&mut magic)?;
-    let file = File::open(path)?;
-    let left = limit(file.metadata()?.len());
-    let unpacked: Box<dyn Read> = match magic.as_slice() {
+    file.by_ref().take(6).read_to_end(&mut magic)?;
+    file.rewind()?;
+    let left = limit(length);
+    let unpacked: Box<dyn Read + 'a> = match magic.as_slice() {
         [0x1f, 0x8b, ..] => Box::new(flate2::read::MultiGzDecoder::new(file)),
         [0x28, 0xb5, 0x2f, 0xfd, ..] => {
             Box::new(ruzstd::decoding::StreamingDecoder::new(file).map_err(io::Error::other)?)
@@ -37,12 +38,12 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read>> {
 }
 
 /// Fails when more than `left` bytes are unpacked.
-struct Limited {
-    unpacked: Box<dyn Read>,
+struct Limited<'a> {
+    unpacked: Box<dyn Read + 'a>,
     left: u64,
 }
 
-impl Read for Limited {
+impl Read for Limited<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let n = self.unpacked.read(buffer)?;
         self.left = self.left.checked_sub(n as u64).ok_or_else(|| {
@@ -59,10 +60,28 @@ pub(crate) fn without_ending(name: &str) -> &str {
     ENDINGS.iter().find_map(|e| name.strip_suffix(e)).unwrap_or(name)
 }
 
+/// For [`crate::readers`]: gzip, xz or zstd.
+pub(crate) const READER: FileReader = FileReader {
+    name: "compressed",
+    read: |bytes| {
+        let Ok(mut unpacked) = open(bytes) else { return false };
+        let mut buffer = vec![0; 1 << 12];
+        loop {
+            match unpacked.read(&mut buffer) {
+                Ok(0) => return true,
+                Ok(_) => {}
+                Err(_) => return false,
+            }
+        }
+    },
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::File;
     use std::io::Write as _;
+    use std::path::Path;
 
     #[test]
     fn a_file_that_unpacks_to_gigabytes_is_refused() {

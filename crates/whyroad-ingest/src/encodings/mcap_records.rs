@@ -2,10 +2,10 @@
 //! zstd). Source: the MCAP specification, version 0. One chunk is in memory at a time; attachments, metadata and
 //! indexes are skipped, so a file without an end is read as far as it goes.
 
+use super::input::{Input, ReadSeek};
+use crate::readers::FileReader;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::io::{self, BufReader, Read};
 use std::rc::Rc;
 
 const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
@@ -154,31 +154,31 @@ impl Reader {
 }
 
 /// True when the file begins as an MCAP file.
-pub(crate) fn is_mcap(path: &Path) -> io::Result<bool> {
+fn is_mcap(file: &mut dyn ReadSeek) -> bool {
     let mut magic = [0; 8];
-    Ok(File::open(path)?.read_exact(&mut magic).is_ok() && magic == MAGIC)
+    file.read_exact(&mut magic).is_ok() && magic == MAGIC
 }
 
 /// Calls `each` for every message. A chunk that cannot be unpacked is passed over; the errors say what was lost.
-pub(crate) fn read(path: &Path, each: &mut dyn FnMut(Message<'_>)) -> Vec<RecordError> {
+pub(crate) fn read(input: &Input<'_>, each: &mut dyn FnMut(Message<'_>)) -> Vec<RecordError> {
     let mut errors = Vec::new();
-    if let Err(e) = read_all(path, each, &mut errors) {
+    if let Err(e) = read_all(input, each, &mut errors) {
         errors.push(e);
     }
     errors
 }
 
 fn read_all(
-    path: &Path,
+    input: &Input<'_>,
     each: &mut dyn FnMut(Message<'_>),
     lost: &mut Vec<RecordError>,
 ) -> Result<(), RecordError> {
-    if !is_mcap(path)? {
+    let (file, end) = input.open()?;
+    let mut file = BufReader::with_capacity(1 << 16, file);
+    if !is_mcap(&mut file) {
         return Err(RecordError::Magic);
     }
-    let mut file = BufReader::with_capacity(1 << 16, File::open(path)?);
-    let end = file.get_ref().metadata()?.len();
-    let mut at = file.seek(SeekFrom::Start(8))?;
+    let mut at = MAGIC.len() as u64;
     let mut reader = Reader::default();
     let mut body = Vec::new();
     loop {
@@ -211,3 +211,7 @@ fn read_all(
         at += 9 + length;
     }
 }
+
+/// For [`crate::readers`].
+pub(crate) const READER: FileReader =
+    FileReader { name: "mcap-records", read: |bytes| read(&bytes.into(), &mut |_| ()).is_empty() };

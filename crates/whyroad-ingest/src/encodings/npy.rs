@@ -1,5 +1,7 @@
 //! NumPy `.npy` arrays as rows and columns, in either memory order. Never a pickle: object arrays are refused.
 
+use crate::readers::FileReader;
+
 /// A one- or two-dimensional array of numbers, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -119,6 +121,10 @@ fn payload(file: &[u8]) -> Option<&[u8]> {
     let length = file.get(8..8 + length_bytes)?.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b));
     file.get((8 + length_bytes).checked_add(length)?..)
 }
+
+/// For [`crate::readers`].
+pub(crate) const READER: FileReader =
+    FileReader { name: "npy", read: |bytes| numbers(bytes).is_ok() | byte_strings(bytes).is_ok() };
 
 #[cfg(test)]
 mod tests {

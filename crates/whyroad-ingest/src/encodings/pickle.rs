@@ -6,6 +6,7 @@
 //! to each other by number: a pickle that refers to one object a million times costs a million small numbers, cycles
 //! are harmless, and nothing recurses over what the file nests. Bytes and texts stay where they are in the file.
 
+use crate::readers::FileReader;
 mod arena;
 mod array;
 mod construct;
@@ -21,6 +22,12 @@ pub(crate) use value::Value;
 pub(crate) fn read(file: &[u8]) -> Result<Pickle<'_>, PickleError> {
     machine::run(file)
 }
+
+/// For [`crate::readers`].
+pub(crate) const READER: FileReader = FileReader {
+    name: "pickle",
+    read: |bytes| read(bytes).is_ok_and(|pickle| pickle.root().entries().is_some_and(|all| all.count() > 0)),
+};
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,9 @@
 //! Fields of a protobuf message, one after the other, without a schema compiler: the adapter knows the numbers of the
 //! few fields that it wants. Wire format: Protocol Buffers documentation, "Encoding". Groups (retired) are not read.
 
+use super::cdr::sized;
+use crate::readers::FileReader;
+
 /// Value of a field as it is on the wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Wire<'a> {
@@ -156,6 +159,15 @@ impl<'a> Field<'a> {
 }
 
 pub(crate) mod messages;
+
+/// For [`crate::readers`]: the length of a schema in two bytes, the schema, a message.
+pub(crate) const READER: FileReader = FileReader {
+    name: "protobuf-message",
+    read: |bytes| {
+        let Some((schema, message)) = sized(bytes) else { return false };
+        messages::MessageTypes::parse(schema).is_some_and(|types| types.decode("a.A", message).is_some())
+    },
+};
 
 #[cfg(test)]
 mod tests {

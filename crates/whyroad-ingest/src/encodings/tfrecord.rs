@@ -1,9 +1,9 @@
 //! TFRecord files: records one after the other, each with its length and two checksums (TensorFlow's documentation,
 //! "TFRecords format details"; CRC-32C by Castagnoli, RFC 3720 B.4, masked by rotation and a constant).
 
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
-use std::path::Path;
+use super::input::{Input, ReadSeek};
+use crate::readers::FileReader;
+use std::io::{self, Read, SeekFrom};
 
 /// Length (8) and its checksum (4).
 const HEADER: u64 = 12;
@@ -51,7 +51,7 @@ fn masked(bytes: &[u8]) -> u32 {
     crc32c(bytes).rotate_right(15).wrapping_add(MASK_DELTA)
 }
 
-fn header(file: &mut File, at: u64, end: u64) -> Result<u64, RecordError> {
+fn header(file: &mut dyn ReadSeek, at: u64, end: u64) -> Result<u64, RecordError> {
     if end - at < HEADER {
         return Err(RecordError::Truncated { at, wanted: HEADER, have: end - at });
     }
@@ -69,12 +69,11 @@ fn header(file: &mut File, at: u64, end: u64) -> Result<u64, RecordError> {
 
 /// Where the records begin. A record whose header is wrong or that is cut short is the last one; reading it says why.
 /// Empty when the file does not begin as a TFRecord.
-pub(crate) fn offsets(path: &Path) -> io::Result<Vec<u64>> {
-    let mut file = File::open(path)?;
-    let end = file.metadata()?.len();
+pub(crate) fn offsets<'a>(input: impl Into<Input<'a>>) -> io::Result<Vec<u64>> {
+    let (mut file, end) = input.into().open()?;
     let (mut at, mut out) = (0, Vec::new());
     while at < end {
-        let length = header(&mut file, at, end);
+        let length = header(&mut *file, at, end);
         if out.is_empty() && matches!(length, Err(RecordError::Length(_))) {
             return Ok(out);
         }
@@ -89,16 +88,23 @@ pub(crate) fn offsets(path: &Path) -> io::Result<Vec<u64>> {
 }
 
 /// The record that begins at byte `at`.
-pub(crate) fn read(path: &Path, at: u64) -> Result<Vec<u8>, RecordError> {
-    let mut file = File::open(path)?;
-    let end = file.metadata()?.len();
-    let length = header(&mut file, at, end.max(at))?;
+pub(crate) fn read<'a>(input: impl Into<Input<'a>>, at: u64) -> Result<Vec<u8>, RecordError> {
+    let (mut file, end) = input.into().open()?;
+    let length = header(&mut *file, at, end.max(at))?;
     let mut record = vec![0; length as usize];
     file.read_exact(&mut record)?;
     let mut sum = [0; 4];
     file.read_exact(&mut sum)?;
     if masked(&record) == u32::from_le_bytes(sum) { Ok(record) } else { Err(RecordError::Content(at)) }
 }
+
+/// For [`crate::readers`].
+pub(crate) const READER: FileReader = FileReader {
+    name: "tfrecord",
+    read: |bytes| {
+        offsets(bytes).is_ok_and(|all| !all.is_empty() && all.iter().all(|at| read(bytes, *at).is_ok()))
+    },
+};
 
 #[cfg(test)]
 mod tests {

@@ -1,11 +1,12 @@
 //! XML files of SUMO, plain or compressed, read as a stream of tags. What stands before a break in the file is kept.
 
+use super::input::Input;
+use crate::readers::FileReader;
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 use std::borrow::Cow;
 use std::io::BufReader;
-use std::path::Path;
 
 /// A tag as it opens (also one without content) or closes.
 pub(crate) enum Tag<'a> {
@@ -37,8 +38,11 @@ impl<'a> Element<'a> {
 }
 
 /// Hands every tag to `visit`. `Err` says where and why reading stopped; tags before that have been handed over.
-pub(crate) fn for_each_tag(path: &Path, mut visit: impl FnMut(Tag)) -> Result<(), String> {
-    let input = super::compressed::open(path).map_err(|e| e.to_string())?;
+pub(crate) fn for_each_tag<'a>(
+    input: impl Into<Input<'a>>,
+    mut visit: impl FnMut(Tag),
+) -> Result<(), String> {
+    let input = super::compressed::open(input).map_err(|e| e.to_string())?;
     let mut reader = Reader::from_reader(BufReader::with_capacity(1 << 16, input));
     let mut buffer = Vec::new();
     let mut depth = 0usize;
@@ -68,3 +72,16 @@ pub(crate) fn for_each_tag(path: &Path, mut visit: impl FnMut(Tag)) -> Result<()
         }
     }
 }
+
+/// For [`crate::readers`].
+pub(crate) const READER: FileReader = FileReader {
+    name: "xml",
+    read: |bytes| {
+        let end = for_each_tag(bytes, |tag| {
+            if let Tag::Open(e) = tag {
+                drop((e.text("id"), e.number("x")));
+            }
+        });
+        end.is_ok()
+    },
+};

@@ -1,21 +1,29 @@
 //! Members of a ZIP archive, read one at a time by name and without unpacking. Stored members only: the archives that
 //! we read hold compressed files already. Nothing is written, so names of members cannot lead out of a folder.
 
+use crate::readers::FileReader;
 use std::fs::File;
-use std::io::{BufReader, Read as _};
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 /// Largest member that is read, bytes; a table of one clip has less than one hundredth of this.
 const MAX_MEMBER_BYTES: u64 = 256 << 20;
 
 /// An open archive.
-pub(crate) struct ZipMembers(zip::ZipArchive<BufReader<File>>);
+pub(crate) struct ZipMembers<R>(zip::ZipArchive<R>);
 
-impl ZipMembers {
+impl ZipMembers<BufReader<File>> {
     /// Reads the archive's directory; its members are not touched.
     pub fn open(path: &Path) -> Result<Self, String> {
         let file = File::open(path).map_err(|e| e.to_string())?;
-        zip::ZipArchive::new(BufReader::new(file)).map(Self).map_err(|e| e.to_string())
+        Self::new(BufReader::new(file))
+    }
+}
+
+impl<R: Read + Seek> ZipMembers<R> {
+    /// The same of an archive that is open.
+    pub fn new(reader: R) -> Result<Self, String> {
+        zip::ZipArchive::new(reader).map(Self).map_err(|e| e.to_string())
     }
 
     /// True when the archive has a member of this name.
@@ -41,3 +49,12 @@ impl ZipMembers {
         }
     }
 }
+
+/// For [`crate::readers`]: with members `a` and `b`.
+pub(crate) const READER: FileReader = FileReader {
+    name: "zip",
+    read: |bytes| {
+        let Ok(mut archive) = ZipMembers::new(std::io::Cursor::new(bytes)) else { return false };
+        ["a", "b"].map(|name| archive.has(name) && archive.read(name).is_ok()) == [true; 2]
+    },
+};

@@ -17,6 +17,7 @@ use crate::assemble::plausibility::forget_impossible;
 use crate::assemble::se3::{self, Se3};
 use crate::encodings::feather;
 use crate::options::Options;
+use crate::readers::{FileReader, finish_map};
 use crate::report::SourceReport;
 use crate::source::{ContentHash, SEARCH_DEPTH, file_label, impossible_speeds};
 use annotations::{Annotations, Cuboid};
@@ -362,7 +363,8 @@ fn tracks(
             }
             // In the ego's frame a step is relative to a moving car.
             if !posed.is_empty() {
-                let seconds: Vec<f64> = cuboids.iter().map(|c| (c.time - times[0]) as f64 / 1e9).collect();
+                let seconds: Vec<f64> =
+                    cuboids.iter().map(|c| c.time.saturating_sub(times[0]) as f64 / 1e9).collect();
                 let rows = forget_impossible(class, &seconds, &mut motion);
                 if rows > 0 {
                     impossible.insert(id.to_owned(), rows);
@@ -425,3 +427,45 @@ fn camera_frames(dir: &Path) -> Vec<MediaFrame> {
     frames.sort_by(|a, b| (&a.camera, a.time).cmp(&(&b.camera, b.time)));
     frames
 }
+
+/// For [`crate::readers`].
+pub(crate) const READERS: &[FileReader] = &[
+    FileReader {
+        name: "av2-annotations",
+        read: |bytes| {
+            let Ok(Ok(rows)) = feather::read(bytes).map(|f| annotations::read(&f.columns)) else {
+                return false;
+            };
+            let (mut unknown, mut report) = (BTreeMap::new(), SourceReport::new("annotations".to_owned()));
+            let times: BTreeSet<i64> = rows.objects.iter().map(|c| c.time).collect();
+            let times: Vec<i64> = times.into_iter().collect();
+            let posed = vec![Se3 { q: [1.0, 0.0, 0.0, 0.0], t: [0.0; 3] }; times.len()];
+            drop(tracks(&rows, &times, &posed, &mut unknown, "annotations", &mut report));
+            drop(findings::of_rows("annotations", &rows, &unknown));
+            !times.is_empty()
+        },
+    },
+    FileReader {
+        name: "av2-poses",
+        read: |bytes| {
+            let Ok(Ok((poses, ..))) = feather::read(bytes).map(|f| pose::read(&f.columns)) else {
+                return false;
+            };
+            for time in [T0, T0 + 50_000_000, T0 + 100_000_000, 0, i64::MIN, i64::MAX] {
+                let _ = poses.at(time).map(|_| poses.lag(time));
+            }
+            poses.at(T0).is_some()
+        },
+    },
+    FileReader {
+        name: "av2-map",
+        read: |bytes| {
+            let Ok(Ok(reading)) = std::str::from_utf8(bytes).map(map::read) else { return false };
+            drop(findings::of_map("map", &reading));
+            finish_map(reading.map)
+        },
+    },
+];
+
+/// A time in the logs of AV2, ns.
+const T0: i64 = 315_966_253_660_357_000;

@@ -14,8 +14,9 @@ use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
 use crate::assemble::frames::Sampled;
 use crate::assemble::geometry::{center_line, distance};
 use crate::assemble::resample::MAX_GAP_S;
-use crate::encodings::columns::read_parquet;
+use crate::encodings::columns::{read_parquet, read_parquet_bytes};
 use crate::options::{Options, START};
+use crate::readers::FileReader;
 use crate::report::SourceReport;
 use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible_span, impossible_speeds};
 pub(crate) use findings::CODES;
@@ -24,7 +25,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference, Track};
-use whyroad_model::{Drive, Need, RoadMap};
+use whyroad_model::{Diagnostic, Drive, Need, RoadMap};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -95,11 +96,13 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
         }
     };
     report.diagnostics.extend(findings::of_rows(&label, &scenario));
-    if let Some(d) = implausible_span(&label, 0.0, scenario.steps as f64 / FRAME_RATE_HZ) {
-        report.diagnostics.push(d);
-        return None;
-    }
-    let frames: Vec<f64> = (0..scenario.steps).map(|i| i as f64 / FRAME_RATE_HZ).collect();
+    let frames = match frames(&scenario, &label) {
+        Ok(frames) => frames,
+        Err(problem) => {
+            report.diagnostics.push(problem);
+            return None;
+        }
+    };
     if scenario.tracks.is_empty() {
         report.tables.push(scenario.count);
         return None;
@@ -158,6 +161,14 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
     })
 }
 
+/// Times of the frames, s.
+fn frames(scenario: &Scenario, label: &str) -> Result<Vec<f64>, Diagnostic> {
+    match implausible_span(label, 0.0, scenario.steps as f64 / FRAME_RATE_HZ) {
+        Some(problem) => Err(problem),
+        None => Ok((0..scenario.steps).map(|i| i as f64 / FRAME_RATE_HZ).collect()),
+    }
+}
+
 /// These maps write their center lines at height 0 though the edges have heights: they get the height half way between
 /// the edges.
 fn lift_center_lines(map: &mut RoadMap) {
@@ -210,3 +221,18 @@ fn city(name: &str) -> String {
         |w: &str| w.chars().take(1).flat_map(char::to_uppercase).chain(w.chars().skip(1)).collect::<String>();
     name.split('-').map(word).collect::<Vec<_>>().join(" ")
 }
+
+/// For [`crate::readers`].
+pub(crate) const READERS: &[FileReader] = &[FileReader {
+    name: "av2-motion",
+    read: |bytes| {
+        let read = read_parquet_bytes(bytes.to_vec()).and_then(|table| Scenario::read(&table));
+        let Ok(scenario) = read else { return false };
+        drop(findings::of_rows("scenario", &scenario));
+        let Ok(frames) = frames(&scenario, "scenario") else { return false };
+        let mut report = SourceReport::new("scenario".to_owned());
+        let ego = scenario.tracks.get(EGO).map(|(_, samples)| ego(samples, &frames));
+        drop(tracks(&scenario, &frames, "scenario", &mut report));
+        ego.is_some()
+    },
+}];

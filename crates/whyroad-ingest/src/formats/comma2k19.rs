@@ -13,8 +13,9 @@ mod radar;
 mod recording;
 mod state_sources;
 
-use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, SkipReason, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, SkipReason, Source, whole};
 use crate::encodings::can::CanDatabase;
+use crate::encodings::input::Folder;
 use crate::options::{OptionSpec, OptionType, Options, START};
 use crate::report::SourceReport;
 use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span};
@@ -65,6 +66,12 @@ impl Adapter for Comma2k19 {
         })
     }
 
+    fn read_files(&self, files: &FilesInMemory, options: &Options, drives: &mut DriveSink<'_>) {
+        let mut report = SourceReport::new("memory".to_owned());
+        let drive = read_route(&[Folder::Memory(files)], "memory", options, &mut report);
+        drives.put((drive, report));
+    }
+
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         drives.put(read(&source.path, options));
     }
@@ -113,11 +120,17 @@ pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
     } else {
         folders(path).unwrap_or_default().into_iter().filter(|p| is_segment(p)).collect()
     };
-    let drive = read_route(&segments, options, &mut report);
+    let folders: Vec<Folder<'_>> = segments.iter().map(|s| Folder::Disk(s)).collect();
+    let drive = read_route(&folders, &name_of_route(&segments), options, &mut report);
     (drive, report)
 }
 
-fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport) -> Option<Drive> {
+fn read_route(
+    segments: &[Folder<'_>],
+    route: &str,
+    options: &Options,
+    report: &mut SourceReport,
+) -> Option<Drive> {
     let mut hash = ContentHash::new("comma2k19", REVISION);
     let recording = Recording::read(segments, &mut hash, report);
     let at = |time: Option<&f64>| time.copied().unwrap_or(0.0);
@@ -164,12 +177,11 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
     }
     missing.extend(lacking);
     missing.extend([Need::WeatherAndSurface, Need::CameraPictures]);
-    let route = name_of_route(segments);
     let sensors = radar_rows.iter().map(|_| "radar".to_owned()).collect();
     report.tables.extend(radar_rows);
     Some(Drive {
         meta: DriveMeta {
-            drive_id: options.drive_id.clone().unwrap_or_else(|| drive_id(&route)),
+            drive_id: options.drive_id.clone().unwrap_or_else(|| drive_id(route)),
             format: "comma2k19".into(),
             source: route.split(['|', '_']).next().unwrap_or_default().to_owned(),
             place: None,

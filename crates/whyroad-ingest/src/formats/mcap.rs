@@ -11,12 +11,14 @@ pub(crate) mod findings;
 mod mapping;
 mod rows;
 
-use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source, whole};
 use crate::assemble::frames::{Frames, Sample, Sampled};
 use crate::assemble::se3::{self, Se3};
+use crate::encodings::input::Input;
 use crate::encodings::mcap_records::{self, Channel};
 use crate::encodings::{cdr, protobuf};
 use crate::options::{LICENCE, OptionSpec, OptionType, Options};
+use crate::readers::FileReader;
 use crate::report::{RowCount, SourceReport};
 use crate::source::{
     ContentHash, drive_id, file_label, find_files, implausible_span, impossible_speeds, resampled,
@@ -25,8 +27,8 @@ use mapping::{Frame, Mapping, Role, Rule};
 use rows::{BusRow, EgoRow, ObjectRow, Rows};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, Track};
 use whyroad_model::{Diagnostic, Drive, Nanos, Need, ObjectClass};
 
@@ -65,6 +67,10 @@ impl Adapter for Mcap {
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         drives.put(read(&source.path, options));
     }
+
+    fn read_files(&self, files: &FilesInMemory, options: &Options, drives: &mut DriveSink<'_>) {
+        read_in_memory(files, &CONTAINER, options, drives);
+    }
 }
 
 /// MCAP files at or below `path`, sorted.
@@ -86,12 +92,12 @@ const CONTAINER: Container = Container {
     format: "mcap",
     revision: REVISION,
     ending: ".mcap",
-    records: |path, each| mcap_records::read(path, each).iter().map(ToString::to_string).collect(),
+    records: |input, each| mcap_records::read(input, each).iter().map(ToString::to_string).collect(),
     broken: findings::broken,
 };
 
 /// Calls a function for every message of a file; gives what was lost.
-type ReadRecords = fn(&Path, &mut dyn FnMut(mcap_records::Message<'_>)) -> Vec<String>;
+type ReadRecords = fn(&Input<'_>, &mut dyn FnMut(mcap_records::Message<'_>)) -> Vec<String>;
 
 /// A kind of file with messages: how they are taken out of it. What they mean is the same for all.
 pub(super) struct Container {
@@ -108,8 +114,20 @@ pub(super) fn read_container(
     container: &Container,
     options: &Options,
 ) -> (Option<Drive>, SourceReport) {
+    let mapping = options.file(&MAPPING).map(|file| (file.display().to_string(), file.into()));
+    read_input(path, &path.into(), mapping, container, options)
+}
+
+/// The same from any input; `path` is its name. The mapping, where there is one, with its name.
+pub(super) fn read_input(
+    path: &Path,
+    input: &Input<'_>,
+    mapping: Option<(String, Input<'_>)>,
+    container: &Container,
+    options: &Options,
+) -> (Option<Drive>, SourceReport) {
     let mut report = SourceReport::new(path.display().to_string());
-    let drive = read_recording(path, container, options, &mut report);
+    let drive = read_recording(path, input, mapping, container, options, &mut report);
     (drive, report)
 }
 
@@ -179,7 +197,8 @@ struct Recording {
 
 impl Recording {
     fn read(
-        path: &Path,
+        label: &str,
+        input: &Input<'_>,
         container: &Container,
         mapping: &Mapping,
         hash: &mut ContentHash,
@@ -213,15 +232,14 @@ impl Recording {
             out.objects.extend(objects);
             out.bus.extend(bus);
         };
-        let errors = (container.records)(path, &mut each);
-        let label = path.display().to_string();
-        report.diagnostics.extend(errors.iter().map(|e| (container.broken)(&label, e)));
+        let errors = (container.records)(input, &mut each);
+        report.diagnostics.extend(errors.iter().map(|e| (container.broken)(label, e)));
         for (name, t) in out.topics.iter().filter(|(_, t)| t.undecodable > 0) {
             let what = match &t.decoder {
                 Decoder::None(reason) => reason.as_str(),
                 _ => "they do not fit their schema",
             };
-            report.diagnostics.push(findings::undecodable(&label, name, what, t.undecodable));
+            report.diagnostics.push(findings::undecodable(label, name, what, t.undecodable));
         }
         out
     }
@@ -254,12 +272,14 @@ impl Recording {
     }
 }
 
-fn read_mapping(options: &Options, hash: &mut ContentHash, report: &mut SourceReport) -> Option<Mapping> {
-    let Some(file) = options.file(&MAPPING) else { return Some(Mapping::default()) };
-    let label = file.display().to_string();
-    let text = fs::read_to_string(file)
-        .map_err(|e| report.diagnostics.push(findings::mapping(&label, &e.to_string())))
-        .ok()?;
+fn read_mapping(
+    file: Option<(String, Input<'_>)>,
+    hash: &mut ContentHash,
+    report: &mut SourceReport,
+) -> Option<Mapping> {
+    let Some((label, file)) = file else { return Some(Mapping::default()) };
+    let text =
+        file.text().map_err(|e| report.diagnostics.push(findings::mapping(&label, &e.to_string()))).ok()?;
     hash.add("mapping", text.as_bytes());
     let (mapping, problems) = Mapping::read(&label, &text);
     report.diagnostics.extend(problems.into_iter().map(findings::with_guide));
@@ -268,14 +288,16 @@ fn read_mapping(options: &Options, hash: &mut ContentHash, report: &mut SourceRe
 
 fn read_recording(
     path: &Path,
+    input: &Input<'_>,
+    mapping: Option<(String, Input<'_>)>,
     container: &Container,
     options: &Options,
     report: &mut SourceReport,
 ) -> Option<Drive> {
     let label = path.display().to_string();
     let mut hash = ContentHash::new(container.format, container.revision);
-    let mapping = read_mapping(options, &mut hash, report)?;
-    let mut recording = Recording::read(path, container, &mapping, &mut hash, report);
+    let mapping = read_mapping(mapping, &mut hash, report)?;
+    let mut recording = Recording::read(&label, input, container, &mapping, &mut hash, report);
     let poses = recording.take_ego(&label, report);
     let (Some(first), true) = (poses.first().map(|r| r.time), poses.len() >= 2) else {
         let topics: Vec<String> =
@@ -445,4 +467,24 @@ fn tracks(
     }
     report.diagnostics.extend(impossible_speeds(label, &impossible));
     out
+}
+
+/// For [`crate::readers`].
+pub(crate) const READERS: &[FileReader] = &[FileReader {
+    name: "mcap-mapping",
+    read: |bytes| Mapping::read("mapping", &String::from_utf8_lossy(bytes)).0.is_some(),
+}];
+
+/// Reads the recording among these files by the mapping among them.
+pub(super) fn read_in_memory(
+    files: &FilesInMemory,
+    container: &Container,
+    options: &Options,
+    drives: &mut DriveSink<'_>,
+) {
+    let ending = |ending: &str| files.iter().find(|(name, _)| name.ends_with(ending));
+    let Some((name, recording)) = ending(container.ending) else { return };
+    let mapping = ending(".yaml").map(|(name, text)| (name.clone(), Input::Memory(text)));
+    let (path, input) = (Path::new(name), Input::Memory(recording));
+    drives.put(read_input(path, &input, mapping, container, options));
 }

@@ -12,10 +12,11 @@ pub(crate) mod findings;
 mod map;
 mod tables;
 
-use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source};
+use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source};
 use crate::assemble::frames::{Sample, Sampled, every_tenth};
 use crate::assemble::resample::MAX_GAP_S as MAX_POSE_GAP_S;
 use crate::assemble::se3::{self, Se3};
+use crate::encodings::input::Folder;
 use crate::options::{LICENCE, Options};
 use crate::report::{RowCount, SourceReport};
 use crate::source::{ContentHash, drive_id, find_folders, implausible_span, impossible_speeds, resampled};
@@ -23,7 +24,7 @@ use bus::BusReading;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
-use tables::{Annotation, SceneTables};
+use tables::{Annotation, SceneTables, TableError};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, GeoPosition, MediaFrame, Motion, Track};
 use whyroad_model::{Drive, Nanos, Need, ObjectClass, RoadMap};
@@ -69,6 +70,12 @@ impl Adapter for NuScenes {
         inside(root.join("can_bus")).chain(inside(root.join("maps/expansion"))).collect()
     }
 
+    fn read_files(&self, files: &FilesInMemory, options: &Options, drives: &mut DriveSink<'_>) {
+        let all = Folder::Memory(files);
+        let set = Set { tables: all, can_bus: all, maps: all, label: "memory".to_owned() };
+        read_set(&set, &[0], options, &mut |drive, report| drives.put((drive, report)));
+    }
+
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         drives.put(read(&source.path, source.part.unwrap_or(0), options));
     }
@@ -93,7 +100,7 @@ pub fn find_scenes(path: &Path) -> io::Result<Vec<(PathBuf, u64)>> {
     let mut out = Vec::new();
     for set in sets {
         // A list of scenes that cannot be read is one source, whose reading says why.
-        let n = tables::scene_count(&set).unwrap_or(1);
+        let n = tables::scene_count(Folder::Disk(&set)).unwrap_or(1);
         out.extend((0..n).map(|i| (set.clone(), i)));
     }
     Ok(out)
@@ -114,16 +121,41 @@ pub fn read_several(
     options: &Options,
     each: &mut dyn FnMut(Option<Drive>, SourceReport),
 ) {
-    let scenes = match tables::read(set, indices) {
+    let root = set.parent().unwrap_or(set);
+    let (can_bus, maps) = (root.join("can_bus"), root.join("maps/expansion"));
+    let set = Set {
+        tables: Folder::Disk(set),
+        can_bus: Folder::Disk(&can_bus),
+        maps: Folder::Disk(&maps),
+        label: set.display().to_string(),
+    };
+    read_set(&set, indices, options, each);
+}
+
+/// The folders of a set, and its name in messages.
+struct Set<'a> {
+    tables: Folder<'a>,
+    can_bus: Folder<'a>,
+    maps: Folder<'a>,
+    label: String,
+}
+
+fn read_set(
+    set: &Set<'_>,
+    indices: &[u64],
+    options: &Options,
+    each: &mut dyn FnMut(Option<Drive>, SourceReport),
+) {
+    let scenes = match tables::read(set.tables, indices) {
         Ok(scenes) => scenes,
         Err(e) => indices.iter().map(|_| Err(e.clone())).collect(),
     };
     for (&index, tables) in indices.iter().zip(scenes) {
-        let mut report = report(set, index);
+        let mut report = SourceReport::new(format!("{}#{index}", set.label));
         let drive = match tables {
             Ok(t) => drive(set, &t, options, &mut report),
             Err(e) => {
-                report.diagnostics.push(findings::table(&set.display().to_string(), &e));
+                report.diagnostics.push(findings::table(&set.label, &e));
                 None
             }
         };
@@ -135,9 +167,8 @@ fn report(set: &Path, index: u64) -> SourceReport {
     SourceReport::new(format!("{}#{index}", set.display()))
 }
 
-fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceReport) -> Option<Drive> {
-    let set_label = set.display().to_string();
-    let label = format!("{set_label}/{}", t.scene.name);
+fn drive(set: &Set<'_>, t: &SceneTables, options: &Options, report: &mut SourceReport) -> Option<Drive> {
+    let label = format!("{}/{}", set.label, t.scene.name);
     let zero = t.samples.values().min().copied().unwrap_or(0);
     let seconds = |us: i64| us.saturating_sub(zero) as f64 / 1e6;
     let mut keyframes: Vec<f64> = t.samples.values().map(|&us| seconds(us)).collect();
@@ -146,6 +177,11 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
         report.diagnostics.push(d);
         return None;
     }
+    let Some(start) = zero.checked_mul(1000) else {
+        let reason = "a timestamp does not fit into 64 bits of nanoseconds".to_owned();
+        report.diagnostics.push(findings::table(&set.label, &TableError { table: "sample", reason }));
+        return None;
+    };
     let frames = every_tenth(&keyframes);
     if frames.len() < 2 || t.poses.len() < 2 {
         report.diagnostics.push(findings::empty(&label));
@@ -154,15 +190,12 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
     report.diagnostics.push(resampled(&label, keyframes[1] - keyframes[0]));
     let (motion, known_at) = ego_motion(t, &frames, zero, report);
     let tracks = tracks(t, &frames, zero, &label, report);
-    let root = set.parent().unwrap_or(set);
     let mut hash = ContentHash::new("nuscenes", REVISION);
     add_rows(&mut hash, t);
-    let BusReading { bus, files, broken } = bus::read(&root.join("can_bus"), &t.scene.name, zero, &frames);
-    report.diagnostics.extend(
-        broken.iter().map(|name| findings::bus(&root.join("can_bus").join(name).display().to_string())),
-    );
+    let BusReading { bus, files, broken } = bus::read(set.can_bus, &t.scene.name, zero, &frames);
+    report.diagnostics.extend(broken.iter().map(|name| findings::bus(&set.can_bus.label(name))));
     files.iter().for_each(|(name, bytes)| hash.add(name, bytes));
-    let map = city_map(root, &t.log.location, &motion, &mut hash, report);
+    let map = city_map(set.maps, &t.log.location, &motion, &mut hash, report);
     let media = media(t);
     let can = !bus.speed_mps.is_empty() || !bus.steering.is_empty();
     let missing = Need::absent([
@@ -190,7 +223,7 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
             position: map_origin(&t.log.location),
             ..DriveMeta::default()
         },
-        times: frames.iter().map(|&s| Nanos(zero * 1000).plus_secs(s)).collect(),
+        times: frames.iter().map(|&s| Nanos(start).plus_secs(s)).collect(),
         ego: Some(Ego { known_at, ..ego(motion, bus) }),
         tracks,
         map,
@@ -383,15 +416,15 @@ fn map_origin(location: &str) -> Option<GeoPosition> {
 }
 
 fn city_map(
-    root: &Path,
+    maps: Folder<'_>,
     location: &str,
     motion: &Motion,
     hash: &mut ContentHash,
     report: &mut SourceReport,
 ) -> Option<RoadMap> {
-    let file = root.join("maps/expansion").join(format!("{location}.json"));
-    let text = fs::read(&file).ok()?;
-    let label = file.display().to_string();
+    let name = format!("{location}.json");
+    let text = maps.file(&name)?.bytes().ok()?;
+    let label = maps.label(&name);
     hash.add("map", &text);
     let places: Vec<Point3> = (0..motion.len())
         .map(|i| Point3 { x: motion.x[i], y: motion.y[i], z: 0.0 })
@@ -421,7 +454,7 @@ fn media(t: &SceneTables) -> Vec<MediaFrame> {
             let camera = d.filename.split('/').find(|part| part.starts_with("CAM_"))?;
             Some(MediaFrame {
                 camera: camera.to_owned(),
-                time: Nanos(d.timestamp * 1000),
+                time: Nanos(d.timestamp.checked_mul(1000)?),
                 uri: d.filename.clone(),
                 index: 0,
             })

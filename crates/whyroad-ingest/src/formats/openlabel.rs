@@ -8,7 +8,7 @@
 mod findings;
 mod systems;
 
-use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, SkipReason, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, SkipReason, Source, whole};
 use crate::assemble::frames::{Frames, Sample, Sampled};
 use crate::assemble::se3::{self, Se3};
 use crate::options::{LICENCE, Options, START};
@@ -61,6 +61,15 @@ impl Adapter for OpenLabel {
             .then(|| Bilingual::new("压缩的 OpenLABEL：请先解压", "OpenLABEL, compressed: unpack it first"))
     }
 
+    fn read_files(&self, files: &FilesInMemory, options: &Options, drives: &mut DriveSink<'_>) {
+        for (name, bytes) in files {
+            let mut report = SourceReport::new(name.clone());
+            let text = String::from_utf8_lossy(bytes).into_owned();
+            let drive = of_text(Ok(text), Path::new(name), options, &mut report);
+            drives.put((drive, report));
+        }
+    }
+
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         drives.put(read(&source.path, options));
     }
@@ -76,7 +85,7 @@ fn is_openlabel(path: &Path) -> bool {
 /// Reads one document. `None` when there is nothing that could be kept; the report says why.
 pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
     let mut report = SourceReport::new(path.display().to_string());
-    let drive = read_document(path, options, &mut report);
+    let drive = of_text(text_of(path), path, options, &mut report);
     (drive, report)
 }
 
@@ -88,11 +97,17 @@ fn text_of(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|e| e.to_string())
 }
 
-fn read_document(path: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
+/// The drive of a document's text, whose name is that of its file.
+fn of_text(
+    text: Result<String, String>,
+    path: &Path,
+    options: &Options,
+    report: &mut SourceReport,
+) -> Option<Drive> {
     let label = path.display().to_string();
     let mut hash = ContentHash::new("openlabel", REVISION);
     hash.add("start", &options.start().0.to_le_bytes());
-    let parsed = text_of(path).and_then(|text| {
+    let parsed = text.and_then(|text| {
         hash.add("document", text.as_bytes());
         serde_json::from_str::<Value>(&text).map_err(|e| e.to_string())
     });

@@ -16,6 +16,7 @@ use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source};
 use crate::assemble::resample::MAX_GAP_S;
 use crate::encodings::columns::{Columns, read_parquet_bytes};
 use crate::options::{LICENCE, Options, START};
+use crate::readers::FileReader;
 use crate::report::SourceReport;
 use crate::source::{ContentHash, drive_id, find_folders, implausible_span, impossible_speeds, resampled};
 use egomotion::PoseTrack;
@@ -25,7 +26,7 @@ use std::io;
 use std::path::Path;
 use tree::{Clip, Tree};
 use whyroad_model::scene::{DriveMeta, Ego, Track};
-use whyroad_model::{Drive, Nanos, Need};
+use whyroad_model::{Diagnostic, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -127,13 +128,14 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
     let start = options.start();
     hash.add("start", &start.0.to_le_bytes());
     let poses = read_poses(tree, clip, &mut hash, report)?;
-    let ends = poses.times.first().zip(poses.times.last());
     let seconds = |us: i64| us as f64 / 1e6;
-    if let Some(d) = ends.and_then(|(a, b)| implausible_span(&label, seconds(*a), seconds(*b))) {
-        report.diagnostics.push(d);
-        return None;
-    }
-    let frames_us = poses.frames();
+    let frames_us = match frames(&poses, &label) {
+        Ok(frames) => frames,
+        Err(problem) => {
+            report.diagnostics.push(problem);
+            return None;
+        }
+    };
     if frames_us.is_empty() {
         report.diagnostics.push(findings::egomotion_missing(&label));
         return None;
@@ -200,6 +202,16 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
         context: None,
         media: (!media.is_empty()).then_some(media),
     })
+}
+
+/// Times of the frames, us.
+fn frames(poses: &PoseTrack, label: &str) -> Result<Vec<i64>, Diagnostic> {
+    let seconds = |us: &i64| *us as f64 / 1e6;
+    let ends = poses.times.first().zip(poses.times.last());
+    match ends.and_then(|(a, b)| implausible_span(label, seconds(a), seconds(b))) {
+        Some(problem) => Err(problem),
+        None => Ok(poses.frames()),
+    }
 }
 
 /// The best poses that the clip has.
@@ -340,3 +352,41 @@ fn tracks(obstacles: Obstacles, frames: &[f64], label: &str, report: &mut Source
     report.diagnostics.extend(impossible_speeds(label, &impossible));
     out
 }
+
+/// For [`crate::readers`].
+pub(crate) const READERS: &[FileReader] = &[
+    FileReader {
+        name: "pai-features",
+        read: |bytes| {
+            let Ok(features) = tree::features(bytes) else { return false };
+            let paths = features.values().map(|feature| (feature.file_names(), feature.chunk_path(7)));
+            paths.count() > 0
+        },
+    },
+    FileReader {
+        name: "pai-clips",
+        read: |bytes| tree::clips(bytes.to_vec()).is_ok() & tree::collection(bytes.to_vec()).is_ok(),
+    },
+    FileReader {
+        name: "pai-egomotion",
+        read: |bytes| {
+            let poses = read_parquet_bytes(bytes.to_vec()).and_then(|table| egomotion::read(&table));
+            let Ok((poses, _)) = poses else { return false };
+            let Ok(frames) = frames(&poses, "clip") else { return false };
+            drop((poses.motion(&frames, [1.4, 0.0, 0.8]), poses.lags(&frames)));
+            !frames.is_empty()
+        },
+    },
+    FileReader {
+        name: "pai-obstacles",
+        read: |bytes| {
+            let poses = PoseTrack::standing(&[0, 100_000, 200_000]);
+            let table = read_parquet_bytes(bytes.to_vec());
+            let read = table.and_then(|table| obstacles::read(&table, &poses, [1.4, 0.0, 0.8]));
+            let Ok(obstacles) = read else { return false };
+            drop(findings::of_obstacles("clip", &obstacles));
+            let mut report = SourceReport::new("clip".to_owned());
+            !tracks(obstacles, &[0.0, 0.1, 0.2], "clip", &mut report).is_empty()
+        },
+    },
+];

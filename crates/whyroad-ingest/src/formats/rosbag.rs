@@ -1,8 +1,8 @@
 //! ROS 1 bags (format 2.0): the messages that [`super::mcap`] reads, in ROS 1's own serialization, by the definitions
 //! that the bag carries. Mapping file, frames and rows are the same; its codes `mcap.*` hold here too.
 
-use super::mcap::{Container, MAPPING, find_by_ending, read_container};
-use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
+use super::mcap::{Container, MAPPING, find_by_ending, read_container, read_in_memory};
+use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source, whole};
 use crate::encodings::bag_records;
 use crate::options::{LICENCE, Options};
 use crate::report::SourceReport;
@@ -38,13 +38,17 @@ impl Adapter for RosBag {
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         drives.put(read(&source.path, options));
     }
+
+    fn read_files(&self, files: &FilesInMemory, options: &Options, drives: &mut DriveSink<'_>) {
+        read_in_memory(files, &CONTAINER, options, drives);
+    }
 }
 
 const CONTAINER: Container = Container {
     format: "rosbag",
     revision: REVISION,
     ending: ".bag",
-    records: |path, each| bag_records::read(path, each).iter().map(ToString::to_string).collect(),
+    records: |input, each| bag_records::read(input, each).iter().map(ToString::to_string).collect(),
     broken,
 };
 

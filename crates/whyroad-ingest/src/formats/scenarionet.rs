@@ -10,7 +10,7 @@ pub(crate) mod findings;
 mod map;
 mod tracks;
 
-use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, SkipReason, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, SkipReason, Source, whole};
 use crate::assemble::frames::{Frames, median};
 use crate::assemble::lane_lights;
 use crate::encodings::pickle::{self, Value};
@@ -65,6 +65,14 @@ impl Adapter for ScenarioNet {
     fn why_skipped(&self, file: &Path) -> Option<SkipReason> {
         let pickle = file.extension().is_some_and(|e| e == "pkl" || e == "pickle");
         pickle.then(|| Bilingual::new("pickle 中没有场景", "a pickle without a scenario in it"))
+    }
+
+    fn read_files(&self, files: &FilesInMemory, options: &Options, drives: &mut DriveSink<'_>) {
+        for (name, bytes) in files {
+            let mut report = SourceReport::new(name.clone());
+            let drive = of_pickle(bytes, Path::new(name), options, &mut report);
+            drives.put((drive, report));
+        }
     }
 
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
@@ -123,8 +131,14 @@ pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
 fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
     let label = path.display().to_string();
     let bytes = fs::read(path).map_err(|e| report.diagnostics.push(findings::io(&label, &e))).ok()?;
+    of_pickle(&bytes, path, options, report)
+}
+
+/// The drive of a pickle, whose name is that of its file.
+fn of_pickle(bytes: &[u8], path: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
+    let label = path.display().to_string();
     let pickle =
-        pickle::read(&bytes).map_err(|e| report.diagnostics.push(findings::pickle(&label, &e))).ok()?;
+        pickle::read(bytes).map_err(|e| report.diagnostics.push(findings::pickle(&label, &e))).ok()?;
     let root = pickle.root();
     let (all_tracks, times) = match parts(root) {
         Ok(parts) => parts,
@@ -192,7 +206,7 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
     let name = file_label(path);
     let mut hash = ContentHash::new("scenarionet", REVISION);
     hash.add("start", &options.start().0.to_le_bytes());
-    hash.add(&name, &bytes);
+    hash.add(&name, bytes);
     Some(Drive {
         meta: DriveMeta {
             drive_id: options.drive_id.clone().unwrap_or_else(|| drive_id(name.trim_end_matches(".pkl"))),

@@ -30,14 +30,17 @@ mod vehicle_types;
 pub use options::{EGO, EGO_SHARE, LIGHTS, NET, OCCLUSION, SEED, SENSOR_RANGE, TYPES};
 
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, SkipReason, Source, whole};
+use crate::assemble::finish::finish;
 use crate::encodings::compressed::without_ending;
-use crate::options::Options;
+use crate::options::{DEFAULT_START, Options};
+use crate::readers::{FileReader, finish_map};
 use crate::report::{RowCount, SourceReport};
 use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span, impossible_speeds};
 use fcd::{Fcd, Object};
 use frames::Cadence;
 use inputs::{NetParts, add_file, read_lights, read_net, read_types};
 use naming::{beside, is_named, run_name};
+use net::LightLink;
 use objects::{Notes, ego_table, samples_at, tracks};
 use sensing::{Occlusion, Sensing, Unseen};
 use std::collections::{BTreeMap, BTreeSet};
@@ -45,7 +48,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use vehicle_types::{IsPerson, VehicleTypes};
 use whyroad_model::scene::{DriveMeta, FrameOfReference, LightState};
-use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos, Need};
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos, Need, RoadMap};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 7;
@@ -354,4 +357,53 @@ fn count_rows(
     for ((kept, key), rows) in counts {
         if kept { count.keep(key, rows) } else { count.set_aside(key, rows) }
     }
+}
+
+/// For [`crate::readers`].
+pub(crate) const READERS: &[FileReader] = &[
+    FileReader { name: "sumo-fcd", read: |bytes| see(fcd::read_xml(bytes.into())) },
+    FileReader { name: "sumo-fcd-csv", read: |bytes| see(fcd::read_csv(bytes.into())) },
+    FileReader {
+        name: "sumo-net",
+        read: |bytes| {
+            let Ok(net) = net::read(bytes.into()) else { return false };
+            drop(findings::of_net("net", &net));
+            finish_map(net.map)
+        },
+    },
+    FileReader { name: "sumo-types", read: |bytes| VehicleTypes::default().read(bytes.into()).is_ok() },
+    FileReader {
+        name: "sumo-lights",
+        read: |bytes| {
+            let link = |index| LightLink {
+                tls: "J".to_owned(),
+                index,
+                lane: format!("in_{index}"),
+                to_lane: "out_0".to_owned(),
+            };
+            let states = lights::read(bytes.into(), &[link(0), link(1)], DEFAULT_START);
+            states.is_ok_and(|states| !states.is_empty())
+        },
+    },
+    FileReader {
+        name: "sumo-shapes",
+        read: |bytes| {
+            let (mut map, mut count) = (RoadMap::default(), RowCount::new("shapes"));
+            let end = shapes::read(bytes.into(), &mut map, &mut count);
+            finish_map(map);
+            end.is_ok() && count.kept_total() > 0
+        },
+    },
+];
+
+/// Makes the drive of the first vehicle.
+fn see(fcd: Result<Fcd, String>) -> bool {
+    let Ok(fcd) = fcd else { return false };
+    let (label, name, hash) = ("fcd".to_owned(), "fcd".to_owned(), String::new());
+    let (types, tables) = (VehicleTypes::default(), Vec::new());
+    let Some(ego) = fcd.objects.keys().next().cloned() else { return false };
+    let run = Simulation { label, name, fcd, types, net: None, lights: None, tables, hash };
+    let mut report = SourceReport::new("fcd".to_owned());
+    let drive = run.seen_from(&ego, 1, &Options::default(), &mut report);
+    drive.map(|mut drive| finish(&mut drive)).is_some()
 }

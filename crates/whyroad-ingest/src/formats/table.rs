@@ -19,7 +19,8 @@ mod signs;
 mod states;
 mod words;
 
-use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source, whole};
+use crate::encodings::input::Folder;
 use crate::options::{LICENCE, Options, START};
 use crate::report::SourceReport;
 use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible_span, resampled};
@@ -55,6 +56,12 @@ impl Adapter for Table {
         find_drives(path).map(whole)
     }
 
+    fn read_files(&self, files: &FilesInMemory, options: &Options, drives: &mut DriveSink<'_>) {
+        let mut report = SourceReport::new("memory".to_owned());
+        let drive = read_drive(Folder::Memory(files), "memory", options, &mut report);
+        drives.put((drive, report));
+    }
+
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         drives.put(read(&source.path, options));
     }
@@ -67,19 +74,20 @@ pub fn find_drives(path: &Path) -> io::Result<Vec<PathBuf>> {
 }
 
 fn is_drive(dir: &Path) -> bool {
+    let dir = Folder::Disk(dir);
     meta::drive_file(dir).is_some()
         && (sheet_file(dir, "ego").is_some() || sheet_file(dir, "objects").is_some())
-        && !dir.join("clips.parquet").is_file()
+        && !dir.has("clips.parquet")
 }
 
 /// Reads one drive folder. `None` when there is nothing that could be kept; the report says why.
 pub fn read(dir: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
     let mut report = SourceReport::new(dir.display().to_string());
-    let drive = read_drive(dir, options, &mut report);
+    let drive = read_drive(Folder::Disk(dir), &file_label(dir), options, &mut report);
     (drive, report)
 }
 
-fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
+fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut SourceReport) -> Option<Drive> {
     let mut reader =
         Reader { dir, hash: ContentHash::new("table", REVISION), report, start: options.start() };
     let meta = Meta::read(&mut reader)?;
@@ -90,7 +98,7 @@ fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Optio
     let ego_sheet = reader.sheet("ego", ego::COLUMNS, ego::REQUIRED);
     let Some(rows) = ego_sheet.and_then(|s| ego::rows(s, &mut reader)) else {
         if sheet_file(dir, "ego").is_none() {
-            reader.report.diagnostics.push(findings::ego_missing(&dir.display().to_string()));
+            reader.report.diagnostics.push(findings::ego_missing(&dir.own_label()));
         }
         return None;
     };
@@ -152,7 +160,7 @@ fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Optio
             drive_id: options
                 .drive_id
                 .clone()
-                .unwrap_or_else(|| drive_id(meta.drive_id.as_deref().unwrap_or(&file_label(dir)))),
+                .unwrap_or_else(|| drive_id(meta.drive_id.as_deref().unwrap_or(name))),
             format: "table".into(),
             source: meta.source,
             place: meta.place,

@@ -10,10 +10,12 @@ mod scenario;
 
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source};
 use crate::assemble::feature_map;
+use crate::assemble::finish::finish;
 use crate::assemble::frames::{Frames, Sampled, median};
 use crate::assemble::lane_lights;
 use crate::encodings::tfrecord;
 use crate::options::{LICENCE, Options, START};
+use crate::readers::FileReader;
 use crate::report::{RowCount, SourceReport};
 use crate::source::{
     ContentHash, drive_id, file_label, find_files, implausible_span, impossible_speeds, resampled,
@@ -76,10 +78,22 @@ pub fn read(path: &Path, at: u64, options: &Options) -> (Option<Drive>, SourceRe
 }
 
 fn read_record(path: &Path, at: u64, options: &Options, report: &mut SourceReport) -> Option<Drive> {
+    let record = tfrecord::read(path, at)
+        .map_err(|e| report.diagnostics.push(findings::record(&report.source, &e)))
+        .ok()?;
+    of_record(&record, path, at, options, report)
+}
+
+/// The drive of a record, whose name is that of its file and the byte at which it begins.
+fn of_record(
+    record: &[u8],
+    path: &Path,
+    at: u64,
+    options: &Options,
+    report: &mut SourceReport,
+) -> Option<Drive> {
     let label = report.source.clone();
-    let record =
-        tfrecord::read(path, at).map_err(|e| report.diagnostics.push(findings::record(&label, &e))).ok()?;
-    let scenario = match scenario::parse(&record) {
+    let scenario = match scenario::parse(record) {
         Err(e) => Err(e.to_string()),
         Ok(s) if s.times.is_empty() || s.tracks.is_empty() => Err("it has no times or no tracks".to_owned()),
         // Written so that NaN fails.
@@ -101,7 +115,7 @@ fn read_record(path: &Path, at: u64, options: &Options, report: &mut SourceRepor
     let (lights, stops) = lights(&s, time);
     let mut hash = ContentHash::new("waymo-motion", REVISION);
     hash.add("start", &options.start().0.to_le_bytes());
-    hash.add(&file_label(path), &record);
+    hash.add(&file_label(path), record);
     let built = (!s.features.is_empty()).then(|| feature_map::build(s.features, &stops));
     let map = built.map(|built| {
         report
@@ -282,3 +296,13 @@ fn lights(s: &Scenario, time: impl Fn(f64) -> Nanos) -> (Option<Vec<LightState>>
         .collect();
     ((!all.is_empty()).then_some(all), stops)
 }
+
+/// For [`crate::readers`].
+pub(crate) const READERS: &[FileReader] = &[FileReader {
+    name: "waymo-scenario",
+    read: |bytes| {
+        let mut report = SourceReport::new("record".to_owned());
+        let drive = of_record(bytes, Path::new("record"), 0, &Options::default(), &mut report);
+        drive.map(|mut drive| finish(&mut drive)).is_some()
+    },
+}];

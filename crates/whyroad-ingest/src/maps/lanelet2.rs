@@ -12,17 +12,17 @@ mod regulatory;
 use super::options::Placement;
 use super::{MapFault, MapReading};
 use crate::assemble::{junctions, layers};
+use crate::encodings::input::Input;
 use crate::report::RowCount;
 use document::{Document, MemberKind, Relation};
 use ground::{Ground, MAX_POINTS};
 use lanelets::Lanelets;
-use std::path::Path;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Facility, Lane, LaneKind, LayerState, MapLayer};
 
 /// Reads a map as far as it can be read.
-pub(super) fn read(path: &Path, placement: &Placement) -> Result<MapReading, MapFault> {
-    let document = document::read(path).map_err(MapFault::Unreadable)?;
+pub(super) fn read<'a>(input: impl Into<Input<'a>>, placement: &Placement) -> Result<MapReading, MapFault> {
+    let document = document::read(input.into()).map_err(MapFault::Unreadable)?;
     let mut ground = Ground::of(&document, placement)?;
     let mut out = MapReading { count: RowCount::new("map"), ..MapReading::default() };
     out.broken.clone_from(&document.broken);

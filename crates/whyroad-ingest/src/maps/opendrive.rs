@@ -16,11 +16,11 @@ mod spans;
 
 use super::MapReading;
 use crate::assemble::layers;
+use crate::encodings::input::Input;
 use crate::report::RowCount;
 use document::{Document, RoadLink};
 use lanes::{Budget, LaneKey};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Lane, LaneKind, LayerState, MapLayer};
 
@@ -28,8 +28,8 @@ use whyroad_model::road_map::{Lane, LaneKind, LayerState, MapLayer};
 const MAX_TOTAL_M: f64 = 1e7;
 
 /// Reads a map as far as it can be read. `Err` when the file is not OpenDRIVE.
-pub(super) fn read(path: &Path) -> Result<MapReading, String> {
-    let document = document::read(path)?;
+pub(super) fn read<'a>(input: impl Into<Input<'a>>) -> Result<MapReading, String> {
+    let document = document::read(input.into())?;
     let mut out = MapReading { count: RowCount::new("map"), ..MapReading::default() };
     out.name = Some(document.name.clone()).filter(|n| !n.is_empty());
     out.broken.clone_from(&document.broken);

@@ -194,6 +194,25 @@ fn a_timestamp_of_zero_makes_no_millions_of_frames() {
     }
 }
 
+/// Microseconds that fit into 64 bits, and nanoseconds that do not: 292,000 years.
+#[test]
+fn timestamps_that_are_too_great_are_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(fixtures().join("v1.0-byhand")).unwrap().map(Result::unwrap) {
+        let text = std::fs::read_to_string(entry.path()).unwrap();
+        let mut changed = String::new();
+        for part in text.split_inclusive("\"timestamp\":") {
+            let end = part.find(|c: char| !c.is_ascii_digit()).unwrap();
+            let time = part[..end].parse::<i64>().map(|t| (t + 9_200_000_000_000_000_000).to_string());
+            changed += &(time.unwrap_or_else(|_| part[..end].to_owned()) + &part[end..]);
+        }
+        std::fs::write(dir.path().join(entry.file_name()), changed).unwrap();
+    }
+    let (drive, report) = nuscenes::read(dir.path(), 0, &Options::default());
+    let codes: Vec<_> = report.diagnostics.iter().map(|d| d.code).collect();
+    assert!(drive.is_none() && codes == ["nuscenes.table.unreadable"], "{codes:?}");
+}
+
 #[test]
 fn timestamps_may_be_integers_floats_or_texts() {
     let reference = first().0;

@@ -13,7 +13,6 @@ use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::{ChunkReader, Length};
 use parquet::file::serialized_reader::SerializedPageReader;
 use std::fmt::Display;
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::sync::Arc;
 
@@ -40,7 +39,11 @@ pub(super) struct Dense {
 }
 
 /// Reads a column of a row group with this number of rows. The error is a text.
-pub(super) fn read(file: &mut File, column: &ColumnChunkMetaData, rows: usize) -> Result<Dense, String> {
+pub(super) fn read(
+    file: &mut (impl Read + Seek),
+    column: &ColumnChunkMetaData,
+    rows: usize,
+) -> Result<Dense, String> {
     let (start, length) = column.byte_range();
     let words = |e: &dyn Display| format!("column {}: {e}", column.column_path());
     let length = usize::try_from(length).map_err(|e| words(&e))?;

@@ -6,8 +6,10 @@ use crate::file::{ROW_ORDER_KEY, check_columns};
 use crate::{LAKE_VERSION, LakeError};
 use parquet::basic::Type;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
+use parquet::file::reader::ChunkReader;
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,8 +34,13 @@ impl Table {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(LakeError::io(path)(e)),
         };
+        Self::of(path, &file).map(Some)
+    }
+
+    /// The same from any source; `path` is its name.
+    pub fn of(path: &Path, source: &impl ChunkReader) -> Result<(Self, String), LakeError> {
         let metadata =
-            ParquetMetaDataReader::new().parse_and_finish(&file).map_err(|e| LakeError::broken(path, e))?;
+            ParquetMetaDataReader::new().parse_and_finish(source).map_err(|e| LakeError::broken(path, e))?;
         check_columns(&metadata).map_err(|e| LakeError::broken(path, e))?;
         let stated = metadata.file_metadata().key_value_metadata();
         let value = |key: &str| stated?.iter().find(|kv| kv.key == key)?.value.clone();
@@ -55,7 +62,7 @@ impl Table {
         let columns = Arc::new(named.collect());
         let in_order = metadata.row_groups().iter().map(|_| AtomicBool::new(false)).collect();
         let (path, metadata, groups) = (path.to_owned(), Arc::new(metadata), Arc::new([]));
-        Ok(Some((Self { path, metadata, columns, groups, in_order }, contents)))
+        Ok((Self { path, metadata, columns, groups, in_order }, contents))
     }
 
     /// Gives each drive its row group: those with rows have one each, in their order. False where the row groups do
@@ -113,6 +120,16 @@ impl Table {
             read(&mut file, group.column(column), rows).map_err(|e| LakeError::broken(&self.path, e))
         };
         names.iter().map(one).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// Every column of every row group, from any source: those that can be read.
+    pub fn read_all(&self, source: &mut (impl Read + Seek)) -> Vec<Dense> {
+        let groups = self.metadata.row_groups().iter();
+        let columns = groups.flat_map(|group| {
+            let rows = usize::try_from(group.num_rows()).unwrap_or(0);
+            group.columns().iter().map(move |column| (column, rows))
+        });
+        columns.filter_map(|(column, rows)| read(source, column, rows).ok()).collect()
     }
 
     /// Checks that the rows of a drive are those that the store says, in the order that it says; the first time only.

@@ -2,11 +2,10 @@
 
 use super::findings;
 use crate::assemble::se3::unit;
+use crate::encodings::input::Folder;
 use crate::encodings::npy::{self, ByteStrings, Table};
 use crate::report::{RowCount, SourceReport};
 use crate::source::ContentHash;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 /// Everything that is read of a route. Times are seconds since the device booted.
 #[derive(Default)]
@@ -70,10 +69,10 @@ pub(super) struct RadarRow {
 }
 
 impl Recording {
-    pub fn read(segments: &[PathBuf], hash: &mut ContentHash, report: &mut SourceReport) -> Self {
+    pub fn read(segments: &[Folder<'_>], hash: &mut ContentHash, report: &mut SourceReport) -> Self {
         let mut recording = Recording::default();
         let mut poses = RowCount::new("pose");
-        for segment in segments {
+        for &segment in segments {
             recording.read_segment(segment, hash, report, &mut poses);
         }
         report.tables.push(poses);
@@ -83,7 +82,7 @@ impl Recording {
 
     fn read_segment(
         &mut self,
-        dir: &Path,
+        dir: Folder<'_>,
         hash: &mut ContentHash,
         report: &mut SourceReport,
         poses: &mut RowCount,
@@ -95,7 +94,7 @@ impl Recording {
             if [&p, &v, &q].iter().any(|a| a.rows() != t.rows())
                 || (p.columns, v.columns, q.columns) != (3, 3, 4)
             {
-                file.report.diagnostics.push(findings::shape(&dir.join("global_pose").display().to_string()));
+                file.report.diagnostics.push(findings::shape(&dir.label("global_pose")));
             } else {
                 let gps = file
                     .numbers("global_pose/frame_gps_times")
@@ -112,7 +111,7 @@ impl Recording {
                 series.0.extend(t.column(0));
                 series.1.extend(v.column(0));
             } else {
-                file.report.diagnostics.push(findings::shape(&dir.join(&folder).display().to_string()));
+                file.report.diagnostics.push(findings::shape(&dir.label(&folder)));
             }
         }
         if let [Some(t), Some(v)] =
@@ -121,9 +120,7 @@ impl Recording {
             if v.columns == 7 && v.rows() == t.rows() {
                 self.radar.extend((0..v.rows()).map(|i| radar_row(t.row(i)[0], v.row(i))));
             } else {
-                file.report
-                    .diagnostics
-                    .push(findings::shape(&dir.join("processed_log/CAN/radar").display().to_string()));
+                file.report.diagnostics.push(findings::shape(&dir.label("processed_log/CAN/radar")));
             }
         }
         if let [Some(t), Some(s), Some(a)] =
@@ -136,9 +133,7 @@ impl Recording {
                 self.can.sources.extend(s.column(0).iter().map(|&x| x as i64));
                 self.can.addresses.extend(a.column(0).iter().map(|&x| x as i64));
             } else {
-                file.report
-                    .diagnostics
-                    .push(findings::shape(&dir.join("processed_log/CAN/raw_can").display().to_string()));
+                file.report.diagnostics.push(findings::shape(&dir.label("processed_log/CAN/raw_can")));
             }
         }
     }
@@ -201,7 +196,7 @@ impl Pose {
 
 /// Reads arrays of one segment, hashing what it reads. A missing file is the log's choice, a broken one is said.
 struct Files<'a> {
-    dir: &'a Path,
+    dir: Folder<'a>,
     hash: &'a mut ContentHash,
     report: &'a mut SourceReport,
 }
@@ -217,15 +212,10 @@ impl Files<'_> {
 
     /// Each file is read once: the same bytes are hashed and parsed.
     fn read<T>(&mut self, name: &str, parse: impl Fn(&[u8]) -> Result<T, String>) -> Option<T> {
-        let path = self.dir.join(name);
-        if !path.is_file() {
-            return None;
-        }
-        let read = fs::read(&path).map_err(|e| e.to_string()).and_then(|content| {
+        let read = self.dir.file(name)?.bytes().map_err(|e| e.to_string()).and_then(|content| {
             self.hash.add(name, &content);
             parse(&content)
         });
-        read.map_err(|e| self.report.diagnostics.push(findings::unreadable(&path.display().to_string(), &e)))
-            .ok()
+        read.map_err(|e| self.report.diagnostics.push(findings::unreadable(&self.dir.label(name), &e))).ok()
     }
 }

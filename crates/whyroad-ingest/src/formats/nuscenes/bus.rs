@@ -2,8 +2,8 @@
 //! Units and codes: the expansion's own README (devkit 1.2).
 
 use crate::assemble::resample::{latest, linear};
+use crate::encodings::input::Folder;
 use serde_json::Value;
-use std::path::Path;
 use whyroad_model::scene::{EgoBus, TurnSignal};
 
 /// States come at 2 Hz; one that is older than this says nothing any more, s.
@@ -25,13 +25,13 @@ pub(super) struct BusReading {
 }
 
 /// The bus at the frames (s after `zero_us`).
-pub(super) fn read(can_bus: &Path, scene: &str, zero_us: i64, frames: &[f64]) -> BusReading {
+pub(super) fn read(can_bus: Folder<'_>, scene: &str, zero_us: i64, frames: &[f64]) -> BusReading {
     let (mut files, mut broken) = (Vec::new(), Vec::new());
     let mut messages = |what: &str| -> Vec<(f64, Value)> {
         let name = format!("{scene}_{what}.json");
-        let Ok(bytes) = std::fs::read(can_bus.join(&name)) else { return Vec::new() };
+        let Some(Ok(bytes)) = can_bus.file(&name).map(|f| f.bytes()) else { return Vec::new() };
         let rows = serde_json::from_slice::<Vec<Value>>(&bytes);
-        files.push((name.clone(), bytes));
+        files.push((name.clone(), bytes.into_owned()));
         let Ok(rows) = rows else {
             broken.push(name);
             return Vec::new();

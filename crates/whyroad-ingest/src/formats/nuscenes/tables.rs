@@ -2,13 +2,12 @@
 //! memory is bounded by these however large the set is, and one pass over the tables serves all of them. Schema:
 //! nuScenes documentation, "nuScenes schema" (devkit 1.2).
 
+use crate::encodings::input::Folder;
 use serde::de::{DeserializeOwned, DeserializeSeed, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::collections::{HashMap, HashSet};
-use std::fs::File;
 use std::io::BufReader;
 use std::marker::PhantomData;
-use std::path::Path;
 use std::rc::Rc;
 
 #[derive(Deserialize)]
@@ -120,9 +119,12 @@ pub(super) struct TableError {
     pub reason: String,
 }
 
+/// Read at once of a table, bytes; they are of gigabytes.
+const BUFFER: usize = 1 << 20;
+
 /// Calls `keep` for every row of a table, one at a time.
 fn each_row<T: DeserializeOwned>(
-    dir: &Path,
+    dir: Folder<'_>,
     table: &'static str,
     keep: impl FnMut(T),
 ) -> Result<(), TableError> {
@@ -146,13 +148,15 @@ fn each_row<T: DeserializeOwned>(
         }
     }
     let fail = |reason: String| TableError { table, reason };
-    let file = File::open(dir.join(format!("{table}.json"))).map_err(|e| fail(e.to_string()))?;
-    let mut json = serde_json::Deserializer::from_reader(BufReader::with_capacity(1 << 20, file));
+    let file = dir.file(&format!("{table}.json")).ok_or_else(|| fail("the file is missing".to_owned()))?;
+    let (file, length) = file.open().map_err(|e| fail(e.to_string()))?;
+    let buffer = usize::try_from(length).unwrap_or(BUFFER).min(BUFFER);
+    let mut json = serde_json::Deserializer::from_reader(BufReader::with_capacity(buffer, file));
     json.deserialize_seq(Rows(keep, PhantomData)).map_err(|e| fail(e.to_string()))
 }
 
 /// Number of scenes.
-pub(super) fn scene_count(dir: &Path) -> Result<u64, TableError> {
+pub(super) fn scene_count(dir: Folder<'_>) -> Result<u64, TableError> {
     let mut n = 0;
     each_row(dir, "scene", |_: serde::de::IgnoredAny| n += 1)?;
     Ok(n)
@@ -160,7 +164,10 @@ pub(super) fn scene_count(dir: &Path) -> Result<u64, TableError> {
 
 /// The scenes at `indices` in `scene.json` and all rows that belong to each, in one pass over the tables; an index that
 /// `scene.json` does not have is an error of its own.
-pub(super) fn read(dir: &Path, indices: &[u64]) -> Result<Vec<Result<SceneTables, TableError>>, TableError> {
+pub(super) fn read(
+    dir: Folder<'_>,
+    indices: &[u64],
+) -> Result<Vec<Result<SceneTables, TableError>>, TableError> {
     let mut scenes = scenes(dir, indices)?;
     // Rows name their scene by a chain of tokens; here each token leads to the scene's place in `scenes`.
     let mut samples: HashMap<String, usize> = HashMap::new();
@@ -201,7 +208,7 @@ pub(super) fn read(dir: &Path, indices: &[u64]) -> Result<Vec<Result<SceneTables
 }
 
 /// The scenes at `indices` with their logs, as yet without rows.
-fn scenes(dir: &Path, indices: &[u64]) -> Result<Vec<Result<SceneTables, TableError>>, TableError> {
+fn scenes(dir: Folder<'_>, indices: &[u64]) -> Result<Vec<Result<SceneTables, TableError>>, TableError> {
     let (mut found, mut at) = (HashMap::new(), 0);
     each_row(dir, "scene", |s: Scene| {
         if indices.contains(&at) {
@@ -225,7 +232,7 @@ fn scenes(dir: &Path, indices: &[u64]) -> Result<Vec<Result<SceneTables, TableEr
 }
 
 /// The category's name of each of these instances; empty where the tables do not say.
-fn categories(dir: &Path, instances: &HashSet<String>) -> Result<HashMap<String, String>, TableError> {
+fn categories(dir: Folder<'_>, instances: &HashSet<String>) -> Result<HashMap<String, String>, TableError> {
     let mut names = HashMap::new();
     each_row(dir, "category", |c: Category| drop(names.insert(c.token, c.name)))?;
     let mut out = HashMap::new();

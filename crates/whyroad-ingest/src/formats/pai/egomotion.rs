@@ -55,6 +55,12 @@ pub(super) fn read(table: &Columns) -> Result<(PoseTrack, RowCount), String> {
 }
 
 impl PoseTrack {
+    /// Of a vehicle that stands at these times (us).
+    pub fn standing(times: &[i64]) -> Self {
+        let pose = Se3 { q: [1.0, 0.0, 0.0, 0.0], t: [0.0; 3] };
+        Self { times: times.to_vec(), poses: vec![pose; times.len()], velocities: Vec::new() }
+    }
+
     /// The pose at `time` (us): the log's own, or between its two neighbors. `None` outside the log and inside a gap.
     pub fn at(&self, time: i64) -> Option<Se3> {
         let next = self.times.partition_point(|&t| t < time);

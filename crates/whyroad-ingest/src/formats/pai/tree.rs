@@ -1,10 +1,12 @@
 //! The tree of a PhysicalAI-AV download: `features.csv` says where the files of a feature are, `clip_index.parquet`
 //! which clip is in which chunk. Only what has been downloaded is there.
 
-use crate::encodings::columns::{Columns, read_parquet};
+use crate::encodings::columns::{Columns, read_parquet, read_parquet_bytes};
 use crate::encodings::zip_members::ZipMembers;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::fs::{self, File};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 /// The table of features, in the folder of the tree.
@@ -23,6 +25,11 @@ pub(super) struct Feature {
 }
 
 impl Feature {
+    /// Path of a chunk below the tree.
+    pub fn chunk_path(&self, chunk: i64) -> String {
+        filled(&self.chunk_path, "chunk_id", &Number(chunk))
+    }
+
     /// What files a clip has in the archive.
     pub fn file_names(&self) -> Vec<String> {
         self.files.keys().cloned().collect()
@@ -50,7 +57,7 @@ pub(super) struct Tree {
     pub features: BTreeMap<String, Feature>,
     pub clips: Vec<Clip>,
     collection: Option<BTreeMap<String, Collection>>,
-    archives: BTreeMap<PathBuf, Result<ZipMembers, String>>,
+    archives: BTreeMap<PathBuf, Result<ZipMembers<BufReader<File>>, String>>,
 }
 
 /// A clip's file inside an archive.
@@ -65,10 +72,11 @@ impl Tree {
     /// Reads both tables; the error names the file.
     pub fn open(root: &Path) -> Result<Self, (PathBuf, String)> {
         let of = |name: &'static str| move |reason| (root.join(name), reason);
+        let read = |name: &str| fs::read(root.join(name)).map_err(|e| e.to_string());
         Ok(Self {
             root: root.to_owned(),
-            features: features(&root.join(FEATURES)).map_err(of(FEATURES))?,
-            clips: clips(&root.join(CLIPS)).map_err(of(CLIPS))?,
+            features: read(FEATURES).and_then(|c| features(&c)).map_err(of(FEATURES))?,
+            clips: read(CLIPS).and_then(clips).map_err(of(CLIPS))?,
             collection: None,
             archives: BTreeMap::new(),
         })
@@ -76,8 +84,7 @@ impl Tree {
 
     /// The file of a chunk, where it has been downloaded.
     pub fn chunk_file(&self, feature: &str, chunk: i64) -> Option<PathBuf> {
-        let path =
-            self.root.join(filled(&self.features.get(feature)?.chunk_path, "chunk_id", &Number(chunk)));
+        let path = self.root.join(self.features.get(feature)?.chunk_path(chunk));
         path.is_file().then_some(path)
     }
 
@@ -98,7 +105,7 @@ impl Tree {
         feature: &str,
         file: &str,
         clip: &Clip,
-    ) -> Option<(Result<&mut ZipMembers, String>, String, String)> {
+    ) -> Option<(Result<&mut ZipMembers<BufReader<File>>, String>, String, String)> {
         let path = self.chunk_file(feature, clip.chunk)?;
         let name = filled(self.features.get(feature)?.files.get(file)?, "clip_id", &Text(&clip.id));
         let shown = path.strip_prefix(&self.root).unwrap_or(&path).display().to_string().replace('\\', "/");
@@ -126,14 +133,15 @@ impl Tree {
     /// What `data_collection` says of a clip. An unreadable or missing table is an unknown.
     pub fn collection(&mut self, clip: &Clip) -> Collection {
         let root = &self.root;
-        let table =
-            self.collection.get_or_insert_with(|| collection(&root.join(COLLECTION)).unwrap_or_default());
+        let read = || fs::read(root.join(COLLECTION)).ok().and_then(|c| collection(c).ok());
+        let table = self.collection.get_or_insert_with(|| read().unwrap_or_default());
         table.get(&clip.id).cloned().unwrap_or_default()
     }
 }
 
-fn features(path: &Path) -> Result<BTreeMap<String, Feature>, String> {
-    let mut reader = csv::Reader::from_path(path).map_err(|e| e.to_string())?;
+/// The table of features.
+pub(super) fn features(content: &[u8]) -> Result<BTreeMap<String, Feature>, String> {
+    let mut reader = csv::Reader::from_reader(content);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
     let column = |name: &str| {
         header.iter().position(|h| h == name).ok_or_else(|| format!("column '{name}' is missing"))
@@ -163,8 +171,9 @@ fn index_of(table: &Columns) -> Result<Vec<Option<String>>, String> {
     table.texts(if table.has("clip_id") { "clip_id" } else { "__index_level_0__" })
 }
 
-fn clips(path: &Path) -> Result<Vec<Clip>, String> {
-    let table = read_parquet(path)?;
+/// The index of clips.
+pub(super) fn clips(content: Vec<u8>) -> Result<Vec<Clip>, String> {
+    let table = read_parquet_bytes(content)?;
     let (ids, chunks) = (index_of(&table)?, table.integers("chunk")?);
     let valid =
         if table.has("clip_is_valid") { table.texts("clip_is_valid")? } else { vec![None; ids.len()] };
@@ -177,8 +186,9 @@ fn clips(path: &Path) -> Result<Vec<Clip>, String> {
         .collect()
 }
 
-fn collection(path: &Path) -> Result<BTreeMap<String, Collection>, String> {
-    let table = read_parquet(path)?;
+/// What is known of how clips were recorded.
+pub(super) fn collection(content: Vec<u8>) -> Result<BTreeMap<String, Collection>, String> {
+    let table = read_parquet_bytes(content)?;
     let ids = index_of(&table)?;
     let texts = |name: &str| if table.has(name) { table.texts(name) } else { Ok(vec![None; ids.len()]) };
     let (countries, platforms) = (texts("country")?, texts("platform_class")?);

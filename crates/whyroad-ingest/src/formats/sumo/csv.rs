@@ -1,9 +1,9 @@
 //! FCD as CSV: `sumo --fcd-output fcd.csv` (columns `timestep_time;vehicle_id;...`), `xml2csv.py`, or headers without
 //! the tag (`time;id;...`). The separator is the first of `;`, `,` and tab that the header has. SUMO quotes no values.
 
+use crate::encodings::input::Input;
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 
 const KINDS: [&str; 3] = ["vehicle", "person", "container"];
 
@@ -41,10 +41,10 @@ fn columns(header: &str, separator: char) -> HashMap<(&'static str, String), usi
 }
 
 /// Hands every row to `visit`. `Err` says why reading stopped.
-pub(super) fn for_each_row(path: &Path, mut visit: impl FnMut(Row)) -> Result<(), String> {
+pub(super) fn for_each_row(input: Input<'_>, mut visit: impl FnMut(Row)) -> Result<(), String> {
     let mut input = BufReader::with_capacity(
         1 << 16,
-        crate::encodings::compressed::open(path).map_err(|e| e.to_string())?,
+        crate::encodings::compressed::open(input).map_err(|e| e.to_string())?,
     );
     let mut line = String::new();
     input.read_line(&mut line).map_err(|e| e.to_string())?;

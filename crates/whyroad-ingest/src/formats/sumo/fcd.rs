@@ -5,6 +5,7 @@ use super::csv::for_each_row;
 use super::vehicle_types::IsPerson;
 use crate::assemble::angles::wrap_angle;
 use crate::encodings::compressed::without_ending;
+use crate::encodings::input::Input;
 use crate::encodings::xml::{Tag, for_each_tag};
 use crate::report::RowCount;
 use crate::source::file_label;
@@ -58,40 +59,39 @@ pub(super) struct Fcd {
 
 /// Reads the file as far as it can be read. `Err` when it is not FCD.
 pub(super) fn read(path: &Path) -> Result<Fcd, String> {
-    let mut fcd = Fcd { count: RowCount::new("fcd"), ..Fcd::default() };
-    let mut is_fcd = false;
-    let end = if without_ending(&file_label(path).to_lowercase()).ends_with(".csv") {
-        let end = for_each_row(path, |row| {
-            is_fcd = true;
-            // Every row of CSV states its time; rows of one step stand together.
-            let step = row.get("time").and_then(|t| fcd.step_of_row(nanos(t)));
-            if let Some(kind) = row.kind {
-                fcd.add(step, kind, |name| row.get(name).map(Cow::Borrowed));
-            }
-        });
-        is_fcd |= end.is_ok();
-        end
-    } else {
-        let mut step: Option<i64> = None;
-        for_each_tag(path, |tag| match tag {
-            Tag::Open(e) => match e.name() {
-                "fcd-export" => is_fcd = true,
-                "timestep" => step = e.get("time").and_then(|t| fcd.next_step(nanos(&t))),
-                kind @ ("vehicle" | "person" | "container") => fcd.add(step, kind, |name| e.get(name)),
-                _ => {}
-            },
-            Tag::Close("timestep") => step = None,
-            Tag::Close(_) => {}
-        })
-    };
-    match end {
-        _ if !is_fcd => Err(end.err().unwrap_or_else(|| "it has no <fcd-export>".to_owned())),
-        Ok(()) => Ok(fcd),
-        Err(reason) => {
-            fcd.broken = Some(reason);
-            Ok(fcd)
+    let is_csv = without_ending(&file_label(path).to_lowercase()).ends_with(".csv");
+    if is_csv { read_csv(path.into()) } else { read_xml(path.into()) }
+}
+
+/// The same of CSV.
+pub(super) fn read_csv(input: Input<'_>) -> Result<Fcd, String> {
+    let (mut fcd, mut is_fcd) = (Fcd::new(), false);
+    let end = for_each_row(input, |row| {
+        is_fcd = true;
+        // Every row of CSV states its time; rows of one step stand together.
+        let step = row.get("time").and_then(|t| fcd.step_of_row(nanos(t)));
+        if let Some(kind) = row.kind {
+            fcd.add(step, kind, |name| row.get(name).map(Cow::Borrowed));
         }
-    }
+    });
+    fcd.ended(is_fcd || end.is_ok(), end)
+}
+
+/// The same of XML.
+pub(super) fn read_xml(input: Input<'_>) -> Result<Fcd, String> {
+    let (mut fcd, mut is_fcd) = (Fcd::new(), false);
+    let mut step: Option<i64> = None;
+    let end = for_each_tag(input, |tag| match tag {
+        Tag::Open(e) => match e.name() {
+            "fcd-export" => is_fcd = true,
+            "timestep" => step = e.get("time").and_then(|t| fcd.next_step(nanos(&t))),
+            kind @ ("vehicle" | "person" | "container") => fcd.add(step, kind, |name| e.get(name)),
+            _ => {}
+        },
+        Tag::Close("timestep") => step = None,
+        Tag::Close(_) => {}
+    });
+    fcd.ended(is_fcd, end)
 }
 
 /// Seconds as text to ns; `None` when it is no number.
@@ -100,6 +100,19 @@ fn nanos(seconds: &str) -> Option<i64> {
 }
 
 impl Fcd {
+    fn new() -> Self {
+        Self { count: RowCount::new("fcd"), ..Self::default() }
+    }
+
+    /// What was read, and why reading stopped before the end, if it did.
+    fn ended(mut self, is_fcd: bool, end: Result<(), String>) -> Result<Self, String> {
+        if !is_fcd {
+            return Err(end.err().unwrap_or_else(|| "it has no <fcd-export>".to_owned()));
+        }
+        self.broken = end.err();
+        Ok(self)
+    }
+
     /// Begins a step. Time that stands still or runs backwards cannot be a step of its own.
     fn next_step(&mut self, time: Option<i64>) -> Option<i64> {
         let time = time.filter(|t| self.steps.last().is_none_or(|last| t > last))?;

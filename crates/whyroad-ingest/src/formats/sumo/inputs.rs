@@ -32,7 +32,7 @@ pub(super) fn read_types(
     let mut types = VehicleTypes::default();
     for file in files {
         add_file(hash, &file);
-        if let Err(reason) = types.read(&file) {
+        if let Err(reason) = types.read(file.as_path().into()) {
             report.diagnostics.push(findings::type_unreadable(&file.display().to_string(), &reason));
         }
     }
@@ -63,7 +63,7 @@ pub(super) fn read_net(
     };
     let label = file.display().to_string();
     add_file(hash, &file);
-    match net::read(&file) {
+    match net::read(file.as_path().into()) {
         Ok(mut net) => {
             report.diagnostics.extend(findings::of_net(&label, &net));
             report.tables.push(std::mem::take(&mut net.count));
@@ -89,7 +89,7 @@ fn read_shapes(fcd: &Path, map: &mut RoadMap, hash: &mut ContentHash, report: &m
     let mut count = RowCount::new("shapes");
     for file in beside(fcd, &["poly", "add"]) {
         add_file(hash, &file);
-        if let Err(reason) = shapes::read(&file, map, &mut count) {
+        if let Err(reason) = shapes::read(file.as_path().into(), map, &mut count) {
             report.diagnostics.push(findings::shapes_unreadable(&file.display().to_string(), &reason));
         }
     }
@@ -118,7 +118,7 @@ pub(super) fn read_lights(
         _ => return None,
     };
     add_file(hash, &file);
-    match lights::read(&file, links, options.start()) {
+    match lights::read(file.as_path().into(), links, options.start()) {
         Ok(states) => Some(states),
         Err(reason) => {
             report.diagnostics.push(findings::lights_unreadable(&file.display().to_string(), &reason));

@@ -1,22 +1,22 @@
 //! Light states (`<tlsStates>`, written by `<timedEvent type="SaveTLSStates">`), one letter a link of the light.
 
 use super::net::LightLink;
+use crate::encodings::input::Input;
 use crate::encodings::xml::{Tag, for_each_tag};
 use std::collections::HashMap;
-use std::path::Path;
 use whyroad_model::Nanos;
 use whyroad_model::scene::{LightColor, LightState};
 
 /// States by lane and time, repeated ones left out. Light states before the drive's start are kept: they still hold
 /// then.
-pub(super) fn read(path: &Path, links: &[LightLink], start: Nanos) -> Result<Vec<LightState>, String> {
+pub(super) fn read(input: Input<'_>, links: &[LightLink], start: Nanos) -> Result<Vec<LightState>, String> {
     let mut of_light: HashMap<&str, Vec<&LightLink>> = HashMap::new();
     for l in links {
         of_light.entry(&l.tls).or_default().push(l);
     }
     let mut last: HashMap<(String, String), LightColor> = HashMap::new();
     let mut states = Vec::new();
-    for_each_tag(path, |tag| {
+    for_each_tag(input, |tag| {
         let Tag::Open(e) = tag else { return };
         if e.name() != "tlsState" {
             return;

@@ -11,10 +11,10 @@ use super::edge::Edge;
 use super::{ramps, roundabouts};
 use crate::assemble::geometry::{beside, between, distance};
 use crate::assemble::layers;
+use crate::encodings::input::Input;
 use crate::encodings::xml::{Element, Tag, for_each_tag};
 use crate::report::RowCount;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{
     Area, Facility, Lane, LaneKind, LayerState, MapLayer, Point3, StopLine, TurnKind,
@@ -73,11 +73,11 @@ struct Raw {
 }
 
 /// Reads the network as far as it can be read. `Err` when the file is not a network.
-pub(super) fn read(path: &Path) -> Result<Net, String> {
+pub(super) fn read(input: Input<'_>) -> Result<Net, String> {
     let mut net = Net { count: RowCount::new("map"), ..Net::default() };
     let mut raw = Raw::default();
     let (mut is_net, mut edge_id) = (false, String::new());
-    let end = for_each_tag(path, |tag| {
+    let end = for_each_tag(input, |tag| {
         let Tag::Open(e) = tag else { return };
         match e.name() {
             "net" => {

@@ -5,17 +5,17 @@
 //! aside.
 
 use crate::assemble::geometry::distance;
+use crate::encodings::input::Input;
 use crate::encodings::xml::{Element, Tag, for_each_tag};
 use crate::report::RowCount;
-use std::path::Path;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Facility, Point3, Sign};
 use whyroad_model::vocabulary::{FACILITY_KINDS, SIGN_KINDS};
 
-/// Adds what `path` holds to `map`; `Err` says why reading stopped.
-pub(super) fn read(path: &Path, map: &mut RoadMap, count: &mut RowCount) -> Result<(), String> {
+/// Adds what the file holds to `map`; `Err` says why reading stopped.
+pub(super) fn read(input: Input<'_>, map: &mut RoadMap, count: &mut RowCount) -> Result<(), String> {
     let mut in_sign = false;
-    let end = for_each_tag(path, |tag| match tag {
+    let end = for_each_tag(input, |tag| match tag {
         Tag::Open(e) if e.name() == "poly" => {
             count.read += 1;
             match facility_kind(&e) {

@@ -1,8 +1,8 @@
 //! Sizes and classes of SUMO's vehicle types: from `<vType>` elements where given, else SUMO's defaults for the class.
 
+use crate::encodings::input::Input;
 use crate::encodings::xml::{Tag, for_each_tag};
 use std::collections::BTreeMap;
-use std::path::Path;
 use whyroad_model::ObjectClass;
 
 /// What a type says about all its vehicles.
@@ -23,9 +23,9 @@ pub(super) struct VehicleTypes(BTreeMap<String, VehicleType>);
 impl VehicleTypes {
     /// Adds the types of a route or additional file. SUMO has no class for animals and the like: `<param
     /// key="whyroad.class" value="animal"/>` inside a type says it in our words.
-    pub fn read(&mut self, path: &Path) -> Result<(), String> {
+    pub fn read(&mut self, input: Input<'_>) -> Result<(), String> {
         let mut inside: Option<String> = None;
-        for_each_tag(path, |tag| {
+        for_each_tag(input, |tag| {
             let e = match tag {
                 Tag::Open(e) => e,
                 Tag::Close("vType") => return inside = None,

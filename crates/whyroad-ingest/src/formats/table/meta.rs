@@ -3,9 +3,8 @@
 use super::findings;
 use super::reader::Reader;
 use super::words::UnknownWords;
+use crate::encodings::input::Folder;
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::{Path, PathBuf};
 use whyroad_model::vocabulary::{FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
 use whyroad_model::yaml::{self, Node, Value};
 use whyroad_model::{Diagnostic, Nanos};
@@ -39,16 +38,17 @@ pub(super) struct EgoBox {
     pub reference_to_centre_m: f64,
 }
 
-pub(super) fn drive_file(dir: &Path) -> Option<PathBuf> {
-    ["drive.yaml", "drive.yml", "drive.json"].iter().map(|n| dir.join(n)).find(|p| p.is_file())
+pub(super) fn drive_file(dir: Folder<'_>) -> Option<&'static str> {
+    ["drive.yaml", "drive.yml", "drive.json"].into_iter().find(|name| dir.has(name))
 }
 
 impl Meta {
     /// Reads the file; what is wrong goes into the report, and without the two things that nobody can guess there is no
     /// drive.
     pub fn read(reader: &mut Reader) -> Option<Self> {
-        let folder = reader.dir.display().to_string();
-        let Some(path) = drive_file(reader.dir) else {
+        let folder = reader.dir.own_label();
+        let found = drive_file(reader.dir).and_then(|name| Some((name, reader.dir.file(name)?)));
+        let Some((name, file)) = found else {
             let en = "drive.yaml is missing; it states the reference point of the ego's pose".to_owned();
             reader.report.diagnostics.push(findings::bad_meta(
                 &folder,
@@ -57,8 +57,8 @@ impl Meta {
             ));
             return None;
         };
-        let label = path.display().to_string();
-        let parsed = fs::read_to_string(&path).map_err(|e| e.to_string()).and_then(|text| {
+        let label = reader.dir.label(name);
+        let parsed = file.text().map_err(|e| e.to_string()).and_then(|text| {
             reader.hash.add("drive", text.as_bytes());
             // YAML reads JSON too.
             yaml::parse(&text).map_err(|e| format!("{}:{}: {}", e.mark.line, e.mark.column, e.message().en))

@@ -3,10 +3,9 @@
 use super::findings;
 use super::sheet::{Sheet, sheet_file};
 use crate::assemble::frames::{Frames, every_tenth};
+use crate::encodings::input::Folder;
 use crate::report::SourceReport;
-use crate::source::{ContentHash, file_label};
-use std::fs;
-use std::path::Path;
+use crate::source::ContentHash;
 use whyroad_model::Nanos;
 use whyroad_model::scene::FRAME_RATE_HZ;
 
@@ -17,7 +16,7 @@ const GAP_STEPS: f64 = 1.5;
 
 /// What every table is read with.
 pub(super) struct Reader<'a> {
-    pub dir: &'a Path,
+    pub dir: Folder<'a>,
     pub hash: ContentHash,
     pub report: &'a mut SourceReport,
     /// Time of `time_s` zero.
@@ -67,16 +66,14 @@ impl Reader<'_> {
         columns: &[&'static str],
         required: &[&[&'static str]],
     ) -> Option<Sheet> {
-        let path = sheet_file(self.dir, stem)?;
-        let label = path.display().to_string();
-        match fs::read(&path) {
-            Ok(bytes) => self.hash.add(&file_label(&path), &bytes),
-            Err(e) => {
-                self.report.diagnostics.push(findings::unreadable(&label, &e.to_string()));
-                return None;
-            }
-        }
-        let sheet = match Sheet::open(&path) {
+        let name = sheet_file(self.dir, stem)?;
+        let label = self.dir.label(&name);
+        let read = self.dir.file(&name)?.bytes().map_err(|e| e.to_string());
+        let read = read.and_then(|bytes| {
+            self.hash.add(&name, &bytes);
+            Sheet::read(&name, &label, bytes.into_owned())
+        });
+        let sheet = match read {
             Ok(s) => s,
             Err(e) => {
                 self.report.diagnostics.push(findings::unreadable(&label, &e));

@@ -1,13 +1,13 @@
 //! One table, Parquet or CSV, as columns of texts. An empty cell is an unknown value.
 
 use super::problems::Problems;
-use crate::encodings::columns::{Columns, read_parquet};
-use std::path::{Path, PathBuf};
+use crate::encodings::columns::{Columns, read_parquet_bytes};
+use crate::encodings::input::Folder;
 use whyroad_model::Nanos;
 
 /// `ego.parquet` or `ego.csv` in the folder; the former when both are there.
-pub(super) fn sheet_file(dir: &Path, stem: &str) -> Option<PathBuf> {
-    ["parquet", "csv"].iter().map(|ext| dir.join(format!("{stem}.{ext}"))).find(|p| p.is_file())
+pub(super) fn sheet_file(dir: Folder<'_>, stem: &str) -> Option<String> {
+    ["parquet", "csv"].iter().map(|ext| format!("{stem}.{ext}")).find(|name| dir.has(name))
 }
 
 /// The three ways to give a row's time; one of them is enough.
@@ -28,11 +28,12 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    pub fn open(path: &Path) -> Result<Self, String> {
-        let is_csv = path.extension().is_some_and(|e| e == "csv");
-        let columns = if is_csv { read_csv(path)? } else { texts_of(&read_parquet(path)?)? };
+    /// From the content of the file of this name.
+    pub fn read(name: &str, label: &str, content: Vec<u8>) -> Result<Self, String> {
+        let is_csv = name.ends_with(".csv");
+        let columns = if is_csv { read_csv(&content)? } else { texts_of(&read_parquet_bytes(content)?)? };
         let rows = columns.first().map_or(0, |(_, cells)| cells.len());
-        Ok(Self { label: path.display().to_string(), columns, rows, first_row: if is_csv { 2 } else { 1 } })
+        Ok(Self { label: label.to_owned(), columns, rows, first_row: if is_csv { 2 } else { 1 } })
     }
 
     pub fn names(&self) -> Vec<String> {
@@ -124,9 +125,8 @@ impl Sheet {
     }
 }
 
-fn read_csv(path: &Path) -> Result<Vec<Column>, String> {
-    let mut reader =
-        csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(|e| e.to_string())?;
+fn read_csv(content: &[u8]) -> Result<Vec<Column>, String> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(content);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
     // Spreadsheets begin UTF-8 files with a byte order mark.
     let name = |n: &str| n.trim_start_matches('\u{feff}').to_owned();

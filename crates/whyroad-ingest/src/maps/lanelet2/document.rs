@@ -1,8 +1,8 @@
 //! An OSM file as Lanelet2 uses it: nodes, ways and relations with tags, before anything is placed.
 
+use crate::encodings::input::Input;
 use crate::encodings::xml::{Element, Tag, for_each_tag};
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
 
 /// Tags of an element.
 pub(super) type Tags = BTreeMap<String, String>;
@@ -78,10 +78,10 @@ enum Open {
 }
 
 /// Reads the file as far as it can be read. `Err` when it is not OSM XML.
-pub(super) fn read(path: &Path) -> Result<Document, String> {
+pub(super) fn read(input: Input<'_>) -> Result<Document, String> {
     let mut out = Document::default();
     let (mut is_osm, mut open) = (false, Open::Nothing);
-    let end = for_each_tag(path, |tag| match tag {
+    let end = for_each_tag(input, |tag| match tag {
         Tag::Open(e) if e.name() == "osm" => is_osm = true,
         Tag::Open(e) => begin(&e, &mut open),
         Tag::Close("node" | "way" | "relation") => match std::mem::replace(&mut open, Open::Nothing) {

@@ -3,8 +3,8 @@
 
 use super::cubic::{Cubic, Profile};
 use super::plan_view::{Geometry, Shape};
+use crate::encodings::input::Input;
 use crate::encodings::xml::{Element, Tag, for_each_tag};
-use std::path::Path;
 
 /// Which end of a road, by ascending station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -163,9 +163,9 @@ pub(super) struct Document {
 }
 
 /// Reads the file as far as it can be read. `Err` when it is not OpenDRIVE.
-pub(super) fn read(path: &Path) -> Result<Document, String> {
+pub(super) fn read(input: Input<'_>) -> Result<Document, String> {
     let mut state = State::default();
-    let end = for_each_tag(path, |tag| match tag {
+    let end = for_each_tag(input, |tag| match tag {
         Tag::Open(e) => state.open(&e),
         Tag::Close(name) => state.close(name),
     });

@@ -14,6 +14,7 @@ use parquet::basic::Compression;
 use parquet::file::metadata::ParquetMetaDataReader;
 use parquet::file::properties::{WriterProperties, WriterVersion};
 use proptest::prelude::*;
+use std::fs::File;
 use std::io::Write;
 
 /// How a file is written.
