@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Generates the trial's drives with known truth: `python3 make.py develop|varied|held|held2|held3|held4|held5|held6|held7 OUT_DIR [NETWORK ...]`.
+"""Generates the trial's drives with known truth: `python3 make.py GROUP OUT_DIR [NETWORK ...]`, GROUP being develop,
+varied, held, held2, held3, held4, held5, held6 or held7.
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). `develop` may be looked at while rules are changed; `held` has
 other networks, drivers and steps, and is evaluated once (docs/reference/accuracy.md says when). Nothing generated is
