@@ -114,7 +114,7 @@ export const labelTexts = {
 
   "comp.title": ["关键要素", "Critical components"],
   "comp.add": ["添加要素", "Add component"],
-  "comp.add_object": ["把选中的目标加为要素", "Add the selected object as a component"],
+  "comp.add_object": ["把选中的目标加为要素", "Add the selected object"],
   "comp.description": ["描述", "Description"],
   "comp.category": ["类别", "Category"],
   "comp.uncertainty": ["不确定性", "Uncertainty"],
