@@ -2,7 +2,8 @@
 // what `whyroad demo --out` wrote in WHYROAD_DEMO. Reports key presses and the page's own time per task, and the time
 // that a person takes by the keystroke-level model (Card, Moran, Newell 1980): K = 0.28 s per key of an average typist,
 // H = 0.4 s for a change between keys and the input method, M = 1.35 s for a decision. Assumed: one M per component
-// read, decision, trace part and record, and watching the clip once at double rate. The pointer is never pressed.
+// read, decision, trace part and record, and watching the clip once at double rate. The pointer is never pressed. Also
+// measures that Stage II fits a window of 1280 x 800 in both languages, as it opens and when all is filled in.
 import assert from "node:assert/strict";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -27,6 +28,8 @@ const browser = await driver.launch({ executablePath, args: ["--no-sandbox", "--
 const service = await serve({ data: join(scratch, "data"), demo: process.env.WHYROAD_DEMO });
 const faults = [];
 const done = [];
+/** Where Stage II is higher than the window. */
+const below = [];
 try {
   const lead = await person(browser, service.url, { faults });
   await lead.page.getByLabel("用户名").fill("wang");
@@ -66,6 +69,7 @@ try {
     }
   }
   assert.deepEqual(faults, []);
+  assert.deepEqual(below, [], "Stage II fits one screen");
   const sorted = (key) => done.map((d) => d[key]).sort((a, b) => a - b);
   const median = (key) => sorted(key)[Math.floor(done.length / 2)];
   console.log(`${done.length} tasks of ${seen.size} classes: median ${median("keys")} keys, page ${median("page").toFixed(1)} s, model ${median("model").toFixed(0)} s; most ${sorted("model").at(-1)?.toFixed(0)} s by the model`);
@@ -75,6 +79,17 @@ try {
   await browser.close();
   await service.stop("SIGKILL");
   rmSync(scratch, { recursive: true, force: true });
+}
+
+/** Notes by how much the form is higher than its room, in both languages. Not counted: nobody works in two. */
+async function fits(page, where) {
+  for (let n = 0; n < 2; n++) {
+    const px = await page.locator(".form").evaluate((form) => form.scrollHeight - form.clientHeight);
+    if (px > 0) below.push(`${where}, ${await page.evaluate(() => document.documentElement.lang)}: ${px} px`);
+    const before = await page.evaluate(() => document.documentElement.lang);
+    await page.keyboard.press("Alt+l");
+    await page.waitForFunction((before) => document.documentElement.lang !== before, before);
+  }
 }
 
 /** Labels the task that is open, counting. */
@@ -122,6 +137,7 @@ async function label(page, task) {
   await press("Control+Enter");
   await page.locator('[data-section="decisions"]').waitFor();
   await page.locator(".board .later").waitFor({ state: "detached", timeout: 60_000 });
+  await fits(page, task.task.scenario_id);
   // Stage II begins with the safety filter.
   await press("y");
   thoughts++;
@@ -184,6 +200,7 @@ async function label(page, task) {
   }
   await press("Escape");
   await settled();
+  await fits(page, `${task.task.scenario_id}, filled in`);
   await press("Control+Enter");
   await page.locator('[data-action="next"]').waitFor({ timeout: 15_000 }).catch(async () => {
     throw new Error(`${task.task.scenario_id}: ${await page.locator('[data-section="findings"], .banners').allInnerTexts()} ${await page.locator(".error").allInnerTexts()}`);

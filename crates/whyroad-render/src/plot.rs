@@ -90,8 +90,8 @@ pub fn render(
     };
     m.raw("<b>")
         .both(&series.value_text(span.keyframe, &info))
-        .raw("</b> <span class=\"faint\">")
-        .text(info.unit.map_or("", |u| u.symbol));
+        .raw("</b><span class=\"faint\">")
+        .text(&info.unit.map(|unit| unit.of("")).unwrap_or_default());
     m.raw("</span></figcaption><svg viewBox=\"0 0 ").num(WIDTH, 0).raw(" ").num(HEIGHT, 0).raw("\">");
     frame(&mut m, signals, span);
     match series.column {

@@ -63,6 +63,8 @@ export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
   const suggestion = editor.task?.suggestion;
   for (const row of signalRows(scene, suggestion?.signals ?? [], suggestion?.conditions ?? [], { speeds: speedUnit.unit, lang: language })) {
     if (out.length >= MOST_SIGNALS + 3) break;
+    // Said already, by what the target is.
+    if (row.id === "target.speed" && object?.id === editor.target && object?.speed != null) continue;
     const column = row.column ?? columnOf([], "number");
     const value = column?.kind === "line" ? column.values[i] : null;
     if (row.inRule && typeof value === "number" && Number.isFinite(value)) add(row.name, withUnit(number(value, row.scale.digits), row.scale.unit));

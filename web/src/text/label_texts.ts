@@ -114,7 +114,7 @@ export const labelTexts = {
 
   "comp.title": ["关键要素", "Critical components"],
   "comp.add": ["添加要素", "Add component"],
-  "comp.add_object": ["把选中的目标加为要素", "Add the selected object as a component"],
+  "comp.add_object": ["把选中的目标加为要素", "Add the selected object"],
   "comp.description": ["描述", "Description"],
   "comp.category": ["类别", "Category"],
   "comp.uncertainty": ["不确定性", "Uncertainty"],
@@ -161,7 +161,11 @@ export const labelTexts = {
   "trace.as_text": ["整段编辑", "Edit as text"],
   "trace.as_slots": ["分栏编辑", "Edit in parts"],
   "trace.insert": ["插入", "Insert"],
-  "trace.insert.hint": ["或 @：插入要素、决策或此刻的测量值；Enter 到下一栏", "or @: insert a component, the decision or a value measured now; Enter goes on"],
+  "trace.insert.short": ["或 @ 插入", "or @ inserts"],
+  "trace.insert.hint": [
+    "Alt+I 或 @：插入要素、决策或此刻的测量值；Enter 到下一栏",
+    "Alt+I or @: insert a component, the decision or a value measured now; Enter goes on",
+  ],
   "trace.short_reason": ["原因太简略：写明为何迫使自车作出决策。", "The reason says too little: why does it force a decision?"],
   "trace.repeats_state": ["原因与状态相同。", "The reason repeats the state."],
   "trace.words": ["{n} 词", "{n} {n:word|words}"],

@@ -16,7 +16,7 @@ pub(super) fn shortfalls(m: &mut Markup, a: &Analytics, names: &ClassNames) {
         m.raw("<p>").say("没有缺口。", "Nothing is short.").raw("</p>");
         return;
     }
-    m.raw("<p>").int(a.shortfalls.len()).say(" 个 L3", " leaves").raw("</p>");
+    m.raw("<p>").int(a.shortfalls.len()).say(" 个 L3 场景", " classes").raw("</p>");
     let (first, rest) = a.shortfalls.split_at(a.shortfalls.len().min(LEAVES));
     shortfall_table(m, first, names);
     if !rest.is_empty() {
@@ -31,33 +31,34 @@ pub(super) fn shortfalls(m: &mut Markup, a: &Analytics, names: &ClassNames) {
         .raw("</p>");
 }
 
+/// Columns of numbers; those that no row has are left out.
+const NUMBERS: [(&str, &str, fn(&Shortfall) -> Option<u64>); 5] = [
+    ("目标", "wanted", |s| s.wanted),
+    ("已接受", "accepted", |s| s.accepted),
+    ("进行中", "in progress", |s| s.in_progress),
+    ("未建任务", "without a task", |s| s.untasked),
+    ("须再挖掘", "still to mine", |s| s.missing),
+];
+
 fn shortfall_table(m: &mut Markup, rows: &[Shortfall], names: &ClassNames) {
+    let numbers: Vec<_> = NUMBERS.iter().filter(|(.., of)| rows.iter().any(|s| of(s).is_some())).collect();
+    let mut columns = vec![("场景", "class", Align::Text), ("下一步", "next step", Align::Text)];
+    columns.extend(numbers.iter().map(|(zh, en, _)| (*zh, *en, Align::Number)));
+    columns.push(("预计需行驶", "driving expected", Align::Number));
+    columns.push(("查询", "query", Align::Text));
     m.raw("<table>");
-    head(
-        m,
-        &[
-            ("场景", "class", Align::Text),
-            ("下一步", "next step", Align::Text),
-            ("目标", "wanted", Align::Number),
-            ("已接受", "accepted", Align::Number),
-            ("进行中", "in progress", Align::Number),
-            ("未建任务", "without a task", Align::Number),
-            ("须再挖掘", "still to mine", Align::Number),
-            ("预计需行驶", "driving expected", Align::Number),
-            ("查询", "query", Align::Text),
-        ],
-    );
+    head(m, &columns);
     m.raw("<tbody>");
     for s in rows {
-        shortfall(m, s, &names.get(&s.scenario_id));
+        shortfall(m, s, &names.get(&s.scenario_id), numbers.iter().map(|(.., of)| of(s)));
     }
     m.raw("</tbody></table>");
 }
 
-fn shortfall(m: &mut Markup, s: &Shortfall, name: &Bilingual) {
+fn shortfall(m: &mut Markup, s: &Shortfall, name: &Bilingual, numbers: impl Iterator<Item = Option<u64>>) {
     m.raw("<tr><th scope=\"row\" title=\"").text(&s.scenario_id.to_string()).raw("\">").both(name);
     m.raw("</th><td class=\"step\">").both(&s.step.text());
-    for n in [s.wanted, s.accepted, s.in_progress, s.untasked, s.missing] {
+    for n in numbers {
         m.raw("</td><td class=\"n\">");
         count(m, n);
     }
