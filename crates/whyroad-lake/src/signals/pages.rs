@@ -38,6 +38,12 @@ pub(super) struct Dense {
     pub known: Option<Bitmap>,
 }
 
+/// Rows that a row group may have: a drive of an hour with a thousand objects at all times has a quarter of it. A file of a
+/// few bytes can state any number, and runs of one value as long.
+const MAX_ROWS: usize = 1 << 27;
+/// Values for which memory is taken before they are read.
+const RESERVED: usize = 1 << 24;
+
 /// Reads a column of a row group with this number of rows. The error is a text.
 pub(super) fn read(
     file: &mut (impl Read + Seek),
@@ -47,8 +53,11 @@ pub(super) fn read(
     let (start, length) = column.byte_range();
     let words = |e: &dyn Display| format!("column {}: {e}", column.column_path());
     let length = usize::try_from(length).map_err(|e| words(&e))?;
+    if rows > MAX_ROWS {
+        return Err(words(&format!("{rows} rows are more than a drive can have")));
+    }
     // The length is the file's word: not much more memory is taken than the file has bytes.
-    let mut bytes = Vec::with_capacity(length.min(1 << 24));
+    let mut bytes = Vec::with_capacity(length.min(RESERVED));
     file.seek(SeekFrom::Start(start)).map_err(|e| words(&e))?;
     file.by_ref().take(length as u64).read_to_end(&mut bytes).map_err(|e| words(&e))?;
     let descriptor = column.column_descr();
@@ -59,7 +68,7 @@ pub(super) fn read(
     let pages = SerializedPageReader::new(chunk, column, rows, None).map_err(|e| words(&e))?;
     let mut decoder =
         Decoder::new(column.column_type(), rows).ok_or_else(|| words(&"its type is not supported"))?;
-    let mut known = (descriptor.max_def_level() > 0).then(|| Bitmap::with_capacity(rows));
+    let mut known = (descriptor.max_def_level() > 0).then(|| Bitmap::with_capacity(rows.min(RESERVED)));
     let mut done = 0;
     for page in pages {
         let page = page.map_err(|e| words(&e))?;
@@ -122,7 +131,7 @@ struct Decoder {
 impl Decoder {
     fn new(physical: Type, rows: usize) -> Option<Self> {
         // How many rows there are is the file's word, too.
-        let rows = rows.min(1 << 24);
+        let rows = rows.min(RESERVED);
         let values = match physical {
             Type::DOUBLE => Values::Numbers(Vec::with_capacity(rows)),
             Type::INT32 | Type::INT64 => Values::Integers(Steps::default()),

@@ -206,10 +206,15 @@ fn drivable_area(a: DrivableArea) -> Area {
     Area { id: a.id.to_string(), boundary }
 }
 
+/// No coordinate of a city is greater, m.
+const EARTH_M: f64 = 1e8;
+
 fn dangling_links(lanes: &[Lane]) -> Vec<Dangling> {
     let known = |id: &String| lanes.binary_search_by(|l| l.id.cmp(id)).is_ok();
-    let corners: MultiPoint =
-        lanes.iter().flat_map(|l| l.left.iter().chain(&l.right)).map(|p| Point::new(p.x, p.y)).collect();
+    let edges = lanes.iter().flat_map(|l| l.left.iter().chain(&l.right));
+    // The hull is computed by products of differences, and panics where they are not numbers.
+    let on_earth = edges.filter(|p| p.x.abs() < EARTH_M && p.y.abs() < EARTH_M);
+    let corners: MultiPoint = on_earth.map(|p| Point::new(p.x, p.y)).collect();
     let hull = corners.convex_hull();
     let mut out = Vec::new();
     for l in lanes {
@@ -256,4 +261,30 @@ fn complete_links(lanes: &mut [Lane]) -> usize {
         }
     }
     added
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_beyond_the_earth_do_not_break_the_border() {
+        // Found by the fuzz target `av2-map`: a corner at x = -1e308.
+        let line = |y: f64, far: f64| {
+            let point = |x: f64| format!(r#"{{"x": {x:?}, "y": {y:?}, "z": 0.0}}"#);
+            format!("[{}]", [0.0, 20.0, far, 60.0].map(point).join(", "))
+        };
+        for far in [40.0, 1e308, -1e308] {
+            let text = format!(
+                r#"{{"lane_segments": {{"1": {{"id": 1, "is_intersection": false, "lane_type": "VEHICLE",
+                "left_lane_boundary": {}, "right_lane_boundary": {}, "left_lane_mark_type": "NONE",
+                "right_lane_mark_type": "NONE", "successors": [7], "predecessors": [], "left_neighbor_id": null,
+                "right_neighbor_id": null}}}}, "pedestrian_crossings": {{}}, "drivable_areas": {{}}}}"#,
+                line(1.8, far),
+                line(-1.8, far)
+            );
+            let reading = read(&text).unwrap();
+            assert_eq!((reading.map.lanes.len(), reading.dangling.len()), (1, 1), "{far}");
+        }
+    }
 }

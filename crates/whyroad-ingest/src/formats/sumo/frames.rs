@@ -27,7 +27,7 @@ pub(super) enum Cadence {
 /// Frame times (ns of simulated time) and how they were made.
 pub(super) fn frames(steps: &[i64], ego: &Object) -> (Vec<i64>, Cadence) {
     let own: Vec<i64> = ego.samples.iter().map(|s| s.time).collect();
-    let mut gaps: Vec<i64> = steps.windows(2).map(|w| w[1] - w[0]).collect();
+    let mut gaps: Vec<i64> = steps.windows(2).map(|w| w[1].saturating_sub(w[0])).collect();
     gaps.sort_unstable();
     let Some(&step) = gaps.get(gaps.len() / 2) else { return (own, Cadence::AsIs) };
     if (step - FRAME_NS).abs() <= TOLERANCE_NS {
@@ -55,7 +55,7 @@ pub(super) fn at(samples: &[Sample], time: i64) -> Option<Sample> {
         return Some(*b);
     }
     let a = &samples[next.checked_sub(1)?];
-    if b.time - a.time > MAX_INTERPOLATION_NS {
+    if b.time.saturating_sub(a.time) > MAX_INTERPOLATION_NS {
         return None;
     }
     let share = time.saturating_sub(a.time) as f64 / b.time.saturating_sub(a.time) as f64;
@@ -114,6 +114,17 @@ mod tests {
                 .enumerate()
                 .all(|(i, t)| (t - i as i64 * FRAME_NS).abs() <= 20_000_000 && t % 40_000_000 == 0)
         );
+    }
+
+    #[test]
+    fn steps_farther_apart_than_64_bits_hold_leave_the_egos_frames() {
+        // Found by the fuzz target `sumo-fcd`: a time of -1e308 s.
+        let o = object(FRAME_NS, 2);
+        let (f, _) = frames(&[i64::MIN, 0, FRAME_NS], &o);
+        assert_eq!(f, [0, FRAME_NS]);
+        let mut apart = object(FRAME_NS, 2);
+        (apart.samples[0].time, apart.samples[1].time) = (i64::MIN, i64::MAX);
+        assert!(at(&apart.samples, 0).is_none());
     }
 
     #[test]

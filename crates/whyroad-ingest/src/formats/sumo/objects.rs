@@ -61,7 +61,8 @@ fn motion(
         // SUMO's z is the road's surface.
         m.z[i] = s.z + shape.height_m / 2.0;
     }
-    let seconds: Vec<f64> = rows.iter().map(|(_, s)| (s.time - rows[0].1.time) as f64 / 1e9).collect();
+    let seconds: Vec<f64> =
+        rows.iter().map(|(_, s)| s.time.saturating_sub(rows[0].1.time) as f64 / 1e9).collect();
     let jumped = |i: usize| is_person == IsPerson::No && side_jump(&rows[i - 1].1, &rows[i].1);
     for i in (1..rows.len()).filter(|&i| jumped(i)) {
         if notes.jumps == 0 {

@@ -195,6 +195,8 @@ fn a_column_of_another_length_is_an_error() {
     assert!(read(&mut file, column, 100).is_ok());
     assert!(read(&mut file, column, 99).is_err());
     assert!(read(&mut file, column, 101).is_err());
+    // Memory for a bit per row would end the process.
+    assert!(read(&mut file, column, 1 << 62).is_err());
     // The file ends in the middle of the column.
     file.set_len(column.byte_range().0 + 10).unwrap();
     assert!(read(&mut file, column, 100).is_err());
