@@ -193,7 +193,7 @@ fn told(
             TellWord::Outcome => Told::Event(start, end),
             TellWord::Past if !(own_decision && in_past) => Told::Event(start, end),
             // What the ego itself means to do next is its plan: "then goes back to its lane".
-            TellWord::Event if !own_decision && !(is_sequel(&clause[start..end]) && !others_act(clause)) => {
+            TellWord::Event if !own_decision && (!is_sequel(&clause[start..end]) || others_act(clause)) => {
                 Told::Event(start, end)
             }
             TellWord::PastOfSubject if !(own_decision && in_past) && somebody_acts(start, end) => {
