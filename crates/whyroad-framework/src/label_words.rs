@@ -100,6 +100,8 @@ pub struct KnownKinds {
     pub sight: GroupSet,
     /// Where there is none of it, there is nothing to respond to.
     pub adverse: GroupSet,
+    /// What the road, its surface, the light or the view is like; not what falls.
+    pub condition: GroupSet,
 }
 
 /// What is said of a thing, a bit each: `doings` of the file, and the states of the same names.
@@ -116,6 +118,12 @@ impl Doings {
     #[must_use]
     pub fn with(self, other: Doings) -> Doings {
         Doings(self.0 | other.0)
+    }
+
+    /// What is in `other`, too.
+    #[must_use]
+    pub fn only(self, other: Doings) -> Doings {
+        Doings(self.0 & other.0)
     }
 
     /// What is not in `other`.

@@ -58,6 +58,10 @@ pub struct Aftermath {
     pub new_subject: NewSubject,
     /// Irregular past tenses of decisions.
     pub decided: Vec<String>,
+    /// Events that the ego itself may plan: "then".
+    pub sequel: Vec<String>,
+    /// The moment of the decision: what was told before it was seen, too.
+    now: Words,
 }
 
 impl Aftermath {
@@ -69,6 +73,14 @@ impl Aftermath {
         mut take: impl FnMut(TellWord, usize, usize),
     ) {
         self.trace.find_in(units, bytes, |f| take(self.tells[f.word], f.start, f.end));
+    }
+
+    /// The text speaks of the moment of the decision.
+    pub fn is_now(&self, text: &str) -> bool {
+        self.now.zh.iter().any(|w| text.contains(w.as_str()))
+            || text
+                .split(|c: char| !c.is_ascii_alphabetic())
+                .any(|word| self.now.en.iter().any(|w| word.eq_ignore_ascii_case(w)))
     }
 }
 
@@ -98,6 +110,8 @@ pub(super) struct RawAftermath {
     not_past: Words,
     outcome: Words,
     event: Words,
+    sequel: Words,
+    now: Words,
     pub(super) component: Words,
 }
 
@@ -133,6 +147,8 @@ impl RawAftermath {
                 behind: list(&self.new_subject.behind),
             },
             decided: list(&self.decided),
+            sequel: list(&self.sequel),
+            now: self.now.clone(),
         }
     }
 }

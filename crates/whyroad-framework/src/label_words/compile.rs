@@ -110,6 +110,10 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         route: kind("route"),
         sight: kind("occlusion"),
         adverse: kind("adverse"),
+        condition: ["road_shape", "surface", "lighting", "weather", "occlusion", "dark"]
+            .into_iter()
+            .fold(GroupSet::default(), |set, k| set.with(kind(k)))
+            .without(kind("rain").with(kind("snow"))),
     };
 
     // A queue is waited in, and "no car" does nothing.

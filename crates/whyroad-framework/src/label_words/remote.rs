@@ -28,6 +28,12 @@ pub struct Remote {
     /// Behind what is counted.
     on: HashSet<String>,
     on_chinese: Vec<String>,
+    /// Before what is counted, in Chinese.
+    onward: Vec<String>,
+    /// Before a length, the same.
+    ahead: Vec<String>,
+    /// Behind a length, in Chinese: what is so far away.
+    of_chinese: Vec<String>,
     digits: CharSet,
     number: HashSet<String>,
 }
@@ -52,7 +58,13 @@ impl Remote {
         let word = |i: usize| all.get(i).map_or("", |w| w.1);
         let is_number =
             |i: usize| word(i).starts_with(|c: char| c.is_ascii_digit()) || self.number.contains(word(i));
-        let counted = |i: usize| (i.saturating_sub(4)..i).any(is_number);
+        // "A" counts only what it stands before.
+        let counted =
+            |i: usize| (i.saturating_sub(4)..i).any(|k| is_number(k) && (word(k) != "a" || k + 1 == i));
+        // "The next three kilometers": how long something is.
+        let extends = |i: usize| (i.saturating_sub(4)..i).any(|k| ["next", "over", "for"].contains(&word(k)));
+        // "The junction on the right" is near.
+        let placed = |i: usize| word(i + 1) == "on" && ["the", "our", "ego"].contains(&word(i + 2));
         let is_year = |i: usize| {
             let w = word(i);
             w.len() == 4
@@ -64,8 +76,9 @@ impl Remote {
             self.dates.contains(w)
                 || is_year(i) && ["in", "since", "of"].contains(&before)
                 || self.spans.contains(w) && (self.which.contains(before) || self.ago.contains(next))
-                || self.lengths.contains(w) && counted(i) && !self.per.contains(next)
-                || self.stages.contains(w) && counted(i) && self.on.contains(next)
+                || self.lengths.contains(w) && counted(i) && !self.per.contains(next) && !extends(i)
+                || self.stages.contains(w) && counted(i) && self.on.contains(next) && !placed(i)
+                || self.stages.contains(w) && next == "after" && word(i + 2) == "next"
                 || ["further", "farther"].contains(&w) && ["on", "up"].contains(&next) && counted(i)
         })?;
         Some((all[i].0, all[i].0 + all[i].1.len()))
@@ -84,10 +97,24 @@ impl Remote {
         // Most kilometers are those of a speed.
         let away = |at: usize, end: usize| {
             let from = text[..at].rfind(['，', '。', '；']).unwrap_or(0);
-            begins(end, &self.on_chinese) || text[from..at].contains("还有")
+            begins(end, &self.on_chinese)
+                || text[from..at].contains("还有")
+                || begins(end, &self.of_chinese) && {
+                    let before = text[from..at].trim_end().trim_end_matches(is_number);
+                    self.ahead.iter().chain(&self.onward).any(|w| before.ends_with(w.as_str()))
+                }
         };
         let length = || find(&self.lengths_chinese, &|at, end| counted(at) && away(at, end));
-        let stage = || find(&self.stages_chinese, &|at, end| counted(at) && begins(end, &self.on_chinese));
+        // "两个路口外", "再往前两个路口", "隔着三个街口".
+        let onward = |at: usize| {
+            let before = text[..at].trim_end().trim_end_matches(is_number);
+            self.onward.iter().any(|w| before.ends_with(w.as_str()))
+        };
+        let stage = || {
+            find(&self.stages_chinese, &|at, end| {
+                counted(at) && (begins(end, &self.on_chinese) || onward(at)) && !text[..at].ends_with('一')
+            })
+        };
         date.or_else(span).or_else(length).or_else(stage)
     }
 }
@@ -104,6 +131,9 @@ pub(super) struct RawRemote {
     per: Words,
     stages: Words,
     far: Words,
+    onward: Words,
+    ahead: Words,
+    of: Words,
     number: Words,
 }
 
@@ -125,6 +155,9 @@ impl RawRemote {
             stages_chinese: self.stages.zh.clone(),
             on: set(&self.far),
             on_chinese: self.far.zh.clone(),
+            onward: self.onward.zh.clone(),
+            ahead: self.ahead.zh.clone(),
+            of_chinese: self.of.zh.clone(),
             digits: CharSet::of(self.number.zh.iter().map(String::as_str)),
             number: set(&self.number),
         }

@@ -65,6 +65,14 @@ pub struct Subjects {
     pub goes_to: [Vec<String>; 2],
     /// Say that somebody is another one of his kind.
     pub another: Vec<String>,
+    /// Before what somebody cannot do, in lower case.
+    pub unable: Vec<String>,
+    /// Another lane than the ego's, in lower case.
+    pub beside_ego: Vec<String>,
+    /// Say of a way that nothing is on it, in lower case.
+    pub free: Vec<String>,
+    /// Say that there is no room, in lower case.
+    pub full: Vec<String>,
     /// Names of each part of which there is a left and a right one, in lower case.
     pub side_parts: Vec<Vec<String>>,
 }
@@ -97,6 +105,14 @@ impl Subjects {
             || text
                 .split(|c: char| !c.is_ascii_alphabetic())
                 .any(|word| latin.iter().any(|w| word.eq_ignore_ascii_case(w)))
+    }
+
+    /// The text says of something that it is to the left or to the right.
+    pub fn speaks_of_side(&self, text: &str) -> bool {
+        text.contains(['左', '右'])
+            || text
+                .split(|c: char| !c.is_ascii_alphabetic())
+                .any(|w| w.eq_ignore_ascii_case("left") || w.eq_ignore_ascii_case("right"))
     }
 
     /// The text begins with the ego, as the one who does something.
@@ -197,6 +213,10 @@ pub(super) struct RawSubjects {
     goes_left: Words,
     goes_right: Words,
     another: Words,
+    unable: Words,
+    beside_ego: Words,
+    free: Words,
+    full: Words,
     side_parts: Vec<Words>,
 }
 
@@ -237,6 +257,10 @@ impl RawSubjects {
             at: [all(&self.before_ego), all(&self.behind_ego)],
             goes_to: [all(&self.goes_left), all(&self.goes_right)],
             another: all(&self.another),
+            unable: all(&self.unable),
+            beside_ego: all(&self.beside_ego),
+            free: all(&self.free),
+            full: all(&self.full),
             side_parts: self.side_parts.iter().map(all).collect(),
         }
     }

@@ -24,6 +24,12 @@ pub struct Undecided {
     controls_chinese: Vec<String>,
     /// Chinese: somebody who is not named acts, the ego.
     acts: Vec<String>,
+    /// Chinese: words that only look like one of those.
+    not_acts: Vec<String>,
+    /// Before the ego, where it does not act.
+    behind: HashSet<String>,
+    /// Behind "is": how something is.
+    degrees: HashSet<String>,
     /// Chinese: what would come of it.
     would: Vec<String>,
     /// Chinese: begin a clause with a subject of its own, or say that there is something.
@@ -59,7 +65,9 @@ impl Undecided {
         let Some(first) = all.first() else { return ClauseMood::State };
         let ego = |w: &str| ["we", "i", "ego"].contains(&w.split('\'').next().unwrap_or_default());
         let (own, _) = first.split_once('\'').unwrap_or((first, ""));
-        if let Some(at) = all.iter().position(|w| ego(w)) {
+        // "Slower than ego": with what is compared.
+        let acts = |at: usize| ego(all[at]) && (at == 0 || !self.behind.contains(all[at - 1]));
+        if let Some(at) = (0..all.len()).find(|at| acts(*at)) {
             let next = match all[at].split_once('\'') {
                 Some((_, "re")) => all.get(at + 1).copied().unwrap_or_default(),
                 Some((_, rest)) => rest,
@@ -70,15 +78,39 @@ impl Undecided {
             } else {
                 next
             };
-            return if self.could.contains(next) { ClauseMood::State } else { ClauseMood::Acts };
+            // "Come down to a speed that we could stop from": what is to be done comes first.
+            let subject = at == 0
+                || !names.is_empty()
+                || all[..at].iter().any(|w| self.begins.contains(*w)) && self.begins.contains(*first);
+            return match self.could.contains(next) {
+                true if subject || self.where_from.contains(*first) => ClauseMood::State,
+                true => ClauseMood::Open,
+                false => ClauseMood::Acts,
+            };
         }
+        // "18 m out", "which is just big enough".
+        let which = || {
+            let mut words = lower.split_whitespace();
+            words.next() == Some("which") && words.next().is_some_and(|w| self.is.contains(w))
+        };
+        if first.starts_with(|c: char| c.is_ascii_digit()) || which() {
+            return ClauseMood::State;
+        }
+        let controls = |part: &[&str]| part.iter().any(|w| self.controls.contains(*w));
         let named = names.first().is_some_and(|at| *at < lower.len() / 2);
         let is_verb = |w: &&str| self.is.contains(*w) || w.contains("'s") || w.contains("'re");
-        let Some(verb) = all.iter().take(LONGEST).position(is_verb) else { return ClauseMood::Open };
+        let Some(verb) = all.iter().take(LONGEST).position(is_verb) else {
+            // "The road disappears over the crest": whatever it does, it is not the ego.
+            let thing = ["the", "a", "an"].contains(first) && !controls(&all[..all.len().min(LONGEST)]);
+            return if thing { ClauseMood::State } else { ClauseMood::Open };
+        };
+        // "The speed is too high".
+        if all.get(verb + 1).is_some_and(|w| self.degrees.contains(*w)) {
+            return ClauseMood::State;
+        }
         // "That's us away", "it's the brakes".
         let points = ["it", "that"].contains(&own) && verb == 0;
-        if points || all[..=verb].iter().any(|w| self.controls.contains(*w)) && !self.where_from.contains(own)
-        {
+        if points || controls(&all[..=verb]) && !self.where_from.contains(own) {
             return ClauseMood::Acts;
         }
         let begins = self.begins.contains(own) || self.where_from.contains(own) || named;
@@ -89,7 +121,11 @@ impl Undecided {
         /// Bytes of what may stand before the subject.
         const NEAR: usize = 18;
         let clause = clause.trim_start();
-        if self.acts.iter().any(|w| clause.contains(w.as_str())) {
+        let mut bare = clause.to_owned();
+        for word in &self.not_acts {
+            bare = bare.replace(word.as_str(), "□");
+        }
+        if self.acts.iter().any(|w| bare.contains(w.as_str())) {
             return ClauseMood::Acts;
         }
         if self.would.iter().any(|w| clause.contains(w.as_str())) {
@@ -118,6 +154,9 @@ pub(super) struct RawUndecided {
     could: Words,
     controls: Words,
     acts: Words,
+    not_acts: Words,
+    behind: Words,
+    degrees: Words,
     would: Words,
     there: Words,
 }
@@ -134,6 +173,9 @@ impl RawUndecided {
             controls: set(&self.controls),
             controls_chinese: self.controls.zh.clone(),
             acts: self.acts.zh.clone(),
+            not_acts: self.not_acts.zh.clone(),
+            behind: set(&self.behind),
+            degrees: set(&self.degrees),
             would: self.would.zh.clone(),
             there: self.there.zh.clone(),
         }

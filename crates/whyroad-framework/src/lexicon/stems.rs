@@ -96,12 +96,38 @@ impl Stems {
         along: Option<Longitudinal>,
         across: Option<Lateral>,
     ) -> Option<(usize, usize)> {
+        self.against_by(clause, (along, across), &|_| true)
+    }
+
+    fn against_by(
+        &self,
+        clause: &str,
+        (along, across): (Option<Longitudinal>, Option<Lateral>),
+        holds: &dyn Fn(&&Effect) -> bool,
+    ) -> Option<(usize, usize)> {
         let clause = clause.to_ascii_lowercase();
-        let all =
-            self.effects.iter().filter(|e| e.against.has(along, across) && !e.goes_with.has(along, across));
+        let contradicts = |e: &&Effect| e.against.has(along, across) && !e.goes_with.has(along, across);
+        let all = self.effects.iter().filter(contradicts).filter(holds);
         let found =
             all.flat_map(|e| &e.words).flat_map(|w| word_starts(&clause, w).map(|at| (at, at + w.len())));
         found.filter(|(at, _)| self.denial_before(&clause, *at).is_none()).min()
+    }
+
+    /// The same of words by which the ego speeds up.
+    pub fn speeds(
+        &self,
+        clause: &str,
+        along: Option<Longitudinal>,
+        across: Option<Lateral>,
+    ) -> Option<(usize, usize)> {
+        let slows = |e: &&Effect| {
+            e.against.has(Some(Longitudinal::YieldToAgent), None)
+                && e.against.has(Some(Longitudinal::RoadSpeedAdaptation), None)
+                && !e.against.has(Some(Longitudinal::Resume), None)
+                && e.goes_with.has(Some(Longitudinal::AccelerationForPassing), None)
+                && !e.goes_with.has(Some(Longitudinal::SetSpeedTracking), None)
+        };
+        self.against_by(clause, (along, across), &slows)
     }
 
     /// Stems of one of the decisions.

@@ -4,6 +4,7 @@ mod attributes;
 pub(super) mod duplicates;
 pub(super) mod moment;
 pub(super) mod objects;
+pub(super) mod parts;
 pub(super) mod plausible;
 pub(super) mod records;
 pub(super) mod text;

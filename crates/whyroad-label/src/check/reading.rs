@@ -115,7 +115,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             // "If somebody, or a dog, came out".
             let adds = || words.clauses.alternative.iter().any(|w| starts_with(text[from..].trim_start(), w));
             let supposed = clause.supposed && adds();
-            clause = Clause { number: clause.number + 1, sentence, supposed, ..Clause::default() };
+            clause = Clause { number: clause.number + 1, from, sentence, supposed, ..Clause::default() };
         }
         last_end = hit.end;
         let word = &text[hit.start..hit.end];
@@ -125,7 +125,11 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             WordRole::Object(group) => {
                 out.words += 1;
                 let is_no_car = word.starts_with(['无', '没']) && word.ends_with('车');
-                let absent = is_no_car || clause.absent.is_some_and(|a| a.reaches(text, hit.start));
+                // "It is not snowing".
+                let is_not = clause.denied.is_some_and(|d| text[d.end..hit.start].trim().is_empty());
+                let absent = is_no_car
+                    || clause.absent.is_some_and(|a| a.reaches(text, hit.start))
+                    || is_not && words.objects[group].own.meets(words.known.adverse);
                 // "没有车排队".
                 if is_no_car {
                     clause.absent = Some(Denial { end: hit.end, is_latin: false });
@@ -250,8 +254,16 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 if !word.is_ascii()
                     && (text[..hit.start].ends_with(['都', '也', '全']) || at_end())
                     && let Some(n) = out.named.last_mut().filter(|n| n.clause == clause.number)
+                    && text.get(n.end..hit.start).is_some_and(is_of_absence)
                 {
                     n.absent = true;
+                }
+                // "Not a sign of backing up" is "backing up, of that no sign" in Chinese.
+                if text[..hit.start].ends_with(['都', '也'])
+                    && at_end()
+                    && let Some(act) = out.acts.last_mut().filter(|a| a.start >= clause.from)
+                {
+                    act.denied = true;
                 }
                 let word = Denial { end: hit.end, is_latin: word.is_ascii() };
                 (clause.absent, clause.denied) = (Some(word), Some(word));
@@ -275,6 +287,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
         }
     });
     clause.close(&mut out);
+    out.does = out.acts.iter().filter(|a| !a.denied).fold(Doings::default(), |all, a| all.with(a.doing));
     words.bearing.hits(units, text.len(), |says, start, end| match says {
         Bears::Clear => out.clear.push((start, end)),
         Bears::Harmless => out.harmless.push((start, end)),
@@ -299,6 +312,12 @@ fn is_imagined(text: &str, at: (usize, usize), units: &Units, words: &LabelWords
     has(&text[clause..at.0], &words.imagined)
         || has(&text[sentence..at.0], &words.predicted)
         || has(&text[at.1..clause_end], &words.predicted)
+}
+
+/// Stands in Chinese between a name and what says that it is not there: "ice, a bit of it there is not". With anything
+/// else between them, something else is not there: "the car, its lights are not on".
+fn is_of_absence(between: &str) -> bool {
+    between.chars().all(|c| "一点个辆人根本半丝压毫都也全些儿种，, ".contains(c))
 }
 
 /// What a text of Latin letters names next is any of its kind: no article or pronoun within three words before it.
@@ -371,6 +390,8 @@ impl Denial {
 #[derive(Default)]
 struct Clause {
     number: usize,
+    /// Its first byte.
+    from: usize,
     side: Option<bool>,
     color: Option<usize>,
     state: Option<SaidState>,
@@ -392,9 +413,6 @@ impl Clause {
         let denied = self.denied.is_some_and(|d| d.reaches(text, start));
         if !self.supposed {
             out.acts.push(Act { doing, denied, start, end });
-            if !denied {
-                out.does = out.does.with(doing);
-            }
         }
         denied
     }

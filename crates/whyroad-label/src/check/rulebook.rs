@@ -6,7 +6,9 @@ use super::business::{class, combination, decision, records};
 use super::cause::{circular, links, remote, text as cause_text, unused};
 use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::trace_rules::Said;
-use super::consistency::{duplicates, moment, objects, plausible, records as told, text, trace, trace_rules};
+use super::consistency::{
+    duplicates, moment, objects, parts, plausible, records as told, text, trace, trace_rules,
+};
 use super::form::{placeholder, version};
 use super::texts::{TextScope, Texts};
 use super::view::View;
@@ -81,6 +83,7 @@ impl Rulebook<'_> {
             .and_then(|(text, r)| trace_rules::aftermath(text, scope, r));
         cause_text::hindsight(scope, after, sink);
         cause_text::unobserved(label, words, sink);
+        parts::against_decision(scope, sink);
         let another_class = class.is_some_and(|c| text::class(scope, c, sink));
         cause_text::proximate(scope, sink);
         if !remote::remote(scope, sink) && !cause_text::distant(scope, sink) {

@@ -278,3 +278,35 @@ fn what_only_names_its_field_is_a_placeholder() {
     assert!(found("此处填写关键要素", YIELD_ZH) && found("critical component goes here", YIELD_EN));
     assert!(!found("一位老人从左侧横穿马路", YIELD_ZH));
 }
+
+#[test]
+fn a_component_does_not_speak_against_the_decision() {
+    let code = "label.trace.contradicts";
+    for part in ["自车踩着油门冲了过去", "本车继续加速"] {
+        assert_eq!(yielding(&[CROSSING_ZH[0], part], YIELD_ZH), [code], "{part}");
+    }
+    for part in ["自车时速四十公里", "自车来不及停车", "自车还没减速", "右侧车道是空的"]
+    {
+        assert!(yielding(&[CROSSING_ZH[0], part], YIELD_ZH).is_empty(), "{part}");
+    }
+    for part in ["the ego does not yield to him", "ego is speeding up towards the crossing"] {
+        assert_eq!(yielding(&[CROSSING_EN[0], part], YIELD_EN), [code], "{part}");
+    }
+    for part in
+        ["ego is at 40 km/h", "ego cannot stop in time", "ego has not slowed yet", "the left lane is empty"]
+    {
+        assert!(yielding(&[CROSSING_EN[0], part], YIELD_EN).is_empty(), "{part}");
+    }
+}
+
+#[test]
+fn what_is_planned_next_is_no_hindsight() {
+    for trace in [
+        "老人推着车横穿马路，和自车路线相交，自车减速让行，随后继续右转。",
+        "老人刚才停了半天才走，现在横穿马路，和自车路线相交，因此自车减速让行。",
+    ] {
+        assert!(!yielding(CROSSING_ZH, trace).contains(&"label.text.hindsight"), "{trace}");
+    }
+    let trace = "老人推着车横穿马路，和自车路线相交，自车减速让行，随后老人走远了。";
+    assert!(yielding(CROSSING_ZH, trace).contains(&"label.text.hindsight"));
+}

@@ -4,12 +4,12 @@
 use crate::check::consistency::trace::Reading;
 use crate::check::consistency::trace_rules;
 use crate::check::overlap;
-use crate::check::reading::{Named, TextFacts};
+use crate::check::reading::{Act, Named, TextFacts};
 use crate::check::subject;
 use crate::check::texts::TextScope;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::{Doings, GroupSet};
+use whyroad_framework::label_words::{Divider, Doings, GroupSet};
 
 /// Clauses that are read.
 const MOST_CLAUSES: usize = 24;
@@ -44,6 +44,16 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
         true => from >= reading.decision_from,
         false => trace_rules::states_decision(reading, lexicon, label, from, to),
     };
+    // Said not to do what its component says, and nowhere to do it.
+    let before = |a: &&Act| !reading.marked || a.start < reading.decision_from;
+    let acts = || trace.acts.iter().filter(before).filter(|a| a.doing.only(words.reaching).meets(given.does));
+    if !acts().any(|a| !a.denied)
+        && let Some(a) = acts().find(|a| a.denied && by_somebody(a, trace, words))
+    {
+        return Some(
+            words.clauses.around(&texts.units, a.start..a.end, text.len(), &|d| d != Divider::Aside),
+        );
+    }
     let (mut from, mut first, mut named) = (0, None, false);
     for _ in 0..MOST_CLAUSES {
         let end = words.clauses.clause_end(&texts.units, from, text.len());
@@ -72,6 +82,34 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
         let begin = clause.find(char::is_alphanumeric).unwrap_or(0);
         (from + begin, from + clause.trim_end().len().max(begin))
     })
+}
+
+/// Bytes of a sign that is not there in the trace, and is in a component: "there is no speed limit sign".
+pub(super) fn sign_is_missing(scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, .. } = *scope;
+    let text = label.trace.get()?;
+    let own = |n: &Named| words.objects[n.group].own;
+    let is_kind = |n: &Named| text[n.end..].starts_with(['的', '路']);
+    let stop_line = words.kinds.get("stop_line").copied().unwrap_or_default();
+    let control = words.known.light.with(stop_line);
+    let same = |n: &Named, m: &Named| own(n).meets(words.objects[m.group].near);
+    let given = |n: &Named| texts.components.iter().any(|f| f.there().any(|m| same(n, m)));
+    let gone = |n: &Named| texts.components.iter().any(|f| f.named.iter().any(|m| m.absent && same(n, m)));
+    let is_missing = |n: &&Named| {
+        n.absent
+            && !own(n).only(words.known.sign).without(control).is_empty()
+            && !is_kind(n)
+            && given(n)
+            && !gone(n)
+            && !texts.trace.there().any(|m| same(n, m))
+    };
+    texts.trace.named.iter().find(is_missing).map(|n| (n.start, n.end))
+}
+
+/// Somebody who acts is named before it.
+fn by_somebody(act: &Act, trace: &TextFacts, words: &LabelWords) -> bool {
+    let acts = |n: &Named| words.objects[n.group].own.meets(words.known.actor);
+    trace.named.iter().any(|n| n.end <= act.start && acts(n))
 }
 
 /// What a clause says for the decision.
@@ -122,7 +160,10 @@ fn speaks(
     };
     // "A hole or no hole".
     let doubted = |n: &Named| trace.there().any(|m| m.group == n.group);
-    let missing = |n: &Named| n.absent && !doubted(n) && (adverse(n) || there(&text[n.start..n.end]));
+    // "A junction without lights": what kind it is.
+    let is_kind = |n: &Named| text[n.end..].starts_with('的');
+    let missing =
+        |n: &Named| n.absent && !is_kind(n) && !doubted(n) && (adverse(n) || there(&text[n.start..n.end]));
     // "At a junction without lights a truck comes".
     if harmless || contradicts || !own().any(acting) && own().any(missing) {
         return Speaks::Against;

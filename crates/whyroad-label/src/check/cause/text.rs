@@ -289,7 +289,9 @@ pub(in crate::check) fn denied(scope: &TextScope<'_>, reading: &Reading, sink: &
     // A change of lane or a turn has its own cause, which may be the route or the road.
     let stays = label.lateral.get().is_none_or(|l| matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
     let clauses = || (stays && restricts).then(|| grounds::against(scope, reading)).flatten();
-    let Some((start, end)) = by_itself().or_else(clauses) else { return false };
+    let Some((start, end)) = by_itself().or_else(clauses).or_else(|| grounds::sign_is_missing(scope)) else {
+        return false;
+    };
     sink.report(Finding::warning("label.trace.contradicts", pointer::COC_TRACE).part(start, end), &|| {
         let phrase = &text[start..end];
         Words::new(

@@ -65,7 +65,8 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
         };
         groups[i].meets(groups[j])
             && of_ego(i) == of_ego(j)
-            && (adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words, background)
+            && (introduced_twice((text(i), &facts[i]), (text(j), &facts[j]), words)
+                || adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words, background)
                 || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words, background))
     };
     let by_facts = (1..facts.len()).any(|i| (0..i).any(|j| same_facts(i, j)));
@@ -157,6 +158,28 @@ fn adds_nothing(
         !both.is_empty() && (both.0.count_ones() > 1 || a.1.there().any(sided) || a.1.does.meets(b.1.does))
     };
     same && (!words.numbers.any(a.0) || words.numbers.any(b.0))
+}
+
+/// Both introduce a road user of a kind, as if he had not been named, and tell nothing by which there would be two: no
+/// other side, color, number or distance, and nothing that one does not do with what the other does.
+fn introduced_twice(a: (&str, &TextFacts), b: (&str, &TextFacts), words: &LabelWords) -> bool {
+    let acts = |n: &&Named| words.objects[n.group].own.meets(words.known.actor);
+    let head = |(t, f): (&str, &TextFacts)| {
+        let n = *f.there().find(acts)?;
+        subject::is_introduced(t, n.start, words).then_some(n)
+    };
+    let (Some(n), Some(m)) = (head(a), head(b)) else { return false };
+    let same = words.objects[n.group].own == words.objects[m.group].own;
+    let other = n.side.zip(m.side).is_some_and(|(x, y)| x != y)
+        || n.color.zip(m.color).is_some_and(|(x, y)| x != y)
+        || n.side.is_some() != m.side.is_some() && n.color.is_none()
+        || words.tells_another(a.0)
+        || words.tells_another(b.0);
+    let lengths = |text| words.quantities.lengths(text);
+    let (x, y) = (lengths(a.0), lengths(b.0));
+    let apart = !x.is_empty() && !y.is_empty() && !x.iter().any(|q| y.iter().any(|r| q.is_about(r)));
+    let doing = a.1.does.meets(b.1.does) || a.1.does.is_empty() != b.1.does.is_empty();
+    same && !other && !apart && doing
 }
 
 /// Both speak of one road user of a kind at the same distance, and neither says that there is another: nobody names

@@ -15,7 +15,7 @@ use whyroad_model::label_fields::pointer;
 
 /// Each thing in the trace, as far as `until`, is in a component.
 pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink) {
-    let TextScope { label, texts, words, background, .. } = *scope;
+    let TextScope { label, texts, words, background, about, .. } = *scope;
     let Some(text) = label.trace.get() else { return };
     // What a component that cannot be read names is not known: that of a broken field.
     let unread = label.parts.iter().any(|c| c.description.get().is_none());
@@ -47,7 +47,11 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
     // "Traffic or no traffic".
     let either =
         |n: &Named| texts.trace.named.iter().any(|m| m.absent && m.group == n.group && m.clause == n.clause);
-    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n) && !either(n);
+    // Where the class is about the road or the view, what it is like may be said in other words: "a crater of a pothole".
+    let describes = |n: &Named| {
+        about.meets(words.known.condition) && words.objects[n.group].own.meets(words.known.condition)
+    };
+    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n) && !either(n) && !describes(n);
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
     // In other words, or one that a component has in words that no list knows: most labels do not come to this.
     let unread = new.peek().map(|_| Unread::of(label, texts, words, background));

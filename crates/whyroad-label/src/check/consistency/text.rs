@@ -50,7 +50,7 @@ pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sin
     let elsewhere = || {
         let own = because.and_then(|at| reason_elsewhere(scope, at));
         let other = || reason_of_others(scope, decides);
-        own.or_else(other).map(|at| (at, false))
+        own.or_else(other).or_else(|| reason_of_no_road(scope, decides)).map(|at| (at, false))
     };
     if let Some((at, none)) = reasonless.or_else(elsewhere) {
         without_reason(label, at, none, sink);
@@ -128,6 +128,38 @@ fn reason_of_others(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)> 
     let inside = |at: usize| at < to && !is_name(at) && !is_common(at);
     let shared = overlap::shared(label, text, &words.compared, &inside);
     (shared == 0 && !any_unread(scope)).then_some((0, to))
+}
+
+/// Bytes of what stands before the decision, where it names nothing that the components name or the class is about, and
+/// has several words, of which the components have none: "oil prices have gone up again".
+fn reason_of_no_road(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, background, about, .. } = *scope;
+    let text = label.trace.get()?;
+    let part = text.get(..to)?;
+    let components = texts.all_components(words).with(about);
+    let own = |n: &Named| words.objects[n.group].own;
+    let inside = |at: usize| at < to;
+    // Where the ego is, is of the scene, too.
+    let known = texts
+        .trace
+        .named
+        .iter()
+        .filter(|n| inside(n.start))
+        .any(|n| own(n).meets(components) || own(n).meets(background) && !own(n).meets(words.known.gap));
+    if known
+        || texts.trace.acts.iter().any(|a| inside(a.start))
+        || words.subjects.speaks_of_ego(part)
+        || words.subjects.speaks_of_side(part)
+        || part.is_ascii() && words.is_of_driving(part)
+        || !overlap::says_more(text, &words.compared, &inside)
+    {
+        return None;
+    }
+    let is_common = |at: usize| words.subjects.is_common(text, at);
+    let other = |at: usize| inside(at) && !is_common(at);
+    let shares = overlap::shared(label, text, &words.compared, &other) > 0
+        || overlap::shares_characters(label, part, words);
+    (!shares && !any_unread(scope)).then_some((0, to))
 }
 
 /// `none`: the trace says so.

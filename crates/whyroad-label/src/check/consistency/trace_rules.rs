@@ -186,11 +186,35 @@ pub(in crate::check) fn trace(
             found = true;
             // A trace that is too short is reported as such.
             if !(not_stated && seen.length < limits.too_short_below / 2) {
-                let read = not_stated && undecided::is_undecided(text, reading, texts, words);
+                let read =
+                    not_stated && undecided::is_undecided(text, reading, texts, words, undecided::Strict::No);
                 verdict(&v, text, names, read, sink);
             }
         }
     });
+    // Stated in nothing but words of what others do, or of what is.
+    let decision = || {
+        let along = longitudinal.get().filter(|d| *d != Longitudinal::SetSpeedTracking).map(|d| d.id());
+        along.or_else(|| lateral.get().filter(|d| *d != Lateral::LaneKeeping).map(|d| d.id()))
+    };
+    let by_phrase = || {
+        reading
+            .mentions
+            .iter()
+            .any(|m| !m.by_other && m.force != Force::Negated && says_label(m, lexicon, label))
+    };
+    if let (false, false, Some(id)) = (found, short, decision())
+        && !by_phrase()
+        && undecided::is_undecided(text, reading, texts, words, undecided::Strict::Yes)
+    {
+        (found, none) = (true, true);
+        let v = TraceVerdict::NotStated {
+            label: id,
+            start: reading.decision_from.min(reading.end),
+            end: reading.end,
+        };
+        verdict(&v, text, names, true, sink);
+    }
     if let (false, Some(v)) = (found, side_beside(text, scope, reading)) {
         found = true;
         verdict(&v, text, names, false, sink);
@@ -344,7 +368,7 @@ pub(in crate::check) fn states_decision(
 }
 
 /// The mention goes with a decision of the label.
-fn says_label(m: &Mention, lexicon: &Lexicon, label: &View<'_>) -> bool {
+pub(super) fn says_label(m: &Mention, lexicon: &Lexicon, label: &View<'_>) -> bool {
     let says = &lexicon.phrases[m.phrase];
     label.longitudinal.get().is_some_and(|d| says.longitudinal.contains(&d))
         || label.lateral.get().is_some_and(|d| says.lateral.contains(&d))

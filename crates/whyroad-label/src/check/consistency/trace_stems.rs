@@ -73,8 +73,11 @@ pub(super) fn read(
             let at = from + at;
             is_ego && (marked || ego.is_some_and(|e| e < at) || other.is_none_or(|o| at <= o))
         };
+        // "Without changing lanes we miss it".
+        let follows = |(_, at): &(usize, usize)| !clause[*at..].starts_with(['就', '则', '便', '准', '会']);
         if matches!(found, ByStem::Unread) {
-            if let Some((a, b)) = lexicon.stems.denied(&clause, changes, moves).filter(by_ego) {
+            if let Some((a, b)) = lexicon.stems.denied(&clause, changes, moves).filter(by_ego).filter(follows)
+            {
                 found = ByStem::Denied(from + a, from + b);
             } else if let Some((a, b)) = lexicon.stems.against(&clause, along, across).filter(by_ego) {
                 found = ByStem::Against(from + a, from + b);

@@ -10,8 +10,23 @@ use whyroad_framework::label_words::{ClauseMood, Divider};
 /// Clauses that are read.
 const MOST_CLAUSES: usize = 24;
 
+/// Whether the ego may act in Chinese before the last clause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Strict {
+    /// It may not.
+    Yes,
+    /// It may: what it is about.
+    No,
+}
+
 /// Nothing in the trace is what the ego does.
-pub(super) fn is_undecided(text: &str, reading: &Reading, texts: &Texts, words: &LabelWords) -> bool {
+pub(super) fn is_undecided(
+    text: &str,
+    reading: &Reading,
+    texts: &Texts,
+    words: &LabelWords,
+    strict: Strict,
+) -> bool {
     // What a "therefore" marks is a decision, in whatever words.
     if reading.marked {
         return false;
@@ -37,7 +52,7 @@ pub(super) fn is_undecided(text: &str, reading: &Reading, texts: &Texts, words: 
     let marks = texts.units.marks();
     let sentences = marks.iter().filter(|m| words.clauses.divides(**m) == Some(Divider::Sentence));
     let last_sentence = sentences.map(|m| m.end()).rfind(|at| *at < end).unwrap_or(0);
-    let is_thing = |n: &&Named| !words.objects[n.group].own.meets(words.known.gap);
+    let is_thing = |n: &&Named| !words.objects[n.group].own.meets(words.known.no_cause);
     clauses.iter().all(|&(from, to)| {
         let begin = text[from..to].find(char::is_alphanumeric).map_or(from, |i| from + i);
         let inside = texts.trace.named.iter().filter(|n| (begin..to).contains(&n.start)).filter(is_thing);
@@ -46,6 +61,7 @@ pub(super) fn is_undecided(text: &str, reading: &Reading, texts: &Texts, words: 
             ClauseMood::State => true,
             // In Chinese the decision comes last; in English the last sentence states it.
             ClauseMood::Open if text.is_ascii() => begin < last_sentence,
+            ClauseMood::Acts if strict == Strict::Yes => false,
             _ => from < last && !text.is_ascii(),
         }
     })

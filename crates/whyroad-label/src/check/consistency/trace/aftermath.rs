@@ -42,8 +42,23 @@ pub(in crate::check::consistency) fn find(
         let mut before = texts.trace.named.iter().filter(|n| (from..m.start).contains(&n.start));
         !reading.marked && before.any(|n| words.objects[n.group].own.meets(shows))
     };
-    let own = |m: &&Mention| !m.by_other && m.force == Force::Asserted && !meant(m);
+    // "There stands a row of cars": "停了一排车".
+    let is_there = |m: &Mention| {
+        let behind = text[m.end..].trim_start_matches(['了', '着', '有']);
+        behind.len() < text.len() - m.end
+            && behind
+                .starts_with(|c| words.subjects.counts.contains(c) || words.subjects.counters.contains(c))
+    };
+    let own = |m: &&Mention| !m.by_other && m.force == Force::Asserted && !meant(m) && !is_there(m);
     let stated = deciding().filter(own).find(|m| !shown(m)).or_else(|| deciding().find(own));
+    // A topic at the head of the trace: "turning right there is no arrow; ... we turn right".
+    let head = words.clauses.clause_end(&texts.units, 0, text.len());
+    let stated = match stated {
+        Some(m) if !reading.marked && m.start < head && !m.by_ego => {
+            deciding().filter(own).filter(|n| n.start >= head && !shown(n) && n.by_ego).last().or(stated)
+        }
+        _ => stated,
+    };
     let stated = stated.or_else(|| deciding().find(|m| !m.by_other && reading.marked));
     let stated = stated.or_else(|| deciding().filter(|m| m.carried || m.force == Force::Asserted).last());
     let decided = match stated {
@@ -131,7 +146,9 @@ pub(in crate::check::consistency) fn done(
         words.aftermath.trace_hits(&texts.units, from..until, |tell, a, b| {
             exempt |= tell == TellWord::Exempt && !(a >= start && b <= to);
         });
-        !exempt
+        // "It hardly moved for a while, and now it does": before the keyframe.
+        let now = words.aftermath.is_now(&text[to..]);
+        !exempt && !now
     };
     texts.trace.done.iter().copied().find(is_told)
 }
@@ -157,6 +174,14 @@ fn told(
     let somebody_acts = |start: usize, end: usize| {
         has_subject(clause, start, offset, &texts.trace, words) || is_new_subject(clause, start, end, words)
     };
+    let is_sequel = |word: &str| words.aftermath.sequel.iter().any(|w| w == word);
+    let others_act = |clause: &str| {
+        let inside = |n: &Named| (offset..offset + clause.len()).contains(&n.start);
+        let acts = |n: &Named| words.objects[n.group].own.meets(words.known.actor);
+        clause.contains(['了', '才'])
+            || texts.trace.there().any(|n| inside(n) && acts(n))
+            || words.subjects.has_pronoun(clause)
+    };
     words.aftermath.trace_hits(&texts.units, offset..offset + clause.len(), |tell, start, end| {
         let (start, end) = (start - offset, end - offset);
         ends.push((start, end));
@@ -167,7 +192,10 @@ fn told(
             TellWord::Exempt => Told::Exempt,
             TellWord::Outcome => Told::Event(start, end),
             TellWord::Past if !(own_decision && in_past) => Told::Event(start, end),
-            TellWord::Event if !own_decision => Told::Event(start, end),
+            // What the ego itself means to do next is its plan: "then goes back to its lane".
+            TellWord::Event if !own_decision && (!is_sequel(&clause[start..end]) || others_act(clause)) => {
+                Told::Event(start, end)
+            }
             TellWord::PastOfSubject if !(own_decision && in_past) && somebody_acts(start, end) => {
                 Told::Event(start, end)
             }

@@ -1,0 +1,124 @@
+//! Components that speak against the decision: the ego does the opposite in them or not what is decided, the way that it
+//! stops for is free, or the side to which it goes is not. What somebody else does is the reason, and is left alone.
+
+use crate::check::consistency::trace::{self, Force};
+use crate::check::consistency::trace_rules;
+use crate::check::reading::{Named, TextFacts};
+use crate::check::texts::TextScope;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::lexicon::units::Units;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::label_fields::pointer;
+
+/// No component speaks against the decision.
+pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
+    let TextScope { label, texts, words, .. } = *scope;
+    if words.is_empty() {
+        return false;
+    }
+    let parts = label.parts.iter().zip(&texts.components);
+    let found = parts.filter_map(|(c, f)| Some((c.index, c.description.get()?, f))).find_map(|(i, t, f)| {
+        let at = ego_acts(t, scope).or_else(|| way_is_free(t, f, scope)).or_else(|| no_room(t, f, scope))?;
+        Some((i, t, at))
+    });
+    let Some((index, text, (start, end))) = found else { return false };
+    let at = pointer::critical_components_item_description(index);
+    sink.report(Finding::warning("label.trace.contradicts", at).part(start, end), &|| {
+        let phrase = text[start..end].trim();
+        Words::new(
+            format!("关键要素说“{phrase}”，与决策相反"),
+            format!("the component says '{phrase}', which speaks against the decision"),
+        )
+        .hint("改正要素，或检查决策", "correct the component, or check the decision")
+    });
+    true
+}
+
+/// Bytes of what the ego is said to do against the decision: it speeds up or goes on where it is to slow, or it does not
+/// do what is decided. That it cannot is a reason.
+fn ego_acts(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, lexicon, .. } = *scope;
+    if !words.subjects.begins_with_ego(text) {
+        return None;
+    }
+    let along = label.longitudinal.get().filter(|d| {
+        matches!(
+            d,
+            Longitudinal::YieldToAgent
+                | Longitudinal::StopForObstacle
+                | Longitudinal::StopForRegulation
+                | Longitudinal::RoadSpeedAdaptation
+                | Longitudinal::LeadFollowing
+        )
+    });
+    let across = label.lateral.get().filter(|d| *d != Lateral::LaneKeeping);
+    let units = Units::of(text);
+    let reading = trace::read(text, &units, lexicon);
+    let lower = text.to_ascii_lowercase();
+    if words.subjects.unable.iter().any(|w| lower.contains(w.as_str())) {
+        return None;
+    }
+    let is_own =
+        |m: &&trace::Mention| trace_rules::says_label(m, lexicon, label) && m.force == Force::Negated;
+    let refused = reading.refused.is_some();
+    if let Some(m) = reading.mentions.iter().find(|m| refused && is_own(m) && m.by_ego) {
+        return Some((m.start, m.end));
+    }
+    along?;
+    if lexicon.stems.find(text, along, across).is_some() {
+        return None;
+    }
+    let refused =
+        |at: &(usize, usize)| reading.refused.is_some_and(|(from, to, _)| from <= at.1 && at.0 <= to);
+    let denied = lexicon.stems.denied(text, along, None).filter(refused);
+    denied.or_else(|| lexicon.stems.speeds(text, along, across))
+}
+
+/// Bytes of what says that the ego's way is free, where it stops or gives way: not of another lane or side.
+fn way_is_free(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, about, .. } = *scope;
+    // Not "out of our path": who knows when.
+    let free = |at: &&(usize, usize)| {
+        let phrase = text[at.0..at.1].to_ascii_lowercase();
+        words.subjects.free.iter().any(|w| phrase.contains(w.as_str()))
+    };
+    let first = *facts.harmless.iter().find(free).or_else(|| {
+        let sight = about.meets(words.known.sight) && !about.meets(words.known.adverse);
+        facts.clear.first().filter(|_| sight)
+    })?;
+    let responds =
+        matches!(label.longitudinal.get(), Some(Longitudinal::YieldToAgent | Longitudinal::StopForObstacle));
+    if facts.named.iter().any(|n| words.objects[n.group].own.meets(words.known.actor)) {
+        return None;
+    }
+    let sided = facts.named.iter().any(|n| n.side.is_some()) || words.subjects.speaks_of_side(text);
+    let lower = text.to_ascii_lowercase();
+    let elsewhere = words.subjects.opposite.iter().chain(&words.subjects.beside_ego);
+    let opposite = elsewhere.into_iter().any(|w| lower.contains(w.as_str()));
+    (responds && label.lateral.get().is_none() && !sided && !opposite).then_some(first)
+}
+
+/// Bytes of what says that there is no room on the side to which the ego goes.
+fn no_room(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, .. } = *scope;
+    let goes = matches!(
+        label.lateral.get(),
+        Some(Lateral::LaneChange | Lateral::InLaneNudge | Lateral::OutOfLaneNudge | Lateral::MergeOrSplit)
+    );
+    let left = match label.direction.get().filter(|_| goes)? {
+        LateralDirection::Left => true,
+        LateralDirection::Right => false,
+        LateralDirection::Uturn => return None,
+    };
+    let side = if left { ["左", "left"] } else { ["右", "right"] };
+    let other = if left { ["右", "right"] } else { ["左", "left"] };
+    let lower = text.to_ascii_lowercase();
+    let has = |names: [&str; 2]| lower.contains(names[0]) || lower.contains(names[1]);
+    let gone = |n: &&Named| n.absent && words.objects[n.group].own.meets(words.known.gap);
+    let none = facts.named.iter().find(gone).map(|n| (n.start, n.end));
+    let full = || {
+        let all = words.subjects.full.iter();
+        all.filter_map(|w| lower.find(w.as_str()).map(|at| (at, at + w.len()))).min()
+    };
+    (has(side) && !has(other)).then(|| none.or_else(full)).flatten()
+}
