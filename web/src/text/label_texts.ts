@@ -283,6 +283,7 @@ export const labelTexts = {
   "check.resolve": ["标为已解决", "Resolve"],
   "check.resolved": ["已解决", "resolved"],
   "check.card": ["质检", "Check"],
+  "check.audit": ["抽检", "Audit"],
   "check.changes": ["退回后改动 {n} 处", "{n} {n:field|fields} changed since it was returned"],
   "check.because": ["因为", "because of"],
   "check.see_comments": ["见 {n} 条意见", "See {n} {n:comment|comments}"],

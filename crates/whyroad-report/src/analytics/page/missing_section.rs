@@ -31,8 +31,11 @@ pub(super) fn shortfalls(m: &mut Markup, a: &Analytics, names: &ClassNames) {
         .raw("</p>");
 }
 
+/// A column of numbers: its title, and what a row has there.
+type NumberColumn = (&'static str, &'static str, fn(&Shortfall) -> Option<u64>);
+
 /// Columns of numbers; those that no row has are left out.
-const NUMBERS: [(&str, &str, fn(&Shortfall) -> Option<u64>); 5] = [
+const NUMBERS: [NumberColumn; 5] = [
     ("目标", "wanted", |s| s.wanted),
     ("已接受", "accepted", |s| s.accepted),
     ("进行中", "in progress", |s| s.in_progress),
