@@ -99,7 +99,7 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
     let frames = match frames(&scenario, &label) {
         Ok(frames) => frames,
         Err(problem) => {
-            report.diagnostics.push(problem);
+            report.diagnostics.push(*problem);
             return None;
         }
     };
@@ -162,9 +162,9 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
 }
 
 /// Times of the frames, s.
-fn frames(scenario: &Scenario, label: &str) -> Result<Vec<f64>, Diagnostic> {
+fn frames(scenario: &Scenario, label: &str) -> Result<Vec<f64>, Box<Diagnostic>> {
     match implausible_span(label, 0.0, scenario.steps as f64 / FRAME_RATE_HZ) {
-        Some(problem) => Err(problem),
+        Some(problem) => Err(Box::new(problem)),
         None => Ok((0..scenario.steps).map(|i| i as f64 / FRAME_RATE_HZ).collect()),
     }
 }

@@ -132,7 +132,7 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
     let frames_us = match frames(&poses, &label) {
         Ok(frames) => frames,
         Err(problem) => {
-            report.diagnostics.push(problem);
+            report.diagnostics.push(*problem);
             return None;
         }
     };
@@ -205,11 +205,11 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
 }
 
 /// Times of the frames, us.
-fn frames(poses: &PoseTrack, label: &str) -> Result<Vec<i64>, Diagnostic> {
+fn frames(poses: &PoseTrack, label: &str) -> Result<Vec<i64>, Box<Diagnostic>> {
     let seconds = |us: &i64| *us as f64 / 1e6;
     let ends = poses.times.first().zip(poses.times.last());
     match ends.and_then(|(a, b)| implausible_span(label, seconds(a), seconds(b))) {
-        Some(problem) => Err(problem),
+        Some(problem) => Err(Box::new(problem)),
         None => Ok(poses.frames()),
     }
 }

@@ -51,13 +51,16 @@ pub(super) struct Collection {
     pub platform: Option<String>,
 }
 
+/// An archive on disk.
+type Archive = ZipMembers<BufReader<File>>;
+
 /// A tree, with the archives that were opened so far.
 pub(super) struct Tree {
     root: PathBuf,
     pub features: BTreeMap<String, Feature>,
     pub clips: Vec<Clip>,
     collection: Option<BTreeMap<String, Collection>>,
-    archives: BTreeMap<PathBuf, Result<ZipMembers<BufReader<File>>, String>>,
+    archives: BTreeMap<PathBuf, Result<Archive, String>>,
 }
 
 /// A clip's file inside an archive.
@@ -105,7 +108,7 @@ impl Tree {
         feature: &str,
         file: &str,
         clip: &Clip,
-    ) -> Option<(Result<&mut ZipMembers<BufReader<File>>, String>, String, String)> {
+    ) -> Option<(Result<&mut Archive, String>, String, String)> {
         let path = self.chunk_file(feature, clip.chunk)?;
         let name = filled(self.features.get(feature)?.files.get(file)?, "clip_id", &Text(&clip.id));
         let shown = path.strip_prefix(&self.root).unwrap_or(&path).display().to_string().replace('\\', "/");
