@@ -94,7 +94,9 @@ fn placed(
     runs: impl Iterator<Item = (Option<u32>, usize)>,
     column: ColumnDescPtr,
 ) -> ParquetResult<Encoded> {
-    let mut pages = Pages::new(Encoding::RLE_DICTIONARY);
+    // Some readers fail at a dictionary without entries.
+    let nothing = texts.is_empty();
+    let mut pages = Pages::new(if nothing { Encoding::PLAIN } else { Encoding::RLE_DICTIONARY });
     let nullable = column.max_def_level() > 0;
     let (mut known, mut hybrid) = (Bitmap::default(), Hybrid::of_places(texts.len()));
     let (mut nulls, mut has_dictionary) = (0, false);
@@ -102,7 +104,7 @@ fn placed(
         if known.len == 0 {
             return Ok(());
         }
-        if !std::mem::replace(&mut has_dictionary, true) {
+        if !nothing && !std::mem::replace(&mut has_dictionary, true) {
             pages.dictionary(texts)?;
         }
         let known = std::mem::take(known);
@@ -111,7 +113,10 @@ fn placed(
             return Err(ParquetError::General("a text is missing that must be there".into()));
         }
         let mut page = if nullable { levels(&known)? } else { Vec::new() };
-        page.extend_from_slice(&std::mem::replace(hybrid, Hybrid::of_places(texts.len())).finish());
+        let places = std::mem::replace(hybrid, Hybrid::of_places(texts.len())).finish();
+        if !nothing {
+            page.extend_from_slice(&places);
+        }
         pages.data(page, known.len)
     };
     for (place, rows) in runs {

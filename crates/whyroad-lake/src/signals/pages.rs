@@ -189,6 +189,8 @@ impl Decoder {
                 let codes: Vec<u16> = (0..u16::try_from(texts.len()).ok()?).collect();
                 looked_up(bytes, n, &codes, to)
             }
+            // A column in which nothing is known has no dictionary.
+            (Values::Texts(..), Encoding::PLAIN) if n == 0 => Some(()),
             (Values::Flags(to), Encoding::PLAIN) => to.push_bytes(bytes, n),
             (Values::Flags(to), Encoding::RLE) => {
                 let mut bytes = bytes;

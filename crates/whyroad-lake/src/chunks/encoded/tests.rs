@@ -118,4 +118,8 @@ fn columns_of_several_pages_are_read() {
 fn columns_in_which_nothing_is_known_are_read() {
     check(&[Tri::Unknown; 100], &[UNKNOWN_CODE; 100], &["a", "b"], &[("d", 100)]);
     check(&[Tri::Unknown; 100], &[UNKNOWN_CODE; 100], &[], &[("d", 100)]);
+    // fastparquet fails at a dictionary without entries.
+    let (_, metadata) = read_back(&[Tri::Unknown; 100], &[UNKNOWN_CODE; 100], &["a"], &[("d", 100)]);
+    assert_eq!(metadata.row_group(0).column(2).dictionary_page_offset(), None);
+    assert!(metadata.row_group(0).column(0).dictionary_page_offset().is_some());
 }
