@@ -16,7 +16,8 @@ pub struct DraftTexts {
     sides: BTreeMap<String, Pair>,
     openings: Openings,
     traces: Phrasings,
-    kept: Kept,
+    /// By id of [`WhyKept`].
+    kept: BTreeMap<String, KeptTexts>,
     classes: BTreeMap<String, ClassTexts>,
     decisions: DecisionTexts,
 }
@@ -29,6 +30,8 @@ pub struct Openings {
     pub standing: Phrasings,
     /// It moves; `{speed}` is its speed.
     pub moving: Phrasings,
+    /// It moves, and a number is said of something else.
+    pub moving_without_speed: Phrasings,
 }
 
 /// Texts of one class.
@@ -37,6 +40,10 @@ pub struct Openings {
 pub struct ClassTexts {
     /// The component where the recording tells none.
     seen: Option<Seen>,
+    /// What it is where signals tell more: the first whose conditions hold at the keyframe.
+    seen_when: Option<Vec<SeenWhen>>,
+    /// A further component where signals show what the reason speaks of: the first whose conditions hold.
+    also_when: Option<Vec<SeenWhen>>,
     /// Where the navigation leads is a component, where the recording tells it.
     routed: Option<bool>,
     /// What the target of the episode does, where the class says it better than its motion at the keyframe.
@@ -46,19 +53,50 @@ pub struct ClassTexts {
     doing_when: Vec<DoingWhen>,
     /// Why it calls for a decision.
     why: Option<Phrasings>,
+    /// The same while signals hold: the first whose conditions do.
+    #[serde(default)]
+    why_when: Vec<WhyWhen>,
+    /// The same of one decision, by its id.
+    #[serde(default)]
+    why_for: BTreeMap<String, Phrasings>,
     /// The same where only one of the two channels decides.
     why_only: Option<WhyOnly>,
+    /// Where nothing new is decided, in words of this class.
+    #[serde(default)]
+    kept: BTreeMap<String, KeptTexts>,
     /// Decisions of both channels in words of this class.
     #[serde(default)]
     decisions: BTreeMap<String, Phrasings>,
 }
 
-/// What a target does while a signal of it holds.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+/// What holds of a signal at the keyframe: a flag is true, or what is stated of a number or a category.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SignalCondition {
+    /// A signal of frames or of the episode's target, or one of `around.*` and `decided.*`, which drafts
+    /// make themselves.
+    pub signal: String,
+    /// A flag is false instead.
+    #[serde(default)]
+    pub isnt: bool,
+    /// A category.
+    pub is: Option<String>,
+    /// A number is greater than this, in base units.
+    pub above: Option<f64>,
+    /// A number is less than this, in base units.
+    pub below: Option<f64>,
+    /// A number is greater than another signal.
+    pub above_signal: Option<String>,
+    /// A number is less than another signal.
+    pub below_signal: Option<String>,
+}
+
+/// What a target does while signals hold.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DoingWhen {
-    /// Name of a flag of targets.
-    pub signal: String,
+    /// All of these hold.
+    pub when: Vec<SignalCondition>,
     zh: String,
     en: String,
 }
@@ -68,6 +106,55 @@ impl DoingWhen {
     pub fn texts(&self) -> (&str, &str) {
         (&self.zh, &self.en)
     }
+}
+
+/// A component while signals hold.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeenWhen {
+    /// All of these hold.
+    pub when: Vec<SignalCondition>,
+    /// The speed that `{number}` stands for, in km/h.
+    pub number: Option<String>,
+    /// Category of the component; that of `seen` where it is not stated.
+    pub category: Option<ComponentCategory>,
+    zh: String,
+    en: String,
+}
+
+impl SeenWhen {
+    /// In `lang`.
+    pub fn get(&self, lang: Lang) -> &str {
+        match lang {
+            Lang::Zh => &self.zh,
+            Lang::En => &self.en,
+        }
+    }
+}
+
+/// Why it calls for a decision while signals hold.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WhyWhen {
+    when: Vec<SignalCondition>,
+    /// Of this decision only, by its id; `none` where nothing new is decided.
+    decision: Option<String>,
+    why: Phrasings,
+}
+
+impl WhyWhen {
+    fn is_of_none(&self) -> bool {
+        self.decision.as_deref() == Some("none")
+    }
+}
+
+/// A reason, and when it may be given.
+#[derive(Clone, Copy, Debug)]
+pub struct Reason<'a> {
+    /// All of these hold; without any it always may.
+    pub when: &'a [SignalCondition],
+    /// Ways to say it.
+    pub texts: &'a Phrasings,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -146,10 +233,16 @@ pub enum WhyKept {
     Standing,
     /// The speed of the ego falls already.
     Slowing,
+    /// The speed of the ego rises already.
+    Speeding,
+    /// The target is beside the ego or behind it.
+    Beside,
     /// The distance to the target does not shrink.
     NotCloser,
     /// The target is farther away than the ego needs to stop comfortably.
     FarAway,
+    /// The target is beside the band that the ego sweeps.
+    OffPath,
     /// The ego is slow.
     Slow,
     /// Nobody else is what the class is about: the speed of the ego suits the place.
@@ -162,39 +255,46 @@ pub enum WhyKept {
 
 impl WhyKept {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
         Self::Standing,
         Self::Slowing,
+        Self::Speeding,
+        Self::Beside,
         Self::NotCloser,
         Self::FarAway,
+        Self::OffPath,
         Self::Slow,
         Self::Suits,
         Self::Turning,
         Self::Driving,
     ];
-}
 
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Kept {
-    standing: KeptTexts,
-    slowing: KeptTexts,
-    not_closer: KeptTexts,
-    far_away: KeptTexts,
-    slow: KeptTexts,
-    suits: KeptTexts,
-    turning: KeptTexts,
-    driving: KeptTexts,
+    /// What it is called in `schema/draft_texts.yaml`.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Standing => "standing",
+            Self::Slowing => "slowing",
+            Self::Speeding => "speeding",
+            Self::Beside => "beside",
+            Self::NotCloser => "not_closer",
+            Self::FarAway => "far_away",
+            Self::OffPath => "off_path",
+            Self::Slow => "slow",
+            Self::Suits => "suits",
+            Self::Turning => "turning",
+            Self::Driving => "driving",
+        }
+    }
 }
 
 /// Where nothing new is decided.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct KeptTexts {
-    /// How the parts of a trace are joined: `{state}`, `{action}`.
-    pub traces: Phrasings,
-    /// That the ego goes on with what it does.
-    pub none: Phrasings,
+struct KeptTexts {
+    /// What lets the ego go on with what it does.
+    why: Option<Phrasings>,
+    /// That it does.
+    none: Option<Phrasings>,
 }
 
 impl DraftTexts {
@@ -229,16 +329,63 @@ impl DraftTexts {
         self.of(class, |c| Some(&c.doing_when).filter(|all| !all.is_empty())).map_or(&[], Vec::as_slice)
     }
 
-    /// Why it calls for this decision: of the leaf, or of its L2.
-    pub fn why(&self, class: &ScenarioId, decision: &DrivingDecision) -> Option<&Phrasings> {
-        self.of(class, |c| {
+    /// What the class is about where signals tell more than [`DraftTexts::seen`]: of the leaf, or of its L2.
+    pub fn seen_when(&self, class: &ScenarioId) -> &[SeenWhen] {
+        self.of(class, |c| c.seen_when.as_ref()).map_or(&[], Vec::as_slice)
+    }
+
+    /// A further component: of the leaf, or of its L2.
+    pub fn also_when(&self, class: &ScenarioId) -> &[SeenWhen] {
+        self.of(class, |c| c.also_when.as_ref()).map_or(&[], Vec::as_slice)
+    }
+
+    /// Why the class calls for this decision, in the order in which they are tried; the last one has no conditions.
+    pub fn reasons(&self, class: &ScenarioId, decision: &DrivingDecision) -> Vec<Reason<'_>> {
+        let ids = [decision.longitudinal.map(Longitudinal::id), decision.lateral.map(Lateral::id)];
+        let l2 = ScenarioId { l3: None, ..class.clone() };
+        let mut found = Vec::new();
+        for id in [class, &l2] {
+            let Some(c) = self.classes.get(&id.to_string()) else { continue };
+            let of_decision = |w: &&WhyWhen| {
+                w.decision.as_deref().is_none_or(|d| ids.contains(&Some(d))) && !w.is_of_none()
+            };
+            found.extend(
+                c.why_when.iter().filter(of_decision).map(|w| Reason { when: &w.when, texts: &w.why }),
+            );
             let only = c.why_only.as_ref().and_then(|only| match (decision.longitudinal, decision.lateral) {
                 (Some(_), None) => only.longitudinal.as_ref(),
                 (None, Some(_)) => only.lateral.as_ref(),
                 _ => None,
             });
-            only.or(c.why.as_ref())
-        })
+            let of_one = ids.iter().flatten().find_map(|d| c.why_for.get(*d));
+            if let Some(texts) = of_one.or(only).or(c.why.as_ref()) {
+                found.push(Reason { when: &[], texts });
+                break;
+            }
+            if class == &l2 {
+                break;
+            }
+        }
+        found
+    }
+
+    /// Why the class calls for no new decision, where signals tell, in the order in which they are tried.
+    pub fn reasons_for_none(&self, class: &ScenarioId) -> Vec<Reason<'_>> {
+        let l2 = ScenarioId { l3: None, ..class.clone() };
+        let ids = if class == &l2 { vec![class] } else { vec![class, &l2] };
+        let all =
+            ids.into_iter().filter_map(|id| self.classes.get(&id.to_string())).flat_map(|c| &c.why_when);
+        all.filter(|w| w.is_of_none()).map(|w| Reason { when: &w.when, texts: &w.why }).collect()
+    }
+
+    /// Why nothing new is decided, and that it is not: in words of the class, or else in those of all.
+    pub fn kept(&self, class: &ScenarioId, kept: WhyKept) -> (Option<&Phrasings>, Option<&Phrasings>) {
+        let of_all = self.kept.get(kept.id());
+        let of_class = self.of(class, |c| c.kept.get(kept.id()));
+        let part = |get: fn(&KeptTexts) -> Option<&Phrasings>| {
+            of_class.and_then(get).or_else(|| of_all.and_then(get))
+        };
+        (part(|k| k.why.as_ref()), part(|k| k.none.as_ref()))
     }
 
     fn of<T>(&self, class: &ScenarioId, part: impl Fn(&ClassTexts) -> Option<&T>) -> Option<&T> {
@@ -246,9 +393,12 @@ impl DraftTexts {
         [class, &l2].into_iter().find_map(|id| self.classes.get(&id.to_string()).and_then(&part))
     }
 
-    /// A longitudinal decision as the end of a trace: in words of the class, or else in those of all.
-    pub fn longitudinal(&self, class: &ScenarioId, d: Longitudinal) -> Option<&Phrasings> {
-        self.of(class, |c| c.decisions.get(d.id())).or_else(|| self.decisions.longitudinal.get(d.id()))
+    /// A longitudinal decision as the end of a trace: in words of the class, or else in those of all; each where the
+    /// ego moves as `motion` says (`slows`, `stops`, `speeds_up`), or else however it does.
+    pub fn longitudinal(&self, class: &ScenarioId, d: Longitudinal, motion: &str) -> Option<&Phrasings> {
+        let keys = [format!("{}.{motion}", d.id()), d.id().to_owned()];
+        let of_class = self.of(class, |c| keys.iter().find_map(|key| c.decisions.get(key)));
+        of_class.or_else(|| keys.iter().find_map(|key| self.decisions.longitudinal.get(key)))
     }
 
     /// A lateral decision as the end of a trace, in words of the class, or else in those of all; `{side}` stands for
@@ -267,20 +417,6 @@ impl DraftTexts {
         &self.traces
     }
 
-    /// The same where nothing new is decided.
-    pub fn kept(&self, why: WhyKept) -> &KeptTexts {
-        match why {
-            WhyKept::Standing => &self.kept.standing,
-            WhyKept::Slowing => &self.kept.slowing,
-            WhyKept::NotCloser => &self.kept.not_closer,
-            WhyKept::FarAway => &self.kept.far_away,
-            WhyKept::Slow => &self.kept.slow,
-            WhyKept::Suits => &self.kept.suits,
-            WhyKept::Turning => &self.kept.turning,
-            WhyKept::Driving => &self.kept.driving,
-        }
-    }
-
     /// The word of a direction.
     pub fn side(&self, side: LateralDirection, lang: Lang) -> &str {
         self.sides.get(side.id()).map_or("", |p| match lang {
@@ -292,6 +428,7 @@ impl DraftTexts {
 
 #[cfg(test)]
 mod tests {
+    use super::WhyKept;
     use crate::Framework;
     use whyroad_model::Lang;
     use whyroad_model::decision::{Lateral, Longitudinal};
@@ -305,21 +442,40 @@ mod tests {
             assert!(!seen.get(Lang::Zh).is_ascii() && seen.get(Lang::En).is_ascii(), "{leaf}");
             assert!(seen.category.is_some(), "{leaf}");
             let none = DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None };
-            let why = f.draft_texts.why(leaf, &none).unwrap_or_else(|| panic!("{leaf}"));
-            for when in f.draft_texts.doing_when(leaf) {
-                assert!(
-                    f.signals_yaml.contains(&format!("- name: {}\n", when.signal)),
-                    "{leaf}: {}",
-                    when.signal
-                );
+            let reasons = f.draft_texts.reasons(leaf, &none);
+            let last = reasons.last().unwrap_or_else(|| panic!("{leaf}"));
+            assert!(last.when.is_empty(), "{leaf}");
+            let texts = &f.draft_texts;
+            let of_doing = texts.doing_when(leaf).iter().map(|w| &w.when[..]);
+            let of_seen = texts.seen_when(leaf).iter().chain(texts.also_when(leaf)).map(|w| &w.when[..]);
+            for when in of_doing.chain(of_seen).chain(reasons.iter().map(|r| r.when)).flatten() {
+                let others = [&when.above_signal, &when.below_signal];
+                for name in others.into_iter().flatten().chain([&when.signal]) {
+                    let known = f.signals_yaml.contains(&format!("- name: {name}\n"));
+                    assert!(
+                        known || name.starts_with("around.") || name.starts_with("decided."),
+                        "{leaf}: {name}"
+                    );
+                }
             }
             for lang in [Lang::Zh, Lang::En] {
-                assert!(why.all(lang).len() >= 2, "{leaf}");
+                for reason in &reasons {
+                    assert!(!reason.texts.all(lang).is_empty(), "{leaf}");
+                }
+                assert!(last.texts.all(lang).len() >= 2, "{leaf}");
+                for kept in WhyKept::ALL {
+                    let (why, none) = texts.kept(leaf, kept);
+                    assert!(why.is_some_and(|p| !p.all(lang).is_empty()), "{leaf}: {kept:?}");
+                    assert!(none.is_some_and(|p| !p.all(lang).is_empty()), "{leaf}: {kept:?}");
+                }
             }
         }
         let leaf = f.specs.keys().next().unwrap().clone();
         for d in Longitudinal::ALL {
-            assert!(f.draft_texts.longitudinal(&leaf, *d).is_some_and(|p| p.all(Lang::Zh).len() >= 2), "{d}");
+            assert!(
+                f.draft_texts.longitudinal(&leaf, *d, "").is_some_and(|p| p.all(Lang::Zh).len() >= 2),
+                "{d}"
+            );
         }
         for d in Lateral::ALL {
             assert!(f.draft_texts.lateral(&leaf, *d).is_some_and(|p| p.all(Lang::En).len() >= 2), "{d}");

@@ -8,12 +8,14 @@
 mod clip;
 mod components;
 mod decision;
+mod moment;
 mod records;
 mod trace;
 
 pub use decision::LongitudinalMotion;
 pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 
+use moment::Moment;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_framework::{Framework, Taxonomy};
 use whyroad_model::messages::{
@@ -75,9 +77,18 @@ pub fn draft_with_seed(
         mandated: spec.and_then(|s| s.lateral),
         target,
         is_safety: class.l1 == "safety",
+        of_others: class.l1 == "reactive_agent",
     };
-    let decision = decision::infer(signals, keyframe, &asked, &mut notes);
-    let components = components::observed(framework, drive, signals, episode, keyframe, lang);
+    let (decision, motion) = decision::infer(signals, keyframe, &asked, &mut notes);
+    let moment =
+        Moment::of(signals, keyframe, episode.target_id.as_ref(), decision.lateral_direction).moving(motion);
+    if moment.indicator_against() {
+        notes.push(Bilingual::new(
+            "自车的转向灯与所转的方向相反，请核对横向决策",
+            "the ego's indicator is on for the other side: confirm the lateral decision",
+        ));
+    }
+    let components = components::observed(framework, drive, signals, episode, keyframe, &moment, lang);
     if components.is_empty() {
         notes.push(Bilingual::new(
             "没有可由信号得出的关键要素，请标注员补充",
@@ -95,22 +106,38 @@ pub fn draft_with_seed(
     let records = spec
         .map(|s| records::known(signals, keyframe, episode.target_id.as_ref(), &s.records, &mut notes))
         .unwrap_or_default();
-    let mut components = with_cause(framework, class, components, lang);
+    let mut components = with_cause(framework, class, components, Some(&moment), lang);
+    let also = trace::also(framework, class, &moment, lang);
+    // What makes room for the decision is said after what calls for it.
+    let order = if also.is_some() && components.len() < trace::MOST_IN_STATE {
+        trace::StateOrder::AsListed
+    } else {
+        trace::StateOrder::FirstLast
+    };
+    components.extend(also);
     let of_others = framework
         .draft_texts
         .seen(class)
         .is_some_and(|seen| seen.high || seen.category == Some(ComponentCategory::CriticalObjects));
     let kept = trace::why_kept(signals, keyframe, episode.target_id.as_ref(), of_others);
-    let facts =
-        trace::DraftFacts { framework, class, components: &components, decision: &decision, kept, lang };
-    let coc_trace = trace::trace(&facts, signals, keyframe, trace::seed(&episode.episode_id, run));
+    let facts = trace::DraftFacts {
+        framework,
+        class,
+        components: &components,
+        decision: &decision,
+        motion,
+        kept,
+        lang,
+    };
+    let seed = trace::seed(&episode.episode_id, run);
+    let coc_trace = trace::trace(&facts, order, signals, keyframe, &moment, seed);
     notes.push(Bilingual::new(
         "推理文本为模板草稿，须改写为完整的因果说明",
         "the trace is a template: write the state, why it calls for the decision, and the decision",
     ));
-    let (time_range, moment) = clip::inside(drive, episode, &mut notes);
+    let (time_range, clipped) = clip::inside(drive, episode, &mut notes);
     let id = &episode.scenario_id;
-    number(&mut components, moment.timestamp);
+    number(&mut components, clipped.timestamp);
     let causes = causes(&decision, &components);
     let label = CocLabel {
         version: Some(whyroad_model::FORMAT_VERSION.to_owned()),
@@ -122,7 +149,7 @@ pub fn draft_with_seed(
             full_id: Some(id.to_string()),
         },
         time_range,
-        keyframe: moment,
+        keyframe: clipped,
         driving_decision: decision,
         critical_components: components,
         coc_trace,
@@ -151,12 +178,17 @@ pub fn components(
     episode: &EpisodeRecord,
     lang: Lang,
 ) -> Vec<CriticalComponent> {
-    let observed = if components::needs_signals(framework, episode) {
-        components::observed(framework, drive, &signals(), episode, keyframe_of(drive, episode), lang)
+    let class = &episode.scenario_id;
+    let mut all = if components::needs_signals(framework, episode) {
+        let (signals, keyframe) = (signals(), keyframe_of(drive, episode));
+        let moment = Moment::of(&signals, keyframe, episode.target_id.as_ref(), None);
+        let observed = components::observed(framework, drive, &signals, episode, keyframe, &moment, lang);
+        let mut all = with_cause(framework, class, observed, Some(&moment), lang);
+        all.extend(trace::also(framework, class, &moment, lang));
+        all
     } else {
-        Vec::new()
+        with_cause(framework, class, Vec::new(), None, lang)
     };
-    let mut all = with_cause(framework, &episode.scenario_id, observed, lang);
     let (_, moment) = clip::inside(drive, episode, &mut Vec::new());
     number(&mut all, moment.timestamp);
     all
@@ -172,9 +204,10 @@ fn with_cause(
     framework: &Framework,
     class: &ScenarioId,
     mut observed: Vec<CriticalComponent>,
+    moment: Option<&Moment<'_>>,
     lang: Lang,
 ) -> Vec<CriticalComponent> {
-    if let Some(seen) = trace::seen(framework, class, &observed, lang) {
+    if let Some(seen) = trace::seen(framework, class, &observed, moment, lang) {
         observed.insert(0, seen);
     }
     observed

@@ -1,6 +1,7 @@
 //! What could be observed at the keyframe, in words: the target, the light, the road, and the route as it was commanded
 //! or signaled by then. Nothing after it is read: the maneuver that follows is not the intention that caused it.
 
+use super::moment::Moment;
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::DoingWhen;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
@@ -14,6 +15,9 @@ const ASIDE_M: f64 = 1.8;
 /// The same of those who come in, m.
 const FROM_A_SIDE_M: f64 = 0.3;
 
+/// A difference of speeds that is seen, m/s.
+const NOTABLY_MPS: f64 = 1.0;
+
 /// The L2 that is about lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
 
@@ -26,6 +30,8 @@ pub(super) fn needs_signals(framework: &Framework, episode: &EpisodeRecord) -> b
         || is_of_lights(episode)
         || is_of_bend(episode)
         || framework.draft_texts.is_routed(&episode.scenario_id)
+        || !framework.draft_texts.seen_when(&episode.scenario_id).is_empty()
+        || !framework.draft_texts.also_when(&episode.scenario_id).is_empty()
 }
 
 fn is_of_lights(episode: &EpisodeRecord) -> bool {
@@ -47,12 +53,13 @@ pub(super) fn observed(
     signals: &SignalTable,
     episode: &EpisodeRecord,
     keyframe: usize,
+    moment: &Moment<'_>,
     lang: Lang,
 ) -> Vec<CriticalComponent> {
     let mut found: Vec<(ComponentCategory, Bilingual)> = Vec::new();
     if let Some(target) = &episode.target_id {
         let class = drive.track(target).map_or(ObjectClass::Unknown, |t| t.class);
-        let text = target_in_words(framework, signals, episode, class, keyframe);
+        let text = target_in_words(framework, signals, episode, class, keyframe, moment);
         found.extend(text.map(|text| (ComponentCategory::CriticalObjects, text)));
     }
     // What bears on the decision: beside a lead or a crossing pedestrian, the light does not.
@@ -63,8 +70,11 @@ pub(super) fn observed(
         found.extend(bend(signals, keyframe).map(|text| (ComponentCategory::RoadEvents, text)));
     }
     if framework.draft_texts.is_routed(&episode.scenario_id) {
-        let intent = route(signals, keyframe)
-            .or_else(|| is_of_junction(episode).then(|| signaled_turn(signals, keyframe)).flatten());
+        let intent = route(signals, keyframe).or_else(|| {
+            // An indicator that was left on, or is for a lane change before, says nothing of this turn.
+            let tells = is_of_junction(episode) && !moment.indicator_against();
+            tells.then(|| signaled_turn(signals, keyframe)).flatten()
+        });
         found.extend(intent.map(|text| (ComponentCategory::RoutingIntent, text)));
     }
     found
@@ -90,12 +100,13 @@ fn target_in_words(
     episode: &EpisodeRecord,
     class: ObjectClass,
     frame: usize,
+    moment: &Moment<'_>,
 ) -> Option<Bilingual> {
     let row = signals.target(episode.target_id.as_ref()?)?.row(frame)?;
     let number = |name: &str| signals.target_columns.get(name).and_then(|c| c.number(row));
     let holds = |name: &str| signals.target_columns.get(name).is_some_and(|c| c.flag(row).is_true());
     let texts = &framework.draft_texts;
-    let told = texts.doing_when(&episode.scenario_id).iter().find(|when| holds(&when.signal));
+    let told = texts.doing_when(&episode.scenario_id).iter().find(|when| moment.all(&when.when));
     let of_class = told.map(DoingWhen::texts).or_else(|| texts.doing(&episode.scenario_id));
     let is_lead = holds("target.is_lead");
     let crosses_a_line =
@@ -130,13 +141,25 @@ fn target_in_words(
     } else if comes_in {
         Bilingual::new("正在进入自车车道", "is coming into the ego's lane")
     } else {
+        let faster = number("target.relative_speed").filter(|_| is_lead);
         match number("target.accel") {
+            _ if oncoming && class == ObjectClass::Pedestrian => {
+                Bilingual::new("正迎面走来", "is coming towards the ego")
+            }
             _ if oncoming => Bilingual::new("正对向驶来", "is oncoming"),
             Some(a) if a < -0.5 => Bilingual::new("正在减速", "is slowing"),
             Some(a) if a > 0.5 => Bilingual::new("正在加速", "is speeding up"),
-            _ if is_lead => Bilingual::new("同向行驶", "is driving the same way"),
+            _ if faster.is_some_and(|v| v < -NOTABLY_MPS) => {
+                Bilingual::new("车速低于自车", "is slower than the ego")
+            }
+            _ if faster.is_some_and(|v| v > NOTABLY_MPS) => {
+                Bilingual::new("车速高于自车", "is faster than the ego")
+            }
+            _ if is_lead => Bilingual::new("车速与自车相近", "is driving at about the ego's speed"),
+            _ if class == ObjectClass::Pedestrian => Bilingual::new("正在走动", "is walking"),
+            _ if class.is_vru() => Bilingual::new("正在骑行", "is riding"),
             _ if class == ObjectClass::Animal => Bilingual::new("正在移动", "is moving"),
-            _ => Bilingual::new("正在行驶", "is moving"),
+            _ => Bilingual::new("正在行驶", "is driving"),
         }
     };
     Some(Bilingual::new(
@@ -172,7 +195,7 @@ fn light(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
         "flashing_green" => ("绿闪", "flashing green"),
         "green_yield" => ("绿灯（须让行）", "green, giving way"),
         "red_yellow" => ("红黄灯", "red and yellow"),
-        "flashing_yellow" => ("黄闪灯", "flashing yellow"),
+        "flashing_yellow" => ("黄灯闪烁", "flashing yellow"),
         _ => return None,
     };
     Some(Bilingual::new(format!("本车道信号灯为{zh}"), format!("the light for the ego's lane is {en}")))
@@ -184,7 +207,7 @@ fn bend(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
         signals.frame_columns.get("map.curvature_ahead").and_then(|c| c.number(frame)).unwrap_or(here);
     // Under 100 m of radius a road is plainly bent; the class's own threshold decides about the class, not this.
     (here.abs().max(ahead.abs()) > 0.01)
-        .then(|| Bilingual::new("前方道路弯急，弯道半径小", "the road ahead bends sharply"))
+        .then(|| Bilingual::new("前方道路为急弯", "the road ahead bends sharply"))
 }
 
 /// The command of the navigation.

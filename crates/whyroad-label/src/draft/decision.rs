@@ -16,6 +16,13 @@ const STOP_FRAMES: usize = 150;
 /// A meta action shorter than 0.5 s is not a decision.
 const HELD_FRAMES: usize = 5;
 
+/// Less than this from its place in the lane is no nudge, m.
+const NUDGE_M: f64 = 0.25;
+/// A nudge may have begun this long before the keyframe.
+const NUDGE_BEFORE_FRAMES: usize = 30;
+/// More than this from one frame to the keyframe is another lane, m.
+const LANE_JUMP_M: f64 = 2.0;
+
 /// What the ego does along its path first after the keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LongitudinalMotion {
@@ -44,6 +51,8 @@ pub(super) struct Asked<'a> {
     pub mandated: Option<Lateral>,
     pub target: Option<ObjectClass>,
     pub is_safety: bool,
+    /// The class is about what the ego does because of somebody else.
+    pub of_others: bool,
 }
 
 impl Asked<'_> {
@@ -73,22 +82,59 @@ pub(super) fn infer(
     keyframe: usize,
     asked: &Asked<'_>,
     notes: &mut Vec<Bilingual>,
-) -> DrivingDecision {
+) -> (DrivingDecision, LongitudinalMotion) {
     let mut of_lateral = Vec::new();
     let (lateral, lateral_direction) = lateral(signals, keyframe, asked, &mut of_lateral);
-    let lateral = lateral.or_else(|| asked.only_lateral());
+    let lateral = lateral.or_else(|| asked.only_lateral()).or_else(|| nudge(signals, keyframe, asked));
+    let lateral_direction = lateral_direction.or_else(|| side_of(lateral?, signals, keyframe));
     // What the class cannot do without is decided, whatever the motion of 6 s shows.
     let chosen = |motion| choose(motion, asked).or_else(|| asked.only_longitudinal());
     let (mut motion, mut began) = longitudinal_motion(signals, keyframe, Before::IsNoAnswer);
     let mut longitudinal = chosen(motion);
-    // Where the class exists because the ego did something, it did it already.
-    if longitudinal.is_none() && lateral.is_none() && asked.decides() {
+    // Where the class exists because the ego did something, it did it already; and who brakes in danger has decided to.
+    if longitudinal.is_none() && lateral.is_none() && (asked.decides() || asked.is_safety) {
         (motion, began) = longitudinal_motion(signals, keyframe, Before::Counts);
         longitudinal = chosen(motion);
     }
     note_longitudinal(motion, began, longitudinal, asked.names, notes);
     notes.append(&mut of_lateral);
-    DrivingDecision { longitudinal, lateral, lateral_direction }
+    (DrivingDecision { longitudinal, lateral, lateral_direction }, motion)
+}
+
+/// Leaving its place in the lane, where the class exists because the ego did something and that may be it.
+fn nudge(signals: &SignalTable, keyframe: usize, asked: &Asked<'_>) -> Option<Lateral> {
+    if !asked.decides() || side_of(Lateral::InLaneNudge, signals, keyframe).is_none() {
+        return None;
+    }
+    let over = signals.frame_columns.get("ego.wheel_over_line");
+    let end = |c: &Column| (keyframe + HORIZON_FRAMES + 1).min(c.len());
+    let crosses = over.is_some_and(|c| (keyframe..end(c)).any(|f| c.flag(f).is_true()));
+    let nudge = if crosses { Lateral::OutOfLaneNudge } else { Lateral::InLaneNudge };
+    asked.typical.lateral.contains(&nudge).then_some(nudge)
+}
+
+/// The side of a decision that the class prescribes: of a nudge, where the ego leaves its place in the lane to; of a
+/// lane change that begins later, what the indicator says.
+fn side_of(lateral: Lateral, signals: &SignalTable, keyframe: usize) -> Option<LateralDirection> {
+    match lateral {
+        Lateral::InLaneNudge | Lateral::OutOfLaneNudge => {
+            let offset = signals.frame_columns.get("ego.lane_offset")?;
+            // It may have begun before the keyframe, and then the way back comes first after it.
+            let begin = keyframe.saturating_sub(NUDGE_BEFORE_FRAMES);
+            let here = offset.number(begin)?;
+            let end = (keyframe + HORIZON_FRAMES + 1).min(offset.len());
+            let moved = |f| offset.number(f).map(|o| o - here);
+            // Where the ego enters another lane, the offset jumps.
+            let mut moves = (begin..end).map_while(moved).take_while(|m| m.abs() < LANE_JUMP_M);
+            let aside = moves.find(|m| m.abs() > NUDGE_M)?;
+            Some(if aside > 0.0 { LateralDirection::Left } else { LateralDirection::Right })
+        }
+        Lateral::LaneChange => {
+            let on = signals.frame_columns.get("ego.turn_signal")?.category(keyframe)?;
+            LateralDirection::from_id(on).filter(|d| lateral.directions().contains(d))
+        }
+        _ => None,
+    }
 }
 
 /// What the ego was already doing at the keyframe.
@@ -194,7 +240,24 @@ fn choose(motion: LongitudinalMotion, asked: &Asked<'_>) -> Option<Longitudinal>
     let follows =
         !asked.is_safety && asked.target.is_none_or(|t| t.is_vehicle() || t == ObjectClass::Bicycle);
     let fits = |d: &&Longitudinal| possible.contains(d) && (follows || **d != Longitudinal::LeadFollowing);
-    asked.typical.longitudinal.iter().find(fits).copied()
+    asked.typical.longitudinal.iter().find(fits).copied().or_else(|| choose_allowed(motion, asked))
+}
+
+/// What the class allows although it is not typical. Slowing for a lower limit is one; who stands because of somebody
+/// else and moves off may do so for any reason, and who speeds up too.
+fn choose_allowed(motion: LongitudinalMotion, asked: &Asked<'_>) -> Option<Longitudinal> {
+    use Longitudinal as D;
+    let of_the_road: &[D] = match motion {
+        LongitudinalMotion::Starts if !asked.of_others => &[D::Resume],
+        LongitudinalMotion::Slows | LongitudinalMotion::Stops => &[D::RoadSpeedAdaptation],
+        _ => return None,
+    };
+    // Of a class whose variant is not known, nothing is known to be impossible.
+    let Some(allowed) = asked.allowed else {
+        return of_the_road.first().copied().filter(|d| *d == D::Resume);
+    };
+    let mut fits = allowed.longitudinal.iter().filter_map(|(d, _)| *d).filter(|d| of_the_road.contains(d));
+    fits.next()
 }
 
 fn note_longitudinal(

@@ -186,7 +186,7 @@ fn a_draft_says_what_the_ego_goes_on_with_where_nothing_is_decided() {
         .label
     };
     let says = |label: &CocLabel, words: [&str; 2]| words.iter().any(|w| label.coc_trace.contains(w));
-    let (stands, slows) = (["停着", "静止"], ["已经在减速", "在下降"]);
+    let (stands, slows) = (["暂不起步", "留在原地"], ["开始减速", "在下降"]);
     let [standing, slowing, driving] = [crossing(0, 0.0, 0.0), crossing(1, 8.0, -1.0), crossing(2, 8.0, 0.0)];
     for label in [&standing, &slowing, &driving] {
         assert_eq!(label.driving_decision.longitudinal, None);

@@ -2,24 +2,30 @@
 //! `schema/draft_texts.yaml`. Which phrasings are taken follows from a seed, so that the same episode gives the same
 //! text.
 
+use super::decision::LongitudinalMotion;
+use super::moment::Moment;
 use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
-use whyroad_framework::draft_texts::{Phrasings, WhyKept};
+use whyroad_framework::draft_texts::{Phrasings, SeenWhen, WhyKept};
 use whyroad_framework::label_words::WordRole;
 use whyroad_model::decision::{Lateral, Longitudinal};
-use whyroad_model::messages::{CriticalComponent, DrivingDecision};
+use whyroad_model::messages::{CriticalComponent, DrivingDecision, Uncertainty};
 use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable, TrackId};
 
 /// Things in the state: two are enough for a person to see what matters.
-const MOST_IN_STATE: usize = 2;
+pub(super) const MOST_IN_STATE: usize = 2;
 /// Below this speed the ego is at standstill, m/s.
 const STANDING_MPS: f64 = 0.3;
-/// Below this acceleration the speed falls, m/s2; as for a target.
+/// Below this acceleration the speed falls, and above its opposite it rises, m/s2; as for a target.
 const SLOWING_MPS2: f64 = -0.5;
+/// Whose middle is not farther ahead than this is beside the ego, or behind it, m.
+const BESIDE_M: f64 = 0.0;
 /// Below this speed the ego is slow, m/s: it stops within its own length.
 const SLOW_MPS: f64 = 15.0 / 3.6;
 /// Braking that nobody calls hard, m/s2.
 const COMFORTABLE_MPS2: f64 = 2.0;
+/// Farther than this from the band that the ego sweeps, others are not in its way, m.
+const BESIDE_PATH_M: f64 = 0.5;
 /// Before a driver brakes, s.
 const REACTION_S: f64 = 1.5;
 /// Frames over which a distance shrinks or does not.
@@ -29,12 +35,17 @@ const NOISE_M: f64 = 0.1;
 /// Speeds are given in steps of this, km/h.
 const SPEED_STEP_KMH: f64 = 5.0;
 
+/// How an English clause about the ego begins.
+const OF_EGO: &str = "the ego ";
+
 /// What a trace is about.
 pub(super) struct DraftFacts<'a> {
     pub framework: &'a Framework,
     pub class: &'a ScenarioId,
     pub components: &'a [CriticalComponent],
     pub decision: &'a DrivingDecision,
+    /// What the ego does along its path after the keyframe.
+    pub motion: LongitudinalMotion,
     /// Why nothing new is decided, where nothing is.
     pub kept: WhyKept,
     pub lang: Lang,
@@ -53,16 +64,26 @@ pub(super) fn why_kept(
     if speed.is_some_and(|v| v < STANDING_MPS) {
         return WhyKept::Standing;
     }
-    if number("ego.accel").is_some_and(|a| a < SLOWING_MPS2) {
-        return WhyKept::Slowing;
+    match number("ego.accel") {
+        Some(a) if a < SLOWING_MPS2 => return WhyKept::Slowing,
+        Some(a) if a > -SLOWING_MPS2 => return WhyKept::Speeding,
+        _ => {}
     }
     let Some(target) = target else {
-        return if of_others { WhyKept::Driving } else { WhyKept::Suits };
+        return match speed {
+            Some(v) if v < SLOW_MPS => WhyKept::Slow,
+            _ if of_others => WhyKept::Driving,
+            _ => WhyKept::Suits,
+        };
     };
-    let distance = |frame: usize| {
+    let of_target = |name: &str, frame: usize| {
         let row = signals.target(target)?.row(frame)?;
-        signals.target_columns.get("target.distance")?.number(row)
+        signals.target_columns.get(name)?.number(row)
     };
+    if of_target("target.longitudinal", frame).is_some_and(|x| x < BESIDE_M) {
+        return WhyKept::Beside;
+    }
+    let distance = |frame: usize| of_target("target.distance", frame);
     let now = distance(frame);
     let before = frame.checked_sub(BEFORE_FRAMES).and_then(distance);
     if now.zip(before).is_some_and(|(now, before)| now > before - NOISE_M) {
@@ -71,6 +92,8 @@ pub(super) fn why_kept(
     let stopping = speed.map(|v| v * REACTION_S + v * v / (2.0 * COMFORTABLE_MPS2));
     if now.zip(stopping).is_some_and(|(now, stopping)| now > stopping) {
         WhyKept::FarAway
+    } else if of_target("target.path_side_distance", frame).is_some_and(|d| d > BESIDE_PATH_M) {
+        WhyKept::OffPath
     } else if speed.is_some_and(|v| v < SLOW_MPS) {
         WhyKept::Slow
     } else {
@@ -98,6 +121,15 @@ impl Choice {
     }
 }
 
+/// In which order the components of a state are said.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum StateOrder {
+    /// The first one last: what follows refers to it.
+    FirstLast,
+    /// As they are: a later one says what makes room for the decision.
+    AsListed,
+}
+
 /// Wanted length in characters (LABELING.md 7: 50 to 100 in Chinese; in English some 25 to 60 words).
 fn wanted(lang: Lang) -> RangeInclusive<usize> {
     match lang {
@@ -108,14 +140,29 @@ fn wanted(lang: Lang) -> RangeInclusive<usize> {
 
 /// The trace with the phrasings that `seed` chooses, as long as a trace should be: with what the ego does at the
 /// keyframe where there is room, and with fewer things in the state where there is not.
-pub(super) fn trace(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> String {
+pub(super) fn trace(
+    facts: &DraftFacts<'_>,
+    order: StateOrder,
+    signals: &SignalTable,
+    keyframe: usize,
+    moment: &Moment<'_>,
+    seed: u64,
+) -> String {
     let choice = Choice::of(seed);
-    let opening = opening(facts, signals, keyframe, choice.opening);
+    let why = facts.why(moment, choice.why);
+    let openings = openings(facts, signals, keyframe, choice.opening);
     let opens = (choice.opening / 8).is_multiple_of(2);
-    let variants = [(MOST_IN_STATE, opens), (MOST_IN_STATE, !opens), (1, opens), (1, !opens)];
+    // The other openings are for where the first makes it too short or too long.
+    let with = |things| openings.iter().map(move |o| (things, Some(o.as_str())));
+    let without = |things| std::iter::once((things, None));
+    let variants: Vec<(usize, Option<&str>)> = if opens {
+        [MOST_IN_STATE, 1].into_iter().flat_map(|n| with(n).chain(without(n))).collect()
+    } else {
+        [MOST_IN_STATE, 1].into_iter().flat_map(|n| without(n).chain(with(n))).collect()
+    };
     let texts: Vec<String> = variants
         .into_iter()
-        .map(|(things, opens)| facts.sentence(opening.as_deref().filter(|_| opens), things, choice))
+        .map(|(things, opening)| facts.sentence(opening, (things, order), why, choice))
         .collect();
     let wanted = wanted(facts.lang);
     let length = |t: &&String| t.chars().count();
@@ -130,64 +177,103 @@ pub(super) fn trace(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usi
     fits.or_else(nearest).cloned().unwrap_or_default()
 }
 
-/// What the ego does at the keyframe.
-fn opening(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> Option<String> {
-    let speed = signals.frame_columns.get("ego.speed")?.number(keyframe)?;
+/// Ways to say what the ego does at the keyframe, that of `seed` first.
+fn openings(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> Vec<String> {
+    let speed = signals.frame_columns.get("ego.speed").and_then(|c| c.number(keyframe));
+    let Some(speed) = speed else { return Vec::new() };
     let all = facts.framework.draft_texts.openings();
+    let of = |p: &Phrasings| -> Vec<String> {
+        let n = p.all(facts.lang).len() as u64;
+        (0..n).map(|i| p.pick(facts.lang, (seed % n.max(1)) + i).to_owned()).collect()
+    };
     if speed < STANDING_MPS {
         // Where nothing is decided, the rest says so.
-        return facts.decides().then(|| all.standing.pick(facts.lang, seed).to_owned());
+        return if facts.decides() { of(&all.standing) } else { Vec::new() };
     }
     // Who still rolls at the keyframe and then moves off has no speed worth telling.
     if facts.decision.longitudinal == Some(Longitudinal::Resume) {
-        return None;
+        return Vec::new();
     }
     // Nor is there room for it before what says already where the ego drives.
-    let of_ego = if facts.lang == Lang::Zh { "自车" } else { "the ego " };
-    if facts.components.iter().take(MOST_IN_STATE).any(|c| c.description.starts_with(of_ego)) {
-        return None;
+    let of_ego = if facts.lang == Lang::Zh { "自车" } else { OF_EGO };
+    let state = || facts.components.iter().take(MOST_IN_STATE).map(|c| c.description.as_str());
+    if state().any(|text| text.starts_with(of_ego)) {
+        return Vec::new();
+    }
+    // One number is enough.
+    if state().any(|text| text.contains(|c: char| c.is_ascii_digit())) {
+        return of(&all.moving_without_speed);
     }
     let kmh = (speed * 3.6 / SPEED_STEP_KMH).round().max(1.0) * SPEED_STEP_KMH;
-    Some(all.moving.pick(facts.lang, seed).replace("{speed}", &format!("{kmh:.0}")))
+    of(&all.moving).into_iter().map(|text| text.replace("{speed}", &format!("{kmh:.0}"))).collect()
 }
 
 impl<'a> DraftFacts<'a> {
-    /// One way to say it. The first component is said last in the state: what follows refers to it.
-    fn sentence(&self, opening: Option<&str>, things: usize, choice: Choice) -> String {
-        let texts = &self.framework.draft_texts;
-        let things = self.components.iter().take(things).rev();
-        let state: Vec<&str> = things.map(|c| c.description.trim_end_matches(['。', '.'])).collect();
-        let why = texts.why(self.class, self.decision).map_or("", |p| p.pick(self.lang, choice.why));
-        let action = self.action(choice.action);
-        let joined = self.joints().pick(self.lang, choice.joined);
-        let (comma, stop) = if self.lang == Lang::Zh { ("，", "。") } else { ("; ", ".") };
-        let state = state.join(comma);
-        let core = match (state.is_empty(), why.is_empty()) {
-            (false, false) => {
-                joined.replace("{state}", &state).replace("{why}", why).replace("{action}", &action)
-            }
-            (false, true) => format!("{state}{comma}{action}{stop}"),
-            (true, false) => format!("{why}{comma}{action}{stop}"),
-            (true, true) => format!("{action}{stop}"),
-        };
-        match (opening, self.lang) {
-            (Some(opening), Lang::Zh) => format!("{opening}，{core}"),
-            (Some(opening), Lang::En) => format!("{}. {}", capital(opening), capital(&core)),
-            (None, _) => capital(&core),
+    /// One way to say it.
+    fn sentence(
+        &self,
+        opening: Option<&str>,
+        (things, order): (usize, StateOrder),
+        why: &str,
+        choice: Choice,
+    ) -> String {
+        let mut state: Vec<&str> = self
+            .components
+            .iter()
+            .take(things)
+            .map(|c| c.description.trim_end_matches(['。', '.']))
+            .collect();
+        if order == StateOrder::FirstLast {
+            state.reverse();
         }
+        let mut action = self.action(choice.action);
+        // Who is the subject of the reason is not named again.
+        if why.starts_with(OF_EGO)
+            && let Some(rest) = action.strip_prefix(OF_EGO)
+        {
+            action = format!("it {rest}");
+        }
+        let joined = self.framework.draft_texts.traces().pick(self.lang, choice.joined);
+        let (comma, after_opening) = if self.lang == Lang::Zh { ("，", "，") } else { (", and ", ", ") };
+        let mut state = state.join(comma);
+        if let Some(opening) = opening {
+            state = [opening, &state].join(after_opening);
+        }
+        let why = if joined.contains("{Why}") { capital(why) } else { why.to_owned() };
+        let text = joined.replace("{state}", &state).replace("{why}", &why).replace("{Why}", &why);
+        capital(&text.replace("{action}", &action))
     }
 
-    /// That nothing changes.
-    fn none(&self) -> &'a Phrasings {
-        &self.framework.draft_texts.kept(self.kept).none
+    /// Why the ego goes on with what it does, and that it does, where nothing new is decided.
+    fn kept(&self) -> (Option<&'a Phrasings>, Option<&'a Phrasings>) {
+        // Whom the ego has passed does not bear on where it turns to.
+        let turns = self.decision.lateral.is_some() && self.kept != WhyKept::Beside;
+        let kept = if turns { WhyKept::Turning } else { self.kept };
+        self.framework.draft_texts.kept(self.class, kept)
     }
 
-    /// How the parts are joined. Where nothing new is decided, what calls for a decision is no reason for what the ego
-    /// does; nor is what others do where it turns as its route has it.
-    fn joints(&self) -> &'a Phrasings {
-        let texts = &self.framework.draft_texts;
-        let kept = if self.decision.lateral.is_some() { WhyKept::Turning } else { self.kept };
-        if self.decides() { texts.traces() } else { &texts.kept(kept).traces }
+    /// The reason for the decision that the signals of `moment` allow.
+    fn why(&self, moment: &Moment<'_>, seed: u64) -> &'a str {
+        if !self.decides() {
+            let told = self.framework.draft_texts.reasons_for_none(self.class).into_iter();
+            let told = told.filter(|_| self.decision.lateral.is_none()).find(|r| moment.all(r.when));
+            let texts = told.map(|r| r.texts).or(self.kept().0);
+            return texts.map_or("", |p| p.pick(self.lang, seed));
+        }
+        let reasons = self.framework.draft_texts.reasons(self.class, self.decision);
+        let given = reasons.into_iter().find(|r| moment.all(r.when));
+        given.map_or("", |r| r.texts.pick(self.lang, seed))
+    }
+
+    /// Every reason that a draft may have given.
+    fn whys(&self) -> Vec<&'a str> {
+        let of = |p: &'a Phrasings| p.all(self.lang).iter().map(String::as_str);
+        if !self.decides() {
+            let told = self.framework.draft_texts.reasons_for_none(self.class);
+            return told.into_iter().map(|r| r.texts).chain(self.kept().0).flat_map(of).collect();
+        }
+        let reasons = self.framework.draft_texts.reasons(self.class, self.decision);
+        reasons.into_iter().flat_map(|r| of(r.texts)).collect()
     }
 
     fn decides(&self) -> bool {
@@ -200,7 +286,7 @@ impl<'a> DraftFacts<'a> {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let DrivingDecision { longitudinal, lateral, lateral_direction } = self.decision;
         let along = longitudinal
-            .and_then(|d| texts.longitudinal(self.class, d))
+            .and_then(|d| texts.longitudinal(self.class, d, motion_id(self.motion)))
             .map(|p| p.pick(lang, seed).to_owned());
         let across = lateral.and_then(|d| texts.lateral(self.class, d)).map(|p| {
             let text = p.pick(lang, seed);
@@ -210,7 +296,7 @@ impl<'a> DraftFacts<'a> {
             }
         });
         match (lang, along, across) {
-            (_, None, None) => self.none().pick(lang, seed).to_owned(),
+            (_, None, None) => self.kept().1.map_or("", |p| p.pick(lang, seed)).to_owned(),
             (Lang::Zh, Some(a), Some(b)) => format!("{a}，并{b}"),
             (Lang::Zh, None, Some(b)) => format!("自车{b}"),
             (Lang::En, Some(a), Some(b)) => format!("{a} and {b}"),
@@ -219,32 +305,25 @@ impl<'a> DraftFacts<'a> {
         }
     }
 
-    /// Numbers of phrasings: of the reason, of the decision (whose parts are chosen by one number), and of the joints.
-    fn phrasings(&self) -> (u64, u64, u64) {
+    /// Numbers of phrasings: of the decision (whose parts are chosen by one number), and of the joints.
+    fn phrasings(&self) -> (u64, u64) {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let count = |p: &Phrasings| p.all(lang).len().max(1) as u64;
-        let why = texts.why(self.class, self.decision).map_or(1, count);
-        let along =
-            self.decision.longitudinal.and_then(|d| texts.longitudinal(self.class, d)).map_or(1, count);
+        let along = self
+            .decision
+            .longitudinal
+            .and_then(|d| texts.longitudinal(self.class, d, motion_id(self.motion)))
+            .map_or(1, count);
         let across = self.decision.lateral.and_then(|d| texts.lateral(self.class, d)).map_or(1, count);
-        let action =
-            if along * across == 1 { count(self.none()) } else { along * across / common(along, across) };
-        (why, action, count(self.joints()))
+        let none = self.kept().1.map_or(1, count);
+        let action = if along * across == 1 { none } else { along * across / common(along, across) };
+        (action, count(texts.traces()))
     }
 
-    /// The trace has the beginning of a reason of the class in it, or what is said instead: cheap, and rare where a
-    /// person has written it.
+    /// The trace has the beginning of a reason in it that a draft may have given: cheap, and rare where a person has
+    /// written it.
     fn may_be(&self, trace: &str) -> bool {
-        let begins = |text: &str| has_beginning(trace, text);
-        if !self.decides() {
-            let mut kept = self.joints().all(self.lang).iter();
-            return kept.any(|joint| {
-                let said = joint.trim_start_matches("{state}").trim_start_matches(['；', ';', ' ']);
-                begins(said)
-            });
-        }
-        let Some(whys) = self.framework.draft_texts.why(self.class, self.decision) else { return true };
-        whys.all(self.lang).iter().any(|why| begins(why))
+        self.whys().into_iter().any(|why| has_beginning(trace, why))
     }
 }
 
@@ -283,6 +362,24 @@ pub(super) fn seed(id: &str, run: u64) -> u64 {
     z ^ (z >> 31)
 }
 
+/// What a motion is called behind a decision in `schema/draft_texts.yaml`, where one has words of its own.
+fn motion_id(motion: LongitudinalMotion) -> &'static str {
+    match motion {
+        LongitudinalMotion::Slows => "slows",
+        LongitudinalMotion::Stops => "stops",
+        LongitudinalMotion::SpeedsUp => "speeds_up",
+        LongitudinalMotion::Keeps | LongitudinalMotion::Starts | LongitudinalMotion::Unknown => "",
+    }
+}
+
+/// Those that [`motion_id`] tells apart.
+const MOTIONS: [LongitudinalMotion; 4] = [
+    LongitudinalMotion::Slows,
+    LongitudinalMotion::Stops,
+    LongitudinalMotion::SpeedsUp,
+    LongitudinalMotion::Unknown,
+];
+
 /// In both languages, whatever keeps the ego from deciding.
 fn all_facts<'a>(
     framework: &'a Framework,
@@ -290,11 +387,14 @@ fn all_facts<'a>(
     components: &'a [CriticalComponent],
     decision: &'a DrivingDecision,
 ) -> impl Iterator<Item = DraftFacts<'a>> {
-    let of = move |lang, kept| DraftFacts { framework, class, components, decision, kept, lang };
+    let of =
+        move |lang, kept, motion| DraftFacts { framework, class, components, decision, motion, kept, lang };
     [Lang::Zh, Lang::En].into_iter().flat_map(move |lang| {
-        // It is said only where nothing new is decided.
-        let count = if of(lang, WhyKept::Driving).decides() { 1 } else { WhyKept::ALL.len() };
-        WhyKept::ALL.into_iter().take(count).map(move |kept| of(lang, kept))
+        // Why nothing is decided is said only where nothing new is; how the ego moves only where something is.
+        let decides = of(lang, WhyKept::Driving, LongitudinalMotion::Unknown).decides();
+        let kepts = if decides { &WhyKept::ALL[..1] } else { &WhyKept::ALL[..] };
+        let motions = if decision.longitudinal.is_some() { &MOTIONS[..] } else { &MOTIONS[3..] };
+        kepts.iter().flat_map(move |kept| motions.iter().map(move |motion| of(lang, *kept, *motion)))
     })
 }
 
@@ -334,16 +434,17 @@ pub(crate) fn is_draft(
     }
     let trace = bare(trace);
     likely.into_iter().any(|facts| {
-        let (whys, actions, joints) = facts.phrasings();
-        (1..=MOST_IN_STATE).any(|things| {
-            (0..whys * actions * joints).any(|i| {
-                let choice = Choice {
-                    why: i % whys,
-                    action: i / whys % actions,
-                    joined: i / whys / actions,
-                    opening: 0,
-                };
-                trace.ends_with(&bare(&facts.sentence(None, things, choice)))
+        let (actions, joints) = facts.phrasings();
+        let states = (1..=MOST_IN_STATE)
+            .flat_map(|things| [(things, StateOrder::FirstLast), (things, StateOrder::AsListed)]);
+        let whys = facts.whys();
+        let mut states = states;
+        states.any(|state| {
+            whys.iter().any(|why| {
+                (0..actions * joints).any(|i| {
+                    let choice = Choice { why: 0, action: i % actions, joined: i / actions, opening: 0 };
+                    trace.ends_with(&bare(&facts.sentence(None, state, why, choice)))
+                })
             })
         })
     })
@@ -354,6 +455,7 @@ pub(super) fn seen(
     framework: &Framework,
     class: &ScenarioId,
     found: &[CriticalComponent],
+    moment: Option<&Moment<'_>>,
     lang: Lang,
 ) -> Option<CriticalComponent> {
     let words = framework.label_words();
@@ -377,13 +479,55 @@ pub(super) fn seen(
     if found.iter().any(speaks) || (about.is_none() && !found.iter().all(is_light)) {
         return None;
     }
-    let seen = framework.draft_texts.seen(class)?;
-    Some(CriticalComponent {
-        category: seen.category.map(|c| c.id().to_owned()),
-        description: seen.get(lang).to_owned(),
-        uncertainty: seen.high.then_some(whyroad_model::messages::Uncertainty::High),
+    let texts = &framework.draft_texts;
+    let seen = texts.seen(class)?;
+    let told = moment.and_then(|m| texts.seen_when(class).iter().find_map(|w| when_told(w, m, lang)));
+    let (category, description) = told.unwrap_or_else(|| (None, seen.get(lang).to_owned()));
+    Some(component(category.or(seen.category), description, seen.high.then_some(Uncertainty::High)))
+}
+
+/// The further component that the signals show: what the reason speaks of.
+pub(super) fn also(
+    framework: &Framework,
+    class: &ScenarioId,
+    moment: &Moment<'_>,
+    lang: Lang,
+) -> Option<CriticalComponent> {
+    let texts = &framework.draft_texts;
+    let (category, text) = texts.also_when(class).iter().find_map(|w| when_told(w, moment, lang))?;
+    let text = match moment.side() {
+        Some(side) => text.replace("{side}", texts.side(side, lang)),
+        None => without_side(&text),
+    };
+    Some(component(category.or(texts.seen(class)?.category), text, None))
+}
+
+/// Category and text of a component whose conditions hold.
+fn when_told(
+    when: &SeenWhen,
+    moment: &Moment<'_>,
+    lang: Lang,
+) -> Option<(Option<ComponentCategory>, String)> {
+    if !moment.all(&when.when) {
+        return None;
+    }
+    let text = when.get(lang);
+    let Some(name) = &when.number else { return Some((when.category, text.to_owned())) };
+    let kmh = moment.number(name).filter(|v| v.is_finite())? * 3.6;
+    Some((when.category, text.replace("{number}", &format!("{kmh:.0}"))))
+}
+
+fn component(
+    category: Option<ComponentCategory>,
+    description: String,
+    uncertainty: Option<Uncertainty>,
+) -> CriticalComponent {
+    CriticalComponent {
+        category: category.map(|c| c.id().to_owned()),
+        description,
+        uncertainty,
         id: None,
         evidence_times: Vec::new(),
         linked_objects: Vec::new(),
-    })
+    }
 }

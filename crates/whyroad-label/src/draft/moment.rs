@@ -1,0 +1,155 @@
+//! The keyframe as the conditions of `schema/draft_texts.yaml` see it: signals of the frame and of the episode's target,
+//! and `around.*`, which say who is near. Nothing after the keyframe is read, but for `decided.*` and the decision's side.
+
+use super::decision::LongitudinalMotion;
+use whyroad_framework::draft_texts::SignalCondition;
+use whyroad_model::decision::LateralDirection;
+use whyroad_model::{SignalTable, TrackId, Tri};
+
+/// Nearer than this, who is ahead or crosses is in the way, m.
+const IN_THE_WAY_M: f64 = 40.0;
+
+/// One frame, one target.
+#[derive(Clone, Copy)]
+pub(super) struct Moment<'a> {
+    signals: &'a SignalTable,
+    frame: usize,
+    /// Row of the target.
+    row: Option<usize>,
+    /// Where the ego goes by its decision.
+    side: Option<LateralDirection>,
+    /// What it does along its path by its decision.
+    motion: LongitudinalMotion,
+}
+
+impl<'a> Moment<'a> {
+    pub(super) fn of(
+        signals: &'a SignalTable,
+        frame: usize,
+        target: Option<&TrackId>,
+        side: Option<LateralDirection>,
+    ) -> Self {
+        Self {
+            signals,
+            frame,
+            row: target.and_then(|t| signals.target(t)?.row(frame)),
+            side,
+            motion: LongitudinalMotion::Unknown,
+        }
+    }
+
+    /// The same, where the ego does this after the keyframe.
+    pub(super) fn moving(self, motion: LongitudinalMotion) -> Self {
+        Self { motion, ..self }
+    }
+
+    /// Where the ego goes by its decision.
+    pub(super) fn side(&self) -> Option<LateralDirection> {
+        self.side
+    }
+
+    pub(super) fn all(&self, conditions: &[SignalCondition]) -> bool {
+        conditions.iter().all(|c| self.holds(c))
+    }
+
+    fn holds(&self, condition: &SignalCondition) -> bool {
+        let SignalCondition { signal, isnt, is, above, below, above_signal, below_signal } = condition;
+        if let Some(is) = is {
+            return self.category(signal).is_some_and(|c| (c == is) != *isnt);
+        }
+        let of_signal = |name: &Option<String>| name.as_deref().map(|n| self.number(n));
+        let least = above.map(Some).or_else(|| of_signal(above_signal));
+        let most = below.map(Some).or_else(|| of_signal(below_signal));
+        if least.is_none() && most.is_none() {
+            return self.flag(signal) == Tri::from(!isnt);
+        }
+        // What is asked for and is not known does not hold.
+        self.number(signal).is_some_and(|v| {
+            least.is_none_or(|least| least.is_some_and(|l| v > l))
+                && most.is_none_or(|most| most.is_some_and(|m| v < m))
+        })
+    }
+
+    /// A number that is known; it may be infinite.
+    pub(super) fn number(&self, name: &str) -> Option<f64> {
+        let value = match name {
+            "around.room_ahead" => self.room(|longitudinal| longitudinal >= 0.0),
+            "around.room_behind" => self.room(|longitudinal| longitudinal < 0.0),
+            _ => match self.signals.frame_columns.get(name) {
+                Some(column) => column.number(self.frame),
+                None => self.signals.target_columns.get(name)?.number(self.row?),
+            },
+        };
+        value.filter(|v| !v.is_nan())
+    }
+
+    fn category(&self, name: &str) -> Option<&'a str> {
+        match self.signals.frame_columns.get(name) {
+            Some(column) => column.category(self.frame),
+            None => self.signals.target_columns.get(name)?.category(self.row?),
+        }
+    }
+
+    fn flag(&self, name: &str) -> Tri {
+        match name {
+            "around.clear" => self.clear(),
+            "decided.stops" => Tri::from(self.motion == LongitudinalMotion::Stops),
+            "decided.slows" => Tri::from(self.motion == LongitudinalMotion::Slows),
+            "decided.speeds_up" => Tri::from(self.motion == LongitudinalMotion::SpeedsUp),
+            "around.indicator_against" => Tri::from(self.indicator_against()),
+            _ => {
+                match (self.signals.frame_columns.get(name), self.signals.target_columns.get(name), self.row)
+                {
+                    (Some(column), ..) => column.flag(self.frame),
+                    (None, Some(column), Some(row)) => column.flag(row),
+                    _ => Tri::Unknown,
+                }
+            }
+        }
+    }
+
+    /// Nobody ahead in the ego's lane or across its path is near.
+    fn clear(&self) -> Tri {
+        let columns = &self.signals.target_columns;
+        let (Some(relation), Some(distance)) =
+            (columns.get("target.relation"), columns.get("target.distance"))
+        else {
+            return Tri::Unknown;
+        };
+        let in_the_way = |row: usize| {
+            matches!(relation.category(row), Some("lead" | "crossing" | "ahead"))
+                && distance.number(row).is_some_and(|d| d < IN_THE_WAY_M)
+        };
+        Tri::from(!self.rows().any(in_the_way))
+    }
+
+    /// Distance to the nearest in the lane that the ego goes to, m; infinite without one.
+    fn room(&self, is_there: impl Fn(f64) -> bool) -> Option<f64> {
+        let columns = &self.signals.target_columns;
+        let side = self.side.filter(|s| *s != LateralDirection::Uturn)?.id();
+        let (lane, along, distance) = (
+            columns.get("target.lane_side")?,
+            columns.get("target.longitudinal")?,
+            columns.get("target.distance")?,
+        );
+        let there =
+            |row: &usize| lane.category(*row) == Some(side) && along.number(*row).is_some_and(&is_there);
+        let near = self.rows().filter(there).filter_map(|row| distance.number(row));
+        Some(near.fold(f64::INFINITY, f64::min))
+    }
+
+    /// The indicator is on for the other side.
+    pub(super) fn indicator_against(&self) -> bool {
+        let on = self.category("ego.turn_signal");
+        match self.side {
+            Some(LateralDirection::Left) => on == Some("right"),
+            Some(LateralDirection::Right) => on == Some("left"),
+            _ => false,
+        }
+    }
+
+    /// Rows of who is seen in the frame.
+    fn rows(&self) -> impl Iterator<Item = usize> {
+        self.signals.targets.iter().filter_map(|span| span.row(self.frame))
+    }
+}
