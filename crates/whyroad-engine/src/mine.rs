@@ -73,6 +73,9 @@ pub struct MineOptions {
     pub lang: Lang,
     /// Which clips episodes belong to. Those of the division are always listed, so that lengths add up.
     pub clips: ClipCut,
+    /// Where no signals of a drive are stored, derive only what the rules ask for and store none: cheaper for one
+    /// question, and not for the next one.
+    pub once: bool,
 }
 
 /// Mines every drive of the lake. `done` is called after each drive, from any thread; texts in messages are in
@@ -173,10 +176,6 @@ fn found_of(drive: &Drive, table: &SignalTable, rules: &RuleSet, plan: &Plan<'_>
 fn found_in(rule: &Rule, table: &SignalTable) -> Found {
     find_all(&Plan::of_rules([rule]), &Signals::of_table(table)).pop().unwrap_or_default()
 }
-
-/// Rules that ask for no more signals than this get these alone where none are stored: a custom rule or a class mostly
-/// asks for less than ten, all rules for 180.
-const FEW_SIGNALS: usize = 30;
 
 /// Finds what each rule finds in a drive.
 type Find<'a> = fn(&Miner<'a>, &DriveId, &Outline) -> Result<Vec<Found>, LakeError>;
@@ -316,8 +315,8 @@ impl<'a> Miner<'a> {
         rules.iter().map(one).collect()
     }
 
-    /// Runs these rules on the stored signals; where there are none, derives and stores them. For rules that ask for few
-    /// signals only these are derived, and not stored: a store has all.
+    /// Runs these rules on the stored signals; where there are none, derives and stores them, or derives only what the
+    /// rules ask for ([`MineOptions::once`]) and stores nothing: a store has all.
     fn run_stored(&self, id: &DriveId, rules: &[usize]) -> Result<Vec<Found>, LakeError> {
         if let Some(file) = self.lake.signals(id, whyroad_signals::VERSION)?
             && let Ok(found) = find_stored(&self.plan, &file, 0, rules)
@@ -325,8 +324,8 @@ impl<'a> Miner<'a> {
             return Ok(found);
         }
         // Missing, or unreadable: derived (again).
-        let asked: BTreeSet<&str> = rules.iter().flat_map(|i| self.plan.rules[*i].names()).collect();
-        let table = if asked.len() <= FEW_SIGNALS {
+        let table = if self.options.once {
+            let asked: BTreeSet<&str> = rules.iter().flat_map(|i| self.plan.rules[*i].names()).collect();
             whyroad_signals::derive_wanted(&self.lake.read_drive(id)?, &Wanted::only(asked))
         } else {
             let table = derived_signals(self.lake, id)?;

@@ -135,7 +135,7 @@ fn measure(folder: &Path, objects: usize) {
         rows += drive.tracks.iter().map(|t| t.frames.len()).sum::<usize>();
         // `derive` begins with this; it is measured once more by itself.
         stages.run("(estimate alone)", || drop(black_box(whyroad_signals::estimate::estimated(&drive))));
-        // And what rules cost that ask for few signals of drives without stored ones.
+        // And what rules cost that ask for few signals (`mine --once`).
         for (name, signals) in FEW {
             stages
                 .run(name, || drop(black_box(derive_wanted(&drive, &Wanted::only(signals.iter().copied())))));

@@ -118,8 +118,11 @@ fn varint(mut value: u64, out: &mut Vec<u8>) {
     out.push(value as u8);
 }
 
-/// Key, all bytes and, of a field with a length, the content of each field; `None` for what is no message.
-fn fields(message: &[u8]) -> Option<Vec<(u64, &[u8], Option<&[u8]>)>> {
+/// Key and all bytes of a field of a message and, of one with a length, its content.
+type Field<'a> = (u64, &'a [u8], Option<&'a [u8]>);
+
+/// The fields of a message; `None` for what is no message.
+fn fields(message: &[u8]) -> Option<Vec<Field<'_>>> {
     fn number(bytes: &mut &[u8]) -> Option<u64> {
         let mut value = 0;
         for shift in (0..63).step_by(7) {

@@ -85,6 +85,9 @@ pub(crate) struct Args {
     /// Replace results of another question in that folder, or make a part again from the start
     #[arg(long)]
     force: bool,
+    /// Derive only the signals that the rules need and store none: for a single question of drives without stored signals
+    #[arg(long)]
+    once: bool,
     /// Also list the classes that some drives cannot answer, with the signals that these drives lack
     #[arg(long)]
     missing: bool,
@@ -215,6 +218,7 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         evaluator: if args.evaluator == "reference" { Evaluator::Reference } else { Evaluator::Fast },
         lang: global.lang,
         clips: args.clips.cut(),
+        once: args.once,
     };
     let asked_for = |r: &&Rule| plan.query.as_ref().is_none_or(|(class, _)| r.scenario.is_within(class));
     let classes: Vec<ScenarioId> =

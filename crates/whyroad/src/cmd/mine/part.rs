@@ -84,6 +84,7 @@ pub(super) fn mine(global: &Global, args: &Args, of: Work<'_>) -> anyhow::Result
             jobs: args.jobs.map(usize::from),
             lang,
             clips: args.clips.cut(),
+            once: args.once,
             ..MineOptions::default()
         },
         deaths: usize::from(args.deaths),
