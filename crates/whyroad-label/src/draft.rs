@@ -80,8 +80,11 @@ pub fn draft_with_seed(
         of_others: class.l1 == "reactive_agent",
     };
     let (decision, motion) = decision::infer(signals, keyframe, &asked, &mut notes);
-    let moment =
-        Moment::of(signals, keyframe, episode.target_id.as_ref(), decision.lateral_direction).moving(motion);
+    // Of a drive that ends with the keyframe nothing is decided: it has no side (see `components`).
+    // Nor are the road's rules among the signals of its last frame.
+    let goes_on = keyframe + 1 < drive.times.len();
+    let side = decision.lateral_direction.filter(|_| goes_on);
+    let moment = Moment::of(signals, keyframe, episode.target_id.as_ref(), side).moving(motion);
     if moment.indicator_against() {
         notes.push(Bilingual::new(
             "自车的转向灯与所转的方向相反，请核对横向决策",
@@ -106,7 +109,7 @@ pub fn draft_with_seed(
     let records = spec
         .map(|s| records::known(signals, keyframe, episode.target_id.as_ref(), &s.records, &mut notes))
         .unwrap_or_default();
-    let mut components = with_cause(framework, class, components, Some(&moment), lang);
+    let mut components = with_cause(framework, class, components, goes_on.then_some(&moment), lang);
     let also = trace::also(framework, class, &moment, lang);
     // What makes room for the decision is said after what calls for it.
     let order = if also.is_some() && components.len() < trace::MOST_IN_STATE {
@@ -183,7 +186,7 @@ pub fn components(
         let (signals, keyframe) = (signals(), keyframe_of(drive, episode));
         let moment = Moment::of(&signals, keyframe, episode.target_id.as_ref(), None);
         let observed = components::observed(framework, drive, &signals, episode, keyframe, &moment, lang);
-        let mut all = with_cause(framework, class, observed, Some(&moment), lang);
+        let mut all = with_cause(framework, class, observed, None, lang);
         all.extend(trace::also(framework, class, &moment, lang));
         all
     } else {

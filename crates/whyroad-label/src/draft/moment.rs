@@ -110,15 +110,17 @@ impl<'a> Moment<'a> {
 
     /// Nobody ahead in the ego's lane or across its path is near.
     fn clear(&self) -> Tri {
-        let columns = &self.signals.target_columns;
-        let (Some(relation), Some(distance)) =
-            (columns.get("target.relation"), columns.get("target.distance"))
+        let column = |name: &str| self.signals.target_columns.get(name);
+        let (Some(relation), Some(along), Some(across)) =
+            (column("target.relation"), column("target.longitudinal"), column("target.lateral"))
         else {
             return Tri::Unknown;
         };
+        // Middle to middle: places are known in the last frame of a drive too, distances of boxes are not.
+        let distance = |row: usize| Some(along.number(row)?.hypot(across.number(row)?));
         let in_the_way = |row: usize| {
             matches!(relation.category(row), Some("lead" | "crossing" | "ahead"))
-                && distance.number(row).is_some_and(|d| d < IN_THE_WAY_M)
+                && distance(row).is_some_and(|d| d < IN_THE_WAY_M)
         };
         Tri::from(!self.rows().any(in_the_way))
     }
