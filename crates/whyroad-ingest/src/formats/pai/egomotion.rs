@@ -35,7 +35,7 @@ pub(super) fn read(table: &Columns) -> Result<(PoseTrack, RowCount), String> {
     let mut rows = Vec::with_capacity(times.len());
     for (i, time) in times.iter().enumerate() {
         let position = [x[i], y[i], z[i]];
-        let plausible = time.filter(|t| t.abs() <= MAX_TIME_US);
+        let plausible = time.filter(|t| (-MAX_TIME_US..=MAX_TIME_US).contains(t));
         match (plausible, unit([qw[i], qx[i], qy[i], qz[i]])) {
             (Some(time), Some(q)) if position.iter().all(|v| v.is_finite()) => {
                 let v = velocity.as_ref().map_or([f64::NAN; 2], |(vx, vy)| [vx[i], vy[i]]);
