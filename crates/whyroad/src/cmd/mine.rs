@@ -167,6 +167,7 @@ impl Args {
             deaths: DEATHS,
             out: Some(out),
             force,
+            once: false,
             missing: false,
             print: Print { format: Default::default() },
         }
