@@ -1,4 +1,5 @@
-//! Every target runs a few times in `cargo test`: its seeds are accepted, changed ones accepted or refused, never a panic.
+//! Every target runs a few times in `cargo test`: its seeds are accepted, changed ones accepted or refused, never a
+//! panic.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;

@@ -1,7 +1,7 @@
 //! File and message encodings, without any meaning of a data set: bytes in, values out. All of them read untrusted
 //! bytes: sizes that a file declares are limited by the bytes it has.
 
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 
 pub(crate) mod bag_records;
 pub(crate) mod bzip2;

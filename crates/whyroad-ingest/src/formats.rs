@@ -1,7 +1,7 @@
 //! The recorded formats: one module each, registered in [`ALL`].
 
 use crate::adapter::AdapterRef;
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 
 pub mod av2;
 pub mod av2_motion;

@@ -5,6 +5,7 @@
 mod adapter;
 mod assemble;
 mod encodings;
+mod file_reader;
 pub mod formats;
 mod leftover;
 mod maps;

@@ -1,10 +1,10 @@
-//! Values to the column chunks of Parquet files: those of the known rows, and which rows these are. Signals are not made
-//! Arrow arrays for it; the Arrow schema only says what the columns are.
+//! Values to the column chunks of Parquet files: those of the known rows, and which rows these are. Signals are not
+//! made Arrow arrays for it; the Arrow schema only says what the columns are.
 //!
 //! Flags, texts and nulls, most columns, are made pages here (`encoded`), numbers by Parquet's own column writers.
 //!
-//! Columns of a row group with equal values are in the file once: the footer names the same pages for each of them. That
-//! is plain Parquet, where a column is wherever the footer says, so that no reader has to know of it.
+//! Columns of a row group with equal values are in the file once: the footer names the same pages for each of them.
+//! That is plain Parquet, where a column is wherever the footer says, so that no reader has to know of it.
 
 mod encoded;
 

@@ -66,8 +66,8 @@ pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> 
     Ok(batch.num_rows())
 }
 
-/// Columns that can be written without Arrow's writer: none is nested, and texts hardly change from row to row. `None` for
-/// other tables, which mostly have few rows.
+/// Columns that can be written without Arrow's writer: none is nested, and texts hardly change from row to row. `None`
+/// for other tables, which mostly have few rows.
 fn flat(batch: &RecordBatch) -> Option<Vec<Source<'_>>> {
     let is_flat = |column: &ArrayRef| match column.data_type() {
         DataType::Float64 | DataType::Int64 | DataType::UInt32 | DataType::Boolean => true,

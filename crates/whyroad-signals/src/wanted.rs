@@ -1,6 +1,6 @@
 //! Which signals of a drive are asked for. Signals are derived in families, one file each: a family of which nothing is
-//! asked for, and from which nothing follows that is, is left out. Families that cost little are always derived; none of
-//! them is here.
+//! asked for, and from which nothing follows that is, is left out. Families that cost little are always derived; none
+//! of them is here.
 
 use std::collections::BTreeSet;
 use whyroad_model::catalog::id;

@@ -1,5 +1,5 @@
-//! Whole logs: one file of a small log is changed, and all of it is read as `whyroad ingest` reads it; from memory where
-//! the format allows it (`log-*`), else from a folder (`folder-*`), which takes longer.
+//! Whole logs: one file of a small log is changed, and all of it is read as `whyroad ingest` reads it; from memory
+//! where the format allows it (`log-*`), else from a folder (`folder-*`), which takes longer.
 
 use super::made::{self, containers, tables};
 use super::{cut, fixture, readers, unchanged, work_folder};

@@ -1,5 +1,5 @@
-//! Files of a lake: each by itself on bytes in memory (`drive-*`, `signals-*`), and all of a drive, of which one file is
-//! changed, from a folder (`folder-lake`, `folder-signals`).
+//! Files of a lake: each by itself on bytes in memory (`drive-*`, `signals-*`), and all of a drive, of which one file
+//! is changed, from a folder (`folder-lake`, `folder-signals`).
 
 use super::{unchanged, work_folder};
 use crate::harness::Target;

@@ -4,7 +4,7 @@
 
 use super::input::Input;
 use super::mcap_records::{Channel, Message, Schema};
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 use std::rc::Rc;

@@ -2,7 +2,7 @@
 //! checksums of every block. Written here because the maintained crate brings a C library's port and its license for
 //! chunks of ROS 1 bags alone.
 
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use std::num::Wrapping;
 
 const BLOCK: u64 = 0x3141_5926_5359;

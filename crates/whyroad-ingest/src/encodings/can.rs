@@ -1,7 +1,7 @@
 //! Vehicle bus frames to physical values, by a DBC file. Any source with raw CAN uses this; which signal means
 //! what on which car is the adapter's business, not ours.
 
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use can_dbc::{ByteOrder, Dbc, MultiplexIndicator, ValueType};
 use std::collections::BTreeMap;
 

@@ -2,7 +2,7 @@
 //! its parts behind lines of `=`): ROS 2 (CDR, little and big endian, as rosbag2 writes it) and ROS 1 (little endian,
 //! without gaps).
 
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use serde_json::{Map, Number, Value};
 use std::collections::BTreeMap;
 

@@ -2,7 +2,7 @@
 //! asked for.
 
 use super::cells;
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};

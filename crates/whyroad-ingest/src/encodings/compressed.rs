@@ -2,7 +2,7 @@
 //! Everything is unpacked as a stream, and not more than a log of this size can hold: see [`limit`].
 
 use super::input::Input;
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use std::io::{self, BufReader, Read};
 
 /// Endings of compressed files.

@@ -3,7 +3,7 @@
 //! indexes are skipped, so a file without an end is read as far as it goes.
 
 use super::input::{Input, ReadSeek};
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 use std::rc::Rc;

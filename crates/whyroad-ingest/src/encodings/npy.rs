@@ -1,6 +1,6 @@
 //! NumPy `.npy` arrays as rows and columns, in either memory order. Never a pickle: object arrays are refused.
 
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 
 /// A one- or two-dimensional array of numbers, row by row.
 #[derive(Clone, Debug, PartialEq)]

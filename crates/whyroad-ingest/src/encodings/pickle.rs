@@ -6,7 +6,7 @@
 //! to each other by number: a pickle that refers to one object a million times costs a million small numbers, cycles
 //! are harmless, and nothing recurses over what the file nests. Bytes and texts stay where they are in the file.
 
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 mod arena;
 mod array;
 mod construct;

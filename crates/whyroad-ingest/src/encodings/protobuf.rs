@@ -2,7 +2,7 @@
 //! few fields that it wants. Wire format: Protocol Buffers documentation, "Encoding". Groups (retired) are not read.
 
 use super::cdr::sized;
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 
 /// Value of a field as it is on the wire.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 //! "TFRecords format details"; CRC-32C by Castagnoli, RFC 3720 B.4, masked by rotation and a constant).
 
 use super::input::{Input, ReadSeek};
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use std::io::{self, Read, SeekFrom};
 
 /// Length (8) and its checksum (4).

@@ -1,7 +1,7 @@
 //! XML files of SUMO, plain or compressed, read as a stream of tags. What stands before a break in the file is kept.
 
 use super::input::Input;
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;

@@ -1,7 +1,7 @@
 //! Members of a ZIP archive, read one at a time by name and without unpacking. Stored members only: the archives that
 //! we read hold compressed files already. Nothing is written, so names of members cannot lead out of a folder.
 
-use crate::readers::FileReader;
+use crate::file_reader::FileReader;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;

@@ -17,8 +17,8 @@ use crate::assemble::se3::{self, Se3};
 use crate::encodings::input::Input;
 use crate::encodings::mcap_records::{self, Channel};
 use crate::encodings::{cdr, protobuf};
+use crate::file_reader::FileReader;
 use crate::options::{LICENCE, OptionSpec, OptionType, Options};
-use crate::readers::FileReader;
 use crate::report::{RowCount, SourceReport};
 use crate::source::{
     ContentHash, drive_id, file_label, find_files, implausible_span, impossible_speeds, resampled,

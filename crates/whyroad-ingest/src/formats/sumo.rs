@@ -32,8 +32,8 @@ pub use options::{EGO, EGO_SHARE, LIGHTS, NET, OCCLUSION, SEED, SENSOR_RANGE, TY
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, SkipReason, Source, whole};
 use crate::assemble::finish::finish;
 use crate::encodings::compressed::without_ending;
+use crate::file_reader::{FileReader, finish_map};
 use crate::options::{DEFAULT_START, Options};
-use crate::readers::{FileReader, finish_map};
 use crate::report::{RowCount, SourceReport};
 use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span, impossible_speeds};
 use fcd::{Fcd, Object};

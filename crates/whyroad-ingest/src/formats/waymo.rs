@@ -14,8 +14,8 @@ use crate::assemble::finish::finish;
 use crate::assemble::frames::{Frames, Sampled, median};
 use crate::assemble::lane_lights;
 use crate::encodings::tfrecord;
+use crate::file_reader::FileReader;
 use crate::options::{LICENCE, Options, START};
-use crate::readers::FileReader;
 use crate::report::{RowCount, SourceReport};
 use crate::source::{
     ContentHash, drive_id, file_label, find_files, implausible_span, impossible_speeds, resampled,

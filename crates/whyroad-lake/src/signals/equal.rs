@@ -1,5 +1,5 @@
-//! Columns of a drive that have equal values: they are stored once. Mostly these are standard deviations (ten signals are
-//! distances and share theirs) and columns in which nothing is known or nothing happens.
+//! Columns of a drive that have equal values: they are stored once. Mostly these are standard deviations (ten signals
+//! are distances and share theirs) and columns in which nothing is known or nothing happens.
 
 use std::collections::HashMap;
 use whyroad_model::Column;
@@ -8,8 +8,8 @@ use whyroad_model::column::UNKNOWN_CODE;
 /// Rows that are compared before whole columns are.
 const SAMPLES: usize = 48;
 
-/// For each column, the first one before it that has the same values, bit by bit, and is of the same type. Unknown is one
-/// value, whatever stands for it. Columns that a drive does not have are equal to none.
+/// For each column, the first one before it that has the same values, bit by bit, and is of the same type. Unknown is
+/// one value, whatever stands for it. Columns that a drive does not have are equal to none.
 pub(super) fn earlier_equals(columns: &[Option<&Column>]) -> Vec<Option<usize>> {
     let mut alike: HashMap<Sample, Vec<usize>> = HashMap::new();
     let mut out = vec![None; columns.len()];

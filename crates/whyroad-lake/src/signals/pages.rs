@@ -38,8 +38,8 @@ pub(super) struct Dense {
     pub known: Option<Bitmap>,
 }
 
-/// Rows that a row group may have: a drive of an hour with a thousand objects at all times has a quarter of it. A file of a
-/// few bytes can state any number, and runs of one value as long.
+/// Rows that a row group may have: a drive of an hour with a thousand objects at all times has a quarter of it. A file
+/// of a few bytes can state any number, and runs of one value as long.
 const MAX_ROWS: usize = 1 << 27;
 /// Values for which memory is taken before they are read.
 const RESERVED: usize = 1 << 24;

@@ -85,7 +85,8 @@ pub(crate) struct Args {
     /// Replace results of another question in that folder, or make a part again from the start
     #[arg(long)]
     force: bool,
-    /// Derive only the signals that the rules need and store none: for a single question of drives without stored signals
+    /// Derive only the signals that the rules need and store none: for a single question of drives without stored
+    /// signals
     #[arg(long)]
     once: bool,
     /// Also list the classes that some drives cannot answer, with the signals that these drives lack
