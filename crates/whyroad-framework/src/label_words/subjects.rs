@@ -35,6 +35,10 @@ pub struct Subjects {
     determiners: Vec<String>,
     /// Before a name of Latin letters that speaks of one that is known.
     pub definite: Vec<String>,
+    /// Before a name of Latin letters of what belongs to somebody.
+    pub owners: Vec<String>,
+    /// Before what a measure of the ego does, in Chinese.
+    pub measures: Vec<String>,
     /// Before a name of Latin letters that speaks of one that was not named before.
     pub introduces: Vec<String>,
     /// Before the word that counts, in Chinese, the same.
@@ -197,6 +201,8 @@ pub(super) struct RawSubjects {
     articles: Words,
     determiners: Words,
     definite: Words,
+    owners: Words,
+    measures: Words,
     introduces: Words,
     ordinals: Words,
     origins: Words,
@@ -241,6 +247,8 @@ impl RawSubjects {
             articles: self.articles.en.clone(),
             determiners: self.articles.en.iter().chain(&self.determiners.en).cloned().collect(),
             definite: self.definite.en.clone(),
+            owners: self.owners.en.clone(),
+            measures: self.measures.zh.clone(),
             introduces: self.introduces.en.clone(),
             appears: chars(&self.introduces),
             ordinals: chars(&self.ordinals),

@@ -187,7 +187,13 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             WordRole::Likened => {
                 clause.likened = Some(Denial { end: hit.end, is_latin: word.is_ascii() });
             }
-            WordRole::NoReason => drop(out.no_reason.get_or_insert((hit.start, hit.end))),
+            WordRole::NoReason => {
+                // "The sedan brakes for no apparent reason": it is somebody else who has none.
+                let acts = |n: &Named| n.clause == clause.number && is_actor(n, words);
+                if !out.named.iter().any(acts) {
+                    out.no_reason.get_or_insert((hit.start, hit.end));
+                }
+            }
             WordRole::Distant => {
                 out.words += 1;
                 out.distant.get_or_insert((hit.start, hit.end));
@@ -312,6 +318,11 @@ fn is_imagined(text: &str, at: (usize, usize), units: &Units, words: &LabelWords
     has(&text[clause..at.0], &words.imagined)
         || has(&text[sentence..at.0], &words.predicted)
         || has(&text[at.1..clause_end], &words.predicted)
+}
+
+/// Whoever is named may act.
+fn is_actor(n: &Named, words: &LabelWords) -> bool {
+    !n.absent && words.objects[n.group].own.meets(words.known.actor)
 }
 
 /// Stands in Chinese between a name and what says that it is not there: "ice, a bit of it there is not". With anything

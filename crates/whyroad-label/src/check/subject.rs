@@ -126,6 +126,12 @@ pub(super) fn is_introduced(text: &str, start: usize, words: &LabelWords) -> boo
     }) || near.first().is_some_and(|c| *c == '有')
 }
 
+/// What follows `before` in Latin letters belongs to somebody who was named: "its trailer".
+pub(super) fn is_owned(before: &str, words: &LabelWords) -> bool {
+    let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
+    words.subjects.owners.iter().any(|w| last.eq_ignore_ascii_case(w))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -166,6 +172,7 @@ mod tests {
         let words = Framework::bundled().label_words();
         let introduced = |text: &str, thing: &str| is_introduced(text, text.find(thing).unwrap(), words);
         assert!(introduced("and a wobbling cyclist", "cyclist") && !introduced("and the cyclist", "cyclist"));
+        assert!(is_owned("lets the pickup and its", words) && !is_owned("lets the", words));
         assert!(introduced("后面还有辆三轮车", "三轮车") && !introduced("三轮车横穿", "三轮车"));
     }
 }

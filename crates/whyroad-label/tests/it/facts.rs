@@ -272,6 +272,40 @@ fn a_reason_that_is_none_is_reported() {
     assert!(!none(&zh, YIELD_ZH) && !none(&en, YIELD_EN));
 }
 
+/// Whoever is brought in as a cause needs a component; the ego, what belongs to somebody and what only happens often
+/// do not.
+#[test]
+fn what_is_no_cause_needs_no_component() {
+    let unnamed =
+        |parts: &[&str], trace: &str| yielding(parts, trace).contains(&"label.trace.unnamed_object");
+    for trace in [
+        "An old man is walking across in front of the ego vehicle, so the ego vehicle slows down and yields to him.",
+        "Cars either side. An old man is walking across, and our paths meet, so the ego slows down and yields to him.",
+    ] {
+        assert!(!unnamed(CROSSING_EN, trace), "{trace}");
+    }
+    assert!(unnamed(
+        CROSSING_EN,
+        "A truck is turning in from the right while an old man is walking across, so the ego vehicle slows and yields."
+    ));
+    let (often, now) = (
+        "这里常有电动车窜出来，老人从左侧横穿马路，因此自车减速让行。",
+        "右边一辆电动车窜出来，老人从左侧横穿马路，因此自车减速让行。",
+    );
+    assert!(!unnamed(CROSSING_ZH, often) && unnamed(CROSSING_ZH, now));
+}
+
+#[test]
+fn a_reason_that_somebody_else_lacks_is_one_for_the_ego() {
+    let code = "label.text.unrelated";
+    let parts = ["The sedan ahead brakes hard for no apparent reason"];
+    let trace =
+        "The sedan ahead brakes hard for no apparent reason, so the ego brakes and follows it to a stop.";
+    assert!(!following(&parts, trace).contains(&code));
+    let trace = "For no apparent reason the ego brakes and follows to a stop behind it.";
+    assert!(following(&parts, trace).contains(&code));
+}
+
 #[test]
 fn what_only_names_its_field_is_a_placeholder() {
     let found = |part: &str, trace: &str| yielding(&[part], trace).contains(&"label.text.placeholder");

@@ -54,6 +54,22 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
             words.clauses.around(&texts.units, a.start..a.end, text.len(), &|d| d != Divider::Aside),
         );
     }
+    // The same, said by what he does instead: "shows no sign of backing out".
+    let instead = words.opposite_of(given.does.only(words.reaching)).only(words.calm);
+    let around =
+        |a: &Act| words.clauses.around(&texts.units, a.start..a.end, text.len(), &|d| d != Divider::Aside);
+    // "Cannot be trusted to stay put".
+    let unable = |a: &Act| {
+        let before = text[around(a).0..a.start].to_ascii_lowercase();
+        words.subjects.unable.iter().any(|w| before.contains(w.as_str()))
+    };
+    let calm = |a: &&Act| !a.denied && a.doing.meets(instead) && !a.doing.meets(given.does) && !unable(a);
+    if !acts().any(|a| !a.denied)
+        && let Some(a) = trace.acts.iter().filter(before).find(calm)
+        && by_somebody(a, trace, words)
+    {
+        return Some(around(a));
+    }
     let (mut from, mut first, mut named) = (0, None, false);
     for _ in 0..MOST_CLAUSES {
         let end = words.clauses.clause_end(&texts.units, from, text.len());

@@ -36,7 +36,7 @@ pub(in crate::check) fn hindsight(scope: &TextScope<'_>, after: Option<(usize, u
         if let Some(at) = facts
             .hindsight
             .or(facts.after_response)
-            .or_else(|| after_decision(text, facts, label, lexicon))
+            .or_else(|| after_decision(text, facts, label, words, lexicon))
             .or_else(|| told_later(text, words))
         {
             return report(sink, pointer::critical_components_item_description(c.index), text, at);
@@ -77,12 +77,18 @@ fn after_decision(
     text: &str,
     facts: &TextFacts,
     label: &View<'_>,
+    words: &LabelWords,
     lexicon: &Lexicon,
 ) -> Option<(usize, usize)> {
     let behind =
         lexicon.behind_decision.iter().filter_map(|w| Some((text.find(w.as_str())?, w.len()))).min()?;
     let (at, length) = behind;
     let from = text[..at].rfind(['，', '。', '；']).map_or(0, |i| i + '，'.len_utf8());
+    // "Off the throttle, the speed still rises": why the ego decides.
+    let is_measure = words.subjects.measures.iter().any(|w| text[at + length..].starts_with(w.as_str()));
+    if is_measure && !text[at..].contains('了') {
+        return None;
+    }
     let other = facts.named.iter().any(|n| (from..at).contains(&n.start));
     let decided = lexicon.stems.find(&text[from..at], label.longitudinal.get(), label.lateral.get());
     (!other && decided.is_some()).then_some((from, at + length))

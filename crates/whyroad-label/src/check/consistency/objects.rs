@@ -51,7 +51,16 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
     let describes = |n: &Named| {
         about.meets(words.known.condition) && words.objects[n.group].own.meets(words.known.condition)
     };
-    let is_new = |n: &&Named| is_new(n) && !may_be_ego(n) && !says_little(n) && !either(n) && !describes(n);
+    // "Its trailer" comes with whoever is named; "cars either side" are any: in English, whoever is brought in as a cause
+    // at the beginning of a sentence has an article.
+    let is_beside = |n: &Named| {
+        let before = text[..n.start].trim_end();
+        let begins = before.is_empty() || before.ends_with(['.', '!', '?', ';']);
+        text[n.start..n.end].is_ascii() && (begins || subject::is_owned(before, words))
+    };
+    let is_new = |n: &&Named| {
+        is_new(n) && !may_be_ego(n) && !says_little(n) && !either(n) && !describes(n) && !is_beside(n)
+    };
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
     // In other words, or one that a component has in words that no list knows: most labels do not come to this.
     let unread = new.peek().map(|_| Unread::of(label, texts, words, background));
