@@ -111,11 +111,18 @@ pub(super) fn infer(
         .is_some_and(|side| is_near(signals, keyframe, side));
     // What the class cannot do without is decided, whatever the motion of 6 s shows.
     let chosen = |(motion, began)| {
+        let slows = motion == LongitudinalMotion::Slows;
         let out = |d: Longitudinal| match d {
             Longitudinal::SetSpeedTracking => {
                 motion == LongitudinalMotion::SpeedsUp && !rises_soon(signals, keyframe, began)
             }
             Longitudinal::GapMatching => !gap,
+            // Nobody changes lanes to be slow.
+            Longitudinal::RoadSpeedAdaptation => {
+                let lane_change =
+                    lateral == Some(Lateral::LaneChange) && !asked.typical.longitudinal.contains(&d);
+                lane_change || (slows && !gets_slower(signals, keyframe))
+            }
             _ => false,
         };
         choose(motion, asked, out).or_else(|| asked.only_longitudinal())
@@ -221,6 +228,14 @@ fn changes_clearly(signals: &SignalTable, keyframe: usize) -> bool {
 fn rises_soon(signals: &SignalTable, keyframe: usize, began_s: f64) -> bool {
     let frames = (began_s * FRAME_RATE_HZ).round() as usize;
     began_s <= SOON_S && speeds(signals, keyframe + frames).is_none_or(|(now, then)| then - now > RISE_MPS)
+}
+
+/// The ego is slower some time after the keyframe than at it. What is not known is not doubted.
+fn gets_slower(signals: &SignalTable, keyframe: usize) -> bool {
+    let Some(speed) = signals.frame_columns.get("ego.speed") else { return true };
+    let end = (keyframe + HORIZON_FRAMES + 1).min(speed.len());
+    let Some(now) = speed.number(keyframe) else { return true };
+    (keyframe..end).filter_map(|f| speed.number(f)).any(|v| v < now - RISE_MPS)
 }
 
 /// What the ego was already doing at the keyframe.
@@ -339,12 +354,16 @@ fn choose(
     let fits = |d: &&Longitudinal| {
         possible.contains(d) && (follows || **d != Longitudinal::LeadFollowing) && !out(**d)
     };
-    asked.typical.longitudinal.iter().find(fits).copied().or_else(|| choose_allowed(motion, asked))
+    asked.typical.longitudinal.iter().find(fits).copied().or_else(|| choose_allowed(motion, asked, out))
 }
 
 /// What the class allows although it is not typical. Slowing for a lower limit is one; who stands because of somebody
 /// else and moves off may do so for any reason, and who speeds up too.
-fn choose_allowed(motion: LongitudinalMotion, asked: &Asked<'_>) -> Option<Longitudinal> {
+fn choose_allowed(
+    motion: LongitudinalMotion,
+    asked: &Asked<'_>,
+    out: impl Fn(Longitudinal) -> bool,
+) -> Option<Longitudinal> {
     use Longitudinal as D;
     let of_the_road: &[D] = match motion {
         LongitudinalMotion::Starts | LongitudinalMotion::Waits if !asked.of_others => &[D::Resume],
@@ -356,8 +375,8 @@ fn choose_allowed(motion: LongitudinalMotion, asked: &Asked<'_>) -> Option<Longi
         let of_others = asked.of_others || asked.is_safety;
         return of_the_road.first().copied().filter(|d| *d == D::Resume || !of_others);
     };
-    let mut fits = allowed.longitudinal.iter().filter_map(|(d, _)| *d).filter(|d| of_the_road.contains(d));
-    fits.next()
+    let mut fits = allowed.longitudinal.iter().filter_map(|(d, _)| *d);
+    fits.find(|d| of_the_road.contains(d) && !out(*d))
 }
 
 fn note_longitudinal(

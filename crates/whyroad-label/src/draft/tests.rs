@@ -375,7 +375,9 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
     let framework = Framework::bundled();
     let drive = fixture::drive("d");
     let mut slowing = fixture::signals(&drive);
-    with_motion(&mut slowing, |f| if f < 45 { 2 } else { 1 });
+    with_speed(&mut slowing, |f| 10.0 - 0.08 * f.saturating_sub(44) as f64);
+    let mut rising = fixture::signals(&drive);
+    with_speed(&mut rising, |f| 10.0 + 0.08 * f.saturating_sub(44) as f64);
     let mut starting = fixture::signals(&drive);
     with_motion(&mut starting, |f| if f < 60 { 0 } else { 3 });
     starting.frame_columns.insert("ego.speed".into(), Column::Number(vec![0.0; fixture::FRAMES]));
@@ -389,7 +391,7 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
     standing.frame_columns.insert("ego.speed".into(), Column::Number(vec![0.0; fixture::FRAMES]));
     let checker = crate::check::Checker::new(framework);
     let mut traces = std::collections::BTreeSet::new();
-    let motions = [&slowing, &starting, &keeping, &cruising, &standing];
+    let motions = [&slowing, &rising, &starting, &keeping, &cruising, &standing];
     let all = framework.specs.keys().flat_map(|leaf| motions.map(|signals| (leaf, signals)));
     let mut wrong = Vec::new();
     for (leaf, signals) in all {
