@@ -369,6 +369,11 @@ impl DraftTexts {
         found
     }
 
+    /// The class, or its L2, has a reason of its own for this decision, by its id.
+    pub fn has_reason_for(&self, class: &ScenarioId, decision: &str) -> bool {
+        self.of(class, |c| c.why_for.get(decision)).is_some()
+    }
+
     /// Why the class calls for no new decision, where signals tell, in the order in which they are tried.
     pub fn reasons_for_none(&self, class: &ScenarioId) -> Vec<Reason<'_>> {
         let l2 = ScenarioId { l3: None, ..class.clone() };

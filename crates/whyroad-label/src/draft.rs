@@ -15,9 +15,11 @@ mod trace;
 pub use decision::LongitudinalMotion;
 pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 
+use components::ROAD;
 use moment::Moment;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_framework::{Framework, Taxonomy};
+use whyroad_model::decision::Longitudinal;
 use whyroad_model::messages::{
     Cause, Causes, CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Provenance, ProvenanceSource,
     ScenarioLabel, Uncertainty,
@@ -83,8 +85,17 @@ pub fn draft_with_seed(
     // Of a drive that ends with the keyframe nothing is decided: it has no side (see `components`).
     // Nor are the road's rules among the signals of its last frame.
     let goes_on = keyframe + 1 < drive.times.len();
-    let side = decision.lateral_direction.filter(|_| goes_on);
-    let moment = Moment::of(signals, keyframe, episode.target_id.as_ref(), side).moving(motion);
+    let goes_to =
+        || decision.lateral_direction.or_else(|| decision::merges_to(decision.lateral, signals, keyframe));
+    let side = goes_on.then(goes_to).flatten();
+    let fits_gap = decision.longitudinal == Some(Longitudinal::GapMatching);
+    let moment = Moment::of(signals, keyframe, episode.target_id.as_ref(), side).moving(motion, fits_gap);
+    if class.l1 == ROAD && motion == LongitudinalMotion::Stops {
+        notes.push(Bilingual::new(
+            "自车随后减速至停车，请核对原因是不是道路",
+            "the ego slows to a stop: confirm that the road is the cause",
+        ));
+    }
     if moment.indicator_against() {
         notes.push(Bilingual::new(
             "自车的转向灯与所转的方向相反，请核对横向决策",
@@ -96,14 +107,6 @@ pub fn draft_with_seed(
         notes.push(Bilingual::new(
             "没有可由信号得出的关键要素，请标注员补充",
             "no critical component follows from the signals: name them",
-        ));
-    }
-    if spec.is_some_and(|s| s.uncertainty_high)
-        && components.iter().all(|c| c.uncertainty != Some(Uncertainty::High))
-    {
-        notes.push(Bilingual::new(
-            "该场景要求至少一个关键要素的不确定性为“高”",
-            "this class needs at least one component of high uncertainty",
         ));
     }
     let records = spec
@@ -212,6 +215,14 @@ fn with_cause(
 ) -> Vec<CriticalComponent> {
     if let Some(seen) = trace::seen(framework, class, &observed, moment, lang) {
         observed.insert(0, seen);
+    }
+    // LABELING.md 3: of who was hidden, at least one component is uncertain.
+    let is_high = |c: &CriticalComponent| c.uncertainty == Some(Uncertainty::High);
+    if framework.specs.get(class).is_some_and(|s| s.uncertainty_high)
+        && !observed.iter().any(is_high)
+        && let Some(first) = observed.first_mut()
+    {
+        first.uncertainty = Some(Uncertainty::High);
     }
     observed
 }

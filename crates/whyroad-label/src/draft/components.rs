@@ -22,7 +22,7 @@ const NOTABLY_MPS: f64 = 1.0;
 const TRAFFIC_LIGHT: &str = "traffic_light";
 
 /// The L1 that is about the road.
-const ROAD: &str = "reactive_road";
+pub(super) const ROAD: &str = "reactive_road";
 
 /// Where nothing of this holds, [`observed`] finds nothing.
 pub(super) fn needs_signals(framework: &Framework, episode: &EpisodeRecord) -> bool {

@@ -1,11 +1,13 @@
 //! The first action after the keyframe, read from the ego's motion. Motion says *that* the ego slows, not why;
 //! the reason is taken from the class's typical decisions, and where they offer none, nothing is guessed.
 
+use super::moment::Moment;
 use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::decisions::DecisionSets;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::DrivingDecision;
+use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Bilingual, Column, ObjectClass, SignalTable, Tri};
 
 /// Frames after the keyframe in which the first action is looked for: the 6 s of a sample's future (LABELING.md 4).
@@ -23,6 +25,21 @@ const NUDGE_BEFORE_FRAMES: usize = 30;
 /// More than this from one frame to the keyframe is another lane, m.
 const LANE_JUMP_M: f64 = 2.0;
 
+/// Frames over which a change of speed is looked at.
+const CHANGE_FRAMES: usize = 30;
+/// A speed that goes on to change by this over them is decided, though it began to before the keyframe, m/s.
+const CLEAR_MPS: f64 = 3.5;
+/// Who is as fast as this and stands after them has decided to stop, m/s.
+const CLEAR_STOP_MPS: f64 = 2.5;
+/// What speeds up later than this is no return to the target speed that the keyframe calls for, s.
+const SOON_S: f64 = 2.0;
+/// Nor is what rises by less than this, m/s.
+const RISE_MPS: f64 = 1.0;
+/// Who moves off later than this waits first, s.
+const WAITS_S: f64 = 1.5;
+/// Farther than this, nobody in the next lane makes a gap, m.
+const GAP_M: f64 = 40.0;
+
 /// What the ego does along its path first after the keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LongitudinalMotion {
@@ -34,6 +51,8 @@ pub enum LongitudinalMotion {
     Stops,
     /// Moves off from standstill.
     Starts,
+    /// Waits, and moves off later or when the light lets it.
+    Waits,
     /// Speeds up while moving.
     SpeedsUp,
     /// The signals do not tell.
@@ -87,14 +106,38 @@ pub(super) fn infer(
     let (lateral, lateral_direction) = lateral(signals, keyframe, asked, &mut of_lateral);
     let lateral = lateral.or_else(|| asked.only_lateral()).or_else(|| nudge(signals, keyframe, asked));
     let lateral_direction = lateral_direction.or_else(|| side_of(lateral?, signals, keyframe));
+    let gap = lateral_direction
+        .or_else(|| merges_to(lateral, signals, keyframe))
+        .is_some_and(|side| is_near(signals, keyframe, side));
     // What the class cannot do without is decided, whatever the motion of 6 s shows.
-    let chosen = |motion| choose(motion, asked).or_else(|| asked.only_longitudinal());
+    let chosen = |(motion, began)| {
+        let slows = motion == LongitudinalMotion::Slows;
+        let out = |d: Longitudinal| match d {
+            Longitudinal::SetSpeedTracking => {
+                motion == LongitudinalMotion::SpeedsUp && !rises_soon(signals, keyframe, began)
+            }
+            Longitudinal::GapMatching => !gap,
+            // Nobody changes lanes to be slow.
+            Longitudinal::RoadSpeedAdaptation => {
+                let lane_change =
+                    lateral == Some(Lateral::LaneChange) && !asked.typical.longitudinal.contains(&d);
+                lane_change || (slows && !gets_slower(signals, keyframe))
+            }
+            _ => false,
+        };
+        choose(motion, asked, out).or_else(|| asked.only_longitudinal())
+    };
     let (mut motion, mut began) = longitudinal_motion(signals, keyframe, Before::IsNoAnswer);
-    let mut longitudinal = chosen(motion);
-    // Where the class exists because the ego did something, it did it already; and who brakes in danger has decided to.
-    if longitudinal.is_none() && lateral.is_none() && (asked.decides() || asked.is_safety) {
-        (motion, began) = longitudinal_motion(signals, keyframe, Before::Counts);
-        longitudinal = chosen(motion);
+    let mut longitudinal = chosen((motion, began));
+    // Where the class exists because the ego did something, it did it already; who brakes in danger has decided to; and
+    // so has whose speed goes on to change clearly.
+    let own = lateral.is_none() && (asked.decides() || asked.is_safety);
+    if longitudinal.is_none() && (own || changes_clearly(signals, keyframe)) {
+        let counted = longitudinal_motion(signals, keyframe, Before::Counts);
+        longitudinal = chosen(counted);
+        if own || longitudinal.is_some() {
+            (motion, began) = counted;
+        }
     }
     note_longitudinal(motion, began, longitudinal, asked.names, notes);
     notes.append(&mut of_lateral);
@@ -137,6 +180,64 @@ fn side_of(lateral: Lateral, signals: &SignalTable, keyframe: usize) -> Option<L
     }
 }
 
+/// The ego changes lanes after the keyframe.
+pub(super) fn changes_lane(signals: &SignalTable, keyframe: usize) -> bool {
+    side_of_change(signals, keyframe).is_some()
+}
+
+fn side_of_change(signals: &SignalTable, keyframe: usize) -> Option<LateralDirection> {
+    let column = signals.frame_columns.get("ego.lane_change")?;
+    let end = (keyframe + HORIZON_FRAMES + 1).min(column.len());
+    (keyframe..end).find_map(|f| column.category(f).and_then(LateralDirection::from_id))
+}
+
+/// The side of the lane that who merges goes to.
+pub(super) fn merges_to(
+    lateral: Option<Lateral>,
+    signals: &SignalTable,
+    keyframe: usize,
+) -> Option<LateralDirection> {
+    side_of_change(signals, keyframe).filter(|_| lateral == Some(Lateral::MergeOrSplit))
+}
+
+/// Somebody in the lane on `side` is near enough to make a gap with.
+fn is_near(signals: &SignalTable, keyframe: usize, side: LateralDirection) -> bool {
+    let moment = Moment::of(signals, keyframe, None, Some(side));
+    let room = |name: &str| moment.number(name).is_some_and(|d| d < GAP_M);
+    room("around.room_ahead") || room("around.room_behind")
+}
+
+/// Speed at the keyframe and at the end of the frames over which its change is looked at, from `from` on, m/s.
+fn speeds(signals: &SignalTable, from: usize) -> Option<(f64, f64)> {
+    let speed = signals.frame_columns.get("ego.speed")?;
+    let to = (from + CHANGE_FRAMES).min(speed.len().checked_sub(1)?);
+    Some((speed.number(from)?, speed.number(to)?))
+}
+
+fn changes_clearly(signals: &SignalTable, keyframe: usize) -> bool {
+    let stands = signals
+        .frame_columns
+        .get("ego.standstill")
+        .is_some_and(|c| keyframe + CHANGE_FRAMES < c.len() && c.flag(keyframe + CHANGE_FRAMES).is_true());
+    speeds(signals, keyframe).is_some_and(|(now, then)| {
+        (then - now).abs() > CLEAR_MPS || (now > CLEAR_STOP_MPS && then < now && stands)
+    })
+}
+
+/// The speed really rises, and does so because of what is seen at the keyframe. What is not known is not doubted.
+fn rises_soon(signals: &SignalTable, keyframe: usize, began_s: f64) -> bool {
+    let frames = (began_s * FRAME_RATE_HZ).round() as usize;
+    began_s <= SOON_S && speeds(signals, keyframe + frames).is_none_or(|(now, then)| then - now > RISE_MPS)
+}
+
+/// The ego is slower some time after the keyframe than at it. What is not known is not doubted.
+fn gets_slower(signals: &SignalTable, keyframe: usize) -> bool {
+    let Some(speed) = signals.frame_columns.get("ego.speed") else { return true };
+    let end = (keyframe + HORIZON_FRAMES + 1).min(speed.len());
+    let Some(now) = speed.number(keyframe) else { return true };
+    (keyframe..end).filter_map(|f| speed.number(f)).any(|v| v < now - RISE_MPS)
+}
+
 /// What the ego was already doing at the keyframe.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Before {
@@ -161,7 +262,13 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize, before: Before) -
     }
     if standstill.flag(keyframe).is_true() {
         let off = (keyframe..end).find(|&f| standstill.flag(f) == Tri::False);
-        return off.map_or((LongitudinalMotion::Keeps, 0.0), |f| (LongitudinalMotion::Starts, seconds(f)));
+        let light = signals.frame_columns.get("light.state").and_then(|c| c.category(keyframe));
+        let starts = |after_s: f64| match light {
+            Some("red" | "red_yellow") => LongitudinalMotion::Waits,
+            _ if after_s > WAITS_S => LongitudinalMotion::Waits,
+            _ => LongitudinalMotion::Starts,
+        };
+        return off.map_or((LongitudinalMotion::Keeps, 0.0), |f| (starts(seconds(f)), seconds(f)));
     }
     let Some((began, change)) = first_change(meta, keyframe, end, before) else {
         return (LongitudinalMotion::Keeps, 0.0);
@@ -226,7 +333,7 @@ fn candidates(motion: LongitudinalMotion) -> &'static [Longitudinal] {
             D::RoadSpeedAdaptation,
             D::GapMatching,
         ],
-        LongitudinalMotion::Starts => &[D::Resume],
+        LongitudinalMotion::Starts | LongitudinalMotion::Waits => &[D::Resume],
         LongitudinalMotion::SpeedsUp => {
             &[D::LeadFollowing, D::AccelerationForPassing, D::GapMatching, D::SetSpeedTracking]
         }
@@ -234,30 +341,42 @@ fn candidates(motion: LongitudinalMotion) -> &'static [Longitudinal] {
     }
 }
 
-fn choose(motion: LongitudinalMotion, asked: &Asked<'_>) -> Option<Longitudinal> {
+/// The decision that the motion is the carrying out of; one that is `out` is not.
+fn choose(
+    motion: LongitudinalMotion,
+    asked: &Asked<'_>,
+    out: impl Fn(Longitudinal) -> bool,
+) -> Option<Longitudinal> {
     let possible = candidates(motion);
     // Nobody follows a person who crosses, an animal, or whom the emergency brake is for.
     let follows =
         !asked.is_safety && asked.target.is_none_or(|t| t.is_vehicle() || t == ObjectClass::Bicycle);
-    let fits = |d: &&Longitudinal| possible.contains(d) && (follows || **d != Longitudinal::LeadFollowing);
-    asked.typical.longitudinal.iter().find(fits).copied().or_else(|| choose_allowed(motion, asked))
+    let fits = |d: &&Longitudinal| {
+        possible.contains(d) && (follows || **d != Longitudinal::LeadFollowing) && !out(**d)
+    };
+    asked.typical.longitudinal.iter().find(fits).copied().or_else(|| choose_allowed(motion, asked, out))
 }
 
 /// What the class allows although it is not typical. Slowing for a lower limit is one; who stands because of somebody
 /// else and moves off may do so for any reason, and who speeds up too.
-fn choose_allowed(motion: LongitudinalMotion, asked: &Asked<'_>) -> Option<Longitudinal> {
+fn choose_allowed(
+    motion: LongitudinalMotion,
+    asked: &Asked<'_>,
+    out: impl Fn(Longitudinal) -> bool,
+) -> Option<Longitudinal> {
     use Longitudinal as D;
     let of_the_road: &[D] = match motion {
-        LongitudinalMotion::Starts if !asked.of_others => &[D::Resume],
+        LongitudinalMotion::Starts | LongitudinalMotion::Waits if !asked.of_others => &[D::Resume],
         LongitudinalMotion::Slows | LongitudinalMotion::Stops => &[D::RoadSpeedAdaptation],
         _ => return None,
     };
     // Of a class whose variant is not known, nothing is known to be impossible.
     let Some(allowed) = asked.allowed else {
-        return of_the_road.first().copied().filter(|d| *d == D::Resume);
+        let of_others = asked.of_others || asked.is_safety;
+        return of_the_road.first().copied().filter(|d| *d == D::Resume || !of_others);
     };
-    let mut fits = allowed.longitudinal.iter().filter_map(|(d, _)| *d).filter(|d| of_the_road.contains(d));
-    fits.next()
+    let mut fits = allowed.longitudinal.iter().filter_map(|(d, _)| *d);
+    fits.find(|d| of_the_road.contains(d) && !out(*d))
 }
 
 fn note_longitudinal(
@@ -280,7 +399,7 @@ fn note_longitudinal(
         ),
         LongitudinalMotion::Slows => began("开始减速", "slows"),
         LongitudinalMotion::Stops => began("减速至停车", "slows to a stop"),
-        LongitudinalMotion::Starts => began("起步", "moves off"),
+        LongitudinalMotion::Starts | LongitudinalMotion::Waits => began("起步", "moves off"),
         LongitudinalMotion::SpeedsUp => began("开始加速", "speeds up"),
         LongitudinalMotion::Unknown => Bilingual::new("自车运动未知", "the ego's motion is unknown"),
     };
@@ -317,10 +436,14 @@ fn lateral(
         let value = (keyframe..end).find_map(|f| column.category(f).filter(|c| !none.contains(c)))?;
         LateralDirection::from_id(value)
     };
-    let found = [
+    let mut found = [
         (Lateral::LaneChange, ahead("ego.lane_change", &["none"])),
         (Lateral::Turn, ahead("ego.movement", &["straight"])),
     ];
+    // Who goes over to the side that it turns to, turns.
+    if found[0].1 == found[1].1 {
+        found.reverse();
+    }
     for (lateral, direction) in found {
         let Some(direction) = direction.filter(|d| lateral.directions().contains(d)) else { continue };
         let usual = asked.typical.lateral.contains(&lateral);

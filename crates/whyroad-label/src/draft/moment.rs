@@ -1,7 +1,7 @@
 //! The keyframe as the conditions of `schema/draft_texts.yaml` see it: signals of the frame and of the episode's target,
 //! and `around.*`, which say who is near. Nothing after the keyframe is read, but for `decided.*` and the decision's side.
 
-use super::decision::LongitudinalMotion;
+use super::decision::{LongitudinalMotion, changes_lane};
 use whyroad_framework::draft_texts::SignalCondition;
 use whyroad_model::decision::LateralDirection;
 use whyroad_model::{SignalTable, TrackId, Tri};
@@ -20,6 +20,8 @@ pub(super) struct Moment<'a> {
     side: Option<LateralDirection>,
     /// What it does along its path by its decision.
     motion: LongitudinalMotion,
+    /// It fits its speed to a gap by its decision.
+    fits_gap: bool,
 }
 
 impl<'a> Moment<'a> {
@@ -35,12 +37,13 @@ impl<'a> Moment<'a> {
             row: target.and_then(|t| signals.target(t)?.row(frame)),
             side,
             motion: LongitudinalMotion::Unknown,
+            fits_gap: false,
         }
     }
 
     /// The same, where the ego does this after the keyframe.
-    pub(super) fn moving(self, motion: LongitudinalMotion) -> Self {
-        Self { motion, ..self }
+    pub(super) fn moving(self, motion: LongitudinalMotion, fits_gap: bool) -> Self {
+        Self { motion, fits_gap, ..self }
     }
 
     /// Where the ego goes by its decision.
@@ -96,6 +99,10 @@ impl<'a> Moment<'a> {
             "decided.stops" => Tri::from(self.motion == LongitudinalMotion::Stops),
             "decided.slows" => Tri::from(self.motion == LongitudinalMotion::Slows),
             "decided.speeds_up" => Tri::from(self.motion == LongitudinalMotion::SpeedsUp),
+            "decided.starts" => Tri::from(self.motion == LongitudinalMotion::Starts),
+            "decided.waits" => Tri::from(self.motion == LongitudinalMotion::Waits),
+            "decided.changes_lane" => Tri::from(changes_lane(self.signals, self.frame)),
+            "decided.fits_gap" => Tri::from(self.fits_gap),
             "around.indicator_against" => Tri::from(self.indicator_against()),
             _ => {
                 match (self.signals.frame_columns.get(name), self.signals.target_columns.get(name), self.row)

@@ -209,8 +209,118 @@ fn what_is_owed_is_null_in_the_label_and_named_in_the_notes() {
     let name = &spec.records.iter().find(|r| r.id == "overtaken_vehicle").unwrap().name.en;
     assert!(overtake.notes.iter().any(|n| n.en.contains(name)));
     // LABELING.md 3: mandatory for blind spots.
-    let blind = draft_of("reactive_road.blind_spot_slowdown.gap", |_| ());
-    assert!(blind.notes.iter().any(|n| n.en.contains("high uncertainty")));
+    // LABELING.md 3: mandatory for blind spots, of who comes out from behind something, and of what a lead reveals.
+    for leaf in [
+        "reactive_road.blind_spot_slowdown.gap",
+        "reactive_road.blind_spot_slowdown.vehicle",
+        "reactive_agent.vru_emergence.static_occlusion",
+        "reactive_agent.vru_emergence.dynamic_occlusion",
+        "reactive_agent.vehicle_abnormal.cutout_reveal",
+    ] {
+        let components = draft_of(leaf, |_| ()).label.critical_components;
+        let high = components.iter().filter(|c| c.uncertainty == Some(Uncertainty::High)).count();
+        assert!(high >= 1, "{leaf}: {components:?}");
+    }
+}
+
+/// Speeds by frame, m/s, the acceleration between them, and the meta action that goes with it.
+fn with_speed(signals: &mut SignalTable, speed: impl Fn(usize) -> f64) {
+    let speeds: Vec<f64> = (0..fixture::FRAMES).map(speed).collect();
+    let accel = |f: usize| (speeds[(f + 1).min(fixture::FRAMES - 1)] - speeds[f]) * 10.0;
+    let meta = |f: usize| match accel(f) {
+        _ if speeds[f] < 0.3 => 0,
+        a if a < -0.5 => 1,
+        a if a > 0.5 => 3,
+        _ => 2,
+    };
+    with_motion(signals, meta);
+    let accels = (0..fixture::FRAMES).map(accel).collect();
+    signals.frame_columns.insert("ego.accel".into(), Column::Number(accels));
+    signals.frame_columns.insert("ego.speed".into(), Column::Number(speeds));
+}
+
+#[test]
+fn a_clear_change_of_speed_is_a_decision_though_it_began_before() {
+    // From 133 to 111 km/h in 2 s, begun 1 s before the keyframe: 37 m/s to 31 m/s.
+    let falls = |f: usize| (37.0 - 0.3 * f.saturating_sub(30) as f64).max(28.0);
+    let limit = draft_of("reactive_rule.speed_limit", |s| with_speed(s, falls));
+    assert_eq!(limit.label.driving_decision.longitudinal, Some(Longitudinal::RoadSpeedAdaptation));
+    // From 15 to 42 km/h.
+    let rises = |f: usize| (4.0 + 0.14 * f.saturating_sub(20) as f64).min(11.7);
+    let crosswalk = draft_of("reactive_rule.speed_limit.crosswalk_limit", |s| with_speed(s, rises));
+    assert_eq!(crosswalk.label.driving_decision.longitudinal, Some(Longitudinal::SetSpeedTracking));
+    // Nobody has slowed for who appears only now.
+    let stops = |f: usize| (8.0 - 0.2 * f.saturating_sub(25) as f64).max(0.0);
+    let emerges = draft_of("reactive_agent.vru_emergence.dynamic_occlusion", |s| with_speed(s, stops));
+    assert_eq!(emerges.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+    // 1 m/s in 3 s is no change that has to be told again.
+    let eases = |f: usize| 12.0 - 0.06 * f.saturating_sub(20) as f64;
+    let slight = draft_of("reactive_agent.vru_emergence.dynamic_occlusion", |s| with_speed(s, eases));
+    assert_eq!(slight.label.driving_decision.longitudinal, None);
+    assert!(!slight.label.coc_trace.contains("为此减速"), "{}", slight.label.coc_trace);
+}
+
+#[test]
+fn the_target_speed_is_returned_to_only_where_the_speed_rises_soon() {
+    let borrow = "proactive.obstacle_avoidance.borrow_lane";
+    let from = |frame: usize| move |f: usize| 8.0 + 0.1 * f.saturating_sub(frame) as f64;
+    let soon = draft_of(borrow, |s| with_speed(s, from(45)));
+    assert_eq!(soon.label.driving_decision.longitudinal, Some(Longitudinal::SetSpeedTracking));
+    // 3 s after the keyframe.
+    let late = draft_of(borrow, |s| with_speed(s, from(70)));
+    assert_eq!(late.label.driving_decision.longitudinal, None);
+    // 0.6 m/s and back.
+    let twitch = |f: usize| 27.8 + if (45..55).contains(&f) { 0.06 * (f - 45) as f64 } else { 0.0 };
+    let exit = draft_of("proactive.merge_interaction.split_exit", |s| with_speed(s, twitch));
+    assert_ne!(exit.label.driving_decision.longitudinal, Some(Longitudinal::SetSpeedTracking));
+}
+
+#[test]
+fn a_speed_is_fitted_to_a_gap_only_with_somebody_near_in_the_lane_changed_to() {
+    let change = |near: f64| {
+        draft_of("proactive.lane_change.navigation", |s| {
+            with_speed(s, |f| 12.0 + 0.1 * f.saturating_sub(45) as f64);
+            let codes = (0..fixture::FRAMES).map(|f| u16::from(f > 50)).collect();
+            s.frame_columns.insert("ego.lane_change".into(), category(&["none", "right"], codes));
+            let last = |t: &whyroad_model::signal::TargetSpan| t.first_row + t.frames.end - t.frames.start;
+            let rows = s.targets.iter().map(last).max().unwrap_or(0);
+            s.target_columns.insert("target.lane_side".into(), category(&["right"], vec![0; rows]));
+            s.target_columns.insert("target.longitudinal".into(), Column::Number(vec![near; rows]));
+            s.target_columns.insert("target.distance".into(), Column::Number(vec![near; rows]));
+        })
+        .label
+    };
+    let (near, far) = (change(20.0), change(80.0));
+    assert_eq!(near.driving_decision.longitudinal, Some(Longitudinal::GapMatching));
+    let names_it =
+        |l: &CocLabel| l.critical_components.iter().any(|c| c.description.contains("右侧车道前方不远有车"));
+    assert!(names_it(&near), "{:?}", near.critical_components);
+    assert_ne!(far.driving_decision.longitudinal, Some(Longitudinal::GapMatching));
+}
+
+#[test]
+fn who_turns_the_way_of_its_lane_does_not_leave_it_and_who_stands_at_red_waits() {
+    let side = |s: &mut SignalTable, name: &str| {
+        let codes = (0..fixture::FRAMES).map(|f| if f > 50 { 1 } else { 0 }).collect();
+        s.frame_columns.insert(name.into(), category(&["none", "right"], codes));
+    };
+    let turn = draft_of("reactive_rule.special_lane.turn_only_right", |s| {
+        with_speed(s, |_| 8.0);
+        side(s, "ego.lane_change");
+        let codes = (0..fixture::FRAMES).map(|f| if f > 50 { 0 } else { u16::MAX }).collect();
+        s.frame_columns.insert("ego.movement".into(), category(&["right"], codes));
+    });
+    assert_eq!(turn.label.driving_decision.lateral, Some(Lateral::Turn));
+    assert!(!turn.label.coc_trace.contains("不一致"), "{}", turn.label.coc_trace);
+    let waits = draft_of("proactive.turn.left_cut_corner", |s| {
+        with_speed(s, |f| 0.1 * f.saturating_sub(60) as f64);
+        s.frame_columns.insert("light.state".into(), category(&["red"], vec![0; fixture::FRAMES]));
+        let codes = (0..fixture::FRAMES).map(|f| if f < 60 { u16::MAX } else { 0 }).collect();
+        s.frame_columns.insert("ego.movement".into(), category(&["left"], codes));
+    })
+    .label;
+    assert_eq!(waits.driving_decision.longitudinal, Some(Longitudinal::Resume));
+    assert!(waits.coc_trace.contains("红灯") && waits.coc_trace.contains('等'), "{}", waits.coc_trace);
 }
 
 #[test]
@@ -265,7 +375,9 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
     let framework = Framework::bundled();
     let drive = fixture::drive("d");
     let mut slowing = fixture::signals(&drive);
-    with_motion(&mut slowing, |f| if f < 45 { 2 } else { 1 });
+    with_speed(&mut slowing, |f| 10.0 - 0.08 * f.saturating_sub(44) as f64);
+    let mut rising = fixture::signals(&drive);
+    with_speed(&mut rising, |f| 10.0 + 0.08 * f.saturating_sub(44) as f64);
     let mut starting = fixture::signals(&drive);
     with_motion(&mut starting, |f| if f < 60 { 0 } else { 3 });
     starting.frame_columns.insert("ego.speed".into(), Column::Number(vec![0.0; fixture::FRAMES]));
@@ -279,7 +391,7 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
     standing.frame_columns.insert("ego.speed".into(), Column::Number(vec![0.0; fixture::FRAMES]));
     let checker = crate::check::Checker::new(framework);
     let mut traces = std::collections::BTreeSet::new();
-    let motions = [&slowing, &starting, &keeping, &cruising, &standing];
+    let motions = [&slowing, &rising, &starting, &keeping, &cruising, &standing];
     let all = framework.specs.keys().flat_map(|leaf| motions.map(|signals| (leaf, signals)));
     let mut wrong = Vec::new();
     for (leaf, signals) in all {

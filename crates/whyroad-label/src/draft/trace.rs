@@ -277,7 +277,11 @@ impl<'a> DraftFacts<'a> {
     }
 
     fn decides(&self) -> bool {
-        let own_turn = |l: Lateral| l != Lateral::Turn || self.class.l1 == "proactive";
+        let turns = || {
+            self.class.l1 == "proactive"
+                || self.framework.draft_texts.has_reason_for(self.class, Lateral::Turn.id())
+        };
+        let own_turn = |l: Lateral| l != Lateral::Turn || turns();
         self.decision.longitudinal.is_some() || self.decision.lateral.is_some_and(own_turn)
     }
 
@@ -368,15 +372,17 @@ fn motion_id(motion: LongitudinalMotion) -> &'static str {
         LongitudinalMotion::Slows => "slows",
         LongitudinalMotion::Stops => "stops",
         LongitudinalMotion::SpeedsUp => "speeds_up",
+        LongitudinalMotion::Waits => "waits",
         LongitudinalMotion::Keeps | LongitudinalMotion::Starts | LongitudinalMotion::Unknown => "",
     }
 }
 
 /// Those that [`motion_id`] tells apart.
-const MOTIONS: [LongitudinalMotion; 4] = [
+const MOTIONS: [LongitudinalMotion; 5] = [
     LongitudinalMotion::Slows,
     LongitudinalMotion::Stops,
     LongitudinalMotion::SpeedsUp,
+    LongitudinalMotion::Waits,
     LongitudinalMotion::Unknown,
 ];
 
@@ -393,7 +399,7 @@ fn all_facts<'a>(
         // Why nothing is decided is said only where nothing new is; how the ego moves only where something is.
         let decides = of(lang, WhyKept::Driving, LongitudinalMotion::Unknown).decides();
         let kepts = if decides { &WhyKept::ALL[..1] } else { &WhyKept::ALL[..] };
-        let motions = if decision.longitudinal.is_some() { &MOTIONS[..] } else { &MOTIONS[3..] };
+        let motions = if decision.longitudinal.is_some() { &MOTIONS[..] } else { &MOTIONS[4..] };
         kepts.iter().flat_map(move |kept| motions.iter().map(move |motion| of(lang, *kept, *motion)))
     })
 }
