@@ -1,5 +1,6 @@
-//! The keyframe as the conditions of `schema/draft_texts.yaml` see it: signals of the frame and of the episode's target,
-//! and `around.*`, which say who is near. Nothing after the keyframe is read, but for `decided.*` and the decision's side.
+//! The keyframe as the conditions of `schema/draft_texts.yaml` see it: signals of the frame and of the episode's
+//! target, and `around.*`, which say who is near. Nothing after the keyframe is read, but for `decided.*` and the
+//! decision's side.
 
 use super::decision::{LongitudinalMotion, changes_lane};
 use whyroad_framework::draft_texts::SignalCondition;

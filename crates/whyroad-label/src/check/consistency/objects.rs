@@ -47,12 +47,13 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
     // "Traffic or no traffic".
     let either =
         |n: &Named| texts.trace.named.iter().any(|m| m.absent && m.group == n.group && m.clause == n.clause);
-    // Where the class is about the road or the view, what it is like may be said in other words: "a crater of a pothole".
+    // Where the class is about the road or the view, what it is like may be said in other words: "a crater of a
+    // pothole".
     let describes = |n: &Named| {
         about.meets(words.known.condition) && words.objects[n.group].own.meets(words.known.condition)
     };
-    // "Its trailer" comes with whoever is named; "cars either side" are any: in English, whoever is brought in as a cause
-    // at the beginning of a sentence has an article.
+    // "Its trailer" comes with whoever is named; "cars either side" are any: in English, whoever is brought in as a
+    // cause at the beginning of a sentence has an article.
     let is_beside = |n: &Named| {
         let before = text[..n.start].trim_end();
         let begins = before.is_empty() || before.ends_with(['.', '!', '?', ';']);

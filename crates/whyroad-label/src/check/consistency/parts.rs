@@ -1,5 +1,5 @@
-//! Components that speak against the decision: the ego does the opposite in them or not what is decided, the way that it
-//! stops for is free, or the side to which it goes is not. What somebody else does is the reason, and is left alone.
+//! Components that speak against the decision: the ego does the opposite in them or not what is decided, the way that
+//! it stops for is free, or the side to which it goes is not. What somebody else does is the reason, and is left alone.
 
 use crate::check::consistency::trace::{self, Force};
 use crate::check::consistency::trace_rules;
@@ -34,8 +34,8 @@ pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn S
     true
 }
 
-/// Bytes of what the ego is said to do against the decision: it speeds up or goes on where it is to slow, or it does not
-/// do what is decided. That it cannot is a reason.
+/// Bytes of what the ego is said to do against the decision: it speeds up or goes on where it is to slow, or it does
+/// not do what is decided. That it cannot is a reason.
 fn ego_acts(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, lexicon, .. } = *scope;
     if !words.subjects.begins_with_ego(text) {
