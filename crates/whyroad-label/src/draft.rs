@@ -9,10 +9,11 @@ mod clip;
 mod components;
 mod decision;
 mod moment;
+mod motion;
 mod records;
 mod trace;
 
-pub use decision::LongitudinalMotion;
+pub use motion::LongitudinalMotion;
 pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 
 use components::ROAD;

@@ -2,6 +2,7 @@
 //! the reason is taken from the class's typical decisions, and where they offer none, nothing is guessed.
 
 use super::moment::Moment;
+use super::motion::{HORIZON_FRAMES, LongitudinalMotion, side_of_change};
 use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::decisions::DecisionSets;
 use whyroad_framework::taxonomy::TypicalDecisions;
@@ -10,8 +11,6 @@ use whyroad_model::messages::DrivingDecision;
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Bilingual, Column, ObjectClass, SignalTable, Tri};
 
-/// Frames after the keyframe in which the first action is looked for: the 6 s of a sample's future (LABELING.md 4).
-const HORIZON_FRAMES: usize = 60;
 /// Frames after the keyframe in which slowing that began within the horizon may come to a stop: from 50 km/h and more,
 /// braking gently takes longer than 6 s. As long as a label's range is followed by the checks of motion.
 const STOP_FRAMES: usize = 150;
@@ -39,25 +38,6 @@ const RISE_MPS: f64 = 1.0;
 const WAITS_S: f64 = 1.5;
 /// Farther than this, nobody in the next lane makes a gap, m.
 const GAP_M: f64 = 40.0;
-
-/// What the ego does along its path first after the keyframe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LongitudinalMotion {
-    /// No change: holds its speed, or is stationary.
-    Keeps,
-    /// Slows without standing still.
-    Slows,
-    /// Slows and comes to stand.
-    Stops,
-    /// Moves off from standstill.
-    Starts,
-    /// Waits, and moves off later or when the light lets it.
-    Waits,
-    /// Speeds up while moving.
-    SpeedsUp,
-    /// The signals do not tell.
-    Unknown,
-}
 
 /// What the class and the target say of the decision.
 pub(super) struct Asked<'a> {
@@ -178,17 +158,6 @@ fn side_of(lateral: Lateral, signals: &SignalTable, keyframe: usize) -> Option<L
         }
         _ => None,
     }
-}
-
-/// The ego changes lanes after the keyframe.
-pub(super) fn changes_lane(signals: &SignalTable, keyframe: usize) -> bool {
-    side_of_change(signals, keyframe).is_some()
-}
-
-fn side_of_change(signals: &SignalTable, keyframe: usize) -> Option<LateralDirection> {
-    let column = signals.frame_columns.get("ego.lane_change")?;
-    let end = (keyframe + HORIZON_FRAMES + 1).min(column.len());
-    (keyframe..end).find_map(|f| column.category(f).and_then(LateralDirection::from_id))
 }
 
 /// The side of the lane that who merges goes to.

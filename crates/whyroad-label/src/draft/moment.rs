@@ -2,7 +2,7 @@
 //! target, and `around.*`, which say who is near. Nothing after the keyframe is read, but for `decided.*` and the
 //! decision's side.
 
-use super::decision::{LongitudinalMotion, changes_lane};
+use super::motion::{LongitudinalMotion, changes_lane};
 use whyroad_framework::draft_texts::SignalCondition;
 use whyroad_model::decision::LateralDirection;
 use whyroad_model::{SignalTable, TrackId, Tri};

@@ -2,8 +2,8 @@
 //! `schema/draft_texts.yaml`. Which phrasings are taken follows from a seed, so that the same episode gives the same
 //! text.
 
-use super::decision::LongitudinalMotion;
 use super::moment::Moment;
+use super::motion::LongitudinalMotion;
 use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::{Phrasings, SeenWhen, WhyKept};

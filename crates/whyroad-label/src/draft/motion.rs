@@ -1,0 +1,38 @@
+//! What the ego does after the keyframe: what is read of it by the decision and by the conditions on the moment.
+
+use whyroad_model::SignalTable;
+use whyroad_model::decision::LateralDirection;
+
+/// Frames after the keyframe in which the first action is looked for: the 6 s of a sample's future (LABELING.md 4).
+pub(super) const HORIZON_FRAMES: usize = 60;
+
+/// What the ego does along its path first after the keyframe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LongitudinalMotion {
+    /// No change: holds its speed, or is stationary.
+    Keeps,
+    /// Slows without standing still.
+    Slows,
+    /// Slows and comes to stand.
+    Stops,
+    /// Moves off from standstill.
+    Starts,
+    /// Waits, and moves off later or when the light lets it.
+    Waits,
+    /// Speeds up while moving.
+    SpeedsUp,
+    /// The signals do not tell.
+    Unknown,
+}
+
+/// The ego changes lanes after the keyframe.
+pub(super) fn changes_lane(signals: &SignalTable, keyframe: usize) -> bool {
+    side_of_change(signals, keyframe).is_some()
+}
+
+/// The side of the first lane change after the keyframe.
+pub(super) fn side_of_change(signals: &SignalTable, keyframe: usize) -> Option<LateralDirection> {
+    let column = signals.frame_columns.get("ego.lane_change")?;
+    let end = (keyframe + HORIZON_FRAMES + 1).min(column.len());
+    (keyframe..end).find_map(|f| column.category(f).and_then(LateralDirection::from_id))
+}
