@@ -15,45 +15,35 @@ pub mod traffic;
 pub mod turning;
 
 use crate::table::TableBuilder;
-use crate::target::interaction::Interaction;
+use crate::target::interaction::{Family, Interaction, write_asked};
 use crate::wanted;
+
+const BEFORE_LEAD: &[Family] = &[
+    (wanted::PASSING, passing::write),
+    (wanted::OVERTAKING, overtaking::write),
+    (wanted::TRAFFIC, traffic::write),
+];
+
+const AFTER_LEAD: &[Family] = &[
+    (wanted::LANE_CHANGE_PHASE, lane_change_phase::write),
+    (wanted::SWERVE, swerve::write),
+    (wanted::TURNING, turning::write),
+    (wanted::FAIR_SPEED, fair_speed::write),
+    (wanted::RESPONDS, responds::write),
+];
 
 /// Writes all families of this folder.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
-    if table.asks(wanted::STOPS) {
-        stops::write(scene, table);
-    }
+    write_asked(&[(wanted::STOPS, stops::write)], scene, table);
     let by_themselves = table.asks(wanted::TARGETS_BY_THEMSELVES);
     let of_lead = table.asks(wanted::LEAD_BEHAVIOR);
     let standing = if by_themselves || of_lead { stops::targets_standing(scene) } else { Vec::new() };
     if by_themselves {
         target::write(scene, &standing, table);
     }
-    if table.asks(wanted::PASSING) {
-        passing::write(scene, table);
-    }
-    if table.asks(wanted::OVERTAKING) {
-        overtaking::write(scene, table);
-    }
-    if table.asks(wanted::TRAFFIC) {
-        traffic::write(scene, table);
-    }
+    write_asked(BEFORE_LEAD, scene, table);
     if of_lead {
         lead::write(scene, &standing, table);
     }
-    if table.asks(wanted::LANE_CHANGE_PHASE) {
-        lane_change_phase::write(scene, table);
-    }
-    if table.asks(wanted::SWERVE) {
-        swerve::write(scene, table);
-    }
-    if table.asks(wanted::TURNING) {
-        turning::write(scene, table);
-    }
-    if table.asks(wanted::FAIR_SPEED) {
-        fair_speed::write(scene, table);
-    }
-    if table.asks(wanted::RESPONDS) {
-        responds::write(scene, table);
-    }
+    write_asked(AFTER_LEAD, scene, table);
 }

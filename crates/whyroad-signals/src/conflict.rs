@@ -9,21 +9,17 @@ pub mod ttc_accel;
 pub mod ttc_lane;
 
 use crate::table::TableBuilder;
-use crate::target::interaction::Interaction;
+use crate::target::interaction::{Family, Interaction, write_asked};
 use crate::wanted;
+
+const FAMILIES: &[Family] = &[
+    (wanted::TTC_ACCEL, ttc_accel::write),
+    (wanted::CRITICALITY, criticality::write),
+    (wanted::CONFLICT_POINT, point::write),
+    (wanted::TIME_TO_LINE, time_to_line::write),
+];
 
 /// Writes the families on conflicts of pairs.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
-    if table.asks(wanted::TTC_ACCEL) {
-        ttc_accel::write(scene, table);
-    }
-    if table.asks(wanted::CRITICALITY) {
-        criticality::write(scene, table);
-    }
-    if table.asks(wanted::CONFLICT_POINT) {
-        point::write(scene, table);
-    }
-    if table.asks(wanted::TIME_TO_LINE) {
-        time_to_line::write(scene, table);
-    }
+    write_asked(FAMILIES, scene, table);
 }

@@ -20,23 +20,17 @@ pub mod turns;
 
 use crate::table::TableBuilder;
 use crate::wanted;
-use interaction::Interaction;
+use interaction::{Family, Interaction, write_asked};
+
+const FAMILIES: &[Family] = &[
+    (wanted::LANE_CHANGES, lane_changes::write),
+    (wanted::RAMP, ramp::write),
+    (wanted::SIDE, side::write),
+    (wanted::TURNS, turns::write),
+    (wanted::DETOUR, detour::write),
+];
 
 /// Writes the families on lanes, sides and turns of targets.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
-    if table.asks(wanted::LANE_CHANGES) {
-        lane_changes::write(scene, table);
-    }
-    if table.asks(wanted::RAMP) {
-        ramp::write(scene, table);
-    }
-    if table.asks(wanted::SIDE) {
-        side::write(scene, table);
-    }
-    if table.asks(wanted::TURNS) {
-        turns::write(scene, table);
-    }
-    if table.asks(wanted::DETOUR) {
-        detour::write(scene, table);
-    }
+    write_asked(FAMILIES, scene, table);
 }

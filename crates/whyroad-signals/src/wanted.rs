@@ -80,8 +80,12 @@ const FOLLOWS: &[(SignalId, &[SignalId])] = &[
     (id::MAP_MEAN_GRADE.id(), &[id::MAP_GRADE.id(), id::EGO_IN_JUNCTION.id()]),
 ];
 
-/// Lists of signals, each of one family.
+/// Lists of signals, each of one family; with `in LIST`, also the list of these families.
 macro_rules! families {
+    ($(#[$list_doc:meta])* in $list:ident; $($(#[$doc:meta])* $name:ident: $($signal:ident)+;)+) => {
+        families! { $($(#[$doc])* $name: $($signal)+;)+ }
+        $(#[$list_doc])* pub(crate) const $list: &[&[SignalId]] = &[$($name),+];
+    };
     ($($(#[$doc:meta])* $name:ident: $($signal:ident)+;)+) => {
         $($(#[$doc])* pub(crate) const $name: &[SignalId] = &[$(id::$signal.id()),+];)+
     };
@@ -103,12 +107,17 @@ families! {
         MAP_TIME_TO_JUNCTION MAP_TIME_TO_STOP_LINE MAP_TOLL_KIND ROUTE_LANE_FITS SIGN_LANE_ARROW_DISTANCE
         SIGN_PROHIBITION_DISTANCE SIGN_PROHIBITION_KIND SIGN_SPEED_LIMIT_DISTANCE SIGN_STOP_DISTANCE
         SIGN_WARNING_DISTANCE SIGN_WARNING_KIND SIGN_YIELD_DISTANCE;
-    /// Room beside and between targets.
-    FREE_WIDTH: MAP_FREE_WIDTH_AHEAD MAP_FREE_WIDTH_LEFT MAP_FREE_WIDTH_RIGHT MAP_MEETING_WIDTH_AHEAD;
     /// Position and heading relative to the ego.
     RELATIVE: TARGET_OBSERVED TARGET_CLASS TARGET_LARGE_VEHICLE TARGET_VISIBLE TARGET_TURN_SIGNAL TARGET_LONGITUDINAL
         TARGET_LATERAL TARGET_OPPOSITE_DIRECTION TARGET_HEADING_DIFFERENCE;
     CROSSWALK: TARGET_DISTANCE_TO_CROSSWALK TARGET_IN_JUNCTION TARGET_ON_CROSSWALK TARGET_ON_ROAD;
+}
+
+families! {
+    /// Families for which targets are placed around the ego, its path and its lane.
+    in PLACED;
+    /// Room beside and between targets.
+    FREE_WIDTH: MAP_FREE_WIDTH_AHEAD MAP_FREE_WIDTH_LEFT MAP_FREE_WIDTH_RIGHT MAP_MEETING_WIDTH_AHEAD;
     MOTION: TARGET_SPEED TARGET_ACCEL TARGET_STANDSTILL TARGET_PATH_LONGITUDINAL TARGET_PATH_LATERAL
         TARGET_CROSSING_ANGLE;
     RELATIONS: TARGET_IN_EGO_LANE TARGET_IS_LEAD TARGET_IS_FOLLOWER TARGET_RELATION;
@@ -145,37 +154,3 @@ families! {
         TARGET_REFAV_FOLLOWING TARGET_REFAV_HEADING TARGET_REFAV_NEAR_INTERSECTION TARGET_REFAV_RELATIVE_DIRECTION
         TARGET_REFAV_STATIONARY TARGET_REFAV_TURNING;
 }
-
-/// Families for which targets are placed around the ego, its path and its lane.
-pub(crate) const PLACED: &[&[SignalId]] = &[
-    FREE_WIDTH,
-    MOTION,
-    RELATIONS,
-    LINE_CROSSING,
-    TTC,
-    TTC_LANE,
-    LEAD,
-    SIGHT,
-    PET,
-    TTC_ACCEL,
-    CRITICALITY,
-    CONFLICT_POINT,
-    TIME_TO_LINE,
-    LANE_CHANGES,
-    RAMP,
-    SIDE,
-    TURNS,
-    DETOUR,
-    STOPS,
-    TARGETS_BY_THEMSELVES,
-    PASSING,
-    OVERTAKING,
-    TRAFFIC,
-    LEAD_BEHAVIOR,
-    LANE_CHANGE_PHASE,
-    SWERVE,
-    TURNING,
-    FAIR_SPEED,
-    RESPONDS,
-    REFAV,
-];

@@ -1,10 +1,11 @@
 //! What the families on pairs read: the ego, its road and the targets placed around it, found once by `derive`.
 
 use crate::ego::meta_actions::MetaActions;
+use crate::table::TableBuilder;
 use crate::target::lanes::TargetLanes;
 use crate::target::placement::{Surroundings, Target};
 use crate::target::relations::Neighbors;
-use whyroad_model::Drive;
+use whyroad_model::{Drive, SignalId};
 
 /// One drive with all that was found before.
 pub struct Interaction<'a> {
@@ -22,4 +23,16 @@ pub struct Interaction<'a> {
     pub near: &'a Neighbors,
     /// Lanes of the targets by row; `None` without a map.
     pub lanes: Option<&'a TargetLanes>,
+}
+
+/// Signals of a family, and what writes them.
+pub type Family = (&'static [SignalId], fn(&Interaction<'_>, &mut TableBuilder<'_>));
+
+/// Writes these families, in their order: those of which something is asked for.
+pub fn write_asked(families: &[Family], scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    for (signals, write) in families {
+        if table.asks(signals) {
+            write(scene, table);
+        }
+    }
 }
