@@ -342,10 +342,8 @@ impl DraftTexts {
     /// Why the class calls for this decision, in the order in which they are tried; the last one has no conditions.
     pub fn reasons(&self, class: &ScenarioId, decision: &DrivingDecision) -> Vec<Reason<'_>> {
         let ids = [decision.longitudinal.map(Longitudinal::id), decision.lateral.map(Lateral::id)];
-        let l2 = ScenarioId { l3: None, ..class.clone() };
         let mut found = Vec::new();
-        for id in [class, &l2] {
-            let Some(c) = self.classes.get(&id.to_string()) else { continue };
+        for c in self.levels(class) {
             let of_decision = |w: &&WhyWhen| {
                 w.decision.as_deref().is_none_or(|d| ids.contains(&Some(d))) && !w.is_of_none()
             };
@@ -362,9 +360,6 @@ impl DraftTexts {
                 found.push(Reason { when: &[], texts });
                 break;
             }
-            if class == &l2 {
-                break;
-            }
         }
         found
     }
@@ -376,10 +371,7 @@ impl DraftTexts {
 
     /// Why the class calls for no new decision, where signals tell, in the order in which they are tried.
     pub fn reasons_for_none(&self, class: &ScenarioId) -> Vec<Reason<'_>> {
-        let l2 = ScenarioId { l3: None, ..class.clone() };
-        let ids = if class == &l2 { vec![class] } else { vec![class, &l2] };
-        let all =
-            ids.into_iter().filter_map(|id| self.classes.get(&id.to_string())).flat_map(|c| &c.why_when);
+        let all = self.levels(class).flat_map(|c| &c.why_when);
         all.filter(|w| w.is_of_none()).map(|w| Reason { when: &w.when, texts: &w.why }).collect()
     }
 
@@ -393,9 +385,14 @@ impl DraftTexts {
         (part(|k| k.why.as_ref()), part(|k| k.none.as_ref()))
     }
 
+    /// Texts of the class and, of a leaf, those of its L2.
+    fn levels(&self, class: &ScenarioId) -> impl Iterator<Item = &ClassTexts> {
+        let l2 = class.l3.is_some().then(|| ScenarioId { l3: None, ..class.clone() }.to_string());
+        std::iter::once(class.to_string()).chain(l2).filter_map(|id| self.classes.get(&id))
+    }
+
     fn of<T>(&self, class: &ScenarioId, part: impl Fn(&ClassTexts) -> Option<&T>) -> Option<&T> {
-        let l2 = ScenarioId { l3: None, ..class.clone() };
-        [class, &l2].into_iter().find_map(|id| self.classes.get(&id.to_string()).and_then(&part))
+        self.levels(class).find_map(part)
     }
 
     /// A longitudinal decision as the end of a trace: in words of the class, or else in those of all; each where the

@@ -436,9 +436,7 @@ impl LabelWords {
     /// The text tells a thing from another one of its kind: "a second van", "另一辆".
     pub fn tells_another(&self, text: &str) -> bool {
         if text.is_ascii() {
-            return text
-                .split(|c: char| !c.is_ascii_alphabetic())
-                .any(|w| self.subjects.another.iter().any(|a| w.eq_ignore_ascii_case(a)));
+            return has_word(text, |w| self.subjects.another.iter().any(|a| w.eq_ignore_ascii_case(a)));
         }
         self.subjects.another.iter().any(|w| text.contains(w.as_str()))
     }
@@ -596,6 +594,11 @@ struct Words {
     zh: Vec<String>,
     #[serde(default)]
     en: Vec<String>,
+}
+
+/// The text has a word of Latin letters that is one.
+fn has_word(text: &str, is_one: impl Fn(&str) -> bool) -> bool {
+    text.split(|c: char| !c.is_ascii_alphabetic()).any(is_one)
 }
 
 impl Words {

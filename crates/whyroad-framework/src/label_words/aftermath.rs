@@ -1,7 +1,7 @@
 //! Words that tell of events after the decision (`aftermath` of `schema/label_words.yaml`).
 
-use super::Words;
 use super::compile::{expanded, trie};
+use super::{Words, has_word};
 use crate::lexicon::trie::Trie;
 use crate::lexicon::units::Units;
 use serde::Deserialize;
@@ -78,9 +78,7 @@ impl Aftermath {
     /// The text speaks of the moment of the decision.
     pub fn is_now(&self, text: &str) -> bool {
         self.now.zh.iter().any(|w| text.contains(w.as_str()))
-            || text
-                .split(|c: char| !c.is_ascii_alphabetic())
-                .any(|word| self.now.en.iter().any(|w| word.eq_ignore_ascii_case(w)))
+            || has_word(text, |word| self.now.en.iter().any(|w| word.eq_ignore_ascii_case(w)))
     }
 }
 

@@ -94,25 +94,24 @@ impl Remote {
         };
         let date = find(&self.dates_chinese, &|_, _| true);
         let span = || find(&self.spans_chinese, &|at, end| counted(at) && begins(end, &self.ago_chinese));
+        let behind = |all: &[String], from: usize, at: usize| {
+            let before = text[from..at].trim_end().trim_end_matches(is_number);
+            all.iter().any(|w| before.ends_with(w.as_str()))
+        };
         // Most kilometers are those of a speed.
         let away = |at: usize, end: usize| {
             let from = text[..at].rfind(['，', '。', '；']).unwrap_or(0);
             begins(end, &self.on_chinese)
                 || text[from..at].contains("还有")
-                || begins(end, &self.of_chinese) && {
-                    let before = text[from..at].trim_end().trim_end_matches(is_number);
-                    self.ahead.iter().chain(&self.onward).any(|w| before.ends_with(w.as_str()))
-                }
+                || begins(end, &self.of_chinese)
+                    && (behind(&self.ahead, from, at) || behind(&self.onward, from, at))
         };
         let length = || find(&self.lengths_chinese, &|at, end| counted(at) && away(at, end));
         // "两个路口外", "再往前两个路口", "隔着三个街口".
-        let onward = |at: usize| {
-            let before = text[..at].trim_end().trim_end_matches(is_number);
-            self.onward.iter().any(|w| before.ends_with(w.as_str()))
-        };
         let stage = || {
             find(&self.stages_chinese, &|at, end| {
-                counted(at) && (begins(end, &self.on_chinese) || onward(at)) && !text[..at].ends_with('一')
+                let is_far = begins(end, &self.on_chinese) || behind(&self.onward, 0, at);
+                counted(at) && is_far && !text[..at].ends_with('一')
             })
         };
         date.or_else(span).or_else(length).or_else(stage)

@@ -1,6 +1,6 @@
 //! How the thing is found that a component speaks of (`subjects` of `schema/label_words.yaml`).
 
-use super::{CharSet, Words};
+use super::{CharSet, Words, has_word};
 use serde::Deserialize;
 use std::collections::HashSet;
 
@@ -106,17 +106,13 @@ impl Subjects {
     pub fn speaks_of_ego(&self, text: &str) -> bool {
         let [chinese, latin] = &self.ego;
         chinese.iter().any(|w| text.contains(w.as_str()))
-            || text
-                .split(|c: char| !c.is_ascii_alphabetic())
-                .any(|word| latin.iter().any(|w| word.eq_ignore_ascii_case(w)))
+            || has_word(text, |word| latin.iter().any(|w| word.eq_ignore_ascii_case(w)))
     }
 
     /// The text says of something that it is to the left or to the right.
     pub fn speaks_of_side(&self, text: &str) -> bool {
         text.contains(['左', '右'])
-            || text
-                .split(|c: char| !c.is_ascii_alphabetic())
-                .any(|w| w.eq_ignore_ascii_case("left") || w.eq_ignore_ascii_case("right"))
+            || has_word(text, |w| w.eq_ignore_ascii_case("left") || w.eq_ignore_ascii_case("right"))
     }
 
     /// The text begins with the ego, as the one who does something.
@@ -161,9 +157,7 @@ impl Subjects {
     /// The text has a pronoun that stands for somebody.
     pub fn has_pronoun(&self, text: &str) -> bool {
         self.stand_for_chinese.iter().any(|w| text.contains(w.as_str()))
-            || text
-                .split(|c: char| !c.is_ascii_alphabetic())
-                .any(|w| self.stand_for.contains(&w.to_ascii_lowercase()))
+            || has_word(text, |w| self.stand_for.contains(&w.to_ascii_lowercase()))
     }
 
     /// `name`, in upper or lower case, is that of a part that every vehicle has, the ego too.

@@ -97,14 +97,12 @@ impl<'a> Moment<'a> {
     fn flag(&self, name: &str) -> Tri {
         match name {
             "around.clear" => self.clear(),
-            "decided.stops" => Tri::from(self.motion == LongitudinalMotion::Stops),
-            "decided.slows" => Tri::from(self.motion == LongitudinalMotion::Slows),
-            "decided.speeds_up" => Tri::from(self.motion == LongitudinalMotion::SpeedsUp),
-            "decided.starts" => Tri::from(self.motion == LongitudinalMotion::Starts),
-            "decided.waits" => Tri::from(self.motion == LongitudinalMotion::Waits),
             "decided.changes_lane" => Tri::from(changes_lane(self.signals, self.frame)),
             "decided.fits_gap" => Tri::from(self.fits_gap),
             "around.indicator_against" => Tri::from(self.indicator_against()),
+            _ if name.starts_with("decided.") => {
+                Tri::from(name.strip_prefix("decided.") == Some(self.motion.id()))
+            }
             _ => {
                 match (self.signals.frame_columns.get(name), self.signals.target_columns.get(name), self.row)
                 {

@@ -25,6 +25,24 @@ pub enum LongitudinalMotion {
     Unknown,
 }
 
+impl LongitudinalMotion {
+    /// All of them.
+    pub const ALL: [Self; 7] =
+        [Self::Keeps, Self::Slows, Self::Stops, Self::Starts, Self::Waits, Self::SpeedsUp, Self::Unknown];
+
+    /// What it is called in `schema/draft_texts.yaml`; empty where no text speaks of it.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Slows => "slows",
+            Self::Stops => "stops",
+            Self::Starts => "starts",
+            Self::Waits => "waits",
+            Self::SpeedsUp => "speeds_up",
+            Self::Keeps | Self::Unknown => "",
+        }
+    }
+}
+
 /// The ego changes lanes after the keyframe.
 pub(super) fn changes_lane(signals: &SignalTable, keyframe: usize) -> bool {
     side_of_change(signals, keyframe).is_some()

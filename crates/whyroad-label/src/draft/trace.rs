@@ -290,7 +290,7 @@ impl<'a> DraftFacts<'a> {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let DrivingDecision { longitudinal, lateral, lateral_direction } = self.decision;
         let along = longitudinal
-            .and_then(|d| texts.longitudinal(self.class, d, motion_id(self.motion)))
+            .and_then(|d| texts.longitudinal(self.class, d, self.motion.id()))
             .map(|p| p.pick(lang, seed).to_owned());
         let across = lateral.and_then(|d| texts.lateral(self.class, d)).map(|p| {
             let text = p.pick(lang, seed);
@@ -316,7 +316,7 @@ impl<'a> DraftFacts<'a> {
         let along = self
             .decision
             .longitudinal
-            .and_then(|d| texts.longitudinal(self.class, d, motion_id(self.motion)))
+            .and_then(|d| texts.longitudinal(self.class, d, self.motion.id()))
             .map_or(1, count);
         let across = self.decision.lateral.and_then(|d| texts.lateral(self.class, d)).map_or(1, count);
         let none = self.kept().1.map_or(1, count);
@@ -366,41 +366,19 @@ pub(super) fn seed(id: &str, run: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// What a motion is called behind a decision in `schema/draft_texts.yaml`, where one has words of its own.
-fn motion_id(motion: LongitudinalMotion) -> &'static str {
-    match motion {
-        LongitudinalMotion::Slows => "slows",
-        LongitudinalMotion::Stops => "stops",
-        LongitudinalMotion::SpeedsUp => "speeds_up",
-        LongitudinalMotion::Waits => "waits",
-        LongitudinalMotion::Keeps | LongitudinalMotion::Starts | LongitudinalMotion::Unknown => "",
-    }
-}
-
-/// Those that [`motion_id`] tells apart.
-const MOTIONS: [LongitudinalMotion; 5] = [
-    LongitudinalMotion::Slows,
-    LongitudinalMotion::Stops,
-    LongitudinalMotion::SpeedsUp,
-    LongitudinalMotion::Waits,
-    LongitudinalMotion::Unknown,
-];
-
-/// In both languages, whatever keeps the ego from deciding.
+/// In both languages, whatever keeps the ego from deciding; however it moves, of which the reasons say nothing.
 fn all_facts<'a>(
     framework: &'a Framework,
     class: &'a ScenarioId,
     components: &'a [CriticalComponent],
     decision: &'a DrivingDecision,
 ) -> impl Iterator<Item = DraftFacts<'a>> {
-    let of =
-        move |lang, kept, motion| DraftFacts { framework, class, components, decision, motion, kept, lang };
+    let motion = LongitudinalMotion::Unknown;
+    let of = move |lang, kept| DraftFacts { framework, class, components, decision, motion, kept, lang };
     [Lang::Zh, Lang::En].into_iter().flat_map(move |lang| {
-        // Why nothing is decided is said only where nothing new is; how the ego moves only where something is.
-        let decides = of(lang, WhyKept::Driving, LongitudinalMotion::Unknown).decides();
-        let kepts = if decides { &WhyKept::ALL[..1] } else { &WhyKept::ALL[..] };
-        let motions = if decision.longitudinal.is_some() { &MOTIONS[..] } else { &MOTIONS[4..] };
-        kepts.iter().flat_map(move |kept| motions.iter().map(move |motion| of(lang, *kept, *motion)))
+        // It is said only where nothing new is decided.
+        let count = if of(lang, WhyKept::Driving).decides() { 1 } else { WhyKept::ALL.len() };
+        WhyKept::ALL.into_iter().take(count).map(move |kept| of(lang, kept))
     })
 }
 
@@ -439,12 +417,18 @@ pub(crate) fn is_draft(
         return false;
     }
     let trace = bare(trace);
-    likely.into_iter().any(|facts| {
+    // How the ego moves is in the words of a decision along its path.
+    let motions = match decision.longitudinal {
+        Some(_) => &LongitudinalMotion::ALL[..],
+        None => &[LongitudinalMotion::Unknown],
+    };
+    let mut moving =
+        likely.iter().flat_map(|of| motions.iter().map(move |motion| DraftFacts { motion: *motion, ..*of }));
+    moving.any(|facts| {
         let (actions, joints) = facts.phrasings();
-        let states = (1..=MOST_IN_STATE)
+        let mut states = (1..=MOST_IN_STATE)
             .flat_map(|things| [(things, StateOrder::FirstLast), (things, StateOrder::AsListed)]);
         let whys = facts.whys();
-        let mut states = states;
         states.any(|state| {
             whys.iter().any(|why| {
                 (0..actions * joints).any(|i| {

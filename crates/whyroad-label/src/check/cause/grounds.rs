@@ -47,24 +47,21 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
     // Said not to do what its component says, and nowhere to do it.
     let before = |a: &&Act| !reading.marked || a.start < reading.decision_from;
     let acts = || trace.acts.iter().filter(before).filter(|a| a.doing.only(words.reaching).meets(given.does));
-    if !acts().any(|a| !a.denied)
-        && let Some(a) = acts().find(|a| a.denied && by_somebody(a, trace, words))
-    {
-        return Some(
-            words.clauses.around(&texts.units, a.start..a.end, text.len(), &|d| d != Divider::Aside),
-        );
+    let asserted = acts().any(|a| !a.denied);
+    let around =
+        |a: &Act| words.clauses.around(&texts.units, a.start..a.end, text.len(), &|d| d != Divider::Aside);
+    if !asserted && let Some(a) = acts().find(|a| a.denied && by_somebody(a, trace, words)) {
+        return Some(around(a));
     }
     // The same, said by what he does instead: "shows no sign of backing out".
     let instead = words.opposite_of(given.does.only(words.reaching)).only(words.calm);
-    let around =
-        |a: &Act| words.clauses.around(&texts.units, a.start..a.end, text.len(), &|d| d != Divider::Aside);
     // "Cannot be trusted to stay put".
     let unable = |a: &Act| {
         let before = text[around(a).0..a.start].to_ascii_lowercase();
         words.subjects.unable.iter().any(|w| before.contains(w.as_str()))
     };
     let calm = |a: &&Act| !a.denied && a.doing.meets(instead) && !a.doing.meets(given.does) && !unable(a);
-    if !acts().any(|a| !a.denied)
+    if !asserted
         && let Some(a) = trace.acts.iter().filter(before).find(calm)
         && by_somebody(a, trace, words)
     {

@@ -52,12 +52,11 @@ fn ego_acts(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
         )
     });
     let across = label.lateral.get().filter(|d| *d != Lateral::LaneKeeping);
-    let units = Units::of(text);
-    let reading = trace::read(text, &units, lexicon);
     let lower = text.to_ascii_lowercase();
     if words.subjects.unable.iter().any(|w| lower.contains(w.as_str())) {
         return None;
     }
+    let reading = trace::read(text, &Units::of(text), lexicon);
     let is_own =
         |m: &&trace::Mention| trace_rules::says_label(m, lexicon, label) && m.force == Force::Negated;
     let refused = reading.refused.is_some();
@@ -77,6 +76,11 @@ fn ego_acts(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
 /// Bytes of what says that the ego's way is free, where it stops or gives way: not of another lane or side.
 fn way_is_free(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, about, .. } = *scope;
+    let responds =
+        matches!(label.longitudinal.get(), Some(Longitudinal::YieldToAgent | Longitudinal::StopForObstacle));
+    if !responds || label.lateral.get().is_some() {
+        return None;
+    }
     // Not "out of our path": who knows when.
     let free = |at: &&(usize, usize)| {
         let phrase = text[at.0..at.1].to_ascii_lowercase();
@@ -86,8 +90,6 @@ fn way_is_free(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(
         let sight = about.meets(words.known.sight) && !about.meets(words.known.adverse);
         facts.clear.first().filter(|_| sight)
     })?;
-    let responds =
-        matches!(label.longitudinal.get(), Some(Longitudinal::YieldToAgent | Longitudinal::StopForObstacle));
     if facts.named.iter().any(|n| words.objects[n.group].own.meets(words.known.actor)) {
         return None;
     }
@@ -95,7 +97,7 @@ fn way_is_free(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(
     let lower = text.to_ascii_lowercase();
     let elsewhere = words.subjects.opposite.iter().chain(&words.subjects.beside_ego);
     let opposite = elsewhere.into_iter().any(|w| lower.contains(w.as_str()));
-    (responds && label.lateral.get().is_none() && !sided && !opposite).then_some(first)
+    (!sided && !opposite).then_some(first)
 }
 
 /// Bytes of what says that there is no room on the side to which the ego goes.
