@@ -88,10 +88,7 @@ impl<'a> Folder<'a> {
 
     /// True when the folder has a file of this name.
     pub fn has(self, name: &str) -> bool {
-        match self {
-            Folder::Disk(dir) => dir.join(name).is_file(),
-            Folder::Memory(files) => files.contains_key(name),
-        }
+        self.file(name).is_some()
     }
 
     /// Name of a file in messages.

@@ -7,6 +7,7 @@
 //! are harmless, and nothing recurses over what the file nests. Bytes and texts stay where they are in the file.
 
 use crate::file_reader::FileReader;
+
 mod arena;
 mod array;
 mod construct;

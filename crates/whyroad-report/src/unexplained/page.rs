@@ -3,6 +3,7 @@
 use super::text::{class, ego, unmet};
 use super::{LISTED_CLASSES, Unexplained};
 use whyroad_model::Lang;
+use whyroad_model::text::counted;
 use whyroad_render::markup::Markup;
 
 const STYLE: &str = ".group{display:flex;gap:1.5rem;flex-wrap:wrap;border-top:1px solid var(--rule);padding:1rem 0}\
@@ -64,9 +65,4 @@ pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
     }
     m.raw("</main></body>\n</html>\n");
     m.into_string()
-}
-
-/// `1 moment`, `2 moments`.
-fn counted(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

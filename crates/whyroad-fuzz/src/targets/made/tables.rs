@@ -53,11 +53,7 @@ fn feather_with(batch: &RecordBatch, compression: Option<CompressionType>) -> Ve
 
 /// With dictionaries and statistics.
 pub fn parquet(batch: &RecordBatch) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let mut out = ArrowWriter::try_new(&mut bytes, batch.schema(), None).expect("a file in memory");
-    out.write(batch).expect("written");
-    out.close().expect("finished");
-    bytes
+    parquet_with(batch, ArrowWriterOptions::new())
 }
 
 /// Without dictionaries, statistics, compression and Arrow's own schema: most of its bytes are values.
@@ -66,7 +62,10 @@ pub fn plain_parquet(batch: &RecordBatch) -> Vec<u8> {
         .set_dictionary_enabled(false)
         .set_statistics_enabled(EnabledStatistics::None)
         .build();
-    let options = ArrowWriterOptions::new().with_properties(properties).with_skip_arrow_metadata(true);
+    parquet_with(batch, ArrowWriterOptions::new().with_properties(properties).with_skip_arrow_metadata(true))
+}
+
+fn parquet_with(batch: &RecordBatch, options: ArrowWriterOptions) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut out =
         ArrowWriter::try_new_with_options(&mut bytes, batch.schema(), options).expect("a file in memory");
