@@ -79,4 +79,12 @@ mod tests {
         assert_eq!(p.at(100_000_000).map(|s| s.t[0]), Some(1.0));
         assert!(p.at(300_000_000).is_none() && p.at(-1).is_none() && p.at(500_000_001).is_none());
     }
+
+    /// The time between them does not fit into 64 bits.
+    #[test]
+    fn between_the_least_and_the_greatest_time_is_a_gap() {
+        let p = straight(&[i64::MIN, i64::MAX]);
+        assert!(p.at(0).is_none() && p.at(i64::MIN + 1).is_none());
+        assert!(p.at(i64::MIN).is_some() && p.at(i64::MAX).is_some());
+    }
 }

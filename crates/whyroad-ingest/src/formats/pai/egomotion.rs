@@ -135,6 +135,8 @@ impl PoseTrack {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch};
+    use std::sync::Arc;
 
     fn track(times: &[i64], speed_mps: f64, stated: f64) -> PoseTrack {
         let pose = |&t: &i64| Se3 { q: [1.0, 0.0, 0.0, 0.0], t: [speed_mps * t as f64 / 1e6, 0.0, 0.0] };
@@ -164,5 +166,20 @@ mod tests {
             assert_eq!(motion.forward.get(3).map(|v| (v * 1e6).round() / 1e6), agree.then_some(stated));
             assert!((motion.x[0] - 1.5).abs() < 1e-12);
         }
+    }
+
+    /// The least 64-bit integer has no absolute value.
+    #[test]
+    fn the_least_and_the_greatest_time_are_dropped_and_the_rest_is_kept() {
+        let times: ArrayRef = Arc::new(Int64Array::from(vec![i64::MIN, 0, 100_000, i64::MAX]));
+        let column = |value: f64| -> ArrayRef { Arc::new(Float64Array::from(vec![value; 4])) };
+        let mut columns = vec![("timestamp", times), ("qw", column(1.0))];
+        columns.extend(["qx", "qy", "qz", "x", "y", "z"].map(|name| (name, column(0.0))));
+        let (track, count) = read(&Columns(vec![RecordBatch::try_from_iter(columns).unwrap()])).unwrap();
+        assert_eq!(track.times, [0, 100_000]);
+        assert_eq!(
+            (count.read, count.kept.get("pose"), count.dropped.get("invalid")),
+            (4, Some(&2), Some(&2))
+        );
     }
 }
