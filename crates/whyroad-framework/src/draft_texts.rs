@@ -18,6 +18,8 @@ pub struct DraftTexts {
     traces: Phrasings,
     /// By id of [`WhyKept`].
     kept: BTreeMap<String, KeptTexts>,
+    /// Why the lead calls for a decision where the class is about something else.
+    lead: Vec<WhyWhen>,
     classes: BTreeMap<String, ClassTexts>,
     decisions: DecisionTexts,
 }
@@ -46,6 +48,8 @@ pub struct ClassTexts {
     also_when: Option<Vec<SeenWhen>>,
     /// Where the navigation leads is a component, where the recording tells it.
     routed: Option<bool>,
+    /// The class is about the lead, where its rule names no target.
+    of_lead: Option<bool>,
     /// What the target of the episode does, where the class says it better than its motion at the keyframe.
     doing: Option<Pair>,
     /// What the target does, where a signal of it tells: the first that holds at the keyframe.
@@ -319,6 +323,20 @@ impl DraftTexts {
         self.of(class, |c| c.routed.as_ref()).is_some_and(|r| *r)
     }
 
+    /// The class is about the lead, where its rule names no target: the leaf, or its L2.
+    pub fn is_of_lead(&self, class: &ScenarioId) -> bool {
+        self.of(class, |c| c.of_lead.as_ref()).is_some_and(|l| *l)
+    }
+
+    /// Why the lead calls for this decision along the path, of whatever class, in the order in which they are tried.
+    pub fn reasons_of_lead(&self, decision: Option<Longitudinal>) -> Vec<Reason<'_>> {
+        let fits = |w: &&WhyWhen| match decision {
+            Some(d) => w.decision.as_deref() == Some(d.id()),
+            None => w.is_of_none(),
+        };
+        self.lead.iter().filter(fits).map(|w| Reason { when: &w.when, texts: &w.why }).collect()
+    }
+
     /// What the target does, in Chinese and English: of the leaf, or of its L2.
     pub fn doing(&self, class: &ScenarioId) -> Option<(&str, &str)> {
         self.of(class, |c| c.doing.as_ref()).map(|p| (p.zh.as_str(), p.en.as_str()))
@@ -339,28 +357,31 @@ impl DraftTexts {
         self.of(class, |c| c.also_when.as_ref()).map_or(&[], Vec::as_slice)
     }
 
-    /// Why the class calls for this decision, in the order in which they are tried; the last one has no conditions.
+    /// Why the class calls for this decision, in the order in which they are tried; the last one has no conditions. What
+    /// an L2 says of this decision comes before what a leaf says of any.
     pub fn reasons(&self, class: &ScenarioId, decision: &DrivingDecision) -> Vec<Reason<'_>> {
         let ids = [decision.longitudinal.map(Longitudinal::id), decision.lateral.map(Lateral::id)];
-        let mut found = Vec::new();
+        let (mut found, mut any) = (Vec::new(), None);
         for c in self.levels(class) {
-            let of_decision = |w: &&WhyWhen| {
-                w.decision.as_deref().is_none_or(|d| ids.contains(&Some(d))) && !w.is_of_none()
+            let of_one = ids.iter().flatten().find_map(|d| Some((*d, c.why_for.get(*d)?)));
+            let fits = |w: &&WhyWhen| match w.decision.as_deref() {
+                _ if w.is_of_none() => false,
+                Some(d) => ids.contains(&Some(d)) && (any.is_none() || of_one.is_some_and(|(of, _)| of == d)),
+                None => any.is_none(),
             };
-            found.extend(
-                c.why_when.iter().filter(of_decision).map(|w| Reason { when: &w.when, texts: &w.why }),
-            );
+            found.extend(c.why_when.iter().filter(fits).map(|w| Reason { when: &w.when, texts: &w.why }));
+            if let Some((_, texts)) = of_one {
+                found.push(Reason { when: &[], texts });
+                return found;
+            }
             let only = c.why_only.as_ref().and_then(|only| match (decision.longitudinal, decision.lateral) {
                 (Some(_), None) => only.longitudinal.as_ref(),
                 (None, Some(_)) => only.lateral.as_ref(),
                 _ => None,
             });
-            let of_one = ids.iter().flatten().find_map(|d| c.why_for.get(*d));
-            if let Some(texts) = of_one.or(only).or(c.why.as_ref()) {
-                found.push(Reason { when: &[], texts });
-                break;
-            }
+            any = any.or(only).or(c.why.as_ref());
         }
+        found.extend(any.map(|texts| Reason { when: &[], texts }));
         found
     }
 

@@ -8,6 +8,7 @@
 mod clip;
 mod components;
 mod decision;
+mod lead;
 mod moment;
 mod motion;
 mod records;
@@ -17,16 +18,19 @@ pub use motion::LongitudinalMotion;
 pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 
 use components::ROAD;
+use decision::LeadIs;
+use lead::Lead;
 use moment::Moment;
+use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_framework::{Framework, Taxonomy};
-use whyroad_model::decision::Longitudinal;
+use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::messages::{
     Cause, Causes, CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Provenance, ProvenanceSource,
     ScenarioLabel, Uncertainty,
 };
 use whyroad_model::time::frame_at;
-use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, Nanos, ScenarioId, SignalTable};
+use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, Nanos, ScenarioId, SignalTable, TrackId};
 
 /// A skeleton and what is to be said of it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -72,7 +76,9 @@ pub fn draft_with_seed(
         ));
     }
 
-    let target = episode.target_id.as_ref().and_then(|id| drive.track(id)).map(|t| t.class);
+    let (target_id, lead, lead_is) = target_and_lead(framework, drive, signals, episode, keyframe);
+    let of_variants = class.l3.is_none().then(|| of_variants(framework, class)).flatten();
+    let target = target_id.and_then(|id| drive.track(id)).map(|t| t.class);
     let asked = decision::Asked {
         names: &framework.decisions,
         typical: &typical,
@@ -81,16 +87,21 @@ pub fn draft_with_seed(
         target,
         is_safety: class.l1 == "safety",
         of_others: class.l1 == "reactive_agent",
+        of_variants: of_variants.as_ref(),
+        lead,
+        lead_is,
     };
     let (decision, motion) = decision::infer(signals, keyframe, &asked, &mut notes);
     // Of a drive that ends with the keyframe nothing is decided: it has no side (see `components`).
     // Nor are the road's rules among the signals of its last frame.
     let goes_on = keyframe + 1 < drive.times.len();
     let goes_to =
-        || decision.lateral_direction.or_else(|| decision::merges_to(decision.lateral, signals, keyframe));
+        || decision.lateral_direction.or_else(|| decision::side_without(decision.lateral, signals, keyframe));
     let side = goes_on.then(goes_to).flatten();
     let fits_gap = decision.longitudinal == Some(Longitudinal::GapMatching);
-    let moment = Moment::of(signals, keyframe, episode.target_id.as_ref(), side).moving(motion, fits_gap);
+    let moment = Moment::of(signals, keyframe, target_id, side).moving(motion, fits_gap);
+    let lead = lead.filter(|_| goes_on && lead_is == LeadIs::Nearer);
+    let by_lead = lead.filter(|lead| is_because_of(lead, &decision, motion));
     if class.l1 == ROAD && motion == LongitudinalMotion::Stops {
         notes.push(Bilingual::new(
             "自车随后减速至停车，请核对原因是不是道路",
@@ -103,7 +114,8 @@ pub fn draft_with_seed(
             "the ego's indicator is on for the other side: confirm the lateral decision",
         ));
     }
-    let components = components::observed(framework, drive, signals, episode, keyframe, &moment, lang);
+    let scene = components::Scene { framework, drive, signals, episode, target: target_id, keyframe };
+    let components = scene.observed(&moment, lang);
     if components.is_empty() {
         notes.push(Bilingual::new(
             "没有可由信号得出的关键要素，请标注员补充",
@@ -111,22 +123,32 @@ pub fn draft_with_seed(
         ));
     }
     let records = spec
-        .map(|s| records::known(signals, keyframe, episode.target_id.as_ref(), &s.records, &mut notes))
+        .map(|s| records::known(signals, keyframe, target_id, &s.records, &mut notes))
         .unwrap_or_default();
     let mut components = with_cause(framework, class, components, goes_on.then_some(&moment), lang);
-    let also = trace::also(framework, class, &moment, lang);
+    let mut also = trace::also(framework, class, &moment, lang);
+    let mut order = trace::StateOrder::FirstLast;
+    let mut of_turn = None;
+    if let Some(component) = by_lead.and_then(|lead| scene.lead(&lead, lang)) {
+        // What is nearest to the ego is said last: what follows refers to it.
+        order = trace::StateOrder::AsListed;
+        components.insert(components.len().min(1), component);
+        also = None;
+    } else if components.len() < trace::MOST_IN_STATE && decision.lateral == Some(Lateral::Turn) {
+        let intent = scene.turn_intent(&moment, lang);
+        of_turn = intent.is_some().then_some(components.len());
+        components.extend(intent);
+    }
     // What makes room for the decision is said after what calls for it.
-    let order = if also.is_some() && components.len() < trace::MOST_IN_STATE {
-        trace::StateOrder::AsListed
-    } else {
-        trace::StateOrder::FirstLast
-    };
+    if also.is_some() && components.len() < trace::MOST_IN_STATE {
+        order = trace::StateOrder::AsListed;
+    }
     components.extend(also);
     let of_others = framework
         .draft_texts
         .seen(class)
         .is_some_and(|seen| seen.high || seen.category == Some(ComponentCategory::CriticalObjects));
-    let kept = trace::why_kept(signals, keyframe, episode.target_id.as_ref(), of_others);
+    let kept = trace::why_kept(signals, keyframe, target_id, of_others);
     let facts = trace::DraftFacts {
         framework,
         class,
@@ -134,6 +156,7 @@ pub fn draft_with_seed(
         decision: &decision,
         motion,
         kept,
+        lead: by_lead.map(|lead| moment.of_row(lead.row)),
         lang,
     };
     let seed = trace::seed(&episode.episode_id, run);
@@ -145,7 +168,14 @@ pub fn draft_with_seed(
     let (time_range, clipped) = clip::inside(drive, episode, &mut notes);
     let id = &episode.scenario_id;
     number(&mut components, clipped.timestamp);
-    let causes = causes(&decision, &components);
+    let along = usize::from(by_lead.is_some() && components.len() > 1);
+    let across = match decision.lateral {
+        Some(lateral) if !typical.lateral.contains(&lateral) && spec.and_then(|s| s.lateral).is_none() => {
+            of_turn
+        }
+        _ => Some(0),
+    };
+    let causes = causes(&decision, &components, along, across, lang);
     let label = CocLabel {
         version: Some(whyroad_model::FORMAT_VERSION.to_owned()),
         clip_id: episode.clip_id.to_string(),
@@ -188,8 +218,10 @@ pub fn components(
     let class = &episode.scenario_id;
     let mut all = if components::needs_signals(framework, episode) {
         let (signals, keyframe) = (signals(), keyframe_of(drive, episode));
-        let moment = Moment::of(&signals, keyframe, episode.target_id.as_ref(), None);
-        let observed = components::observed(framework, drive, &signals, episode, keyframe, &moment, lang);
+        let (target, ..) = target_and_lead(framework, drive, &signals, episode, keyframe);
+        let moment = Moment::of(&signals, keyframe, target, None);
+        let scene = components::Scene { framework, drive, signals: &signals, episode, target, keyframe };
+        let observed = scene.observed(&moment, lang);
         let mut all = with_cause(framework, class, observed, None, lang);
         all.extend(trace::also(framework, class, &moment, lang));
         all
@@ -236,14 +268,73 @@ fn number(components: &mut [CriticalComponent], at: Nanos) {
     }
 }
 
-/// The draft's first component is what the rule saw: it is proposed as the cause of both decisions.
-fn causes(decision: &DrivingDecision, components: &[CriticalComponent]) -> Option<Causes> {
-    let first = components.first()?.id.clone()?;
-    let cause = || Some(Cause { components: vec![first.clone()], unobserved: None });
+/// The draft's first component is what the rule saw: it is proposed as the cause of both decisions, unless another one
+/// is nearer. `across` is unset where the log does not show why the ego goes across its path.
+fn causes(
+    decision: &DrivingDecision,
+    components: &[CriticalComponent],
+    along: usize,
+    across: Option<usize>,
+    lang: Lang,
+) -> Option<Causes> {
+    let of = |n: usize| {
+        let id = components.get(n).or(components.first())?.id.clone()?;
+        Some(Cause { components: vec![id], unobserved: None })
+    };
+    let unobserved = Bilingual::new(
+        "记录中没有说明这一横向动作原因的导航路线或转向灯",
+        "neither the route nor the indicator in the log says why the ego does this",
+    );
+    let not_seen = || Cause { components: Vec::new(), unobserved: Some(unobserved.get(lang).to_owned()) };
+    components.first()?;
     Some(Causes {
-        longitudinal: decision.longitudinal.and_then(|_| cause()),
-        lateral: decision.lateral.and_then(|_| cause()),
+        longitudinal: decision.longitudinal.and_then(|_| of(along)),
+        lateral: decision.lateral.and_then(|_| across.map_or_else(|| Some(not_seen()), of)),
     })
+}
+
+/// Whom the class is about, the lead, and how it stands to the first. Of some classes the rule names no target, but
+/// they are about the lead.
+fn target_and_lead<'a>(
+    framework: &Framework,
+    drive: &Drive,
+    signals: &'a SignalTable,
+    episode: &'a EpisodeRecord,
+    keyframe: usize,
+) -> (Option<&'a TrackId>, Option<Lead<'a>>, LeadIs) {
+    let lead = Lead::at(drive, signals, keyframe);
+    let of_lead = framework.draft_texts.is_of_lead(&episode.scenario_id);
+    let named = lead.filter(|lead| of_lead && lead.is_reason()).map(|lead| lead.id);
+    let target = episode.target_id.as_ref().or(named);
+    let along = |id: &TrackId| {
+        let row = signals.target(id)?.row(keyframe)?;
+        signals.target_columns.get("target.longitudinal")?.number(row)
+    };
+    let lead_is = match (target, lead) {
+        (Some(target), Some(lead)) if target == lead.id => LeadIs::Target,
+        (Some(target), Some(lead)) => match along(target).zip(along(lead.id)) {
+            Some((target, lead)) if target > 0.0 && target < lead => LeadIs::Farther,
+            _ => LeadIs::Nearer,
+        },
+        _ => LeadIs::Nearer,
+    };
+    (target, lead, lead_is)
+}
+
+/// What any of the variants of an L2 allows.
+fn of_variants(framework: &Framework, class: &ScenarioId) -> Option<ClassDecisions> {
+    let leaves = &framework.decision_table().leaves;
+    let own = leaves.iter().filter(|(leaf, _)| leaf.l1 == class.l1 && leaf.l2 == class.l2);
+    own.map(|(_, decisions)| decisions.clone()).reduce(|all, one| all.or(&one))
+}
+
+/// The ego decides as it does, or stays where it stands, because of `lead`.
+fn is_because_of(lead: &Lead<'_>, decision: &DrivingDecision, motion: LongitudinalMotion) -> bool {
+    match decision.longitudinal {
+        Some(Longitudinal::LeadFollowing | Longitudinal::Resume) => lead.is_cause_of(motion),
+        Some(_) => false,
+        None => lead.is_cause_of(LongitudinalMotion::Keeps),
+    }
 }
 
 /// Those of the leaf, or of the L2 where the variant is not known.

@@ -1,14 +1,15 @@
 //! What could be observed at the keyframe, in words: the target, the light, the road, and the route as it was commanded
 //! or signaled by then. Nothing after it is read: the maneuver that follows is not the intention that caused it.
 
+use super::lead::{self, Lead};
 use super::moment::Moment;
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::DoingWhen;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
 use whyroad_model::names::class_name;
-use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, SignalTable};
+use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, SignalTable, TrackId};
 
-/// Nearer than this along the ego's path, others are beside it, m.
+/// Nearer than this along the ego's path, others are beside it however short they are, m.
 const BESIDE_M: f64 = 3.0;
 /// Farther than this from the ego's middle, others are on a side, m.
 const ASIDE_M: f64 = 1.8;
@@ -47,135 +48,189 @@ fn is_of_junction(episode: &EpisodeRecord) -> bool {
     episode.signals.iter().any(|s| s == "ego.movement")
 }
 
-pub(super) fn observed(
-    framework: &Framework,
-    drive: &Drive,
-    signals: &SignalTable,
-    episode: &EpisodeRecord,
-    keyframe: usize,
-    moment: &Moment<'_>,
-    lang: Lang,
-) -> Vec<CriticalComponent> {
-    let mut found: Vec<(ComponentCategory, Bilingual)> = Vec::new();
-    if let Some(target) = &episode.target_id {
-        let class = drive.track(target).map_or(ObjectClass::Unknown, |t| t.class);
-        let text = target_in_words(framework, signals, episode, class, keyframe, moment);
-        found.extend(text.map(|text| (ComponentCategory::CriticalObjects, text)));
-    }
-    // What bears on the decision: beside a lead or a crossing pedestrian, the light does not.
-    if is_of_lights(episode) {
-        found.extend(light(signals, keyframe).map(|text| (ComponentCategory::TrafficLights, text)));
-    }
-    if is_of_bend(episode) {
-        found.extend(bend(signals, keyframe).map(|text| (ComponentCategory::RoadEvents, text)));
-    }
-    if framework.draft_texts.is_routed(&episode.scenario_id) {
-        let intent = route(signals, keyframe).or_else(|| {
-            // An indicator that was left on, or is for a lane change before, says nothing of this turn.
-            let tells = is_of_junction(episode) && !moment.indicator_against();
-            tells.then(|| signaled_turn(signals, keyframe)).flatten()
-        });
-        found.extend(intent.map(|text| (ComponentCategory::RoutingIntent, text)));
-    }
-    found
-        .into_iter()
-        .map(|(category, text)| CriticalComponent {
-            category: Some(category.id().to_owned()),
-            description: text.get(lang).to_owned(),
-            uncertainty: None,
-            id: None,
-            evidence_times: Vec::new(),
-            linked_objects: match (category, &episode.target_id) {
-                (ComponentCategory::CriticalObjects, Some(target)) => vec![target.to_string()],
-                _ => Vec::new(),
-            },
-        })
-        .collect()
+/// How it is said where somebody is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Named {
+    /// By the place relative to the ego.
+    ByPlace,
+    /// As who drives ahead of the ego.
+    AsLead,
 }
 
-/// Where the target of `episode` is and what it is doing.
-fn target_in_words(
-    framework: &Framework,
-    signals: &SignalTable,
-    episode: &EpisodeRecord,
-    class: ObjectClass,
-    frame: usize,
-    moment: &Moment<'_>,
-) -> Option<Bilingual> {
-    let row = signals.target(episode.target_id.as_ref()?)?.row(frame)?;
-    let number = |name: &str| signals.target_columns.get(name).and_then(|c| c.number(row));
-    let holds = |name: &str| signals.target_columns.get(name).is_some_and(|c| c.flag(row).is_true());
-    let texts = &framework.draft_texts;
-    let told = texts.doing_when(&episode.scenario_id).iter().find(|when| moment.all(&when.when));
-    let of_class = told.map(DoingWhen::texts).or_else(|| texts.doing(&episode.scenario_id));
-    let is_lead = holds("target.is_lead");
-    let crosses_a_line =
-        holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3);
-    let comes_in = crosses_a_line && !is_lead;
-    let (ahead, aside) = (number("target.longitudinal")?, number("target.lateral")?);
-    let turned = number("target.heading_difference").map(f64::abs);
-    let same_way = turned.is_some_and(|a| a < 45_f64.to_radians());
-    let place = if is_lead && same_way && !crosses_a_line && ahead > BESIDE_M {
-        Bilingual::new("本车道前方", "ahead in the ego's lane")
-    } else {
-        // Who comes in does so from a side.
-        place(ahead, aside, if crosses_a_line { FROM_A_SIDE_M } else { ASIDE_M })
-    };
-    let name = match class {
-        ObjectClass::StaticObject => Bilingual::new("障碍物", "obstacle"),
-        _ => class_name(class),
-    };
-    // Opposite headings within 45 degrees.
-    let oncoming = turned.is_some_and(|a| a > 135_f64.to_radians());
-    let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
-    let doing = if let Some((zh, en)) = of_class {
-        Bilingual::new(zh, en)
-    } else if is_fixed || holds("target.standstill") {
-        Bilingual::new("静止不动", "is standing still")
-    } else if class.is_vru() && holds("target.on_crosswalk") {
-        Bilingual::new("正在斑马线上通行", "is on the crosswalk")
-    } else if class.is_vru() && number("target.crossing_angle").is_some_and(|a| a > 20_f64.to_radians()) {
-        Bilingual::new("正在横穿自车前方的道路", "is crossing the road in front of the ego")
-    } else if comes_in && class.is_vehicle() {
-        Bilingual::new("正在驶入自车车道", "is coming into the ego's lane")
-    } else if comes_in {
-        Bilingual::new("正在进入自车车道", "is coming into the ego's lane")
-    } else {
-        let faster = number("target.relative_speed").filter(|_| is_lead);
-        match number("target.accel") {
-            _ if oncoming && class == ObjectClass::Pedestrian => {
-                Bilingual::new("正迎面走来", "is coming towards the ego")
-            }
-            _ if oncoming => Bilingual::new("正对向驶来", "is oncoming"),
-            Some(a) if a < -0.5 => Bilingual::new("正在减速", "is slowing"),
-            Some(a) if a > 0.5 => Bilingual::new("正在加速", "is speeding up"),
-            _ if faster.is_some_and(|v| v < -NOTABLY_MPS) => {
-                Bilingual::new("车速低于自车", "is slower than the ego")
-            }
-            _ if faster.is_some_and(|v| v > NOTABLY_MPS) => {
-                Bilingual::new("车速高于自车", "is faster than the ego")
-            }
-            _ if is_lead => Bilingual::new("车速与自车相近", "is driving at about the ego's speed"),
-            _ if class == ObjectClass::Pedestrian => Bilingual::new("正在走动", "is walking"),
-            _ if class.is_vru() => Bilingual::new("正在骑行", "is riding"),
-            _ if class == ObjectClass::Animal => Bilingual::new("正在移动", "is moving"),
-            _ => Bilingual::new("正在行驶", "is driving"),
+/// What is looked at: an episode at its keyframe.
+#[derive(Clone, Copy)]
+pub(super) struct Scene<'a> {
+    pub framework: &'a Framework,
+    pub drive: &'a Drive,
+    pub signals: &'a SignalTable,
+    pub episode: &'a EpisodeRecord,
+    /// Whom the class is about.
+    pub target: Option<&'a TrackId>,
+    pub keyframe: usize,
+}
+
+impl Scene<'_> {
+    /// What the class is about, as the signals tell it.
+    pub(super) fn observed(&self, moment: &Moment<'_>, lang: Lang) -> Vec<CriticalComponent> {
+        let Scene { framework, signals, episode, keyframe, .. } = *self;
+        let mut found: Vec<CriticalComponent> = Vec::new();
+        let told = framework.draft_texts.doing_when(&episode.scenario_id).iter();
+        let told = told.filter(|when| moment.all(&when.when)).map(DoingWhen::texts).next();
+        let doing = told.or_else(|| framework.draft_texts.doing(&episode.scenario_id));
+        found.extend(self.target.and_then(|target| self.object(target, doing, Named::ByPlace, lang)));
+        let mut add = |category, text: Option<Bilingual>| {
+            found.extend(text.map(|text| component(category, &text, lang)));
+        };
+        // What bears on the decision: beside a lead or a crossing pedestrian, the light does not.
+        if is_of_lights(episode) {
+            add(ComponentCategory::TrafficLights, light(signals, keyframe));
         }
-    };
-    Some(Bilingual::new(
-        format!("{}的{}{}", place.zh, name.zh, doing.zh),
-        format!("the {} {} {}", name.en, place.en, doing.en),
-    ))
+        if is_of_bend(episode) {
+            add(ComponentCategory::RoadEvents, bend(signals, keyframe));
+        }
+        if framework.draft_texts.is_routed(&episode.scenario_id) {
+            let intent = route(signals, keyframe).or_else(|| {
+                // An indicator that was left on, or is for a lane change before, says nothing of this turn.
+                let tells = is_of_junction(episode) && !moment.indicator_against();
+                tells.then(|| signaled_turn(signals, keyframe)).flatten()
+            });
+            add(ComponentCategory::RoutingIntent, intent);
+        }
+        found
+    }
+
+    /// Where the ego turns to, where the route or its indicator tells and the class is not about it.
+    pub(super) fn turn_intent(&self, moment: &Moment<'_>, lang: Lang) -> Option<CriticalComponent> {
+        if self.framework.draft_texts.is_routed(&self.episode.scenario_id) {
+            return None;
+        }
+        let signaled = || signaled_turn(self.signals, self.keyframe).filter(|_| !moment.indicator_against());
+        let text = route(self.signals, self.keyframe).or_else(signaled)?;
+        Some(component(ComponentCategory::RoutingIntent, &text, lang))
+    }
+
+    /// The lead, where it is not what the class is about.
+    pub(super) fn lead(&self, lead: &Lead<'_>, lang: Lang) -> Option<CriticalComponent> {
+        self.object(lead.id, None, Named::AsLead, lang)
+    }
+
+    /// Where somebody is and what it is doing: `doing`, where the class says it better than its motion.
+    fn object(
+        &self,
+        id: &TrackId,
+        doing: Option<(&str, &str)>,
+        named: Named,
+        lang: Lang,
+    ) -> Option<CriticalComponent> {
+        let text = self.target_in_words(id, doing, named)?;
+        let linked_objects = vec![id.to_string()];
+        Some(CriticalComponent {
+            linked_objects,
+            ..component(ComponentCategory::CriticalObjects, &text, lang)
+        })
+    }
 }
 
-/// Ahead, behind or beside, from the ego's frame (m); on a side from `aside_m` on.
-fn place(longitudinal_m: f64, lateral_m: f64, aside_m: f64) -> Bilingual {
+fn component(category: ComponentCategory, text: &Bilingual, lang: Lang) -> CriticalComponent {
+    CriticalComponent {
+        category: Some(category.id().to_owned()),
+        description: text.get(lang).to_owned(),
+        uncertainty: None,
+        id: None,
+        evidence_times: Vec::new(),
+        linked_objects: Vec::new(),
+    }
+}
+
+impl Scene<'_> {
+    /// Where somebody is and what it is doing.
+    fn target_in_words(&self, id: &TrackId, doing: Option<(&str, &str)>, named: Named) -> Option<Bilingual> {
+        let Scene { drive, signals, keyframe: frame, .. } = *self;
+        let class = drive.track(id).map_or(ObjectClass::Unknown, |t| t.class);
+        let row = signals.target(id)?.row(frame)?;
+        let number = |name: &str| signals.target_columns.get(name).and_then(|c| c.number(row));
+        let holds = |name: &str| signals.target_columns.get(name).is_some_and(|c| c.flag(row).is_true());
+        let is_lead = holds("target.is_lead");
+        let crosses_a_line =
+            holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3);
+        let comes_in = crosses_a_line && !is_lead;
+        let (ahead, aside) = (number("target.longitudinal")?, number("target.lateral")?);
+        let turned = number("target.heading_difference").map(f64::abs);
+        let same_way = turned.is_some_and(|a| a < 45_f64.to_radians());
+        let place = if is_lead && same_way && !crosses_a_line && ahead > BESIDE_M {
+            Bilingual::new("本车道前方", "ahead in the ego's lane")
+        } else if named == Named::AsLead {
+            // In a bend or a turn it is on the ego's way, whatever its side.
+            Bilingual::new("前方", "ahead")
+        } else {
+            // Who comes in does so from a side.
+            place(ahead, aside, self.beside(id, turned), if crosses_a_line { FROM_A_SIDE_M } else { ASIDE_M })
+        };
+        let name = match class {
+            ObjectClass::StaticObject => Bilingual::new("障碍物", "obstacle"),
+            _ => class_name(class),
+        };
+        // Opposite headings within 45 degrees.
+        let oncoming = turned.is_some_and(|a| a > 135_f64.to_radians());
+        let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
+        let doing = if let Some((zh, en)) = doing {
+            Bilingual::new(zh, en)
+        } else if is_fixed || holds("target.standstill") {
+            Bilingual::new("静止不动", "is standing still")
+        } else if class.is_vru() && holds("target.on_crosswalk") {
+            Bilingual::new("正在斑马线上通行", "is on the crosswalk")
+        } else if class.is_vru() && number("target.crossing_angle").is_some_and(|a| a > 20_f64.to_radians()) {
+            Bilingual::new("正在横穿自车前方的道路", "is crossing the road in front of the ego")
+        } else if comes_in && class.is_vehicle() {
+            Bilingual::new("正在驶入自车车道", "is coming into the ego's lane")
+        } else if comes_in {
+            Bilingual::new("正在进入自车车道", "is coming into the ego's lane")
+        } else {
+            let faster = number("target.relative_speed").filter(|_| is_lead);
+            match number("target.accel") {
+                _ if oncoming && class == ObjectClass::Pedestrian => {
+                    Bilingual::new("正迎面走来", "is coming towards the ego")
+                }
+                _ if oncoming => Bilingual::new("正对向驶来", "is oncoming"),
+                Some(a) if a < -0.5 => Bilingual::new("正在减速", "is slowing"),
+                Some(a) if a > 0.5 => Bilingual::new("正在加速", "is speeding up"),
+                _ if faster.is_some_and(|v| v < -NOTABLY_MPS) => {
+                    Bilingual::new("车速低于自车", "is slower than the ego")
+                }
+                _ if faster.is_some_and(|v| v > NOTABLY_MPS) => {
+                    Bilingual::new("车速高于自车", "is faster than the ego")
+                }
+                _ if is_lead => Bilingual::new("车速与自车相近", "is driving at about the ego's speed"),
+                _ if class == ObjectClass::Pedestrian => Bilingual::new("正在走动", "is walking"),
+                _ if class.is_vru() => Bilingual::new("正在骑行", "is riding"),
+                _ if class == ObjectClass::Animal => Bilingual::new("正在移动", "is moving"),
+                _ => Bilingual::new("正在行驶", "is driving"),
+            }
+        };
+        Some(Bilingual::new(
+            format!("{}的{}{}", place.zh, name.zh, doing.zh),
+            format!("the {} {} {}", name.en, place.en, doing.en),
+        ))
+    }
+
+    /// Nearer than this along the ego's path, the boxes of both overlap: one is beside the other, m.
+    fn beside(&self, id: &TrackId, turned: Option<f64>) -> f64 {
+        let ego = self.drive.ego.as_ref().map(|e| e.length_m);
+        let (length, width) = lead::size_at(self.drive, id, self.keyframe).unwrap_or((f64::NAN, f64::NAN));
+        let angle = turned.unwrap_or(0.0);
+        let reach = (ego.unwrap_or(f64::NAN) + length * angle.cos().abs() + width * angle.sin().abs()) / 2.0;
+        if reach.is_finite() { reach.max(BESIDE_M) } else { BESIDE_M }
+    }
+}
+
+/// Ahead, behind or beside, from the ego's frame (m); beside within `beside_m`, on a side from `aside_m` on.
+fn place(longitudinal_m: f64, lateral_m: f64, beside_m: f64, aside_m: f64) -> Bilingual {
     let side = match lateral_m {
         y if y > aside_m => Some(("左", "left")),
         y if y < -aside_m => Some(("右", "right")),
         _ => None,
     };
-    match (longitudinal_m > BESIDE_M, longitudinal_m < -BESIDE_M, side) {
+    match (longitudinal_m > beside_m, longitudinal_m < -beside_m, side) {
         (true, _, Some((zh, en))) => Bilingual::new(format!("{zh}前方"), format!("ahead on the {en}")),
         (true, _, None) => Bilingual::new("正前方", "straight ahead"),
         (_, true, Some((zh, en))) => Bilingual::new(format!("{zh}后方"), format!("behind on the {en}")),
@@ -193,7 +248,7 @@ fn light(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
         "green_round" => ("圆形绿灯", "round green"),
         "green_arrow" => ("绿色箭头灯", "green arrow"),
         "flashing_green" => ("绿闪", "flashing green"),
-        "green_yield" => ("绿灯（须让行）", "green, giving way"),
+        "green_yield" => ("绿灯，但须让行", "green, but the ego has to give way"),
         "red_yellow" => ("红黄灯", "red and yellow"),
         "flashing_yellow" => ("黄灯闪烁", "flashing yellow"),
         _ => return None,
@@ -210,14 +265,35 @@ fn bend(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
         .then(|| Bilingual::new("前方道路为急弯", "the road ahead bends sharply"))
 }
 
+/// The ego is inside a junction: it lies ahead no more.
+fn is_inside(signals: &SignalTable, frame: usize) -> bool {
+    signals.frame_columns.get("ego.in_junction").is_some_and(|c| c.flag(frame).is_true())
+}
+
 /// The command of the navigation.
 fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
-    let (zh, en) = match signals.frame_columns.get("route.command")?.category(frame)? {
-        "straight" => ("导航路线在前方路口直行", "the route leads straight on at the junction ahead"),
-        "left" => ("导航路线在前方路口左转", "the route leads left at the junction ahead"),
-        "right" => ("导航路线在前方路口右转", "the route leads right at the junction ahead"),
-        "uturn" => ("导航路线在前方路口掉头", "the route makes a U-turn at the junction ahead"),
-        "exit" => ("导航路线从前方出口驶出", "the route takes the exit ahead"),
+    let command = signals.frame_columns.get("route.command")?.category(frame)?;
+    let (zh, en) = match (command, is_inside(signals, frame)) {
+        ("straight", false) => {
+            ("导航路线在前方路口直行", "the route leads straight on at the junction ahead")
+        }
+        ("left", false) => ("导航路线在前方路口左转", "the route leads left at the junction ahead"),
+        ("right", false) => ("导航路线在前方路口右转", "the route leads right at the junction ahead"),
+        ("uturn", false) => ("导航路线在前方路口掉头", "the route makes a U-turn at the junction ahead"),
+        ("straight", true) => (
+            "自车已在路口内，导航路线为直行",
+            "the ego is in the junction, where its route leads straight on",
+        ),
+        ("left", true) => {
+            ("自车已在路口内，导航路线为左转", "the ego is in the junction, where its route leads left")
+        }
+        ("right", true) => {
+            ("自车已在路口内，导航路线为右转", "the ego is in the junction, where its route leads right")
+        }
+        ("uturn", true) => {
+            ("自车已在路口内，导航路线为掉头", "the ego is in the junction, where its route makes a U-turn")
+        }
+        ("exit", _) => ("导航路线从前方出口驶出", "the route takes the exit ahead"),
         _ => return None,
     };
     Some(Bilingual::new(zh, en))
@@ -225,9 +301,14 @@ fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
 
 /// The turn that the ego's own turn signal announces at a junction.
 fn signaled_turn(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
-    let (zh, en) = match signals.frame_columns.get("ego.turn_signal")?.category(frame)? {
-        "left" => ("前方为路口，自车已打左转向灯", "a junction lies ahead and the ego signals left"),
-        "right" => ("前方为路口，自车已打右转向灯", "a junction lies ahead and the ego signals right"),
+    let on = signals.frame_columns.get("ego.turn_signal")?.category(frame)?;
+    let (zh, en) = match (on, is_inside(signals, frame)) {
+        ("left", false) => ("前方为路口，自车已打左转向灯", "a junction lies ahead and the ego signals left"),
+        ("right", false) => {
+            ("前方为路口，自车已打右转向灯", "a junction lies ahead and the ego signals right")
+        }
+        ("left", true) => ("自车已在路口内，打着左转向灯", "the ego is in the junction and signals left"),
+        ("right", true) => ("自车已在路口内，打着右转向灯", "the ego is in the junction and signals right"),
         _ => return None,
     };
     Some(Bilingual::new(zh, en))

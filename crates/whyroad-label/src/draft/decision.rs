@@ -1,9 +1,10 @@
 //! The first action after the keyframe, read from the ego's motion. Motion says *that* the ego slows, not why;
 //! the reason is taken from the class's typical decisions, and where they offer none, nothing is guessed.
 
+use super::lead::Lead;
 use super::moment::Moment;
 use super::motion::{HORIZON_FRAMES, LongitudinalMotion, side_of_change};
-use whyroad_framework::decision_table::ClassDecisions;
+use whyroad_framework::decision_table::{ClassDecisions, Fit};
 use whyroad_framework::decisions::DecisionSets;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
@@ -26,8 +27,12 @@ const LANE_JUMP_M: f64 = 2.0;
 
 /// Frames over which a change of speed is looked at.
 const CHANGE_FRAMES: usize = 30;
-/// A speed that goes on to change by this over them is decided, though it began to before the keyframe, m/s.
-const CLEAR_MPS: f64 = 3.5;
+/// A speed that goes on to change by this over them is decided, though it began to before the keyframe, m/s: 8 km/h.
+const CLEAR_MPS: f64 = 8.0 / 3.6;
+/// Who is not as fast as this and speeds up starts, m/s: walking pace.
+const ROLLING_MPS: f64 = 1.0;
+/// Frames after the keyframe in which a turn or a lane change begins that is not typical of the class: 2 s.
+const SOON_FRAMES: usize = 20;
 /// Who is as fast as this and stands after them has decided to stop, m/s.
 const CLEAR_STOP_MPS: f64 = 2.5;
 /// What speeds up later than this is no return to the target speed that the keyframe calls for, s.
@@ -52,6 +57,23 @@ pub(super) struct Asked<'a> {
     pub is_safety: bool,
     /// The class is about what the ego does because of somebody else.
     pub of_others: bool,
+    /// What one of the variants allows, where the variant is not known.
+    pub of_variants: Option<&'a ClassDecisions>,
+    /// The lead.
+    pub lead: Option<Lead<'a>>,
+    /// How the lead stands to whom the class is about.
+    pub lead_is: LeadIs,
+}
+
+/// How the lead stands to whom a class is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LeadIs {
+    /// The class is about the lead.
+    Target,
+    /// The lead is nearer, or the class is about nobody.
+    Nearer,
+    /// Whom the class is about is nearer.
+    Farther,
 }
 
 impl Asked<'_> {
@@ -66,6 +88,18 @@ impl Asked<'_> {
     /// The class exists because the ego did something.
     fn decides(&self) -> bool {
         self.allowed.is_some_and(|a| a.decides)
+    }
+
+    fn allows(&self, longitudinal: Longitudinal) -> bool {
+        self.allowed
+            .or(self.of_variants)
+            .is_some_and(|a| a.longitudinal_fit(Some(longitudinal)) != Fit::Impossible)
+    }
+
+    fn allows_lateral(&self, lateral: Lateral, direction: LateralDirection) -> bool {
+        self.allowed
+            .or(self.of_variants)
+            .is_some_and(|a| a.direction_fit(lateral, Some(direction)) != Fit::Impossible)
     }
 
     /// The only lateral decision that the class can have.
@@ -87,16 +121,24 @@ pub(super) fn infer(
     let lateral = lateral.or_else(|| asked.only_lateral()).or_else(|| nudge(signals, keyframe, asked));
     let lateral_direction = lateral_direction.or_else(|| side_of(lateral?, signals, keyframe));
     let gap = lateral_direction
-        .or_else(|| merges_to(lateral, signals, keyframe))
+        .or_else(|| side_without(lateral, signals, keyframe))
         .is_some_and(|side| is_near(signals, keyframe, side));
     // What the class cannot do without is decided, whatever the motion of 6 s shows.
     let chosen = |(motion, began)| {
+        if follows_lead(motion, lateral, asked) {
+            return Some(Longitudinal::LeadFollowing);
+        }
         let slows = motion == LongitudinalMotion::Slows;
         let out = |d: Longitudinal| match d {
             Longitudinal::SetSpeedTracking => {
                 motion == LongitudinalMotion::SpeedsUp && !rises_soon(signals, keyframe, began)
             }
             Longitudinal::GapMatching => !gap,
+            // It takes a lead to follow one.
+            Longitudinal::LeadFollowing => {
+                let behind = asked.lead.is_some_and(|l| l.is_cause_of(motion));
+                asked.target.is_none() && !asked.of_others && !behind
+            }
             // Nobody changes lanes to be slow.
             Longitudinal::RoadSpeedAdaptation => {
                 let lane_change =
@@ -105,7 +147,9 @@ pub(super) fn infer(
             }
             _ => false,
         };
-        choose(motion, asked, out).or_else(|| asked.only_longitudinal())
+        let rises = speeds(signals, keyframe).is_some_and(|(now, then)| then - now > CLEAR_MPS);
+        let found = choose(motion, asked, out).or_else(|| choose_clear(motion, rises, asked));
+        found.or_else(|| asked.only_longitudinal())
     };
     let (mut motion, mut began) = longitudinal_motion(signals, keyframe, Before::IsNoAnswer);
     let mut longitudinal = chosen((motion, began));
@@ -122,6 +166,26 @@ pub(super) fn infer(
     note_longitudinal(motion, began, longitudinal, asked.names, notes);
     notes.append(&mut of_lateral);
     (DrivingDecision { longitudinal, lateral, lateral_direction }, motion)
+}
+
+/// The lead, and not what the class is about, sets the speed: it is nearer to the ego than the road and its rules
+/// (LABELING.md 6, *proximate cause*). Who goes past somebody or takes another lane speeds up for that.
+fn follows_lead(motion: LongitudinalMotion, lateral: Option<Lateral>, asked: &Asked<'_>) -> bool {
+    let goes_past = motion == LongitudinalMotion::SpeedsUp
+        && lateral.is_some_and(|l| !matches!(l, Lateral::Turn | Lateral::LaneKeeping));
+    let follows = matches!(
+        motion,
+        LongitudinalMotion::Slows | LongitudinalMotion::Stops | LongitudinalMotion::SpeedsUp
+    );
+    let (Some(lead), false) = (asked.lead, asked.is_safety) else { return false };
+    let because = match asked.lead_is {
+        // Who is typically followed is chosen below.
+        LeadIs::Target => !asked.of_others && motion != LongitudinalMotion::SpeedsUp && lead.is_slower(),
+        LeadIs::Nearer if asked.of_others => lead.stands() && lead.is_cause_of(motion),
+        LeadIs::Nearer => lead.is_cause_of(motion),
+        LeadIs::Farther => false,
+    };
+    follows && !goes_past && because && asked.allows(Longitudinal::LeadFollowing)
 }
 
 /// Leaving its place in the lane, where the class exists because the ego did something and that may be it.
@@ -160,13 +224,25 @@ fn side_of(lateral: Lateral, signals: &SignalTable, keyframe: usize) -> Option<L
     }
 }
 
-/// The side of the lane that who merges goes to.
-pub(super) fn merges_to(
+/// The side of a decision that has no direction: that of the lane that who merges goes to, and of the one from which
+/// who gives up a change comes back.
+pub(super) fn side_without(
     lateral: Option<Lateral>,
     signals: &SignalTable,
     keyframe: usize,
 ) -> Option<LateralDirection> {
-    side_of_change(signals, keyframe).filter(|_| lateral == Some(Lateral::MergeOrSplit))
+    match lateral? {
+        Lateral::MergeOrSplit => side_of_change(signals, keyframe),
+        Lateral::ManeuverAbort => {
+            let aside = signals.frame_columns.get("ego.lane_offset")?.number(keyframe)?;
+            (aside.abs() > NUDGE_M).then_some(if aside > 0.0 {
+                LateralDirection::Left
+            } else {
+                LateralDirection::Right
+            })
+        }
+        _ => None,
+    }
 }
 
 /// Somebody in the lane on `side` is near enough to make a gap with.
@@ -243,6 +319,10 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize, before: Before) -
         return (LongitudinalMotion::Keeps, 0.0);
     };
     if change == SpeedChange::Rises {
+        let speed = signals.frame_columns.get("ego.speed").and_then(|c| c.number(keyframe));
+        if speed.is_some_and(|v| v < ROLLING_MPS) {
+            return (LongitudinalMotion::Starts, seconds(began));
+        }
         return (LongitudinalMotion::SpeedsUp, seconds(began));
     }
     let stop_end = (keyframe + STOP_FRAMES + 1).min(meta.len());
@@ -348,6 +428,21 @@ fn choose_allowed(
     fits.find(|d| of_the_road.contains(d) && !out(*d))
 }
 
+/// What the class allows where the speed changes clearly and nothing typical explains it: behind a lead it follows,
+/// and who speeds up for no such reason goes at the speed that the road lets it.
+fn choose_clear(motion: LongitudinalMotion, rises: bool, asked: &Asked<'_>) -> Option<Longitudinal> {
+    use Longitudinal as D;
+    if motion == LongitudinalMotion::Starts || motion == LongitudinalMotion::Waits {
+        return asked.allows(D::Resume).then_some(D::Resume);
+    }
+    let behind = asked.lead_is == LeadIs::Nearer && asked.lead.is_some_and(|l| l.is_cause_of(motion));
+    if behind && !asked.is_safety && asked.allows(D::LeadFollowing) {
+        return Some(D::LeadFollowing);
+    }
+    let rises = motion == LongitudinalMotion::SpeedsUp && rises && asked.allows(D::SetSpeedTracking);
+    rises.then_some(D::SetSpeedTracking)
+}
+
 fn note_longitudinal(
     motion: LongitudinalMotion,
     began_s: f64,
@@ -402,20 +497,26 @@ fn lateral(
     let ahead = |name: &str, none: &[&str]| {
         let column = signals.frame_columns.get(name)?;
         let end = (keyframe + HORIZON_FRAMES + 1).min(column.len());
-        let value = (keyframe..end).find_map(|f| column.category(f).filter(|c| !none.contains(c)))?;
-        LateralDirection::from_id(value)
+        let is_one = |f: usize| Some((f, column.category(f).filter(|c| !none.contains(c))?));
+        let (frame, value) = (keyframe..end).find_map(is_one)?;
+        Some((LateralDirection::from_id(value)?, frame - keyframe))
     };
     let mut found = [
         (Lateral::LaneChange, ahead("ego.lane_change", &["none"])),
         (Lateral::Turn, ahead("ego.movement", &["straight"])),
     ];
     // Who goes over to the side that it turns to, turns.
-    if found[0].1 == found[1].1 {
+    let side = |n: usize| found[n].1.map(|(side, _)| side);
+    if side(0) == side(1) {
         found.reverse();
     }
     for (lateral, direction) in found {
-        let Some(direction) = direction.filter(|d| lateral.directions().contains(d)) else { continue };
-        let usual = asked.typical.lateral.contains(&lateral);
+        let Some((direction, after)) = direction.filter(|(d, _)| lateral.directions().contains(d)) else {
+            continue;
+        };
+        // What is not typical of the class is decided where it follows at once.
+        let usual = asked.typical.lateral.contains(&lateral)
+            || (after <= SOON_FRAMES && asked.allows_lateral(lateral, direction));
         let way = match (lateral, direction) {
             (_, LateralDirection::Uturn) => Bilingual::new("掉头", "makes a U-turn"),
             (Lateral::Turn, LateralDirection::Left) => Bilingual::new("左转", "turns left"),

@@ -47,6 +47,11 @@ impl<'a> Moment<'a> {
         Self { motion, fits_gap, ..self }
     }
 
+    /// The same, with the target whose row this is.
+    pub(super) fn of_row(self, row: usize) -> Self {
+        Self { row: Some(row), ..self }
+    }
+
     /// Where the ego goes by its decision.
     pub(super) fn side(&self) -> Option<LateralDirection> {
         self.side
@@ -97,6 +102,7 @@ impl<'a> Moment<'a> {
     fn flag(&self, name: &str) -> Tri {
         match name {
             "around.clear" => self.clear(),
+            "around.target" => Tri::from(self.row.is_some()),
             "decided.changes_lane" => Tri::from(changes_lane(self.signals, self.frame)),
             "decided.fits_gap" => Tri::from(self.fits_gap),
             "around.indicator_against" => Tri::from(self.indicator_against()),

@@ -48,6 +48,8 @@ pub(super) struct DraftFacts<'a> {
     pub motion: LongitudinalMotion,
     /// Why nothing new is decided, where nothing is.
     pub kept: WhyKept,
+    /// The keyframe with the lead as the target, where the lead and not what the class is about is the nearest cause.
+    pub lead: Option<Moment<'a>>,
     pub lang: Lang,
 }
 
@@ -138,6 +140,14 @@ fn wanted(lang: Lang) -> RangeInclusive<usize> {
     }
 }
 
+/// Words of an English trace at most.
+const MOST_WORDS: usize = 60;
+
+fn fits(text: &str, lang: Lang) -> bool {
+    wanted(lang).contains(&text.chars().count())
+        && (lang == Lang::Zh || text.split_whitespace().count() <= MOST_WORDS)
+}
+
 /// The trace with the phrasings that `seed` chooses, as long as a trace should be: with what the ego does at the
 /// keyframe where there is room, and with fewer things in the state where there is not.
 pub(super) fn trace(
@@ -149,9 +159,11 @@ pub(super) fn trace(
     seed: u64,
 ) -> String {
     let choice = Choice::of(seed);
-    let why = facts.why(moment, choice.why);
+    let reasons = facts.reason(moment);
     let openings = openings(facts, signals, keyframe, choice.opening);
-    let opens = (choice.opening / 8).is_multiple_of(2);
+    // A speed is said of few: it bears on few decisions.
+    let opens = (choice.opening / 8).is_multiple_of(4)
+        && openings.first().is_some_and(|o| o.contains(|c: char| c.is_ascii_digit()));
     // The other openings are for where the first makes it too short or too long.
     let with = |things| openings.iter().map(move |o| (things, Some(o.as_str())));
     let without = |things| std::iter::once((things, None));
@@ -160,21 +172,31 @@ pub(super) fn trace(
     } else {
         [MOST_IN_STATE, 1].into_iter().flat_map(|n| without(n).chain(with(n))).collect()
     };
-    let texts: Vec<String> = variants
-        .into_iter()
-        .map(|(things, opening)| facts.sentence(opening, (things, order), why, choice))
+    // The other phrasings of reason and decision are for where none of the openings helps.
+    let others = reasons.map_or(1, |p| p.all(facts.lang).len().max(1) as u64);
+    let choices = (0..others).flat_map(|why| {
+        (0..2).map(move |action| Choice { why: choice.why + why, action: choice.action + action, ..choice })
+    });
+    let texts: Vec<String> = choices
+        .flat_map(|choice| {
+            let why = reasons.map_or("", |p| p.pick(facts.lang, choice.why));
+            let of = |&(things, opening): &(usize, Option<&str>)| {
+                facts.sentence(opening, (things, order), why, choice)
+            };
+            variants.iter().map(of).collect::<Vec<_>>()
+        })
         .collect();
-    let wanted = wanted(facts.lang);
     let length = |t: &&String| t.chars().count();
-    let fits = texts.iter().find(|t| wanted.contains(&length(t)));
+    let found = texts.iter().find(|t| fits(t, facts.lang));
     // None fits: the one that is least too long, or else the longest.
+    let wanted = wanted(facts.lang);
     let nearest = || {
         texts.iter().min_by_key(|t| {
             let n = length(t);
             if n > *wanted.end() { (1, n) } else { (0, wanted.start().saturating_sub(n)) }
         })
     };
-    fits.or_else(nearest).cloned().unwrap_or_default()
+    found.or_else(nearest).cloned().unwrap_or_default()
 }
 
 /// Ways to say what the ego does at the keyframe, that of `seed` first.
@@ -234,10 +256,15 @@ impl<'a> DraftFacts<'a> {
             action = format!("it {rest}");
         }
         let joined = self.framework.draft_texts.traces().pick(self.lang, choice.joined);
-        let (comma, after_opening) = if self.lang == Lang::Zh { ("，", "，") } else { (", and ", ", ") };
+        let comma = if self.lang == Lang::Zh { "，" } else { ", and " };
         let mut state = state.join(comma);
         if let Some(opening) = opening {
-            state = [opening, &state].join(after_opening);
+            state = match self.lang {
+                Lang::Zh => format!("{opening}，{state}"),
+                // What is a sentence stays one.
+                Lang::En if opening.starts_with(OF_EGO) => format!("{opening}. {}", capital(&state)),
+                Lang::En => format!("{opening}, {state}"),
+            };
         }
         let why = if joined.contains("{Why}") { capital(why) } else { why.to_owned() };
         let text = joined.replace("{state}", &state).replace("{why}", &why).replace("{Why}", &why);
@@ -253,27 +280,34 @@ impl<'a> DraftFacts<'a> {
     }
 
     /// The reason for the decision that the signals of `moment` allow.
-    fn why(&self, moment: &Moment<'_>, seed: u64) -> &'a str {
-        if !self.decides() {
-            let told = self.framework.draft_texts.reasons_for_none(self.class).into_iter();
-            let told = told.filter(|_| self.decision.lateral.is_none()).find(|r| moment.all(r.when));
-            let texts = told.map(|r| r.texts).or(self.kept().0);
-            return texts.map_or("", |p| p.pick(self.lang, seed));
+    fn reason(&self, moment: &Moment<'_>) -> Option<&'a Phrasings> {
+        let texts = &self.framework.draft_texts;
+        let of_lead = self.lead.and_then(|lead| {
+            texts.reasons_of_lead(self.decision.longitudinal).into_iter().find(|r| lead.all(r.when))
+        });
+        if let Some(reason) = of_lead {
+            return Some(reason.texts);
         }
-        let reasons = self.framework.draft_texts.reasons(self.class, self.decision);
-        let given = reasons.into_iter().find(|r| moment.all(r.when));
-        given.map_or("", |r| r.texts.pick(self.lang, seed))
+        if !self.decides() {
+            let told = texts.reasons_for_none(self.class).into_iter();
+            let told = told.filter(|_| self.decision.lateral.is_none()).find(|r| moment.all(r.when));
+            return told.map(|r| r.texts).or(self.kept().0);
+        }
+        let reasons = texts.reasons(self.class, self.decision);
+        reasons.into_iter().find(|r| moment.all(r.when)).map(|r| r.texts)
     }
 
     /// Every reason that a draft may have given.
     fn whys(&self) -> Vec<&'a str> {
         let of = |p: &'a Phrasings| p.all(self.lang).iter().map(String::as_str);
+        let texts = &self.framework.draft_texts;
+        let of_lead = texts.reasons_of_lead(self.decision.longitudinal).into_iter().map(|r| r.texts);
         if !self.decides() {
-            let told = self.framework.draft_texts.reasons_for_none(self.class);
-            return told.into_iter().map(|r| r.texts).chain(self.kept().0).flat_map(of).collect();
+            let told = texts.reasons_for_none(self.class).into_iter().map(|r| r.texts);
+            return told.chain(self.kept().0).chain(of_lead).flat_map(of).collect();
         }
-        let reasons = self.framework.draft_texts.reasons(self.class, self.decision);
-        reasons.into_iter().flat_map(|r| of(r.texts)).collect()
+        let reasons = texts.reasons(self.class, self.decision).into_iter().map(|r| r.texts);
+        reasons.chain(of_lead).flat_map(of).collect()
     }
 
     fn decides(&self) -> bool {
@@ -374,7 +408,10 @@ fn all_facts<'a>(
     decision: &'a DrivingDecision,
 ) -> impl Iterator<Item = DraftFacts<'a>> {
     let motion = LongitudinalMotion::Unknown;
-    let of = move |lang, kept| DraftFacts { framework, class, components, decision, motion, kept, lang };
+    let of = move |lang, kept| {
+        let lead = None;
+        DraftFacts { framework, class, components, decision, motion, kept, lead, lang }
+    };
     [Lang::Zh, Lang::En].into_iter().flat_map(move |lang| {
         // It is said only where nothing new is decided.
         let count = if of(lang, WhyKept::Driving).decides() { 1 } else { WhyKept::ALL.len() };

@@ -1,0 +1,106 @@
+//! The lead where it, and not what the class is about, is the nearest cause of what the ego does (LABELING.md 6,
+//! *proximate cause*), and where the class itself is about a lead that the rule does not name as a target.
+
+use super::motion::LongitudinalMotion;
+use whyroad_model::{Drive, SignalTable, TrackId};
+
+/// Nearer than this many seconds of driving, the lead bears on the speed of the ego.
+const NEAR_S: f64 = 2.0;
+/// Nearer than this it does so at any speed, m.
+const NEAR_M: f64 = 8.0;
+/// Nearer than this many seconds, it does so even where it is no slower.
+const CLOSE_S: f64 = 1.0;
+/// Who stands this near behind a lead waits for it, m.
+const QUEUE_M: f64 = 12.0;
+/// Farther than this, a lead is no reason to change lanes, m.
+const REASON_M: f64 = 50.0;
+/// Below this speed somebody stands, m/s.
+const STANDING_MPS: f64 = 0.5;
+/// A difference of speeds that is a reason to slow down, m/s.
+const SLOWER_MPS: f64 = 0.5;
+/// Below this acceleration somebody brakes, m/s2; as for a target.
+const BRAKING_MPS2: f64 = -0.5;
+/// Half the length of a vehicle whose size the log does not tell, m.
+const HALF_LENGTH_M: f64 = 2.3;
+
+/// The lead at one frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lead<'a> {
+    pub id: &'a TrackId,
+    /// Its row in the target columns.
+    pub row: usize,
+    /// From bumper to bumper, m.
+    gap_m: f64,
+    speed_mps: f64,
+    accel_mps2: Option<f64>,
+    /// Of the ego, m/s.
+    ego_mps: f64,
+}
+
+impl<'a> Lead<'a> {
+    /// The lead that is seen at `frame`. It is read from the targets, which are known in the last frame of a drive too.
+    pub(super) fn at(drive: &Drive, signals: &'a SignalTable, frame: usize) -> Option<Self> {
+        let is_lead = signals.target_columns.get("target.is_lead")?;
+        let number = |name: &str, row: usize| signals.target_columns.get(name).and_then(|c| c.number(row));
+        let ego_mps = signals.frame_columns.get("ego.speed")?.number(frame)?;
+        let (id, row) = signals
+            .targets
+            .iter()
+            .filter_map(|span| Some((&span.id, span.row(frame)?)))
+            .find(|(_, row)| is_lead.flag(*row).is_true())?;
+        let halves = half_length(drive.ego.as_ref().map(|e| e.length_m))
+            + half_length(size_at(drive, id, frame).map(|(length, _)| length));
+        Some(Self {
+            id,
+            row,
+            gap_m: number("target.longitudinal", row)? - halves,
+            speed_mps: number("target.speed", row)?,
+            accel_mps2: number("target.accel", row),
+            ego_mps,
+        })
+    }
+
+    /// The lead may be why the ego changes lanes.
+    pub(super) fn is_reason(&self) -> bool {
+        self.gap_m < REASON_M
+    }
+
+    pub(super) fn stands(&self) -> bool {
+        self.speed_mps < STANDING_MPS
+    }
+
+    /// It is slower than the ego.
+    pub(super) fn is_slower(&self) -> bool {
+        self.speed_mps < self.ego_mps - SLOWER_MPS
+    }
+
+    /// What the ego does by `motion` is because of the lead.
+    pub(super) fn is_cause_of(&self, motion: LongitudinalMotion) -> bool {
+        if self.ego_mps < STANDING_MPS {
+            return self.gap_m < QUEUE_M;
+        }
+        if self.gap_m >= NEAR_M.max(NEAR_S * self.ego_mps) {
+            return false;
+        }
+        let slower = self.is_slower();
+        match motion {
+            LongitudinalMotion::Slows | LongitudinalMotion::Stops => {
+                let brakes = self.accel_mps2.is_some_and(|a| a < BRAKING_MPS2);
+                self.stands() || slower || brakes || self.gap_m < CLOSE_S * self.ego_mps
+            }
+            LongitudinalMotion::SpeedsUp | LongitudinalMotion::Starts | LongitudinalMotion::Waits => !slower,
+            LongitudinalMotion::Keeps | LongitudinalMotion::Unknown => false,
+        }
+    }
+}
+
+fn half_length(length_m: Option<f64>) -> f64 {
+    length_m.filter(|l| l.is_finite() && *l > 0.0).map_or(HALF_LENGTH_M, |l| l / 2.0)
+}
+
+/// Length and width of a track's box at `frame`, m.
+pub(super) fn size_at(drive: &Drive, id: &TrackId, frame: usize) -> Option<(f64, f64)> {
+    let track = drive.track(id)?;
+    let row = track.frames.binary_search(&u32::try_from(frame).ok()?).ok()?;
+    Some((*track.length_m.get(row)?, *track.width_m.get(row)?))
+}
