@@ -357,8 +357,8 @@ impl DraftTexts {
         self.of(class, |c| c.also_when.as_ref()).map_or(&[], Vec::as_slice)
     }
 
-    /// Why the class calls for this decision, in the order in which they are tried; the last one has no conditions. What
-    /// an L2 says of this decision comes before what a leaf says of any.
+    /// Why the class calls for this decision, in the order in which they are tried; the last one has no conditions.
+    /// What an L2 says of this decision comes before what a leaf says of any.
     pub fn reasons(&self, class: &ScenarioId, decision: &DrivingDecision) -> Vec<Reason<'_>> {
         let ids = [decision.longitudinal.map(Longitudinal::id), decision.lateral.map(Lateral::id)];
         let (mut found, mut any) = (Vec::new(), None);

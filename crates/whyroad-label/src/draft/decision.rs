@@ -120,7 +120,9 @@ pub(super) fn infer(
     let (lateral, lateral_direction) = lateral(signals, keyframe, asked, &mut of_lateral);
     let lateral = lateral.or_else(|| asked.only_lateral()).or_else(|| nudge(signals, keyframe, asked));
     let lateral_direction = lateral_direction.or_else(|| side_of(lateral?, signals, keyframe));
-    let gap = lateral_direction
+    // Who turns goes into another road, not into a gap of the lane beside it.
+    let beside = lateral_direction.filter(|_| lateral != Some(Lateral::Turn));
+    let gap = beside
         .or_else(|| side_without(lateral, signals, keyframe))
         .is_some_and(|side| is_near(signals, keyframe, side));
     // What the class cannot do without is decided, whatever the motion of 6 s shows.
@@ -181,7 +183,9 @@ fn follows_lead(motion: LongitudinalMotion, lateral: Option<Lateral>, asked: &As
     let because = match asked.lead_is {
         // Who is typically followed is chosen below.
         LeadIs::Target => !asked.of_others && motion != LongitudinalMotion::SpeedsUp && lead.is_slower(),
-        LeadIs::Nearer if asked.of_others => lead.stands() && lead.is_cause_of(motion),
+        LeadIs::Nearer if asked.of_others => {
+            (lead.stands() || motion == LongitudinalMotion::SpeedsUp) && lead.is_cause_of(motion)
+        }
         LeadIs::Nearer => lead.is_cause_of(motion),
         LeadIs::Farther => false,
     };
@@ -432,8 +436,12 @@ fn choose_allowed(
 /// and who speeds up for no such reason goes at the speed that the road lets it.
 fn choose_clear(motion: LongitudinalMotion, rises: bool, asked: &Asked<'_>) -> Option<Longitudinal> {
     use Longitudinal as D;
-    if motion == LongitudinalMotion::Starts || motion == LongitudinalMotion::Waits {
-        return asked.allows(D::Resume).then_some(D::Resume);
+    match motion {
+        LongitudinalMotion::Keeps | LongitudinalMotion::Unknown => return None,
+        LongitudinalMotion::Starts | LongitudinalMotion::Waits => {
+            return asked.allows(D::Resume).then_some(D::Resume);
+        }
+        LongitudinalMotion::Slows | LongitudinalMotion::Stops | LongitudinalMotion::SpeedsUp => {}
     }
     let behind = asked.lead_is == LeadIs::Nearer && asked.lead.is_some_and(|l| l.is_cause_of(motion));
     if behind && !asked.is_safety && asked.allows(D::LeadFollowing) {

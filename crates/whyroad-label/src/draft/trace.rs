@@ -337,6 +337,7 @@ impl<'a> DraftFacts<'a> {
             (_, None, None) => self.kept().1.map_or("", |p| p.pick(lang, seed)).to_owned(),
             (Lang::Zh, Some(a), Some(b)) => format!("{a}，并{b}"),
             (Lang::Zh, None, Some(b)) => format!("自车{b}"),
+            (Lang::En, Some(a), Some(b)) if a.contains(" and ") => format!("{a}, and {b}"),
             (Lang::En, Some(a), Some(b)) => format!("{a} and {b}"),
             (Lang::En, None, Some(b)) => format!("the ego {b}"),
             (_, Some(a), None) => a,
