@@ -139,6 +139,11 @@ pub fn draft_with_seed(
         of_turn = intent.is_some().then_some(components.len());
         components.extend(intent);
     }
+    // Where the class asks for another decision than to follow it, a lead that slows the ego is named all the same.
+    let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);
+    let beside = lead.filter(|lead| by_lead.is_none() && slows && lead.is_cause_of(motion));
+    let named = beside.filter(|_| decision.longitudinal.is_some() && target_id.is_none());
+    also = also.or_else(|| named.and_then(|lead| scene.lead(&lead, lang)));
     // What makes room for the decision is said after what calls for it.
     if also.is_some() && components.len() < trace::MOST_IN_STATE {
         order = trace::StateOrder::AsListed;

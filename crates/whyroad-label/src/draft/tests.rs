@@ -436,18 +436,19 @@ fn what_the_ego_plainly_does_is_a_decision() {
         draft_of(leaf, |s| with_speed(s, speed)).label.driving_decision.longitudinal
     };
     let crossing = "reactive_agent.intersection_interaction.cross_conflict";
+    let narrow = "reactive_road.geometry_adaptation.narrow";
     // It rolls at 0.9 m/s and moves off; at 1.1 m/s it drives.
     assert_eq!(along(crossing, |f| 0.9 + 0.1 * f.saturating_sub(44) as f64), Some(Longitudinal::Resume));
     assert_eq!(
-        along(crossing, |f| 1.1 + 0.1 * f.saturating_sub(44) as f64),
+        along(narrow, |f| 1.1 + 0.1 * f.saturating_sub(44) as f64),
         Some(Longitudinal::SetSpeedTracking)
     );
     // 8 km/h are 2.22 m/s: 2.25 m/s and 2.1 m/s within 3 s, begun 2 s before the keyframe.
     assert_eq!(
-        along(crossing, |f| 5.0 + 0.075 * f.saturating_sub(20) as f64),
+        along(narrow, |f| 5.0 + 0.075 * f.saturating_sub(20) as f64),
         Some(Longitudinal::SetSpeedTracking)
     );
-    assert_eq!(along(crossing, |f| 5.0 + 0.07 * f.saturating_sub(20) as f64), None);
+    assert_eq!(along(narrow, |f| 5.0 + 0.07 * f.saturating_sub(20) as f64), None);
     let bend = "reactive_road.geometry_adaptation.high_curvature";
     assert_eq!(
         along(bend, |f| 15.0 - 0.075 * f.saturating_sub(20) as f64),
@@ -458,7 +459,7 @@ fn what_the_ego_plainly_does_is_a_decision() {
 #[test]
 fn a_turn_that_follows_at_once_is_a_decision_whose_cause_is_the_indicator_or_unobserved() {
     let turn = |from: usize, signals_left: bool| {
-        draft_of("reactive_agent.following.steady", |s| {
+        draft_of("reactive_agent.vru_crossing.crosswalk", |s| {
             with_speed(s, |f| 10.0 - 0.08 * f.saturating_sub(44) as f64);
             let codes = (0..fixture::FRAMES).map(|f| if f < from { u16::MAX } else { 0 }).collect();
             s.frame_columns.insert("ego.movement".into(), category(&["left"], codes));
