@@ -134,7 +134,7 @@ pub fn draft_with_seed(
         order = trace::StateOrder::AsListed;
         components.insert(components.len().min(1), component);
         also = None;
-    } else if components.len() < trace::MOST_IN_STATE && decision.lateral == Some(Lateral::Turn) {
+    } else if goes_on && components.len() < trace::MOST_IN_STATE && decision.lateral == Some(Lateral::Turn) {
         let intent = scene.turn_intent(&moment, lang);
         of_turn = intent.is_some().then_some(components.len());
         components.extend(intent);
