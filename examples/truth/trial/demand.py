@@ -25,6 +25,10 @@ MODEL = {
     "IDM4": 'carFollowModel="IDM" delta="3" stepping="0.1" sigma="0.15"',
     "EIDM3": 'carFollowModel="EIDM" tpreview="5" treaction="0.3" tpersdrive="4" ccoolness="0.9"',
     "W99c": 'carFollowModel="W99" cc1="1.4" cc2="3" cc7="0.4" cc8="2.5"',
+    "Daniel": 'carFollowModel="Daniel1"',
+    "IDMM2": 'carFollowModel="IDMM" adaptFactor="1.3" adaptTime="120" delta="5"',
+    "CACC2": 'carFollowModel="CACC" speedControlGainCACC="-0.3" gapClosingControlGainGap="0.01"',
+    "EIDM4": 'carFollowModel="EIDM" tpreview="2" treaction="0.6" ccoolness="0.7" sigmagap="0.2"',
 }
 
 

@@ -21,6 +21,7 @@ from networks import (
     weave_motorway,
     web_town,
 )
+from networks_channeled import distributors, pairs, third_lane, turbo
 from networks_drawn import circles, country, knotted, motorway, street
 from networks_joined import dumbbell, herringbone, hexagons, plain_exits
 from networks_mixed import lit_grid, parked, spokes, weaving
@@ -91,6 +92,12 @@ SETS = {
         "dumbbell": (dumbbell, 8017, 220, 0.2, "EIDM3", 3, 0.6, 0),
         "hexagons": (hexagons, 8039, 220, 0.1, "W99c+moto", "sublane", 0.6, 0.12),
     },
+    "held8": {
+        "turbo": (turbo, 9001, 220, 0.1, "Daniel+moto", 2.5, 0.6, 0.15),
+        "distributors": (distributors, 9007, 200, 0.2, "IDMM2", 3.5, 1.5, 0),
+        "thirdlane": (third_lane, 9011, 240, 0.05, "CACC2", 3, 0.55, 0),
+        "pairs": (pairs, 9013, 240, 0.1, "EIDM4+moto", "sublane", 0.55, 0.2),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -103,4 +110,6 @@ NOISE = {
     "held6/parked": (0.04, 0.08, 0.15, 0.0, 0.0),
     "held7/herringbone": (0.05, 0.1, 0.1, 0.5, 0.01),
     "held7/plainexits": (0.08, 0.05, 0.25, 0.5, 0.03),
+    "held8/turbo": (0.03, 0.12, 0.12, 1.5, 0.04),
+    "held8/distributors": (0.12, 0.03, 0.3, 0.3, 0.05),
 }
