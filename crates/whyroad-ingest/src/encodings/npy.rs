@@ -97,8 +97,11 @@ pub fn byte_strings(file: &[u8]) -> Result<ByteStrings, String> {
     Ok(ByteStrings { width, bytes: bytes.to_vec() })
 }
 
-/// The array, unless its header states more elements than the file has bytes: the crate multiplies the dimensions
-/// without a check.
+/// First bytes of a file (`numpy.lib.format`).
+const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// The array, unless its header is longer than the file, or states more elements than the file has bytes: the crate
+/// allocates the one and multiplies the dimensions of the other without a check.
 fn open(file: &[u8]) -> Result<npyz::NpyFile<&[u8]>, String> {
     if let Some(payload) = payload(file) {
         let header = String::from_utf8_lossy(&file[..file.len() - payload.len()]);
@@ -110,6 +113,8 @@ fn open(file: &[u8]) -> Result<npyz::NpyFile<&[u8]>, String> {
         if elements.is_none_or(|n| n > file.len()) {
             return Err("the file ends inside the array".to_owned());
         }
+    } else if file.starts_with(MAGIC) {
+        return Err("the file ends in its header".to_owned());
     }
     npyz::NpyFile::new(file).map_err(|e| e.to_string())
 }
@@ -148,6 +153,14 @@ mod tests {
         }
         let numbers = String::from_utf8_lossy(&one).replace("'|S4'", "'<f4'");
         assert!(byte_strings(numbers.as_bytes()).is_err());
+    }
+
+    #[test]
+    fn a_header_longer_than_the_file_is_an_error() {
+        // Found by the fuzz target `npy`: the crate allocates what a header of version 2 states, up to 4 GB.
+        let file = [b"\x93NUMPY\x02\x00".as_slice(), &u32::MAX.to_le_bytes(), b"{'descr': '<f8'"].concat();
+        assert_eq!(numbers(&file).unwrap_err(), "the file ends in its header");
+        assert_eq!(byte_strings(&file).unwrap_err(), "the file ends in its header");
     }
 
     #[test]
