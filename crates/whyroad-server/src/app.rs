@@ -1,6 +1,7 @@
 //! The service as one value: what handlers and commands work with.
 
 use crate::blur::Blur;
+use crate::domain::project::Dashboard;
 use crate::language_model::LanguageModel;
 use crate::limits::Limits;
 use crate::metrics::{Metrics, Served};
@@ -11,6 +12,7 @@ use crate::reports::Reports;
 use crate::service::facts::cache::FactsCache;
 use crate::service::model_runs::waiting::WaitingCounts;
 use crate::service::scene::cache::SceneCache;
+use crate::service::shared::SharedReadings;
 use crate::service::veil;
 use crate::service::webhooks::reach::Reach;
 use crate::service::webhooks::tls::Trust;
@@ -54,6 +56,8 @@ pub struct App {
     pub limits: Limits,
     /// Facts about tasks that reports were made from last.
     pub facts: FactsCache,
+    /// Dashboards that are read now.
+    pub dashboards: SharedReadings<Dashboard>,
     /// Scenes that were asked for last.
     pub scenes: SceneCache,
     /// Tasks that wait for the language model, as counted last.
@@ -155,6 +159,7 @@ impl App {
             lease_clock: LeaseClock::Store,
             limits,
             facts: FactsCache::default(),
+            dashboards: SharedReadings::default(),
             scenes: SceneCache::default(),
             waiting_for_model: WaitingCounts::default(),
             csrf_key,

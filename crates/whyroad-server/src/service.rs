@@ -29,6 +29,8 @@ pub mod modeling;
 pub mod people;
 pub mod permissions;
 pub mod pickers;
+#[cfg(test)]
+mod plans;
 pub mod projects;
 pub mod queue;
 pub mod retention;
@@ -36,6 +38,7 @@ pub mod review;
 pub mod safety;
 pub mod scene;
 pub mod seen;
+pub mod shared;
 pub mod tasks;
 pub mod texts;
 pub mod thumbnail;

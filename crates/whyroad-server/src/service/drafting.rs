@@ -27,6 +27,13 @@ const FEW: usize = 16;
 pub(super) const PENDING: i64 = 1;
 const FAILED: i64 = 2;
 
+/// The first pending tasks. The index of those is partial: a store reads it only where the query repeats its condition,
+/// and the whole table otherwise, twice a second.
+pub(super) const NEXT: &str = "SELECT id, drive_id FROM tasks WHERE pending = $1 AND pending <> 0
+    ORDER BY pending, priority DESC, drive_id, keyframe_ns, id LIMIT $2";
+/// Pending tasks of a project.
+pub(super) const COUNT: &str = "SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND pending = $2 AND pending <> 0";
+
 /// `t` with its draft, which is made now where it is pending.
 pub fn ready(app: &App, t: TaskRow) -> Answer<TaskRow> {
     if !t.pending {
@@ -139,10 +146,8 @@ impl Turns {
     /// The next tasks for a worker; `None` where all have one.
     fn next(&self, app: &App) -> Answer<Option<Batch<'_>>> {
         let mut in_hand = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let sql = "SELECT id, drive_id FROM tasks WHERE pending = $1
-            ORDER BY pending, priority DESC, drive_id, keyframe_ns, id LIMIT $2";
         let limit = (in_hand.len() + LOOK_AHEAD) as i64;
-        let rows = app.store.read(|tx| tx.rows(sql, values![PENDING, limit]))?;
+        let rows = app.store.read(|tx| tx.rows(NEXT, values![PENDING, limit]))?;
         let mut free: Vec<(String, String)> = Vec::new();
         for row in rows {
             let (id, drive) = (row.text("id")?, row.text("drive_id")?);
@@ -187,8 +192,7 @@ fn chance() -> Answer<usize> {
 
 /// Tasks of `project` whose drafts are still to be made.
 pub fn pending(tx: &mut dyn crate::store::Tx, project: &str) -> Answer<i64> {
-    let sql = "SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND pending = $2";
-    tx.row(sql, values![project, PENDING])?.map_or(Ok(0), |r| r.int("n"))
+    tx.row(COUNT, values![project, PENDING])?.map_or(Ok(0), |r| r.int("n"))
 }
 
 #[cfg(test)]

@@ -143,12 +143,14 @@ pub fn set_member(call: &Call<'_>) -> Answer<Reply> {
 
 /// `GET /projects/{p}/dashboard`
 pub fn dashboard(call: &Call<'_>) -> Answer<Reply> {
-    let now = call.app.now();
-    let dashboard = call.app.store.report(|tx| {
-        let project = projects::get(tx, call.grant.project()?)?;
-        dashboard::of(tx, &project, now)
-    })?;
-    Reply::json(&dashboard)
+    let (app, project) = (call.app, call.grant.project()?);
+    let read = || {
+        app.store.report(|tx| {
+            let project = projects::get(tx, project)?;
+            dashboard::of(tx, &project, app.now())
+        })
+    };
+    Reply::json(&*app.dashboards.get(project, read)?)
 }
 
 /// `GET /projects/{p}/analytics`

@@ -1,0 +1,32 @@
+//! What SQLite reads for queries that run often, by its own statement (<https://www.sqlite.org/eqp.html>). A row of a
+//! task is kilobytes long; of a hundred thousand of them only an index may be read.
+
+use crate::service::{dashboard, drafting, fixtures};
+use crate::store::Value;
+use crate::values;
+
+fn read_for(sql: &str, values: &[Value]) -> Vec<String> {
+    let (app, _dir) = fixtures::app();
+    let plan = app.store.read(|tx| tx.rows(&format!("EXPLAIN QUERY PLAN {sql}"), values));
+    let lines = plan.unwrap().iter().map(|r| r.text("detail").unwrap()).collect::<Vec<_>>();
+    lines.into_iter().filter(|l| l.contains("tasks")).collect()
+}
+
+#[test]
+fn pending_tasks_are_read_from_their_index() {
+    let both: [(&str, &[Value]); 2] =
+        [(drafting::NEXT, values![1_i64, 64_i64]), (drafting::COUNT, values!["p", 1_i64])];
+    for (sql, values) in both {
+        let lines = read_for(sql, values);
+        assert!(
+            matches!(&lines[..], [one] if one.contains("USING COVERING INDEX tasks_pending")),
+            "{lines:?}"
+        );
+    }
+}
+
+#[test]
+fn coverage_is_read_from_its_index() {
+    let lines = read_for(&dashboard::coverage_sql(), values!["p"]);
+    assert!(matches!(&lines[..], [one] if one.contains("USING COVERING INDEX tasks_coverage")), "{lines:?}");
+}
