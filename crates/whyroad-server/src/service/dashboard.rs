@@ -211,10 +211,11 @@ fn audit_outcomes(tx: &mut dyn Tx, project: &Project, names: &Names) -> Answer<V
         "SELECT DISTINCT author FROM tasks WHERE project_id = $1 AND author IS NOT NULL",
         values![&project.id],
     )?;
+    let records = audit_records(tx, &audits_sql("t.author IS NOT NULL"), values![&project.id])?;
     let mut out = Vec::new();
     for r in authors {
         let id = r.text("author")?;
-        let (audited, failed) = audit_record(tx, &project.id, &id)?;
+        let (audited, failed) = records.get(&id).copied().unwrap_or_default();
         let share_percent = audit_share(&project.settings, audited, failed);
         let author = display(names, Some(id)).unwrap_or_default();
         out.push(AuditRecord { author, audited, failed, share_percent });
@@ -226,14 +227,38 @@ fn audit_outcomes(tx: &mut dyn Tx, project: &Project, names: &Names) -> Answer<V
 /// How many of `author`'s labels in `project` were audited, and how many of these were sent back; of the newest
 /// [`RECENT_AUDITS`], so that who has improved is not audited for old faults.
 pub fn audit_record(tx: &mut dyn Tx, project: &str, author: &str) -> Answer<(i64, i64)> {
-    let rows = tx.rows(
-        "SELECT h.action FROM history h JOIN tasks t ON t.id = h.task_id
-         WHERE t.project_id = $1 AND t.author = $2 AND h.from_state = 'in_audit' AND h.action IN ('accept', 'send_back')
-         ORDER BY h.at DESC, h.task_id, h.seq DESC LIMIT $3",
-        values![project, author, RECENT_AUDITS],
-    )?;
-    let actions = rows.iter().map(|r| r.text("action")).collect::<Answer<Vec<_>>>()?;
-    Ok((actions.len() as i64, actions.iter().filter(|a| *a == "send_back").count() as i64))
+    let records = audit_records(tx, &audits_sql("t.author = $2"), values![project, author])?;
+    Ok(records.get(author).copied().unwrap_or_default())
+}
+
+/// The newest audits of these authors, counted by outcome; one reading for all of them.
+pub(super) fn audits_sql(authors: &str) -> String {
+    format!(
+        "SELECT author, action, count(*) AS n FROM (
+           SELECT t.author AS author, h.action AS action,
+             row_number() OVER (PARTITION BY t.author ORDER BY h.at DESC, h.task_id, h.seq DESC) AS place
+           FROM history h JOIN tasks t ON t.id = h.task_id
+           WHERE t.project_id = $1 AND {authors} AND h.from_state = 'in_audit' AND h.action IN ('accept', 'send_back')
+         ) AS audits WHERE place <= {RECENT_AUDITS} GROUP BY author, action"
+    )
+}
+
+/// By author how many labels were audited, and how many of these were sent back.
+fn audit_records(
+    tx: &mut dyn Tx,
+    sql: &str,
+    values: &[crate::store::Value],
+) -> Answer<HashMap<String, (i64, i64)>> {
+    let mut out = HashMap::new();
+    for r in tx.rows(sql, values)? {
+        let (audited, failed): &mut (i64, i64) = out.entry(r.text("author")?).or_default();
+        let n = r.int("n")?;
+        *audited += n;
+        if r.text("action")? == "send_back" {
+            *failed += n;
+        }
+    }
+    Ok(out)
 }
 
 /// Share of an author's labels to be audited, in percent (LABELING.md 6: 10 to 20 by the author's record): the greatest

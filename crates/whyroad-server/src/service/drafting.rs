@@ -32,7 +32,8 @@ const FAILED: i64 = 2;
 pub(super) const NEXT: &str = "SELECT id, drive_id FROM tasks WHERE pending = $1 AND pending <> 0
     ORDER BY pending, priority DESC, drive_id, keyframe_ns, id LIMIT $2";
 /// Pending tasks of a project.
-pub(super) const COUNT: &str = "SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND pending = $2 AND pending <> 0";
+pub(super) const COUNT: &str =
+    "SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND pending = $2 AND pending <> 0";
 
 /// `t` with its draft, which is made now where it is pending.
 pub fn ready(app: &App, t: TaskRow) -> Answer<TaskRow> {
@@ -68,16 +69,31 @@ fn start_of(app: &App, t: &TaskRow, last: &mut LastDrive) -> Answer<Start> {
     create::start_of(app, &project, &t.episode, &t.lang, last)
 }
 
-/// Makes drafts until the service ends, on all cores but one: people save meanwhile. Not waited for: a derivation that
-/// hangs does not keep the service from stopping, and what is still pending is made after the next start.
+/// Makes drafts until the service ends: on all cores, behind all other work; on all cores but one where the system does
+/// not put a thread behind others. Not waited for: a derivation that hangs does not keep the service from stopping, and
+/// what is still pending is made after the next start.
 pub fn spawn(app: &Arc<App>) -> Vec<JoinHandle<()>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let workers = if cfg!(target_os = "linux") { cores } else { (cores - 1).max(1) };
     let turns = Arc::new(Turns::default());
     let worker = |_| {
         let (service, turns) = (Arc::downgrade(app), Arc::clone(&turns));
-        std::thread::spawn(move || work(&service, &turns))
+        std::thread::spawn(move || {
+            stand_back();
+            work(&service, &turns);
+        })
     };
-    (1..cores.max(2)).map(worker).collect()
+    (0..workers).map(worker).collect()
+}
+
+/// Puts this thread behind those that people wait for. Linux keeps a priority per thread (`setpriority(2)`).
+fn stand_back() {
+    #[cfg(target_os = "linux")]
+    {
+        let lowest = 19;
+        // Where it is not allowed, drafts are made with the priority of the service.
+        let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), lowest);
+    }
 }
 
 fn work(service: &Weak<App>, turns: &Turns) {

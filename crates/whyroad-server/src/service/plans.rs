@@ -5,11 +5,15 @@ use crate::service::{dashboard, drafting, fixtures};
 use crate::store::Value;
 use crate::values;
 
-fn read_for(sql: &str, values: &[Value]) -> Vec<String> {
+fn plan(sql: &str, values: &[Value]) -> Vec<String> {
     let (app, _dir) = fixtures::app();
     let plan = app.store.read(|tx| tx.rows(&format!("EXPLAIN QUERY PLAN {sql}"), values));
-    let lines = plan.unwrap().iter().map(|r| r.text("detail").unwrap()).collect::<Vec<_>>();
-    lines.into_iter().filter(|l| l.contains("tasks")).collect()
+    plan.unwrap().iter().map(|r| r.text("detail").unwrap()).collect()
+}
+
+/// How the tasks are read.
+fn read_for(sql: &str, values: &[Value]) -> Vec<String> {
+    plan(sql, values).into_iter().filter(|l| l.contains("tasks")).collect()
 }
 
 #[test]
@@ -29,4 +33,13 @@ fn pending_tasks_are_read_from_their_index() {
 fn coverage_is_read_from_its_index() {
     let lines = read_for(&dashboard::coverage_sql(), values!["p"]);
     assert!(matches!(&lines[..], [one] if one.contains("USING COVERING INDEX tasks_coverage")), "{lines:?}");
+}
+
+#[test]
+fn audits_are_found_by_author() {
+    let sql = dashboard::audits_sql("t.author = $2");
+    let lines = plan(&sql, values!["p", "a"]);
+    for index in ["tasks_author (project_id=? AND author=?)", "history_audit (task_id=?)"] {
+        assert!(lines.iter().any(|l| l.contains(index)), "{index}: {lines:?}");
+    }
 }
