@@ -2,6 +2,8 @@
 other.
 """
 
+import re
+
 MODEL = {
     "Krauss": 'carFollowModel="Krauss" sigma="0.4"',
     "IDM": 'carFollowModel="IDM" delta="4" sigma="0"',
@@ -29,14 +31,21 @@ MODEL = {
     "IDMM2": 'carFollowModel="IDMM" adaptFactor="1.3" adaptTime="120" delta="5"',
     "CACC2": 'carFollowModel="CACC" speedControlGainCACC="-0.3" gapClosingControlGainGap="0.01"',
     "EIDM4": 'carFollowModel="EIDM" tpreview="2" treaction="0.6" ccoolness="0.7" sigmagap="0.2"',
+    "KraussLate": 'carFollowModel="Krauss" sigma="0.2" tau="1.5" actionStepLength="0.5" startupDelay="0.7" lcStrategic="1.6" lcKeepRight="0.2"',
+    "IDM5": 'carFollowModel="IDM" delta="5" tau="1.3" actionStepLength="0.2" lcOpposite="1.5" lcSpeedGain="3" speedFactor="normc(1.05,0.12,0.8,1.35)"',
+    "W74b": 'carFollowModel="Wiedemann" security="0.6" estimation="0.7" minGap="3" lcCooperative="0.5"',
+    "KraussHasty": 'carFollowModel="Krauss" sigma="0.55" tau="1.0" decel="5" impatience="0.4" jmTimegapMinor="0.8"',
 }
+
+# How many of car, quick, van and truck in the traffic of a model, where it is not as elsewhere.
+SHARES = {"IDM5": [5, 3, 2, 1.5], "W74b": [5, 2, 2, 3.5]}
 
 
 def types(model, lateral):
     model, _, more = model.partition("+")
     follow = MODEL[model]
     side = ' latAlignment="center" minGapLat="0.5"' if lateral == "sublane" else ""
-    return [
+    return [settled(row) for row in [
         f'<vType id="car" vClass="passenger" length="4.5" width="1.8" minGap="2.2" tau="1.1" accel="2.4" decel="4.0" speedFactor="normc(1.0,0.08,0.8,1.2)" {follow}{side}/>',
         f'<vType id="quick" vClass="passenger" length="4.7" width="1.9" minGap="1.8" tau="0.9" accel="3.0" decel="4.5" speedFactor="normc(1.15,0.06,1.0,1.3)" lcSpeedGain="3" lcAssertive="2" {follow}{side}/>',
         f'<vType id="van" vClass="delivery" length="6.2" width="2.1" minGap="2.5" tau="1.3" accel="1.8" decel="3.6" speedFactor="normc(0.92,0.05,0.8,1.0)" {follow}{side}/>',
@@ -45,7 +54,17 @@ def types(model, lateral):
         f'<vType id="cycle" vClass="bicycle" length="1.7" width="0.6" minGap="0.8" maxSpeed="5.0"{side}/>',
         *([f'<vType id="moto" vClass="motorcycle" length="2.2" width="0.9" minGap="1.5" accel="4" decel="6" speedFactor="normc(1.1,0.1,0.9,1.4)" {follow}{side}/>'] if more else []),
         '<vType id="walker" vClass="pedestrian" length="0.4" width="0.5" speedFactor="normc(1.0,0.12,0.7,1.3)"/>',
-    ]
+    ]]
+
+
+def settled(row):
+    """A type's attribute that its driver's model gives as well is the model's."""
+    last = dict(re.findall(r' (\w+)="([^"]*)"', row))
+    seen = re.findall(r" (\w+)=", row)
+    for name in {n for n in seen if seen.count(n) > 1}:
+        row = re.sub(rf' {name}="[^"]*"', "", row, count=seen.count(name) - 1)
+        row = re.sub(rf' {name}="[^"]*"', f' {name}="{last[name]}"', row)
+    return row
 
 
 def roads(net, motorway):
@@ -74,7 +93,7 @@ def trips(draw, net, model, seconds, rate, people, egos):
             start, end = draw.choices(starts, weight)[0], draw.choice(ends)
             if start != end and net.getShortestPath(net.getEdge(start), net.getEdge(end))[0]:
                 break
-        kind = draw.choices(["car", "quick", "van", "truck"], [6, 3, 1.5, 1.5 if motorway else 0.6])[0]
+        kind = draw.choices(["car", "quick", "van", "truck"], SHARES.get(model.partition("+")[0], [6, 3, 1.5, 1.5 if motorway else 0.6]))[0]
         if "+moto" in model and draw.random() < 0.08:
             kind = "moto"
         ego = 10 < t < seconds - 50 and i % spacing == 0 and chosen < egos

@@ -23,6 +23,7 @@ from networks import (
 )
 from networks_channeled import distributors, pairs, third_lane, turbo
 from networks_drawn import circles, country, knotted, motorway, street
+from networks_everyday import artery, hill_road, quarter, works
 from networks_joined import dumbbell, herringbone, hexagons, plain_exits
 from networks_mixed import lit_grid, parked, spokes, weaving
 from networks_planned import arterial, collector, estate, one_way_blocks
@@ -98,6 +99,12 @@ SETS = {
         "thirdlane": (third_lane, 9011, 240, 0.05, "CACC2", 3, 0.55, 0),
         "pairs": (pairs, 9013, 240, 0.1, "EIDM4+moto", "sublane", 0.55, 0.2),
     },
+    "held9": {
+        "artery": (artery, 20011, 240, 0.1, "KraussLate+moto", 3, 0.95, 0.1),
+        "hillroad": (hill_road, 10009, 240, 0.1, "IDM5+moto", 2.5, 0.42, 0.1),
+        "works": (works, 20021, 200, 0.2, "W74b", 4, 1.5, 0),
+        "quarter": (quarter, 10039, 240, 0.05, "KraussHasty+moto", "sublane", 0.6, 0.25),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -112,4 +119,6 @@ NOISE = {
     "held7/plainexits": (0.08, 0.05, 0.25, 0.5, 0.03),
     "held8/turbo": (0.03, 0.12, 0.12, 1.5, 0.04),
     "held8/distributors": (0.12, 0.03, 0.3, 0.3, 0.05),
+    "held9/artery": (0.1, 0.15, 0.2, 0.8, 0.06),
+    "held9/works": (0.02, 0.06, 0.4, 2.0, 0.08),
 }

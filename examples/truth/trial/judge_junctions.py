@@ -111,6 +111,7 @@ def junctions(w, ego, lead):
     rows, net = w.rows[ego], w.net
     yield from rings(w, ego)
     yield from unfinished(w, ego)
+    yield from slips(w, ego)
     for p in w.passing[ego]:
         if not p.node.real:
             # Whether who drives on past an opening in the median passes a junction is not said, where others turn off into it
@@ -151,6 +152,36 @@ def junctions(w, ego, lead):
         if p.node.on_ring or not p.began:
             continue
         yield from turn(w, ego, p, lead, into, out, near)
+
+
+def slips(w, ego):
+    """Turns by a slip road that passes the junction: whether that is a turn at a junction is open, and so is the
+    encounter with those whom it joins.
+    """
+    rows, net, roads = w.rows[ego], w.net, []
+    for k in sorted(rows):
+        lane = rows[k].lane
+        if lane in net.lanes and not lane.startswith(":"):
+            edge = net.edges[net.lanes[lane].edge]
+            if not roads or roads[-1][0] is not edge:
+                roads.append((edge, k, k))
+            roads[-1] = (edge, roads[-1][1], k)
+    for (before, *_), (slip, first, last), (after, *_) in zip(roads, roads[1:], roads[2:]):
+        ends = [net.nodes.get(n) for n in (slip.a, slip.b)]
+        forks = [{l.b for l in net.out[x]} for x in before.lanes]
+        if None in ends or any(n.real or n.on_ring for n in ends) or slip.kind.endswith("_link") or len(set().union(*forks)) < 2 or net.lanes[slip.lanes[-1]].length > 100 or len(ends[1].comes) < 2:
+            continue
+        done = w.later(ego, last, w.length(ego))
+        turned = sum(bend(rows[k - 1].angle, rows[k].angle) for k in range(first, done + 1) if k in rows and k - 1 in rows)
+        if abs(turned) < 38:
+            continue
+        for leaf in ("right_normal",) if turned < 0 else ("left_normal", "left_unprotected"):
+            for key in (first - 15, first, (first + last) // 2, last):
+                yield w.entry(f"proactive.turn.{leaf}", ego, key - 30, key, done + 20, optional=True)
+        for p in w.passing[ego]:
+            if p.node is ends[1] and last <= p.first <= done + 1:
+                for m in met(w, ego, p):
+                    yield from perhaps(w, ego, m.name, m.q)
 
 
 def turn(w, ego, p, lead, into, out, near):

@@ -73,7 +73,11 @@ def leaves_route(w, ego, c):
 def changes(w, ego, lead):
     rows, mine = w.rows[ego], [c for c in w.changes[ego] if c.k in w.rows[ego]]
     for n, c in enumerate(mine):
-        if c.a.startswith(":") or edge_of(c.a) != edge_of(c.b):
+        # Into the oncoming lane and past who drives ahead: nothing but overtaking. Back again is the end of it.
+        against = not c.a.startswith(":") and w.net.counter(edge_of(c.a), edge_of(c.b)) and abs(bend(rows[c.k].angle, w.net.heading(c.a))) < 90
+        name = next((lead[k][0] for k in range(c.k, c.k - 30, -1) if k in lead and w.rows[lead[k][0]][k].lane == c.a), None) if against else None
+        out = name is not None and c.k in w.rows[name] and passed(w, ego, name, c.k)
+        if c.a.startswith(":") or edge_of(c.a) != edge_of(c.b) and not out:
             start = c.k - 30
             for leaf in ALL:
                 yield w.entry(P + leaf, ego, start, start, c.k + 30, optional=True)
@@ -83,7 +87,7 @@ def changes(w, ego, lead):
         began = c.k
         while began - 1 in rows and rows[began - 1].lane == c.a and shift(began - 1) > 0.3 and began > c.k - 60:
             began -= 1
-        bit = (2 if new.index > old.index else 1) if not w.net.left_hand else (1 if new.index > old.index else 2)
+        bit = (2 if new.index > old.index or against else 1) if not w.net.left_hand else (1 if new.index > old.index or against else 2)
         start = began - 20
         blink = [k for k in range(began - 200, c.k) if k in rows and rows[k].blink & bit]
         if blink and all(k in blink or k not in rows for k in range(began, c.k)):
@@ -99,7 +103,10 @@ def changes(w, ego, lead):
         vague = close or at_node or rows[c.k].v < 3 or start - 20 not in rows or c.k + 30 not in rows or edge_of(c.a) in w.net.ring
         off = leaves_route(w, ego, c)
         leaf, target, sure = None, None, not vague
-        if from_ramp(w, c.a) or to_ramp(w, c.b) or ramp(w, edge_of(c.a)):
+        if out:
+            leaf, target = "overtake", name
+            sure = sure and w.kind(name) != "bicycle" and w.rows[name][c.k].v > 3
+        elif from_ramp(w, c.a) or to_ramp(w, c.b) or ramp(w, edge_of(c.a)):
             sure = False
         elif c.reason == "strategic" and off is not None and off[0] <= 500:
             # Where its lane leads through the next junction as well, the route does not ask for the change yet.

@@ -52,12 +52,20 @@ def lights(w, ego):
                 turned = w.turned_to(p.link, a, "ryu")
                 key = max(slow - 5, turned)
                 yellow = w.letter(p.link, max(slow, turned)) == "y"
-                edge = turned and abs((slow - turned) - 30) < 8
+                # Yellow lasts 3 s, or longer.
+                red = w.turned_to(p.link, a, "r")
+                edge = turned and (abs((slow - turned) - 30) < 8 if red - turned < 45 else abs(slow - red) < 8)
                 again = n and slow - halts[n - 1][1] < 60 or max(rows[u].v for u in range(slow - 20, slow + 1) if u in rows) < 4
                 for leaf in ("red_stop", "yellow_stop"):
                     sure = leaf == ("yellow_stop" if yellow else "red_stop") and not (again or edge or mixed or far)
                     if sure or again or edge or mixed or far:
                         yield w.entry(T + leaf, ego, key - 20, key, a + 10, optional=not sure)
+            if letter == "s" and left(a) < 15:
+                # Red for all but who turns right, who has to stop: whether that is a stop at a red light, and the start
+                # after it one at a light, is open.
+                for leaf in ("red_stop", "yellow_stop", "resume_first", "resume_follow"):
+                    for key in (a - 30, a - 10, b - 5):
+                        yield w.entry(T + leaf, ego, key - 20, key, max(key, a) + 30, optional=True)
             green = next((k for k in range(a, b + 30) if w.letter(p.link, k) in ("G", "g") and w.letter(p.link, k - 1) not in ("G", "g")), None)
             if green is None or a not in on_last and left(a) > 60:
                 continue

@@ -88,6 +88,11 @@ class Net:
     def node_of(self, lane):
         return self.nodes[re.fullmatch(r":(.+)_[cw]?\d+_\d+", lane).group(1)]
 
+    def counter(self, a, b):
+        """Whether edge b is edge a the other way."""
+        a, b = self.edges[a], self.edges[b]
+        return a is not b and (a.a, a.b) == (b.b, b.a)
+
     def on_crossing(self, place):
         """For people SUMO writes an edge or a lane."""
         edge = self.edges.get(place) or self.edges.get(place.rsplit("_", 1)[0])
