@@ -66,6 +66,28 @@ def store(text, target):
         packed.write(re.sub(r"<!--.*?-->\s*", "", text, flags=re.S).encode())
 
 
+def leveled(text, net):
+    """Heights by the lanes' shapes: SUMO 1.28 lets a vehicle sink by meters while it changes into the oncoming lane."""
+    lanes = {m.group(1): [tuple(map(float, p.split(","))) for p in m.group(2).split()] for m in re.finditer(r'<lane id="([^"]*)"[^>]*? shape="([^"]*)"', net)}
+
+    def height(points, x, y):
+        nearest, at = math.inf, 0.0
+        for (ax, ay, *az), (bx, by, *bz) in zip(points, points[1:]):
+            long = (bx - ax) ** 2 + (by - ay) ** 2
+            t = max(0.0, min(1.0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / long)) if long else 0.0
+            away = (ax + t * (bx - ax) - x) ** 2 + (ay + t * (by - ay) - y) ** 2
+            if away < nearest:
+                nearest, at = away, (az or [0.0])[0] * (1 - t) + (bz or [0.0])[0] * t
+        return at
+
+    def row(m):
+        value = lambda name: re.search(rf' {name}="([^"]*)"', m.group(0)).group(1)
+        points = lanes.get(value("lane"))
+        return re.sub(r' z="[^"]*"', f' z="{height(points, float(value("x")), float(value("y"))):.2f}"', m.group(0)) if points else m.group(0)
+
+    return re.sub(r"<vehicle [^>]*>", row, text)
+
+
 def noisy(text, draw, step, white, slow, speed, turn, lost):
     """Positions and speeds of all vehicles as a sensor gives them; accelerations are not measured. The deviation that
     lasts 1 s is an autoregressive one for each vehicle.
@@ -103,8 +125,11 @@ def generate(group, out, only):
             build(maker, draw, work)
             egos = simulate(work, draw, seed, seconds, step, model, lateral, rate, people)
             egos, lines = judge.derive(work, name, egos, lateral)
+            text, net = (work / "fcd.xml").read_text(), (work / "net.xml").read_text()
+            if "<neigh " in net:
+                text = leveled(text, net)
             # The leader, lane and reasons are the simulator's knowledge, not a recording's.
-            text = re.sub(r' (?:leaderID|leaderSpeed|leaderGap|lane|edge|pos)="[^"]*"', "", (work / "fcd.xml").read_text())
+            text = re.sub(r' (?:leaderID|leaderSpeed|leaderGap|lane|edge|pos)="[^"]*"', "", text)
             noise = NOISE.get(f"{group}/{name}", NOISE.get(group))
             if noise:
                 text = noisy(text, random.Random(seed + 1), step, *noise)
