@@ -173,7 +173,8 @@ def slips(w, ego):
             continue
         done = w.later(ego, last, w.length(ego))
         turned = sum(bend(rows[k - 1].angle, rows[k].angle) for k in range(first, done + 1) if k in rows and k - 1 in rows)
-        if abs(turned) < 38:
+        # Towards the edge of the road; the other way it is an opening in the median.
+        if turned * (1 if net.left_hand else -1) < 38:
             continue
         for leaf in ("right_normal",) if turned < 0 else ("left_normal", "left_unprotected"):
             for key in (first - 15, first, (first + last) // 2, last):

@@ -18,7 +18,7 @@ def leads(w, ego):
     for k, o in rows.items():
         its = w.rows.get(o.leader, {}).get(k) if o.leader else None
         # Who overtakes in the oncoming lane is led by nobody who comes towards it.
-        if its is None or not o.gap < 100 or abs(bend(o.angle, its.angle)) > 150:
+        if its is None or not o.gap < 100 or its.lane == o.lane and abs(bend(o.angle, its.angle)) > 150:
             continue
         own = {lane for lane, since in visits if k <= since < k + 300} | {o.lane}
         if its.lane in own or o.gap < 12 and abs(bend(o.angle, its.angle)) < 45:
