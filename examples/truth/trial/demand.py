@@ -33,12 +33,12 @@ MODEL = {
     "EIDM4": 'carFollowModel="EIDM" tpreview="2" treaction="0.6" ccoolness="0.7" sigmagap="0.2"',
     "KraussLate": 'carFollowModel="Krauss" sigma="0.2" tau="1.5" actionStepLength="0.5" startupDelay="0.7" lcStrategic="1.6" lcKeepRight="0.2"',
     "IDM5": 'carFollowModel="IDM" delta="5" tau="1.3" actionStepLength="0.2" lcOpposite="1.5" lcSpeedGain="3" speedFactor="normc(1.05,0.12,0.8,1.35)"',
-    "W74b": 'carFollowModel="Wiedemann" security="0.6" estimation="0.7" minGap="3" lcCooperative="0.5"',
+    "IDM6": 'carFollowModel="IDM" delta="3" tau="1.2" sigma="0" actionStepLength="0.4" lcCooperative="0.5"',
     "KraussHasty": 'carFollowModel="Krauss" sigma="0.55" tau="1.0" decel="5" impatience="0.4" jmTimegapMinor="0.8"',
 }
 
 # How many of car, quick, van and truck in the traffic of a model, where it is not as elsewhere.
-SHARES = {"IDM5": [5, 3, 2, 1.5], "W74b": [5, 2, 2, 3.5]}
+SHARES = {"IDM5": [5, 3, 2, 1.5], "IDM6": [5, 2, 2, 3.5]}
 
 
 def types(model, lateral):

@@ -102,7 +102,7 @@ SETS = {
     "held9": {
         "artery": (artery, 20011, 240, 0.1, "KraussLate+moto", 3, 0.95, 0.1),
         "hillroad": (hill_road, 10009, 240, 0.1, "IDM5+moto", 2.5, 0.42, 0.1),
-        "works": (works, 20021, 200, 0.2, "W74b", 4, 1.5, 0),
+        "works": (works, 20021, 200, 0.2, "IDM6", 4, 1.5, 0),
         "quarter": (quarter, 10039, 240, 0.05, "KraussHasty+moto", "sublane", 0.6, 0.25),
     },
 }
