@@ -2,6 +2,7 @@
 //! things, sides, states, colors, hindsight, placeholders. What follows from them is decided by the label checks.
 
 mod aftermath;
+mod apart;
 mod bearing;
 mod clauses;
 mod compared;
@@ -13,6 +14,7 @@ mod subjects;
 mod undecided;
 
 pub use aftermath::{Aftermath, NewSubject, TellWord};
+pub use apart::Apart;
 pub use bearing::{Bearing, Bears};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
@@ -272,6 +274,8 @@ pub struct LabelWords {
     scene: Trie,
     /// What tells of events after the decision.
     pub aftermath: Aftermath,
+    /// Names that exclude one another.
+    pub apart: Apart,
     /// What texts say beside their things.
     pub bearing: Bearing,
     /// With one of these before it, hindsight is what would happen.
@@ -523,6 +527,8 @@ struct File {
     compared: compared::RawCompared,
     subjects: subjects::RawSubjects,
     undecided: undecided::RawUndecided,
+    #[serde(default)]
+    apart: apart::RawApart,
     remote: remote::RawRemote,
     quantities: quantity::RawQuantities,
     exits: Vec<Words>,

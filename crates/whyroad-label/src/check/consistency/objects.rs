@@ -293,7 +293,8 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         });
         side || color || other_car(n) || not_opposite(n) || is_elsewhere(n)
     };
-    let is_other = |n: &&Named| differs(n) || other_count(n) || other_bend(n) || other_doing(n);
+    let is_other =
+        |n: &&Named| differs(n) || other_count(n) || other_bend(n) || other_doing(n) || other_kind(n, scope);
     let other_thing = texts.trace.there().filter(|n| n.start < until).find(is_other);
     let other_thing = other_thing.or_else(|| other_light(scope, until)).map(|n| (n.start, n.end));
     let other_side = || attributes::other_side(scope);
@@ -311,6 +312,33 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         )
         .hint("改正其中有误的一处", "correct the one that is wrong")
     });
+}
+
+/// A pickup in the trace for the hatchback of the components: its kind is none of theirs, where each of those that may
+/// be meant has a kind, too, and was read.
+fn other_kind(n: &Named, scope: &TextScope<'_>) -> bool {
+    let TextScope { label, texts, words, .. } = *scope;
+    let Some(name) = label.trace.get().and_then(|t| t.get(n.start..n.end)) else { return false };
+    let parts = || {
+        let parts = label.parts.iter().zip(&texts.components);
+        parts.filter_map(|(c, f)| Some((c.description.get()?, f)))
+    };
+    let own = words.objects[n.group].own;
+    words.apart.kinds(name).into_iter().any(|(family, said)| {
+        let kinds = |t: &str, m: &Named| {
+            let all = words.apart.kinds(t.get(m.start..m.end).unwrap_or_default());
+            all.into_iter().find(|(f, _)| *f == family).map_or(0, |(_, kinds)| kinds)
+        };
+        let all = || parts().flat_map(|(t, f)| f.named.iter().map(move |m| (t, m)));
+        let given = all().fold(0, |set, (t, m)| set | kinds(t, m));
+        let general = |(t, m): (&str, &Named)| words.objects[m.group].near.meets(own) && kinds(t, m) == 0;
+        given != 0
+            && given & said == 0
+            && !all().any(general)
+            && !parts().any(|(t, f)| {
+                !f.named.iter().any(|m| kinds(t, m) != 0) && subject::is_unread(t, f, words)
+            })
+    })
 }
 
 /// The light of the trace, where it has a color that no component gives a light.
