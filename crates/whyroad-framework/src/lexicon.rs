@@ -46,6 +46,8 @@ pub struct Lexicon {
     pub given_way: Vec<String>,
     /// Behind a phrase in Chinese, what would come of it.
     pub consequence: Vec<String>,
+    /// Of the words for what comes later, those that introduce another action of the ego.
+    then: Vec<String>,
     /// Words that deny what the ego does, rather than what it can do or has to do; in lower case.
     refuses: Vec<String>,
     trie: trie::Trie,
@@ -178,6 +180,8 @@ struct RoleWords {
     negation_end: Words,
     refuses: Words,
     consequence: Words,
+    #[serde(default)]
+    then: Words,
     towards_ego: Words,
     of_ego: Words,
     meant: Words,
@@ -213,6 +217,11 @@ struct PhraseWords {
 }
 
 impl Lexicon {
+    /// `word`, which says that something comes later, introduces another action of the ego.
+    pub fn introduces_another(&self, word: &str) -> bool {
+        self.then.iter().any(|w| w.eq_ignore_ascii_case(word))
+    }
+
     /// A word that denies, in upper or lower case, denies what the ego does, not what it can do or has to do.
     pub fn refuses(&self, word: &str) -> bool {
         self.refuses.iter().any(|w| w.eq_ignore_ascii_case(word))

@@ -73,6 +73,8 @@ pub struct Subjects {
     pub unable: Vec<String>,
     /// Another lane than the ego's, in lower case.
     pub beside_ego: Vec<String>,
+    /// Names of lanes by which a side is meant.
+    pub lanes: Vec<String>,
     /// Say of a way that nothing is on it, in lower case.
     pub free: Vec<String>,
     /// Say that there is no room, in lower case.
@@ -215,6 +217,8 @@ pub(super) struct RawSubjects {
     another: Words,
     unable: Words,
     beside_ego: Words,
+    #[serde(default)]
+    lanes: Words,
     free: Words,
     full: Words,
     side_parts: Vec<Words>,
@@ -261,6 +265,7 @@ impl RawSubjects {
             another: all(&self.another),
             unable: all(&self.unable),
             beside_ego: all(&self.beside_ego),
+            lanes: all(&self.lanes),
             free: all(&self.free),
             full: all(&self.full),
             side_parts: self.side_parts.iter().map(all).collect(),

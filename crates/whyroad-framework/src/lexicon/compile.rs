@@ -157,6 +157,7 @@ pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
         given_way: list(&w.given_way),
         refuses: list(&w.refuses),
         consequence: list(&w.consequence),
+        then: list(&w.then),
         towards_ego: list(&w.towards_ego),
         of_ego: list(&w.of_ego),
         meant: list(&w.meant),

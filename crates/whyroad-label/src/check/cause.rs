@@ -4,5 +4,6 @@ pub(super) mod circular;
 mod grounds;
 pub(super) mod links;
 pub(super) mod remote;
+pub(super) mod side;
 pub(super) mod text;
 pub(super) mod unused;

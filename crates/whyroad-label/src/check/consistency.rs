@@ -7,6 +7,7 @@ pub(super) mod objects;
 pub(super) mod parts;
 pub(super) mod plausible;
 pub(super) mod records;
+mod sequel;
 pub(super) mod text;
 pub(super) mod trace;
 pub(super) mod trace_rules;

@@ -3,7 +3,7 @@
 //! question alone.
 
 use super::business::{class, combination, decision, records};
-use super::cause::{circular, links, remote, text as cause_text, unused};
+use super::cause::{circular, links, remote, side, text as cause_text, unused};
 use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::trace_rules::Said;
 use super::consistency::{
@@ -90,7 +90,9 @@ impl Rulebook<'_> {
             unused::unused(scope, sink);
         }
         if !another_class && !impossible {
-            cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink);
+            if !cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink) {
+                side::of_maneuver(scope, self.framework, sink);
+            }
         }
         if placeholder::trace(scope, sink) || placeholder::draft(label, self.framework, sink) {
             return;
@@ -108,7 +110,8 @@ impl Rulebook<'_> {
             return;
         }
         let Some(reading) = reading else { return };
-        let said = trace_rules::trace(scope, &self.framework.decisions, &reading, sink);
+        let decisions = class.and_then(|c| c.decisions.as_ref());
+        let said = trace_rules::trace(scope, decisions, &self.framework.decisions, &reading, sink);
         // A trace too short, or without a decision, cannot give a reason for one.
         let circular = said != Said::TooLittle && circular::circular(scope, &reading, said, sink);
         let decides_at = if reading.marked { reading.decision_from } else { 0 };

@@ -353,15 +353,15 @@ fn irrelevant(text: &str, texts: &Texts, words: &LabelWords, restricts: bool) ->
 }
 
 /// The components that are named as the cause of a decision speak of something that can bring it about: by the table of
-/// causes, or because the class is about it. Only where every one of them has been read.
+/// causes, or because the class is about it. Only where every one of them has been read. True when one is not.
 pub(in crate::check) fn kind(
     label: &View<'_>,
     class: Option<&ClassDecisions>,
     texts: &Texts,
     framework: &Framework,
     sink: &mut dyn Sink,
-) {
-    let Slot::Is(causes) = &label.causes else { return };
+) -> bool {
+    let Slot::Is(causes) = &label.causes else { return false };
     let (words, table) = (framework.label_words(), framework.decision_table());
     let about = class.map(|c| c.about).unwrap_or_default();
     let channels = [
@@ -409,6 +409,7 @@ pub(in crate::check) fn kind(
                 "name the component that causes the decision, or check the decision",
             )
         });
-        return;
+        return true;
     }
+    false
 }

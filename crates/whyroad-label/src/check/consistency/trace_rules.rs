@@ -2,12 +2,14 @@
 
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
 use crate::check::consistency::trace_stems::{self, ByStem};
+use crate::check::consistency::sequel;
 use crate::check::consistency::undecided;
 use crate::check::reading::Named;
 use crate::check::texts::TextScope;
 use crate::check::view::View;
 use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::label_words::Divider;
 use whyroad_framework::lexicon::Lexicon;
 use whyroad_model::Bilingual;
@@ -63,6 +65,7 @@ pub(in crate::check) enum Said {
 /// Form of the trace, and what it says against the decisions.
 pub(in crate::check) fn trace(
     scope: &TextScope<'_>,
+    class: Option<&ClassDecisions>,
     names: &DecisionSets,
     reading: &Reading,
     sink: &mut dyn Sink,
@@ -219,6 +222,7 @@ pub(in crate::check) fn trace(
         found = true;
         verdict(&v, text, names, false, sink);
     }
+    found = found || sequel::second_action(scope, reading, class, names, sink);
     // "Does not yield and turns left": the other channel is stated.
     if let (false, Some(along), Some(_)) = (found, longitudinal.get(), lateral.get()) {
         let stated = reading.mentions.iter().any(|m| {
@@ -368,7 +372,7 @@ pub(in crate::check) fn states_decision(
 }
 
 /// The mention goes with a decision of the label.
-pub(super) fn says_label(m: &Mention, lexicon: &Lexicon, label: &View<'_>) -> bool {
+pub(in crate::check) fn says_label(m: &Mention, lexicon: &Lexicon, label: &View<'_>) -> bool {
     let says = &lexicon.phrases[m.phrase];
     label.longitudinal.get().is_some_and(|d| says.longitudinal.contains(&d))
         || label.lateral.get().is_some_and(|d| says.lateral.contains(&d))

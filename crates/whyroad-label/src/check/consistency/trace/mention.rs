@@ -38,6 +38,8 @@ pub(in crate::check) struct Mention {
     pub meant: bool,
     /// Its subject is taken over from an earlier clause, where another road user acts.
     pub carried: bool,
+    /// Behind "then": what the ego does when its decision is done.
+    pub later: bool,
 }
 
 /// A trace as read.
@@ -87,6 +89,7 @@ struct Reader<'l> {
     out: Reading,
     // Since the sentence's start.
     sequel: bool,
+    then: bool,
     reason_until_sentence_end: bool,
     /// Actor of the clauses before, in this sentence.
     inherited: Actor,
@@ -115,6 +118,7 @@ pub(in crate::check) fn read(text: &str, units: &Units, lexicon: &Lexicon) -> Re
         text,
         out: Reading::default(),
         sequel: false,
+        then: false,
         reason_until_sentence_end: false,
         inherited: Actor::Unknown,
         anything_in_sentence: false,
@@ -155,6 +159,7 @@ impl Reader<'_> {
             Role::SentenceEnd => {
                 self.next_clause();
                 self.sequel = false;
+                self.then = false;
                 self.reason_until_sentence_end = false;
                 self.inherited = Actor::Unknown;
                 self.anything_in_sentence = false;
@@ -169,6 +174,7 @@ impl Reader<'_> {
             Role::DecisionMarker => {
                 self.next_clause();
                 self.sequel = false;
+                self.then = false;
                 self.reason_until_sentence_end = false;
                 self.actor = Actor::Ego;
                 self.inherited = Actor::Ego;
@@ -192,7 +198,10 @@ impl Reader<'_> {
             }
             Role::Hypothesis => self.hypothesis = true,
             Role::Intention => self.intention = true,
-            Role::Sequel => self.sequel = true,
+            Role::Sequel => {
+                self.sequel = true;
+                self.then = self.lexicon.introduces_another(&self.text[hit.start..hit.end]);
+            }
             Role::Negation | Role::NegationAdjacent => {
                 let adjacent = hit.role == Role::NegationAdjacent;
                 let limits = &self.lexicon.limits;
@@ -307,6 +316,8 @@ impl Reader<'_> {
         // What stays doubtful for another reason does not become the ego's by standing last.
         let denied = negated == Force::Negated && !unsaid;
         let carried = carried && !self.intention && !self.sequel && negated != Force::Doubtful;
+        let own_clause = !matches!(self.actor, Actor::Other | Actor::Object);
+        let later = self.then && own_clause && !unsaid && !self.intention && negated == Force::Asserted;
         self.out.mentions.push(Mention {
             phrase,
             by_other: actor == Actor::Other,
@@ -319,6 +330,7 @@ impl Reader<'_> {
             denied,
             meant: self.meant,
             carried,
+            later,
         });
     }
 

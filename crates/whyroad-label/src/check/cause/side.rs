@@ -1,0 +1,45 @@
+//! A maneuver to a side that no component speaks of: a change of lane or a turn beside a response to somebody or to the
+//! road has a cause of its own, a free lane, a gap or the route, and that is on the side to which the ego goes.
+
+use crate::check::texts::TextScope;
+use whyroad_framework::Framework;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::label_fields::pointer;
+
+/// Some component speaks of the side to which the ego changes lane or turns, beside another decision.
+pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework, sink: &mut dyn Sink) {
+    let TextScope { label, words, .. } = *scope;
+    let Some(lateral @ (Lateral::LaneChange | Lateral::Turn)) = label.lateral.get() else { return };
+    // To pass somebody or to fit a gap is to change lane.
+    let by_itself = [Longitudinal::AccelerationForPassing, Longitudinal::GapMatching];
+    if label.longitudinal.get().is_none_or(|d| by_itself.contains(&d)) || words.is_empty() {
+        return;
+    }
+    let side = match label.direction.get() {
+        Some(LateralDirection::Left) => ["左", "left"],
+        Some(LateralDirection::Right) => ["右", "right"],
+        _ => return,
+    };
+    let names_it = |text: &str| {
+        let lower = text.to_ascii_lowercase();
+        lower.contains(side[0])
+            || lower.split(|c: char| !c.is_ascii_alphabetic()).any(|w| w == side[1])
+            || words.subjects.lanes.iter().any(|w| lower.contains(w.as_str()))
+    };
+    let mut parts = label.parts.iter().map(|c| c.description.get());
+    if label.parts.is_empty() || parts.any(|t| t.is_none_or(names_it)) {
+        return;
+    }
+    sink.report(Finding::warning("label.cause.kind", pointer::CAUSES_LATERAL), &|| {
+        let name = framework.decisions.name(lateral.id());
+        Words::new(
+            format!("没有关键要素说到自车要去的那一侧，因此没有什么会引起“{}”", name.zh),
+            format!("no component speaks of the side to which the ego goes, so none brings about '{}'", name.en),
+        )
+        .hint(
+            "补上那一侧的要素（空当、车道、路线），或把横向决策改为“无决策变化”",
+            "add what is on that side (a gap, a lane, the route), or leave the lateral decision out",
+        )
+    });
+}
