@@ -217,6 +217,13 @@ struct PhraseWords {
 }
 
 impl Lexicon {
+    /// The name of the ego at `start..end` of `text` says where or how something else is: "towards our lane".
+    pub fn is_place_of_ego(&self, text: &str, start: usize, end: usize) -> bool {
+        let (before, behind) = (text[..start].trim_end(), &text[end..]);
+        self.towards_ego.iter().any(|w| before.ends_with(w.as_str()))
+            && self.of_ego.iter().any(|w| behind.starts_with(w.as_str()))
+    }
+
     /// `word`, which says that something comes later, introduces another action of the ego.
     pub fn introduces_another(&self, word: &str) -> bool {
         self.then.iter().any(|w| w.eq_ignore_ascii_case(word))

@@ -34,6 +34,9 @@ pub enum RecordType {
         /// Other text is kept.
         #[serde(default)]
         or_text: bool,
+        /// Where it has at least so many words: a degree is no description.
+        #[serde(default)]
+        text_words: usize,
     },
     /// Free words.
     Text,
@@ -153,7 +156,9 @@ impl RecordTypes {
                     _ => RecordVerdict::NotAChoice(vec!["true".into(), "false".into()]),
                 }
             }
-            (RecordType::Choice { values, or_text }, RecordValue::Text(t)) => choice(values, *or_text, t),
+            (RecordType::Choice { values, or_text, text_words }, RecordValue::Text(t)) => {
+                choice(values, or_text.then_some(*text_words), t)
+            }
             // "exit 2" may be given by its number, where that is one of the words.
             (RecordType::Choice { values, .. }, RecordValue::Number(n)) => {
                 let word = n.to_string();
@@ -186,7 +191,8 @@ fn number(value: RecordValue<'_>, min: f64, max: f64) -> RecordVerdict {
     }
 }
 
-fn choice(values: &[ChoiceValue], or_text: bool, text: &str) -> RecordVerdict {
+/// `or_text`: other text is kept, where it has at least so many words.
+fn choice(values: &[ChoiceValue], or_text: Option<usize>, text: &str) -> RecordVerdict {
     let text = text.trim();
     if let Some(v) = values.iter().find(|v| v.id == text) {
         return RecordVerdict::Stored(v.id.as_str().into());
@@ -195,14 +201,20 @@ fn choice(values: &[ChoiceValue], or_text: bool, text: &str) -> RecordVerdict {
     let found = values
         .iter()
         .flat_map(|v| v.words.iter().map(move |w| (w, v)))
-        .filter(|(w, _)| if or_text { lower == w.to_lowercase() } else { lower.contains(&w.to_lowercase()) })
+        .filter(|(w, _)| if or_text.is_some() { lower == w.to_lowercase() } else { lower.contains(&w.to_lowercase()) })
         .max_by_key(|(w, _)| w.len());
     // "-3" is no word for the third, nor a text.
     let bare = |t: &str| t.parse::<f64>().is_ok();
     let negative = text.starts_with('-') && text.split_whitespace().next().is_some_and(bare);
+    // In Chinese a word has two characters.
+    let words = match text.is_ascii() {
+        true => text.split_whitespace().count(),
+        false => text.chars().count() / 2,
+    };
+    let is_kept = or_text.is_some_and(|least| words >= least);
     match found {
         Some((_, v)) if !negative => RecordVerdict::Stored(v.id.as_str().into()),
-        None if or_text && !negative && !bare(text) => RecordVerdict::Stored(text.into()),
+        None if is_kept && !negative && !bare(text) => RecordVerdict::Stored(text.into()),
         _ => RecordVerdict::NotAChoice(values.iter().map(|v| v.id.clone()).collect()),
     }
 }

@@ -32,7 +32,9 @@ pub(super) fn second_action(
                 || matches!(d, Lateral::LaneKeeping | Lateral::ManeuverAbort)
                 || class.is_some_and(|c| c.lateral_fit(Some(*d)) == Fit::Usual)
         };
-        !phrase.supports_only && phrase.longitudinal.is_empty() && !phrase.lateral.iter().any(part)
+        // "Swings left behind it": the turn of the class.
+        let turns = class.is_some_and(|c| c.lateral_fit(Some(Lateral::Turn)) == Fit::Usual);
+        !(turns && m.side.is_some()) && !phrase.supports_only && phrase.longitudinal.is_empty() && !phrase.lateral.iter().any(part)
     };
     let is_second = |m: &&Mention| m.later && m.start >= decided && !says(m) && is_other(m);
     let Some(m) = reading.mentions.iter().find(is_second) else { return false };

@@ -46,7 +46,7 @@ pub(super) fn read(
     let (mut found, mut is_ego, mut from) = (ByStem::Unread, false, begin);
     for to in ends.take(MOST_CLAUSES) {
         let Some(clause) = text.get(from..to) else { break };
-        let (ego, other, mut hidden) = subjects(lexicon, texts, words, from, to);
+        let (ego, other, mut hidden) = subjects(text, lexicon, texts, words, from, to);
         hidden.extend(apart);
         let clause = without(clause, from, &hidden);
         // Behind "therefore" whoever is named is the object.
@@ -98,6 +98,7 @@ fn describes(before: &str, from: &str, words: &LabelWords) -> bool {
 /// Where a part of the trace first names the ego, and where somebody else; and what in it is the name of something:
 /// "the stop line" says no stop.
 fn subjects(
+    text: &str,
     lexicon: &Lexicon,
     texts: &Texts,
     words: &LabelWords,
@@ -107,6 +108,8 @@ fn subjects(
     let (mut ego, mut other, mut hidden) = (None, None, Vec::new());
     lexicon.hits(&texts.units, from..to, |hit| match hit.role {
         // "So the ego" is one word.
+        // "Far slower than us" is where or how somebody else is.
+        Role::Ego if lexicon.is_place_of_ego(text, hit.start, hit.end) => {}
         Role::Ego | Role::DecisionMarker => drop(ego.get_or_insert(hit.start)),
         Role::Agent => drop(other.get_or_insert(hit.start)),
         Role::Neutral => hidden.push((hit.start, hit.end)),

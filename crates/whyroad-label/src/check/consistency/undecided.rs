@@ -27,8 +27,8 @@ pub(super) fn is_undecided(
     words: &LabelWords,
     strict: Strict,
 ) -> bool {
-    // What a "therefore" marks is a decision, in whatever words.
-    if reading.marked {
+    // What a "therefore" marks is a decision, in whatever words; in English, unless it says what is.
+    if reading.marked && !text.is_ascii() {
         return false;
     }
     let kinds = [Divider::Sentence, Divider::Clause];

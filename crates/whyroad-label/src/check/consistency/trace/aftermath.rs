@@ -137,6 +137,10 @@ pub(in crate::check::consistency) fn done(
 ) -> Option<(usize, usize)> {
     let end = text.len();
     let is_told = |&(start, to): &(usize, usize)| {
+        // "Having reached the stop, the ego ...": before its decision.
+        if text[..start].trim().is_empty() && text[start..].starts_with("Having") {
+            return false;
+        }
         // "Not going over there we get nowhere".
         if text[..start].chars().rev().take(2).any(|c| "不没别".contains(c)) {
             return false;

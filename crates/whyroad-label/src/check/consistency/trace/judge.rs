@@ -123,6 +123,8 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         let says = |m: &Mention| (self.says)(&lexicon.phrases[m.phrase]);
         // Somebody whom no list knows may act in a clause that names nobody, unless it is the last one.
         let of_ego = |m: &&Mention| m.by_ego || m.clause == reading.last_clause;
+        // "We are to turn left here": its route, where another clause decides.
+        let decides = |m: &&Mention| reading.marked || !m.meant || m.clause == reading.last_clause;
         let firm = |m: &&Mention| {
             m.force == Force::Asserted && !lexicon.phrases[m.phrase].supports_only && of_ego(m)
         };
@@ -130,8 +132,6 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         let deciding = || relevant().filter(|m| m.start >= reading.decision_from);
 
         let Some(label) = self.label else {
-            // "We are to turn right here": its route, where another clause decides.
-            let decides = |m: &&Mention| reading.marked || !m.meant || m.clause == reading.last_clause;
             let named = deciding().filter(firm).filter(decides).find(|m| {
                 let other = says(m).iter().all(|d| !self.null_allows.contains(d));
                 other || lexicon.phrases[m.phrase].change
@@ -164,17 +164,25 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         let plainly = deciding().filter(supports).filter(exact).filter(|m| refused.is_none() || by_ego(m));
         let denied_only = deciding().filter(supports).filter(exact).any(|m| denies(&m))
             && !plainly.clone().any(|m| matches!(m.force, Force::Asserted | Force::Doubtful));
-        if !denied_only
+        // "It requires a halt, and we sail straight through": what the ego does at last is another thing, and the label's
+        // decision is only said of what it has to do.
+        let at_last_other =
+            relevant().filter(firm).find(|m| m.by_ego && at_last(m) && !says(m).contains(&label));
+        let own_support =
+            relevant().filter(supports).any(|m| asserted(m) && (m.by_ego || at_last(m)) && !m.denied);
+        let overruled = at_last_other.filter(|_| !reading.marked && !own_support);
+        if overruled.is_none()
+            && !denied_only
             && deciding().filter(supports).any(|m| matches!(m.force, Force::Asserted | Force::Doubtful))
         {
             return true;
         }
         // Without a "therefore" the decision may well precede the last sentence.
-        if !denied_only && !reading.marked && relevant().filter(supports).any(|m| m.force == Force::Asserted)
+        if overruled.is_none() && !denied_only && !reading.marked && relevant().filter(supports).any(|m| m.force == Force::Asserted)
         {
             return true;
         }
-        if let Some(m) = deciding().filter(firm).find(|m| !says(m).contains(&label)) {
+        if let Some(m) = deciding().filter(firm).filter(decides).find(|m| !says(m).contains(&label)) {
             sink(TraceVerdict::OtherDecision {
                 label: (self.id)(label),
                 says: says(m).iter().map(|d| (self.id)(*d)).collect(),

@@ -254,10 +254,7 @@ impl Reader<'_> {
 
     /// The name of the ego at `hit` says where something else is or goes, not who acts.
     fn is_place_of_ego(&self, hit: Hit) -> bool {
-        let (before, behind) = (self.text[..hit.start].trim_end(), &self.text[hit.end..]);
-        let lexicon = self.lexicon;
-        lexicon.towards_ego.iter().any(|w| before.ends_with(w.as_str()))
-            && lexicon.of_ego.iter().any(|w| behind.starts_with(w.as_str()))
+        self.lexicon.is_place_of_ego(self.text, hit.start, hit.end)
     }
 
     fn is_pronoun(&self, hit: Hit) -> bool {
