@@ -73,6 +73,12 @@ pub struct Subjects {
     pub unable: Vec<String>,
     /// Another lane than the ego's, in lower case.
     pub beside_ego: Vec<String>,
+    /// Of the lane in which the ego is or was.
+    pub own_lane: Vec<String>,
+    /// Before a name of Latin letters, behind one in Chinese: something else is farther on.
+    pub beyond: Vec<String>,
+    /// Say when and where the ego is, and no cause.
+    pub here: Vec<String>,
     /// Names of lanes by which a side is meant.
     pub lanes: Vec<String>,
     /// Say of a way that nothing is on it, in lower case.
@@ -218,6 +224,12 @@ pub(super) struct RawSubjects {
     unable: Words,
     beside_ego: Words,
     #[serde(default)]
+    own_lane: Words,
+    #[serde(default)]
+    beyond: Words,
+    #[serde(default)]
+    here: Words,
+    #[serde(default)]
     lanes: Words,
     free: Words,
     full: Words,
@@ -265,6 +277,9 @@ impl RawSubjects {
             another: all(&self.another),
             unable: all(&self.unable),
             beside_ego: all(&self.beside_ego),
+            own_lane: all(&self.own_lane),
+            beyond: all(&self.beyond),
+            here: all(&self.here),
             lanes: all(&self.lanes),
             free: all(&self.free),
             full: all(&self.full),

@@ -230,6 +230,10 @@ fn empty_reason(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     let mut spoken: Vec<(usize, usize)> =
         reading.mentions.iter().map(|m| (m.start, m.end)).filter(|m| inside(m.0)).collect();
     spoken.extend(texts.trace.named.iter().map(|n| (n.start, n.end)));
+    // "As it is to slow here": where and when the ego is, is no cause.
+    let lower_part = part.to_ascii_lowercase();
+    let here = words.subjects.here.iter().flat_map(|w| lower_part.match_indices(w.as_str()));
+    spoken.extend(here.map(|(at, w)| (from + at, from + at + w.len())));
     let before = content(text, 0, from, &[], words);
     let left = content(text, from, to, &spoken, words);
     let same = |a: &str, b: &str| a == b || a.is_ascii() && a.get(..4).is_some_and(|s| b.starts_with(s));

@@ -67,6 +67,9 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
     {
         return Some(around(a));
     }
+    if let Some(at) = hinders_nothing(scope, reading) {
+        return Some(at);
+    }
     let (mut from, mut first, mut named) = (0, None, false);
     for _ in 0..MOST_CLAUSES {
         let end = words.clauses.clause_end(&texts.units, from, text.len());
@@ -95,6 +98,31 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
         let begin = clause.find(char::is_alphanumeric).unwrap_or(0);
         (from + begin, from + clause.trim_end().len().max(begin))
     })
+}
+
+/// Bytes of what says that nothing hides or hinders, in a class about what does: said of all that the trace says of it,
+/// or said twice.
+fn hinders_nothing(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, about, .. } = *scope;
+    let text = label.trace.get()?;
+    let bad = words.known.adverse.with(words.known.sight).without(words.known.actor).only(about);
+    if bad.is_empty() || about.meets(words.known.actor) {
+        return None;
+    }
+    let before = |at: usize| !reading.marked || at < reading.decision_from;
+    let around = |at: (usize, usize)| {
+        words.clauses.around(&texts.units, at.0..at.1, text.len(), &|d| d != Divider::Aside)
+    };
+    let clear: Vec<(usize, usize)> =
+        texts.trace.clear.iter().filter(|c| before(c.0)).map(|c| around(*c)).collect();
+    let first = *clear.first()?;
+    let said = |n: &Named| {
+        let own = words.objects[n.group].own;
+        own.meets(bad) && !clear.iter().any(|(from, to)| (*from..*to).contains(&n.start))
+    };
+    let alone = !texts.trace.there().any(said) && !texts.trace.named.iter().any(|n| n.supposed && said(n));
+    let twice = clear.iter().any(|c| *c != first) && clear.len() > 1;
+    (alone || twice).then_some(first)
 }
 
 /// Bytes of a sign that is not there in the trace, and is in a component: "there is no speed limit sign".

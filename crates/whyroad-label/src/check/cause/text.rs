@@ -7,13 +7,16 @@ use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
 use crate::check::texts::{TextScope, Texts};
-use crate::check::view::View;
+use crate::check::view::{ComponentView, View};
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::label_words::{Divider, GroupSet, KnownKinds, SaidState};
 use whyroad_framework::{Framework, LabelWords, Lexicon};
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
+
+/// Words of Latin letters before somebody who says only where something is: "way past the".
+const MOST_WORDS_BEFORE: usize = 4;
 
 /// What was only known after the keyframe. `after`: bytes of what the trace tells after its decision.
 pub(in crate::check) fn hindsight(scope: &TextScope<'_>, after: Option<(usize, usize)>, sink: &mut dyn Sink) {
@@ -191,18 +194,34 @@ pub(in crate::check) fn proximate(scope: &TextScope<'_>, sink: &mut dyn Sink) {
 /// A component that is far away, or beyond somebody whom it names, causes no response to somebody who is nearer: "the
 /// light two hundred meters beyond the van" (LABELING.md 6, proximate cause).
 pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
-    let TextScope { label, texts, words, .. } = *scope;
+    let TextScope { label, texts, words, about, .. } = *scope;
     let wanted = match label.longitudinal.get() {
         Some(Longitudinal::YieldToAgent | Longitudinal::LeadFollowing | Longitudinal::StopForObstacle) => {
             words.known.actor
         }
         Some(Longitudinal::StopForRegulation) => words.known.sign.with(words.known.light),
+        // Whoever moves off lets the ego go.
+        Some(Longitudinal::Resume) if !about.is_empty() && about.without(words.known.actor).is_empty() => {
+            words.known.actor
+        }
+        None if label.lateral == Slot::Is(Lateral::LaneChange) => words.known.actor,
         _ => return false,
     };
     let acts = |n: &&Named| words.objects[n.group].own.meets(wanted);
     let near = |f: &&TextFacts| f.distant.is_none() && f.there().any(|n| acts(&n));
     let parts = || label.parts.iter().zip(&texts.components);
-    let Some((far, (start, end))) = parts().find_map(|(c, f)| Some((c, f.distant?))) else { return false };
+    // A lead stops for what is beyond him, and moves off for reasons of his own.
+    let moves = !matches!(
+        label.longitudinal.get(),
+        Some(Longitudinal::YieldToAgent | Longitudinal::LeadFollowing | Longitudinal::StopForObstacle)
+    );
+    let is_far = |c: &ComponentView<'_>, f: &TextFacts| {
+        f.distant.or_else(|| beyond_somebody(c.description.get().filter(|_| moves)?, f, words))
+    };
+    let Some((far, (start, end))) = parts().find_map(|(c, f)| Some((c, is_far(c, f)?)))
+    else {
+        return false;
+    };
     let nearer = parts().find(|(_, f)| near(f)).and_then(|(c, _)| c.description.get());
     let nearer = nearer.or_else(|| {
         let n = texts.trace.there().find(acts)?;
@@ -220,6 +239,21 @@ pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> b
         .hint("删去远处的要素，只留引起决策的那一个", "leave the distant component out")
     });
     true
+}
+
+/// Bytes of what puts something beyond somebody whom the component names first, only to say where it is: "past the truck,
+/// the light is red", "the bus, farther on from it". Not what he hides, nor who comes from there.
+fn beyond_somebody(text: &str, facts: &TextFacts, words: &LabelWords) -> Option<(usize, usize)> {
+    let first = facts.named.first()?;
+    let own = |n: &Named| words.objects[n.group].own;
+    let begins = match text.is_ascii() {
+        true => words.subjects.beyond.iter().any(|w| text[..first.start].to_ascii_lowercase().trim().ends_with(w.as_str()))
+            && text[..first.start].split_whitespace().count() <= MOST_WORDS_BEFORE,
+        false => words.subjects.beyond.iter().any(|w| text[first.end..].starts_with(w.as_str())),
+    };
+    let reaches = facts.acts.iter().any(|a| !a.denied && a.doing.meets(words.reaching));
+    let hides = facts.named.iter().any(|n| own(n).meets(words.known.sight));
+    (own(first).meets(words.known.actor) && begins && !reaches && !hides).then_some((0, first.end))
 }
 
 /// A trace whose reason is only what is around whoever the ego responds to, and not him: the school, and not the child

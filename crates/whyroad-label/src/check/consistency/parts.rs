@@ -5,7 +5,8 @@ use crate::check::consistency::trace::{self, Force};
 use crate::check::consistency::trace_rules;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::TextScope;
-use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::label_words::KnownKinds;
 use whyroad_framework::lexicon::units::Units;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
@@ -18,7 +19,11 @@ pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn S
     }
     let parts = label.parts.iter().zip(&texts.components);
     let found = parts.filter_map(|(c, f)| Some((c.index, c.description.get()?, f))).find_map(|(i, t, f)| {
-        let at = ego_acts(t, scope).or_else(|| way_is_free(t, f, scope)).or_else(|| no_room(t, f, scope))?;
+        let at = ego_acts(t, scope)
+            .or_else(|| way_is_free(t, f, scope))
+            .or_else(|| no_room(t, f, scope))
+            .or_else(|| room_for_aborted(t, f, scope))
+            .or_else(|| against_another(i, t, f, scope))?;
         Some((i, t, at))
     });
     let Some((index, text, (start, end))) = found else { return false };
@@ -123,4 +128,68 @@ fn no_room(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usiz
         all.filter_map(|w| lower.find(w.as_str()).map(|at| (at, at + w.len()))).min()
     };
     (has(side) && !has(other)).then(|| none.or_else(full)).flatten()
+}
+
+/// Bytes of what says that nobody is there, where the ego calls its maneuver off: on a side, and the component names
+/// nobody. Of the lane to which the ego goes back it may be said.
+fn room_for_aborted(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, .. } = *scope;
+    let acts = |n: &Named| words.objects[n.group].own.meets(words.known.actor);
+    let lower = text.to_ascii_lowercase();
+    let of_own_lane = words.subjects.own_lane.iter().any(|w| lower.contains(w.as_str()));
+    if label.lateral.get() != Some(Lateral::ManeuverAbort)
+        || facts.there().any(acts)
+        || of_own_lane
+        || !words.subjects.speaks_of_side(text)
+    {
+        return None;
+    }
+    facts.named.iter().find(|n| n.absent && acts(n)).map(|n| (n.start, n.end))
+}
+
+/// Bytes of what a component says that another one denies: that there is none of what is there, that it hides or hinders
+/// nothing, or that whoever the ego responds to is out of the way.
+fn against_another(
+    index: usize,
+    text: &str,
+    facts: &TextFacts,
+    scope: &TextScope<'_>,
+) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, about, .. } = *scope;
+    let KnownKinds { adverse, sight, actor, .. } = words.known;
+    let others = || {
+        let all = label.parts.iter().zip(&texts.components).filter(|(c, _)| c.index != index);
+        all.flat_map(|(_, f)| f.there())
+    };
+    let own = |n: &Named| words.objects[n.group].own;
+    let bad = adverse.with(sight).without(actor).only(about);
+    // Who may come, and what may be: nothing is denied.
+    if facts.named.iter().any(|n| n.supposed) || text.contains("会不会") {
+        return None;
+    }
+    let is_there = |n: &Named| facts.there().any(|m| m.group == n.group);
+    // "A junction without lights": what kind it is.
+    let is_kind = |n: &Named| text[n.end..].starts_with('的');
+    let missing = |n: &&Named| {
+        n.absent && own(n).meets(bad) && !is_kind(n) && !is_there(n) && others().any(|m| m.group == n.group)
+    };
+    if let Some(n) = facts.named.iter().find(missing) {
+        return Some((n.start, n.end));
+    }
+    let clear = || {
+        let hinders = |n: &Named| own(n).meets(bad);
+        // Another part of the road may be free.
+        if !matches!(label.lateral.get(), None | Some(Lateral::LaneKeeping)) || words.subjects.speaks_of_side(text) {
+            return None;
+        }
+        facts.clear.first().filter(|_| !facts.there().any(hinders) && others().any(hinders)).copied()
+    };
+    let harmless = || {
+        let same = |n: &Named| own(n).meets(actor) && others().any(|m| m.group == n.group);
+        let responds = label.longitudinal == Slot::Is(Longitudinal::YieldToAgent)
+            || label.longitudinal == Slot::Is(Longitudinal::StopForObstacle);
+        let said = facts.named.iter().any(same) && facts.acts.iter().all(|a| a.denied);
+        facts.harmless.first().filter(|_| responds && said).copied()
+    };
+    clear().or_else(harmless)
 }

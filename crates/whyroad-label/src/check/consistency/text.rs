@@ -139,6 +139,13 @@ fn reason_of_no_road(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)>
     let components = texts.all_components(words).with(about);
     let own = |n: &Named| words.objects[n.group].own;
     let inside = |at: usize| at < to;
+    // "My sister" is not in the ego's way.
+    let of_ego = |part: &str| match part.is_ascii() {
+        true => part.split(|c: char| !c.is_ascii_alphabetic()).any(|w| {
+            ["ego", "we", "us", "our"].iter().any(|own| w.eq_ignore_ascii_case(own))
+        }),
+        false => words.subjects.speaks_of_ego(part),
+    };
     // Where the ego is, is of the scene, too.
     let known = texts
         .trace
@@ -148,7 +155,7 @@ fn reason_of_no_road(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)>
         .any(|n| own(n).meets(components) || own(n).meets(background) && !own(n).meets(words.known.gap));
     if known
         || texts.trace.acts.iter().any(|a| inside(a.start))
-        || words.subjects.speaks_of_ego(part)
+        || of_ego(part)
         || words.subjects.speaks_of_side(part)
         || part.is_ascii() && words.is_of_driving(part)
         || !overlap::says_more(text, &words.compared, &inside)
@@ -255,7 +262,8 @@ pub(in crate::check) fn class(scope: &TextScope<'_>, prescribed: &Prescribed, si
         texts.any(|t| words.subjects.speaks_of_writing(t))
     };
     // A place may be called anything; who is not there is not.
-    let something = words.known.actor.with(words.known.adverse);
+    let facility = words.kinds.get("facility").copied().unwrap_or_default();
+    let something = words.known.actor.with(words.known.adverse).with(facility);
     let by_place = !class.about.meets(words.known.actor) && !all.meets(something);
     if hides || written || by_place || any_unread(scope) {
         return false;

@@ -182,6 +182,10 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         {
             return true;
         }
+        if let Some(m) = overruled {
+            sink(TraceVerdict::Against { label: (self.id)(label), start: m.start, end: m.end });
+            return false;
+        }
         if let Some(m) = deciding().filter(firm).filter(decides).find(|m| !says(m).contains(&label)) {
             sink(TraceVerdict::OtherDecision {
                 label: (self.id)(label),
