@@ -198,11 +198,14 @@ fn choice(values: &[ChoiceValue], or_text: Option<usize>, text: &str) -> RecordV
         return RecordVerdict::Stored(v.id.as_str().into());
     }
     let lower = text.to_lowercase();
-    let found = values
-        .iter()
-        .flat_map(|v| v.words.iter().map(move |w| (w, v)))
-        .filter(|(w, _)| if or_text.is_some() { lower == w.to_lowercase() } else { lower.contains(&w.to_lowercase()) })
-        .max_by_key(|(w, _)| w.len());
+    let found =
+        values
+            .iter()
+            .flat_map(|v| v.words.iter().map(move |w| (w, v)))
+            .filter(|(w, _)| {
+                if or_text.is_some() { lower == w.to_lowercase() } else { lower.contains(&w.to_lowercase()) }
+            })
+            .max_by_key(|(w, _)| w.len());
     // "-3" is no word for the third, nor a text.
     let bare = |t: &str| t.parse::<f64>().is_ok();
     let negative = text.starts_with('-') && text.split_whitespace().next().is_some_and(bare);

@@ -73,6 +73,10 @@ pub struct Subjects {
     pub unable: Vec<String>,
     /// Another lane than the ego's, in lower case.
     pub beside_ego: Vec<String>,
+    /// Of what is behind the ego already.
+    pub earlier: Vec<String>,
+    /// Behind the route: it does not ask for what is decided.
+    pub route_not: Vec<String>,
     /// Of the lane in which the ego is or was.
     pub own_lane: Vec<String>,
     /// Before a name of Latin letters, behind one in Chinese: something else is farther on.
@@ -224,6 +228,10 @@ pub(super) struct RawSubjects {
     unable: Words,
     beside_ego: Words,
     #[serde(default)]
+    earlier: Words,
+    #[serde(default)]
+    route_not: Words,
+    #[serde(default)]
     own_lane: Words,
     #[serde(default)]
     beyond: Words,
@@ -277,6 +285,8 @@ impl RawSubjects {
             another: all(&self.another),
             unable: all(&self.unable),
             beside_ego: all(&self.beside_ego),
+            earlier: all(&self.earlier),
+            route_not: all(&self.route_not),
             own_lane: all(&self.own_lane),
             beyond: all(&self.beyond),
             here: all(&self.here),

@@ -90,7 +90,13 @@ impl Rulebook<'_> {
             unused::unused(scope, sink);
         }
         if !another_class && !impossible {
-            if !cause_text::kind(label, class.and_then(|c| c.decisions.as_ref()), &texts, self.framework, sink) {
+            if !cause_text::kind(
+                label,
+                class.and_then(|c| c.decisions.as_ref()),
+                &texts,
+                self.framework,
+                sink,
+            ) {
                 side::of_maneuver(scope, self.framework, sink);
             }
         }

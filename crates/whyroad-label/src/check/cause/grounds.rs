@@ -147,6 +147,29 @@ pub(super) fn sign_is_missing(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     texts.trace.named.iter().find(is_missing).map(|n| (n.start, n.end))
 }
 
+/// Bytes of what says that the route does not ask for the maneuver whose cause it is: "the navigation does not want this
+/// exit". Not where a sign or a marking forbids to go on, which the route is against.
+pub(super) fn route_denied(scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, .. } = *scope;
+    let text = label.trace.get()?;
+    let route = |n: &Named| words.objects[n.group].own.meets(words.known.route);
+    let rules = words.known.sign.with(words.kinds.get("marking").copied().unwrap_or_default());
+    let parts = || texts.components.iter();
+    if !parts().any(|f| f.there().any(route)) || parts().any(|f| f.groups.meets(rules)) {
+        return None;
+    }
+    let clause =
+        |n: &Named| words.clauses.around(&texts.units, n.start..n.end, text.len(), &|d| d != Divider::Aside);
+    let denies = |n: &Named| {
+        let (_, to) = clause(n);
+        let behind = text[n.end..to].to_ascii_lowercase();
+        words.subjects.route_not.iter().any(|w| behind.contains(w.as_str()))
+    };
+    let mut named = texts.trace.named.iter().filter(|n| route(n)).peekable();
+    let first = **named.peek()?;
+    named.all(denies).then(|| clause(&first))
+}
+
 /// Somebody who acts is named before it.
 fn by_somebody(act: &Act, trace: &TextFacts, words: &LabelWords) -> bool {
     let acts = |n: &Named| words.objects[n.group].own.meets(words.known.actor);

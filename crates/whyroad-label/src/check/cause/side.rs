@@ -35,7 +35,10 @@ pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework
         let name = framework.decisions.name(lateral.id());
         Words::new(
             format!("没有关键要素说到自车要去的那一侧，因此没有什么会引起“{}”", name.zh),
-            format!("no component speaks of the side to which the ego goes, so none brings about '{}'", name.en),
+            format!(
+                "no component speaks of the side to which the ego goes, so none brings about '{}'",
+                name.en
+            ),
         )
         .hint(
             "补上那一侧的要素（空当、车道、路线），或把横向决策改为“无决策变化”",

@@ -218,8 +218,7 @@ pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> b
     let is_far = |c: &ComponentView<'_>, f: &TextFacts| {
         f.distant.or_else(|| beyond_somebody(c.description.get().filter(|_| moves)?, f, words))
     };
-    let Some((far, (start, end))) = parts().find_map(|(c, f)| Some((c, is_far(c, f)?)))
-    else {
+    let Some((far, (start, end))) = parts().find_map(|(c, f)| Some((c, is_far(c, f)?))) else {
         return false;
     };
     let nearer = parts().find(|(_, f)| near(f)).and_then(|(c, _)| c.description.get());
@@ -247,8 +246,14 @@ fn beyond_somebody(text: &str, facts: &TextFacts, words: &LabelWords) -> Option<
     let first = facts.named.first()?;
     let own = |n: &Named| words.objects[n.group].own;
     let begins = match text.is_ascii() {
-        true => words.subjects.beyond.iter().any(|w| text[..first.start].to_ascii_lowercase().trim().ends_with(w.as_str()))
-            && text[..first.start].split_whitespace().count() <= MOST_WORDS_BEFORE,
+        true => {
+            words
+                .subjects
+                .beyond
+                .iter()
+                .any(|w| text[..first.start].to_ascii_lowercase().trim().ends_with(w.as_str()))
+                && text[..first.start].split_whitespace().count() <= MOST_WORDS_BEFORE
+        }
         false => words.subjects.beyond.iter().any(|w| text[first.end..].starts_with(w.as_str())),
     };
     let reaches = facts.acts.iter().any(|a| !a.denied && a.doing.meets(words.reaching));
@@ -329,7 +334,9 @@ pub(in crate::check) fn denied(scope: &TextScope<'_>, reading: &Reading, sink: &
     // A change of lane or a turn has its own cause, which may be the route or the road.
     let stays = label.lateral.get().is_none_or(|l| matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
     let clauses = || (stays && restricts).then(|| grounds::against(scope, reading)).flatten();
-    let Some((start, end)) = by_itself().or_else(clauses).or_else(|| grounds::sign_is_missing(scope)) else {
+    let route = || (!stays).then(|| grounds::route_denied(scope)).flatten();
+    let missing = || grounds::sign_is_missing(scope);
+    let Some((start, end)) = by_itself().or_else(clauses).or_else(missing).or_else(route) else {
         return false;
     };
     sink.report(Finding::warning("label.trace.contradicts", pointer::COC_TRACE).part(start, end), &|| {
@@ -382,7 +389,21 @@ fn irrelevant(text: &str, texts: &Texts, words: &LabelWords, restricts: bool) ->
         own.iter().any(|n| is_cause(n) && first.is_some_and(|f| words.objects[n.group].near.meets(f)));
     let of_first = of_first || own.is_empty() && words.subjects.has_pronoun(&text[from..end]);
     let is_other = |n: &Named| if of_first { n.start >= end } else { is_other(n) };
-    let another = texts.trace.there().filter(is_cause).any(is_other);
+    // What only the components of the same thing name is no other cause.
+    let mut same = about;
+    for f in texts.components.iter().filter(|f| f.groups.meets(about)) {
+        same = f.there().fold(same, |set, n| set.with(words.objects[n.group].near));
+    }
+    let given = texts.components.iter().filter(|f| !f.groups.meets(about));
+    let given = given
+        .flat_map(TextFacts::there)
+        .fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].own));
+    let is_given = |n: &&Named| {
+        let own = words.objects[n.group].own;
+        own.meets(given) && !own.meets(same) || n.start >= end
+    };
+    let only_same = restricts && !own.is_empty();
+    let another = texts.trace.there().filter(is_cause).filter(|n| !only_same || is_given(n)).any(is_other);
     (!another && (of_first || restricts)).then_some((start, end))
 }
 

@@ -335,9 +335,8 @@ fn other_kind(n: &Named, scope: &TextScope<'_>) -> bool {
         given != 0
             && given & said == 0
             && !all().any(general)
-            && !parts().any(|(t, f)| {
-                !f.named.iter().any(|m| kinds(t, m) != 0) && subject::is_unread(t, f, words)
-            })
+            && !parts()
+                .any(|(t, f)| !f.named.iter().any(|m| kinds(t, m) != 0) && subject::is_unread(t, f, words))
     })
 }
 

@@ -163,8 +163,10 @@ fn against_another(
     };
     let own = |n: &Named| words.objects[n.group].own;
     let bad = adverse.with(sight).without(actor).only(about);
-    // Who may come, and what may be: nothing is denied.
-    if facts.named.iter().any(|n| n.supposed) || text.contains("会不会") {
+    // Who may come, and what may be: nothing is denied. Nor is it where the ego has been.
+    let lower = text.to_ascii_lowercase();
+    let is_earlier = words.subjects.earlier.iter().any(|w| lower.contains(w.as_str()));
+    if facts.named.iter().any(|n| n.supposed) || text.contains("会不会") || is_earlier {
         return None;
     }
     let is_there = |n: &Named| facts.there().any(|m| m.group == n.group);
@@ -179,7 +181,9 @@ fn against_another(
     let clear = || {
         let hinders = |n: &Named| own(n).meets(bad);
         // Another part of the road may be free.
-        if !matches!(label.lateral.get(), None | Some(Lateral::LaneKeeping)) || words.subjects.speaks_of_side(text) {
+        if !matches!(label.lateral.get(), None | Some(Lateral::LaneKeeping))
+            || words.subjects.speaks_of_side(text)
+        {
             return None;
         }
         facts.clear.first().filter(|_| !facts.there().any(hinders) && others().any(hinders)).copied()

@@ -4,9 +4,9 @@
 use crate::check::consistency::trace::{Force, Mention, Reading};
 use crate::check::consistency::trace_rules;
 use crate::check::texts::TextScope;
-use whyroad_framework::decision_table::{ClassDecisions, Fit};
 use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::decision_table::{ClassDecisions, Fit};
 use whyroad_model::decision::Lateral;
 use whyroad_model::label_fields::pointer;
 
@@ -34,24 +34,24 @@ pub(super) fn second_action(
         };
         // "Swings left behind it": the turn of the class.
         let turns = class.is_some_and(|c| c.lateral_fit(Some(Lateral::Turn)) == Fit::Usual);
-        !(turns && m.side.is_some()) && !phrase.supports_only && phrase.longitudinal.is_empty() && !phrase.lateral.iter().any(part)
+        !(turns && m.side.is_some())
+            && !phrase.supports_only
+            && phrase.longitudinal.is_empty()
+            && !phrase.lateral.iter().any(part)
     };
     let is_second = |m: &&Mention| m.later && m.start >= decided && !says(m) && is_other(m);
     let Some(m) = reading.mentions.iter().find(is_second) else { return false };
     let says = lexicon.phrases[m.phrase].lateral[0];
-    sink.report(
-        Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(m.start, m.end),
-        &|| {
-            let (phrase, name) = (&text[m.start..m.end], names.name(says.id()));
-            Words::new(
-                format!("因果描述在决策之后又说“{phrase}”（{}）：标注只写关键帧之后的第一个动作", name.zh),
-                format!(
-                    "behind the decision the trace goes on to '{phrase}' ({}): a label has the first action only",
-                    name.en
-                ),
-            )
-            .hint("删去后面的动作", "leave the later action out")
-        },
-    );
+    sink.report(Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(m.start, m.end), &|| {
+        let (phrase, name) = (&text[m.start..m.end], names.name(says.id()));
+        Words::new(
+            format!("因果描述在决策之后又说“{phrase}”（{}）：标注只写关键帧之后的第一个动作", name.zh),
+            format!(
+                "behind the decision the trace goes on to '{phrase}' ({}): a label has the first action only",
+                name.en
+            ),
+        )
+        .hint("删去后面的动作", "leave the later action out")
+    });
     true
 }

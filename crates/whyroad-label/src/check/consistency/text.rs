@@ -141,9 +141,9 @@ fn reason_of_no_road(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)>
     let inside = |at: usize| at < to;
     // "My sister" is not in the ego's way.
     let of_ego = |part: &str| match part.is_ascii() {
-        true => part.split(|c: char| !c.is_ascii_alphabetic()).any(|w| {
-            ["ego", "we", "us", "our"].iter().any(|own| w.eq_ignore_ascii_case(own))
-        }),
+        true => part
+            .split(|c: char| !c.is_ascii_alphabetic())
+            .any(|w| ["ego", "we", "us", "our"].iter().any(|own| w.eq_ignore_ascii_case(own))),
         false => words.subjects.speaks_of_ego(part),
     };
     // Where the ego is, is of the scene, too.

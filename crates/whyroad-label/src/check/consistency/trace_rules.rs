@@ -1,8 +1,8 @@
 //! Rules of the trace text (LABELING.md 7): its form, and what it says against the decisions.
 
+use crate::check::consistency::sequel;
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
 use crate::check::consistency::trace_stems::{self, ByStem};
-use crate::check::consistency::sequel;
 use crate::check::consistency::undecided;
 use crate::check::reading::Named;
 use crate::check::texts::TextScope;

@@ -28,7 +28,7 @@ pub(super) fn is_undecided(
     strict: Strict,
 ) -> bool {
     // What a "therefore" marks is a decision, in whatever words; in English, unless it says what is.
-    if reading.marked && !text.is_ascii() {
+    if reading.marked && (!text.is_ascii() || acts_when_marked(text, reading)) {
         return false;
     }
     let kinds = [Divider::Sentence, Divider::Clause];
@@ -65,4 +65,13 @@ pub(super) fn is_undecided(
             _ => from < last && !text.is_ascii(),
         }
     })
+}
+
+/// Behind "so" and the like "it" is the ego, unless something is only said to be: "so it leaves the road".
+fn acts_when_marked(text: &str, reading: &Reading) -> bool {
+    let part = text.get(reading.decision_from..).unwrap_or_default().to_ascii_lowercase();
+    let all: Vec<&str> = part.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty()).collect();
+    let Some(at) = all.iter().take(5).position(|w| ["it", "they"].contains(w)) else { return false };
+    let is = ["is", "are", "was", "were", "has", "had", "will", "would", "can", "could", "may", "might", "s"];
+    !all.get(at + 1).is_some_and(|w| is.contains(w))
 }

@@ -178,7 +178,10 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
             return true;
         }
         // Without a "therefore" the decision may well precede the last sentence.
-        if overruled.is_none() && !denied_only && !reading.marked && relevant().filter(supports).any(|m| m.force == Force::Asserted)
+        if overruled.is_none()
+            && !denied_only
+            && !reading.marked
+            && relevant().filter(supports).any(|m| m.force == Force::Asserted)
         {
             return true;
         }
