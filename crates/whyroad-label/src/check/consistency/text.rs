@@ -153,6 +153,10 @@ fn reason_of_no_road(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)>
         .iter()
         .filter(|n| inside(n.start))
         .any(|n| own(n).meets(components) || own(n).meets(background) && !own(n).meets(words.known.gap));
+    // Of a meal or a football match, whatever words it shares.
+    if !known && texts.trace.idle.is_some_and(|(at, _)| inside(at)) {
+        return Some((0, to));
+    }
     if known
         || texts.trace.acts.iter().any(|a| inside(a.start))
         || of_ego(part)
