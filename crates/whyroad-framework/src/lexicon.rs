@@ -46,6 +46,8 @@ pub struct Lexicon {
     pub given_way: Vec<String>,
     /// Behind a phrase in Chinese, what would come of it.
     pub consequence: Vec<String>,
+    /// What the ego does beside driving, in lower case.
+    pub beside_driving: Vec<String>,
     /// Of the words for what comes later, those that introduce another action of the ego.
     then: Vec<String>,
     /// Words that deny what the ego does, rather than what it can do or has to do; in lower case.
@@ -182,6 +184,8 @@ struct RoleWords {
     consequence: Words,
     #[serde(default)]
     then: Words,
+    #[serde(default)]
+    beside_driving: Words,
     towards_ego: Words,
     of_ego: Words,
     meant: Words,

@@ -158,6 +158,13 @@ pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
         refuses: list(&w.refuses),
         consequence: list(&w.consequence),
         then: list(&w.then),
+        beside_driving: w
+            .beside_driving
+            .all()
+            .filter_map(super::expand::choices)
+            .flatten()
+            .map(|t| t.to_lowercase())
+            .collect(),
         towards_ego: list(&w.towards_ego),
         of_ego: list(&w.of_ego),
         meant: list(&w.meant),

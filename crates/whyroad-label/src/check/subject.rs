@@ -52,6 +52,14 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
     !facts.named.iter().any(|n| n.start < end && is_last(n))
 }
 
+/// The name at `start` is of one: "a beige estate". Latin letters, with at most three words between.
+pub(super) fn is_single(text: &str, start: usize) -> bool {
+    let before = text.get(..start).unwrap_or_default();
+    let words = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
+    let mut all = words.take(4);
+    text.is_ascii() && all.any(|w| w.eq_ignore_ascii_case("a") || w.eq_ignore_ascii_case("an"))
+}
+
 /// Stands before the words for a thing that is not introduced.
 fn is_break(word: &str, words: &LabelWords) -> bool {
     words.subjects.ends(word) || words.subjects.is_determiner(word)

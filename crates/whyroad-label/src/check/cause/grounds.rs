@@ -147,15 +147,15 @@ pub(super) fn sign_is_missing(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     texts.trace.named.iter().find(is_missing).map(|n| (n.start, n.end))
 }
 
-/// Bytes of what says that the route does not ask for the maneuver whose cause it is: "the navigation does not want this
-/// exit". Not where a sign or a marking forbids to go on, which the route is against.
+/// Bytes of what says that the route does not ask for the maneuver whose cause it is: "the navigation does not want
+/// this exit". Not where a sign or a marking forbids to go on, which the route is against.
 pub(super) fn route_denied(scope: &TextScope<'_>) -> Option<(usize, usize)> {
-    let TextScope { label, texts, words, .. } = *scope;
+    let TextScope { label, texts, words, about, .. } = *scope;
     let text = label.trace.get()?;
     let route = |n: &Named| words.objects[n.group].own.meets(words.known.route);
     let rules = words.known.sign.with(words.kinds.get("marking").copied().unwrap_or_default());
     let parts = || texts.components.iter();
-    if !parts().any(|f| f.there().any(route)) || parts().any(|f| f.groups.meets(rules)) {
+    if !parts().any(|f| f.there().any(route)) || about.meets(rules) {
         return None;
     }
     let clause =

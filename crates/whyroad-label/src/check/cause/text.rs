@@ -204,7 +204,13 @@ pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> b
         Some(Longitudinal::Resume) if !about.is_empty() && about.without(words.known.actor).is_empty() => {
             words.known.actor
         }
-        None if label.lateral == Slot::Is(Lateral::LaneChange) => words.known.actor,
+        None if matches!(
+            label.lateral.get(),
+            Some(Lateral::LaneChange | Lateral::InLaneNudge | Lateral::OutOfLaneNudge)
+        ) =>
+        {
+            words.known.actor
+        }
         _ => return false,
     };
     let acts = |n: &&Named| words.objects[n.group].own.meets(wanted);
@@ -240,8 +246,8 @@ pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> b
     true
 }
 
-/// Bytes of what puts something beyond somebody whom the component names first, only to say where it is: "past the truck,
-/// the light is red", "the bus, farther on from it". Not what he hides, nor who comes from there.
+/// Bytes of what puts something beyond somebody whom the component names first, only to say where it is: "past the
+/// truck, the light is red", "the bus, farther on from it". Not what he hides, nor who comes from there.
 fn beyond_somebody(text: &str, facts: &TextFacts, words: &LabelWords) -> Option<(usize, usize)> {
     let first = facts.named.first()?;
     let own = |n: &Named| words.objects[n.group].own;

@@ -231,7 +231,13 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
     let other_count = |n: &Named| {
         let count = |t: &str, n: &Named| words.quantities.count_before(t, n.start, &words.subjects.counters);
         let Some(said) = count(text, n) else { return false };
-        let given: Vec<f64> = same_in_parts(n).filter_map(|(t, m)| count(t, m)).collect();
+        let one = |t: &str, m: &Named| subject::is_single(t, m.start).then_some(1.0);
+        let given: Vec<f64> =
+            same_in_parts(n).filter_map(|(t, m)| count(t, m).or_else(|| one(t, m))).collect();
+        // "A car" and "a van" are two cars.
+        if said <= given.iter().sum() && given.len() > 1 {
+            return false;
+        }
         words.objects[n.group].own.meets(words.known.actor) && !given.is_empty() && !given.contains(&said)
     };
     // A bend or a wall on the other side: by itself, or as a part of its name.

@@ -147,8 +147,8 @@ fn room_for_aborted(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Opt
     facts.named.iter().find(|n| n.absent && acts(n)).map(|n| (n.start, n.end))
 }
 
-/// Bytes of what a component says that another one denies: that there is none of what is there, that it hides or hinders
-/// nothing, or that whoever the ego responds to is out of the way.
+/// Bytes of what a component says that another one denies: that there is none of what is there, that it hides or
+/// hinders nothing, or that whoever the ego responds to is out of the way.
 fn against_another(
     index: usize,
     text: &str,

@@ -1,17 +1,20 @@
-//! A second action of the ego behind its decision: "gives way, then reverses". The decision is the first action after the
-//! keyframe (LABELING.md 2), so that a trace ends with it.
+//! A second action of the ego behind its decision: "gives way, then reverses". The decision is the first action after
+//! the keyframe (LABELING.md 2), so that a trace ends with it.
 
 use crate::check::consistency::trace::{Force, Mention, Reading};
 use crate::check::consistency::trace_rules;
+use crate::check::reading::Named;
 use crate::check::texts::TextScope;
 use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::decision_table::{ClassDecisions, Fit};
+use whyroad_framework::label_words::Divider;
 use whyroad_model::decision::Lateral;
 use whyroad_model::label_fields::pointer;
 
 /// Nothing stands behind the decision that the ego does next and that no part of the class is: a maneuver of another
-/// kind. To go back to one's lane, or on with the turn of the class, is part of what was decided. True when there is one.
+/// kind. To go back to one's lane, or on with the turn of the class, is part of what was decided. True when there is
+/// one.
 pub(super) fn second_action(
     scope: &TextScope<'_>,
     reading: &Reading,
@@ -23,7 +26,9 @@ pub(super) fn second_action(
     let Some(text) = label.trace.get() else { return false };
     let says = |m: &Mention| trace_rules::says_label(m, lexicon, label);
     let decides = |m: &&Mention| !m.later && matches!(m.force, Force::Asserted | Force::Doubtful) && says(m);
-    let Some(decided) = reading.mentions.iter().find(decides).map(|m| m.end) else { return false };
+    let Some(decided) = reading.mentions.iter().find(decides).map(|m| m.end) else {
+        return beside_driving(scope, reading, sink);
+    };
     let own = label.lateral.get();
     let is_other = |m: &Mention| {
         let phrase = &lexicon.phrases[m.phrase];
@@ -40,7 +45,9 @@ pub(super) fn second_action(
             && !phrase.lateral.iter().any(part)
     };
     let is_second = |m: &&Mention| m.later && m.start >= decided && !says(m) && is_other(m);
-    let Some(m) = reading.mentions.iter().find(is_second) else { return false };
+    let Some(m) = reading.mentions.iter().find(is_second) else {
+        return beside_driving(scope, reading, sink);
+    };
     let says = lexicon.phrases[m.phrase].lateral[0];
     sink.report(Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(m.start, m.end), &|| {
         let (phrase, name) = (&text[m.start..m.end], names.name(says.id()));
@@ -53,5 +60,46 @@ pub(super) fn second_action(
         )
         .hint("删去后面的动作", "leave the later action out")
     });
+    true
+}
+
+/// The trace says that the ego sounds its horn, flashes its lights or switches its engine off: in its last clause, or
+/// one that names nobody else.
+fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink) -> bool {
+    let TextScope { label, texts, words, lexicon, .. } = *scope;
+    let Some(text) = label.trace.get() else { return false };
+    let lower = text.to_lowercase();
+    if lower.len() != text.len() {
+        return false;
+    }
+    let end = reading.end.min(text.len());
+    let begin = reading.decision_from.min(end);
+    let all = lexicon.beside_driving.iter().flat_map(|w| lower.match_indices(w.as_str()));
+    let of_ego = |(at, w): &(usize, &str)| {
+        let (from, _) = words.clauses.around(&texts.units, *at..*at + w.len(), text.len(), &|d| {
+            d != Divider::Aside && d != Divider::Item
+        });
+        let acts = |n: &Named| words.objects[n.group].own.meets(words.known.actor);
+        let other = texts.trace.named.iter().any(|n| (from..*at).contains(&n.start) && acts(n));
+        let denied = ["不", "没", "别", "without", "not ", "no "];
+        let before = &lower[from..*at];
+        // "A van that has its hazards on".
+        let is_kind = text[*at + w.len()..].starts_with('的');
+        *at >= begin && !other && !is_kind && !denied.iter().any(|d| before.contains(d))
+    };
+    let Some((start, word)) = all.filter(of_ego).min() else { return false };
+    sink.report(
+        Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(start, start + word.len()),
+        &|| {
+            Words::new(
+                format!("因果描述说自车“{word}”，这不是任何驾驶决策"),
+                format!("the trace says of the ego '{word}', which is no driving decision"),
+            )
+            .hint(
+                "因果描述以决策结尾，删去别的动作",
+                "the trace ends with the decision: leave other actions out",
+            )
+        },
+    );
     true
 }

@@ -164,8 +164,8 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         let plainly = deciding().filter(supports).filter(exact).filter(|m| refused.is_none() || by_ego(m));
         let denied_only = deciding().filter(supports).filter(exact).any(|m| denies(&m))
             && !plainly.clone().any(|m| matches!(m.force, Force::Asserted | Force::Doubtful));
-        // "It requires a halt, and we sail straight through": what the ego does at last is another thing, and the label's
-        // decision is only said of what it has to do.
+        // "It requires a halt, and we sail straight through": what the ego does at last is another thing, and the
+        // label's decision is only said of what it has to do.
         let at_last_other =
             relevant().filter(firm).find(|m| m.by_ego && at_last(m) && !says(m).contains(&label));
         let own_support =

@@ -200,6 +200,10 @@ impl Reader<'_> {
             Role::Intention => self.intention = true,
             Role::Sequel => {
                 self.sequel = true;
+                // "Lets it by and then turns": the ego again.
+                if self.actor == Actor::Other && self.text[..hit.start].ends_with("and ") {
+                    self.actor = Actor::Unknown;
+                }
                 self.then = self.lexicon.introduces_another(&self.text[hit.start..hit.end]);
             }
             Role::Negation | Role::NegationAdjacent => {
@@ -274,6 +278,14 @@ impl Reader<'_> {
         let actor = if self.actor == Actor::Unknown { self.inherited } else { self.actor };
         let carried = self.actor == Actor::Unknown && self.inherited == Actor::Other;
         let negated = match &mut self.negation {
+            // "Without leaving the lane and brakes": a finite verb goes on with what was said before.
+            Some(n)
+                if self.text[..n.end].to_ascii_lowercase().ends_with("without")
+                    && self.text[n.end..hit.start].contains(" and ")
+                    && !self.text[hit.start..hit.end].contains("ing") =>
+            {
+                Force::Asserted
+            }
             Some(n) if !n.used && hit.start - n.end <= n.reach => {
                 n.used = true;
                 Force::Negated
