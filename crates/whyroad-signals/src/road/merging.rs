@@ -178,7 +178,7 @@ impl Role {
 }
 
 /// True when the lane begins beside a through lane: nothing leads to it, or whatever does leads on into the lane beside
-/// it as well, at once or over a short piece.
+/// it as well, at once or over a short piece. Where nothing leads to the lanes beside it either, the map begins there.
 fn begins_beside(road: &Road, lane: usize) -> bool {
     let next = |l: usize| road.lanes[l].successors.iter().copied();
     let before = |l: usize| road.lanes[l].predecessors.iter().copied();
@@ -187,7 +187,14 @@ fn begins_beside(road: &Road, lane: usize) -> bool {
         let reached = next(p).chain(next(p).flat_map(|l| road.lanes[l].successors.iter().copied()));
         reached.chain(before(p).flat_map(next).flat_map(next)).any(|l| near.contains(&l))
     };
-    before(lane).all(goes_on)
+    before(lane).all(goes_on) && near.iter().any(|&l| before(l).next().is_some())
+}
+
+/// True when whoever stays in the lane comes onto a ramp; one that may drive on along the main road is in a lane of it.
+fn only_leaves(on: &OnRoad<'_>, lane: usize) -> bool {
+    let ramp = |l: usize| on.lane(l).is_some_and(|l| l.is_tagged("ramp"));
+    let next = |l: usize| on.road.lanes[l].successors.iter().copied();
+    next(lane).all(|l| ramp(l) || next(l).any(ramp))
 }
 
 fn zone(on: &OnRoad<'_>, roles: &[Role], lane: usize, ends: f64) -> MapMergeZone {
@@ -199,7 +206,7 @@ fn zone(on: &OnRoad<'_>, roles: &[Role], lane: usize, ends: f64) -> MapMergeZone
         MapMergeZone::Weaving
     } else if role.acceleration || (role.joined && ends <= ZONE_M && ends.is_finite()) {
         MapMergeZone::Acceleration
-    } else if role.deceleration || (role.leaves && begins_beside(on.road, lane)) {
+    } else if role.deceleration || (role.leaves && only_leaves(on, lane) && begins_beside(on.road, lane)) {
         MapMergeZone::Deceleration
     } else if beside.into_iter().any(|n| roles[n].weaves()) {
         MapMergeZone::Weaving
@@ -255,15 +262,23 @@ fn changes(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<MapFacilityChange>> {
     let mut codes: Vec<Option<MapFacilityChange>> =
         (0..on.frames()).map(|i| on.ego.is_known(i).then_some(MapFacilityChange::None)).collect();
     let aside = sides(on, roles);
-    let mut before = None;
+    let joint = |i: usize| on.lanes.at(i).is_some_and(|at| on.road.lanes[at.lane].in_junction);
+    let mut before: Option<(usize, bool)> = None;
     for (i, side) in aside.iter().enumerate() {
         let Some(now) = *side else { continue };
-        if before.is_some_and(|b| b != now) {
+        if let Some((last, was)) = before
+            && was != now
+        {
             let code = if now { MapFacilityChange::MainToRamp } else { MapFacilityChange::RampToMain };
-            let near = |j: &usize| (on.times[*j] - on.times[i]).abs() <= CHANGE_S + 0.01;
+            // It leaves the main road where a connection to the ramp begins, and has joined it where one from the ramp ends.
+            let from = if now && (last + 1..i).all(joint) { last + 1 } else { i };
+            let near = |j: &usize| {
+                on.times[*j] >= on.times[from] - CHANGE_S - 0.01
+                    && on.times[*j] <= on.times[i] + CHANGE_S + 0.01
+            };
             (0..on.frames()).filter(near).filter(|&j| on.ego.is_known(j)).for_each(|j| codes[j] = Some(code));
         }
-        before = Some(now);
+        before = Some((i, now));
     }
     codes
 }

@@ -169,6 +169,54 @@ fn an_exit_and_a_fork() {
     assert_eq!(Table::of(&plain).ego("map.distance_to_split", 30), INF);
 }
 
+/// The exit lane r, which leads through a joint of 15 m to the ramp e, with m and m2 beside it; the road is there before
+/// x = -100 as well, as two lanes.
+fn exit() -> Vec<Lane> {
+    let mut lanes = lane_drop();
+    lanes.push(Lane { in_junction: true, ..straight("j", 100.0, 115.0, 0.0) });
+    lanes.push(lane("e", &[(115.0, 0.0), (315.0, -40.0)], 3.5));
+    lanes.push(straight("m0", -400.0, -100.0, 3.5));
+    for (from, to) in [("r", "j"), ("j", "e"), ("m0", "m")] {
+        link(&mut lanes, from, to);
+    }
+    tag(&mut lanes, "e", "ramp");
+    lanes
+}
+
+#[test]
+fn a_deceleration_lane_begins_beside_a_through_lane_and_leads_to_the_ramp_only() {
+    let zone = |lanes: Vec<Lane>| {
+        let mut d = drive(80, |t| (10.0 * t, 0.0, 0.0));
+        d.map = Some(map(lanes));
+        Table::of(&d).ego_category("map.merge_zone", 20).map(str::to_owned)
+    };
+    assert_eq!(zone(exit()).as_deref(), Some("deceleration"));
+    // From lane r one may stay on the main road too.
+    let mut either = exit();
+    either.push(straight("r2", 100.0, 500.0, 0.0));
+    link(&mut either, "r", "r2");
+    assert_eq!(zone(either).as_deref(), Some("none"));
+    // All lanes begin at x = -100: there the map does.
+    let mut cut = exit();
+    cut.retain(|l| l.id != "m0");
+    cut.iter_mut().for_each(|l| l.predecessors.retain(|p| p != "m0"));
+    assert_eq!(zone(cut).as_deref(), Some("none"));
+}
+
+#[test]
+fn an_exit_begins_where_the_ego_leaves_the_main_road() {
+    // 10 m/s along r, which its center leaves at 10 s, through the joint until 11.5 s, and on along the ramp.
+    let slope = 40.0_f64 / 200.0;
+    let mut d = drive(150, |t| {
+        let x = 10.0 * t;
+        (x, -(x - 115.0).max(0.0) * slope, if x < 115.0 { 0.0 } else { -slope.atan() })
+    });
+    d.map = Some(map(exit()));
+    let (first, last) = Table::of(&d).span("map.facility_change", "main_to_ramp").unwrap();
+    // Told from 1 s before until 1 s after, give or take a frame.
+    assert!((89..=91).contains(&first) && (124..=126).contains(&last), "{first} {last}");
+}
+
 #[test]
 fn the_end_of_the_road_and_the_end_of_the_map() {
     let mut d = drive(60, |t| (10.0 * t, 0.0, 0.0));
