@@ -1,7 +1,7 @@
 //! Values to the column chunks of Parquet files: those of the known rows, and which rows these are. Signals are not
 //! made Arrow arrays for it; the Arrow schema only says what the columns are.
 //!
-//! Flags, texts and nulls, most columns, are made pages here (`encoded`), numbers by Parquet's own column writers.
+//! Flags, texts, numbers and nulls are made pages here (`encoded`), integers by Parquet's own column writers.
 //!
 //! Columns of a row group with equal values are in the file once: the footer names the same pages for each of them.
 //! That is plain Parquet, where a column is wherever the footer says, so that no reader has to know of it.
@@ -62,13 +62,6 @@ pub(crate) enum Cells<'a> {
     Nulls(usize),
 }
 
-/// What a column is prepared in, kept for the next one.
-#[derive(Default)]
-struct Buffers {
-    levels: Vec<i16>,
-    numbers: Vec<f64>,
-}
-
 /// A file on its way to the disk, row group by row group.
 pub(crate) struct ChunkWriter {
     path: PathBuf,
@@ -76,7 +69,8 @@ pub(crate) struct ChunkWriter {
     schema: SchemaDescPtr,
     properties: WriterPropertiesPtr,
     groups: Vec<RowGroupMetaData>,
-    buffers: Buffers,
+    /// Definition levels of a column, kept for the next one.
+    levels: Vec<i16>,
 }
 
 impl ChunkWriter {
@@ -94,7 +88,7 @@ impl ChunkWriter {
             schema: Arc::new(SchemaDescriptor::new(columns.root_schema_ptr())),
             properties: Arc::new(properties.into_builder().set_offset_index_disabled(true).build()),
             groups: Vec::new(),
-            buffers: Buffers::default(),
+            levels: Vec::new(),
         })
     }
 
@@ -124,7 +118,7 @@ impl ChunkWriter {
                     None => {
                         let missing = || ParquetError::General("more columns than the schema has".into());
                         let mut column = group.next_column()?.ok_or_else(missing)?;
-                        write(&mut column, *cells, &mut self.buffers)?;
+                        write(&mut column, *cells, &mut self.levels)?;
                         column.close()?;
                     }
                 },
@@ -214,7 +208,7 @@ fn at_the_place_of(
     out.build()
 }
 
-/// Flags, texts and nulls as a column of this type; `None` where Parquet's own writer makes it.
+/// Flags, texts, numbers and nulls as a column of this type; `None` where Parquet's own writer makes it.
 fn encoded(cells: Cells<'_>, column: Option<&ColumnDescPtr>) -> ParquetResult<Option<Encoded>> {
     let Some(column) = column else { return Ok(None) };
     let (physical, nullable) = (column.physical_type(), column.max_def_level() == 1);
@@ -230,7 +224,12 @@ fn encoded(cells: Cells<'_>, column: Option<&ColumnDescPtr>) -> ParquetResult<Op
                 let flags: Vec<Tri> = flags.iter().map(Tri::from).collect();
                 encoded::flags(&flags, column())
             }
-            _ => return Ok(None),
+            _ => match array.as_primitive_opt::<Float64Type>() {
+                Some(numbers) if physical == Type::DOUBLE => {
+                    encoded::numbers(numbers.values(), |row| array.is_valid(row), column())
+                }
+                _ => return Ok(None),
+            },
         },
         Cells::Runs(runs) if physical == Type::BYTE_ARRAY && !nullable => {
             encoded::runs(runs.iter().map(|(text, rows)| (Some(*text), *rows)), column())
@@ -240,6 +239,9 @@ fn encoded(cells: Cells<'_>, column: Option<&ColumnDescPtr>) -> ParquetResult<Op
         }
         Cells::Signal(Column::Category { codes, names }) if physical == Type::BYTE_ARRAY && nullable => {
             encoded::words(codes, names, column())
+        }
+        Cells::Signal(Column::Number(values)) if physical == Type::DOUBLE && nullable => {
+            encoded::numbers(values, |row| !values[row].is_nan(), column())
         }
         _ => return Ok(None),
     }
@@ -265,32 +267,20 @@ pub(crate) fn runs_of(texts: &StringArray) -> impl Iterator<Item = (Option<&str>
 fn write(
     column: &mut SerializedColumnWriter<'_>,
     cells: Cells<'_>,
-    buffers: &mut Buffers,
+    levels: &mut Vec<i16>,
 ) -> ParquetResult<()> {
-    let Buffers { levels, numbers } = buffers;
     let written = match (column.untyped(), cells) {
         (ColumnWriter::Int32ColumnWriter(to), Cells::Indices(values)) => {
             let values: Vec<i32> = values.iter().map(|v| v.cast_signed()).collect();
             to.write_batch(&values, None, None)
         }
         (ColumnWriter::Int64ColumnWriter(to), Cells::Integers(values)) => to.write_batch(values, None, None),
-        (ColumnWriter::DoubleColumnWriter(to), Cells::Signal(Column::Number(values))) => {
-            let known = |row: usize| !values[row].is_nan();
-            let values =
-                divided(values, values.iter().any(|x| x.is_nan()).then_some(&known), levels, numbers);
-            to.write_batch(values, Some(levels), None)
-        }
         (to, Cells::Array(array)) => {
             let is_known = |row: usize| array.is_valid(row);
             let known: Option<&dyn Fn(usize) -> bool> =
                 if array.null_count() > 0 { Some(&is_known) } else { None };
             // A column without nulls passes over the levels.
             match to {
-                ColumnWriter::DoubleColumnWriter(to) => {
-                    let values = array.as_primitive_opt::<Float64Type>().ok_or_else(other_type)?.values();
-                    let values = divided(values, known, levels, numbers);
-                    to.write_batch(values, Some(levels), None)
-                }
                 ColumnWriter::Int64ColumnWriter(to) => {
                     let values = array.as_primitive_opt::<Int64Type>().ok_or_else(other_type)?.values();
                     let mut own = Vec::new();

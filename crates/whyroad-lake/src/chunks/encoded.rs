@@ -1,9 +1,13 @@
-//! Flags and words to the pages of a column: which rows are known as runs and packed bits (the format's "RLE /
-//! bit-packing hybrid"), flags as bits, words as codes into a dictionary. Parquet's own writer does this value by value
-//! and looks each text up; here runs and 64 rows at a time are known beforehand. Not compressed: there is little left.
+//! Flags, words and numbers to the pages of a column: which rows are known as runs and packed bits (the format's "RLE /
+//! bit-packing hybrid"), flags as bits, words as codes into a dictionary, numbers as they are or as such codes.
+//! Parquet's own writer does this value by value and looks each text up; here runs and 64 rows at a time are known
+//! beforehand. Numbers are compressed where that helps, flags and words are not: there is little left.
+
+mod numbers;
 
 use crate::signals::bitmap::{Bitmap, low};
 use bytes::Bytes;
+pub(super) use numbers::numbers;
 use parquet::basic::{Compression, Encoding, PageType, Type};
 use parquet::column::page::{CompressedPage, Page, PageWriter};
 use parquet::data_type::ByteArray;
@@ -105,7 +109,7 @@ fn placed(
             return Ok(());
         }
         if !nothing && !std::mem::replace(&mut has_dictionary, true) {
-            pages.dictionary(texts)?;
+            pages.dictionary(of_texts(texts)?, texts.len())?;
         }
         let known = std::mem::take(known);
         nulls += known.len - known.ones;
@@ -280,10 +284,25 @@ impl Hybrid {
     }
 }
 
+/// The entries of a dictionary of texts.
+fn of_texts(texts: &[&str]) -> ParquetResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    for text in texts {
+        let length = u32::try_from(text.len()).map_err(|e| ParquetError::General(e.to_string()))?;
+        bytes.extend_from_slice(&length.to_le_bytes());
+        bytes.extend_from_slice(text.as_bytes());
+    }
+    Ok(bytes)
+}
+
 /// The pages of a column.
 struct Pages {
     to: TrackedWrite<Vec<u8>>,
     encoding: Encoding,
+    /// What compresses the pages; `None` where they are not compressed.
+    snappy: Option<snap::raw::Encoder>,
+    /// Bytes that this takes off them.
+    saved: i64,
     dictionary_at: Option<i64>,
     data_at: Option<i64>,
     rows: usize,
@@ -293,43 +312,46 @@ struct Pages {
 impl Pages {
     fn new(encoding: Encoding) -> Self {
         let to = TrackedWrite::new(Vec::new());
-        Self { to, encoding, dictionary_at: None, data_at: None, rows: 0, pages: 0 }
+        Self { to, encoding, snappy: None, saved: 0, dictionary_at: None, data_at: None, rows: 0, pages: 0 }
     }
 
-    /// The page that comes first.
-    fn dictionary(&mut self, texts: &[&str]) -> ParquetResult<()> {
-        let mut bytes = Vec::new();
-        for text in texts {
-            let length = u32::try_from(text.len()).map_err(|e| ParquetError::General(e.to_string()))?;
-            bytes.extend_from_slice(&length.to_le_bytes());
-            bytes.extend_from_slice(text.as_bytes());
-        }
-        let num_values = u32::try_from(texts.len()).map_err(|e| ParquetError::General(e.to_string()))?;
-        let (buf, encoding) = (bytes.into(), Encoding::PLAIN);
+    /// The page that comes first: so many entries.
+    fn dictionary(&mut self, bytes: Vec<u8>, entries: usize) -> ParquetResult<()> {
+        let num_values = u32::try_from(entries).map_err(|e| ParquetError::General(e.to_string()))?;
+        let raw = bytes.len();
+        let (buf, encoding) = (self.packed(bytes)?, Encoding::PLAIN);
         let page = Page::DictionaryPage { buf, num_values, encoding, is_sorted: false };
-        self.dictionary_at = Some(self.write(page)?);
+        self.dictionary_at = Some(self.write(page, raw)?);
         Ok(())
     }
 
     fn data(&mut self, bytes: Vec<u8>, rows: usize) -> ParquetResult<()> {
+        let raw = bytes.len();
         let page = Page::DataPage {
-            buf: bytes.into(),
+            buf: self.packed(bytes)?,
             num_values: rows as u32,
             encoding: self.encoding,
             def_level_encoding: Encoding::RLE,
             rep_level_encoding: Encoding::RLE,
             statistics: None,
         };
-        let at = self.write(page)?;
+        let at = self.write(page, raw)?;
         self.data_at = self.data_at.or(Some(at));
         (self.rows, self.pages) = (self.rows + rows, self.pages + 1);
         Ok(())
     }
 
-    /// Writes a page; gives where it begins.
-    fn write(&mut self, page: Page) -> ParquetResult<i64> {
-        let bytes = page.buffer().len();
-        let written = SerializedPageWriter::new(&mut self.to).write_page(CompressedPage::new(page, bytes))?;
+    /// What a page has in the file for these bytes.
+    fn packed(&mut self, bytes: Vec<u8>) -> ParquetResult<Bytes> {
+        let Some(snappy) = &mut self.snappy else { return Ok(bytes.into()) };
+        let packed = snappy.compress_vec(&bytes).map_err(|e| ParquetError::General(e.to_string()))?;
+        Ok(packed.into())
+    }
+
+    /// Writes a page that has this number of bytes when it is not compressed; gives where it begins.
+    fn write(&mut self, page: Page, raw: usize) -> ParquetResult<i64> {
+        self.saved += raw as i64 - page.buffer().len() as i64;
+        let written = SerializedPageWriter::new(&mut self.to).write_page(CompressedPage::new(page, raw))?;
         i64::try_from(written.offset).map_err(|e| ParquetError::General(e.to_string()))
     }
 
@@ -343,14 +365,15 @@ impl Pages {
         if self.encoding != Encoding::PLAIN {
             encodings.push(self.encoding);
         }
+        let compression = if self.snappy.is_some() { Compression::SNAPPY } else { Compression::UNCOMPRESSED };
         let bytes = self.to.into_inner()?;
         let size = i64::try_from(bytes.len()).map_err(|e| ParquetError::General(e.to_string()))?;
         let metadata = ColumnChunkMetaData::builder(column)
-            .set_compression(Compression::UNCOMPRESSED)
+            .set_compression(compression)
             .set_encodings(encodings)
             .set_page_encoding_stats(stats.collect())
             .set_total_compressed_size(size)
-            .set_total_uncompressed_size(size)
+            .set_total_uncompressed_size(size + self.saved)
             .set_num_values(self.rows as i64)
             .set_data_page_offset(self.data_at.unwrap_or(0))
             .set_dictionary_page_offset(self.dictionary_at)

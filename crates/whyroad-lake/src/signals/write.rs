@@ -4,7 +4,7 @@ use super::equal::earlier_equals;
 use super::{Contents, FRAME, KEY, ROW_ORDER, StoredDrive, TIME, digest};
 use crate::LakeError;
 use crate::chunks::{Cells, ChunkWriter, Source};
-use crate::file::{properties, repeats};
+use crate::file::properties;
 use arrow_schema::{DataType, Field, Schema};
 use parquet::basic::Encoding;
 use parquet::file::metadata::KeyValue;
@@ -93,7 +93,7 @@ fn schema(has_targets: bool, signals: &[(&String, &Column)]) -> Schema {
     Schema::new(fields)
 }
 
-fn writer_properties(contents: &str, signals: &[(&String, &Column)]) -> WriterProperties {
+fn writer_properties(contents: &str) -> WriterProperties {
     let mut out = properties(ROW_ORDER, vec![KeyValue::new(KEY.to_owned(), contents.to_owned())])
         .set_statistics_enabled(EnabledStatistics::Chunk)
         .set_write_batch_size(BATCH_ROWS);
@@ -101,13 +101,6 @@ fn writer_properties(contents: &str, signals: &[(&String, &Column)]) -> WriterPr
         out = out
             .set_column_encoding(ColumnPath::from(key), Encoding::DELTA_BINARY_PACKED)
             .set_column_dictionary_enabled(ColumnPath::from(key), false);
-    }
-    for (name, sample) in signals {
-        if matches!(sample, Column::Number(values) if !repeats(values)) {
-            // Names have dots, and are one part of a path all the same.
-            let path = ColumnPath::new(vec![(*name).clone()]);
-            out = out.set_column_dictionary_enabled(path, false);
-        }
     }
     out.build()
 }
@@ -125,7 +118,7 @@ fn write_file(
     let signals: Vec<(&String, &Column)> =
         names.into_iter().filter_map(|name| Some((name, sample(name)?))).collect();
     let schema = schema(keys(first).targets.is_some(), &signals);
-    let mut writer = ChunkWriter::create(path, &schema, writer_properties(contents, &signals))?;
+    let mut writer = ChunkWriter::create(path, &schema, writer_properties(contents))?;
     for (_, table) in drives {
         let Keys { targets, frames, times } = keys(table);
         let drive = [(table.drive_id.as_str(), frames.len())];

@@ -5,9 +5,10 @@ use crate::chunks::{Cells, ChunkWriter, Source};
 use crate::file::properties;
 use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
-use arrow_array::types::UInt16Type;
+use arrow_array::types::{Float64Type, UInt16Type};
 use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::basic::Compression;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::statistics::Statistics;
 use proptest::prelude::*;
@@ -122,4 +123,82 @@ fn columns_in_which_nothing_is_known_are_read() {
     let (_, metadata) = read_back(&[Tri::Unknown; 100], &[UNKNOWN_CODE; 100], &["a"], &[("d", 100)]);
     assert_eq!(metadata.row_group(0).column(2).dictionary_page_offset(), None);
     assert!(metadata.row_group(0).column(0).dictionary_page_offset().is_some());
+}
+
+/// Numbers in one row group, as Parquet's reader finds them; unknown is `None`.
+fn numbers_read_back(numbers: &[f64]) -> (Vec<Option<u64>>, Arc<ParquetMetaData>) {
+    let schema = Schema::new(vec![Field::new("number", DataType::Float64, true)]);
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let mut writer = ChunkWriter::create(file.path(), &schema, properties("row", vec![]).build()).unwrap();
+    let column = Column::Number(numbers.to_vec());
+    writer.row_group(numbers.len(), &[Source::Cells(Cells::Signal(&column))]).unwrap();
+    writer.finish().unwrap();
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file.reopen().unwrap()).unwrap();
+    let metadata = Arc::clone(reader.metadata());
+    let batch = reader.with_batch_size(numbers.len().max(1)).build().unwrap().next().unwrap().unwrap();
+    let found = batch.column(0).as_primitive::<Float64Type>().iter();
+    (found.map(|x| x.map(f64::to_bits)).collect(), metadata)
+}
+
+fn check_numbers(numbers: &[f64]) -> Arc<ParquetMetaData> {
+    let (found, metadata) = numbers_read_back(numbers);
+    let known = |x: &f64| (!x.is_nan()).then(|| x.to_bits());
+    assert_eq!(found, numbers.iter().map(known).collect::<Vec<_>>());
+    let Some(Statistics::Double(of_numbers)) = metadata.row_group(0).column(0).statistics() else {
+        panic!("no numbers")
+    };
+    let known = || numbers.iter().copied().filter(|x| !x.is_nan());
+    // Zeros of either sign are equal.
+    assert_eq!(of_numbers.min_opt().copied(), known().min_by(f64::total_cmp));
+    assert_eq!(of_numbers.max_opt().copied(), known().max_by(f64::total_cmp));
+    let nulls = numbers.len() - known().count();
+    assert_eq!(of_numbers.null_count_opt(), Some(nulls as u64));
+    metadata
+}
+
+/// A number that no other one is near of, from 1 to 2.
+fn scattered(i: usize) -> f64 {
+    let bits = (i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5bd1_e995;
+    f64::from_bits(0x3ff0_0000_0000_0000 | (bits.wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 12))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+
+    #[test]
+    fn numbers_are_read(
+        stretches in prop::collection::vec((prop_oneof![
+            2 => Just(f64::NAN), 1 => Just(0.0), 1 => Just(-0.0), 1 => Just(f64::INFINITY),
+            4 => (0u8..40).prop_map(f64::from), 4 => any::<f64>(),
+        ], prop_oneof![3 => 1usize..3, 1 => 1usize..200]), 0..200),
+        rows in 1usize..3000,
+    ) {
+        check_numbers(&repeated(stretches, rows, f64::NAN));
+    }
+}
+
+#[test]
+fn numbers_of_several_pages_are_read() {
+    let rows = 2 * super::PAGE_ROWS + 11;
+    let hole = |i: usize, x: f64| if i % 1001 < 3 { f64::NAN } else { x };
+    // A dictionary; numbers that come once; those that do so after a beginning in which they repeat.
+    let few: Vec<f64> = (0..rows).map(|i| hole(i, scattered(i % 300))).collect();
+    let single: Vec<f64> = (0..rows).map(|i| hole(i, scattered(i))).collect();
+    let later: Vec<f64> = (0..rows).map(|i| if i < 9000 { 1.5 } else { scattered(i) }).collect();
+    let column = |numbers: &[f64]| check_numbers(numbers).row_group(0).column(0).clone();
+    assert!(column(&few).dictionary_page_offset().is_some());
+    for numbers in [&single, &later] {
+        assert_eq!(column(numbers).dictionary_page_offset(), None);
+    }
+    // Digits without order are not compressed; what goes on for long is.
+    assert_eq!(column(&single).compression(), Compression::UNCOMPRESSED);
+    assert_eq!(column(&later).compression(), Compression::SNAPPY);
+    assert!(column(&later).compressed_size() < column(&later).uncompressed_size());
+}
+
+#[test]
+fn columns_without_numbers_are_read() {
+    check_numbers(&[f64::NAN; 100]);
+    check_numbers(&[0.0, -0.0]);
+    check_numbers(&[7.0]);
 }
