@@ -147,7 +147,10 @@ fn update<const N: usize>(
     let spread = covariance[k][k] + o.variance;
     let beyond = innovation * innovation / (GATE * GATE);
     let total = spread.max(beyond);
-    let column: [f64; N] = std::array::from_fn(|i| covariance[i][k]);
+    let mut column = [0.0; N];
+    for i in 0..N {
+        column[i] = covariance[i][k];
+    }
     for i in 0..N {
         let gain = column[i] / total;
         state[i] += gain * innovation;

@@ -111,7 +111,10 @@ pub fn solve<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
                 row[c] -= factor * x[k][c];
             }
         }
-        x[i] = row.map(|value| value / l[i][i]);
+        for value in &mut row {
+            *value /= l[i][i];
+        }
+        x[i] = row;
     }
     for i in (0..N).rev() {
         let mut row = x[i];
@@ -121,7 +124,10 @@ pub fn solve<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
                 row[c] -= factor * x[k][c];
             }
         }
-        x[i] = row.map(|value| value / l[i][i]);
+        for value in &mut row {
+            *value /= l[i][i];
+        }
+        x[i] = row;
     }
     x
 }

@@ -222,27 +222,27 @@ impl Order {
         let span = step * reach as f64;
         let known = values.iter().filter(|v| !v.is_empty()).count();
         out.reserve(known * times.len().saturating_sub(reach));
+        // What a source holds still, parked cars, says nothing of what moves.
+        let still = |v: &[f64], end: usize| match self {
+            Self::Third => v.get(end).is_none_or(|x| *x == v[end - stride]),
+            Self::Second => v.get(end).is_none_or(|x| *x == 0.0 && v[end - stride] == 0.0),
+            Self::SecondOfAngles => false,
+        };
         for end in reach..times.len() {
-            if (times[end] - times[end - reach] - span).abs() > 0.2 * step {
+            let uneven = (times[end] - times[end - reach] - span).abs() > 0.2 * step;
+            if uneven || (still(values[0], end) && still(values[1], end)) {
                 continue;
             }
-            let difference = |v: &[f64]| {
+            for v in values.into_iter().filter(|v| !v.is_empty()) {
                 let at = |k: usize| v[end - k * stride];
-                match self {
+                let difference = match self {
                     Self::Third => at(0) - 3.0 * at(1) + 3.0 * at(2) - at(3),
                     Self::Second => at(0) - 2.0 * at(1) + at(2),
                     Self::SecondOfAngles => wrap(wrap(at(0) - at(1)) - wrap(at(1) - at(2))),
+                };
+                if !difference.is_nan() {
+                    out.push(difference * difference);
                 }
-            };
-            let both = values.map(|v| if v.is_empty() { f64::NAN } else { difference(v) });
-            // What a source holds still, parked cars, says nothing of what moves.
-            let still = |v: &[f64]| match self {
-                Self::Third => v.get(end).is_none_or(|x| *x == v[end - stride]),
-                Self::Second => v.get(end).is_none_or(|x| *x == 0.0 && v[end - stride] == 0.0),
-                Self::SecondOfAngles => false,
-            };
-            if !values.iter().all(|v| still(v)) {
-                out.extend(both.iter().filter(|d| !d.is_nan()).map(|d| d * d));
             }
         }
     }

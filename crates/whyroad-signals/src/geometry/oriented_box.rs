@@ -1,4 +1,8 @@
 //! Oriented rectangles: corners, overlap, distance, and the time until two moving ones touch.
+#![allow(
+    clippy::needless_range_loop,
+    reason = "several arrays go by one index, and are kept in registers so"
+)]
 
 use super::P2;
 use super::polyline::segment_distance2;
@@ -80,19 +84,39 @@ impl OrientedBox {
         }
         let (a, b) = (self.corners(), other.corners());
         // Apart, the shortest way between convex shapes ends at a corner of one of them. First to within rounding,
-        // almost without division; exactly only for what can be the shortest.
-        let about = [about_distances2(&a, &b), about_distances2(&b, &a)];
-        let least = about.as_flattened().as_flattened().iter().copied().fold(f64::INFINITY, f64::min);
-        let enough = least * (1.0 + 1e-9) + 1e-8;
+        // without division, corner by corner; exactly only for corners that can be nearest.
+        let about = [other.about_distances2(&a), self.about_distances2(&b)];
+        let least = about.as_flattened().iter().copied().fold(f64::INFINITY, f64::min);
+        // Corners are rounded as their coordinates are.
+        let size = |b: &OrientedBox| b.center.x.abs() + b.center.y.abs() + b.length.abs() + b.width.abs();
+        let enough = (least.sqrt() * (1.0 + 1e-9) + 1e-6 + 1e-14 * (size(self) + size(other))).powi(2);
         let mut d2 = f64::INFINITY;
-        for (about, (corners, sides)) in about.iter().zip([(&a, &b), (&b, &a)]) {
-            for (j, about) in about.iter().enumerate() {
-                for (corner, _) in corners.iter().zip(about).filter(|(_, about)| **about <= enough) {
-                    d2 = d2.min(segment_distance2(*corner, sides[j], sides[(j + 1) % 4]));
+        for (about, corners, sides) in [(about[0], &a, &b), (about[1], &b, &a)] {
+            for i in 0..4 {
+                // What is not known is not left out.
+                if about[i] > enough {
+                    continue;
+                }
+                for j in 0..4 {
+                    d2 = d2.min(segment_distance2(corners[i], sides[j], sides[(j + 1) % 4]));
                 }
             }
         }
         d2.sqrt()
+    }
+
+    /// Squared distances of these corners from the box, to within rounding; 0 for those inside.
+    fn about_distances2(&self, corners: &[P2; 4]) -> [f64; 4] {
+        let (forward, left) = (self.direction, self.direction.left());
+        let (half_length, half_width) = (0.5 * self.length, 0.5 * self.width);
+        let mut out = [0.0; 4];
+        for i in 0..4 {
+            let to = corners[i] - self.center;
+            let ahead = (to.dot(forward).abs() - half_length).max(0.0);
+            let aside = (to.dot(left).abs() - half_width).max(0.0);
+            out[i] = ahead * ahead + aside * aside;
+        }
+        out
     }
 
     /// Seconds until the two first touch when each keeps its velocity (m/s) and heading: 0 when they overlap
@@ -125,21 +149,6 @@ impl OrientedBox {
         let center = self.center.dot(axis);
         (center - half, center + half)
     }
-}
-
-/// Squared distances of each corner from each side of another box, to within rounding, by side.
-fn about_distances2(corners: &[P2; 4], sides: &[P2; 4]) -> [[f64; 4]; 4] {
-    std::array::from_fn(|j| {
-        let (from, along) = (sides[j], sides[(j + 1) % 4] - sides[j]);
-        let length2 = along.dot(along);
-        let inverse = if length2 > 0.0 { 1.0 / length2 } else { 0.0 };
-        corners.map(|corner| {
-            let to = corner - from;
-            let share = (to.dot(along) * inverse).clamp(0.0, 1.0);
-            let away = to - along * share;
-            away.dot(away)
-        })
-    })
 }
 
 /// Directions on which boxes with these directions can be separate.

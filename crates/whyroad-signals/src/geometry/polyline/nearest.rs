@@ -1,6 +1,10 @@
 //! The point of a polyline that is nearest to a place. Segments are compared to within rounding first, without
 //! division, block by block; only those that can be the nearest are worked out exactly, so that the result is that of
 //! asking every segment.
+#![allow(
+    clippy::needless_range_loop,
+    reason = "several arrays go by one index, and are kept in registers so"
+)]
 
 use crate::geometry::P2;
 use std::ops::Range;
@@ -69,11 +73,17 @@ impl Segments {
     /// Squared distances of `p` from these segments, to within rounding, without division. The first segment goes on
     /// straight before its beginning, the last one beyond its end.
     fn about(&self, p: P2, range: Range<usize>, about: &mut [f64]) {
-        let from = self.from_x[range.clone()].iter().zip(&self.from_y[range.clone()]);
-        let along = self.along_x[range.clone()].iter().zip(&self.along_y[range.clone()]);
-        let segments = from.zip(along).zip(&self.inverse[range.clone()]);
-        for (about, ((from, along), inverse)) in about.iter_mut().zip(segments) {
-            *about = squared((p.x - from.0, p.y - from.1), along, *inverse, 0.0, 1.0);
+        let some = range.clone();
+        let (from_x, from_y) = (&self.from_x[some.clone()], &self.from_y[some.clone()]);
+        let (along_x, along_y) = (&self.along_x[some.clone()], &self.along_y[some.clone()]);
+        let inverse = &self.inverse[some];
+        // One length for all, so that no index is checked.
+        let n = about.len().min(inverse.len());
+        let about = &mut about[..n];
+        let (from_x, from_y, along_x, along_y) = (&from_x[..n], &from_y[..n], &along_x[..n], &along_y[..n]);
+        for i in 0..n {
+            let to = (p.x - from_x[i], p.y - from_y[i]);
+            about[i] = squared(to, (&along_x[i], &along_y[i]), inverse[i], 0.0, 1.0);
         }
         let last = self.inverse.len() - 1;
         for i in [0, last] {
@@ -198,10 +208,13 @@ impl Segments {
         // Without division, to within rounding: which segments can be the nearest.
         let mut about = [f64::INFINITY; MOST];
         self.about(p, segments.clone(), &mut about);
-        let least = least_of(&about).min(best.d2);
+        let filled = segments.len().next_multiple_of(4).min(MOST);
+        let least = least_of(&about[..filled]).min(best.d2);
         let enough = least * (1.0 + 1e-9) + 1e-8;
-        for (i, _) in segments.zip(&about).filter(|(_, about)| **about <= enough) {
-            self.take_if_nearer(p, i, best);
+        for i in segments.clone() {
+            if about[i - segments.start] <= enough {
+                self.take_if_nearer(p, i, best);
+            }
         }
     }
 
@@ -235,7 +248,10 @@ impl Segments {
         if end - first > MOST {
             return places.map(|p| self.foot(p, window, None).at);
         }
-        let (x, y) = (places.map(|p| p.x), places.map(|p| p.y));
+        let (mut x, mut y) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+        for k in 0..TOGETHER {
+            (x[k], y[k]) = (places[k].x, places[k].y);
+        }
         let mut about = [[0.0; TOGETHER]; MOST];
         let mut least = [f64::INFINITY; TOGETHER];
         for (i, about) in (first..end).zip(&mut about) {
@@ -247,16 +263,18 @@ impl Segments {
                 least[k] = if about[k] < least[k] { about[k] } else { least[k] };
             }
         }
-        let enough = least.map(|least| least * (1.0 + 1e-9) + 1e-8);
-        let mut best = [Foot::none(window); TOGETHER];
-        for (i, about) in (first..end).zip(&about) {
-            for k in 0..TOGETHER {
-                if about[k] <= enough[k] {
-                    self.take_if_nearer(places[k], i, &mut best[k]);
+        let mut feet = [Foot::none(window).at; TOGETHER];
+        for k in 0..TOGETHER {
+            let enough = least[k] * (1.0 + 1e-9) + 1e-8;
+            let mut best = Foot::none(window);
+            for i in first..end {
+                if about[i - first][k] <= enough {
+                    self.take_if_nearer(places[k], i, &mut best);
                 }
             }
+            feet[k] = best.at;
         }
-        best.map(|foot| foot.at)
+        feet
     }
 
     /// Between which shares of a segment a foot point on it can be: the first and the last go on straight.
@@ -267,7 +285,8 @@ impl Segments {
     }
 }
 
-fn least_of(values: &[f64; MOST]) -> f64 {
+/// The least of some values, of which there are a multiple of four.
+fn least_of(values: &[f64]) -> f64 {
     // Four by four: none waits for the one before it.
     let mut least = [f64::INFINITY; 4];
     for four in values.chunks_exact(4) {
