@@ -89,16 +89,10 @@ impl Rulebook<'_> {
         if !remote::remote(scope, sink) && !cause_text::distant(scope, sink) {
             unused::unused(scope, sink);
         }
-        if !another_class && !impossible {
-            if !cause_text::kind(
-                label,
-                class.and_then(|c| c.decisions.as_ref()),
-                &texts,
-                self.framework,
-                sink,
-            ) {
-                side::of_maneuver(scope, self.framework, sink);
-            }
+        let decisions = class.and_then(|c| c.decisions.as_ref());
+        if !another_class && !impossible && !cause_text::kind(label, decisions, &texts, self.framework, sink)
+        {
+            side::of_maneuver(scope, self.framework, sink);
         }
         if placeholder::trace(scope, sink) || placeholder::draft(label, self.framework, sink) {
             return;

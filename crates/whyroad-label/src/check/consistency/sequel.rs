@@ -39,10 +39,9 @@ pub(super) fn second_action(
         };
         // "Swings left behind it": the turn of the class.
         let turns = class.is_some_and(|c| c.lateral_fit(Some(Lateral::Turn)) == Fit::Usual);
-        !(turns && m.side.is_some())
-            && !phrase.supports_only
-            && phrase.longitudinal.is_empty()
-            && !phrase.lateral.iter().any(part)
+        let of_the_class = turns && m.side.is_some();
+        let of_a_lane = phrase.longitudinal.is_empty() && !phrase.lateral.iter().any(part);
+        of_a_lane && !of_the_class && !phrase.supports_only
     };
     let is_second = |m: &&Mention| m.later && m.start >= decided && !says(m) && is_other(m);
     let Some(m) = reading.mentions.iter().find(is_second) else {
