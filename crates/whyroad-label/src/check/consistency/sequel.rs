@@ -2,7 +2,6 @@
 //! the keyframe (LABELING.md 2), so that a trace ends with it.
 
 use crate::check::consistency::trace::{Force, Mention, Reading};
-use crate::check::consistency::trace_rules;
 use crate::check::reading::Named;
 use crate::check::texts::TextScope;
 use whyroad_framework::DecisionSets;
@@ -20,11 +19,11 @@ pub(super) fn second_action(
     reading: &Reading,
     class: Option<&ClassDecisions>,
     names: &DecisionSets,
+    says: &dyn Fn(&Mention) -> bool,
     sink: &mut dyn Sink,
 ) -> bool {
     let TextScope { label, lexicon, .. } = *scope;
     let Some(text) = label.trace.get() else { return false };
-    let says = |m: &Mention| trace_rules::says_label(m, lexicon, label);
     let decides = |m: &&Mention| !m.later && matches!(m.force, Force::Asserted | Force::Doubtful) && says(m);
     let Some(decided) = reading.mentions.iter().find(decides).map(|m| m.end) else {
         return beside_driving(scope, reading, sink);

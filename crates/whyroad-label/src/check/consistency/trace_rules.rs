@@ -222,7 +222,8 @@ pub(in crate::check) fn trace(
         found = true;
         verdict(&v, text, names, false, sink);
     }
-    found = found || sequel::second_action(scope, reading, class, names, sink);
+    let says = |m: &Mention| says_label(m, lexicon, label);
+    found = found || sequel::second_action(scope, reading, class, names, &says, sink);
     // "Does not yield and turns left": the other channel is stated.
     if let (false, Some(along), Some(_)) = (found, longitudinal.get(), lateral.get()) {
         let stated = reading.mentions.iter().any(|m| {
@@ -372,7 +373,7 @@ pub(in crate::check) fn states_decision(
 }
 
 /// The mention goes with a decision of the label.
-pub(in crate::check) fn says_label(m: &Mention, lexicon: &Lexicon, label: &View<'_>) -> bool {
+pub(super) fn says_label(m: &Mention, lexicon: &Lexicon, label: &View<'_>) -> bool {
     let says = &lexicon.phrases[m.phrase];
     label.longitudinal.get().is_some_and(|d| says.longitudinal.contains(&d))
         || label.lateral.get().is_some_and(|d| says.lateral.contains(&d))
