@@ -33,11 +33,15 @@ def lights(w, ego):
     for p in w.passing[ego]:
         if not p.whole:
             continue
-        begin, previous = previous, p.last
+        begin = previous
+        if p.node.real or p.link.tl:
+            previous = p.last
         if not p.link.tl:
             continue
-        approach = [k for k in range(begin, p.first) if k in rows and not rows[k].lane.startswith(":")]
-        left = lambda k: w.net.lanes[rows[k].lane].length - rows[k].pos if rows[k].lane in w.net.lanes else 999
+        # Where the road only widens it is the same approach.
+        approach = [k for k in range(begin, p.first) if k in rows and (k > begin or not rows[k].lane.startswith(":"))]
+        way = w.way(ego)
+        left = lambda k: w.net.lanes[rows[k].lane].length - rows[k].pos if rows[k].lane == p.link.lane else way[p.first] - way[k]
         on_last = [k for k in approach if rows[k].lane.rsplit("_", 1)[0] == p.link.a]
         halts = [(a, b) for a, b in stood(rows, 3) if a in approach]
         for n, (a, b) in enumerate(halts):
@@ -67,12 +71,15 @@ def lights(w, ego):
                     for key in (a - 30, a - 10, b - 5):
                         yield w.entry(T + leaf, ego, key - 20, key, max(key, a) + 30, optional=True)
             green = next((k for k in range(a, b + 30) if w.letter(p.link, k) in ("G", "g") and w.letter(p.link, k - 1) not in ("G", "g")), None)
-            if green is None or a not in on_last and left(a) > 60:
+            if green is None:
                 continue
+            # The class asks for a line within 80 m, this leaf only for a queue at the light.
+            distant = left(a) > 75
             start = next((k for k in range(min(b, b), b + 30) if k in rows and rows[k].a > 0.5), b)
             key = max(start - 5, green)
             off = any(rows[k].v > 3 for k in range(b, b + 70) if k in rows)
-            ahead = before_it(w, ego, min(green, max(rows)))
+            now = rows[min(green, max(rows))]
+            ahead = before_it(w, ego, min(green, max(rows))) or a not in on_last and now.leader and now.gap < 15
             again = any(start < h[0] < start + 100 for h in halts[n + 1:])
             if not ahead:
                 yield w.entry(T + "resume_first", ego, key - 20, key, key + 30, optional=mixed or left(a) > 9.5 or start - green > 40 or b - a < 15 or not off or again)
@@ -80,7 +87,7 @@ def lights(w, ego):
                     # Whether a rider ahead counts as the first is open.
                     yield w.entry(T + "resume_follow", ego, key - 20, key, key + 30, optional=True)
             else:
-                yield w.entry(T + "resume_follow", ego, key - 20, key, key + 30, optional=mixed or start - green > 200 or b - a < 15 or not off or again or start < green + 3)
+                yield w.entry(T + "resume_follow", ego, key - 20, key, key + 30, optional=mixed or distant or start - green > 200 or b - a < 15 or not off or again or start < green + 3)
         rolling = [k for k in on_last if left(k) < 80 and k > (halts[-1][1] + 60 if halts else 0)]
         if not rolling:
             continue
@@ -97,7 +104,7 @@ def lights(w, ego):
         sure = turned is not None and turned >= rolling[0] and slowed > 2.2 and not led and rows[p.first].v > 5.5 and rows[key].v > 2.5
         yield w.entry(T + "green_pass", ego, key - 20, key, p.first, optional=not sure)
     # Halts at a light after the last whole passage: the link that it wants is not known.
-    for a, b in stood(rows, 3):
+    for a, b in stood(rows, 0):
         if a > previous or not any(p.first > a and p.whole for p in w.passing[ego]):
             slow = a
             while slow - 1 in rows and any(rows[u].a < -0.3 for u in range(slow - 5, slow) if u in rows):

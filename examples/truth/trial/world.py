@@ -79,11 +79,25 @@ class Net:
             table = {int(r.get("index")): r for r in j.iter("request")}
             bits = lambda r, what: {inside[i] for i, b in enumerate(reversed(r.get(what))) if b == "1" and i < len(inside)}
             roads = [e for e in self.edges.values() if not e.inner and not e.walk and j.get("id") in (e.a, e.b) and any(self.lanes[x].cars for x in e.lanes)]
-            comes, goes = {e.a for e in roads if e.b == j.get("id")}, {e.b for e in roads if e.a == j.get("id")}
+            comes, goes = self.arms(j.get("id"), roads)
             oneway = comes.isdisjoint(goes) and min(len(comes), len(goes)) == 1
             self.nodes[j.get("id")] = Box(id=j.get("id"), kind=j.get("type"), comes=comes, roads=roads, real=len(comes | goes) >= 3 and not oneway,
                                           foes={inside[i]: bits(r, "foes") for i, r in table.items() if i < len(inside)},
                                           yields={inside[i]: bits(r, "response") for i, r in table.items() if i < len(inside)}, on_ring=any(e.id in self.ring for e in roads))
+
+    def arms(self, node, roads):
+        """The nodes from which `roads` come to a node, and to which they go. Where a bay begins netconvert divides one direction
+        of a road: the node there is not another arm.
+        """
+        cars = [e for e in self.edges.values() if not e.inner and not e.walk and any(self.lanes[x].cars for x in e.lanes)]
+        into, out = defaultdict(list), defaultdict(list)
+        for e in cars:
+            into[e.b].append(e)
+            out[e.a].append(e)
+        joint = lambda n: len(into[n]) == len(out[n]) == 1
+        comes, goes = {e.a for e in roads if e.b == node}, {e.b for e in roads if e.a == node}
+        whole = lambda n, others, step: step(n) if n not in others and joint(n) and step(n) in others else n
+        return ({whole(n, goes, lambda n: into[n][0].a) for n in comes}, {whole(n, comes, lambda n: out[n][0].b) for n in goes})
 
     def node_of(self, lane):
         return self.nodes[re.fullmatch(r":(.+)_[cw]?\d+_\d+", lane).group(1)]
