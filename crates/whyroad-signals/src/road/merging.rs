@@ -270,7 +270,8 @@ fn changes(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<MapFacilityChange>> {
             && was != now
         {
             let code = if now { MapFacilityChange::MainToRamp } else { MapFacilityChange::RampToMain };
-            // It leaves the main road where a connection to the ramp begins, and has joined it where one from the ramp ends.
+            // It leaves the main road where a connection to the ramp begins, and has joined it where one from the ramp
+            // ends.
             let from = if now && (last + 1..i).all(joint) { last + 1 } else { i };
             let near = |j: &usize| {
                 on.times[*j] >= on.times[from] - CHANGE_S - 0.01

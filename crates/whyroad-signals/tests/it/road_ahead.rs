@@ -169,8 +169,8 @@ fn an_exit_and_a_fork() {
     assert_eq!(Table::of(&plain).ego("map.distance_to_split", 30), INF);
 }
 
-/// The exit lane r, which leads through a joint of 15 m to the ramp e, with m and m2 beside it; the road is there before
-/// x = -100 as well, as two lanes.
+/// The exit lane r, which leads through a joint of 15 m to the ramp e, with m and m2 beside it; the road is there
+/// before x = -100 as well, as two lanes.
 fn exit() -> Vec<Lane> {
     let mut lanes = lane_drop();
     lanes.push(Lane { in_junction: true, ..straight("j", 100.0, 115.0, 0.0) });
