@@ -127,7 +127,8 @@ impl SignalFile {
         let statistics = group.column(column).statistics()?;
         let nulls = usize::try_from(statistics.null_count_opt()?).ok()?;
         let bounds = match statistics {
-            Statistics::Double(s) => s.min_opt().copied().zip(s.max_opt().copied()),
+            // The format gives a least zero a sign, as the column may have -0.0.
+            Statistics::Double(s) => s.min_opt().map(|m| m + 0.0).zip(s.max_opt().copied()),
             Statistics::Boolean(s) => {
                 let number = |b: &bool| if *b { 1.0 } else { 0.0 };
                 s.min_opt().map(number).zip(s.max_opt().map(number))
