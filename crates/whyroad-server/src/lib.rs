@@ -17,6 +17,7 @@ pub mod reports;
 pub mod secret;
 pub mod service;
 pub mod store;
+mod sync;
 mod url;
 
 pub use api::ops::serve_ops;

@@ -1,10 +1,11 @@
 //! Figures of the running service in the text format of Prometheus (exposition format 0.0.4): requests, tasks by state,
 //! deliveries that wait, the store, the process. No name of a person, project, drive or task is in them.
 
+use crate::sync::lock;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Upper bounds of the histogram of durations, s.
@@ -203,8 +204,4 @@ impl Text {
         let labels = if labels.is_empty() { String::new() } else { format!("{{{}}}", labels.join(",")) };
         let _ = writeln!(self.0, "{name}{labels} {value}");
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

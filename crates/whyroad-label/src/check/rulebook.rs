@@ -69,7 +69,8 @@ impl Rulebook<'_> {
     fn texts(&self, label: &View<'_>, class: Option<&Prescribed>, impossible: bool, sink: &mut dyn Sink) {
         let (words, lexicon) = (self.framework.label_words(), self.framework.lexicon());
         let background = self.framework.decision_table().causes.background;
-        let about = class.and_then(|c| c.decisions.as_ref()).map(|d| d.about).unwrap_or_default();
+        let decisions = class.and_then(|c| c.decisions.as_ref());
+        let about = decisions.map(|d| d.about).unwrap_or_default();
         let texts = Texts::of(label, words);
         let scope = &TextScope { label, texts: &texts, words, lexicon, background, about };
         placeholder::components(scope, sink);
@@ -89,7 +90,6 @@ impl Rulebook<'_> {
         if !remote::remote(scope, sink) && !cause_text::distant(scope, sink) {
             unused::unused(scope, sink);
         }
-        let decisions = class.and_then(|c| c.decisions.as_ref());
         if !another_class && !impossible && !cause_text::kind(label, decisions, &texts, self.framework, sink)
         {
             side::of_maneuver(scope, self.framework, sink);
@@ -110,7 +110,6 @@ impl Rulebook<'_> {
             return;
         }
         let Some(reading) = reading else { return };
-        let decisions = class.and_then(|c| c.decisions.as_ref());
         let said = trace_rules::trace(scope, decisions, &self.framework.decisions, &reading, sink);
         // A trace too short, or without a decision, cannot give a reason for one.
         let circular = said != Said::TooLittle && circular::circular(scope, &reading, said, sink);

@@ -8,10 +8,11 @@ use crate::service::create::{self, LastDrive, Start};
 use crate::service::projects;
 use crate::service::tasks::{self, TaskRow};
 use crate::service::thumbnail;
+use crate::sync::lock;
 use crate::{secret, values};
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -161,7 +162,7 @@ struct Batch<'a> {
 impl Turns {
     /// The next tasks for a worker; `None` where all have one.
     fn next(&self, app: &App) -> Answer<Option<Batch<'_>>> {
-        let mut in_hand = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut in_hand = lock(&self.0);
         let limit = (in_hand.len() + LOOK_AHEAD) as i64;
         let rows = app.store.read(|tx| tx.rows(NEXT, values![PENDING, limit]))?;
         let mut free: Vec<(String, String)> = Vec::new();
@@ -180,7 +181,7 @@ impl Turns {
 
 impl Drop for Batch<'_> {
     fn drop(&mut self) {
-        let mut in_hand = self.turns.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut in_hand = lock(&self.turns.0);
         self.tasks.iter().for_each(|id| {
             in_hand.remove(id);
         });

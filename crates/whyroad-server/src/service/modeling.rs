@@ -11,11 +11,12 @@ use crate::service::model_runs::{self, Claimed, Outcome};
 use crate::service::projects::json;
 use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{create, drafting, history, judgements, projects};
+use crate::sync::lock;
 use crate::values;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use whyroad_model::messages::CocLabel;
@@ -105,7 +106,7 @@ impl<'a> Progress<'a> {
 
     fn work(self, at_once: usize) -> Answer<()> {
         let waiting = self.app.store.read(|tx| model_runs::waiting(tx, &self.run.id))?;
-        *self.waiting.lock().unwrap_or_else(PoisonError::into_inner) = waiting.into();
+        *lock(&self.waiting) = waiting.into();
         self.busy.store(at_once, Ordering::SeqCst);
         let kept = std::thread::scope(|scope| {
             for _ in 0..at_once {
@@ -122,7 +123,7 @@ impl<'a> Progress<'a> {
         if !kept {
             return Ok(());
         }
-        let why = self.ended_by.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let why = lock(&self.ended_by).take();
         let left = self.app.store.read(|tx| model_runs::waiting(tx, &self.run.id))?;
         if why.is_none() && !left.is_empty() {
             // Something failed on the way: it is tried again.
@@ -172,7 +173,7 @@ impl<'a> Progress<'a> {
     /// Puts questions until no task is left.
     fn ask(&self) -> Answer<()> {
         while !self.stopped.load(Ordering::SeqCst) {
-            let task = self.waiting.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
+            let task = lock(&self.waiting).pop_front();
             let Some(task) = task else { return Ok(()) };
             // Looked up each time: no question is put, and paid for, after somebody stopped the run.
             if !self.app.store.read(|tx| model_runs::is_of(tx, &self.run.id, self.worker))? {
@@ -194,7 +195,7 @@ impl<'a> Progress<'a> {
             };
             if failure.ends_the_run {
                 // The task was not tried: the next run takes it.
-                self.ended_by.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure.text);
+                lock(&self.ended_by).get_or_insert(failure.text);
                 self.stopped.store(true, Ordering::SeqCst);
                 return Ok(());
             }

@@ -2,8 +2,9 @@
 //! read once at a time, whoever asks.
 
 use crate::problem::Answer;
+use crate::sync::lock;
 use std::collections::HashMap;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 /// Readings by key, one at a time each. Nobody is given a reading that began before they asked.
 pub struct SharedReadings<T> {
@@ -103,10 +104,6 @@ impl<T> Drop for Running<'_, T> {
         turn.leave();
         self.of.ended.notify_all();
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

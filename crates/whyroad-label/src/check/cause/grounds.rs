@@ -121,7 +121,7 @@ fn hinders_nothing(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, u
         own.meets(bad) && !clear.iter().any(|(from, to)| (*from..*to).contains(&n.start))
     };
     let alone = !texts.trace.there().any(said) && !texts.trace.named.iter().any(|n| n.supposed && said(n));
-    let twice = clear.iter().any(|c| *c != first) && clear.len() > 1;
+    let twice = clear.iter().any(|c| *c != first);
     (alone || twice).then_some(first)
 }
 

@@ -107,9 +107,9 @@ fn subjects(
 ) -> (Option<usize>, Option<usize>, Vec<(usize, usize)>) {
     let (mut ego, mut other, mut hidden) = (None, None, Vec::new());
     lexicon.hits(&texts.units, from..to, |hit| match hit.role {
-        // "So the ego" is one word.
         // "Far slower than us" is where or how somebody else is.
         Role::Ego if lexicon.is_place_of_ego(text, hit.start, hit.end) => {}
+        // "So the ego" is one word.
         Role::Ego | Role::DecisionMarker => drop(ego.get_or_insert(hit.start)),
         Role::Agent => drop(other.get_or_insert(hit.start)),
         Role::Neutral => hidden.push((hit.start, hit.end)),

@@ -1,8 +1,9 @@
 //! Numbers of tasks that wait for the language model, kept between requests.
 
 use crate::domain::model::ModelRunKind;
+use crate::sync::lock;
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 /// Tasks that waited for a run when they were last counted, by project and kind: time, ms since 1970, and number.
 #[derive(Debug, Default)]
@@ -10,11 +11,11 @@ pub struct WaitingCounts(Mutex<HashMap<(String, ModelRunKind), (i64, i64)>>);
 
 impl WaitingCounts {
     pub(super) fn get(&self, project: &str, kind: ModelRunKind) -> Option<(i64, i64)> {
-        let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let all = lock(&self.0);
         all.get(&(project.to_owned(), kind)).copied()
     }
 
     pub(super) fn put(&self, project: &str, kind: ModelRunKind, counted: (i64, i64)) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert((project.to_owned(), kind), counted);
+        lock(&self.0).insert((project.to_owned(), kind), counted);
     }
 }

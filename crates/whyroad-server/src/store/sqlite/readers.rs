@@ -2,6 +2,7 @@
 
 use super::connection::connect;
 use crate::problem::{Answer, Problem};
+use crate::sync::lock;
 use rusqlite::Connection;
 use std::path::Path;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -68,7 +69,7 @@ impl Readers {
 
     /// The pool. It stays whole even when a thread that held the lock has died.
     fn lock(&self) -> MutexGuard<'_, Pool> {
-        self.pool.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.pool)
     }
 }
 
