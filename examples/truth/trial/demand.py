@@ -35,10 +35,14 @@ MODEL = {
     "IDM5": 'carFollowModel="IDM" delta="5" tau="1.3" actionStepLength="0.2" lcOpposite="1.5" lcSpeedGain="3" speedFactor="normc(1.05,0.12,0.8,1.35)"',
     "IDM6": 'carFollowModel="IDM" delta="3" tau="1.2" sigma="0" actionStepLength="0.4" lcCooperative="0.5"',
     "KraussHasty": 'carFollowModel="Krauss" sigma="0.55" tau="1.0" decel="5" impatience="0.4" jmTimegapMinor="0.8"',
+    "EIDM5": 'carFollowModel="EIDM" tau="1.0" treaction="0.4" tpreview="4" speedFactor="normc(1.08,0.1,0.85,1.35)" lcSpeedGain="2" lcStrategic="1.3"',
+    "KraussCalm": 'carFollowModel="Krauss" sigma="0.3" tau="1.4" accel="1.8" decel="3.4" jmTimegapMinor="1.4" jmStoplineGap="1.5"',
+    "IDM7": 'carFollowModel="IDM" delta="4" tau="1.4" actionStepLength="0.6" lcCooperative="0.8" lcKeepRight="0.6"',
+    "KraussSlow": 'carFollowModel="KraussPS" sigma="0.25" tau="1.2" startupDelay="0.5" speedFactor="normc(0.96,0.07,0.8,1.15)"',
 }
 
 # How many of car, quick, van and truck in the traffic of a model, where it is not as elsewhere.
-SHARES = {"IDM5": [5, 3, 2, 1.5], "IDM6": [5, 2, 2, 3.5]}
+SHARES = {"IDM5": [5, 3, 2, 1.5], "IDM6": [5, 2, 2, 3.5], "IDM7": [4, 2, 2, 5]}
 
 
 def types(model, lateral):

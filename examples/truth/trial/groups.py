@@ -25,6 +25,7 @@ from networks_channeled import distributors, pairs, third_lane, turbo
 from networks_drawn import circles, country, knotted, motorway, street
 from networks_everyday import artery, hill_road, quarter, works
 from networks_joined import dumbbell, herringbone, hexagons, plain_exits
+from networks_local import ring_motorway, school, suburb, two_banks
 from networks_mixed import lit_grid, parked, spokes, weaving
 from networks_planned import arterial, collector, estate, one_way_blocks
 from networks_shaped import ladder, oval, parting, river_town
@@ -105,6 +106,12 @@ SETS = {
         "works": (works, 20021, 200, 0.2, "IDM6", 4, 1.5, 0),
         "quarter": (quarter, 10039, 240, 0.05, "KraussHasty+moto", "sublane", 0.6, 0.25),
     },
+    "held10": {
+        "suburb": (suburb, 11003, 220, 0.1, "EIDM5+moto", 3, 1.0, 0),
+        "school": (school, 11027, 220, 0.1, "KraussCalm", 2.5, 0.4, 0.3),
+        "ringway": (ring_motorway, 11047, 160, 0.2, "IDM7", 4, 1.3, 0),
+        "twobanks": (two_banks, 11057, 240, 0.05, "KraussSlow+moto", "sublane", 0.45, 0.12),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -121,4 +128,6 @@ NOISE = {
     "held8/distributors": (0.12, 0.03, 0.3, 0.3, 0.05),
     "held9/artery": (0.1, 0.15, 0.2, 0.8, 0.06),
     "held9/works": (0.02, 0.06, 0.4, 2.0, 0.08),
+    "held10/suburb": (0.06, 0.1, 0.25, 1.2, 0.05),
+    "held10/ringway": (0.15, 0.04, 0.2, 0.6, 0.07),
 }
