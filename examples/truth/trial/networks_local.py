@@ -25,8 +25,11 @@ def suburb(work, draw):
                 continue
             near, drive = at[b] - sign * 82, at[b] - sign * draw.uniform(135, 165)
             p, d, s = f"{a}p{b}", f"{a}d{b}", f"{a}s{b}"
-            nodes += [node(p, near, y(near)), node(d, drive, y(drive)), node(s, drive + sign * 6, y(drive) - sign * 85)]
-            edges += [edge(a + b, a, d, 2, limit, main, 9), edge(d + p, d, p, 2, limit, main, 9), edge(p + b, p, b, 4, limit, main, 9)]
+            # Both lanes part from the median before the two of the left turns begin beside it.
+            out = lambda x, sign=sign: (x, y(x) - sign * 6.4)
+            nodes += [node(p, *out(near)), node(d, *out(drive)), node(s, drive + sign * 6, y(drive) - sign * 90)]
+            edges += [edge(a + b, a, d, 2, limit, main, 9), edge(d + p, d, p, 2, limit, main, 9),
+                      edge(p + b, p, b, 4, limit, main, 9, [out(at[b] - sign * t) for t in (40, 12)]).replace(" numLanes", ' spreadType="center" numLanes')]
             two_way(edges, s, d, 1, 6.94, "highway.service", 2)
             links += [link(d + p, p + b, i, j) for i, j in ((0, 0), (1, 1), (1, 2), (1, 3))]
             # Lane 0 ahead and right, 1 ahead, 2 and 3 left, as the arms' names are: n to the north, s to the south.
@@ -91,8 +94,8 @@ def ring_motorway(work, draw):
             ramp, shift = f"{tag}ramp{i}", 3.2 * min(n, count)
             if kind in ("in", "out", "plain"):
                 sign = -1 if kind == "in" else 1
-                shape = [way(s + sign * d, shift + more) for d, more in ((20, 0.3), (50, 2.5), (90, 9), (130, 21))]
-                nodes.append(node(ramp, *way(s + sign * 190, 46)))
+                shape = [way(s + sign * d, shift + more) for d, more in ((15, 0.2), (40, 2), (70, 7), (100, 16))]
+                nodes.append(node(ramp, *way(s + sign * 136, 31)))
                 edges.append(edge(ramp, *((ramp, f"{tag}{i}") if sign < 0 else (f"{tag}{i}", ramp)), 1, 18.06, "highway.motorway_link", 7, shape[::-1] if sign < 0 else shape))
                 links.append(link(ramp, b, 0, 0) if sign < 0 else link(a, ramp, 0, 0))
             if kind == "zip":
