@@ -107,10 +107,10 @@ SETS = {
         "quarter": (quarter, 10039, 240, 0.05, "KraussHasty+moto", "sublane", 0.6, 0.25),
     },
     "held10": {
-        "suburb": (suburb, 11003, 220, 0.1, "EIDM5+moto", 3, 1.0, 0),
-        "school": (school, 11027, 220, 0.1, "KraussCalm", 2.5, 0.4, 0.3),
-        "ringway": (ring_motorway, 11047, 160, 0.2, "IDM7", 4, 1.3, 0),
-        "twobanks": (two_banks, 11057, 240, 0.05, "KraussSlow+moto", "sublane", 0.45, 0.12),
+        "suburb": (suburb, 11003, 300, 0.1, "EIDM5+moto", 3, 0.55, 0),
+        "school": (school, 11027, 280, 0.1, "KraussCalm", 2.5, 0.32, 0.25),
+        "ringway": (ring_motorway, 11047, 190, 0.2, "IDM7", 4, 1.3, 0),
+        "twobanks": (two_banks, 11057, 260, 0.05, "KraussSlow+moto", "sublane", 0.4, 0.1),
     },
 }
 

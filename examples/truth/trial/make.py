@@ -30,7 +30,7 @@ from networks import document, tool  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 FCD = "id,x,y,z,angle,type,speed,pos,acceleration,lane,edge,signals,leaderID,leaderSpeed,leaderGap"
-EGOS = 24
+EGOS = {"held10": 42}
 RADIUS_M = 120
 
 
@@ -41,9 +41,9 @@ def build(maker, draw, work):
          "--output-file", work / "net.xml", "--offset.disable-normalization", "--plain.extend-edge-shape", *options)
 
 
-def simulate(work, draw, seed, seconds, step, model, lateral, rate, people):
+def simulate(work, draw, seed, seconds, step, model, lateral, rate, people, count):
     net = sumolib.net.readNet(str(work / "net.xml"))
-    rows, egos = trips(draw, net, model, seconds, rate, people, EGOS)
+    rows, egos = trips(draw, net, model, seconds, rate, people, count)
     # Cars that are parked all along stand there first.
     still = (work / "parked.txt").read_text().splitlines() if (work / "parked.txt").exists() else []
     document(work / "trips.xml", "routes", types(model, lateral) + still + rows)
@@ -123,7 +123,7 @@ def generate(group, out, only):
         with tempfile.TemporaryDirectory() as folder:
             work, draw = Path(folder), random.Random(seed)
             build(maker, draw, work)
-            egos = simulate(work, draw, seed, seconds, step, model, lateral, rate, people)
+            egos = simulate(work, draw, seed, seconds, step, model, lateral, rate, people, EGOS.get(group, 24))
             egos, lines = judge.derive(work, name, egos, lateral)
             text, net = (work / "fcd.xml").read_text(), (work / "net.xml").read_text()
             if "<neigh " in net:

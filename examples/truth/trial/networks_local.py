@@ -126,8 +126,9 @@ def two_banks(work, draw):
         two_way(edges, a, b, 1, 11.11, "highway.tertiary", 4)
     document(work / "nod.xml", "nodes", nodes)
     document(work / "edg.xml", "edges", edges)
+    # All begin at once: what is listed later must not depart earlier.
     (work / "parked.txt").write_text("\n".join([
-        '<flow id="line" type="coach" begin="5" period="48" number="4" from="wt1" to="t4e"><stop edge="t2l" endPos="70" duration="11"/><stop edge="o0t3" endPos="60" duration="9"/></flow>',
-        *(f'<flow id="rider{a}" type="cycle" begin="{t}" period="{p}" number="{int(200 / p)}" from="{a}" to="{b}"/>' for a, b, t, p in (
-            ("wt1", "t4e", 4, 19), ("et4", "t1w", 7, 23), ("lnl", "lls", 9, 27), ("ono1", "o3os", 3, 29), ("s3t3", "t1s1", 6, 31)))]))
+        '<flow id="line" type="coach" begin="0" period="48" number="4" from="wt1" to="t4e"><stop edge="t2l" endPos="70" duration="11"/><stop edge="o0t3" endPos="60" duration="9"/></flow>',
+        *(f'<flow id="rider{a}" type="cycle" begin="0" period="{p}" number="{int(200 / p)}" from="{a}" to="{b}"/>' for a, b, p in (
+            ("wt1", "t4e", 19), ("et4", "t1w", 23), ("lnl", "lls", 27), ("ono1", "o3os", 29), ("s3t3", "t1s1", 31)))]))
     return ["--no-turnarounds", "--roundabouts.guess", "--junctions.corner-detail", 5, "--sidewalks.guess", "--crossings.guess"]
