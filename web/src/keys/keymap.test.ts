@@ -28,6 +28,10 @@ test("whatever types a character into a field stays with the field", () => {
 
 test("choices keep their arrows, buttons their space, the page gives both to the player", () => {
   assert.ok(fieldKeeps("choice", "ArrowLeft", "back"));
+  for (const [key, action] of [["ArrowLeft", "back"], ["ArrowRight", "forward"], ["Home", "first"], ["Space", "play"]] as const) {
+    assert.ok(!fieldKeeps("radio", key, action), `${key} changes a decision while frames are looked at`);
+  }
+  assert.ok(fieldKeeps("radio", "ArrowDown", "forward"));
   assert.ok(fieldKeeps("button", "Space", "play"));
   assert.ok(!fieldKeeps("page", "Space", "play"));
   assert.ok(!fieldKeeps("choice", "C", "addComponent"));

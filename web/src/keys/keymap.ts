@@ -125,15 +125,20 @@ export function actionOf(stroke: string, own: Bindings): ActionId | null {
 }
 
 /** Kind of the focused element: it decides which strokes belong to it. */
-export type Focus = "text" | "choice" | "button" | "slider" | "page";
+export type Focus = "text" | "choice" | "radio" | "button" | "slider" | "page";
 
-/** Does the focused element need this stroke itself? Text needs all that types; the others what operates them. */
+/**
+ * Does the focused element need this stroke itself? Text needs all that types; the others what operates them. A radio
+ * button is chosen by the arrows up and down or by its own key: what plays and steps goes to the player, so that who
+ * looks at the frames does not change a decision.
+ */
 export function fieldKeeps(focus: Focus, stroke: string, action: ActionId): boolean {
   if (focus === "text") return actions[action].reach !== "always";
   const keys: Record<Exclude<Focus, "text">, readonly string[]> = {
     page: [],
     button: ["Space", "Enter"],
     choice: ["Space", "Enter", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End"],
+    radio: ["Enter", "ArrowUp", "ArrowDown"],
     slider: ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End"],
   };
   return keys[focus].includes(stroke);

@@ -43,7 +43,7 @@ export function handleKeys(handlers: Handlers): () => void {
 function focusOf(element: Element | null): Focus {
   if (element instanceof HTMLTextAreaElement) return "text";
   if (element instanceof HTMLInputElement) {
-    if (element.type === "radio") return "choice";
+    if (element.type === "radio") return element.checked ? "radio" : "choice";
     if (element.type === "range") return "slider";
     return ["checkbox", "button", "submit", "file"].includes(element.type) ? "button" : "text";
   }

@@ -34,5 +34,8 @@ test("a finding speaks of seconds and names, as the screen does", () => {
   assert.ok(f);
   const more: LabelContext = { ...words, framework: { ...f, leaves: new Map([[leaf.id, leaf]]), lateral: [{ id: "lane_change", name: { zh: "换道", en: "lane change" }, meaning: null, not: null, directions: [] }] } };
   assert.equal(describeFinding("证据时间 2026-01-15T10:30:09.400Z 晚于关键帧 2026-01-15T10:30:09.100Z", more, "zh"), "证据时间 −0.3 s 晚于关键帧 2026-01-15T10:30:09.100Z", "a moment that is not of this drive stays");
+  const id = "58350757f1d04f628aab9b22cf33549b";
+  const named: LabelContext = { ...more, trackName: (track) => (track === id ? "#5" : track) };
+  assert.equal(describeFinding(`去掉轿车（${id}），自车会多行驶 5 m`, named, "zh"), "去掉轿车（#5），自车会多行驶 5 m");
   assert.equal(describeFinding("a.cutin.urgent needs lane_change, not some_word", more, "en"), "“urgent” needs “lane change”, not some_word");
 });

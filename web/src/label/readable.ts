@@ -58,6 +58,8 @@ const named = (ids: Json, words: LabelContext): Json =>
   Array.isArray(ids) ? ids.map((id) => (typeof id === "string" ? (words.trackName?.(id) ?? id) : id)) : ids;
 
 const MOMENTS = /\d{4}-\d\d-\d\dT[\d:.]+Z/g;
+/** What can be the id of a track that the screen has a shorter name for. */
+const LONG_IDS = /[0-9A-Za-z][\w.:-]{11,}/g;
 const IDS = /[a-z][a-z0-9_]*(?:\.[a-z][a-z0-9_]*)+|[a-z]+(?:_[a-z]+)+/g;
 
 /** A message of the validator with times in seconds from the keyframe, and names instead of ids. */
@@ -70,6 +72,7 @@ export function describeFinding(sentence: string, words: LabelContext, lang: Lan
     return found ? (lang === "zh" ? `“${found.zh}”` : `“${found.en}”`) : id;
   };
   return sentence
+    .replace(LONG_IDS, (id) => words.trackName?.(id) ?? id)
     .replace(MOMENTS, (iso) => {
       const s = words.second(iso);
       return s === null ? iso : `${signed(s, 1)} s`;

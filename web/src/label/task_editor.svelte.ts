@@ -133,9 +133,9 @@ export class TaskEditor {
     return this.draft.findings.filter((f) => within(f.pointer, path));
   }
 
-  /** The validator rejects the drafted text: it cannot be accepted unchanged. */
+  /** The validator rejects the drafted value: it cannot be accepted unchanged. */
   mustRewrite(path: string): boolean {
-    return this.findingsAt(path).some((f) => f.code === "label.trace.draft");
+    return this.findingsAt(path).some((f) => f.severity === "error");
   }
 
   /** Accepts the drafted field at `path` as it is. */

@@ -45,6 +45,18 @@ test("slots give back what was typed into them", () => {
   assert.equal(traceOf({ state: "", reason: "", decision: "" }, "zh"), "");
 });
 
+test("sentences of a draft go to their slots, and stay there while one is typed into", () => {
+  const zh = "本车道前方的轿车车速低于自车。自车正在追近前车，照这样开很快就会跟得太近，所以自车减速跟车，保持安全距离。";
+  const slots = slotsOf(zh, true);
+  assert.deepEqual(slots, { state: "本车道前方的轿车车速低于自车", reason: "自车正在追近前车，照这样开很快就会跟得太近", decision: "自车减速跟车，保持安全距离" });
+  const typed = { ...slots, state: `${slots.state}。两车相距 18 m` };
+  assert.deepEqual(slotsOf(traceOf(typed, "zh")), typed);
+  const en = "The ego is driving at about 2.5 m/s. A junction lies ahead. The ego is close behind the lead, so it slows down.";
+  const three = { state: "The ego is driving at about 2.5 m/s. A junction lies ahead", reason: "the ego is close behind the lead", decision: "it slows down" };
+  assert.deepEqual(slotsOf(en, true), three);
+  assert.ok(fitsSlots(zh) && fitsSlots(en));
+});
+
 test("a text in another form keeps its words", () => {
   const free = "自车让行。左侧车辆压线切入";
   assert.equal(slotsOf(free).state, free);

@@ -21,6 +21,8 @@ const THEREFORE = /[，,；;。.]?\s*(?:因此|所以|故而|(?<![\p{L}])(?:ther
 /** Between state and reason: the first of these. */
 const BETWEEN = /[；;]\s*/u;
 const END = /[。.\s]+$/u;
+/** An end of a sentence with another sentence after it. */
+const SENTENCE = /。\s*(?=\S)|\.\s+(?=\S)/gu;
 
 export const isDraft = (text: string): boolean => DRAFT_MARK.test(text);
 
@@ -36,15 +38,21 @@ export function languageOf(text: string, otherwise: Lang): Lang {
   return han === 0 && words === 0 ? otherwise : han >= words ? "zh" : "en";
 }
 
-/** The slots of a text. A text in another form keeps all of its words: what has no slot of its own is in `state`. */
-export function slotsOf(text: string): TraceSlots {
+/**
+ * The slots of a text. A text in another form keeps all of its words: what has no slot of its own is in `state`.
+ * `sentences`: the last sentence before the decision is the reason where nothing else marks it. Not for a text that is
+ * being typed: a full stop in one slot would move what follows into another.
+ */
+export function slotsOf(text: string, sentences = false): TraceSlots {
   const plain = text.replace(DRAFT_MARK, "").trim();
   const found = [...plain.matchAll(THEREFORE)].filter((m) => m.index > 0).at(-1);
   const before = found ? plain.slice(0, found.index) : plain;
   const decision = found ? plain.slice(found.index + found[0].length).replace(END, "") : "";
-  const between = BETWEEN.exec(before);
+  const between = BETWEEN.exec(before) ?? (found && sentences ? [...before.matchAll(SENTENCE)].at(-1) : null);
   if (!between) return { state: found ? before : before.replace(END, ""), reason: "", decision };
-  return { state: before.slice(0, between.index), reason: before.slice(between.index + between[0].length).replace(END, ""), decision };
+  // After a semicolon no word begins with a capital because of its place.
+  const reason = before.slice(between.index + between[0].length).replace(END, "").replace(/^[A-Z](?=[a-z ])/u, (c) => c.toLowerCase());
+  return { state: before.slice(0, between.index), reason, decision };
 }
 
 /** The text of the slots: one sentence in the order state, reason, decision. Empty slots leave no marks behind. */
