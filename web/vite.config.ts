@@ -9,7 +9,7 @@ export default defineConfig({
   plugins: [svelte(), svelteTesting()],
   base: "/",
   build: {
-    outDir: process.env.WHYROAD_WEB_OUT ?? `${server}/assets`,
+    outDir: process.env.WHYROAD_WEB_OUT || `${server}/assets`,
     emptyOutDir: true,
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },

@@ -94,9 +94,11 @@ export async function setup(first: { name: string; display: string; password: st
   if (token) replaceQuery("");
 }
 
+/** Who signs in next begins at their projects: the task that was open here may show what they must not see. */
 export async function signOut(): Promise<void> {
   const { provider_sign_out } = await api.deleteSession();
   clearCache();
+  replace("/");
   await open();
   session.providerSignOut = provider_sign_out ?? null;
 }

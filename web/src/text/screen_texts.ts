@@ -380,6 +380,7 @@ export const screenTexts = {
   "dash.send_back": ["退回", "Returned"],
   "dash.coverage.table": ["覆盖表", "Coverage table"],
   "dash.coverage.none": ["没有目标数，也没有任务。请设置目标数：", "No targets and no tasks. Set targets in:"],
+  "dash.coverage.no_quota": ["还没有设置目标数，不知道缺多少。请设置目标数：", "No targets are set, so what is missing is not known. Set targets in:"],
   "dash.coverage.total": ["{of} 个 L3 场景中 {n} 个有缺口，共缺 {missing} 条。", "{n} of {of} L3 scenarios fall short, {missing} {missing:label|labels} missing in total."],
   "dash.coverage.hint": [
     "已接受：已接受的标注。已挖掘：本项目中该场景的任务。缺口：目标减去已挖掘，需要继续挖掘。",

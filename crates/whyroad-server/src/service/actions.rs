@@ -40,19 +40,19 @@ pub struct Checked {
 pub fn check(app: &App, t: &TaskRow, name: &str, request: &TaskAction, now: i64) -> Answer<Option<Checked>> {
     let mut draft = t.draft.clone();
     let (changes, found) = match request.action.in_workflow() {
-        Some(Action::LockStage1) => (vec![], findings::of(app, &draft, t.view())),
+        Some(Action::LockStage1) => (vec![], findings::of(app, t, &draft, t.view())),
         Some(Action::Submit) => {
             let mut changes = made_by(app, name, now)?;
             changes.extend(stored_records(app, &draft));
             changes.iter().try_for_each(|c| merge::apply(&mut draft, c))?;
-            let found = findings::of(app, &draft, STAGE2);
+            let found = findings::of(app, t, &draft, STAGE2);
             (changes, found)
         }
         None if request.action == ActionName::Adjudicate && request.label.is_some() => {
             draft = merged(t, request.label.as_ref())?;
             let changes = made_by(app, name, now)?;
             changes.iter().try_for_each(|c| merge::apply(&mut draft, c))?;
-            let found = findings::of(app, &draft, STAGE2);
+            let found = findings::of(app, t, &draft, STAGE2);
             (changes, found)
         }
         _ => return Ok(None),

@@ -4,7 +4,7 @@
 use crate::app::App;
 use crate::domain::task::Finding;
 use crate::domain::workflow::Stage;
-use crate::service::tasks::LabelView;
+use crate::service::tasks::{LabelView, TaskRow};
 use crate::service::visible;
 use serde_json::{Value, json};
 use whyroad_model::label_fields::{name, pointer};
@@ -17,8 +17,8 @@ const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
 /// Findings of this crate, beside those of whyroad-framework.
 pub const CODES: &[&str] = &["label.trace.draft"];
 
-/// The findings in `draft` as far as `stage` shows it, by place.
-pub fn of(app: &App, draft: &Value, view: LabelView) -> Vec<Finding> {
+/// The findings in `draft`, a label of `task`, as far as the stage of `view` shows it, by place.
+pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Finding> {
     match view.stage {
         Stage::Stage1 => {
             let probe = probe(draft, view);
@@ -34,12 +34,27 @@ pub fn of(app: &App, draft: &Value, view: LabelView) -> Vec<Finding> {
             let mut found: Vec<Finding> = app.stage2_checker.check_text(&text).iter().map(finding).collect();
             let trace = draft.get(name::COC_TRACE).and_then(Value::as_str).unwrap_or_default();
             let known = found.iter().any(|f| f.code == CODES[0]);
-            if !known && DRAFT_MARKS.iter().any(|m| trace.trim_start().starts_with(m)) {
-                found.push(marked());
+            let marked = bare(trace) != trace;
+            if !known && (marked || drafted_trace(task).is_some_and(|drafted| bare(drafted) == trace)) {
+                found.push(unwritten());
             }
             found
         }
     }
+}
+
+/// The trace that a program drafted for the task. The checker knows one only by what a label says: not that of a draft
+/// from which components were left out, or whose words follow from what Stage I does not show.
+fn drafted_trace(task: &TaskRow) -> Option<&str> {
+    let by = task.initial.get(name::PROVENANCE)?.get(name::SOURCE)?.as_str()?;
+    let trace = task.initial.get(name::COC_TRACE)?.as_str()?;
+    (matches!(by, "rule" | "model") && !trace.is_empty()).then_some(trace)
+}
+
+/// A trace without the mark of a draft before it.
+fn bare(trace: &str) -> &str {
+    let text = trace.trim_start();
+    DRAFT_MARKS.iter().find_map(|m| text.strip_prefix(m)).map_or(trace, str::trim_start)
 }
 
 /// The draft as it will be handed in: by a person, and with empty causes where it has none. A label from elsewhere
@@ -94,14 +109,14 @@ fn finding(d: &Diagnostic) -> Finding {
     }
 }
 
-fn marked() -> Finding {
+fn unwritten() -> Finding {
     Finding {
         code: CODES[0].to_owned(),
         severity: "error".to_owned(),
         message_zh: "因果描述仍是程序生成的草稿".to_owned(),
         message_en: "the trace is still the program's draft".to_owned(),
         pointer: pointer::COC_TRACE.to_owned(),
-        hint_zh: Some("改写为：状态、原因、决策，并删去草稿标记".to_owned()),
-        hint_en: Some("write state, reason and decision, and delete the draft mark".to_owned()),
+        hint_zh: Some("用自己的话改写为：状态、原因、决策".to_owned()),
+        hint_en: Some("write state, reason and decision in your own words".to_owned()),
     }
 }

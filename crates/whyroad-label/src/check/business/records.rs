@@ -25,8 +25,8 @@ pub(in crate::check) fn missing(label: &View<'_>, class: &Prescribed, sink: &mut
                 format!("'{}' obliges you to record the {}", name.en, title.en),
             )
             .hint(
-                format!("填写该记录{}；从片段中看不出时填“未知”", unit.0),
-                format!("fill in the record{}, or 'unknown' where the clip does not show it", unit.1),
+                format!("填写该记录{}；看不出时写明（“看不出”或“未知”）", unit.0),
+                format!("fill in the record{}, or say that it cannot be seen ('unknown')", unit.1),
             )
         });
     }

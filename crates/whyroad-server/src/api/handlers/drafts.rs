@@ -27,7 +27,7 @@ pub fn save(call: &Call<'_>) -> Answer<Reply> {
     let t = saved.task;
     Reply::json(&DraftSaved {
         version: t.version,
-        findings: findings::of(call.app, &t.draft, t.view()),
+        findings: findings::of(call.app, &t, &t.draft, t.view()),
         merged: (saved.merged == Merged::Yes).then(|| visible::label(&t.draft, t.view())),
         lease_until: t.lease_until.unwrap_or_default(),
     })
