@@ -116,8 +116,26 @@ struct Piece {
     owner: Owner,
     outline: Outline,
     sector: Sector,
-    nearest: f64,
+    reach: Reach,
     footprint: Option<OrientedBox>,
+}
+
+/// Between which distances from the eye a shape is, m.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    nearest: f64,
+    farthest: f64,
+}
+
+impl Reach {
+    fn of(corners: &[P2]) -> Self {
+        Self { nearest: nearest_point(corners), farthest: farthest_corner(corners) }
+    }
+
+    /// True where all of this is nearer than any of `other`, by more than rounding can do.
+    fn is_before(&self, other: &Reach) -> bool {
+        self.farthest * (1.0 + 1e-9) + 1e-6 < other.nearest
+    }
 }
 
 /// Where a line from the origin with this direction first meets the shape; infinite when it misses, m.
@@ -158,7 +176,7 @@ fn nearest_point(corners: &[P2]) -> f64 {
 }
 
 /// Distance of the farthest corner from the origin.
-fn farthest_corner(corners: &[P2; 4]) -> f64 {
+fn farthest_corner(corners: &[P2]) -> f64 {
     let most = corners.iter().map(|c| c.dot(*c)).fold(0.0, f64::max) * (1.0 - 1e-12);
     corners.iter().filter(|c| c.dot(**c) >= most).map(|c| c.norm()).fold(0.0, f64::max)
 }
@@ -205,8 +223,8 @@ impl View {
     }
 
     fn push(&mut self, owner: Owner, outline: Outline, footprint: Option<OrientedBox>) {
-        let nearest = nearest_point(outline.corners());
-        if nearest > 0.0 {
+        let reach = Reach::of(outline.corners());
+        if reach.nearest > 0.0 {
             let sector = Sector::of(outline.corners());
             let (k, (first, count)) = (self.pieces.len(), sector.ranges);
             if k % 64 == 0 {
@@ -214,11 +232,11 @@ impl View {
             }
             for range in (first..first + count).map(|range| range % RANGES) {
                 self.ranges[k / 64][range] |= 1 << (k % 64);
-                if nearest < self.nearest[range] {
-                    self.nearest[range] = nearest;
+                if reach.nearest < self.nearest[range] {
+                    self.nearest[range] = reach.nearest;
                 }
             }
-            self.pieces.push(Piece { owner, sector, outline, nearest, footprint });
+            self.pieces.push(Piece { owner, sector, outline, reach, footprint });
         }
     }
 
@@ -243,20 +261,23 @@ impl View {
     /// hides nothing of it. `None` when the eye is inside.
     pub fn sight(&self, own: Option<Owner>, target: &OrientedBox) -> Option<Sight> {
         let corners = target.corners().map(|c| c - self.eye);
-        let about = OrientedBox::point(self.eye);
-        if target.overlaps(&about) {
-            return None;
-        }
-        let sector = self.sector_of(own, target).unwrap_or_else(|| Sector::of(&corners));
-        let farthest = farthest_corner(&corners);
+        let (sector, reach) = match self.piece_of(own, target) {
+            Some(piece) => (piece.sector, piece.reach),
+            None if target.overlaps(&OrientedBox::point(self.eye)) => return None,
+            None => (Sector::of(&corners), Reach::of(&corners)),
+        };
         let mut hidden: Vec<(Owner, f64, (f64, f64))> = Vec::new();
         let around = self.pieces_in(sector.ranges);
-        for piece in around.filter(|p| Some(p.owner) != own && p.nearest < farthest) {
+        for piece in around.filter(|p| Some(p.owner) != own && p.reach.nearest < reach.farthest) {
             let Some((low, high)) = sector.shared(&piece.sector) else { continue };
-            let direction = P2::from_heading(sector.mid + (low + high) / 2.0);
-            let before = entry(piece.outline.corners(), direction) < entry(&corners, direction);
-            if before && piece.footprint.is_none_or(|f| !f.overlaps(target)) {
-                hidden.push((piece.owner, piece.nearest, (low, high)));
+            // Most are apart in distance: then no line tells which is nearer, and they do not overlap.
+            let is_before = piece.reach.is_before(&reach) || {
+                let direction = P2::from_heading(sector.mid + (low + high) / 2.0);
+                entry(piece.outline.corners(), direction) < entry(&corners, direction)
+                    && piece.footprint.is_none_or(|f| !f.overlaps(target))
+            };
+            if is_before {
+                hidden.push((piece.owner, piece.reach.nearest, (low, high)));
             }
         }
         if hidden.is_empty() {
@@ -267,11 +288,12 @@ impl View {
         Some(Sight { share, occluder: most_hiding(hidden) })
     }
 
-    /// The sector of a box that is itself a piece of this view. Targets are mostly added in the order of their numbers:
-    /// where they are not, it may not be found.
-    fn sector_of(&self, own: Option<Owner>, target: &OrientedBox) -> Option<Sector> {
+    /// The piece of this view that the box itself is, which is not around the eye. Targets are mostly added in the order
+    /// of their numbers: where they are not, it may not be found.
+    fn piece_of(&self, own: Option<Owner>, target: &OrientedBox) -> Option<&Piece> {
         let at = self.pieces.binary_search_by_key(&own?, |piece| piece.owner).ok()?;
-        (self.pieces[at].footprint == Some(*target)).then_some(self.pieces[at].sector)
+        let piece = &self.pieces[at];
+        (piece.footprint == Some(*target)).then_some(piece)
     }
 
     /// The first thing for which `counts` holds that stands before `place` as seen from the eye.
@@ -288,8 +310,8 @@ impl View {
         let distance = to.norm();
         let direction = to * (1.0 / distance.max(1e-9));
         self.pieces_in((range, 1))
-            .filter(|p| near(p.nearest))
-            .filter(|p| p.nearest < distance && p.sector.contains(direction) && counts(p.owner))
+            .filter(|p| near(p.reach.nearest))
+            .filter(|p| p.reach.nearest < distance && p.sector.contains(direction) && counts(p.owner))
             .map(|p| (entry(p.outline.corners(), direction), p.owner))
             .filter(|(at, _)| *at < distance)
             .min_by(|a, b| a.0.total_cmp(&b.0))

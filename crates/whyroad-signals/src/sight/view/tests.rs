@@ -98,7 +98,7 @@ fn before_one_by_one(v: &View, place: P2) -> Option<Owner> {
     let to = place - v.eye;
     let distance = to.norm();
     let direction = to * (1.0 / distance.max(1e-9));
-    let met = v.pieces.iter().filter(|p| p.nearest < distance && p.sector.contains(direction));
+    let met = v.pieces.iter().filter(|p| p.reach.nearest < distance && p.sector.contains(direction));
     let met = met.map(|p| (entry(p.outline.corners(), direction), p.owner)).filter(|(at, _)| *at < distance);
     met.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, owner)| owner)
 }
