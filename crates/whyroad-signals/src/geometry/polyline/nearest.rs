@@ -178,9 +178,11 @@ impl Segments {
         self.look(p, segments(begin), &mut best);
         // The ends go on beyond their blocks.
         let open = |b: usize| b == 0 || b + 1 == self.blocks.len();
-        for b in blocks.filter(|b| *b != begin) {
-            if open(b) || self.blocks[b].may_be_within(p, best.d2.sqrt()) {
+        let mut distance = best.d2.sqrt();
+        for b in blocks {
+            if b != begin && (open(b) || self.blocks[b].may_be_within(p, distance)) {
                 self.look(p, segments(b), &mut best);
+                distance = best.d2.sqrt();
             }
         }
         best
@@ -241,38 +243,11 @@ impl Segments {
         }
     }
 
-    /// Nearest foot points of [`TOGETHER`] places among these segments, as [`Segments::foot`] finds each: the places
-    /// side by side, so that a segment is compared with all of them at once.
+    /// Nearest foot points of [`TOGETHER`] places among these segments, as [`Segments::foot`] finds each.
     pub fn feet(&self, places: [P2; TOGETHER], window: Window) -> [Projection; TOGETHER] {
-        let Window { first, end } = window;
-        if end - first > MOST {
-            return places.map(|p| self.foot(p, window, None).at);
-        }
-        let (mut x, mut y) = ([0.0; TOGETHER], [0.0; TOGETHER]);
-        for k in 0..TOGETHER {
-            (x[k], y[k]) = (places[k].x, places[k].y);
-        }
-        let mut about = [[0.0; TOGETHER]; MOST];
-        let mut least = [f64::INFINITY; TOGETHER];
-        for (i, about) in (first..end).zip(&mut about) {
-            let (low, high) = self.ends(i);
-            let along = (&self.along_x[i], &self.along_y[i]);
-            let (from_x, from_y, inverse) = (self.from_x[i], self.from_y[i], self.inverse[i]);
-            for k in 0..TOGETHER {
-                about[k] = squared((x[k] - from_x, y[k] - from_y), along, inverse, low, high);
-                least[k] = if about[k] < least[k] { about[k] } else { least[k] };
-            }
-        }
         let mut feet = [Foot::none(window).at; TOGETHER];
         for k in 0..TOGETHER {
-            let enough = least[k] * (1.0 + 1e-9) + 1e-8;
-            let mut best = Foot::none(window);
-            for i in first..end {
-                if about[i - first][k] <= enough {
-                    self.take_if_nearer(places[k], i, &mut best);
-                }
-            }
-            feet[k] = best.at;
+            feet[k] = self.foot(places[k], window, None).at;
         }
         feet
     }
@@ -290,10 +265,8 @@ fn least_of(values: &[f64]) -> f64 {
     // Four by four: none waits for the one before it.
     let mut least = [f64::INFINITY; 4];
     for four in values.chunks_exact(4) {
-        for (least, value) in least.iter_mut().zip(four) {
-            if *value < *least {
-                *least = *value;
-            }
+        for k in 0..4 {
+            least[k] = if four[k] < least[k] { four[k] } else { least[k] };
         }
     }
     least.into_iter().fold(f64::INFINITY, f64::min)
