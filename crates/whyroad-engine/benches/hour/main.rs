@@ -121,8 +121,8 @@ fn measure(folder: &Path, objects: usize) {
     let lake = Lake::create_or_open(folder.join("lake")).expect("a lake");
     let (sources, _) = find_sources(None, &[folder.join("logs")]);
     let mut stages = Stages(Vec::new());
-    let (mut frames, mut rows, mut episodes) = (0, 0, 0);
-    let mut results = blake3::Hasher::new();
+    let (mut frames, mut rows, mut episodes, mut all_found) = (0, 0, 0, String::new());
+    let (mut signals, mut results) = (blake3::Hasher::new(), blake3::Hasher::new());
     for source in &sources {
         stages.run("decode the log, nothing else", || decode(&source.path));
         let drive = stages
@@ -142,14 +142,16 @@ fn measure(folder: &Path, objects: usize) {
         }
         let table = stages.run("estimate and derive signals", || whyroad_signals::derive(&drive));
         drop(drive);
-        digest(&table, &mut results);
+        digest(&table, &mut signals);
         stages.run("store signals", || {
             lake.write_signals(&id, whyroad_signals::VERSION, &table).expect("written");
         });
         episodes += stages.run("mine: all rules to episodes", || {
             let found = Search::new(&plan, &Signals::of_table(&table), all.iter().copied()).found();
             let found = arbitrated(&rules, &id, &table.times, found).episodes;
-            results.update(format!("{found:?}").as_bytes());
+            let text = format!("{found:?}\n");
+            results.update(text.as_bytes());
+            all_found += &text;
             found.len()
         });
     }
@@ -162,7 +164,10 @@ fn measure(folder: &Path, objects: usize) {
         rows as f64 / hours / 1e6,
         rules.rules.len(),
     );
-    println!("signals and episodes: {}", &results.finalize().to_hex()[..16]);
+    let [signals, results] = [signals, results].map(|h| h.finalize().to_hex()[..16].to_string());
+    println!("hash of signals {signals}, of episodes {results}");
+    // Where hashes differ, this says by what.
+    fs::write(folder.join("episodes.txt"), all_found).expect("written");
     println!("{:<32} {:>16} {:>10} {:>10}", "stage", "core-s per hour", "us per row", "peak MB");
     let mut total = 0.0;
     for stage in &stages.0 {

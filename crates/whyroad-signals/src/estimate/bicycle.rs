@@ -36,6 +36,15 @@ const LEVER_SHARE: f64 = 1.0;
 /// Drift of the heading within a second beside the yaw rate, rad.
 const DRIFT_RAD: f64 = 0.005;
 
+/// On which other components each depends a moment later: the derivatives that `predict` sets beside the ones on the
+/// diagonal; the others are zero.
+const COUPLED: [(usize, &[usize]); 4] = [
+    (X, &[HEADING, SPEED, YAW_RATE, ACCEL]),
+    (Y, &[HEADING, SPEED, YAW_RATE, ACCEL]),
+    (HEADING, &[YAW_RATE]),
+    (SPEED, &[ACCEL]),
+];
+
 /// The model for one vehicle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bicycle {
@@ -75,10 +84,8 @@ impl Model<6> for Bicycle {
     }
 
     fn moved(f: &Matrix<6>, matrix: &Matrix<6>) -> Matrix<6> {
-        // Ones on the diagonal, zeros but for what `predict` sets.
         let mut out = *matrix;
-        let places = [HEADING, SPEED, YAW_RATE, ACCEL];
-        for (row, others) in [(X, &places[..]), (Y, &places), (HEADING, &[YAW_RATE]), (SPEED, &[ACCEL])] {
+        for (row, others) in COUPLED {
             let mut sum = matrix[row];
             for &k in others {
                 for j in 0..6 {
@@ -86,6 +93,18 @@ impl Model<6> for Bicycle {
                 }
             }
             out[row] = sum;
+        }
+        out
+    }
+
+    fn moved_back(f: &Matrix<6>, matrix: &Matrix<6>) -> Matrix<6> {
+        let mut out = *matrix;
+        for (row, others) in COUPLED {
+            for &k in others {
+                for j in 0..6 {
+                    out[k][j] += f[row][k] * matrix[row][j];
+                }
+            }
         }
         out
     }
@@ -113,7 +132,7 @@ impl Model<6> for Bicycle {
 
 #[cfg(test)]
 mod tests {
-    use super::super::matrix::product;
+    use super::super::matrix::{product, transposed};
     use super::*;
 
     #[test]
@@ -127,6 +146,11 @@ mod tests {
         {
             let (_, f) = bicycle.predict(&[3.0, -4.0, heading, speed, yaw_rate, 0.7], 0.1);
             assert_eq!(Bicycle::moved(&f, &matrix), product(&f, &matrix), "{heading} {speed} {yaw_rate}");
+            // Added in another order.
+            let (back, whole) = (Bicycle::moved_back(&f, &matrix), product(&transposed(&f), &matrix));
+            for (value, expected) in back.as_flattened().iter().zip(whole.as_flattened()) {
+                assert!((value - expected).abs() < 1e-14, "{heading} {speed} {yaw_rate}");
+            }
         }
     }
 }

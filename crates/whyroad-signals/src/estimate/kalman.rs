@@ -1,7 +1,12 @@
-//! An extended Kalman filter and its fixed-interval smoother (Rauch, Tung and Striebel 1965) over any motion model of
-//! fixed size. Observations are single components of the state, so that no matrix is inverted on the way forward.
+//! An extended Kalman filter and its fixed-interval smoother over any motion model of fixed size. Observations are single
+//! components of the state, so that no matrix is inverted, neither on the way forward nor on the way back.
+//!
+//! The way back is that of Bierman (1973, "Fixed interval smoothing with discrete measurements"), often called the
+//! modified Bryson-Frazier smoother: it carries what later rows say as the vector and the matrix of [`Later`], not as a
+//! smoothed state. But for rounding the result is that of Rauch, Tung and Striebel (1965), which solves for a matrix per
+//! row.
 
-use super::matrix::{Matrix, difference, product, solve, sum, symmetric, transposed};
+use super::matrix::{Matrix, product, sum, symmetric, transposed, zero};
 use crate::geometry::wrap;
 use std::f64::consts::PI;
 
@@ -19,6 +24,11 @@ pub trait Model<const N: usize> {
     /// The product of a matrix of derivatives, as [`Model::predict`] gives it, and `matrix`.
     fn moved(derivatives: &Matrix<N>, matrix: &Matrix<N>) -> Matrix<N> {
         product(derivatives, matrix)
+    }
+
+    /// The product of the transpose of a matrix of derivatives, as [`Model::predict`] gives it, and `matrix`.
+    fn moved_back(derivatives: &Matrix<N>, matrix: &Matrix<N>) -> Matrix<N> {
+        product(&transposed(derivatives), matrix)
     }
 }
 
@@ -52,10 +62,25 @@ const PATIENCE: usize = 3;
 /// An angle this far off is a box turned round, rad.
 const TURNED_ROUND_RAD: f64 = 0.75 * PI;
 
+/// A row as the filter left it.
 struct Step<const N: usize> {
+    /// Derivatives of the predicted state by that of the row before; zero in the first row.
     transition: Matrix<N>,
-    predicted: ([f64; N], Matrix<N>),
-    filtered: ([f64; N], Matrix<N>),
+    state: [f64; N],
+    covariance: Matrix<N>,
+    /// Number of observations up to and with this row.
+    taken: usize,
+}
+
+/// An observation as the filter took it.
+struct Taken<const N: usize> {
+    index: usize,
+    /// What is added to the state per unit of innovation.
+    gain: [f64; N],
+    /// Measured less expected.
+    innovation: f64,
+    /// Variance of the innovation, as it was counted.
+    variance: f64,
 }
 
 /// Smooths the rows at `times` (s, ascending). `observe` puts what was measured in a row into the list; a row without
@@ -68,6 +93,7 @@ pub fn smooth<const N: usize, M: Model<N>>(
 ) -> Smoothed<N> {
     let n = times.len();
     let mut steps: Vec<Step<N>> = Vec::with_capacity(n);
+    let mut taken: Vec<Taken<N>> = Vec::with_capacity(3 * n);
     let mut seen = Vec::with_capacity(8);
     let (mut state, mut covariance) = first;
     let mut rows_off = [0; N];
@@ -93,41 +119,88 @@ pub fn smooth<const N: usize, M: Model<N>>(
                 covariance[o.index][o.index] += off * off;
             }
         }
-        let predicted = (state, covariance);
         for o in &seen {
-            update(&mut state, &mut covariance, o, M::ANGLE);
+            taken.push(update(&mut state, &mut covariance, o, M::ANGLE));
         }
-        steps.push(Step { transition, predicted, filtered: (state, covariance) });
+        steps.push(Step { transition, state, covariance, taken: taken.len() });
     }
     let mut out = Smoothed { states: vec![[0.0; N]; n], variances: vec![[0.0; N]; n] };
-    let Some(last) = steps.last() else { return out };
-    let (mut state, mut covariance) = last.filtered;
+    let mut later = Later::nothing();
     for row in (0..n).rev() {
-        if row + 1 < n {
-            let (here, next) = (&steps[row], &steps[row + 1]);
-            // G' = P_predicted^-1 F P_filtered, so G = P_filtered F' P_predicted^-1.
-            let turned_gain = solve(&next.predicted.1, &M::moved(&next.transition, &here.filtered.1));
-            let gain = transposed(&turned_gain);
-            let mut back = here.filtered.0;
-            for (value, weights) in back.iter_mut().zip(&gain) {
-                for k in 0..N {
-                    let mut off = state[k] - next.predicted.0[k];
-                    if M::ANGLE == Some(k) {
-                        off = wrap(off);
-                    }
-                    *value += weights[k] * off;
-                }
-            }
-            let off = difference(&covariance, &next.predicted.1);
-            covariance = symmetric(&sum(&here.filtered.1, &product(&product(&gain, &off), &turned_gain)));
-            state = back;
-        }
-        out.states[row] = state;
-        for k in 0..N {
-            out.variances[row][k] = covariance[k][k].max(0.0);
+        let step = &steps[row];
+        (out.states[row], out.variances[row]) = later.applied(&step.state, &step.covariance);
+        if row > 0 {
+            taken[steps[row - 1].taken..step.taken].iter().rev().for_each(|taken| later.take(taken));
+            later.step_back::<M>(&step.transition);
         }
     }
     out
+}
+
+/// What later measurements say of a state that the filter estimates as `x` with covariance `P`: the smoothed state is
+/// `x - P gradient`, its covariance `P - P information P`.
+struct Later<const N: usize> {
+    gradient: [f64; N],
+    information: Matrix<N>,
+}
+
+impl<const N: usize> Later<N> {
+    /// There are no later measurements.
+    fn nothing() -> Self {
+        Self { gradient: [0.0; N], information: zero() }
+    }
+
+    /// The smoothed state, and the variance of each component.
+    fn applied(&self, state: &[f64; N], covariance: &Matrix<N>) -> ([f64; N], [f64; N]) {
+        let (mut smoothed, mut variances) = (*state, [0.0; N]);
+        let weighted = product(covariance, &self.information);
+        for i in 0..N {
+            let (mut change, mut known) = (0.0, 0.0);
+            for j in 0..N {
+                change += covariance[i][j] * self.gradient[j];
+                // The covariance is symmetric: its row is its column.
+                known += weighted[i][j] * covariance[i][j];
+            }
+            smoothed[i] -= change;
+            variances[i] = (covariance[i][i] - known).max(0.0);
+        }
+        (smoothed, variances)
+    }
+
+    /// From the state after an observation to the state before it: with `A = I - gain h'` and `h` the unit vector of the
+    /// component, `A' gradient - h innovation / variance` and `A' information A + h h' / variance`. Only one row and one
+    /// column change.
+    fn take(&mut self, taken: &Taken<N>) {
+        let (k, gain) = (taken.index, &taken.gain);
+        let (mut along, mut change) = ([0.0; N], taken.innovation / taken.variance);
+        for i in 0..N {
+            for j in 0..N {
+                along[j] += gain[i] * self.information[i][j];
+            }
+            change += gain[i] * self.gradient[i];
+        }
+        self.gradient[k] -= change;
+        let mut corner = self.information[k][k] - 2.0 * along[k] + 1.0 / taken.variance;
+        for i in 0..N {
+            corner += gain[i] * along[i];
+            let changed = self.information[k][i] - along[i];
+            (self.information[k][i], self.information[i][k]) = (changed, changed);
+        }
+        self.information[k][k] = corner;
+    }
+
+    /// From a row to the one before, of which it was predicted: `F' gradient` and `F' information F`.
+    fn step_back<M: Model<N>>(&mut self, transition: &Matrix<N>) {
+        let mut gradient = [0.0; N];
+        for i in 0..N {
+            for j in 0..N {
+                gradient[j] += transition[i][j] * self.gradient[i];
+            }
+        }
+        self.gradient = gradient;
+        let half = M::moved_back(transition, &self.information);
+        self.information = symmetric(&M::moved_back(transition, &transposed(&half)));
+    }
 }
 
 /// How far the measurement is from what is expected.
@@ -136,26 +209,31 @@ fn innovation<const N: usize>(state: &[f64; N], o: &Observation, angle: Option<u
     if angle == Some(o.index) { wrap(off) } else { off }
 }
 
+/// Takes an observation into a state and its covariance.
 fn update<const N: usize>(
     state: &mut [f64; N],
     covariance: &mut Matrix<N>,
     o: &Observation,
     angle: Option<usize>,
-) {
+) -> Taken<N> {
     let k = o.index;
     let innovation = innovation(state, o, angle);
     let spread = covariance[k][k] + o.variance;
     let beyond = innovation * innovation / (GATE * GATE);
-    let total = spread.max(beyond);
-    let mut column = [0.0; N];
+    let variance = spread.max(beyond);
+    let (mut column, mut gain) = ([0.0; N], [0.0; N]);
     for i in 0..N {
         column[i] = covariance[i][k];
+        gain[i] = column[i] / variance;
     }
     for i in 0..N {
-        let gain = column[i] / total;
-        state[i] += gain * innovation;
+        state[i] += gain[i] * innovation;
         for j in 0..N {
-            covariance[i][j] -= gain * column[j];
+            covariance[i][j] -= gain[i] * column[j];
         }
     }
+    Taken { index: k, gain, innovation, variance }
 }
+
+#[cfg(test)]
+mod tests;

@@ -44,6 +44,7 @@ pub fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
 }
 
 /// `a` transposed.
+#[inline]
 pub fn transposed<const N: usize>(a: &Matrix<N>) -> Matrix<N> {
     let mut out = zero();
     for i in 0..N {
@@ -55,6 +56,7 @@ pub fn transposed<const N: usize>(a: &Matrix<N>) -> Matrix<N> {
 }
 
 /// `a + b`.
+#[inline]
 pub fn sum<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     let mut out = *a;
     for i in 0..N {
@@ -65,18 +67,8 @@ pub fn sum<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     out
 }
 
-/// `a - b`.
-pub fn difference<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
-    let mut out = *a;
-    for i in 0..N {
-        for j in 0..N {
-            out[i][j] -= b[i][j];
-        }
-    }
-    out
-}
-
 /// The mean of a matrix and its transpose: rounding makes covariances asymmetric.
+#[inline]
 pub fn symmetric<const N: usize>(a: &Matrix<N>) -> Matrix<N> {
     let mut out = *a;
     for i in 0..N {
@@ -86,65 +78,4 @@ pub fn symmetric<const N: usize>(a: &Matrix<N>) -> Matrix<N> {
         }
     }
     out
-}
-
-/// `x` of `a x = b` for a symmetric positive definite `a`, by Cholesky decomposition. A pivot that rounding has made
-/// negative is taken as a very small one.
-pub fn solve<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
-    let mut l: Matrix<N> = zero();
-    for i in 0..N {
-        for j in 0..=i {
-            let mut rest = a[i][j];
-            for k in 0..j {
-                rest -= l[i][k] * l[j][k];
-            }
-            l[i][j] = if i == j { rest.max(1e-18).sqrt() } else { rest / l[j][j] };
-        }
-    }
-    let mut x = *b;
-    // A row at a time, as in a product.
-    for i in 0..N {
-        let mut row = x[i];
-        for k in 0..i {
-            let factor = l[i][k];
-            for c in 0..N {
-                row[c] -= factor * x[k][c];
-            }
-        }
-        for value in &mut row {
-            *value /= l[i][i];
-        }
-        x[i] = row;
-    }
-    for i in (0..N).rev() {
-        let mut row = x[i];
-        for k in i + 1..N {
-            let factor = l[k][i];
-            for c in 0..N {
-                row[c] -= factor * x[k][c];
-            }
-        }
-        for value in &mut row {
-            *value /= l[i][i];
-        }
-        x[i] = row;
-    }
-    x
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_solution_gives_back_the_right_side() {
-        let a = [[4.0, 1.0, 0.5], [1.0, 3.0, 0.2], [0.5, 0.2, 2.0]];
-        let b = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 10.0]];
-        let back = product(&a, &solve(&a, &b));
-        for i in 0..3 {
-            for j in 0..3 {
-                assert!((back[i][j] - b[i][j]).abs() < 1e-12);
-            }
-        }
-    }
 }

@@ -1,0 +1,142 @@
+//! The smoothed states are those of the joint distribution of all rows, given all that was measured: worked out here
+//! without any recursion over rows, by conditioning one dense normal distribution on one number after another.
+
+use super::*;
+use crate::estimate::bicycle::{Bicycle, HEADING, X, Y};
+use crate::estimate::matrix::diagonal;
+use crate::estimate::walker::WALKER;
+
+/// Mean and covariance of several numbers.
+struct Normal {
+    mean: Vec<f64>,
+    covariance: Vec<Vec<f64>>,
+}
+
+impl Normal {
+    /// States of all rows before anything is measured, by derivatives and noise along `states`: row by row what the row
+    /// before says, moved.
+    fn of_rows<const N: usize, M: Model<N>>(
+        model: &M,
+        times: &[f64],
+        along: &[[f64; N]],
+        first: ([f64; N], Matrix<N>),
+    ) -> Self {
+        let size = N * times.len();
+        let mut out = Self { mean: vec![0.0; size], covariance: vec![vec![0.0; size]; size] };
+        for i in 0..N {
+            out.mean[i] = first.0[i];
+            out.covariance[i][..N].copy_from_slice(&first.1[i]);
+        }
+        for row in 1..times.len() {
+            let dt = times[row] - times[row - 1];
+            let (at, before) = (row * N, (row - 1) * N);
+            let (next, f) = model.predict(&along[row - 1], dt);
+            let noise = model.noise(&along[row - 1], dt);
+            for i in 0..N {
+                let off = (0..N).map(|k| f[i][k] * (out.mean[before + k] - along[row - 1][k])).sum::<f64>();
+                out.mean[at + i] = next[i] + off;
+                // With all rows so far.
+                for j in 0..at {
+                    let value = (0..N).map(|k| f[i][k] * out.covariance[before + k][j]).sum::<f64>();
+                    (out.covariance[at + i][j], out.covariance[j][at + i]) = (value, value);
+                }
+            }
+            for i in 0..N {
+                for j in 0..N {
+                    let value = (0..N).map(|k| f[j][k] * out.covariance[at + i][before + k]).sum::<f64>();
+                    out.covariance[at + i][at + j] = value + noise[i][j];
+                }
+            }
+        }
+        out
+    }
+
+    /// Given that number `k` was measured.
+    fn measure(&mut self, k: usize, value: f64, variance: f64) {
+        let column: Vec<f64> = self.covariance.iter().map(|row| row[k]).collect();
+        let (off, spread) = (value - self.mean[k], column[k] + variance);
+        for i in 0..column.len() {
+            self.mean[i] += column[i] * off / spread;
+            for j in 0..column.len() {
+                self.covariance[i][j] -= column[i] * column[j] / spread;
+            }
+        }
+    }
+}
+
+fn assert_near(smoothed: f64, joint: f64, what: &str) {
+    assert!((smoothed - joint).abs() < 1e-9 * (1.0 + joint.abs()), "{what}: {smoothed} {joint}");
+}
+
+#[test]
+fn a_walker_is_smoothed_as_by_the_joint_distribution() {
+    let times = [0.0, 0.1, 0.2, 0.35, 0.8, 0.9, 1.0, 1.1];
+    let first = ([2.0, 1.1], diagonal([25.0, 9.0]));
+    // Places about 2 + 1.3 t with a little noise; two rows without, one row with two.
+    let measured = |row: usize| -> Vec<Observation> {
+        let value = 2.0 + 1.3 * times[row] + 0.05 * (7.0 * row as f64).sin();
+        let place = Observation { index: 0, value, variance: 0.01 };
+        match row {
+            3 | 4 => vec![],
+            6 => vec![place, Observation { index: 1, value: 1.25, variance: 0.04 }],
+            _ => vec![place],
+        }
+    };
+    let smoothed = smooth(&WALKER, &times, first, |row, seen| seen.extend(measured(row)));
+    // The model is linear: it does not matter along which states.
+    let mut joint = Normal::of_rows(&WALKER, &times, &[[0.0; 2]; 8], first);
+    for row in 0..times.len() {
+        for o in measured(row) {
+            joint.measure(2 * row + o.index, o.value, o.variance);
+        }
+    }
+    for row in 0..times.len() {
+        for k in 0..2 {
+            let at = 2 * row + k;
+            assert_near(smoothed.states[row][k], joint.mean[at], "state");
+            assert_near(smoothed.variances[row][k], joint.covariance[at][at], "variance");
+        }
+    }
+}
+
+#[test]
+fn a_vehicle_is_smoothed_as_by_the_joint_distribution() {
+    // A bend at 8 m/s and 0.3 rad/s that speeds up; every fifth row is missing.
+    let times: Vec<f64> = (0..12).map(|i| 0.1 * f64::from(i)).collect();
+    let bicycle = Bicycle { rear_to_center_m: 1.3 };
+    let first = ([0.0, 0.0, 0.2, 8.0, 0.3, 0.5], diagonal([25.0, 25.0, 0.5, 25.0, 0.1, 4.0]));
+    let mut driven = vec![first.0];
+    for w in times.windows(2) {
+        driven.push(bicycle.predict(&driven[driven.len() - 1], w[1] - w[0]).0);
+    }
+    let measured = |row: usize| -> Vec<Observation> {
+        if row % 5 == 3 {
+            return vec![];
+        }
+        let noise = |k: usize| 0.02 * (3.0 * row as f64 + 5.0 * k as f64).sin();
+        let of = |index, variance| Observation { index, value: driven[row][index] + noise(index), variance };
+        vec![of(X, 0.01), of(Y, 0.01), of(HEADING, 0.001)]
+    };
+    let smoothed = smooth(&bicycle, &times, first, |row, seen| seen.extend(measured(row)));
+    // Derivatives are taken where the filter takes them: at what is known in each row from the rows up to it. For each
+    // row these are the states of a smoother that ends there.
+    let filtered: Vec<[f64; 6]> = (0..times.len())
+        .map(|last| {
+            let part = smooth(&bicycle, &times[..=last], first, |row, seen| seen.extend(measured(row)));
+            part.states[last]
+        })
+        .collect();
+    let mut joint = Normal::of_rows(&bicycle, &times, &filtered, first);
+    for row in 0..times.len() {
+        for o in measured(row) {
+            joint.measure(6 * row + o.index, o.value, o.variance);
+        }
+    }
+    for row in 0..times.len() {
+        for k in 0..6 {
+            let at = 6 * row + k;
+            assert_near(smoothed.states[row][k], joint.mean[at], "state");
+            assert_near(smoothed.variances[row][k], joint.covariance[at][at], "variance");
+        }
+    }
+}
