@@ -39,6 +39,11 @@ pub(super) fn between_jumps(
         if dt > LONGEST_S || turned.is_nan() || turned.abs() > FRAC_PI_2 {
             return false;
         }
+        let moved = (measured.x[b] - measured.x[a]).abs() + (measured.y[b] - measured.y[a]).abs();
+        if moved + half.abs() * turned.abs() < MAX_SIDE_STEP_M {
+            // The front moved no further than that, in whichever direction.
+            return false;
+        }
         let (from, to) = (front(a), front(b));
         let (sin, cos) = (measured.heading[a] + 0.5 * turned).sin_cos();
         let aside = (to.1 - from.1) * cos - (to.0 - from.0) * sin;

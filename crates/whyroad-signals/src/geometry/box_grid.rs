@@ -122,10 +122,11 @@ impl BoxGrid {
         let mut found = Vec::with_capacity(MOSTLY_NEAR);
         let (from, to) = (P2 { x: p.x - reach, y: p.y - reach }, P2 { x: p.x + reach, y: p.y + reach });
         for cell in self.cells(&(from, to)) {
-            let meets = |(_, (low, high)): &&(u32, Bounds)| {
-                low.x <= to.x && high.x >= from.x && low.y <= to.y && high.y >= from.y
-            };
-            found.extend(self.in_cell(cell).filter(meets).map(|(k, _)| *k as usize));
+            for (k, (low, high)) in self.in_cell(cell) {
+                if low.x <= to.x && high.x >= from.x && low.y <= to.y && high.y >= from.y {
+                    found.push(*k as usize);
+                }
+            }
         }
         found.sort_unstable();
         found.dedup();

@@ -21,6 +21,9 @@ pub struct Polyline {
     places: Places,
 }
 
+/// Up to this number of points in a stretch are looked at one by one: mostly there is one.
+const FEW_POINTS: usize = 8;
+
 /// Where to begin to look for an arc length: as many stretches of one length as there are points.
 #[derive(Clone, Debug, Default)]
 struct Places {
@@ -120,7 +123,10 @@ impl Polyline {
     /// Number of points up to arc length `s`, those at it included; none where it is not known.
     fn points_up_to(&self, s: f64) -> usize {
         let about = self.places.about(s);
-        let mut count = about.start + self.s[about].partition_point(|&v| v <= s);
+        let mut count = about.start;
+        if about.len() > FEW_POINTS {
+            count += self.s[about].partition_point(|&v| v <= s);
+        }
         while self.s.get(count).is_some_and(|&v| v <= s) {
             count += 1;
         }
