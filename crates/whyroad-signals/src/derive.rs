@@ -20,13 +20,13 @@ use crate::series::seconds;
 use crate::table::TableBuilder;
 use crate::target::approach;
 use crate::target::interaction::Interaction;
-use crate::target::lanes::TargetLanes;
 use crate::target::placement::{PlacedRows, Surroundings, Target};
 use crate::target::relations::{self, Neighbors};
 use crate::target::rows::{Rows, observed_tracks};
 use crate::target::{self, crosswalk, free_width, line_crossing};
 use crate::wanted::{self, Wanted};
 use crate::{behavior, refav, sight};
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::catalog::id;
 use whyroad_model::{Drive, Need, SignalTable};
@@ -323,8 +323,7 @@ impl<'a> PlacedStage<'a> {
 
 /// Stage 4: what the ego and the targets do to each other.
 fn write_pairs(placed: &PlacedStage<'_>, table: &mut TableBuilder<'_>) {
-    let RoadStage { ego, road, .. } = placed.on_road;
-    let on_lanes = road.map(|r| TargetLanes::new(r, &placed.targets));
+    let ego = placed.on_road.ego;
     let scene = Interaction {
         drive: ego.drive,
         times: &ego.times,
@@ -332,7 +331,7 @@ fn write_pairs(placed: &PlacedStage<'_>, table: &mut TableBuilder<'_>) {
         around: &placed.around,
         targets: &placed.targets,
         near: &placed.near,
-        lanes: on_lanes.as_ref(),
+        assigned: OnceCell::new(),
     };
     conflict::write(&scene, table);
     target::write(&scene, table);

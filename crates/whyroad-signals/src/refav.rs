@@ -76,7 +76,7 @@ fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<TargetRe
 
 /// Lanes that a target is on: the assigned one, else all that hold its center.
 fn lanes_of(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, center: P2) -> Vec<usize> {
-    if let Some(place) = scene.lanes.and_then(|l| l.at(k, r)) {
+    if let Some(place) = scene.lanes().and_then(|l| l.at(k, r)) {
         return vec![place.lane];
     }
     let holds = |&i: &usize| {

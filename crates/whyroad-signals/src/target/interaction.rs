@@ -5,6 +5,7 @@ use crate::table::TableBuilder;
 use crate::target::lanes::TargetLanes;
 use crate::target::placement::{Surroundings, Target};
 use crate::target::relations::Neighbors;
+use std::cell::OnceCell;
 use whyroad_model::{Drive, SignalId};
 
 /// One drive with all that was found before.
@@ -21,8 +22,16 @@ pub struct Interaction<'a> {
     pub actions: &'a MetaActions,
     /// Lead and follower by frame.
     pub near: &'a Neighbors,
-    /// Lanes of the targets by row; `None` without a map.
-    pub lanes: Option<&'a TargetLanes>,
+    /// Behind [`Interaction::lanes`].
+    pub assigned: OnceCell<Option<TargetLanes>>,
+}
+
+impl Interaction<'_> {
+    /// Lanes of the targets by row, assigned when they are first asked for; `None` without a map.
+    pub fn lanes(&self) -> Option<&TargetLanes> {
+        let assign = || Some(TargetLanes::new(self.around.road?, self.targets));
+        self.assigned.get_or_init(assign).as_ref()
+    }
 }
 
 /// Signals of a family, and what writes them.

@@ -251,7 +251,7 @@ fn wrong_way(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Tri> {
 
 /// Writes `target.lane_change`, `weaves`, `wrong_way`.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
-    let (Some(road), Some(lanes)) = (scene.around.road, scene.lanes) else { return };
+    let (Some(road), Some(lanes)) = (scene.around.road, scene.lanes()) else { return };
     let rows = Rows::new(scene.drive, table);
     let (targets, times) = (scene.targets, scene.times);
     let each = || targets.iter().zip(&lanes.places);

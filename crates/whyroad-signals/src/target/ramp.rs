@@ -37,7 +37,7 @@ fn covers(map: &RoadMap) -> bool {
 
 /// Writes `target.on_ramp`; leaves it unavailable where the map has no data on ramps.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
-    let (Some(map), Some(road), Some(lanes)) = (&scene.drive.map, scene.around.road, scene.lanes) else {
+    let (Some(map), Some(road), Some(lanes)) = (&scene.drive.map, scene.around.road, scene.lanes()) else {
         return;
     };
     if !covers(map) {
