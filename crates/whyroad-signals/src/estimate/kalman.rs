@@ -1,10 +1,10 @@
-//! An extended Kalman filter and its fixed-interval smoother over any motion model of fixed size. Observations are single
-//! components of the state, so that no matrix is inverted, neither on the way forward nor on the way back.
+//! An extended Kalman filter and its fixed-interval smoother over any motion model of fixed size. Observations are
+//! single components of the state, so that no matrix is inverted, neither on the way forward nor on the way back.
 //!
 //! The way back is that of Bierman (1973, "Fixed interval smoothing with discrete measurements"), often called the
 //! modified Bryson-Frazier smoother: it carries what later rows say as the vector and the matrix of [`Later`], not as a
-//! smoothed state. But for rounding the result is that of Rauch, Tung and Striebel (1965), which solves for a matrix per
-//! row.
+//! smoothed state. But for rounding the result is that of Rauch, Tung and Striebel (1965), which solves for a matrix
+//! per row.
 
 use super::matrix::{Matrix, product, sum, symmetric, transposed, zero};
 use crate::geometry::wrap;
@@ -167,9 +167,9 @@ impl<const N: usize> Later<N> {
         (smoothed, variances)
     }
 
-    /// From the state after an observation to the state before it: with `A = I - gain h'` and `h` the unit vector of the
-    /// component, `A' gradient - h innovation / variance` and `A' information A + h h' / variance`. Only one row and one
-    /// column change.
+    /// From the state after an observation to the state before it: with `A = I - gain h'` and `h` the unit vector of
+    /// the component, `A' gradient - h innovation / variance` and `A' information A + h h' / variance`. Only one row and
+    /// one column change.
     fn take(&mut self, taken: &Taken<N>) {
         let (k, gain) = (taken.index, &taken.gain);
         let (mut along, mut change) = ([0.0; N], taken.innovation / taken.variance);

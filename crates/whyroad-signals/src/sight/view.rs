@@ -288,8 +288,8 @@ impl View {
         Some(Sight { share, occluder: most_hiding(hidden) })
     }
 
-    /// The piece of this view that the box itself is, which is not around the eye. Targets are mostly added in the order
-    /// of their numbers: where they are not, it may not be found.
+    /// The piece of this view that the box itself is, which is not around the eye. Targets are mostly added in the
+    /// order of their numbers: where they are not, it may not be found.
     fn piece_of(&self, own: Option<Owner>, target: &OrientedBox) -> Option<&Piece> {
         let at = self.pieces.binary_search_by_key(&own?, |piece| piece.owner).ok()?;
         let piece = &self.pieces[at];
