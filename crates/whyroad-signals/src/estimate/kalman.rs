@@ -168,8 +168,8 @@ impl<const N: usize> Later<N> {
     }
 
     /// From the state after an observation to the state before it: with `A = I - gain h'` and `h` the unit vector of
-    /// the component, `A' gradient - h innovation / variance` and `A' information A + h h' / variance`. Only one row and
-    /// one column change.
+    /// the component, `A' gradient - h innovation / variance` and `A' information A + h h' / variance`. Only one row
+    /// and one column change.
     fn take(&mut self, taken: &Taken<N>) {
         let (k, gain) = (taken.index, &taken.gain);
         let (mut along, mut change) = ([0.0; N], taken.innovation / taken.variance);
