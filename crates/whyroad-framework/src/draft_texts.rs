@@ -18,6 +18,8 @@ pub struct DraftTexts {
     traces: Phrasings,
     /// By id of [`WhyKept`].
     kept: BTreeMap<String, KeptTexts>,
+    /// That the ego goes on with a change of its speed, where nothing new is decided: `rises` or `falls`.
+    goes_on: BTreeMap<String, Phrasings>,
     /// Why the lead calls for a decision where the class is about something else.
     lead: Vec<WhyWhen>,
     classes: BTreeMap<String, ClassTexts>,
@@ -394,6 +396,11 @@ impl DraftTexts {
     pub fn reasons_for_none(&self, class: &ScenarioId) -> Vec<Reason<'_>> {
         let all = self.levels(class).flat_map(|c| &c.why_when);
         all.filter(|w| w.is_of_none()).map(|w| Reason { when: &w.when, texts: &w.why }).collect()
+    }
+
+    /// That the speed of the ego goes on to change so, where nothing new is decided: `rises` or `falls`.
+    pub fn goes_on(&self, trend: &str) -> Option<&Phrasings> {
+        self.goes_on.get(trend)
     }
 
     /// Why nothing new is decided, and that it is not: in words of the class, or else in those of all.

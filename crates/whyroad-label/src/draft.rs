@@ -8,19 +8,24 @@
 mod clip;
 mod components;
 mod decision;
+mod doubt;
 mod lead;
 mod moment;
 mod motion;
 mod records;
 mod trace;
 
+pub use doubt::Doubt;
 pub use motion::LongitudinalMotion;
 pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 
+use crate::driven::along::{self, Trend, course};
+use crate::driven::{Driven, across};
 use components::ROAD;
 use decision::LeadIs;
 use lead::Lead;
 use moment::Moment;
+use std::collections::BTreeMap;
 use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_framework::{Framework, Taxonomy};
@@ -40,6 +45,9 @@ pub struct Draft {
     /// The skeleton, in the format of a finished label.
     #[serde(skip)]
     pub label: CocLabel,
+    /// Why the label has no components, decision and trace: what is seen does not bear out what the class says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub doubt: Option<Doubt>,
     /// What was inferred and how, and what is missing.
     pub notes: Vec<Bilingual>,
 }
@@ -79,6 +87,12 @@ pub fn draft_with_seed(
     let (target_id, lead, lead_is) = target_and_lead(framework, drive, signals, episode, keyframe);
     let of_variants = class.l3.is_none().then(|| of_variants(framework, class)).flatten();
     let target = target_id.and_then(|id| drive.track(id)).map(|t| t.class);
+    // Of a drive that ends with the keyframe nothing is decided: it has no side (see `components`).
+    // Nor are the road's rules among the signals of its last frame.
+    let goes_on = keyframe + 1 < drive.times.len();
+    let driven =
+        goes_on.then(|| Driven::after(drive, signals, keyframe, Some(episode.time_range.end_timestamp)));
+    let course = driven.as_ref().and_then(course);
     let asked = decision::Asked {
         names: &framework.decisions,
         typical: &typical,
@@ -90,18 +104,44 @@ pub fn draft_with_seed(
         of_variants: of_variants.as_ref(),
         lead,
         lead_is,
+        course,
+        of_road: class.l1 == ROAD,
     };
     let (decision, motion) = decision::infer(signals, keyframe, &asked, &mut notes);
-    // Of a drive that ends with the keyframe nothing is decided: it has no side (see `components`).
-    // Nor are the road's rules among the signals of its last frame.
-    let goes_on = keyframe + 1 < drive.times.len();
     let goes_to =
         || decision.lateral_direction.or_else(|| decision::side_without(decision.lateral, signals, keyframe));
     let side = goes_on.then(goes_to).flatten();
+    let doubt = driven.as_ref().and_then(|w| {
+        let of_ego = || doubt::of_ego(class, w, drive, target_id, &decision, motion);
+        let is_no_motion =
+            || course.is_some_and(|course| is_of_other_motion(w, &course, &decision, &asked, target_id));
+        doubt::of_target(class, w, drive, target_id)
+            .or_else(of_ego)
+            .or_else(|| is_no_motion().then_some(Doubt::Motion))
+    });
+    let records = spec
+        .map(|s| records::known(signals, keyframe, target_id, &s.records, &mut notes))
+        .unwrap_or_default();
+    if let Some(doubt) = doubt {
+        let why = doubt.text();
+        notes.insert(0, Bilingual::new(format!("没有草稿：{}", why.zh), format!("no draft: {}", why.en)));
+        let decision = DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None };
+        let (components, coc_trace) = (Vec::new(), String::new());
+        let nothing = Parts { decision, components, coc_trace, records, causes: None };
+        let label = label_of(framework, drive, episode, nothing, &mut notes);
+        return Draft { episode_id: episode.episode_id.clone(), label, doubt: Some(doubt), notes };
+    }
     let fits_gap = decision.longitudinal == Some(Longitudinal::GapMatching);
     let moment = Moment::of(signals, keyframe, target_id, side).moving(motion, fits_gap);
     let lead = lead.filter(|_| goes_on && lead_is == LeadIs::Nearer);
-    let by_lead = lead.filter(|lead| is_because_of(lead, &decision, motion));
+    let goes_on_slowing = course.is_some_and(|course| {
+        course.trend == Trend::Falls && course.first.is_some_and(|c| c.is_underway && c.trend == Trend::Falls)
+    });
+    let by_lead = lead.filter(|lead| {
+        // Of a lead that the ego was slowing for before, what is seen at the keyframe is no more than another thing.
+        let slows = goes_on_slowing && lead.is_slower() && lead.is_cause_of(LongitudinalMotion::Slows);
+        is_because_of(lead, &decision, motion) || (decision.longitudinal.is_none() && slows)
+    });
     if class.l1 == ROAD && motion == LongitudinalMotion::Stops {
         notes.push(Bilingual::new(
             "自车随后减速至停车，请核对原因是不是道路",
@@ -122,9 +162,6 @@ pub fn draft_with_seed(
             "no critical component follows from the signals: name them",
         ));
     }
-    let records = spec
-        .map(|s| records::known(signals, keyframe, target_id, &s.records, &mut notes))
-        .unwrap_or_default();
     let mut components = with_cause(framework, class, components, goes_on.then_some(&moment), lang);
     let mut also = trace::also(framework, class, &moment, lang);
     let mut order = trace::StateOrder::FirstLast;
@@ -153,7 +190,7 @@ pub fn draft_with_seed(
         .draft_texts
         .seen(class)
         .is_some_and(|seen| seen.high || seen.category == Some(ComponentCategory::CriticalObjects));
-    let kept = trace::why_kept(signals, keyframe, target_id, of_others);
+    let kept = trace::why_kept(signals, keyframe, target_id, of_others, course.as_ref());
     let facts = trace::DraftFacts {
         framework,
         class,
@@ -161,6 +198,8 @@ pub fn draft_with_seed(
         decision: &decision,
         motion,
         kept,
+        trend: course.map_or(Trend::Unknown, |c| c.trend),
+        brakes_hard: course.is_some_and(|c| c.braking_mps2 > trace::SMOOTH_MPS2),
         lead: by_lead.map(|lead| moment.of_row(lead.row)),
         lang,
     };
@@ -170,9 +209,7 @@ pub fn draft_with_seed(
         "推理文本为模板草稿，须改写为完整的因果说明",
         "the trace is a template: write the state, why it calls for the decision, and the decision",
     ));
-    let (time_range, clipped) = clip::inside(drive, episode, &mut notes);
-    let id = &episode.scenario_id;
-    number(&mut components, clipped.timestamp);
+    number(&mut components, clip::inside(drive, episode, &mut Vec::new()).1.timestamp);
     let along = usize::from(by_lead.is_some() && components.len() > 1);
     let across = match decision.lateral {
         Some(lateral) if !typical.lateral.contains(&lateral) && spec.and_then(|s| s.lateral).is_none() => {
@@ -181,7 +218,31 @@ pub fn draft_with_seed(
         _ => Some(0),
     };
     let causes = causes(&decision, &components, along, across, lang);
-    let label = CocLabel {
+    let parts = Parts { decision, components, coc_trace, records, causes };
+    let label = label_of(framework, drive, episode, parts, &mut notes);
+    Draft { episode_id: episode.episode_id.clone(), label, doubt: None, notes }
+}
+
+/// What of a label is drafted.
+struct Parts {
+    decision: DrivingDecision,
+    components: Vec<CriticalComponent>,
+    coc_trace: String,
+    records: BTreeMap<String, serde_json::Value>,
+    causes: Option<Causes>,
+}
+
+/// The label of an episode with what is drafted of it.
+fn label_of(
+    framework: &Framework,
+    drive: &Drive,
+    episode: &EpisodeRecord,
+    parts: Parts,
+    notes: &mut Vec<Bilingual>,
+) -> CocLabel {
+    let (time_range, keyframe) = clip::inside(drive, episode, notes);
+    let id = &episode.scenario_id;
+    CocLabel {
         version: Some(whyroad_model::FORMAT_VERSION.to_owned()),
         clip_id: episode.clip_id.to_string(),
         scenario: ScenarioLabel {
@@ -191,12 +252,12 @@ pub fn draft_with_seed(
             full_id: Some(id.to_string()),
         },
         time_range,
-        keyframe: clipped,
-        driving_decision: decision,
-        critical_components: components,
-        coc_trace,
-        records,
-        causes,
+        keyframe,
+        driving_decision: parts.decision,
+        critical_components: parts.components,
+        coc_trace: parts.coc_trace,
+        records: parts.records,
+        causes: parts.causes,
         second_keyframe: episode.second_keyframe.clone(),
         secondary_scenarios: Vec::new(),
         safety_filter: None,
@@ -207,8 +268,35 @@ pub fn draft_with_seed(
             tool: Some(format!("whyroad {}", env!("CARGO_PKG_VERSION"))),
             versions: [("taxonomy".to_owned(), framework.taxonomy.version.clone())].into(),
         }),
-    };
-    Draft { episode_id: episode.episode_id.clone(), label, notes }
+    }
+}
+
+/// What the ego does after the keyframe is neither the decision nor, where nothing is decided, nothing.
+fn is_of_other_motion(
+    w: &Driven<'_>,
+    course: &along::Course,
+    decision: &DrivingDecision,
+    asked: &decision::Asked<'_>,
+    target: Option<&TrackId>,
+) -> bool {
+    let DrivingDecision { longitudinal, lateral, lateral_direction } = *decision;
+    let objects: Vec<&str> = target.iter().map(|id| id.as_str()).collect();
+    if longitudinal.is_some() && along::conflict(w, longitudinal).is_some()
+        || lateral.is_some_and(|l| across::conflict(w, l, lateral_direction, &objects).is_some())
+    {
+        return true;
+    }
+    // Of a turn or a lane change the speed that goes with it need not be told.
+    if longitudinal.is_some() || lateral.is_some() {
+        return false;
+    }
+    let slows = course.new.is_some_and(|c| c.trend == Trend::Falls);
+    let moves_off = course.stands() && course.trend == Trend::Rises;
+    // It goes both ways within 3 s: something happens that the class does not tell of.
+    let both = course.trend == Trend::Unknown && !course.stands();
+    // Where the log does not tell of turns and lane changes, the ego may have done what the class says.
+    let known = ["ego.movement", "ego.lane_change"].iter().all(|s| w.signals.frame_columns.contains_key(*s));
+    slows || moves_off || both || (known && asked.decides())
 }
 
 /// Only the critical components of [`draft`], of a drive that ends with the keyframe. Of the signals it needs those of

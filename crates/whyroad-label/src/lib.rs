@@ -7,6 +7,7 @@ pub mod carry;
 pub mod check;
 pub mod counterfactual;
 pub mod draft;
+mod driven;
 pub mod facts;
 pub mod import;
 pub mod judged;

@@ -24,7 +24,15 @@ pub(super) fn resolve(cutter: &Cutter<'_>, candidate: &Candidate<'_>) -> Result<
     if record.is_episode {
         let episode: EpisodeRecord = serde_json::from_str(&record.json).map_err(|e| broken(e.to_string()))?;
         let Some(signals) = &cutter.signals else { return Err(broken("no signals to draft from".into())) };
-        let label = draft(cutter.framework, cutter.drive, signals, &episode, cutter.lang).label;
+        let made = draft(cutter.framework, cutter.drive, signals, &episode, cutter.lang);
+        if let Some(doubt) = made.doubt {
+            return Err(Dropped::with(
+                Stage::Sample,
+                "draft_doubt",
+                doubt.text().get(cutter.lang).to_owned(),
+            ));
+        }
+        let label = made.label;
         let json = serde_json::to_string(&label).map_err(|e| broken(e.to_string()))?;
         return Ok(Resolved { label, json, other: None, draft: true });
     }

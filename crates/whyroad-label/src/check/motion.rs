@@ -6,19 +6,18 @@ mod effect;
 mod lateral;
 mod moment;
 mod object;
-mod window;
 
 pub(super) use decision::said_speed;
 
 use super::recording::Recorded;
 use super::texts::Texts;
 use super::view::View;
+use crate::driven::Driven;
 use whyroad_framework::Framework;
 use whyroad_framework::check::class_index::ClassIndex;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::time::frame_at;
-use window::Window;
 
 /// How far a keyframe may be from the nearest frame, s.
 const FRAME_SLACK_S: f64 = 0.15;
@@ -45,11 +44,16 @@ pub(super) fn check(
         });
         return;
     }
-    let window = Window::new(label, recorded, frame_at(times, keyframe).min(times.len() - 1));
+    let window = driven(label, recorded, frame_at(times, keyframe).min(times.len() - 1));
     decision::check(label, &window, names, sink);
     lateral::check(label, &window, names, sink);
     let texts = Texts::of(label, words);
     object::check(label, &texts, words, &window, sink);
     effect::check(label, &texts, words, &window, sink);
     moment::check(label, recorded, classes, sink);
+}
+
+/// What was driven after the keyframe of a label.
+fn driven<'r>(label: &View<'_>, recorded: &'r Recorded, keyframe: usize) -> Driven<'r> {
+    Driven::after(&recorded.drive, &recorded.signals, keyframe, label.end.get())
 }

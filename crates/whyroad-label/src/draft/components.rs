@@ -14,7 +14,7 @@ const BESIDE_M: f64 = 3.0;
 /// Farther than this from the ego's middle, others are on a side, m.
 const ASIDE_M: f64 = 1.8;
 /// The same of those who come in, m.
-const FROM_A_SIDE_M: f64 = 0.3;
+const FROM_A_SIDE_M: f64 = 1.0;
 
 /// A difference of speeds that is seen, m/s.
 const NOTABLY_MPS: f64 = 1.0;
@@ -153,10 +153,12 @@ impl Scene<'_> {
         let is_lead = holds("target.is_lead");
         let crosses_a_line =
             holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3);
-        let comes_in = crosses_a_line && !is_lead;
         let (ahead, aside) = (number("target.longitudinal")?, number("target.lateral")?);
         let turned = number("target.heading_difference").map(f64::abs);
         let same_way = turned.is_some_and(|a| a < 45_f64.to_radians());
+        // Opposite headings within 45 degrees.
+        let oncoming = turned.is_some_and(|a| a > 135_f64.to_radians());
+        let comes_in = crosses_a_line && !is_lead && !oncoming;
         let place = if is_lead && same_way && !crosses_a_line && ahead > BESIDE_M {
             Bilingual::new("本车道前方", "ahead in the ego's lane")
         } else if named == Named::AsLead {
@@ -170,8 +172,6 @@ impl Scene<'_> {
             ObjectClass::StaticObject => Bilingual::new("障碍物", "obstacle"),
             _ => class_name(class),
         };
-        // Opposite headings within 45 degrees.
-        let oncoming = turned.is_some_and(|a| a > 135_f64.to_radians());
         let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
         let doing = if let Some((zh, en)) = doing {
             Bilingual::new(zh, en)

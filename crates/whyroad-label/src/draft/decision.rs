@@ -4,6 +4,7 @@
 use super::lead::Lead;
 use super::moment::Moment;
 use super::motion::{HORIZON_FRAMES, LongitudinalMotion, side_of_change};
+use crate::driven::along::{Course, Trend};
 use whyroad_framework::decision_table::{ClassDecisions, Fit};
 use whyroad_framework::decisions::DecisionSets;
 use whyroad_framework::taxonomy::TypicalDecisions;
@@ -35,6 +36,11 @@ const ROLLING_MPS: f64 = 1.0;
 const SOON_FRAMES: usize = 20;
 /// Who is as fast as this and stands after them has decided to stop, m/s.
 const CLEAR_STOP_MPS: f64 = 2.5;
+/// Frames before the keyframe in which the ego has slowed, and a speed that is low, m/s: 15 km/h.
+const SLOWED_FRAMES: usize = 50;
+const SLOW_MPS: f64 = 15.0 / 3.6;
+/// Who does not get as fast as this has not moved off, m/s.
+const MOVED_OFF_MPS: f64 = 1.0;
 /// What speeds up later than this is no return to the target speed that the keyframe calls for, s.
 const SOON_S: f64 = 2.0;
 /// Nor is what rises by less than this, m/s.
@@ -63,6 +69,10 @@ pub(super) struct Asked<'a> {
     pub lead: Option<Lead<'a>>,
     /// How the lead stands to whom the class is about.
     pub lead_is: LeadIs,
+    /// What the speed of the ego does, where it is known.
+    pub course: Option<Course>,
+    /// The class is about the road.
+    pub of_road: bool,
 }
 
 /// How the lead stands to whom a class is about.
@@ -86,7 +96,7 @@ impl Asked<'_> {
     }
 
     /// The class exists because the ego did something.
-    fn decides(&self) -> bool {
+    pub(super) fn decides(&self) -> bool {
         self.allowed.is_some_and(|a| a.decides)
     }
 
@@ -133,8 +143,12 @@ pub(super) fn infer(
         let slows = motion == LongitudinalMotion::Slows;
         let out = |d: Longitudinal| match d {
             Longitudinal::SetSpeedTracking => {
-                motion == LongitudinalMotion::SpeedsUp && !rises_soon(signals, keyframe, began)
+                motion == LongitudinalMotion::SpeedsUp
+                    && (!rises_soon(signals, keyframe, began)
+                        || (asked.of_road && !had_slowed(signals, keyframe)))
             }
+            // It takes somebody to give way to.
+            Longitudinal::YieldToAgent => asked.target.is_none(),
             Longitudinal::GapMatching => !gap,
             // It takes a lead to follow one.
             Longitudinal::LeadFollowing => {
@@ -153,13 +167,15 @@ pub(super) fn infer(
         let found = choose(motion, asked, out).or_else(|| choose_clear(motion, rises, asked));
         found.or_else(|| asked.only_longitudinal())
     };
-    let (mut motion, mut began) = longitudinal_motion(signals, keyframe, Before::IsNoAnswer);
+    let course = asked.course.as_ref();
+    let (mut motion, mut began) = longitudinal_motion(signals, keyframe, course, Before::IsNoAnswer);
     let mut longitudinal = chosen((motion, began));
     // Where the class exists because the ego did something, it did it already; who brakes in danger has decided to; and
-    // so has whose speed goes on to change clearly.
+    // so has whose speed goes on to change clearly. But what it did before is no answer to what somebody else does now.
     let own = lateral.is_none() && (asked.decides() || asked.is_safety);
-    if longitudinal.is_none() && (own || changes_clearly(signals, keyframe)) {
-        let counted = longitudinal_motion(signals, keyframe, Before::Counts);
+    let clearly = !asked.of_others && changes_clearly(signals, keyframe);
+    if longitudinal.is_none() && (own || clearly) {
+        let counted = longitudinal_motion(signals, keyframe, course, Before::Counts);
         longitudinal = chosen(counted);
         if own || longitudinal.is_some() {
             (motion, began) = counted;
@@ -279,6 +295,15 @@ fn rises_soon(signals: &SignalTable, keyframe: usize, began_s: f64) -> bool {
     began_s <= SOON_S && speeds(signals, keyframe + frames).is_none_or(|(now, then)| then - now > RISE_MPS)
 }
 
+/// The ego is slow, or was clearly faster within the 5 s before: there is a speed to return to. What is not known is
+/// not doubted.
+fn had_slowed(signals: &SignalTable, keyframe: usize) -> bool {
+    let Some(speed) = signals.frame_columns.get("ego.speed") else { return true };
+    let Some(now) = speed.number(keyframe) else { return true };
+    let before = (keyframe.saturating_sub(SLOWED_FRAMES)..keyframe).filter_map(|f| speed.number(f));
+    now < SLOW_MPS || before.fold(0.0, f64::max) > now + CLEAR_MPS
+}
+
 /// The ego is slower some time after the keyframe than at it. What is not known is not doubted.
 fn gets_slower(signals: &SignalTable, keyframe: usize) -> bool {
     let Some(speed) = signals.frame_columns.get("ego.speed") else { return true };
@@ -294,8 +319,14 @@ enum Before {
     Counts,
 }
 
-/// The motion, and how long after the keyframe it begins, s.
-fn longitudinal_motion(signals: &SignalTable, keyframe: usize, before: Before) -> (LongitudinalMotion, f64) {
+/// The motion, and how long after the keyframe it begins, s: by the speed, or by the meta actions where no speed is
+/// known.
+fn longitudinal_motion(
+    signals: &SignalTable,
+    keyframe: usize,
+    course: Option<&Course>,
+    before: Before,
+) -> (LongitudinalMotion, f64) {
     let (Some(meta), Some(standstill)) =
         (signals.frame_columns.get("ego.meta_longitudinal"), signals.frame_columns.get("ego.standstill"))
     else {
@@ -309,8 +340,11 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize, before: Before) -
     if keyframe >= end || (keyframe..end).all(|f| !meta.is_known(f)) {
         return (LongitudinalMotion::Unknown, 0.0);
     }
+    let speed = signals.frame_columns.get("ego.speed");
     if standstill.flag(keyframe).is_true() {
-        let off = (keyframe..end).find(|&f| standstill.flag(f) == Tri::False);
+        let fastest = speed.and_then(|c| (keyframe..end).filter_map(|f| c.number(f)).reduce(f64::max));
+        let moves_off = fastest.is_none_or(|v| v > MOVED_OFF_MPS);
+        let off = (keyframe..end).find(|&f| standstill.flag(f) == Tri::False).filter(|_| moves_off);
         let light = signals.frame_columns.get("light.state").and_then(|c| c.category(keyframe));
         let starts = |after_s: f64| match light {
             Some("red" | "red_yellow") => LongitudinalMotion::Waits,
@@ -319,11 +353,20 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize, before: Before) -
         };
         return off.map_or((LongitudinalMotion::Keeps, 0.0), |f| (starts(seconds(f)), seconds(f)));
     }
-    let Some((began, change)) = first_change(meta, keyframe, end, before) else {
+    let change = match course {
+        Some(course) => {
+            let change = if before == Before::Counts { course.first } else { course.new };
+            change.map(|c| {
+                (c.from, if c.trend == Trend::Rises { SpeedChange::Rises } else { SpeedChange::Falls })
+            })
+        }
+        None => first_change(meta, keyframe, end, before),
+    };
+    let Some((began, change)) = change else {
         return (LongitudinalMotion::Keeps, 0.0);
     };
     if change == SpeedChange::Rises {
-        let speed = signals.frame_columns.get("ego.speed").and_then(|c| c.number(keyframe));
+        let speed = speed.and_then(|c| c.number(keyframe));
         if speed.is_some_and(|v| v < ROLLING_MPS) {
             return (LongitudinalMotion::Starts, seconds(began));
         }
@@ -333,7 +376,11 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize, before: Before) -
     let stands = (began..stop_end)
         .take_while(|&f| speed_change(meta, f) != Some(SpeedChange::Rises))
         .any(|f| standstill.flag(f).is_true());
-    let motion = if stands { LongitudinalMotion::Stops } else { LongitudinalMotion::Slows };
+    // Who is not half as fast after 6 s is not about to stop.
+    let at_end = course.and(speed).and_then(|c| c.number(end - 1));
+    let soon = at_end.zip(course).is_none_or(|(v, course)| v < course.now_mps / 2.0);
+    let stops = course.is_some_and(|c| c.nearly_stands) || (stands && soon);
+    let motion = if stops { LongitudinalMotion::Stops } else { LongitudinalMotion::Slows };
     (motion, seconds(began))
 }
 

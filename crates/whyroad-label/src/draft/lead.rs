@@ -53,7 +53,9 @@ impl<'a> Lead<'a> {
         Some(Self {
             id,
             row,
-            gap_m: number("target.longitudinal", row)? - halves,
+            // In a turn the lead is to a side of the ego, and far though it is hardly ahead.
+            gap_m: number("target.longitudinal", row)?.hypot(number("target.lateral", row).unwrap_or(0.0))
+                - halves,
             speed_mps: number("target.speed", row)?,
             accel_mps2: number("target.accel", row),
             ego_mps,

@@ -4,12 +4,14 @@
 
 use super::moment::Moment;
 use super::motion::LongitudinalMotion;
+use crate::driven::along::{Course, Trend};
 use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::{Phrasings, SeenWhen, WhyKept};
 use whyroad_framework::label_words::WordRole;
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::messages::{CriticalComponent, DrivingDecision, Uncertainty};
+use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable, TrackId};
 
 /// Things in the state: two are enough for a person to see what matters.
@@ -32,6 +34,14 @@ const REACTION_S: f64 = 1.5;
 const BEFORE_FRAMES: usize = 5;
 /// What a distance may shrink by over them, m: noise.
 const NOISE_M: f64 = 0.1;
+/// Who comes onto the path within this time is not beside it, s.
+const SOON_S: f64 = 1.5;
+/// Braking above this is not smooth, m/s2.
+pub(super) const SMOOTH_MPS2: f64 = 3.0;
+/// Words for smooth driving.
+const SMOOTH: [&str; 3] = ["平稳", "smooth", "gently"];
+/// More of these in an English trace are one sentence too long.
+const MOST_ANDS: usize = 2;
 /// Speeds are given in steps of this, km/h.
 const SPEED_STEP_KMH: f64 = 5.0;
 
@@ -48,6 +58,10 @@ pub(super) struct DraftFacts<'a> {
     pub motion: LongitudinalMotion,
     /// Why nothing new is decided, where nothing is.
     pub kept: WhyKept,
+    /// How the speed goes on.
+    pub trend: Trend,
+    /// The ego brakes harder than smoothly.
+    pub brakes_hard: bool,
     /// The keyframe with the lead as the target, where the lead and not what the class is about is the nearest cause.
     pub lead: Option<Moment<'a>>,
     pub lang: Lang,
@@ -60,15 +74,22 @@ pub(super) fn why_kept(
     frame: usize,
     target: Option<&TrackId>,
     of_others: bool,
+    course: Option<&Course>,
 ) -> WhyKept {
     let number = |name: &str| signals.frame_columns.get(name).and_then(|c| c.number(frame));
     let speed = number("ego.speed");
     if speed.is_some_and(|v| v < STANDING_MPS) {
         return WhyKept::Standing;
     }
+    // What it does already is a reason only where it goes on with it.
+    let goes_on = |trend: Trend| course.is_none_or(|c| c.trend == trend);
+    let underway =
+        |trend: Trend| course.and_then(|c| c.first).is_some_and(|c| c.is_underway && c.trend == trend);
     match number("ego.accel") {
-        Some(a) if a < SLOWING_MPS2 => return WhyKept::Slowing,
-        Some(a) if a > -SLOWING_MPS2 => return WhyKept::Speeding,
+        Some(a) if a < SLOWING_MPS2 && goes_on(Trend::Falls) => return WhyKept::Slowing,
+        Some(a) if a > -SLOWING_MPS2 && goes_on(Trend::Rises) => return WhyKept::Speeding,
+        _ if underway(Trend::Falls) && goes_on(Trend::Falls) => return WhyKept::Slowing,
+        _ if underway(Trend::Rises) && goes_on(Trend::Rises) => return WhyKept::Speeding,
         _ => {}
     }
     let Some(target) = target else {
@@ -94,13 +115,21 @@ pub(super) fn why_kept(
     let stopping = speed.map(|v| v * REACTION_S + v * v / (2.0 * COMFORTABLE_MPS2));
     if now.zip(stopping).is_some_and(|(now, stopping)| now > stopping) {
         WhyKept::FarAway
-    } else if of_target("target.path_side_distance", frame).is_some_and(|d| d > BESIDE_PATH_M) {
+    } else if stays_beside(|frame| of_target("target.path_side_distance", frame), frame) {
         WhyKept::OffPath
     } else if speed.is_some_and(|v| v < SLOW_MPS) {
         WhyKept::Slow
     } else {
         WhyKept::Driving
     }
+}
+
+/// It is beside the path, and not about to come onto it.
+fn stays_beside(distance: impl Fn(usize) -> Option<f64>, frame: usize) -> bool {
+    let Some(now) = distance(frame).filter(|d| *d > BESIDE_PATH_M) else { return false };
+    let Some(before) = frame.checked_sub(BEFORE_FRAMES).and_then(distance) else { return true };
+    let closing_mps = (before - now) * FRAME_RATE_HZ / BEFORE_FRAMES as f64;
+    now > closing_mps * SOON_S
 }
 
 /// Which phrasings are taken.
@@ -186,6 +215,15 @@ pub(super) fn trace(
             variants.iter().map(of).collect::<Vec<_>>()
         })
         .collect();
+    // Words that the numbers do not bear out, and long chains, are left out where there are others.
+    let smooth = |t: &String| facts.brakes_hard && SMOOTH.iter().any(|w| t.contains(w));
+    let chained = |t: &String| t.matches(" and ").count() > MOST_ANDS;
+    let mut texts = texts;
+    for is_worse in [&smooth as &dyn Fn(&String) -> bool, &chained] {
+        if !texts.iter().all(is_worse) {
+            texts.retain(|t| !is_worse(t));
+        }
+    }
     let length = |t: &&String| t.chars().count();
     let found = texts.iter().find(|t| fits(t, facts.lang));
     // None fits: the one that is least too long, or else the longest.
@@ -276,7 +314,16 @@ impl<'a> DraftFacts<'a> {
         // Whom the ego has passed does not bear on where it turns to.
         let turns = self.decision.lateral.is_some() && self.kept != WhyKept::Beside;
         let kept = if turns { WhyKept::Turning } else { self.kept };
-        self.framework.draft_texts.kept(self.class, kept)
+        let texts = &self.framework.draft_texts;
+        let (why, none) = texts.kept(self.class, kept);
+        // That a speed goes on to change is said whatever the reason.
+        let says_so = matches!(self.kept, WhyKept::Slowing | WhyKept::Speeding | WhyKept::Standing);
+        let goes_on = match self.trend {
+            Trend::Rises if !says_so => texts.goes_on("rises"),
+            Trend::Falls if !says_so => texts.goes_on("falls"),
+            _ => None,
+        };
+        (why, goes_on.or(none))
     }
 
     /// The reason for the decision that the signals of `moment` allow.
@@ -410,8 +457,8 @@ fn all_facts<'a>(
 ) -> impl Iterator<Item = DraftFacts<'a>> {
     let motion = LongitudinalMotion::Unknown;
     let of = move |lang, kept| {
-        let lead = None;
-        DraftFacts { framework, class, components, decision, motion, kept, lead, lang }
+        let (lead, trend, brakes_hard) = (None, Trend::Unknown, false);
+        DraftFacts { framework, class, components, decision, motion, kept, trend, brakes_hard, lead, lang }
     };
     [Lang::Zh, Lang::En].into_iter().flat_map(move |lang| {
         // It is said only where nothing new is decided.
@@ -460,8 +507,13 @@ pub(crate) fn is_draft(
         Some(_) => &LongitudinalMotion::ALL[..],
         None => &[LongitudinalMotion::Unknown],
     };
-    let mut moving =
-        likely.iter().flat_map(|of| motions.iter().map(move |motion| DraftFacts { motion: *motion, ..*of }));
+    // So is how its speed goes on where nothing is decided.
+    let mut moving = likely.iter().flat_map(|of| {
+        let trends =
+            if of.decides() { &[Trend::Holds][..] } else { &[Trend::Holds, Trend::Rises, Trend::Falls] };
+        let each = motions.iter().flat_map(move |motion| trends.iter().map(move |trend| (*motion, *trend)));
+        each.map(move |(motion, trend)| DraftFacts { motion, trend, ..*of })
+    });
     moving.any(|facts| {
         let (actions, joints) = facts.phrasings();
         let mut states = (1..=MOST_IN_STATE)

@@ -8,6 +8,7 @@ use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use rayon::prelude::*;
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -19,7 +20,7 @@ use whyroad_engine::label_drives::LabelDrives;
 use whyroad_engine::recordings::LakeRecordings;
 use whyroad_framework::{Framework, Resolution};
 use whyroad_label::check::{Checker, Recordings as _};
-use whyroad_label::draft::draft_with_seed;
+use whyroad_label::draft::{Doubt, draft_with_seed};
 use whyroad_lake::{Lake, MinedFolder};
 use whyroad_model::messages::{CocLabel, EpisodeFilter, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
@@ -62,7 +63,15 @@ pub(crate) struct Args {
 }
 
 /// One episode's draft with the warnings of the checks, or why it has no draft.
-type Made = Result<(CocLabel, Vec<Diagnostic>), Vec<Diagnostic>>;
+type Made = Result<(CocLabel, Vec<Diagnostic>), Left>;
+
+/// Why an episode has no draft.
+enum Left {
+    /// What is seen does not bear out what the class says.
+    Doubt(Doubt),
+    /// It could not be read or asked for.
+    Lost(Vec<Diagnostic>),
+}
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
@@ -80,6 +89,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     };
     let (mut lines, mut written, mut with_findings, mut left_out) =
         (String::new(), 0_usize, 0_usize, 0_usize);
+    let mut doubts: BTreeMap<Doubt, usize> = BTreeMap::new();
     for one in made {
         match one {
             Ok((label, findings)) => {
@@ -91,7 +101,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
                 let placed: Vec<_> = findings.into_iter().map(|d| d.in_file(place.clone())).collect();
                 tell_all(&placed, global.lang);
             }
-            Err(found) => {
+            Err(Left::Doubt(doubt)) => *doubts.entry(doubt).or_default() += 1,
+            Err(Left::Lost(found)) => {
                 left_out += 1;
                 tell_all(&found, global.lang);
             }
@@ -102,7 +113,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let by = client.as_ref().map_or("rule", |c| c.model());
     let report = json!({
         "episodes": episodes.len(), "written": written, "with_findings": with_findings, "left_out": left_out,
-        "by": by, "out": args.out, "spent": spent,
+        "doubts": doubts, "by": by, "out": args.out, "spent": spent,
     });
     args.print.put(&report, || {
         let line = match global.lang {
@@ -115,6 +126,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
                 episodes.len()
             ),
         };
+        let line = line + &in_words(&doubts, global.lang);
         spent.map_or(line.clone(), |s| format!("{line}{}\n", cost(&s, global.lang)))
     })?;
     Ok(match (written, left_out) {
@@ -122,6 +134,20 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         (0, _) => output::FINDINGS,
         _ => output::lost_input(),
     })
+}
+
+/// How many episodes have no draft because of what is seen, by reason; nothing where there are none.
+fn in_words(doubts: &BTreeMap<Doubt, usize>, lang: Lang) -> String {
+    let all: usize = doubts.values().sum();
+    let mut lines = match (all, lang) {
+        (0, _) => return String::new(),
+        (_, Lang::Zh) => format!("{all} 个事件与所见不符，没有写草稿：\n"),
+        (_, Lang::En) => format!("{all} episodes have no draft, because what is seen does not fit:\n"),
+    };
+    for (doubt, n) in doubts {
+        lines += &format!("  {n:>5}  {}\n", doubt.text().get(lang));
+    }
+    lines
 }
 
 /// The primary episodes that are asked for, in the order of drive and keyframe.
@@ -151,9 +177,13 @@ fn by_rule(
     seed: u64,
 ) -> Vec<Made> {
     let one = |episode: &EpisodeRecord| -> Made {
-        let recorded = drives.of_clip(episode.clip_id.as_str()).ok_or_else(|| vec![no_drive(episode)])?;
+        let recorded = drives.of_clip(episode.clip_id.as_str());
+        let recorded = recorded.ok_or_else(|| Left::Lost(vec![no_drive(episode)]))?;
         let made = draft_with_seed(framework, &recorded.drive, &recorded.signals, episode, texts, seed);
-        Ok((made.label, Vec::new()))
+        match made.doubt {
+            Some(doubt) => Err(Left::Doubt(doubt)),
+            None => Ok((made.label, Vec::new())),
+        }
     };
     episodes.iter().map(one).collect()
 }
@@ -181,7 +211,7 @@ fn by_model(
             let measured = images.0.drive(&episode.drive_id).ok();
             let recorded = drives.of_clip(episode.clip_id.as_str());
             let Some((measured, recorded)) = measured.zip(recorded) else {
-                return Err(vec![no_drive(episode)]);
+                return Err(Left::Lost(vec![no_drive(episode)]));
             };
             match drafter.draft(&measured, &recorded, episode) {
                 Ok(made) => Ok((made.label, made.findings)),
@@ -189,7 +219,7 @@ fn by_model(
                     if matches!(&why, NoDraft::Chat(e) if e.ends_the_run()) {
                         ended.store(true, Ordering::Relaxed);
                     }
-                    Err(of_episode(why, episode))
+                    Err(Left::Lost(of_episode(why, episode)))
                 }
             }
         })();
@@ -199,7 +229,7 @@ fn by_model(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(jobs)).build()?;
     let made: Vec<Option<Made>> = pool.install(|| episodes.par_iter().with_max_len(1).map(one).collect());
     bar.finish_and_clear();
-    Ok(made.into_iter().map(|m| m.unwrap_or_else(|| Err(Vec::new()))).collect())
+    Ok(made.into_iter().map(|m| m.unwrap_or_else(|| Err(Left::Lost(Vec::new())))).collect())
 }
 
 /// Findings that name no place are of the episode.

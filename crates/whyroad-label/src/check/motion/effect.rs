@@ -1,10 +1,10 @@
 //! The named cause against its counterfactual: a cause whose removal changes nothing is not a cause where removing
 //! something that the label does not name would have let the ego drive on.
 
-use super::window::Window;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use crate::counterfactual::{Effect, Removed, counterfactual};
+use crate::driven::Driven;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_model::decision::Longitudinal;
@@ -16,7 +16,7 @@ pub(super) fn check(
     label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
-    w: &Window<'_>,
+    w: &Driven<'_>,
     sink: &mut dyn Sink,
 ) {
     let answers_to = [
@@ -44,8 +44,7 @@ pub(super) fn check(
     if named.is_empty() {
         return;
     }
-    let recorded = w.recorded;
-    let Some(found) = counterfactual(&recorded.drive, &recorded.signals, w.keyframe) else { return };
+    let Some(found) = counterfactual(w.drive, w.signals, w.keyframe) else { return };
     let is_named = |e: &&Effect| named.contains(&e.removed);
     if found.effects.iter().filter(is_named).any(|e| !e.is_none()) {
         return;
@@ -55,7 +54,7 @@ pub(super) fn check(
         let what = match &other.removed {
             Removed::Light => Bilingual::new("本车道的信号灯", "the light of the ego's lane"),
             Removed::Object(id) => {
-                let class = recorded.drive.track(id).map_or(ObjectClass::Unknown, |t| t.class);
+                let class = w.drive.track(id).map_or(ObjectClass::Unknown, |t| t.class);
                 let name = class_name(class);
                 Bilingual::new(format!("{}（{id}）", name.zh), format!("the {} {id}", name.en))
             }

@@ -1,10 +1,10 @@
 //! The objects of the components against the tracks: they exist, could be seen at their evidence times, and are where
 //! and do what the text says.
 
-use super::window::{Window, kmh};
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
+use crate::driven::{Driven, kmh};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{GroupSet, SaidState};
@@ -24,14 +24,14 @@ pub(super) fn check(
     label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
-    w: &Window<'_>,
+    w: &Driven<'_>,
     sink: &mut dyn Sink,
 ) {
     for (c, facts) in label.parts.iter().zip(&texts.components) {
         let mut linked = Vec::new();
         let mut broken = false;
         for (k, id) in c.objects.iter().enumerate() {
-            match w.recorded.drive.track(&TrackId::from(*id)) {
+            match w.drive.track(&TrackId::from(*id)) {
                 Some(_) => linked.push(*id),
                 None => {
                     broken = true;
@@ -70,22 +70,21 @@ fn is_tracked(words: &LabelWords, n: &Named) -> bool {
 }
 
 /// Frames in which the component says that it was seen: its evidence times, or the history of the keyframe.
-fn frames_of(c: &ComponentView<'_>, w: &Window<'_>) -> Vec<usize> {
-    let times = &w.recorded.drive.times;
+fn frames_of(c: &ComponentView<'_>, w: &Driven<'_>) -> Vec<usize> {
+    let times = &w.drive.times;
     let given: Vec<Nanos> = c.evidence.iter().filter_map(|t| t.get()).collect();
     let inside = |t: &Nanos| times.first().is_some_and(|f| f <= t) && times.last().is_some_and(|l| t <= l);
     given.iter().filter(|t| inside(t)).map(|t| frame_at(times, *t).min(times.len() - 1)).collect()
 }
 
 /// No linked object was observed at an evidence time.
-fn unseen(c: &ComponentView<'_>, linked: &[&str], w: &Window<'_>, sink: &mut dyn Sink) -> bool {
+fn unseen(c: &ComponentView<'_>, linked: &[&str], w: &Driven<'_>, sink: &mut dyn Sink) -> bool {
     if linked.is_empty() {
         return false;
     }
     for (k, frame) in frames_of(c, w).into_iter().enumerate() {
         let seen = |id: &&str| {
-            w.recorded
-                .drive
+            w.drive
                 .track(&TrackId::from(*id))
                 .is_some_and(|t| t.frames.iter().any(|f| (*f as usize).abs_diff(frame) <= 2))
         };
@@ -107,12 +106,12 @@ fn unseen(c: &ComponentView<'_>, linked: &[&str], w: &Window<'_>, sink: &mut dyn
 }
 
 /// The linked object has the class, the side and the state that the text gives it.
-fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Window<'_>, sink: &mut dyn Sink) {
-    let signals = &w.recorded.signals;
+fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driven<'_>, sink: &mut dyn Sink) {
+    let signals = w.signals;
     let track = TrackId::from(id);
     let Some(span) = signals.target(&track) else { return };
     let at = pointer::critical_components_item_description(c.index);
-    let class = w.recorded.drive.track(&track).map_or(ObjectClass::Unknown, |t| t.class);
+    let class = w.drive.track(&track).map_or(ObjectClass::Unknown, |t| t.class);
     if !class_fits(words, n, class) {
         sink.report(Finding::error("label.object.class", at), &|| {
             let name = class_name(class);
@@ -187,8 +186,8 @@ fn class_fits(words: &LabelWords, n: &Named, class: ObjectClass) -> bool {
 }
 
 /// Somebody of the kind, on the side that the text names, was near in the history.
-fn anybody(c: &ComponentView<'_>, n: &Named, words: &LabelWords, w: &Window<'_>, sink: &mut dyn Sink) {
-    let signals = &w.recorded.signals;
+fn anybody(c: &ComponentView<'_>, n: &Named, words: &LabelWords, w: &Driven<'_>, sink: &mut dyn Sink) {
+    let signals = w.signals;
     let from = w.keyframe.saturating_sub(HISTORY_FRAMES);
     let number = |name: &str, row: usize| signals.target_columns.get(name).and_then(|c| c.number(row));
     let mut of_kind = false;
@@ -237,7 +236,7 @@ fn light<'n>(
     c: &ComponentView<'_>,
     named: impl Iterator<Item = &'n Named>,
     words: &LabelWords,
-    w: &Window<'_>,
+    w: &Driven<'_>,
     sink: &mut dyn Sink,
 ) {
     let Some(text) = c.description.get() else { return };

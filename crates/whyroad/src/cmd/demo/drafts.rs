@@ -49,7 +49,8 @@ pub(super) fn write(
             }
         };
         let own = episodes.iter().filter(|e| e.drive_id == found.drive_id && e.is_primary);
-        all.extend(own.map(|e| draft(framework, &drive, &signals, e, lang)));
+        let made = own.map(|e| draft(framework, &drive, &signals, e, lang));
+        all.extend(made.filter(|d| d.doubt.is_none()));
     }
 
     let mut clips = ClipIndex::default();

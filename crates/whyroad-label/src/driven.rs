@@ -1,21 +1,25 @@
-//! The part of a recording that a label is compared with: the 6 s after the keyframe (LABELING.md 6), longer where the
-//! label's own range is.
+//! What was driven after a keyframe: the 6 s that follow it (LABELING.md 6), longer where the label's own range is.
+//! Read here once for both who compare a label with its drive and who draft one.
 
-use crate::check::recording::Recorded;
-use crate::check::view::View;
-use whyroad_model::Tri;
+pub(crate) mod across;
+pub(crate) mod along;
+pub(crate) mod other;
+
 use whyroad_model::time::frame_at;
+use whyroad_model::{Drive, Nanos, SignalTable, Tri};
 
 /// What follows the keyframe and is shown in Stage II, s.
 const FUTURE_S: f64 = 6.0;
 /// A range that lasts longer is not followed to its end.
 const LONGEST_S: f64 = 15.0;
 /// Below this the ego is at standstill, m/s (schema/signals.yaml, standstill).
-pub(super) const STANDSTILL_MPS: f64 = 0.3;
+pub(crate) const STANDSTILL_MPS: f64 = 0.3;
 
 /// Signals around a keyframe.
-pub(super) struct Window<'r> {
-    pub recorded: &'r Recorded,
+#[derive(Clone, Copy)]
+pub(crate) struct Driven<'r> {
+    pub drive: &'r Drive,
+    pub signals: &'r SignalTable,
     /// Frame of the keyframe.
     pub keyframe: usize,
     /// One past the 6 s after it.
@@ -24,36 +28,42 @@ pub(super) struct Window<'r> {
     pub range_end: usize,
 }
 
-impl<'r> Window<'r> {
-    pub fn new(label: &View<'_>, recorded: &'r Recorded, keyframe: usize) -> Self {
-        let times = &recorded.drive.times;
+impl<'r> Driven<'r> {
+    /// After the frame `keyframe` of a drive, followed to `range_end`.
+    pub fn after(
+        drive: &'r Drive,
+        signals: &'r SignalTable,
+        keyframe: usize,
+        range_end: Option<Nanos>,
+    ) -> Self {
+        let times = &drive.times;
         let at = |s: f64| (frame_at(times, times[keyframe].plus_secs(s)) + 1).min(times.len());
         let range_s =
-            label.end.get().map_or(FUTURE_S, |e| e.seconds_since(times[keyframe]).clamp(FUTURE_S, LONGEST_S));
-        Self { recorded, keyframe, end: at(FUTURE_S), range_end: at(range_s) }
+            range_end.map_or(FUTURE_S, |e| e.seconds_since(times[keyframe]).clamp(FUTURE_S, LONGEST_S));
+        Self { drive, signals, keyframe, end: at(FUTURE_S), range_end: at(range_s) }
     }
 
     /// A frame's time after the keyframe, s.
     pub fn seconds(&self, frame: usize) -> f64 {
-        let times = &self.recorded.drive.times;
+        let times = &self.drive.times;
         times.get(frame).map_or(0.0, |t| t.seconds_since(times[self.keyframe]))
     }
 
     /// True when the recording goes on for `s` seconds after the keyframe.
     pub fn lasts(&self, s: f64) -> bool {
-        self.seconds(self.recorded.drive.times.len() - 1) >= s - 0.15
+        self.seconds(self.drive.times.len() - 1) >= s - 0.15
     }
 
     pub fn number(&self, signal: &str, frame: usize) -> Option<f64> {
-        self.recorded.signals.frame_columns.get(signal)?.number(frame)
+        self.signals.frame_columns.get(signal)?.number(frame)
     }
 
     pub fn flag(&self, signal: &str, frame: usize) -> Tri {
-        self.recorded.signals.frame_columns.get(signal).map_or(Tri::Unknown, |c| c.flag(frame))
+        self.signals.frame_columns.get(signal).map_or(Tri::Unknown, |c| c.flag(frame))
     }
 
-    pub fn category(&self, signal: &str, frame: usize) -> Option<&str> {
-        self.recorded.signals.frame_columns.get(signal)?.category(frame)
+    pub fn category(&self, signal: &str, frame: usize) -> Option<&'r str> {
+        self.signals.frame_columns.get(signal)?.category(frame)
     }
 
     pub fn speed(&self, frame: usize) -> Option<f64> {
@@ -81,7 +91,7 @@ impl<'r> Window<'r> {
 
     /// Change of heading from the keyframe to each frame before `until`, unwrapped, rad; left is positive.
     pub fn heading_changes(&self, until: usize) -> Vec<f64> {
-        let Some(ego) = &self.recorded.drive.ego else { return Vec::new() };
+        let Some(ego) = &self.drive.ego else { return Vec::new() };
         let heading = &ego.motion.heading;
         let mut out = Vec::new();
         let (mut sum, mut last) = (0.0, heading.get(self.keyframe).copied().unwrap_or(f64::NAN));
@@ -101,7 +111,7 @@ impl<'r> Window<'r> {
 
 /// Speeds over a stretch, m/s.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Speeds {
+pub(crate) struct Speeds {
     pub min: f64,
     pub min_at: usize,
     pub max: f64,
@@ -110,6 +120,6 @@ pub(super) struct Speeds {
 }
 
 /// m/s to km/h, for people.
-pub(super) fn kmh(mps: f64) -> f64 {
+pub(crate) fn kmh(mps: f64) -> f64 {
     mps * 3.6
 }

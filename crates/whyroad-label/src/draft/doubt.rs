@@ -1,0 +1,320 @@
+//! What a class says of somebody else, or of the ego, against what they do around the keyframe. Where it is not borne
+//! out there is no draft: a person is better helped by none than by a false one. What the recording does not tell is
+//! not doubted. Rules and their thresholds decide about the class; this does not.
+
+use super::motion::LongitudinalMotion;
+use crate::driven::Driven;
+use crate::driven::other::{First, Moves, Other};
+use whyroad_model::decision::Longitudinal;
+use whyroad_model::messages::DrivingDecision;
+use whyroad_model::{Bilingual, Drive, ObjectClass, ScenarioId, TrackId, Tri};
+
+/// Nearer than this to the path, somebody takes up part of the ego's lane, m.
+const IN_LANE_M: f64 = 2.2;
+/// The middle of who is in the ego's lane may be this far from its center, and half its own width, m.
+const LANE_SIDE_M: f64 = 1.7;
+/// Who comes nearer to the path by less than this does not come in, m.
+const COMES_IN_M: f64 = 0.3;
+/// Nearer than this to the path within 8 s, who comes out from behind something bears on it, m.
+const NEAR_PATH_M: f64 = 3.0;
+/// Braking that is sudden, m/s2; the rule asks for more of it at one moment.
+const BRAKES_MPS2: f64 = -2.0;
+/// Faster than this nobody has just started, m/s.
+const JUST_STARTED_MPS: f64 = 4.0;
+/// Slower than this somebody stood, m/s.
+const STOOD_MPS: f64 = 0.6;
+/// By this much a vehicle is slower which the ego passes, m/s, and nearer than this, m.
+const PASSED_MPS: f64 = 3.0;
+const PASSED_M: f64 = 40.0;
+
+/// Why there is no draft.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Doubt {
+    /// Whom the class is about is not ahead of the ego.
+    NotAhead,
+    /// It is not in the ego's lane.
+    NotInLane,
+    /// It goes another way than the class says.
+    OtherWay,
+    /// It does not come towards the ego's path.
+    NotComing,
+    /// It does not cross the ego's path.
+    NotCrossing,
+    /// It has not just started.
+    NotStarting,
+    /// It does not brake hard.
+    NotBraking,
+    /// It changes lanes, and does not weave.
+    ChangesLane,
+    /// What is ahead of who leaves is the queue at a light.
+    NoObstacle,
+    /// The ego gets there first: it does not give way.
+    EgoFirst,
+    /// The ego is not in the roundabout yet.
+    NotInRoundabout,
+    /// Nobody is beside the ego who hides the view.
+    NobodyBeside,
+    /// The ego slows for its turn at the junction.
+    TurnsThere,
+    /// The ego passes a slower vehicle.
+    Passes,
+    /// The motion of the ego is not that of the class.
+    Motion,
+}
+
+impl Doubt {
+    /// In both languages.
+    pub fn text(self) -> Bilingual {
+        let (zh, en) = match self {
+            Self::NotAhead => ("目标不在自车前方", "the target is not ahead of the ego"),
+            Self::NotInLane => ("目标不在自车车道内", "the target is not in the ego's lane"),
+            Self::OtherWay => {
+                ("目标的行驶方向与场景不符", "the target does not go the way that the class says")
+            }
+            Self::NotComing => ("目标没有靠近自车的路线", "the target does not come towards the ego's path"),
+            Self::NotCrossing => ("目标没有横穿自车的路线", "the target does not cross the ego's path"),
+            Self::NotStarting => ("目标不是刚刚起步", "the target has not just started"),
+            Self::NotBraking => ("目标没有急减速", "the target does not brake hard"),
+            Self::ChangesLane => ("目标只是在换道", "the target only changes lanes"),
+            Self::NoObstacle => (
+                "前方停着的是等灯的车队，不是障碍物",
+                "what stands ahead is the queue at the light, no obstacle",
+            ),
+            Self::EgoFirst => ("自车先通过，没有让行", "the ego goes first and does not give way"),
+            Self::NotInRoundabout => ("自车还没有进入环岛", "the ego is not in the roundabout yet"),
+            Self::NobodyBeside => ("旁边没有挡住视线的车辆", "no vehicle beside the ego hides the view"),
+            Self::TurnsThere => ("自车是为路口转弯而减速", "the ego slows for its turn at the junction"),
+            Self::Passes => ("自车正在超过一辆慢车", "the ego is passing a slower vehicle"),
+            Self::Motion => ("自车的实际运动与场景不符", "the motion of the ego does not fit the class"),
+        };
+        Bilingual::new(zh, en)
+    }
+}
+
+/// What the class says of its target is not borne out.
+pub(super) fn of_target(
+    class: &ScenarioId,
+    w: &Driven<'_>,
+    drive: &Drive,
+    target: Option<&TrackId>,
+) -> Option<Doubt> {
+    let id = target?;
+    let other = Other::of(w, id)?;
+    let kind = drive.track(id).map_or(ObjectClass::Unknown, |t| t.class);
+    let k = w.keyframe;
+    let (l2, l3) = (class.l2.as_deref()?, class.l3.as_deref().unwrap_or_default());
+    let known = |m: Option<Moves>, fits: &[Moves]| m.is_none_or(|m| fits.contains(&m));
+    let ahead = |least: f64| other.number("target.longitudinal", k).is_none_or(|x| x > least);
+    let soon = |after: usize| other.frames(0, after);
+    match (class.l1.as_str(), l2) {
+        ("reactive_agent", "cutin") => {
+            let comes = other.comes_nearer().is_none_or(|m| m > COMES_IN_M)
+                || other.ever("target.is_lead", other.frames(0, 30)).is_true();
+            first_of(&[
+                (!ahead(-1.0), Doubt::NotAhead),
+                (
+                    l3 != "intersection" && !known(other.moves(k), &[Moves::Along, Moves::Still]),
+                    Doubt::OtherWay,
+                ),
+                (!comes, Doubt::NotComing),
+                (l3 == "from_stationary" && !just_started(&other), Doubt::NotStarting),
+            ])
+        }
+        ("reactive_agent", "vru_crossing") => {
+            first_of(&[(!ahead(0.0), Doubt::NotAhead), (!crosses(&other), Doubt::NotCrossing)])
+        }
+        ("reactive_agent", "animal") if l3 == "crossing" => {
+            first_of(&[(!ahead(0.0), Doubt::NotAhead), (!crosses(&other), Doubt::NotCrossing)])
+        }
+        ("reactive_agent", "vru_emergence") => {
+            let near = other.nearest_aside(soon(80)).is_none_or(|m| m < NEAR_PATH_M);
+            let here = other.aside(k).is_none_or(|m| m < IN_LANE_M);
+            let comes = here || other.comes_nearer().is_none_or(|m| m > COMES_IN_M);
+            first_of(&[(!ahead(0.0), Doubt::NotAhead), (!near || !comes, Doubt::NotComing)])
+        }
+        ("reactive_agent", "vru_invasion") => {
+            let in_lane = other.nearest_aside(other.frames(5, 10)).is_none_or(|m| m < IN_LANE_M);
+            let way = match l3 {
+                "opposite_direction" => known(other.moves(k), &[Moves::Against]),
+                "vru_cutin" => known(other.moves(k), &[Moves::Along, Moves::Across, Moves::Still]),
+                _ => known(other.moves(k), &[Moves::Along]),
+            };
+            let comes = other.comes_nearer().is_none_or(|m| m > COMES_IN_M) || in_lane;
+            first_of(&[
+                (!ahead(0.0), Doubt::NotAhead),
+                (!way, Doubt::OtherWay),
+                (l3 == "vru_cutin" && !comes, Doubt::NotComing),
+                (l3 != "vru_cutin" && !in_lane, Doubt::NotInLane),
+            ])
+        }
+        ("reactive_agent", "vehicle_abnormal") => abnormal(&other, w, l3, ahead(0.0)),
+        ("reactive_agent", "following") => first_of(&[
+            (!ahead(0.0), Doubt::NotAhead),
+            (!is_lead(&other), Doubt::NotInLane),
+            (!known(other.moves(k), &[Moves::Along, Moves::Still]), Doubt::OtherWay),
+            (l3 == "lead_sudden_brake" && !brakes(&other), Doubt::NotBraking),
+            (l3 == "follow_start" && !just_started(&other), Doubt::NotStarting),
+        ]),
+        ("reactive_agent", "intersection_interaction") => {
+            let near = other.nearest_aside(soon(120)).is_none_or(|m| m < NEAR_PATH_M);
+            let way = match l3 {
+                "cross_conflict" => known(other.moves(k), &[Moves::Across, Moves::Still]),
+                "unprotected_left" => known(other.moves(k), &[Moves::Against, Moves::Across, Moves::Still]),
+                _ => true,
+            };
+            let beside = l3 == "same_direction_turn";
+            first_of(&[
+                (!way, Doubt::OtherWay),
+                (!beside && (!near || other.is_through()), Doubt::NotCrossing),
+            ])
+        }
+        ("reactive_agent", "passing") => first_of(&[
+            (!ahead(0.0), Doubt::NotAhead),
+            (!known(other.moves(k), &[Moves::Against]), Doubt::OtherWay),
+        ]),
+        ("proactive", "obstacle_avoidance") => {
+            let width = super::lead::size_at(drive, id, k).map_or(f64::NAN, |(_, width)| width);
+            let half = if width.is_finite() { width / 2.0 } else { 1.0 };
+            let aside = other.least("target.lane_centre_distance", other.frames(10, 20));
+            let still = matches!(kind, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
+            first_of(&[
+                (!ahead(-2.0), Doubt::NotAhead),
+                (!still && aside.is_some_and(|m| m > LANE_SIDE_M + half), Doubt::NotInLane),
+            ])
+        }
+        _ => None,
+    }
+}
+
+fn first_of(all: &[(bool, Doubt)]) -> Option<Doubt> {
+    all.iter().find(|(holds, _)| *holds).map(|(_, doubt)| *doubt)
+}
+
+/// It goes across the path and gets onto it, or is on it already.
+fn crosses(other: &Other<'_>) -> bool {
+    let k = *other.frames(0, 0).start();
+    let across = other.frames(5, 15).filter_map(|f| other.moves(f)).collect::<Vec<_>>();
+    let goes = across.is_empty() || across.contains(&Moves::Across);
+    let gets_there = other.first().is_none_or(|f| f != First::Neither);
+    let here = other.aside(k).is_some_and(|m| m < IN_LANE_M);
+    goes && (gets_there || here)
+}
+
+fn just_started(other: &Other<'_>) -> bool {
+    let k = *other.frames(0, 0).start();
+    let slow = other.number("target.speed", k).is_none_or(|v| v < JUST_STARTED_MPS);
+    let stood = other.least("target.speed", other.frames(50, 0)).is_none_or(|v| v < STOOD_MPS);
+    slow && stood
+}
+
+fn brakes(other: &Other<'_>) -> bool {
+    other.least("target.accel", other.frames(5, 10)).is_none_or(|a| a < BRAKES_MPS2)
+}
+
+/// It is the lead at the keyframe or a second before or after it.
+fn is_lead(other: &Other<'_>) -> bool {
+    other.ever("target.is_lead", other.frames(10, 10)) != Tri::False
+}
+
+fn abnormal(other: &Other<'_>, w: &Driven<'_>, l3: &str, ahead: bool) -> Option<Doubt> {
+    let k = w.keyframe;
+    let lane = |frames| {
+        let in_lane = other.ever("target.in_ego_lane", frames);
+        in_lane != Tri::False
+    };
+    let along = other.moves(k).is_none_or(|m| matches!(m, Moves::Along | Moves::Still));
+    match l3 {
+        "sudden_brake" => first_of(&[
+            (!ahead, Doubt::NotAhead),
+            (!lane(other.frames(10, 5)), Doubt::NotInLane),
+            (!along, Doubt::OtherWay),
+            (!brakes(other), Doubt::NotBraking),
+        ]),
+        "cutout_reveal" => {
+            let red = matches!(w.category("light.state", k), Some("red" | "yellow" | "red_yellow"));
+            first_of(&[
+                (!ahead, Doubt::NotAhead),
+                (!lane(other.frames(20, 0)), Doubt::NotInLane),
+                (!along, Doubt::OtherWay),
+                (red, Doubt::NoObstacle),
+            ])
+        }
+        "abnormal_motion" => {
+            let wrong_way = other.ever("target.wrong_way", other.frames(0, 0)).is_true();
+            let changes = other
+                .frames(30, 40)
+                .any(|f| matches!(other.category("target.lane_change", f), Some("left" | "right")));
+            first_of(&[(!ahead, Doubt::NotAhead), (!wrong_way && changes, Doubt::ChangesLane)])
+        }
+        _ => None,
+    }
+}
+
+/// What the class says of the ego is not borne out, or something nearer explains what it does.
+pub(super) fn of_ego(
+    class: &ScenarioId,
+    w: &Driven<'_>,
+    drive: &Drive,
+    target: Option<&TrackId>,
+    decision: &DrivingDecision,
+    motion: LongitudinalMotion,
+) -> Option<Doubt> {
+    let (l2, l3) = (class.l2.as_deref()?, class.l3.as_deref().unwrap_or_default());
+    let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);
+    let faster = motion == LongitudinalMotion::SpeedsUp;
+    match (class.l1.as_str(), l2) {
+        ("proactive", "roundabout") if matches!(l3, "lane_in_roundabout" | "exit") => {
+            let inside = w.flag("map.in_roundabout", w.keyframe) != Tri::False
+                || w.flag("ego.in_junction", w.keyframe).is_true();
+            (!inside).then_some(Doubt::NotInRoundabout)
+        }
+        ("reactive_road", "blind_spot_slowdown") if l3 == "vehicle" => {
+            (!is_somebody_beside(w, drive)).then_some(Doubt::NobodyBeside)
+        }
+        ("reactive_road", "geometry_adaptation") => {
+            let turns = (w.keyframe..w.end)
+                .any(|f| matches!(w.category("ego.movement", f), Some("left" | "right" | "uturn")));
+            first_of(&[
+                (l3 == "high_curvature" && slows && turns, Doubt::TurnsThere),
+                (faster && is_passing(w), Doubt::Passes),
+            ])
+        }
+        ("reactive_agent", "vru_crossing" | "intersection_interaction")
+            if decision.longitudinal == Some(Longitudinal::YieldToAgent) =>
+        {
+            let first = target.and_then(|id| Other::of(w, id)?.first());
+            (first == Some(First::Ego)).then_some(Doubt::EgoFirst)
+        }
+        _ => None,
+    }
+}
+
+/// A vehicle is beside the ego or a little ahead of it, in another lane.
+fn is_somebody_beside(w: &Driven<'_>, drive: &Drive) -> bool {
+    if w.signals.targets.is_empty() || !w.signals.target_columns.contains_key("target.lateral") {
+        return true;
+    }
+    w.signals.targets.iter().any(|t| {
+        let vehicle = drive.track(&t.id).is_some_and(|t| t.class.is_vehicle());
+        let Some(other) = Other::of(w, &t.id).filter(|_| vehicle) else { return false };
+        other.frames(5, 20).step_by(5).any(|f| {
+            let at = other.number("target.longitudinal", f).zip(other.number("target.lateral", f));
+            at.is_some_and(|(x, y)| (-4.0..25.0).contains(&x) && (1.5..8.0).contains(&y.abs()))
+        })
+    })
+}
+
+/// The ego goes past a much slower vehicle: one is close ahead of its path or beside it, outside of its lane by then.
+fn is_passing(w: &Driven<'_>) -> bool {
+    let Some(speed) = w.speed(w.keyframe) else { return false };
+    w.signals.targets.iter().any(|t| {
+        let Some(other) = Other::of(w, &t.id) else { return false };
+        let k = w.keyframe;
+        let slow = other.number("target.speed", k).is_some_and(|v| v < speed - PASSED_MPS);
+        let along = other.moves(k) == Some(Moves::Along);
+        let near = other.number("target.longitudinal", k).is_some_and(|x| (-5.0..PASSED_M).contains(&x));
+        let aside = other.aside(k).is_some_and(|m| (1.5..7.0).contains(&m));
+        slow && along && near && aside
+    })
+}

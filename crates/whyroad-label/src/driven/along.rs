@@ -1,0 +1,295 @@
+//! What the ego's speed does after a keyframe, and which decisions along its path that bears out (LABELING.md 2).
+
+use super::{Driven, STANDSTILL_MPS};
+use whyroad_model::Tri;
+use whyroad_model::decision::Longitudinal;
+
+/// A change of speed that is no noise, m/s.
+pub(crate) const PLAIN_MPS: f64 = 1.5;
+/// A change that a labeler cannot have overlooked, m/s.
+pub(crate) const LARGE_MPS: f64 = 3.0;
+/// What a car that keeps its speed varies by, m/s.
+pub(crate) const STEADY_MPS: f64 = 0.5;
+/// A share of the speed at the keyframe: below it the car is about to stop.
+pub(crate) const NEARLY_STOPPED: f64 = 0.5;
+
+/// A change of speed that is an action: this share of the speed, at least this, m/s, ...
+const ACTION_SHARE: f64 = 0.06;
+const ACTION_MPS: f64 = 0.8;
+/// ... and at least this of who hardly moves, m/s.
+const ACTION_SLOW_MPS: f64 = 0.4;
+/// Who is slower than this hardly moves, m/s.
+const HARDLY_MOVES_MPS: f64 = 2.0;
+/// An action shows by this long after the keyframe, frames.
+const ACTION_FRAMES: usize = 35;
+/// A speed that stays within this share is held, and within this, m/s.
+const HELD_SHARE: f64 = 0.1;
+const HELD_MPS: f64 = 0.8;
+/// Frames over which it is told whether a speed is held: 3 s.
+const HELD_FRAMES: usize = 30;
+/// Frames before the keyframe over which a speed changes already, and by how much, m/s.
+const BEFORE_FRAMES: usize = 10;
+const UNDERWAY_MPS: f64 = 0.6;
+/// The same, where it is told from an answer to what is seen at the keyframe.
+const ANSWER_MPS: f64 = 0.45;
+/// What goes on after the keyframe and gets stronger by this is an answer to it, m/s2.
+const STRONGER_MPS2: f64 = 1.2;
+/// Frames after the keyframe over which its strength is measured.
+const STRENGTH_FRAMES: usize = 15;
+/// What was under way ends by this long after the keyframe, frames, where what comes then is the first new action.
+const ENDS_FRAMES: usize = 10;
+/// Who comes below this nearly stands, m/s.
+const NEARLY_STANDS_MPS: f64 = 0.6;
+
+/// How a decision does not fit what was driven: speeds in m/s, and their frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Conflict {
+    /// It only gets faster.
+    SpeedsUp { to: f64, frame: usize },
+    /// It only gets slower.
+    Slows { to: f64, frame: usize },
+    /// It does not come to a stop.
+    NoStop { lowest: f64, frame: usize },
+    /// It comes to a stop.
+    Stops { frame: usize },
+    /// There is no lead.
+    NoLead,
+    /// It does not stand at the keyframe.
+    Moves,
+    /// It does not move off.
+    Stays,
+    /// It keeps its speed.
+    Unchanged { min: f64, max: f64 },
+    /// It plainly does something where nothing is decided.
+    Changes { to: f64, frame: usize },
+}
+
+/// Where `decision` does not fit what was driven; of a drive that ends within 2 s nothing is said.
+pub(crate) fn conflict(w: &Driven<'_>, decision: Option<Longitudinal>) -> Option<Conflict> {
+    let v0 = w.speed(w.keyframe)?;
+    let all = w.speeds(w.keyframe..w.end).filter(|_| w.lasts(2.0))?;
+    let Some(decision) = decision else { return undecided(w, v0) };
+    let stands = v0 < STANDSTILL_MPS;
+    let only_faster = all.min > v0 - STEADY_MPS && all.max > v0 + PLAIN_MPS;
+    let faster = only_faster.then_some(Conflict::SpeedsUp { to: all.max, frame: all.max_at });
+    let steady = w.lasts(6.0) && all.max - all.min < STEADY_MPS && !stands;
+    let unchanged = steady.then_some(Conflict::Unchanged { min: all.min, max: all.max });
+    match decision {
+        Longitudinal::StopForRegulation | Longitudinal::StopForObstacle => faster.or_else(|| {
+            let range = w.speeds(w.keyframe..w.range_end)?;
+            let slows_still = range.last < NEARLY_STOPPED * v0 && range.last <= range.min + STEADY_MPS;
+            let no_stop = range.min >= STANDSTILL_MPS && !slows_still && w.lasts(6.0);
+            no_stop.then_some(Conflict::NoStop { lowest: range.min, frame: range.min_at })
+        }),
+        Longitudinal::YieldToAgent | Longitudinal::RoadSpeedAdaptation => faster.or(unchanged),
+        Longitudinal::LeadFollowing => {
+            let known = |f: &usize| w.flag("lead.exists", *f) != Tri::Unknown;
+            let frames = w.keyframe.saturating_sub(10)..w.end;
+            let none = frames.clone().all(|f| w.flag("lead.exists", f) == Tri::False);
+            (none && frames.filter(known).count() > 20).then_some(Conflict::NoLead)
+        }
+        Longitudinal::SetSpeedTracking => {
+            let stops = all.min < STANDSTILL_MPS && v0 > LARGE_MPS;
+            stops.then_some(Conflict::Stops { frame: all.min_at })
+        }
+        Longitudinal::Resume => {
+            let from = w.keyframe.saturating_sub(10);
+            let moving = w.speeds(from..w.keyframe + 1).is_some_and(|s| s.min > 1.0);
+            if moving && all.min > 1.0 {
+                Some(Conflict::Moves)
+            } else {
+                (all.max < 0.5 && w.lasts(6.0)).then_some(Conflict::Stays)
+            }
+        }
+        Longitudinal::AccelerationForPassing => {
+            let slows = all.max < v0 + STEADY_MPS && all.min < v0 - PLAIN_MPS;
+            slows.then_some(Conflict::Slows { to: all.min, frame: all.min_at }).or(unchanged)
+        }
+        Longitudinal::GapMatching => None,
+    }
+}
+
+/// Nothing is decided, although the ego plainly changes its speed at once.
+fn undecided(w: &Driven<'_>, v0: f64) -> Option<Conflict> {
+    let soon = w.speeds(w.keyframe..(w.keyframe + 31).min(w.end))?;
+    // What was under way at the keyframe is no new decision.
+    let before = w.speed(w.keyframe.saturating_sub(BEFORE_FRAMES)).unwrap_or(v0);
+    let underway = (v0 - before).abs() > UNDERWAY_MPS;
+    // Gaining speed after a turn or a stop is ordinary; starting from standstill is not.
+    let starts = v0 < STANDSTILL_MPS;
+    let (to, frame) = if starts { (soon.max, soon.max_at) } else { (soon.min, soon.min_at) };
+    (!underway && (to - v0).abs() >= LARGE_MPS).then_some(Conflict::Changes { to, frame })
+}
+
+/// Which way a speed goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Trend {
+    Falls,
+    Rises,
+    /// It stays within about a tenth.
+    Holds,
+    Unknown,
+}
+
+/// A change of speed that is an action.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Change {
+    pub trend: Trend,
+    /// The frame from which on the speed changes.
+    pub from: usize,
+    /// It went on at the keyframe already and does not get stronger: no answer to what is seen there.
+    pub is_underway: bool,
+}
+
+/// What the ego's speed does in the seconds after the keyframe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Course {
+    /// At the keyframe, m/s.
+    pub now_mps: f64,
+    /// The first clear change that begins after the keyframe or is under way at it.
+    pub first: Option<Change>,
+    /// The first clear change that is not under way at the keyframe.
+    pub new: Option<Change>,
+    /// How it goes over the next 3 s.
+    pub trend: Trend,
+    /// It comes to a stop, or nearly, within 6 s.
+    pub nearly_stands: bool,
+    /// Greatest deceleration within 4 s, over half a second, m/s2.
+    pub braking_mps2: f64,
+}
+
+impl Course {
+    /// The ego stands at the keyframe.
+    pub(crate) fn stands(&self) -> bool {
+        self.now_mps < STANDSTILL_MPS
+    }
+}
+
+/// The course of the speed after the keyframe; `None` where it is not known for 2 s.
+pub(crate) fn course(w: &Driven<'_>) -> Option<Course> {
+    let now_mps = steady_speed(w, w.keyframe)?;
+    w.speeds(w.keyframe..w.end).filter(|_| w.lasts(2.0))?;
+    let first = first_change(w, w.keyframe);
+    let new = match first {
+        Some(change) if change.is_underway => {
+            let end = turning_point(w, change);
+            first_change(w, end).filter(|c| end <= w.keyframe + ENDS_FRAMES && c.trend != change.trend)
+        }
+        other => other,
+    };
+    let new = new.map(|c| Change { is_underway: false, ..c });
+    let per_half = |f: usize| Some((w.speed(f)? - w.speed(f + 5)?) / 0.5);
+    let soon = w.keyframe..(w.keyframe + 40).min(w.end.saturating_sub(5));
+    Some(Course {
+        now_mps,
+        first,
+        new,
+        trend: trend(w, now_mps),
+        nearly_stands: nearly_stands(w),
+        braking_mps2: soon.filter_map(per_half).fold(0.0, f64::max),
+    })
+}
+
+/// The speed comes down to nearly nothing before it rises again.
+fn nearly_stands(w: &Driven<'_>) -> bool {
+    let mut low = f64::INFINITY;
+    for v in (w.keyframe..w.end).filter_map(|f| steady_speed(w, f)) {
+        low = low.min(v);
+        if low < NEARLY_STANDS_MPS || v > low + ACTION_MPS {
+            break;
+        }
+    }
+    low < NEARLY_STANDS_MPS
+}
+
+/// What a speed has to change by to be an action, m/s.
+fn action(mps: f64) -> f64 {
+    if mps < HARDLY_MOVES_MPS { ACTION_SLOW_MPS } else { (ACTION_SHARE * mps).max(ACTION_MPS) }
+}
+
+/// The first change from `from` on by as much as an action.
+fn first_change(w: &Driven<'_>, from: usize) -> Option<Change> {
+    let v0 = steady_speed(w, from)?;
+    let threshold = action(v0);
+    let (mut low, mut high) = ((v0, from), (v0, from));
+    for f in from..(from + ACTION_FRAMES + 1).min(w.end) {
+        let Some(v) = steady_speed(w, f) else { continue };
+        if v <= low.0 {
+            low = (v, f);
+        }
+        if v >= high.0 {
+            high = (v, f);
+        }
+        let found = if v <= high.0 - threshold {
+            Some((Trend::Falls, high.1))
+        } else if v >= low.0 + threshold {
+            Some((Trend::Rises, low.1))
+        } else {
+            None
+        };
+        if let Some((trend, began)) = found {
+            let is_underway = from == w.keyframe && began <= from + 3 && is_underway(w, trend);
+            return Some(Change { trend, from: (began + 1).min(f), is_underway });
+        }
+    }
+    None
+}
+
+/// It went on so before the keyframe, and not much less.
+fn is_underway(w: &Driven<'_>, trend: Trend) -> bool {
+    let sign = if trend == Trend::Falls { -1.0 } else { 1.0 };
+    let of =
+        |a: usize, b: usize| Some(sign * (steady_speed(w, b)? - steady_speed(w, a)?) * 10.0 / (b - a) as f64);
+    let Some(before) = w.keyframe.checked_sub(BEFORE_FRAMES).and_then(|f| of(f, w.keyframe)) else {
+        return false;
+    };
+    // What began within that second may be the answer, a little early.
+    let (begin, middle) = (w.keyframe - BEFORE_FRAMES, w.keyframe - BEFORE_FRAMES / 2);
+    let all_along = of(begin, middle).is_none_or(|v| v > ANSWER_MPS / 2.0);
+    let after = of(w.keyframe, w.keyframe + STRENGTH_FRAMES).unwrap_or(before);
+    before > ANSWER_MPS && all_along && after < before + STRONGER_MPS2
+}
+
+/// Where a change that is under way ends: its extreme.
+fn turning_point(w: &Driven<'_>, change: Change) -> usize {
+    let mut extreme = (steady_speed(w, change.from).unwrap_or(f64::NAN), change.from);
+    for f in change.from..w.end {
+        let Some(v) = steady_speed(w, f) else { continue };
+        let goes_on = if change.trend == Trend::Falls { v <= extreme.0 } else { v >= extreme.0 };
+        if goes_on {
+            extreme = (v, f);
+        } else if (v - extreme.0).abs() > ACTION_SLOW_MPS {
+            break;
+        }
+    }
+    extreme.1
+}
+
+/// The speed without what is seen in one frame only: the middle of three.
+fn steady_speed(w: &Driven<'_>, frame: usize) -> Option<f64> {
+    let here = w.speed(frame)?;
+    let (Some(a), Some(b)) = (frame.checked_sub(1).and_then(|f| w.speed(f)), w.speed(frame + 1)) else {
+        return Some(here);
+    };
+    Some(here.clamp(a.min(b), a.max(b)))
+}
+
+/// How the speed goes over the next 3 s: by which side it leaves a tenth of itself, about 1 s and 2.5 s after the
+/// keyframe; not known where these differ.
+fn trend(w: &Driven<'_>, now: f64) -> Trend {
+    let held = (HELD_SHARE * now).max(if now < HARDLY_MOVES_MPS { ACTION_SLOW_MPS } else { HELD_MPS });
+    let goes = |from: usize, to: usize| {
+        let known: Vec<f64> = (w.keyframe + from..=w.keyframe + to).filter_map(|f| w.speed(f)).collect();
+        match known.iter().sum::<f64>() / known.len().max(1) as f64 - now {
+            d if d < -held && !known.is_empty() => Trend::Falls,
+            d if d > held => Trend::Rises,
+            _ => Trend::Holds,
+        }
+    };
+    match (goes(5, 15), goes(20, HELD_FRAMES)) {
+        (soon, Trend::Holds) => soon,
+        (Trend::Holds, later) => later,
+        (soon, later) if soon == later => later,
+        _ => Trend::Unknown,
+    }
+}
