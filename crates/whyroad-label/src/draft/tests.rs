@@ -315,7 +315,7 @@ fn a_clear_change_of_speed_is_a_decision_though_it_began_before() {
     let emergence = "reactive_agent.vru_emergence.dynamic_occlusion";
     let emerges = draft_of(emergence, |s| with_speed(s, stops(0.0)));
     assert_eq!(emerges.label.driving_decision.longitudinal, None);
-    assert!(emerges.label.coc_trace.contains("继续减速"), "{}", emerges.label.coc_trace);
+    assert!(emerges.label.coc_trace.contains("继续下降"), "{}", emerges.label.coc_trace);
     // From 2 to 4 m/s2 it is one.
     let harder = draft_of(emergence, |s| with_speed(s, stops(0.2)));
     assert_eq!(harder.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
@@ -786,7 +786,7 @@ fn a_change_of_speed_is_told_by_its_sign_and_not_held() {
     let holds = cut_in(|f| 24.0 - 0.02 * f.saturating_sub(40) as f64);
     assert_eq!(holds.driving_decision.longitudinal, None);
     assert!(
-        !holds.coc_trace.contains("减速慢行") && !holds.coc_trace.contains("继续减速"),
+        !holds.coc_trace.contains("减速慢行") && !holds.coc_trace.contains("继续下降"),
         "{}",
         holds.coc_trace
     );
