@@ -31,6 +31,7 @@ async function sendBack(day) {
   // By one key, from where the comment left the focus: the comment says why.
   await page.keyboard.press("b");
   await page.locator('[data-action="next"]').waitFor();
+  await page.getByText("已退回：等待标注员修改。").waitFor();
 }
 
 async function rework(day) {

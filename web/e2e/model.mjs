@@ -174,6 +174,8 @@ async function judges(day) {
   const row = page.getByRole("row").filter({ hasText: "判定" }).filter({ hasText: MODEL });
   await row.locator('[data-run-state="done"]').waitFor({ timeout: 60_000 });
   await row.getByText("完成 1 / 1").waitFor();
+  // What it judged is there without a reload.
+  await page.getByText("已判定 1 条标注").waitFor();
 }
 
 async function checks(day) {

@@ -90,6 +90,23 @@ test("times and frames go together; what lies outside the clip is no keyframe", 
   assert.deepEqual(editor.draft.at("/keyframe"), { timestamp: iso(3), frame_idx: 1, type: "reactive" });
 });
 
+test("a range that would begin after the keyframe begins at it, and one undo brings all of it back", () => {
+  const before = {
+    keyframe: { timestamp: iso(4), frame_idx: 2, type: "proactive", range_start: iso(4), range_end: iso(6) },
+    time_range: { start_timestamp: iso(4), start_frame_idx: 2, end_timestamp: iso(8), end_frame_idx: 6 },
+  };
+  const editor = opened("stage2", before);
+  setKeyframe(editor, "keyframe", 5);
+  assert.equal(editor.draft.at("/keyframe/range_start"), iso(4), "a later keyframe leaves the ranges");
+  assert.equal(editor.draft.at("/time_range/start_timestamp"), iso(4));
+  editor.draft.undo();
+  setKeyframe(editor, "keyframe", 3);
+  assert.deepEqual(editor.draft.at("/keyframe"), { timestamp: iso(3), frame_idx: 1, type: "proactive", range_start: iso(3), range_end: iso(6) });
+  assert.deepEqual(editor.draft.at("/time_range"), { start_timestamp: iso(3), start_frame_idx: 1, end_timestamp: iso(8), end_frame_idx: 6 });
+  editor.draft.undo();
+  assert.deepEqual(editor.draft.doc, { ...before, ...SAFE });
+});
+
 test("Stage I fills its fields only, Stage II leaves the components alone", () => {
   const first = opened("stage1", { critical_components: [], keyframe: { timestamp: iso(4), frame_idx: 2, type: "reactive" } });
   setRange(first, "end", 8);
@@ -157,4 +174,15 @@ test("decisions, causes and trace wait for the safety filter", () => {
   assert.ok(editor.isEditable("/records/gap"), "other fields do not wait");
   decide(editor, "longitudinal", "resume");
   assert.equal(editor.decision("longitudinal"), null);
+});
+
+test("the keyframe's own frame is evidence where the log's times are uneven", () => {
+  const uneven = "2026-01-15T10:30:02.999900Z";
+  const editor = opened("rework", { critical_components: [{ id: "c1" }], keyframe: { timestamp: uneven, frame_idx: 1, type: "reactive" } });
+  const scene = { ...editor.clip.scene, times: [...Array(10).keys()].map((n) => (n === 3 ? uneven : iso(n))) };
+  editor.clip.scene = scene as unknown as SceneView;
+  editor.clip.clock = clockOf(editor.clip.scene);
+  editor.player.seek(-1);
+  evidenceNow(editor);
+  assert.deepEqual(editor.draft.at("/critical_components/0/evidence_times"), [uneven]);
 });

@@ -5,6 +5,7 @@ import { type KeyframeName, pointers } from "./field_pointers.ts";
 import type { Json } from "./pointer.ts";
 import type { TaskEditor } from "./task_editor.svelte.ts";
 
+/** Sets a keyframe. A range that would begin after it begins at it: otherwise one move needs three. */
 export function setKeyframe(editor: TaskEditor, name: KeyframeName, frame = editor.frame): void {
   const iso = editor.clip.clock?.iso[frame];
   const idx = editor.clip.clock?.frames[frame];
@@ -12,7 +13,12 @@ export function setKeyframe(editor: TaskEditor, name: KeyframeName, frame = edit
   const before = editor.draft.at(pointers.keyframeOf(name));
   const type = editor.spec?.[name]?.type ?? "reactive";
   const old = typeof before === "object" && before !== null && !Array.isArray(before) ? before : { type };
-  editor.draft.set(pointers.keyframeOf(name), { ...old, timestamp: iso, frame_idx: idx });
+  const isLater = (path: string): boolean => (editor.second(editor.draft.at(path)) ?? -Infinity) > (editor.second(iso) ?? Infinity);
+  editor.draft.group(() => {
+    const range: Record<string, Json> = name === "keyframe" && isLater(pointers.keyframeRange("range_start")) ? { range_start: iso } : {};
+    editor.draft.set(pointers.keyframeOf(name), { ...old, timestamp: iso, frame_idx: idx, ...range });
+    if (name === "keyframe" && isLater(pointers.rangeTime("start"))) setRange(editor, "start", frame);
+  });
 }
 
 export function setKeyRange(editor: TaskEditor, end: "range_start" | "range_end", frame = editor.frame): void {
@@ -86,7 +92,9 @@ export function toggleUncertainty(editor: TaskEditor, n: number): void {
 export function evidenceNow(editor: TaskEditor): void {
   const keyframe = editor.second(editor.draft.at(pointers.keyframeTime("keyframe"))) ?? 0;
   const iso = editor.clip.clock?.iso[editor.frame];
-  if (iso && editor.player.now <= keyframe + 1e-6) toggleIn(editor, editor.currentComponent, "evidence_times", iso);
+  // By the frame's own time: the player's is rounded, and may come after that of the keyframe of the same frame.
+  const at = editor.second(iso);
+  if (iso && at !== null && at <= keyframe) toggleIn(editor, editor.currentComponent, "evidence_times", iso);
 }
 
 /** The only component is the cause of a decision that has none yet. */

@@ -38,4 +38,9 @@ test("a finding speaks of seconds and names, as the screen does", () => {
   const named: LabelContext = { ...more, trackName: (track) => (track === id ? "#5" : track) };
   assert.equal(describeFinding(`去掉轿车（${id}），自车会多行驶 5 m`, named, "zh"), "去掉轿车（#5），自车会多行驶 5 m");
   assert.equal(describeFinding("a.cutin.urgent needs lane_change, not some_word", more, "en"), "“urgent” needs “lane change”, not some_word");
+  const here: LabelContext = { ...more, trackName: (id) => (id.startsWith("58350757") ? "#9" : id) };
+  assert.equal(describeFinding("without the car 58350757f1d04f628aab9b22cf33549b it would come 5 m farther", here, "en"), "without the car #9 it would come 5 m farther");
+  assert.equal(describeFinding("没有轿车58350757-f1d0-4f62-8aab-9b22cf33549b", here, "zh"), "没有轿车#9");
+  const elsewhere = "not 68350757f1d04f628aab9b22cf33549b";
+  assert.equal(describeFinding(elsewhere, here, "en"), elsewhere, "an object that is not in the scene stays");
 });

@@ -95,6 +95,9 @@ export const labelTexts = {
   "stage.reason": ["原因", "Reason"],
   "stage.take": ["领取此任务", "Take this task"],
   "stage.finished": ["只读：此任务{state}。", "Read-only: this task is {state}."],
+  "stage.returned": ["已退回：等待标注员修改。", "Returned: it waits for its annotator."],
+  "stage.chosen": ["只读：裁决采用了这一份。", "Read-only: the adjudication uses this label."],
+  "stage.superseded": ["只读：裁决采用了另一份，导出不含这一份。", "Read-only: the adjudication uses another label; this one is not exported."],
   "stage.read_only": ["只读：您没有领取此任务。", "Read-only: you do not hold this task."],
   "stage.lost": [
     "此任务已被他人领取，或已超过领取时限。未保存的修改仍保留在本机。",

@@ -116,6 +116,7 @@ export const screenTexts = {
   "work.step.open": ["待标注", "open"],
   "tasks.title": ["任务", "Tasks"],
   "tasks.next_label": ["领取下一个标注任务", "Next task to label"],
+  "tasks.waiting": ["{n} 个等待", "{n} waiting"],
   "tasks.next_check": ["领取下一个质检任务", "Next task to check"],
   "tasks.next_audit": ["领取下一个抽检任务", "Next task to audit"],
   "tasks.no_next": ["现在没有可领取的任务。", "No task available now."],

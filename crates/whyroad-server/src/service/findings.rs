@@ -84,8 +84,12 @@ fn probe(draft: &Value, view: LabelView) -> Value {
     let mut label = visible::label(draft, view);
     let moment = |at: &str| label.pointer(at).and_then(Value::as_str).map(str::to_owned);
     let keyframe = moment(pointer::KEYFRAME_TIMESTAMP).unwrap_or_default();
-    let start = moment(pointer::TIME_RANGE_START_TIMESTAMP).unwrap_or_else(|| keyframe.clone());
-    let end = Nanos::parse_iso(&keyframe).map(|k| k.plus_secs(1.0).to_string()).unwrap_or_default();
+    let at = Nanos::parse_iso(&keyframe).ok();
+    // The range is set in Stage II: one that begins after the keyframe is no error yet, and could not be fixed.
+    let start = moment(pointer::TIME_RANGE_START_TIMESTAMP)
+        .filter(|start| Nanos::parse_iso(start).ok() <= at)
+        .unwrap_or_else(|| keyframe.clone());
+    let end = at.map(|k| k.plus_secs(1.0).to_string()).unwrap_or_default();
     label[name::TIME_RANGE] = json!({ (name::START_TIMESTAMP): start, (name::END_TIMESTAMP): end });
     label[name::DRIVING_DECISION] = json!({ (name::LONGITUDINAL): null, (name::LATERAL): null });
     label[name::COC_TRACE] = json!("");

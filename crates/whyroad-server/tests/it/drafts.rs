@@ -1,5 +1,6 @@
 //! Autosave: merging, conflicts, leases and their tokens, restoring.
 
+use crate::recorded::episode;
 use crate::work::{Begin, Work};
 use crate::world::World;
 use serde_json::{Value, json};
@@ -149,4 +150,24 @@ pub fn in_stage_one_the_end_of_the_keyframes_range_survives_unseen(world: &World
     assert_eq!(locked["draft"]["keyframe"]["timestamp"], "2026-01-15T10:30:09.000Z");
     let changed = locked["changed_from_suggestion"].as_array().unwrap();
     assert!(changed.contains(&json!("/keyframe")), "the difference from the suggestion is kept");
+}
+
+/// The range begins at the suggested keyframe, as that of most classes does, and is set in Stage II only.
+pub fn in_stage_one_a_keyframe_before_its_range_can_be_locked(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let mut one = serde_json::to_value(episode("drive1", 1, world.future)).unwrap();
+    one["time_range"]["start_timestamp"] = one["keyframe"]["timestamp"].clone();
+    one["time_range"]["start_frame_idx"] = one["keyframe"]["frame_idx"].clone();
+    let made = admin.post(&format!("/projects/{project}/tasks:create"), &json!({ "episodes": [one] })).fine();
+    let mut work = Work::take(&ann, made["tasks"][0].as_str().unwrap());
+    work.stage1_at("2026-01-15T10:30:08.400Z");
+    let earlier = json!({ "timestamp": "2026-01-15T10:30:08.400Z", "frame_idx": 84, "type": "reactive" });
+    let saved = work.set(&[("/keyframe", earlier)]).fine();
+    assert_eq!(saved["findings"], json!([]));
+    let locked = work.act("lock_stage1", &json!({})).fine();
+    let codes: Vec<&str> =
+        locked["findings"].as_array().unwrap().iter().map(|f| f["code"].as_str().unwrap()).collect();
+    assert!(codes.contains(&"label.keyframe.outside_time_range"), "{codes:?}");
 }

@@ -100,6 +100,7 @@ suite! {
     clock::a_clock_that_jumps_makes_no_lease_longer,
     drafts::an_earlier_draft_comes_back,
     drafts::in_stage_one_the_end_of_the_keyframes_range_survives_unseen,
+    drafts::in_stage_one_a_keyframe_before_its_range_can_be_locked,
     group::overlaps_are_blind_until_all_are_in_then_one_is_chosen,
     group::what_cannot_be_labelled_is_left_out_with_a_reason_and_comes_back,
     group::audits_follow_the_share_and_the_record,
