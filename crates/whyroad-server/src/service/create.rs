@@ -449,10 +449,8 @@ fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang, hides_
     let label = if hides_leaf {
         // What the rule says of the history was said for the leaf; causes name it.
         CocLabel { critical_components: vec![], causes: None, ..whole }
-    } else if whole.coc_trace.is_empty() {
-        // What is seen does not bear out what the class says: there is nothing to start from.
-        whole
     } else {
+        // Of a draft that is refused for what comes later, too: Stage I must not tell that it is.
         let history = source.drive.until(keyframe);
         join(whole, app.recordings.components(&history, &until(episode, keyframe), lang), keyframe)
     };

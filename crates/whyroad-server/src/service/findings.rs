@@ -35,7 +35,9 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
             let trace = draft.get(name::COC_TRACE).and_then(Value::as_str).unwrap_or_default();
             let known = found.iter().any(|f| f.code == CODES[0]);
             let marked = bare(trace) != trace;
-            if !known && (marked || drafted_trace(task).is_some_and(|drafted| bare(drafted) == trace)) {
+            if !known
+                && (marked || drafted_trace(&task.initial).is_some_and(|drafted| bare(drafted) == trace))
+            {
                 found.push(unwritten());
             }
             found
@@ -45,9 +47,9 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
 
 /// The trace that a program drafted for the task. The checker knows one only by what a label says: not that of a draft
 /// from which components were left out, or whose words follow from what Stage I does not show.
-fn drafted_trace(task: &TaskRow) -> Option<&str> {
-    let by = task.initial.get(name::PROVENANCE)?.get(name::SOURCE)?.as_str()?;
-    let trace = task.initial.get(name::COC_TRACE)?.as_str()?;
+fn drafted_trace(initial: &Value) -> Option<&str> {
+    let by = initial.get(name::PROVENANCE)?.get(name::SOURCE)?.as_str()?;
+    let trace = initial.get(name::COC_TRACE)?.as_str()?;
     (matches!(by, "rule" | "model") && !trace.is_empty()).then_some(trace)
 }
 
@@ -122,5 +124,22 @@ fn unwritten() -> Finding {
         pointer: pointer::COC_TRACE.to_owned(),
         hint_zh: Some("用自己的话改写为：状态、原因、决策".to_owned()),
         hint_en: Some("write state, reason and decision in your own words".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_a_program_wrote_is_drafted() {
+        let initial =
+            |source: &str| json!({ "coc_trace": "[DRAFT] a; b, so c.", "provenance": { "source": source } });
+        for source in ["rule", "model"] {
+            assert_eq!(drafted_trace(&initial(source)).map(bare), Some("a; b, so c."), "{source}");
+        }
+        assert_eq!(drafted_trace(&initial("person")), None);
+        assert_eq!(drafted_trace(&json!({ "coc_trace": "a; b, so c." })), None, "a label from elsewhere");
+        assert_eq!(bare(" 【草稿】前车减速"), "前车减速");
     }
 }

@@ -40,12 +40,6 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
     let codes: Vec<Value> =
         refused.json()["more"]["findings"].as_array().unwrap().iter().map(|f| f["code"].clone()).collect();
     assert!(codes.contains(&json!("label.trace.draft")), "{codes:?}");
-    // Nor without its mark.
-    let unmarked = view["draft"]["coc_trace"].as_str().unwrap().replace("[DRAFT]", "").trim().to_owned();
-    work.set(&[("/coc_trace", json!(unmarked))]).fine();
-    let refused = work.act("submit", &json!({})).json();
-    let findings = refused["more"]["findings"].as_array().unwrap();
-    assert!(findings.iter().any(|f| f["code"] == "label.trace.draft"), "{findings:?}");
     assert_eq!(work.set(&[("/critical_components", json!([]))]).refusal(), (422, "draft.frozen".into()));
     work.stage2();
     let view = work.act("submit", &json!({})).fine();

@@ -143,15 +143,24 @@ fn it_ends_with_a_table_and_the_path_of_the_report() {
 }
 
 #[test]
-fn each_primary_episode_has_a_draft_and_the_demo_says_what_the_checker_says() {
+fn a_primary_episode_has_a_draft_unless_it_is_refused_and_the_demo_says_what_the_checker_says() {
     let (dir, run) = demo();
     let drafts = dir.path().join("draft_labels.jsonl");
     let labels = lines(&drafts);
     // What no class explains (`other`) is for a person to classify.
     let primary =
         episodes().iter().filter(|e| e["is_primary"] == true && e["scenario_id"] != "other").count();
-    assert!(primary > 0);
-    assert_eq!((labels.len(), lines(&dir.path().join("draft_notes.jsonl")).len()), (primary, primary));
+    let written = labels.len();
+    assert_eq!(lines(&dir.path().join("draft_notes.jsonl")).len(), written);
+    let path = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
+    let again = tempfile::tempdir().unwrap().path().join("again.jsonl");
+    let (lake, mined) = (path("lake"), path("mined"));
+    let line =
+        ["draft", "--lake", &lake, "--from", &mined, "--out", again.to_str().unwrap(), "--format", "json"];
+    let told: serde_json::Value = serde_json::from_str(&whyroad(&line).out).unwrap();
+    let refused: u64 = told["doubts"].as_object().unwrap().values().filter_map(|n| n.as_u64()).sum();
+    assert!(refused * 5 <= primary as u64, "{told}");
+    assert_eq!((written as u64 + refused, &told["written"]), (primary as u64, &written.into()), "{told}");
 
     let clips = dir.path().join("mined/clip_metadata.jsonl");
     let checked = whyroad(&[
