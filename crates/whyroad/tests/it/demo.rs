@@ -157,7 +157,7 @@ fn a_primary_episode_has_a_draft_unless_it_is_refused_and_the_demo_says_what_the
     let (lake, mined) = (path("lake"), path("mined"));
     let line =
         ["draft", "--lake", &lake, "--from", &mined, "--out", again.to_str().unwrap(), "--format", "json"];
-    let told: serde_json::Value = serde_json::from_str(&whyroad(&line).out).unwrap();
+    let told: Value = serde_json::from_str(&whyroad(&line).out).unwrap();
     let refused: u64 = told["doubts"].as_object().unwrap().values().filter_map(|n| n.as_u64()).sum();
     assert!(refused * 5 <= primary as u64, "{told}");
     assert_eq!((written as u64 + refused, &told["written"]), (primary as u64, &written.into()), "{told}");
