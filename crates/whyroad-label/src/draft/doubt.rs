@@ -157,17 +157,16 @@ pub(super) fn of_target(
             (l3 == "follow_start" && !just_started(&other), Doubt::NotStarting),
         ]),
         ("reactive_agent", "intersection_interaction") => {
-            let near = other.nearest_aside(soon(120)).is_none_or(|m| m < NEAR_PATH_M);
+            // Who was let through first may have left the path of a turn as it begins.
+            let near = other.nearest_aside(other.frames(40, 120)).is_none_or(|m| m < NEAR_PATH_M);
+            let through = l3 != "unprotected_left" && other.is_through();
             let way = match l3 {
                 "cross_conflict" => known(other.moves(k), &[Moves::Across, Moves::Still]),
                 "unprotected_left" => known(other.moves(k), &[Moves::Against, Moves::Across, Moves::Still]),
                 _ => true,
             };
             let beside = l3 == "same_direction_turn";
-            first_of(&[
-                (!way, Doubt::OtherWay),
-                (!beside && (!near || other.is_through()), Doubt::NotCrossing),
-            ])
+            first_of(&[(!way, Doubt::OtherWay), (!beside && (!near || through), Doubt::NotCrossing)])
         }
         ("reactive_agent", "passing") => first_of(&[
             (!ahead(0.0), Doubt::NotAhead),
@@ -194,8 +193,9 @@ fn first_of(all: &[(bool, Doubt)]) -> Option<Doubt> {
 /// It goes across the path and gets onto it, or is on it already.
 fn crosses(other: &Other<'_>) -> bool {
     let k = *other.frames(0, 0).start();
-    let across = other.frames(5, 15).filter_map(|f| other.moves(f)).collect::<Vec<_>>();
-    let goes = across.is_empty() || across.contains(&Moves::Across);
+    // Who walks along the road first may turn onto it only after the keyframe.
+    let ways = other.frames(5, 80).filter_map(|f| other.moves(f)).collect::<Vec<_>>();
+    let goes = ways.is_empty() || ways.contains(&Moves::Across);
     let gets_there = other.first().is_none_or(|f| f != First::Neither);
     let here = other.aside(k).is_some_and(|m| m < IN_LANE_M);
     goes && (gets_there || here)
