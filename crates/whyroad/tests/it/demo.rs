@@ -153,7 +153,8 @@ fn a_primary_episode_has_a_draft_unless_it_is_refused_and_the_demo_says_what_the
     let written = labels.len();
     assert_eq!(lines(&dir.path().join("draft_notes.jsonl")).len(), written);
     let path = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
-    let again = tempfile::tempdir().unwrap().path().join("again.jsonl");
+    let folder = tempfile::tempdir().unwrap();
+    let again = folder.path().join("again.jsonl");
     let (lake, mined) = (path("lake"), path("mined"));
     let line =
         ["draft", "--lake", &lake, "--from", &mined, "--out", again.to_str().unwrap(), "--format", "json"];
