@@ -130,7 +130,7 @@ pub fn in_stage_one_the_end_of_the_keyframes_range_survives_unseen(world: &World
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));
     let ann = world.person(&admin, &project, "ann", &["annotator"]);
-    let mut episode = serde_json::to_value(crate::recorded::episode("drive1", 1, world.future)).unwrap();
+    let mut episode = serde_json::to_value(episode("drive1", 1, world.future)).unwrap();
     episode["keyframe"]["type"] = json!("proactive");
     episode["keyframe"]["range_start"] = episode["keyframe"]["timestamp"].clone();
     episode["keyframe"]["range_end"] = json!("2026-01-15T10:30:12.000Z");
