@@ -104,7 +104,7 @@ impl<'r> Other<'r> {
         let frames = self.frames(10, 20);
         let mut known = frames.filter_map(|f| self.aside(f));
         let before = known.next()?;
-        Some(before - known.last().unwrap_or(before))
+        Some(before - known.next_back().unwrap_or(before))
     }
 
     /// Who gets first to where the two paths meet after the keyframe, as recorded; `None` where it is not known.

@@ -110,7 +110,7 @@ pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
 /// The answer about a task as it is in `t`.
 pub fn answer(call: &Call<'_>, t: &TaskRow) -> Answer<Reply> {
     let user = call.user()?;
-    let found = findings::of(call.app, &t, &t.draft, t.view());
+    let found = findings::of(call.app, t, &t.draft, t.view());
     let task = call.app.store.read(|tx| {
         let actor = actor(tx, t, user)?;
         answer::task(call.app, tx, t, &actor, found.clone())
