@@ -45,12 +45,12 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
     }
 }
 
-/// The trace that a program drafted for the task. The checker knows one only by what a label says: not that of a draft
+/// The trace that a rule drafted for the task; what a model wrote may be accepted by who has read it. The checker knows one only by what a label says: not that of a draft
 /// from which components were left out, or whose words follow from what Stage I does not show.
 fn drafted_trace(initial: &Value) -> Option<&str> {
     let by = initial.get(name::PROVENANCE)?.get(name::SOURCE)?.as_str()?;
     let trace = initial.get(name::COC_TRACE)?.as_str()?;
-    (matches!(by, "rule" | "model") && !trace.is_empty()).then_some(trace)
+    (by == "rule" && !trace.is_empty()).then_some(trace)
 }
 
 /// A trace without the mark of a draft before it.
@@ -132,13 +132,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_a_program_wrote_is_drafted() {
+    fn only_what_a_rule_wrote_is_drafted() {
         let initial =
             |source: &str| json!({ "coc_trace": "[DRAFT] a; b, so c.", "provenance": { "source": source } });
-        for source in ["rule", "model"] {
-            assert_eq!(drafted_trace(&initial(source)).map(bare), Some("a; b, so c."), "{source}");
+        assert_eq!(drafted_trace(&initial("rule")).map(bare), Some("a; b, so c."));
+        for source in ["model", "person"] {
+            assert_eq!(drafted_trace(&initial(source)), None, "{source}");
         }
-        assert_eq!(drafted_trace(&initial("person")), None);
         assert_eq!(drafted_trace(&json!({ "coc_trace": "a; b, so c." })), None, "a label from elsewhere");
         assert_eq!(bare(" 【草稿】前车减速"), "前车减速");
     }
