@@ -45,8 +45,9 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
     }
 }
 
-/// The trace that a rule drafted for the task; what a model wrote may be accepted by who has read it. The checker knows one only by what a label says: not that of a draft
-/// from which components were left out, or whose words follow from what Stage I does not show.
+/// The trace that a rule drafted for the task; what a model wrote may be accepted by who has read it. The checker knows
+/// a draft only by what a label says: not one from which components were left out, or whose words follow from what
+/// Stage I does not show.
 fn drafted_trace(initial: &Value) -> Option<&str> {
     let by = initial.get(name::PROVENANCE)?.get(name::SOURCE)?.as_str()?;
     let trace = initial.get(name::COC_TRACE)?.as_str()?;
