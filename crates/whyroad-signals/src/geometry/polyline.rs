@@ -5,7 +5,7 @@ mod nearest;
 
 use super::P2;
 use nearest::{BLOCK, Block, Segments};
-pub use nearest::{Foot, Projection, TOGETHER, Window};
+pub use nearest::{Foot, Projection, Window};
 use std::ops::Range;
 
 /// A polyline with the arc length at each point.
@@ -191,8 +191,8 @@ impl Polyline {
         self.foot(p, window, None).at
     }
 
-    /// [`Polyline::project_within`] of several places, in a fraction of the time.
-    pub fn project_each(&self, places: [P2; TOGETHER], window: Window) -> [Projection; TOGETHER] {
+    /// [`Polyline::project_within`] of each of several places.
+    pub fn project_each<const N: usize>(&self, places: [P2; N], window: Window) -> [Projection; N] {
         self.segments.feet(places, window)
     }
 

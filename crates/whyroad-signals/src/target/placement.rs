@@ -3,7 +3,7 @@
 
 use crate::ego::motion::{EgoMotion, STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS, given_or_slope};
 use crate::estimate::Deviations;
-use crate::geometry::{OrientedBox, P2, Projection, TOGETHER, p2, wrap};
+use crate::geometry::{OrientedBox, P2, Projection, p2, wrap};
 use crate::road::ego_lane::EgoLane;
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
 use crate::road::path::DrivenPath;
@@ -306,18 +306,15 @@ impl<'a> Surroundings<'a> {
             extent = Some((low.min(s), high.max(s)));
         };
         let mut last: Option<(f64, f64)> = None;
-        for some in around.chunks(TOGETHER) {
-            let places = std::array::from_fn(|k| some[k.min(some.len() - 1)]);
-            let feet = self.path.line.project_each(places, window);
-            for now in feet[..some.len()].iter().map(inside) {
-                if let Some(before) = last.replace(now) {
-                    if now.1 >= 0.0 {
-                        include(now.0);
-                    }
-                    if (now.1 >= 0.0) != (before.1 >= 0.0) {
-                        // Where the side leaves the band, between two points.
-                        include(before.0 + (now.0 - before.0) * (before.1 / (before.1 - now.1)));
-                    }
+        for &place in &around {
+            let now = inside(&self.path.line.project_within(place, window));
+            if let Some(before) = last.replace(now) {
+                if now.1 >= 0.0 {
+                    include(now.0);
+                }
+                if (now.1 >= 0.0) != (before.1 >= 0.0) {
+                    // Where the side leaves the band, between two points.
+                    include(before.0 + (now.0 - before.0) * (before.1 / (before.1 - now.1)));
                 }
             }
         }

@@ -68,6 +68,26 @@ fn assert_near(smoothed: f64, joint: f64, what: &str) {
     assert!((smoothed - joint).abs() < 1e-9 * (1.0 + joint.abs()), "{what}: {smoothed} {joint}");
 }
 
+/// The states of all rows are those of `joint`, given what each row `measured`.
+fn assert_is_joint<const N: usize>(
+    smoothed: &Smoothed<N>,
+    mut joint: Normal,
+    measured: impl Fn(usize) -> Vec<Observation>,
+) {
+    for row in 0..smoothed.states.len() {
+        for o in measured(row) {
+            joint.measure(N * row + o.index, o.value, o.variance);
+        }
+    }
+    for row in 0..smoothed.states.len() {
+        for k in 0..N {
+            let at = N * row + k;
+            assert_near(smoothed.states[row][k], joint.mean[at], "state");
+            assert_near(smoothed.variances[row][k], joint.covariance[at][at], "variance");
+        }
+    }
+}
+
 #[test]
 fn a_walker_is_smoothed_as_by_the_joint_distribution() {
     let times = [0.0, 0.1, 0.2, 0.35, 0.8, 0.9, 1.0, 1.1];
@@ -84,19 +104,8 @@ fn a_walker_is_smoothed_as_by_the_joint_distribution() {
     };
     let smoothed = smooth(&WALKER, &times, first, |row, seen| seen.extend(measured(row)));
     // The model is linear: it does not matter along which states.
-    let mut joint = Normal::of_rows(&WALKER, &times, &[[0.0; 2]; 8], first);
-    for row in 0..times.len() {
-        for o in measured(row) {
-            joint.measure(2 * row + o.index, o.value, o.variance);
-        }
-    }
-    for row in 0..times.len() {
-        for k in 0..2 {
-            let at = 2 * row + k;
-            assert_near(smoothed.states[row][k], joint.mean[at], "state");
-            assert_near(smoothed.variances[row][k], joint.covariance[at][at], "variance");
-        }
-    }
+    let joint = Normal::of_rows(&WALKER, &times, &[[0.0; 2]; 8], first);
+    assert_is_joint(&smoothed, joint, measured);
 }
 
 #[test]
@@ -126,17 +135,6 @@ fn a_vehicle_is_smoothed_as_by_the_joint_distribution() {
             part.states[last]
         })
         .collect();
-    let mut joint = Normal::of_rows(&bicycle, &times, &filtered, first);
-    for row in 0..times.len() {
-        for o in measured(row) {
-            joint.measure(6 * row + o.index, o.value, o.variance);
-        }
-    }
-    for row in 0..times.len() {
-        for k in 0..6 {
-            let at = 6 * row + k;
-            assert_near(smoothed.states[row][k], joint.mean[at], "state");
-            assert_near(smoothed.variances[row][k], joint.covariance[at][at], "variance");
-        }
-    }
+    let joint = Normal::of_rows(&bicycle, &times, &filtered, first);
+    assert_is_joint(&smoothed, joint, measured);
 }

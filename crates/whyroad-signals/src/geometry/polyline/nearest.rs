@@ -15,9 +15,6 @@ pub(super) const BLOCK: usize = 16;
 /// Up to this number of segments are looked at together.
 pub(super) const MOST: usize = 2 * BLOCK;
 
-/// Number of places whose foot points are sought together: the corners of a box.
-pub const TOGETHER: usize = 4;
-
 /// Some segments of a polyline, one after another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
@@ -243,10 +240,10 @@ impl Segments {
         }
     }
 
-    /// Nearest foot points of [`TOGETHER`] places among these segments, as [`Segments::foot`] finds each.
-    pub fn feet(&self, places: [P2; TOGETHER], window: Window) -> [Projection; TOGETHER] {
-        let mut feet = [Foot::none(window).at; TOGETHER];
-        for k in 0..TOGETHER {
+    /// Nearest foot points of several places among these segments, as [`Segments::foot`] finds each.
+    pub fn feet<const N: usize>(&self, places: [P2; N], window: Window) -> [Projection; N] {
+        let mut feet = [Foot::none(window).at; N];
+        for k in 0..N {
             feet[k] = self.foot(places[k], window, None).at;
         }
         feet
