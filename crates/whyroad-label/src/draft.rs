@@ -31,8 +31,8 @@ use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_framework::{Framework, Taxonomy};
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::messages::{
-    Cause, Causes, CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Provenance, ProvenanceSource,
-    ScenarioLabel, Uncertainty,
+    Cause, Causes, CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Keyframe, Provenance,
+    ProvenanceSource, ScenarioLabel, TimeRange, Uncertainty,
 };
 use whyroad_model::time::frame_at;
 use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, Nanos, ScenarioId, SignalTable, TrackId};
@@ -128,7 +128,8 @@ pub fn draft_with_seed(
         let decision = DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None };
         let (components, coc_trace) = (Vec::new(), String::new());
         let nothing = Parts { decision, components, coc_trace, records, causes: None };
-        let label = label_of(framework, drive, episode, nothing, &mut notes);
+        let clipped = clip::inside(drive, episode, &mut notes);
+        let label = label_of(framework, episode, clipped, nothing);
         return Draft { episode_id: episode.episode_id.clone(), label, doubt: Some(doubt), notes };
     }
     let fits_gap = decision.longitudinal == Some(Longitudinal::GapMatching);
@@ -209,7 +210,8 @@ pub fn draft_with_seed(
         "推理文本为模板草稿，须改写为完整的因果说明",
         "the trace is a template: write the state, why it calls for the decision, and the decision",
     ));
-    number(&mut components, clip::inside(drive, episode, &mut Vec::new()).1.timestamp);
+    let clipped = clip::inside(drive, episode, &mut notes);
+    number(&mut components, clipped.1.timestamp);
     let along = usize::from(by_lead.is_some() && components.len() > 1);
     let across = match decision.lateral {
         Some(lateral) if !typical.lateral.contains(&lateral) && spec.and_then(|s| s.lateral).is_none() => {
@@ -219,7 +221,7 @@ pub fn draft_with_seed(
     };
     let causes = causes(&decision, &components, along, across, lang);
     let parts = Parts { decision, components, coc_trace, records, causes };
-    let label = label_of(framework, drive, episode, parts, &mut notes);
+    let label = label_of(framework, episode, clipped, parts);
     Draft { episode_id: episode.episode_id.clone(), label, doubt: None, notes }
 }
 
@@ -232,15 +234,13 @@ struct Parts {
     causes: Option<Causes>,
 }
 
-/// The label of an episode with what is drafted of it.
+/// The label of an episode with its range and keyframe inside the clip, and what is drafted of it.
 fn label_of(
     framework: &Framework,
-    drive: &Drive,
     episode: &EpisodeRecord,
+    (time_range, keyframe): (TimeRange, Keyframe),
     parts: Parts,
-    notes: &mut Vec<Bilingual>,
 ) -> CocLabel {
-    let (time_range, keyframe) = clip::inside(drive, episode, notes);
     let id = &episode.scenario_id;
     CocLabel {
         version: Some(whyroad_model::FORMAT_VERSION.to_owned()),

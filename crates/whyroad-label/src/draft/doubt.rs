@@ -106,7 +106,6 @@ pub(super) fn of_target(
     let (l2, l3) = (class.l2.as_deref()?, class.l3.as_deref().unwrap_or_default());
     let known = |m: Option<Moves>, fits: &[Moves]| m.is_none_or(|m| fits.contains(&m));
     let ahead = |least: f64| other.number("target.longitudinal", k).is_none_or(|x| x > least);
-    let soon = |after: usize| other.frames(0, after);
     match (class.l1.as_str(), l2) {
         ("reactive_agent", "cutin") => {
             let comes = other.comes_nearer().is_none_or(|m| m > COMES_IN_M)
@@ -121,14 +120,11 @@ pub(super) fn of_target(
                 (l3 == "from_stationary" && !just_started(&other), Doubt::NotStarting),
             ])
         }
-        ("reactive_agent", "vru_crossing") => {
-            first_of(&[(!ahead(0.0), Doubt::NotAhead), (!crosses(&other), Doubt::NotCrossing)])
-        }
-        ("reactive_agent", "animal") if l3 == "crossing" => {
+        ("reactive_agent", "vru_crossing" | "animal") if l2 == "vru_crossing" || l3 == "crossing" => {
             first_of(&[(!ahead(0.0), Doubt::NotAhead), (!crosses(&other), Doubt::NotCrossing)])
         }
         ("reactive_agent", "vru_emergence") => {
-            let near = other.nearest_aside(soon(80)).is_none_or(|m| m < NEAR_PATH_M);
+            let near = other.nearest_aside(other.frames(0, 80)).is_none_or(|m| m < NEAR_PATH_M);
             let here = other.aside(k).is_none_or(|m| m < IN_LANE_M);
             let comes = here || other.comes_nearer().is_none_or(|m| m > COMES_IN_M);
             first_of(&[(!ahead(0.0), Doubt::NotAhead), (!near || !comes, Doubt::NotComing)])
@@ -192,7 +188,7 @@ fn first_of(all: &[(bool, Doubt)]) -> Option<Doubt> {
 
 /// It goes across the path and gets onto it, or is on it already.
 fn crosses(other: &Other<'_>) -> bool {
-    let k = *other.frames(0, 0).start();
+    let k = other.keyframe();
     // Who walks along the road first may turn onto it only after the keyframe.
     let ways = other.frames(5, 80).filter_map(|f| other.moves(f)).collect::<Vec<_>>();
     let goes = ways.is_empty() || ways.contains(&Moves::Across);
@@ -202,7 +198,7 @@ fn crosses(other: &Other<'_>) -> bool {
 }
 
 fn just_started(other: &Other<'_>) -> bool {
-    let k = *other.frames(0, 0).start();
+    let k = other.keyframe();
     let slow = other.number("target.speed", k).is_none_or(|v| v < JUST_STARTED_MPS);
     let stood = other.least("target.speed", other.frames(50, 0)).is_none_or(|v| v < STOOD_MPS);
     slow && stood
@@ -219,10 +215,7 @@ fn is_lead(other: &Other<'_>) -> bool {
 
 fn abnormal(other: &Other<'_>, w: &Driven<'_>, l3: &str, ahead: bool) -> Option<Doubt> {
     let k = w.keyframe;
-    let lane = |frames| {
-        let in_lane = other.ever("target.in_ego_lane", frames);
-        in_lane != Tri::False
-    };
+    let lane = |frames| other.ever("target.in_ego_lane", frames) != Tri::False;
     let along = other.moves(k).is_none_or(|m| matches!(m, Moves::Along | Moves::Still));
     match l3 {
         "sudden_brake" => first_of(&[

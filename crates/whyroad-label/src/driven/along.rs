@@ -1,6 +1,6 @@
 //! What the ego's speed does after a keyframe, and which decisions along its path that bears out (LABELING.md 2).
 
-use super::{Driven, STANDSTILL_MPS};
+use super::{Driven, STANDSTILL_MPS, Speeds};
 use whyroad_model::Tri;
 use whyroad_model::decision::Longitudinal;
 
@@ -64,10 +64,14 @@ pub(crate) enum Conflict {
     Changes { to: f64, frame: usize },
 }
 
-/// Where `decision` does not fit what was driven; of a drive that ends within 2 s nothing is said.
+/// The speed at the keyframe and those of the 6 s after it; `None` where they are not known for 2 s.
+pub(crate) fn known_speeds(w: &Driven<'_>) -> Option<(f64, Speeds)> {
+    w.speed(w.keyframe).zip(w.speeds(w.keyframe..w.end).filter(|_| w.lasts(2.0)))
+}
+
+/// Where `decision` does not fit what was driven; where speeds are not known for 2 s nothing is said.
 pub(crate) fn conflict(w: &Driven<'_>, decision: Option<Longitudinal>) -> Option<Conflict> {
-    let v0 = w.speed(w.keyframe)?;
-    let all = w.speeds(w.keyframe..w.end).filter(|_| w.lasts(2.0))?;
+    let (v0, all) = known_speeds(w)?;
     let Some(decision) = decision else { return undecided(w, v0) };
     let stands = v0 < STANDSTILL_MPS;
     let only_faster = all.min > v0 - STEADY_MPS && all.max > v0 + PLAIN_MPS;
@@ -167,8 +171,8 @@ impl Course {
 
 /// The course of the speed after the keyframe; `None` where it is not known for 2 s.
 pub(crate) fn course(w: &Driven<'_>) -> Option<Course> {
+    known_speeds(w)?;
     let now_mps = steady_speed(w, w.keyframe)?;
-    w.speeds(w.keyframe..w.end).filter(|_| w.lasts(2.0))?;
     let first = first_change(w, w.keyframe);
     let new = match first {
         Some(change) if change.is_underway => {

@@ -56,6 +56,11 @@ impl<'r> Other<'r> {
         self.w.signals.target_columns.get(signal)?.category(self.span.row(frame)?)
     }
 
+    /// Frame of the keyframe.
+    pub(crate) fn keyframe(&self) -> usize {
+        self.w.keyframe
+    }
+
     /// Frames from `before` the keyframe to `after` it.
     pub(crate) fn frames(&self, before: usize, after: usize) -> RangeInclusive<usize> {
         let last = self.w.drive.times.len().saturating_sub(1);

@@ -22,9 +22,8 @@ pub(super) fn check(label: &View<'_>, w: &Driven<'_>, names: &DecisionSets, sink
     if let Some(conflict) = conflict {
         report(w, decision, conflict, names, sink);
     }
-    let known = w.lasts(2.0) && w.speed(w.keyframe).is_some() && w.speeds(w.keyframe..w.end).is_some();
     let faster = matches!(conflict, Some(Conflict::SpeedsUp { .. }));
-    if decision == Some(Longitudinal::StopForRegulation) && known && !faster {
+    if decision == Some(Longitudinal::StopForRegulation) && !faster && along::known_speeds(w).is_some() {
         lead_before_line(w, sink);
     }
 }
