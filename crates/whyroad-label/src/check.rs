@@ -23,6 +23,7 @@ mod view;
 
 pub use clips::{ClipFacts, ClipIndex};
 pub use codes::{CODES, QUALITY_CODES};
+pub use form::placeholder::without_draft_mark;
 pub use quality::{Quality, QualityKind};
 pub use recording::{Recorded, Recordings};
 

@@ -7,12 +7,9 @@ use crate::domain::workflow::Stage;
 use crate::service::tasks::{LabelView, TaskRow};
 use crate::service::visible;
 use serde_json::{Value, json};
+use whyroad_label::check::without_draft_mark;
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::{Diagnostic, Nanos, Severity};
-
-/// Marks with which drafts open (whyroad-label `draft`); a trace that has one was not written by a person. The checker
-/// says so only of a label that states a person as its author.
-const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
 
 /// Findings of this crate, beside those of whyroad-framework.
 pub const CODES: &[&str] = &["label.trace.draft"];
@@ -34,10 +31,9 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
             let mut found: Vec<Finding> = app.stage2_checker.check_text(&text).iter().map(finding).collect();
             let trace = draft.get(name::COC_TRACE).and_then(Value::as_str).unwrap_or_default();
             let known = found.iter().any(|f| f.code == CODES[0]);
-            let marked = bare(trace) != trace;
-            if !known
-                && (marked || drafted_trace(&task.initial).is_some_and(|drafted| bare(drafted) == trace))
-            {
+            let marked = without_draft_mark(trace) != trace;
+            let drafted = drafted_trace(&task.initial).map(without_draft_mark);
+            if !known && (marked || drafted == Some(trace)) {
                 found.push(unwritten());
             }
             found
@@ -52,12 +48,6 @@ fn drafted_trace(initial: &Value) -> Option<&str> {
     let by = initial.get(name::PROVENANCE)?.get(name::SOURCE)?.as_str()?;
     let trace = initial.get(name::COC_TRACE)?.as_str()?;
     (by == "rule" && !trace.is_empty()).then_some(trace)
-}
-
-/// A trace without the mark of a draft before it.
-fn bare(trace: &str) -> &str {
-    let text = trace.trim_start();
-    DRAFT_MARKS.iter().find_map(|m| text.strip_prefix(m)).map_or(trace, str::trim_start)
 }
 
 /// The draft as it will be handed in: by a person, and with empty causes where it has none. A label from elsewhere
@@ -136,11 +126,11 @@ mod tests {
     fn only_what_a_rule_wrote_is_drafted() {
         let initial =
             |source: &str| json!({ "coc_trace": "[DRAFT] a; b, so c.", "provenance": { "source": source } });
-        assert_eq!(drafted_trace(&initial("rule")).map(bare), Some("a; b, so c."));
+        assert_eq!(drafted_trace(&initial("rule")).map(without_draft_mark), Some("a; b, so c."));
         for source in ["model", "person"] {
             assert_eq!(drafted_trace(&initial(source)), None, "{source}");
         }
         assert_eq!(drafted_trace(&json!({ "coc_trace": "a; b, so c." })), None, "a label from elsewhere");
-        assert_eq!(bare(" 【草稿】前车减速"), "前车减速");
+        assert_eq!(without_draft_mark(" 【草稿】前车减速"), "前车减速");
     }
 }

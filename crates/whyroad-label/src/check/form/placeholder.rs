@@ -16,6 +16,12 @@ use whyroad_model::messages::{CriticalComponent, DrivingDecision, ProvenanceSour
 /// person.
 const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
 
+/// A trace without the mark of a draft before it.
+pub fn without_draft_mark(trace: &str) -> &str {
+    let text = trace.trim_start();
+    DRAFT_MARKS.iter().find_map(|m| text.strip_prefix(m)).map_or(trace, str::trim_start)
+}
+
 /// Each component says something. True when one does not.
 pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
@@ -144,8 +150,7 @@ pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mu
     if matches!(label.source, Slot::Is(ProvenanceSource::Rule | ProvenanceSource::Model)) {
         return false;
     }
-    let marked =
-        DRAFT_MARKS.iter().any(|m| text.trim_start().starts_with(m)) || is_unchanged(label, text, framework);
+    let marked = without_draft_mark(text) != text || is_unchanged(label, text, framework);
     if marked {
         sink.report(Finding::error("label.trace.draft", pointer::COC_TRACE), &|| {
             Words::new("因果描述仍是程序生成的草稿", "the trace is still the program's draft").hint(
