@@ -31,10 +31,16 @@ fn argument(name: &str, usual: u64) -> u64 {
 }
 
 /// Times of one kind of call, ms.
-#[derive(Default)]
 struct Times(Mutex<Vec<f64>>);
 
 impl Times {
+    /// Allocates and touches room for `calls`, so that the list itself does not grow during a soak.
+    fn of(calls: u64) -> Self {
+        let mut all = vec![f64::NAN; calls as usize];
+        all.clear();
+        Self(Mutex::new(all))
+    }
+
     fn measure<T>(&self, work: impl FnOnce() -> T) -> T {
         let begun = Instant::now();
         let out = work();
@@ -120,7 +126,8 @@ fn main() {
         });
     }
     println!("{annotators} annotators hold a task each; memory {:?} MB", memory_mb());
-    let (saves, boards, exports) = (Times::default(), Times::default(), Times::default());
+    let (saves, boards, exports) =
+        (Times::of(seconds * annotators), Times::of(seconds * dashboards), Times::of(seconds));
     let stop = AtomicBool::new(false);
     let ends = Instant::now() + Duration::from_secs(seconds);
     std::thread::scope(|scope| {
@@ -174,11 +181,11 @@ fn main() {
         });
     });
     stop.store(true, Ordering::Relaxed);
+    let (before, after) = (*warm.lock().unwrap(), memory_mb());
     for (name, times) in [("save", &saves), ("dashboard", &boards), ("export", &exports)] {
         let (n, median, p99, most) = times.figures();
         println!("serve/mixed/{name}: {n} calls, p50 {median:.1} ms, p99 {p99:.1} ms, longest {most:.1} ms");
     }
-    let (before, after) = (*warm.lock().unwrap(), memory_mb());
     println!("memory after the first tenth: {before:?} MB, at the end: {after:?} MB");
     if growth > 0 && before.zip(after).is_some_and(|(b, a)| a * 100 > b * (100 + growth)) {
         println!("it grew by more than {growth} %");
