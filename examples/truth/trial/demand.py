@@ -38,11 +38,15 @@ MODEL = {
     "EIDM5": 'carFollowModel="EIDM" tau="1.0" treaction="0.4" tpreview="4" speedFactor="normc(1.08,0.1,0.85,1.35)" lcSpeedGain="2" lcStrategic="1.3"',
     "KraussCalm": 'carFollowModel="Krauss" sigma="0.3" tau="1.4" accel="1.8" decel="3.4" jmTimegapMinor="1.4" jmStoplineGap="1.5"',
     "IDM7": 'carFollowModel="IDM" delta="4" tau="1.4" actionStepLength="0.6" lcCooperative="0.8" lcKeepRight="0.6"',
+    "KraussTown": 'carFollowModel="Krauss" sigma="0.45" tau="1.1" decel="4.6" impatience="0.2" jmTimegapMinor="1.1" speedFactor="normc(1.04,0.08,0.85,1.25)"',
+    "IDM8": 'carFollowModel="IDM" delta="4" tau="1.0" sigma="0" lcAssertive="2.5" lcSpeedGain="2" lcCooperative="0.4" speedFactor="normc(1.0,0.17,0.7,1.35)"',
+    "EIDM6": 'carFollowModel="EIDM" tau="1.2" decel="2.8" treaction="0.5" tpreview="4" lcSpeedGain="2" lcStrategic="1.4" jmTimegapMinor="1.2"',
+    "ACC3": 'carFollowModel="ACC" tau="1.3" gapClosingControlGainSpeed="0.7" lcOpposite="2" lcSpeedGain="5" speedFactor="normc(1.08,0.1,0.9,1.35)"',
     "KraussSlow": 'carFollowModel="KraussPS" sigma="0.25" tau="1.2" startupDelay="0.5" speedFactor="normc(0.96,0.07,0.8,1.15)"',
 }
 
 # How many of car, quick, van and truck in the traffic of a model, where it is not as elsewhere.
-SHARES = {"IDM5": [5, 3, 2, 1.5], "IDM6": [5, 2, 2, 3.5], "IDM7": [4, 2, 2, 5]}
+SHARES = {"IDM5": [5, 3, 2, 1.5], "IDM6": [5, 2, 2, 3.5], "IDM7": [4, 2, 2, 5], "IDM8": [4, 3, 2, 4], "EIDM6": [5, 2, 3, 4]}
 
 
 def types(model, lateral):

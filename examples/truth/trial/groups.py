@@ -28,6 +28,7 @@ from networks_joined import dumbbell, herringbone, hexagons, plain_exits
 from networks_local import ring_motorway, school, suburb, two_banks
 from networks_mixed import lit_grid, parked, spokes, weaving
 from networks_planned import arterial, collector, estate, one_way_blocks
+from networks_seaside import coast, docks, expressway, market
 from networks_shaped import ladder, oval, parting, river_town
 
 # Name: (maker, seed, seconds, step s, drivers' model, lateral: seconds of a change or "sublane", vehicles per second,
@@ -112,6 +113,12 @@ SETS = {
         "ringway": (ring_motorway, 11047, 190, 0.2, "IDM7", 4, 1.3, 0),
         "twobanks": (two_banks, 11057, 260, 0.05, "KraussSlow+moto", "sublane", 0.4, 0.1),
     },
+    "held11": {
+        "market": (market, 12007, 280, 0.1, "KraussTown+moto", "sublane", 0.6, 0.1),
+        "expressway": (expressway, 12011, 200, 0.2, "IDM8", 3, 2.1, 0),
+        "docks": (docks, 12037, 300, 0.1, "EIDM6", 3.5, 0.46, 0),
+        "coast": (coast, 12041, 280, 0.1, "ACC3+moto", 3, 0.5, 0.05),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -130,4 +137,6 @@ NOISE = {
     "held9/works": (0.02, 0.06, 0.4, 2.0, 0.08),
     "held10/suburb": (0.06, 0.1, 0.25, 1.2, 0.05),
     "held10/ringway": (0.15, 0.04, 0.2, 0.6, 0.07),
+    "held11/docks": (0.08, 0.12, 0.18, 1.0, 0.06),
+    "held11/coast": (0.05, 0.2, 0.3, 1.6, 0.04),
 }

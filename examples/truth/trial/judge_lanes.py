@@ -253,15 +253,20 @@ def cut_ins(w, ego):
 
 
 def joins(w, ego):
-    """Vehicles that join the ego's lane at a node (ramp without a lane of its own, roundabout): closer than 2 s
-    ahead, whether that is a cut-in is open; at a zipper, taking turns is not one.
+    """Vehicles that join the ego's lane at a node (ramp without a lane of its own, roundabout, junction): closer than 4.5 s
+    ahead, whether that is a cut-in is open; at a zipper, taking turns is not one. "Any wheel of the other vehicle
+    crosses the lane line" is the moment, so who waits inside the junction counts from when it comes out into the lane,
+    as does who came in later than the ego and is out before it. Who comes in behind the ego, or further ahead, obliges
+    it to nothing: no cut-in.
     """
     for p in w.passing[ego]:
         if p.node.kind == "zipper":
             continue
         for name, passages in w.passing.items():
             for q in passages:
-                if name != ego and q.node.id == p.node.id and q.link.to == p.link.to and q.link.lane != p.link.lane and 0 < p.first - q.first < 45:
-                    k = q.first
+                if name == ego or q.node.id != p.node.id or q.link.to != p.link.to or q.link.lane == p.link.lane:
+                    continue
+                moments = {i for i, ahead in ((q.first, p.first - q.first), (q.last, p.last - q.last)) if 0 < ahead < 45}
+                for k in sorted(moments):
                     for leaf in ("slow", "urgent", "ramp", "intersection", "large_vehicle", "from_stationary"):
                         yield w.entry(C + leaf, ego, k - 20, k, q.last + 20, name, optional=True)

@@ -1,6 +1,7 @@
 """following.*, crossings of people and riders, and near misses."""
 
 import math
+from itertools import accumulate
 
 from world import bend, spans
 
@@ -204,7 +205,8 @@ def people(w, ego):
             if band is None or k < band:
                 continue
             before = [rows[t].v for t in range(u - 60, k + 1) if t in rows]
-            slowed = bool(before) and max(before) - min(before) > 2.5
+            # From a speed that it had before: who starts from standstill has not slowed.
+            slowed = any(fast - v > 2.5 for fast, v in zip(accumulate(before, max), before))
             green = w.letter(p.link, u) in (None, "G", "g")
             sure = person and w.net.on_crossing(its[u].lane) and 8 < k - u < 35 and slowed and green
             for leaf in ("crosswalk",) if sure else ("crosswalk", "horizontal", "diagonal"):
