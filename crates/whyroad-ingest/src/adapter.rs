@@ -45,7 +45,7 @@ pub trait Adapter: Sync {
         Vec::new()
     }
 
-    /// Why a file that looks like one of this format is not a source; `None` when it does not look so.
+    /// Why a file that looks like one of this format is not a source; `None` when it does not look like one.
     fn why_skipped(&self, _file: &Path) -> Option<SkipReason> {
         None
     }
@@ -54,7 +54,7 @@ pub trait Adapter: Sync {
     /// several drives (a simulation: one per ego).
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>);
 
-    /// Reads a log from memory, where the format allows it; formats that look for files by other means do nothing.
+    /// Reads a log from memory, where the format allows it; formats that find their files in another way do nothing.
     fn read_files(&self, _files: &FilesInMemory, _options: &Options, _drives: &mut DriveSink<'_>) {}
 
     /// Maximum number of parts of one file or folder that [`Adapter::read_batch`] reads in one pass.

@@ -12,7 +12,7 @@ pub(crate) const CODES: &[&str] = &["ingest.files.skipped", "ingest.file.lfs_poi
 
 /// How far below a named folder files are looked at.
 const DEPTH: usize = 10;
-/// More files of one folder than this are given by their number.
+/// Folders with more files than this are reported with a count only.
 const NAMED_PER_FOLDER: usize = 8;
 /// First line of a Git LFS pointer (Git LFS specification, "The Pointer").
 const LFS: &[u8] = b"version https://git-lfs.github.com/spec/v1";

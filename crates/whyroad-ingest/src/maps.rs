@@ -1,5 +1,5 @@
-//! Map files beside any log: OpenDRIVE and Lanelet2, given with `--map FILE`. The map takes the place of the log's own;
-//! it has to lie in the frame of the log's poses, which is checked and never guessed.
+//! Map files beside any log: OpenDRIVE and Lanelet2, given with `--map FILE`. The map replaces the log's own. It must
+//! be in the frame of the log's poses; this is checked, never guessed.
 
 mod beside;
 pub(crate) mod cache;
@@ -28,12 +28,12 @@ use whyroad_model::{Diagnostic, RoadMap};
 
 /// Raised when a reader makes something else of the same file, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
-/// Bytes in which a file says what it is.
+/// Bytes at the start of a file that identify its type.
 const HEAD: u64 = 1 << 16;
 /// Larger files are not maps of one region.
 const MAX_FILE_BYTES: u64 = 4 << 30;
 
-/// What a reader made of a file.
+/// What a reader extracted from a file.
 #[derive(Debug, Default)]
 struct MapReading {
     map: RoadMap,
@@ -44,9 +44,9 @@ struct MapReading {
     features: Option<RowCount>,
     /// Why reading stopped before the end.
     broken: Option<String>,
-    /// What could not be used, in words.
+    /// Descriptions of what could not be used.
     invalid: Vec<String>,
-    /// Links to what the file does not have.
+    /// Links to elements missing from the file.
     dangling: Vec<String>,
 }
 
@@ -54,7 +54,7 @@ struct MapReading {
 #[derive(Debug)]
 enum MapFault {
     Unreadable(String),
-    /// It is not known where it lies.
+    /// Its location is unknown.
     Unplaced(String),
 }
 

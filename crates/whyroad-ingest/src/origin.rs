@@ -1,5 +1,5 @@
 //! Which source a drive of a lake came from, so that two sources with the same file name never replace each other. The
-//! lake keeps a hash of the source's path beside the drive, not the path: lakes are passed on.
+//! lake keeps a hash of the source's path beside the drive, not the path: lakes are shared with others.
 
 use crate::source::drive_id;
 use std::path::Path;
@@ -44,7 +44,7 @@ impl Origin {
         );
         let hint = Bilingual::new(
             "若要自定编号，请用 --drive-id；若来源只是被移动，请先删除旧行程",
-            "name it yourself with --drive-id; if the source was only moved, delete the old drive first",
+            "set an id with --drive-id; if the source was only moved, delete the old drive first",
         );
         Some(Diagnostic::warning("ingest.drive_id.taken", message).with_hint(hint))
     }
@@ -56,7 +56,7 @@ impl Origin {
 
     /// Adds the note to a drive that the lake holds without one: a lake written by an older version.
     pub fn complete(&self, id: &DriveId, lake: &Lake) {
-        // Without the note, the next ingest takes the drive for one of the same source.
+        // Without the note, the next ingest assumes that the drive has the same source.
         if lake.note(id, NOTE).is_none() {
             let _ = lake.write_note(id, NOTE, self.0.as_bytes());
         }

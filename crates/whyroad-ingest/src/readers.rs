@@ -1,5 +1,5 @@
 //! Every reader of a single file of outside bytes, by name, on bytes in memory: what the fuzz targets run, a million
-//! inputs in a minute. They are the functions that the adapters call themselves; whole logs in memory are read by
+//! inputs per minute. They are the functions that the adapters call themselves; whole logs in memory are read by
 //! [`crate::read_files`].
 
 use crate::{encodings, formats, maps};

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use whyroad_lake::WriteOutcome;
 use whyroad_model::{Bilingual, Diagnostic, DriveId, Need, Severity};
 
-/// Why rows are not in the lake, or as what they are.
+/// Why rows are not in the lake, or the types under which they are stored.
 pub type Counts = BTreeMap<&'static str, usize>;
 
 /// The rows of one table or file of a source.
@@ -61,10 +61,10 @@ fn add(counts: &mut Counts, key: &'static str, rows: usize) {
     }
 }
 
-/// What became of one source: a log folder, a simulation.
+/// The result of one source: a log folder, a simulation.
 #[derive(Clone, Debug, Default)]
 pub struct SourceReport {
-    /// As the user named it.
+    /// The name that the user gave.
     pub source: String,
     /// The drive that it became.
     pub drive_id: Option<DriveId>,
@@ -80,12 +80,12 @@ pub struct SourceReport {
     pub tables: Vec<RowCount>,
     /// What the log lacks.
     pub missing: Vec<Need>,
-    /// Everything that somebody should know.
+    /// Diagnostics for the user.
     pub diagnostics: Vec<Diagnostic>,
 }
 
 impl SourceReport {
-    /// A report of nothing yet.
+    /// An empty report.
     pub fn new(source: impl Into<String>) -> Self {
         Self { source: source.into(), ..Self::default() }
     }
@@ -97,7 +97,7 @@ impl SourceReport {
     }
 }
 
-/// The word for a reason or a kind of row, for people.
+/// The displayed name of a reason or a kind of row.
 pub fn reason_text(key: &str) -> Bilingual {
     let (zh, en) = match key {
         "track" => ("轨迹", "tracks"),

@@ -39,7 +39,7 @@ pub(crate) fn of_columns(table: &Columns, columns: Option<&[&str]>) -> Vec<Map<S
     out
 }
 
-/// One value per row; null where the type is none of those above or nested too deep.
+/// One value per row; null where the type is not one of those above or is nested too deeply.
 fn values(array: &ArrayRef, depth: usize) -> Vec<Value> {
     let nulls = || vec![Value::Null; array.len()];
     let Some(depth) = depth.checked_sub(1) else { return nulls() };

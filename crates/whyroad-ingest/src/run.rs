@@ -1,4 +1,4 @@
-//! From paths to a lake: which sources there are, and one source at a time into the lake.
+//! From paths to a lake: finds the sources, and writes one source at a time into the lake.
 
 use crate::adapter::{AdapterRef, DriveSink, FilesInMemory, Source};
 use crate::formats;
@@ -14,8 +14,8 @@ use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos, Severity};
 /// Codes of the search for sources.
 pub(crate) const CODES: &[&str] = &["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found"];
 
-/// The sources at or below `paths`, and diagnostics for paths without any and for files that are not taken. Without a
-/// format, every adapter is asked.
+/// The sources at or below `paths`, and diagnostics for paths without any and for files that no source uses. Without a
+/// format, every adapter is tried.
 pub fn find_sources(format: Option<AdapterRef>, paths: &[PathBuf]) -> (Vec<Source>, Vec<Diagnostic>) {
     let adapters = format.as_ref().map_or(formats::ALL, std::slice::from_ref);
     let (mut sources, mut problems) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! What all adapters do with a source: find it, name the drive, hash the input, tell of impossible speeds.
+//! What all adapters do with a source: find it, name the drive, hash the input, report impossible speeds.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -104,14 +104,14 @@ pub(crate) fn drive_id(name: &str) -> DriveId {
     DriveId::from(if id.is_empty() { "drive" } else { id })
 }
 
-/// Speeds that cannot be, by track; none gives no diagnostic.
+/// Impossible speeds by track; no diagnostic if there are none.
 pub(crate) fn impossible_speeds(file: &str, rows_by_track: &BTreeMap<String, usize>) -> Option<Diagnostic> {
     let (track, _) = rows_by_track.first_key_value()?;
     let (rows, tracks) = (rows_by_track.values().sum::<usize>(), rows_by_track.len());
     let message = Bilingual::new(
         format!("{tracks} 条轨迹的 {rows} 行速度不可能；其速度与加速度记为未知；例如 {track}"),
         format!(
-            "{rows} rows of {tracks} tracks have speeds that cannot be; their speed and acceleration are set to unknown; for example {track}"
+            "{rows} rows of {tracks} tracks have impossible speeds; their speed and acceleration are set to unknown; for example {track}"
         ),
     );
     Some(Diagnostic::warning("ingest.speed.impossible", message).in_file(file))

@@ -1,6 +1,6 @@
-//! What cannot be true of a drive, whatever its format: repaired where only one reading is possible, otherwise the
-//! values become unknown. Decided row by row, or by the first seconds alone: what is known of a moment must not depend
-//! on what comes later.
+//! Checks for impossible values in a drive of any format. A value is repaired where only one reading is possible;
+//! otherwise it becomes unknown. Decisions use single rows or the first seconds only: what is known at a moment must
+//! not depend on later data.
 
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::distance;
@@ -26,17 +26,17 @@ const WIDER: f64 = 1.05;
 /// Lengths and widths of cars, vans, trucks and buses, m: a swap is repaired when it gives these.
 const LENGTH_M: std::ops::RangeInclusive<f64> = 3.0..=19.0;
 const WIDTH_M: std::ops::RangeInclusive<f64> = 1.3..=3.1;
-/// A stated velocity of exactly 0 after one above this, in the last row, is a gap in the source, m/s.
+/// A stated velocity of exactly 0 after one above this value, in the last row, is a gap in the source, m/s.
 const MOVING_MPS: f64 = 2.0;
-/// Greatest believed acceleration, m/s2: the grip of tires on dry asphalt is about 1 g.
+/// Highest plausible acceleration, m/s2: the grip of tires on dry asphalt is about 1 g.
 const MAX_ACCEL_MPS2: f64 = 15.0;
-/// Positions of this and more are not of the same local frame as those below, m.
+/// Positions from this value up are not in the same local frame as those below it, m.
 const FAR_M: f64 = 1e6;
 /// The ego drives on the map when at least this share of its first frames is this near to a lane, m.
 const ON_MAP_SHARE: f64 = 0.5;
 const ON_MAP_M: f64 = 15.0;
 const FIRST_FRAMES: usize = 100;
-/// An ego this far outside of its map's extent is in another frame or another place, m.
+/// An ego this far outside of its map's extent is in another frame or at another location, m.
 const ANOTHER_FRAME_M: f64 = 1000.0;
 /// A lane's heights are headings when they agree with them within this, rad, at this share of its points.
 const SAME_RAD: f64 = 0.02;
@@ -70,7 +70,7 @@ fn far_positions(drive: &mut Drive) -> Option<Diagnostic> {
     let first = (0..ego.len()).find(|&i| ego.x[i].is_finite())?;
     let mut rows = 0;
     if far(ego, first) {
-        // All of it lies there: a projected frame such as UTM. Nothing is wrong with it.
+        // All positions are that large: a projected frame such as UTM, which is valid.
         return None;
     }
     let motions =
@@ -127,8 +127,8 @@ fn swapped_sizes(drive: &mut Drive) -> Option<Diagnostic> {
     })
 }
 
-/// A source that pads its arrays with zeros ends on a velocity of 0. Only the last row: a recording that goes on has
-/// another one there.
+/// A source that pads its arrays with zeros ends on a velocity of 0. Only the last row: a recording that continues has
+/// a measured value there.
 fn last_zero(drive: &mut Drive) -> Option<Diagnostic> {
     let mut rows = 0;
     let motions =
@@ -238,7 +238,7 @@ fn limits_on_connectors(map: &mut RoadMap) -> Option<Diagnostic> {
     })
 }
 
-/// A map on which the ego does not drive is that of another place.
+/// A map on which the ego does not drive belongs to another location.
 fn off_the_map(drive: &mut Drive) -> Option<Diagnostic> {
     let (map, ego) = (drive.map.as_ref()?, drive.ego.as_ref()?);
     let m = &ego.motion;

@@ -1,5 +1,5 @@
 //! The datum of latitudes and longitudes. GCJ-02, the datum of Chinese web maps, shifts WGS 84 by 100 to 700 m. A datum
-//! holds where it is declared; coordinates never tell it.
+//! applies where it is declared; it is never guessed from coordinates.
 
 use std::f64::consts::PI;
 
@@ -20,7 +20,7 @@ pub enum Datum {
 }
 
 impl Datum {
-    /// From its usual names, whatever the case and hyphens; `None` for any other.
+    /// From its usual names, in any case, with or without hyphens; `None` for any other.
     pub fn parse(name: &str) -> Option<Self> {
         match name.trim().to_lowercase().replace(['-', '_', ' '], "").as_str() {
             "wgs84" | "epsg:4326" => Some(Datum::Wgs84),
@@ -107,7 +107,7 @@ mod tests {
             assert!(meters(there, (gcj_lat, gcj_lon)) < 1e-3, "{there:?}");
             let back = Datum::Gcj02.to_wgs84(gcj_lat, gcj_lon);
             assert!(meters(back, (lat, lon)) < 0.01, "{back:?}");
-            // The shift is there to be undone: hundreds of meters.
+            // The shift is large before it is undone: hundreds of meters.
             assert!(meters((lat, lon), (gcj_lat, gcj_lon)) > 400.0);
         }
     }

@@ -2,9 +2,9 @@
 //! ScenarioNet keeps them, as a [`RoadMap`].
 //!
 //! A lane's edges are its center line moved sideways by the distance to the line or curb that the map names for each
-//! stretch; stretches without one take the width of the nearest stretch that has it. A side of which no stretch is
-//! named has no edge, and then the lane has none. Neighbors are the ones along the longest stretch. A stop line is
-//! drawn across a lane at the point that its light names.
+//! stretch; stretches without one take the width of the nearest stretch that has it. A side without a named stretch has
+//! no edge, and then the lane has no edges. Neighbors are the ones along the longest stretch. A stop line is drawn
+//! across a lane at the point that its light names.
 
 use crate::assemble::geometry::{distance, length};
 use crate::assemble::junctions;
@@ -66,7 +66,7 @@ pub(crate) enum Feature {
 pub(crate) struct Built {
     pub map: RoadMap,
     pub count: RowCount,
-    /// Features that could not be used, the first in words.
+    /// Features that could not be used, with a description of the first.
     pub invalid_example: Option<String>,
 }
 

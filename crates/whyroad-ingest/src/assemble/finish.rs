@@ -14,7 +14,7 @@ pub(crate) fn finish(drive: &mut Drive) -> Vec<Diagnostic> {
             layers::declare(map, &[]);
         }
         layers::derive_absent(map);
-        // Rings of lanes are all seen where all connections are there.
+        // All rings of lanes are found where all connections are present.
         if map.layer(MapLayer::Connections) == LayerState::Complete {
             rings::add(map);
         }

@@ -2,7 +2,7 @@
 //!
 //! A log at 10 Hz is taken as it is. Any other rate is brought to frames every 0.1 s from the log's first time:
 //! positions, sizes and velocities linearly between the two samples around the frame, headings the shorter way round.
-//! Nothing is filled over more than the given gap; outside its samples an object is not there.
+//! Nothing is filled over more than the given gap; outside its samples an object is absent.
 
 use crate::assemble::angles::{unwrapped, wrap_angle};
 use crate::assemble::plausibility::forget_impossible;
@@ -138,7 +138,7 @@ impl Sampled {
         }
     }
 
-    /// Motion at each of the frames; unknown where the object is not there.
+    /// Motion at each of the frames; unknown where the object is absent.
     pub fn motion_at(&self, frames: &[f64], max_gap_s: f64) -> Motion {
         let at = |v: &[f64]| linear(&self.times, v, frames, max_gap_s);
         let heading = at(&unwrapped(&self.heading)).into_iter().map(wrap_angle).collect::<Vec<_>>();
@@ -153,7 +153,8 @@ impl Sampled {
         lags(&self.times, frames)
     }
 
-    /// The object as a track: rows for the frames in which it is there. Also the number of rows whose speed cannot be.
+    /// The object as a track: rows for the frames in which it is present. Also the number of rows with an impossible
+    /// speed.
     pub fn track_at(
         &self,
         id: &str,
@@ -164,7 +165,8 @@ impl Sampled {
     ) -> (Track, usize) {
         let x = linear(&self.times, &self.x, frames, max_gap_s);
         let there: Vec<usize> = (0..frames.len()).filter(|&i| x[i].is_finite()).collect();
-        // Only the frames in which it is there go into the fits, so that one object's cost is its own length.
+        // Only the frames in which it is present go into the fits, so that the cost of an object is proportional to its
+        // length.
         let own: Vec<f64> = there.iter().map(|&i| frames[i]).collect();
         let mut motion = self.motion_at(&own, max_gap_s);
         let impossible = forget_impossible(class, &own, &mut motion);

@@ -120,9 +120,9 @@ pub fn union_outlines(polygons: &[Vec<Point3>]) -> Vec<Vec<Point3>> {
     outlines
 }
 
-/// Corners by ascending x, so that the nearest one is looked for only as far to either side as the nearest so far.
+/// Corners by ascending x, so that the search to either side can stop at the distance of the nearest one so far.
 struct Corners {
-    /// Place in the order given, which decides between corners equally near, and the corner.
+    /// Index in the given order, which decides between corners equally near, and the corner.
     by_x: Vec<(usize, Point3)>,
 }
 
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn the_nearest_corner_is_the_one_that_asking_all_of_them_gives() {
-        // A coarse grid, so that many corners are equally near and the first given must win; heights tell them apart.
+        // A coarse grid, so that many corners are equally near and the first given must win; their heights differ.
         let mut state = 7_u64;
         let mut next = |n: u64| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Lane, Point3};
 
-/// Half the width that a lane is taken to have where the map states none, m.
+/// Half the width assumed for a lane where the map states none, m.
 const NOMINAL_HALF_WIDTH_M: f64 = 1.75;
 
 /// The ground that a lane covers.

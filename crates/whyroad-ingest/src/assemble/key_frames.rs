@@ -1,7 +1,7 @@
-//! Logs that were annotated at key frames and interpolated by whoever converted them (nuScenes at 2 Hz in ScenarioNet
-//! pickles): between two key frames every object moves in a straight line, and the stated velocity is the slope of that
-//! line. Only the key frames were measured; the rest is taken out here, so that the estimator does not take corners of
-//! an interpolation for braking. Not here: bringing samples to frames (`frames.rs`).
+//! Logs that were annotated at key frames and interpolated by a converter (nuScenes at 2 Hz in ScenarioNet pickles):
+//! between two key frames every object moves in a straight line, and the stated velocity is the slope of that line.
+//! Only the key frames were measured; the rest is taken out here, so that the estimator does not mistake corners of the
+//! interpolation for braking. Not here: bringing samples to frames (`frames.rs`).
 
 use crate::assemble::frames::Sampled;
 
@@ -9,7 +9,7 @@ use crate::assemble::frames::Sampled;
 const STRAIGHT_M: f64 = 1e-3;
 /// Steps between key frames that are looked for, rows.
 const STEPS: std::ops::RangeInclusive<usize> = 2..=20;
-/// Fewer corners say nothing.
+/// Fewer corners are not evidence.
 const LEAST_CORNERS: usize = 30;
 /// Share of the objects whose corners must all be key frames; others, as the recording car, were not interpolated.
 const OBJECTS: f64 = 0.8;
@@ -58,7 +58,7 @@ fn row_of(time: f64, times: &[f64]) -> usize {
     times.partition_point(|t| *t < time)
 }
 
-/// Rows of the scenario at which an object's way has a corner.
+/// Rows of the scenario at which an object's path has a corner.
 fn corners(object: &Sampled, times: &[f64]) -> Vec<usize> {
     let row: Vec<usize> = object.times.iter().map(|&t| row_of(t, times)).collect();
     let bend = |v: &[f64], i: usize| v[i + 1] - 2.0 * v[i] + v[i - 1];

@@ -7,7 +7,7 @@ use whyroad_model::scene::{LightColor, LightState};
 /// that neither defines.
 ///
 /// A green that is not stated to be an arrow is taken for the ordinary round light, under which a left turn gives way
-/// to oncoming traffic. Flashing red asks to stop and then to go on, which is not among our colors: unknown.
+/// to oncoming traffic. Flashing red (stop, then proceed) is not one of our colors: unknown.
 pub(crate) fn color(name: &str) -> Option<LightColor> {
     Some(match name.trim_start_matches("LANE_STATE_").trim_start_matches("TRAFFIC_LIGHT_") {
         "ARROW_STOP" | "STOP" | "RED" => LightColor::Red,
@@ -20,8 +20,8 @@ pub(crate) fn color(name: &str) -> Option<LightColor> {
     })
 }
 
-/// One state for each change. A step in which the light was not seen is unknown, so that the color before it does
-/// not go on holding.
+/// One state for each change. A step in which the light was not seen is unknown, so that the previous color does not
+/// remain in effect.
 pub(crate) fn changes(
     lane: &str,
     steps: impl Iterator<Item = (Nanos, Option<LightColor>)>,

@@ -1,5 +1,5 @@
 //! Layers of a map: what an adapter declares, and what is derived from the geometry of the lanes where the source has
-//! nothing: connections, junctions, turn directions. What is derived is declared as such.
+//! no data: connections, junctions, turn directions. What is derived is declared as such.
 
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::distance;
@@ -11,7 +11,7 @@ use whyroad_model::road_map::{Lane, LaneKind, LaneMark, LayerState, MapLayer, Po
 /// A lane begins where another ends when they are this near, m, and point the same way within this, rad (30 deg).
 const JOINT_M: f64 = 1.0;
 const JOINT_RAD: f64 = PI / 6.0;
-/// Connections are believed when at least this share of lanes leads on: the others end at the map's border.
+/// Connections are accepted when at least this share of lanes leads on: the others end at the map's border.
 const CONNECTED_SHARE: f64 = 0.5;
 /// Lanes that cross at more than this do so inside a junction, rad (15 deg), unless one of them is longer than this, m:
 /// a bridge.
@@ -21,8 +21,8 @@ const CROSSING_LANE_M: f64 = 80.0;
 const TURN_RAD: f64 = PI / 4.0;
 const UTURN_RAD: f64 = 3.0 * PI / 4.0;
 
-/// Declares layers; those that the adapter does not name are looked for: what has no instance is absent, what has one
-/// is there in part.
+/// Declares layers; the adapter's other layers are inspected: a layer without an instance is absent, one with an
+/// instance is partial.
 pub(crate) fn declare(map: &mut RoadMap, stated: &[(MapLayer, LayerState)]) {
     for layer in MapLayer::ALL {
         let found = || if has_any(map, layer) { LayerState::Partial } else { LayerState::Absent };
@@ -122,7 +122,7 @@ fn connect(map: &mut RoadMap) -> bool {
         map.lanes[i].successors.push(to);
         map.lanes[j].predecessors.push(from);
     }
-    // A lane that leads nowhere leaves the map: it does not end on the road.
+    // A lane without a successor leaves the map: it does not end on the road.
     for (i, end) in ends.iter().enumerate() {
         if end.is_some() && map.lanes[i].successors.is_empty() {
             let beyond = format!("beyond:{}", map.lanes[i].id);
@@ -270,9 +270,9 @@ mod tests {
         assert_eq!(
             map.lane("a_out").unwrap().successors,
             ["beyond:a_out"],
-            "the border of the map is no dead end"
+            "the border of the map is not a dead end"
         );
-        // Nothing says anything of these.
+        // The input has no data for these layers.
         for layer in [MapLayer::Crosswalks, MapLayer::StopLines, MapLayer::SpeedLimits, MapLayer::Ramps] {
             assert!(!map.has(layer), "{layer:?}");
         }

@@ -1,12 +1,12 @@
-//! Speeds that cannot be: an identity switch or a bad box, not a motion. A stated velocity becomes unknown; what
-//! follows from positions is estimated later, so that a step between two of them is only counted and reported.
+//! Impossible speeds: an identity switch or a bad box, not a motion. A stated velocity becomes unknown. Velocities from
+//! positions are estimated later, so an impossible step between two positions is only counted and reported.
 
 use crate::assemble::resample::MAX_GAP_S;
 use whyroad_model::ObjectClass;
 use whyroad_model::scene::Motion;
 
-/// Makes stated velocities that cannot be unknown; the number of rows that have one, or that lie further from the row
-/// before than the object can go. `seconds` has the time of each row.
+/// Sets impossible stated velocities to unknown. Returns the number of rows with such a velocity or with a larger
+/// distance from the previous row than the object can move. `seconds` has the time of each row.
 pub(crate) fn forget_impossible(class: ObjectClass, seconds: &[f64], m: &mut Motion) -> usize {
     let limit = class.max_speed_mps();
     let mut rows = 0;

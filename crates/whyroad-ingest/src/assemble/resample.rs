@@ -2,10 +2,10 @@
 
 use whyroad_model::Nanos;
 
-/// Samples further apart than this are not of one motion, s.
+/// Samples further apart than this do not belong to one motion, s.
 pub const MAX_GAP_S: f64 = 0.25;
 
-/// A sample this near to a frame is of that frame, s: sums of tenths are not exact.
+/// A sample this near to a frame belongs to that frame, s: sums of tenths are not exact.
 const SAME_S: f64 = 1e-6;
 
 /// Where a frame lies among the samples.
@@ -43,7 +43,7 @@ pub fn linear(times: &[f64], values: &[f64], frames: &[f64], max_gap_s: f64) -> 
 }
 
 /// How much later than its frame the latest sample is from which [`linear`] makes each value; empty when none is later.
-/// [`crate::assemble::finish`] makes times of it.
+/// [`crate::assemble::finish`] converts it to times.
 pub(crate) fn lags(times: &[f64], frames: &[f64]) -> Vec<Nanos> {
     let lag = |&t: &f64| match among(times, t) {
         Among::After(i) => Nanos(((times[i + 1] - t) * 1e9).round() as i64),
@@ -53,8 +53,8 @@ pub(crate) fn lags(times: &[f64], frames: &[f64]) -> Vec<Nanos> {
     if lags.iter().any(|l| l.0 > 0) { lags } else { Vec::new() }
 }
 
-/// The index of the last sample at or before each frame, while it is not older than `max_age_s`: for states, which
-/// hold until the next message says otherwise.
+/// The index of the last sample at or before each frame, while it is not older than `max_age_s`: for states, which are
+/// valid until the next message changes them.
 pub fn latest(times: &[f64], frames: &[f64], max_age_s: f64) -> Vec<Option<usize>> {
     frames
         .iter()
@@ -65,8 +65,7 @@ pub fn latest(times: &[f64], frames: &[f64], max_age_s: f64) -> Vec<Option<usize
         .collect()
 }
 
-/// Of the samples since the frame before, at most `frame_s` ago, the one of greatest magnitude: for what is shorter
-/// than a frame.
+/// The sample of greatest magnitude since the previous frame, at most `frame_s` ago: for events shorter than a frame.
 pub fn greatest(times: &[f64], values: &[f64], frames: &[f64], frame_s: f64) -> Vec<f64> {
     let within = |t: f64| {
         let from = times.partition_point(|s| *s <= t - frame_s + SAME_S);

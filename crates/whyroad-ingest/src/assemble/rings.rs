@@ -1,4 +1,4 @@
-//! Roundabouts of a map that names none: lanes that lead round in a circle. A block of streets is a ring of lanes too,
+//! Roundabouts of a map that does not mark them: lanes that form a circle. A block of streets is a ring of lanes too,
 //! but has straight sides; so has a loop road.
 
 use crate::assemble::angles::wrap_angle;
@@ -36,7 +36,7 @@ pub(crate) fn add(map: &mut RoadMap) {
     map.complete_for.sort();
 }
 
-/// Areas of the roundabouts: the island and the ring's lanes. Of several circulating lanes the outermost counts.
+/// Areas of the roundabouts: the island and the ring's lanes. With several circulating lanes, the outermost is used.
 fn rings(lanes: &[Lane]) -> Vec<Facility> {
     let index: BTreeMap<&str, usize> = lanes.iter().enumerate().map(|(i, l)| (l.id.as_str(), i)).collect();
     let rolls =
@@ -78,7 +78,7 @@ fn rings(lanes: &[Lane]) -> Vec<Facility> {
         let area = area(&boundary);
         found.push((area, members, Facility { id, kind: "roundabout".into(), boundary }));
     }
-    // Lanes side by side in one ring give one roundabout: the greatest around a place.
+    // Lanes side by side in one ring give one roundabout: the largest at a location.
     found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.id.cmp(&b.2.id)));
     let mut out: Vec<Facility> = Vec::new();
     for (_, _, facility) in found {

@@ -10,7 +10,7 @@ pub(crate) struct Se3 {
     pub t: [f64; 3],
 }
 
-/// A quaternion further from unit length than this is not a rotation that somebody wrote with rounding.
+/// A quaternion further from unit length than this is not a rotation with rounding errors.
 const MAX_NORM_ERROR: f64 = 0.01;
 
 /// The unit quaternion meant by `q`, or `None` when it is not a rotation (NaN, zero, far from unit length).

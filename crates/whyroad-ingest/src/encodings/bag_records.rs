@@ -15,7 +15,7 @@ const MAX_RECORD: u64 = 1 << 31;
 /// Most headers of connections; a greater number is damage.
 const MAX_CONNECTIONS: usize = 100_000;
 
-/// Why reading stopped, or what was passed over.
+/// Why reading stopped, or what was skipped.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum BagError {
     #[error("it does not begin as a ROS bag of format 2.0")]
@@ -24,7 +24,7 @@ pub(crate) enum BagError {
     Truncated(u64),
     #[error("the chunk at byte {at} cannot be unpacked: {reason}")]
     Chunk { at: u64, reason: String },
-    #[error("the record at byte {0} is no bag record")]
+    #[error("the record at byte {0} is not a bag record")]
     Malformed(u64),
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -61,7 +61,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// Takes a length and as many bytes.
+/// Takes a length and that number of bytes.
 fn sized<'a>(bytes: &mut &'a [u8]) -> Option<&'a [u8]> {
     let (length, rest) = bytes.split_first_chunk::<4>()?;
     let (head, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
@@ -75,7 +75,7 @@ struct Reader {
 }
 
 impl Reader {
-    /// A connection or a message; anything else is passed over.
+    /// A connection or a message; anything else is skipped.
     fn record(&mut self, header: &Header<'_>, data: &[u8], each: &mut dyn FnMut(Message<'_>)) -> Option<()> {
         match header.op()? {
             0x07 => {
@@ -115,21 +115,21 @@ impl Reader {
         let size = u64::from(header.int("size").ok_or("its header has no size")?);
         let compression = header.text("compression").ok_or("its header has no compression")?;
         if size > super::compressed::limit(packed.len() as u64) || size > MAX_RECORD {
-            return Err(format!("it says that it has {size} bytes"));
+            return Err(format!("it declares {size} bytes"));
         }
         let mut unpacked = Vec::new();
         match compression.as_str() {
             "none" => unpacked.extend_from_slice(packed),
             "bz2" => unpacked = super::bzip2::unpack(packed, size as usize)?,
             "lz4" => {
-                // Never more than the chunk says it holds: what unpacks to more is a trap or a fault.
+                // Never more than the declared size: data that unpacks to more is malicious or damaged.
                 let mut decoder = lz4_flex::frame::FrameDecoder::new(packed).take(size + 1);
                 decoder.read_to_end(&mut unpacked).map_err(|e| e.to_string())?;
             }
             other => return Err(format!("compression '{other}' is not known")),
         }
         if unpacked.len() as u64 != size {
-            return Err("it has another size than it says".into());
+            return Err("its size differs from the declared size".into());
         }
         let mut rest = unpacked.as_slice();
         while !rest.is_empty() {
@@ -141,7 +141,7 @@ impl Reader {
     }
 }
 
-/// Calls `each` for every message. A chunk that cannot be unpacked is passed over; the errors say what was lost.
+/// Calls `each` for every message. A chunk that cannot be unpacked is skipped; the errors state what was lost.
 pub(crate) fn read(input: &Input<'_>, each: &mut dyn FnMut(Message<'_>)) -> Vec<BagError> {
     let mut errors = Vec::new();
     if let Err(e) = read_all(input, each, &mut errors) {

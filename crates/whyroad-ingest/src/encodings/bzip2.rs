@@ -7,7 +7,7 @@ use std::num::Wrapping;
 
 const BLOCK: u64 = 0x3141_5926_5359;
 const END: u64 = 0x1772_4538_5090;
-/// Symbols of a group, selectors at most, longest code.
+/// Symbols of a group, maximum number of selectors, longest code.
 const GROUP: usize = 50;
 const MAX_SELECTORS: usize = 18_002;
 const MAX_BITS: u32 = 20;
@@ -210,7 +210,7 @@ fn selectors_of(bits: &mut Bits<'_>, groups: usize, n: usize) -> Result<Vec<usiz
             }
         }
         order[..=place].rotate_right(1);
-        // More than there can be are read over, as the reference program does.
+        // More than the maximum are skipped, as the reference program does.
         if out.len() < MAX_SELECTORS {
             out.push(order[0]);
         }
@@ -266,7 +266,7 @@ fn inverse(last: &[u8], origin: usize, limit: usize, out: &mut Vec<u8>) -> Resul
             out.push(byte);
         }
         if out.len() > limit {
-            return Err("it unpacks to more than it says".into());
+            return Err("it unpacks to more than it declares".into());
         }
     }
     Ok(())

@@ -1,5 +1,5 @@
-//! Vehicle bus frames to physical values, by a DBC file. Any source with raw CAN uses this; which signal means
-//! what on which car is the adapter's business, not ours.
+//! Vehicle bus frames to physical values, by a DBC file. Any source with raw CAN uses this; the adapter defines which
+//! signal has which meaning on which car.
 
 use crate::file_reader::FileReader;
 use can_dbc::{ByteOrder, Dbc, MultiplexIndicator, ValueType};
@@ -26,7 +26,7 @@ pub struct SignalCoding {
 }
 
 impl CanDatabase {
-    /// Reads DBC text. The error names what the parser stumbled over.
+    /// Reads DBC text. The error states what the parser could not read.
     pub fn parse(text: &str) -> Result<Self, String> {
         Dbc::try_from(text).map(|dbc| Self { dbc }).map_err(|e| e.to_string())
     }

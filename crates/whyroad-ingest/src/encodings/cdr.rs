@@ -148,7 +148,7 @@ impl MessageType {
                 Many::Fixed(n) => n,
                 Many::Sequence => r.int::<4>()? as usize,
             };
-            // An element has at least one byte, so a longer list than there are bytes is a lie.
+            // An element has at least one byte, so a list length greater than the number of bytes is invalid.
             if n > r.body.len() - r.at.min(r.body.len()) || n > MAX_VALUES {
                 return None;
             }
@@ -223,7 +223,7 @@ impl<'a> Bytes<'a> {
     }
 }
 
-/// A part with its length in two bytes before it, and what follows.
+/// A part preceded by its length in two bytes, and the remaining bytes.
 pub(crate) fn sized(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (length, rest) = bytes.split_first_chunk::<2>()?;
     rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))

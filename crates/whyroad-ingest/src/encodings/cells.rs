@@ -61,7 +61,7 @@ pub(crate) fn texts(array: &dyn Array) -> Result<Vec<Option<String>>, String> {
 enum Cell<'a> {
     Integer(i128),
     Float(f64),
-    /// Kept apart, because its shortest text is another than that of the same number as an `f64`.
+    /// Kept apart, because its shortest text differs from that of the same number as an `f64`.
     Single(f32),
     /// Digits, and how many of them are behind the point.
     Decimal(i128, i8),
@@ -77,7 +77,7 @@ enum TimeKind {
     Day,
     /// Units since 1970-01-01T00:00.
     Moment(TimeUnit),
-    /// Units, from no date.
+    /// Units, without a start date.
     Length,
 }
 

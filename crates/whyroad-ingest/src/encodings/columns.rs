@@ -39,7 +39,7 @@ fn read_batches(source: impl ChunkReader + 'static) -> Result<Columns, String> {
 }
 
 impl Columns {
-    /// Reads every column as whatever it can be read; false without columns.
+    /// Tries to read every column as each type; false without columns.
     fn read_all(&self) -> bool {
         let names = self.names();
         for name in &names {
@@ -82,7 +82,7 @@ impl Columns {
     /// A column of numbers; null is NaN.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
         self.cells(name, |column, out| {
-            // The two types that tables of measurements mostly have need no look at each cell.
+            // The two most common types of measurement tables need no check of each cell.
             if let Some(floats) = column.as_primitive_opt::<Float64Type>() {
                 match floats.null_count() {
                     0 => out.extend_from_slice(floats.values()),
@@ -143,7 +143,7 @@ impl Columns {
     }
 }
 
-/// A column of texts that come again: each text once, and of each row which one it is.
+/// A column of repeated texts: each text once, and an index per row.
 pub(crate) struct Words {
     /// The texts, in the order of their first rows.
     pub texts: Vec<String>,

@@ -1,5 +1,5 @@
-//! Opens a file, plain or compressed: gzip, xz and zstd are recognized by their first bytes, whatever the name says.
-//! Everything is unpacked as a stream, and not more than a log of this size can hold: see [`limit`].
+//! Opens a file, plain or compressed: gzip, xz and zstd are recognized by their first bytes, not by name. Everything is
+//! unpacked as a stream, and not more than a log of this size can hold: see [`limit`].
 
 use super::input::Input;
 use crate::file_reader::FileReader;

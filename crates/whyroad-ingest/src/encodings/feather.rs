@@ -18,7 +18,7 @@ pub(crate) struct Feather {
 
 const MAGIC: &[u8] = b"ARROW1";
 
-/// Reads all record batches. `Err` when it is no Arrow file at all.
+/// Reads all record batches. `Err` when it is not an Arrow file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Feather, String> {
     if !bytes.starts_with(MAGIC) {
         return Err("the file does not begin as an Arrow IPC (feather) file".to_owned());
@@ -80,8 +80,8 @@ mod tests {
         out.into_inner().unwrap()
     }
 
-    /// Every length and offset that the file declares is somewhere in it: whatever is written there, nothing panics and
-    /// nothing is allocated by it. 2^45 bytes would end the process.
+    /// Impossible sizes are written at every position of the file, and so into every declared length and offset: the
+    /// reader never panics and never allocates the declared size. 2^45 bytes would end the process.
     #[test]
     fn sizes_that_lie_anywhere_in_a_file_are_refused_before_memory_is_taken() {
         for compression in [None, Some(CompressionType::LZ4_FRAME)] {

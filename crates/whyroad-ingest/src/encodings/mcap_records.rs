@@ -46,7 +46,7 @@ pub(crate) enum RecordError {
     Truncated(u64),
     #[error("the chunk at byte {at} cannot be unpacked: {reason}")]
     Chunk { at: u64, reason: String },
-    #[error("the record at byte {0} is no MCAP record")]
+    #[error("the record at byte {0} is not an MCAP record")]
     Malformed(u64),
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -120,10 +120,10 @@ impl Reader {
         };
         let (size, crc, compression, packed) = header().ok_or("its header is cut short")?;
         if size > super::compressed::limit(packed.len() as u64) || size > MAX_RECORD {
-            return Err(format!("it says that it has {size} bytes"));
+            return Err(format!("it declares {size} bytes"));
         }
         let mut unpacked = Vec::new();
-        // Never more than the chunk says it holds: what unpacks to more is a trap or a fault.
+        // Never more than the declared size: data that unpacks to more is malicious or damaged.
         let limit = size + 1;
         let done = match compression.as_str() {
             "" => packed.take(limit).read_to_end(&mut unpacked),
@@ -136,7 +136,7 @@ impl Reader {
         };
         done.map_err(|e| e.to_string())?;
         if unpacked.len() as u64 != size {
-            return Err("it has another size than it says".into());
+            return Err("its size differs from the declared size".into());
         }
         let mut sum = flate2::Crc::new();
         sum.update(&unpacked);
@@ -159,7 +159,7 @@ fn is_mcap(file: &mut dyn ReadSeek) -> bool {
     file.read_exact(&mut magic).is_ok() && magic == MAGIC
 }
 
-/// Calls `each` for every message. A chunk that cannot be unpacked is passed over; the errors say what was lost.
+/// Calls `each` for every message. A chunk that cannot be unpacked is skipped; the errors state what was lost.
 pub(crate) fn read(input: &Input<'_>, each: &mut dyn FnMut(Message<'_>)) -> Vec<RecordError> {
     let mut errors = Vec::new();
     if let Err(e) = read_all(input, each, &mut errors) {

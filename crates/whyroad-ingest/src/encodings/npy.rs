@@ -101,7 +101,7 @@ pub fn byte_strings(file: &[u8]) -> Result<ByteStrings, String> {
 const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// The array, unless its header is longer than the file, or states more elements than the file has bytes: the crate
-/// allocates the one and multiplies the dimensions of the other without a check.
+/// allocates the header's length and multiplies the dimensions without a check.
 fn open(file: &[u8]) -> Result<npyz::NpyFile<&[u8]>, String> {
     if let Some(payload) = payload(file) {
         let header = String::from_utf8_lossy(&file[..file.len() - payload.len()]);

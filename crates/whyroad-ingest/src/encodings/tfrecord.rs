@@ -11,13 +11,13 @@ const HEADER: u64 = 12;
 const FOOTER: u64 = 4;
 /// The constant of the mask.
 const MASK_DELTA: u32 = 0xa282_ead8;
-/// A record longer than this is no scenario, but a wrong length.
+/// A record longer than this is not a scenario: its length is wrong.
 const MAX_RECORD: u64 = 1 << 30;
 
 /// What is wrong with a record.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum RecordError {
-    #[error("the record at byte {at} wants {wanted} bytes, the file has {have} left")]
+    #[error("the record at byte {at} needs {wanted} bytes, the file has {have} left")]
     Truncated { at: u64, wanted: u64, have: u64 },
     #[error("the length of the record at byte {0} does not fit its checksum")]
     Length(u64),

@@ -1,4 +1,4 @@
-//! XML files of SUMO, plain or compressed, read as a stream of tags. What stands before a break in the file is kept.
+//! XML files of SUMO, plain or compressed, read as a stream of tags. Content before a break in the file is kept.
 
 use super::input::Input;
 use crate::file_reader::FileReader;

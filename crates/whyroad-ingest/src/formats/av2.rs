@@ -1,7 +1,7 @@
 //! AV2 sensor logs (Argoverse 2, Wilson et al. 2021): cuboid tracks at 10 Hz in the ego frame, ego poses at about
 //! 170 Hz in a city frame, a vector map. Tracks are brought to the city frame and differentiated there.
 //!
-//! Times are AV2's nanoseconds as they stand (a GPS-like clock whose epoch reads as 1980). Frames are the times
+//! Times are AV2's nanoseconds unchanged (a GPS-like clock whose epoch reads as 1980). Frames are the times
 //! that have an annotation. Not read: lidar sweeps, and camera pictures beyond their names and times.
 
 mod annotations;
@@ -73,7 +73,7 @@ pub fn find_logs(path: &Path) -> io::Result<Vec<PathBuf>> {
         for entry in fs::read_dir(dir)? {
             let path = entry?.path();
             if path.is_dir() {
-                // A folder that is a log's in name only: an interrupted download. It is reported, not passed over.
+                // A folder that has only the name of a log: an interrupted download. It is reported, not skipped.
                 if is_uuid(&path) && fs::read_dir(&path)?.next().is_none() {
                     out.push(path);
                 } else {
@@ -122,7 +122,7 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
     };
     if rows.objects.is_empty() && rows.ego.is_empty() {
         report.diagnostics.extend(findings::of_rows(&label, &rows, &BTreeMap::new()));
-        // A file of which nothing could be read has said so already.
+        // A file of which nothing could be read has already been reported.
         if table.truncated.is_none() {
             report.diagnostics.push(findings::log_empty(&label));
         }
@@ -141,7 +141,7 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
     let posed: BTreeMap<i64, Se3> =
         poses.iter().flat_map(|p| times.iter().filter_map(|&t| Some((t, p.at(t)?)))).collect();
     let annotated = times.len();
-    // A pose file that covers no frame is as good as none.
+    // A pose file that covers no frame counts as missing.
     let with_pose = !posed.is_empty();
     let times: Vec<i64> =
         if with_pose { posed.keys().copied().collect() } else { times.into_iter().collect() };
@@ -274,7 +274,7 @@ fn city(map_ref: &str) -> Option<&'static str> {
     }
 }
 
-/// Rows of frames without an ego pose cannot be placed in the city: they go, counted.
+/// Rows of frames without an ego pose cannot be placed in the city: they are dropped and counted.
 fn drop_uncovered(rows: &mut Annotations, posed: &BTreeMap<i64, Se3>, dir: &Path, report: &mut SourceReport) {
     let mut frames = BTreeSet::new();
     let mut keep = |c: &Cuboid| {
@@ -386,7 +386,7 @@ fn tracks(
     tracks
 }
 
-/// Frames of the cuboids of a track, which ascend; each has one.
+/// Frames of the cuboids of a track, ascending, one per cuboid.
 fn frames_of(cuboids: &[&Cuboid], times: &[i64]) -> Vec<u32> {
     let mut frame = 0;
     let of = |c: &&Cuboid| {

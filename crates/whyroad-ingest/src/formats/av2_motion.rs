@@ -3,7 +3,8 @@
 //!
 //! Nothing has a size and there is no height. The track `AV` is the ego; it is taken for the middle of the car that
 //! AV2's sensor logs were recorded with, as every other row is the middle of its object (if it were the rear axle, the
-//! ego's box would be 1.34 m further forward: nothing published says, and this car does not turn enough here to tell).
+//! ego's box would be 1.34 m further forward: no publication states this, and the car does not turn enough here to
+//! decide it).
 
 mod findings;
 mod scenario;

@@ -2,7 +2,7 @@
 //!
 //! Without a mapping file, the message types whose meaning is fixed are read: `nav_msgs/Odometry`,
 //! `geometry_msgs/PoseStamped`, `foxglove.PoseInFrame` as the ego, `vision_msgs/Detection3DArray` and
-//! `foxglove.SceneUpdate` (entities with a cube) as objects. A mapping file says the rest. Frames are every 0.1 s of
+//! `foxglove.SceneUpdate` (entities with a cube) as objects. A mapping file defines the rest. Frames are every 0.1 s of
 //! the ego's time; messages' own stamps are used, the log's time where they have none. Not read: transforms (`tf`),
 //! maps, lights, pictures. ROS 1 bags (`rosbag`) are read by the same code.
 
@@ -37,9 +37,9 @@ const REVISION: u32 = 1;
 /// The file that says which topics are what.
 pub const MAPPING: OptionSpec =
     OptionSpec::new("mapping", OptionType::File, "FILE", "mapping file: which topics are what");
-/// Poses further apart are not of one motion, s.
+/// Poses further apart do not belong to one motion, s.
 const EGO_GAP_S: f64 = 0.25;
-/// Objects are interpolated over as much, s: detectors run at 2 to 20 Hz.
+/// Objects are interpolated over gaps up to this, s: detectors run at 2 to 20 Hz.
 const OBJECT_GAP_S: f64 = 0.6;
 /// Names that the vehicle's own frame has by convention (ROS REP 105 and common use).
 const EGO_FRAMES: [&str; 6] = ["base_link", "base_footprint", "ego", "ego_vehicle", "vehicle", "rear_axle"];
@@ -96,7 +96,7 @@ const CONTAINER: Container = Container {
     broken: findings::broken,
 };
 
-/// Calls a function for every message of a file; gives what was lost.
+/// Calls a function for every message of a file; returns what was lost.
 type ReadRecords = fn(&Input<'_>, &mut dyn FnMut(mcap_records::Message<'_>)) -> Vec<String>;
 
 /// A kind of file with messages: how they are taken out of it. What they mean is the same for all.
@@ -146,7 +146,7 @@ enum Decoder {
     Cdr(cdr::MessageType),
     Ros1(cdr::MessageType),
     Protobuf(protobuf::messages::MessageTypes),
-    /// Why there is none.
+    /// Why it cannot be decoded.
     None(String),
 }
 
@@ -244,7 +244,8 @@ impl Recording {
         out
     }
 
-    /// The ego's poses by time. Of several topics with poses, odometry goes before bare poses, then by name.
+    /// The ego's poses by time. With several pose topics, odometry takes precedence over bare poses, then order by
+    /// name.
     fn take_ego(&mut self, label: &str, report: &mut SourceReport) -> Vec<EgoRow> {
         let mut with_poses: Vec<(bool, &String)> = self
             .topics

@@ -29,9 +29,9 @@ use whyroad_model::{Bilingual, Drive, Nanos, Need, ObjectClass};
 const REVISION: u32 = 1;
 /// Bytes in which a file says what it is.
 const SNIFFED_BYTES: u64 = 4096;
-/// Larger files are not read at once.
+/// Maximum size of a file, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 30;
-/// Samples are joined over as much, s: labels come at 2 to 10 Hz.
+/// Samples are joined over gaps up to this, s: labels come at 2 to 10 Hz.
 const MAX_GAP_S: f64 = 0.6;
 
 /// OpenLABEL documents.
@@ -236,7 +236,7 @@ fn ego(steps: &[(f64, &Value)], systems: &Systems, frames: &[f64], gap: f64) -> 
     let mut sampled = Sampled::default();
     let mut poses = 0;
     for (time, frame) in steps {
-        // A place that never changes is not a recorded pose.
+        // A position that never changes is not a recorded pose.
         let Some(pose) = systems.between(own, world, frame).filter(|p| p.moves).map(|p| p.pose) else {
             continue;
         };

@@ -2,7 +2,7 @@
 //! write them (`ScenarioDescription` of MetaDrive 0.4: tracks, dynamic map states, map features, metadata).
 //!
 //! Positions are box centers, meters, headings counter-clockwise from x: as here. Times are `start` plus the
-//! scenario's own seconds, which begin at 0. Rows that the scenario marks as not valid are no observations.
+//! scenario's own seconds, which begin at 0. Rows that the scenario marks as not valid are not observations.
 //! A `VEHICLE` is taken for a car: ScenarioNet does not tell trucks and buses apart. The pickle is read as data;
 //! nothing that it names is imported or called (see [`crate::encodings::pickle`]).
 
@@ -34,7 +34,7 @@ const REVISION: u32 = 3;
 const MAX_GAP_S: f64 = 0.6;
 /// Bytes of a pickle that are searched for the parts of a scenario.
 const SNIFFED_BYTES: u64 = 64 << 20;
-/// Files of a database that are no scenarios.
+/// Files of a database that are not scenarios.
 const NOT_SCENARIOS: [&str; 2] = ["dataset_summary.pkl", "dataset_mapping.pkl"];
 
 /// ScenarioNet and MetaDrive scenarios.
@@ -84,7 +84,7 @@ impl Adapter for ScenarioNet {
 const IN_ONE_PLANE: &str = "nuscenes";
 
 /// Scenario files at or below `path`, sorted: `sd_*.pkl`, and with a database's `dataset_summary.pkl` beside or above
-/// them every pickle; a file that is named itself, whatever its name.
+/// them every pickle; a file given directly, with any name.
 pub fn find_scenarios(path: &Path) -> io::Result<Vec<PathBuf>> {
     fn search(dir: &Path, in_database: bool, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
         let in_database = in_database || NOT_SCENARIOS.iter().any(|n| dir.join(n).is_file());
@@ -113,7 +113,7 @@ pub fn find_scenarios(path: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(out)
 }
 
-/// True for a pickle, whatever its name, that has the parts of a scenario.
+/// True for a pickle of any name that has the parts of a scenario.
 fn looks_like_one(path: &Path) -> bool {
     let mut bytes = Vec::new();
     let read = fs::File::open(path).and_then(|f| f.take(SNIFFED_BYTES).read_to_end(&mut bytes));

@@ -151,7 +151,7 @@ fn read_new(path: &Path, options: &Options, drives: &mut DriveSink<'_>) {
         // What is wrong with the files is reported once.
         let mut report = std::mem::replace(&mut report, SourceReport::new(run.label.clone()));
         let name = run.drive_id(id, egos.len(), options);
-        // A single drive is made again all the same: its report covers every row.
+        // A single drive is always made again: its report covers every row.
         if egos.len() > 1 && drives.holds(&name, &run.content_hash(id, sensing)) {
             report.drive_id = Some(name);
             drives.put((None, report));

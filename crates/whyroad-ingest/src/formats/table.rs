@@ -1,6 +1,6 @@
-//! Our own layout of Parquet or CSV files for anybody's fleet: the way in for formats that have no adapter. What each
-//! file and column means is written in `docs/reference/table-format.md`, which people write their exporters by; change
-//! both together.
+//! Our own layout of Parquet or CSV files, for any fleet and for formats that have no adapter. What each file and
+//! column means is written in `docs/reference/table-format.md`, which people write their exporters by; change both
+//! together.
 //!
 //! Frames are the ego's times where those are 10 times a second, else every 0.1 s. Nothing is guessed: an unknown
 //! column or word is reported, a cell that cannot be read is unknown and counted, a row without time, place or id is

@@ -2,8 +2,8 @@
 //! One record is one drive.
 //!
 //! Positions are box centers in a frame of the scenario's own, meters; headings counter-clockwise from x: as here.
-//! Times are `start` plus the scenario's own seconds. States that are not valid are no observations. A vehicle is taken
-//! for a car: the set does not tell trucks and buses apart. Not read: lidar, camera tokens, tracks to predict.
+//! Times are `start` plus the scenario's own seconds. States that are not valid are not observations. A vehicle is
+//! taken for a car: the set does not tell trucks and buses apart. Not read: lidar, camera tokens, tracks to predict.
 
 pub(crate) mod findings;
 mod scenario;
@@ -194,7 +194,7 @@ fn sampled(
             }
         }
     }
-    // The good states of a track with a bad one are kept; the bad one is counted.
+    // A track with an invalid state keeps its valid ones; the invalid one is counted.
     match bad {
         Some(reason) if out.times.is_empty() => Err(reason),
         _ => Ok(out),

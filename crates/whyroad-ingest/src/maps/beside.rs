@@ -9,13 +9,13 @@ use whyroad_model::road_map::{Area, Point3};
 use whyroad_model::scene::FrameOfReference;
 use whyroad_model::{Drive, Need, RoadMap};
 
-/// Farther from the ego's path than this, features are left out, m.
+/// Features farther from the ego's path than this are left out, m.
 const REACH_M: f64 = 300.0;
 /// Cells in which the surroundings are marked, m, and spacing at which lines are compared with them.
 const CELL_M: f64 = 50.0;
 /// Vehicles farther from every lane are not on the map, m.
 const ON_MAP_M: f64 = 15.0;
-/// Fewer vehicles say nothing.
+/// Fewer vehicles are not enough evidence.
 const MIN_VEHICLES: usize = 5;
 
 impl MapBeside {
@@ -37,7 +37,7 @@ impl MapBeside {
             report.diagnostics.push(findings::replaced(&self.label));
         }
         let near = Surroundings::of(drive).cut(&self.map);
-        // A map that lies elsewhere is kept whole, for the check that says so.
+        // A map of another location is kept whole for the check that reports it.
         let map = if near.lanes.is_empty() { self.map.clone() } else { near };
         report.diagnostics.extend(lights(drive, &map, &self.label));
         report.diagnostics.extend(vehicles_off(drive, &map, &self.label));
@@ -47,7 +47,7 @@ impl MapBeside {
     }
 }
 
-/// Light states name lanes; those of another map say nothing of this one.
+/// Light states name lanes; those of another map do not apply to this one.
 fn lights(drive: &mut Drive, map: &RoadMap, file: &str) -> Option<whyroad_model::Diagnostic> {
     let states = drive.lights.as_mut()?;
     let before = states.len();
@@ -62,7 +62,7 @@ fn lights(drive: &mut Drive, map: &RoadMap, file: &str) -> Option<whyroad_model:
     (lost > 0).then(|| findings::lights(file, lost))
 }
 
-/// Most vehicles lie off the road: the log is in another frame, or its map is.
+/// Most vehicles lie off the road: the log or its map is in another frame.
 fn vehicles_off(drive: &Drive, map: &RoadMap, file: &str) -> Option<whyroad_model::Diagnostic> {
     let road = Cells::of(map.lanes.iter().map(|l| l.center.as_slice()), ON_MAP_M);
     let places = drive.tracks.iter().filter(|t| t.class.is_vehicle()).filter_map(|t| {

@@ -16,7 +16,7 @@ pub(crate) struct MapBeside {
     pub tables: Vec<RowCount>,
 }
 
-/// What became of the file.
+/// Result of reading the file.
 #[derive(Debug, Default)]
 pub(crate) struct Loaded {
     pub map: Option<MapBeside>,
@@ -24,12 +24,12 @@ pub(crate) struct Loaded {
     reported: AtomicBool,
 }
 
-/// The map, or nothing as long as it was not asked for.
+/// The map; empty until it is first requested.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MapCache(Arc<OnceLock<Loaded>>);
 
 impl MapCache {
-    /// The map, read by `load` when it is asked for first, and what is to be reported, the first time only.
+    /// The map, read by `load` on the first request, and the diagnostics, on the first request only.
     pub fn get(&self, load: impl FnOnce() -> Loaded) -> (Option<&MapBeside>, Vec<Diagnostic>) {
         let loaded = self.0.get_or_init(load);
         let news = !loaded.reported.swap(true, Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! What is reported of a map beside a log, one function per code. Texts only.
+//! What is reported about a map beside a log, one function per code. Texts only.
 
 use super::MapReading;
 use whyroad_model::{Bilingual, Diagnostic};
@@ -32,7 +32,7 @@ pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
 pub(super) fn placement(file: &str, reason: &str) -> Diagnostic {
     let message = Bilingual::new(
         format!("无法确定地图的位置，不使用此地图：{reason}"),
-        format!("it is not known where the map lies; it is not used: {reason}"),
+        format!("the location of the map is unknown; it is not used: {reason}"),
     );
     Diagnostic::error("map.placement", message)
         .with_hint(Bilingual::new(
@@ -65,7 +65,7 @@ pub(super) fn of_map(file: &str, reading: &MapReading) -> Vec<Diagnostic> {
         let message = Bilingual::new(
             format!("{n} 个引用指向地图中没有的要素，已忽略；例如 {example}"),
             format!(
-                "{n} references name what the map does not have, and are left out; for example {example}"
+                "{n} references name elements that the map does not have; they are left out; for example {example}"
             ),
         );
         out.push(Diagnostic::warning("map.link.dangling", message).in_file(file));

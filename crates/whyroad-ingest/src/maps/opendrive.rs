@@ -74,7 +74,7 @@ pub(super) fn read<'a>(input: impl Into<Input<'a>>) -> Result<MapReading, String
     Ok(out)
 }
 
-/// A lane at an end of a road that leads nowhere leaves the map: it does not end on the road.
+/// A lane at the unconnected end of a road leaves the map: it does not end on the road.
 fn leave_map(document: &Document, lanes: &mut BTreeMap<LaneKey, Lane>) {
     let known: BTreeSet<&str> = document.roads.iter().map(|r| r.id.as_str()).collect();
     for (key, lane) in lanes.iter_mut().filter(|(_, l)| l.successors.is_empty()) {

@@ -1,4 +1,4 @@
-//! Options of a map beside a log, and what they say of where the map lies.
+//! Options of a map beside a log, and the location of the map that they state.
 
 use crate::assemble::datum::Datum;
 use crate::assemble::projection::{Projection, ProjectionKind};
@@ -80,7 +80,7 @@ impl Placement {
         Ok(Self { datum, projection })
     }
 
-    /// What is stated, for the hash of a drive.
+    /// The stated values, for the hash of a drive.
     pub fn add_to(&self, hash: &mut ContentHash) {
         hash.add("placement", format!("{self:?}").as_bytes());
     }

@@ -1,4 +1,4 @@
-//! One thing that cannot be true each, and the same drive without it.
+//! Per check: a drive with one impossible value, and the same drive without it.
 
 use super::*;
 use whyroad_model::ObjectClass;
@@ -102,7 +102,7 @@ fn a_projected_frame_is_no_fault() {
 #[test]
 fn headings_stored_as_heights_are_found() {
     let mut d = drive();
-    // A bend each: the third coordinate is the direction to the next point.
+    // One bend per line: the third coordinate is the direction to the next point.
     let bend = |id: &str, y: f64| {
         let points: Vec<(f64, f64)> =
             (0..20).map(|i| (10.0 * f64::from(i), y + 0.05 * f64::from(i * i))).collect();

@@ -1,6 +1,6 @@
 //! Every frame of the recorded Toyota's messages, decoded here and by cantools 45.1 (Python) with the same DBC.
-//! cantools' result stands here as two figures a signal: how many frames the message has on bus 0, and the sum over
-//! them of value times position (counted from 1), which differs when one frame differs or two are exchanged.
+//! cantools' result is recorded here as two figures per signal: how many frames the message has on bus 0, and the sum
+//! over them of value times position (counted from 1), which differs when one frame differs or two are exchanged.
 
 use super::CanDatabase;
 use crate::encodings::npy::{byte_strings, numbers};

@@ -8,7 +8,7 @@ use arrow_ipc::{Block, Buffer, MessageHeader, RecordBatch, root_as_footer, root_
 const MAX_RATIO: i64 = 255;
 const TRAILER: usize = 10;
 
-/// `Err` says what in the file cannot be.
+/// `Err` states what is impossible in the file.
 pub(super) fn check_file(bytes: &[u8]) -> Result<(), String> {
     let end = bytes.len().checked_sub(TRAILER).ok_or("it is too short")?;
     let length: [u8; 4] = bytes[end..end + 4].try_into().map_err(|_| "it is too short")?;

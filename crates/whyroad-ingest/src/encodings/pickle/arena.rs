@@ -7,16 +7,16 @@ use super::reference::{Bytes, Ref};
 /// Why a pickle was not read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum PickleError {
-    /// It wants something imported that is not plain data.
+    /// It imports something that is not plain data.
     #[error("it asks for '{0}', which is not plain data")]
     Forbidden(String),
     /// The file ends too early.
     #[error("it ends too early, at byte {0}")]
     Truncated(usize),
-    /// Not a pickle, or one that no writer makes.
+    /// Not a pickle, or one that no known writer produces.
     #[error("{what} at byte {at}")]
     Malformed { what: String, at: usize },
-    /// More objects than a recording has.
+    /// More objects than any recording has.
     #[error("it makes more than {0} objects")]
     TooLarge(usize),
 }

@@ -1,4 +1,4 @@
-//! What the known names make of their arguments: arrays, types, bytes, containers.
+//! What the known names produce from their arguments: arrays, types, bytes, containers.
 
 use super::arena::Node;
 use super::array::{Array, Data, Dtype, ElementKind};
@@ -54,7 +54,7 @@ impl Machine<'_> {
                 self.stack.push(same);
                 return Ok(());
             }
-            _ => return self.malformed("a call that no writer makes"),
+            _ => return self.malformed("a call that no known writer produces"),
         };
         self.push(node);
         Ok(())
@@ -137,7 +137,7 @@ impl Machine<'_> {
                 }
                 Node::Dtype(Dtype { big_endian: order == b">", ..d })
             }
-            // Attributes of a dict that is more than a dict: not data of ours.
+            // Attributes of a dict that is more than a dict: not used here.
             Node::Dict(_) => return Ok(()),
             _ => return self.malformed("state for what has none"),
         };

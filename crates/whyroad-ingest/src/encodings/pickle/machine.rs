@@ -6,7 +6,7 @@ use super::reference::{Bytes, Ref};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// More objects than this are no recording of a drive.
+/// A pickle with more objects than this is not a recording of a drive.
 const MAX_OBJECTS: usize = 50_000_000;
 
 pub(super) const NONE: Ref = Ref(0);
@@ -22,7 +22,7 @@ pub(super) struct Machine<'a> {
     /// Heights of the stack at the open marks.
     marks: Vec<usize>,
     memo: HashMap<u64, Ref>,
-    /// Texts that were turned to bytes, so that one text is turned only once however often it is asked for.
+    /// Texts that were converted to bytes, so that each text is converted only once.
     pub encoded: HashMap<Ref, Ref>,
     /// Copies of references that were made beyond what the file itself writes out.
     pub copied: usize,
@@ -248,7 +248,7 @@ impl Machine<'_> {
         Ok(())
     }
 
-    /// Two's complement of n bytes. Numbers beyond 64 bits are of no recording's kind.
+    /// Two's complement of n bytes. No recording has numbers beyond 64 bits.
     fn long(&mut self, n: usize) -> Step<()> {
         let range = self.take(n)?;
         let raw = &self.file[range];

@@ -1,6 +1,6 @@
-//! The closed list of names that a pickle may use, and what each stands for here.
+//! The closed list of names that a pickle may use, and the meaning of each here.
 
-/// What a known name stands for.
+/// Meaning of a known name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Name {
     /// `numpy._core.multiarray._reconstruct`: an empty array, filled by its state.

@@ -24,7 +24,7 @@ fn a_command_is_refused_by_name_and_never_run() {
 
 #[test]
 fn a_billion_laughs_stay_sixty_lists() {
-    // Sixty lists, each of which holds the one before ten times: 10^60 elements for who follows them all.
+    // Sixty lists, each of which holds the one before ten times: 10^60 elements when all references are followed.
     let mut bytes = b"\x80\x02]q\x00".to_vec();
     for i in 0..60u8 {
         bytes.extend(b"](");

@@ -12,7 +12,7 @@ impl Pickle<'_> {
     }
 }
 
-/// An object of a pickle, to be asked what it is. Answers are `None` where it is something else.
+/// An object of a pickle. Accessors return `None` where it has another type.
 #[derive(Clone, Copy)]
 pub(crate) struct Value<'p> {
     pickle: &'p Pickle<'p>,

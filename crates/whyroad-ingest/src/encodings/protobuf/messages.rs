@@ -27,7 +27,7 @@ struct FieldType {
 pub(crate) struct MessageTypes(BTreeMap<String, BTreeMap<u32, FieldType>>);
 
 impl MessageTypes {
-    /// `None` when the bytes are no descriptor set.
+    /// `None` when the bytes are not a descriptor set.
     pub fn parse(set: &[u8]) -> Option<Self> {
         let mut all = BTreeMap::new();
         for file in Fields::new(set) {
@@ -85,7 +85,7 @@ impl MessageTypes {
         Some(match t.kind {
             MESSAGE => self.message(&t.message, f.bytes().ok()?, depth + 1)?,
             STRING => Value::String(f.text().ok()?),
-            // Raw bytes are nobody's field here.
+            // No field used here has raw bytes.
             BYTES => Value::Null,
             _ => scalar(t.kind, f.wire)?,
         })

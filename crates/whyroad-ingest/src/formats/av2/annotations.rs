@@ -14,7 +14,7 @@ pub(super) struct Cuboid {
     pub track: usize,
     /// Index into [`Annotations::categories`].
     pub category: usize,
-    /// Length, width, height, m; NaN where the row's size is no size.
+    /// Length, width, height, m; NaN where the row's size is not valid.
     pub size: [f64; 3],
     /// Rotation object to ego.
     pub q: [f64; 4],
@@ -37,9 +37,9 @@ pub(super) struct Annotations {
     pub count: RowCount,
     /// First duplicate, as `track at time`.
     pub duplicate_example: Option<String>,
-    /// First invalid row, in words.
+    /// Description of the first invalid row.
     pub invalid_example: Option<String>,
-    /// Rows whose size was no size; kept, the size made unknown.
+    /// Rows whose size was not valid; kept, with the size set to unknown.
     pub bad_sizes: usize,
     pub has_points: bool,
 }
@@ -119,7 +119,7 @@ struct Times {
 }
 
 impl Times {
-    /// False where the time is there already.
+    /// False where the time already exists.
     fn insert(&mut self, time: i64) -> bool {
         if self.ascending.last().is_none_or(|last| *last < time) {
             self.ascending.push(time);

@@ -2,10 +2,10 @@
 //! center.
 //!
 //! AV2 documents no box for its car (a Ford Fusion Hybrid). Some copies of the annotations carry one as
-//! `EGO_VEHICLE`, 4.877 x 2.000 x 1.473 m, with its center *at the origin*, that is on the rear axle: half a meter
-//! of bumper would then hang in the air behind the car and 1.3 m of bonnet be missing in front. Its size is used,
-//! its place is not. The way from axle to center, 1.339 m forward and 0.438 m up, is what py123d measured from
-//! the car's drawing and AV2's own lidar returns; with 2.850 m of wheelbase it leaves overhangs of 1.100 m and 0.927 m.
+//! `EGO_VEHICLE`, 4.877 x 2.000 x 1.473 m, with its center *at the origin*, that is on the rear axle: the box would
+//! then extend half a meter too far behind the car and lack 1.3 m in front. Its size is used, its position is not. The
+//! offset from axle to center, 1.339 m forward and 0.438 m up, is what py123d measured from the car's drawing and AV2's
+//! own lidar returns; with 2.850 m of wheelbase it leaves overhangs of 1.100 m and 0.927 m.
 
 /// A box and where its center is in the ego frame (origin rear axle, x forward, y left, z up), m.
 #[derive(Clone, Copy, Debug, PartialEq)]

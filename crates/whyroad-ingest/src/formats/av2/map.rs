@@ -1,6 +1,6 @@
 //! `map/log_map_archive_*.json`: AV2's vector map of the log's surroundings, in the city frame.
 //!
-//! What AV2 does not have is made or left out: center lines come from the edges, junction areas are the outlines
+//! What AV2 does not have is derived or left out: center lines come from the edges, junction areas are the outlines
 //! (holes filled) of the union of the lanes marked `is_intersection`, and there are no stop lines, signs or speed
 //! limits. Sensor maps list successors fully and predecessors only in part, so each link is completed from its
 //! other end. Maps are local crops: ids of lanes beyond the border are kept, though no such lane is there.
@@ -74,7 +74,7 @@ pub(super) struct MapReading {
     pub completed_links: usize,
     /// Lanes whose edges ran against each other; the right one was turned round.
     pub turned_edges: usize,
-    /// First feature that could not be used, in words.
+    /// Description of the first feature that could not be used.
     pub invalid_example: Option<String>,
 }
 
@@ -188,8 +188,8 @@ fn mark(name: &str) -> LaneMark {
     }
 }
 
-/// The two edges run the same way across the road, so the polygon is one forward and the other back; where they
-/// run against each other they are joined as they stand.
+/// The two edges run the same way across the road, so the polygon is one forward and the other back; where they run
+/// against each other they are joined unchanged.
 fn crosswalk(c: Crossing) -> Area {
     let mut edge2 = c.edge2;
     if edges_oppose(&c.edge1, &edge2) {

@@ -30,7 +30,7 @@ pub(crate) fn read_map(
         return (None, None);
     };
     let label = file.display().to_string();
-    // The name ends in `____<city>_city_<number>`, which tells where it is; its beginning repeats the log's id.
+    // The name ends in `____<city>_city_<number>`, which states its location; its beginning repeats the log's id.
     let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let map_ref = stem.split("____").last().unwrap_or(&stem).to_owned();
     let read = fs::read_to_string(&file).map_err(|e| e.to_string()).and_then(|text| {

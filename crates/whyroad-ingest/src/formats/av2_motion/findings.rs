@@ -38,7 +38,7 @@ pub(super) fn of_rows(file: &str, s: &Scenario) -> Vec<Diagnostic> {
             "av2.motion.invalid",
             Bilingual::new(
                 format!("丢弃 {lost} 行：编号、时间步、位置或航向无效，或同一时间步重复；第一个无效行：{example}"),
-                format!("{lost} rows dropped: id, time step, position or heading is not valid, or a time step comes twice; first that is not valid: {example}"),
+                format!("{lost} rows dropped: id, time step, position or heading is not valid, or a time step occurs twice; first that is not valid: {example}"),
             ),
         ));
     }

@@ -20,7 +20,7 @@ pub(super) struct Scenario {
     pub city: Option<String>,
     pub map_ref: Option<String>,
     pub count: RowCount,
-    /// First row that could not be used, in words.
+    /// Description of the first row that could not be used.
     pub invalid_example: Option<String>,
     /// Rows by object type that AV2 does not define.
     pub unknown_types: BTreeMap<String, usize>,

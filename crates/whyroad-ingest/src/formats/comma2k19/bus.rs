@@ -49,7 +49,7 @@ pub(super) fn decode(
         }
     };
 
-    // The brake lights say what the car does, the pedal what the driver does; the lights come first.
+    // The brake lights show what the car does, the pedal what the driver does; the lights take precedence.
     let brake = state(&BRAKE_LIGHT).or_else(|| state(&BRAKE));
     state_of(Need::Brake, brake.is_some());
     bus.brake = brake.into_iter().flatten().map(|s| s.map(|s| s.raw != 0)).collect();
@@ -103,7 +103,7 @@ pub(super) fn decode(
     (bus, missing)
 }
 
-/// True when the DBC led to none of the states that are looked for.
+/// True when none of the wanted states could be decoded by the DBC.
 pub(super) fn has_no_state(bus: &EgoBus) -> bool {
     bus.brake.is_empty() && bus.cruise.is_empty() && bus.gear.is_empty() && bus.turn_signal.is_empty()
 }

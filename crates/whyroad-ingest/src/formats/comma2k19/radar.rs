@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use whyroad_model::scene::{Motion, Track};
 use whyroad_model::{ObjectClass, TrackId};
 
-/// The radar reports each slot 20 times a second; a return speaks for a frame at most this far from it, s.
+/// The radar reports each slot 20 times a second; a return is used for a frame at most this far from it, s.
 const MAX_OFFSET_S: f64 = 0.05;
 /// A slot that was silent for longer holds another target, s.
 const MAX_SILENCE_S: f64 = 0.25;

@@ -1,4 +1,4 @@
-//! The arrays of a route's segments, joined in the order of time. What cannot be read is said and left out.
+//! The arrays of a route's segments, joined in the order of time. What cannot be read is reported and left out.
 
 use super::findings;
 use crate::assemble::se3::unit;
@@ -194,7 +194,7 @@ impl Pose {
     }
 }
 
-/// Reads arrays of one segment, hashing what it reads. A missing file is the log's choice, a broken one is said.
+/// Reads arrays of one segment, hashing what it reads. A missing file is allowed, a broken one is reported.
 struct Files<'a> {
     dir: Folder<'a>,
     hash: &'a mut ContentHash,

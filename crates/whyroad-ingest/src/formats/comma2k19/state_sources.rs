@@ -1,6 +1,6 @@
-//! Where the states of the car are in the DBC of its make.
+//! Which signals of a make's DBC hold the states of the car.
 
-/// Where a state stands in the DBC of a make, and how long one message speaks for: cars repeat them at their own pace.
+/// Which signal of a make's DBC holds a state, and how long one message is valid: cars repeat them at different rates.
 pub(super) struct StateSource {
     pub message: &'static str,
     pub signal: &'static str,
@@ -21,7 +21,7 @@ pub(super) const TURN: StateSource =
 pub(super) const HAZARD: StateSource =
     StateSource { message: "BLINKERS_STATE", signal: "HAZARD_LIGHT", holds_s: 20.0 };
 
-/// What is looked for in a DBC, for people.
+/// The wanted states, as text for messages.
 pub(super) fn looked_for() -> String {
     let names: Vec<String> =
         [&BRAKE_LIGHT, &BRAKE, &CRUISE, &GEAR, &TURN].map(|s| format!("{}.{}", s.message, s.signal)).into();

@@ -5,12 +5,12 @@ use crate::assemble::resample::{greatest, latest, linear};
 use serde_json::Value;
 use whyroad_model::scene::{EgoBus, TurnSignal};
 
-/// A state holds as long, and numbers are interpolated over as much, s.
+/// A state is valid for this long, and numbers are interpolated over gaps up to this, s.
 const STATE_HOLDS_S: f64 = 1.0;
 /// Time between frames, s.
 const FRAME_S: f64 = 0.1;
 
-/// Numbers interpolated, states as the last message said them.
+/// Numbers interpolated, states as in the last message.
 pub(super) fn at_frames(rows: &[BusRow], seconds: impl Fn(i64) -> f64, frames: &[f64]) -> EgoBus {
     let series = |signal: &str| {
         let mut all: Vec<(f64, &Value)> =

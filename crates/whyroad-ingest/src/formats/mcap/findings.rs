@@ -96,7 +96,7 @@ pub(super) fn frame(file: &str, frame_id: &str, rows: usize) -> Diagnostic {
     )
     .with_hint(Bilingual::new(
         "在映射文件中为该主题写 `frame: world` 或 `frame: ego`",
-        "say `frame: world` or `frame: ego` for the topic in a mapping file",
+        "set `frame: world` or `frame: ego` for the topic in a mapping file",
     ))
     .in_file(file)
 }

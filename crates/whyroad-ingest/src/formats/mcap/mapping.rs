@@ -1,5 +1,5 @@
-//! Which topic is what: from the user's mapping file (`--mapping FILE`), else from the message types that have one
-//! meaning everywhere. The mapping file is documented in `docs/reference/formats.md`.
+//! The meaning of each topic: from the user's mapping file (`--mapping FILE`), else from message types with a fixed
+//! meaning. The mapping file is documented in `docs/reference/formats.md`.
 
 use std::collections::BTreeMap;
 use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node};
@@ -83,7 +83,7 @@ impl Frame {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rule {
     pub role: Role,
-    /// Where the messages do not say it by a frame id.
+    /// Used where the messages do not state it by a frame id.
     pub frame: Option<Frame>,
     pub frame_id: Option<String>,
     pub time: Option<String>,

@@ -78,7 +78,7 @@ fn vector(v: Option<&Value>) -> Option<[f64; 3]> {
     Some([part(0, "x")?, part(1, "y")?, part(2, "z")?]).filter(|p| p.iter().all(|v| v.is_finite()))
 }
 
-/// A time in any of the usual forms: seconds and nanoseconds, or a number whose size tells its unit. 0 is no time.
+/// A time in any of the usual forms: seconds and nanoseconds, or a number whose size shows its unit. 0 is not a time.
 fn time(v: Option<&Value>) -> Option<i64> {
     let v = v?;
     let part = |keys: [&str; 3]| keys.iter().find_map(|k| v.get(*k)).and_then(Value::as_i64);

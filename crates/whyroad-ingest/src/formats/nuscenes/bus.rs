@@ -6,21 +6,21 @@ use crate::encodings::input::Folder;
 use serde_json::Value;
 use whyroad_model::scene::{EgoBus, TurnSignal};
 
-/// States come at 2 Hz; one that is older than this says nothing any more, s.
+/// States come at 2 Hz; one that is older than this is no longer used, s.
 const STATE_HOLDS_S: f64 = 0.75;
-/// Steering at 100 Hz: a hole longer than this stays one, s.
+/// Steering at 100 Hz: a gap longer than this is not filled, s.
 const STEERING_GAP_S: f64 = 0.25;
 const MPS_PER_KMH: f64 = 1.0 / 3.6;
 /// The pedal's full range.
 const FULL_THROTTLE: f64 = 1000.0;
 
-/// What the bus of a scene tells.
+/// What the bus of a scene contains.
 #[derive(Default)]
 pub(super) struct BusReading {
     pub bus: EgoBus,
     /// The files that were there: name and content.
     pub files: Vec<(String, Vec<u8>)>,
-    /// Names of those that are no lists of messages.
+    /// Names of those that are not lists of messages.
     pub broken: Vec<String>,
 }
 

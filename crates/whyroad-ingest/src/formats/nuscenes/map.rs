@@ -1,5 +1,5 @@
 //! The map expansion (1.3): `maps/expansion/<location>.json`. Lanes and lane connectors by their arc-line paths, lane
-//! dividers, crossings, stop lines; only what lies near the drive. Connectors are the ways over junctions.
+//! dividers, crossings, stop lines; only what lies near the drive. Connectors are the paths across junctions.
 //!
 //! Not read: drivable areas, road segments and blocks, walkways, car parks, traffic lights (places without states).
 
@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
 use whyroad_model::road_map::{Lane, LaneKind, LaneMark, Point3, StopLine};
 
-/// Farther from the ego's way than this, features are left out, m.
+/// Features farther from the ego's path than this are left out, m.
 const REACH_M: f64 = 200.0;
 /// Spacing of the points of center lines, m.
 const SPACING_M: f64 = 1.0;
@@ -112,7 +112,7 @@ fn along(arc: &Arc, out: &mut Vec<Point3>) {
     }
 }
 
-/// nuScenes' divider types, color left out; `NIL` is no line.
+/// nuScenes' divider types, color left out; `NIL` is not a line.
 fn mark(name: &str) -> LaneMark {
     match name.rsplit_once('_').map_or(name, |(kind, _color)| kind) {
         "NIL" => LaneMark::None,
@@ -124,7 +124,7 @@ fn mark(name: &str) -> LaneMark {
     }
 }
 
-/// The map around the ego's places. `Err` when the text is no such map.
+/// The map around the ego's positions. `Err` when the text is not such a map.
 pub(super) fn read(text: &[u8], places: &[Point3]) -> Result<Built, String> {
     let city: City = serde_json::from_slice(text).map_err(|e| e.to_string())?;
     let nodes: HashMap<&str, Point3> =
@@ -134,7 +134,7 @@ pub(super) fn read(text: &[u8], places: &[Point3]) -> Result<Built, String> {
         let tokens = polygons.get(token).map(|p| p.exterior_node_tokens.as_slice()).unwrap_or_default();
         tokens.iter().filter_map(|t| nodes.get(t.as_str()).copied()).collect()
     };
-    // Every fifth place is half a second of driving: far denser than the reach.
+    // Every fifth position is half a second of driving: much shorter than the reach.
     let near =
         |line: &[Point3]| line.iter().any(|p| places.iter().step_by(5).any(|e| distance(*p, *e) <= REACH_M));
     let mut features = Vec::new();

@@ -119,7 +119,7 @@ pub(super) struct TableError {
     pub reason: String,
 }
 
-/// Read at once of a table, bytes; they are of gigabytes.
+/// Bytes of a table that are read at once; tables are gigabytes in size.
 const BUFFER: usize = 1 << 20;
 
 /// Calls `keep` for every row of a table, one at a time.

@@ -15,7 +15,7 @@ pub(crate) const CODES: &[&str] = &[
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
     let message = Bilingual::new(
         format!("不是可读取的 OpenLABEL 文件：{reason}"),
-        format!("this is no OpenLABEL document that can be read: {reason}"),
+        format!("not a readable OpenLABEL document: {reason}"),
     );
     Diagnostic::error("openlabel.file.unreadable", message).in_file(file)
 }

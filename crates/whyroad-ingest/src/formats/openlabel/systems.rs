@@ -4,7 +4,7 @@ use crate::assemble::se3::{Se3, compose as compose_rotations, unit};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Chains of systems are no longer.
+/// Maximum length of a chain of systems.
 const MAX_CHAIN: usize = 16;
 
 /// Systems by name.

@@ -20,7 +20,7 @@ pub(super) struct Obstacles {
     /// Class in the source's words and samples in the frame of the poses, by track.
     pub tracks: BTreeMap<String, (String, Sampled)>,
     pub count: RowCount,
-    /// First row that could not be used, in words.
+    /// Description of the first row that could not be used.
     pub invalid_example: Option<String>,
     /// Rows by class that the format does not define.
     pub unknown_classes: BTreeMap<String, usize>,

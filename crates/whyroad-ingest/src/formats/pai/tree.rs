@@ -1,4 +1,4 @@
-//! The tree of a PhysicalAI-AV download: `features.csv` says where the files of a feature are, `clip_index.parquet`
+//! The tree of a PhysicalAI-AV download: `features.csv` states where the files of a feature are, `clip_index.parquet`
 //! which clip is in which chunk. Only what has been downloaded is there.
 
 use crate::encodings::columns::{Columns, read_parquet, read_parquet_bytes};
@@ -133,7 +133,7 @@ impl Tree {
         found.map_err(|reason| (path, reason))
     }
 
-    /// What `data_collection` says of a clip. An unreadable or missing table is an unknown.
+    /// What `data_collection` states about a clip. An unreadable or missing table is an unknown.
     pub fn collection(&mut self, clip: &Clip) -> Collection {
         let root = &self.root;
         let read = || fs::read(root.join(COLLECTION)).ok().and_then(|c| collection(c).ok());
@@ -218,7 +218,7 @@ fn filled(template: &str, name: &str, value: &Value<'_>) -> String {
             field.split_once(':').and_then(|(_, f)| f.trim_end_matches('d').parse().ok()).unwrap_or(0);
         out.push_str(&rest[..start]);
         match value {
-            // A width in a file that is not ours: 20 digits hold every number.
+            // The width comes from an untrusted file; 20 digits hold every number.
             Number(n) => out.push_str(&format!("{n:0width$}", width = width.min(20))),
             Text(text) => out.push_str(text),
         }

@@ -33,7 +33,7 @@ pub(super) fn pickle(file: &str, e: &PickleError) -> Diagnostic {
     )
     .with_hint(Bilingual::new(
         "只使用可信来源的文件；若该对象是自定义类型，请先用 ScenarioDescription.to_dict() 转成普通字典再保存",
-        "take files only from where you trust; if it is a class of your own, save plain dicts (ScenarioDescription.to_dict())",
+        "use only files from sources that you trust; if it is your own class, save plain dicts (ScenarioDescription.to_dict())",
     ))
     .in_file(file)
 }

@@ -28,7 +28,7 @@ pub(super) fn forget_heights(map: &mut RoadMap) {
     }
 }
 
-/// `None` for what is no part of a road's map here (buildings, ground).
+/// `None` for features that are not part of a road map here (buildings, ground).
 fn feature(f: Value<'_>, kind: &str) -> Option<Result<Feature, String>> {
     let points = |key: &str| f.get(key).and_then(points).ok_or_else(|| format!("{kind} without {key}"));
     let area = || points("polygon").or_else(|_| points("polyline"));
@@ -81,7 +81,7 @@ fn lane(f: Value<'_>, kind: &str, center: Vec<Point3>) -> CenterLane {
     let limit = number("speed_limit_kmh")
         .map(|v| v * MPS_PER_KMH)
         .or(number("speed_limit_mph").map(|v| v * MPS_PER_MPH));
-    // Waymo's connecting lanes are marked as made between two others; nuScenes' are of a kind of their own.
+    // Waymo's connecting lanes are marked as made between two others; nuScenes' have their own type.
     let connecting = f.get("interpolating").and_then(|v| v.truth()) == Some(true) && kind != "LANE_FREEWAY";
     let width_m = f.get("polygon").and_then(points).and_then(|outline| mean_width(&outline, &center));
     CenterLane {
@@ -121,7 +121,7 @@ fn boundaries(f: Value<'_>, key: &str) -> Vec<Boundary> {
 fn neighbors(f: Value<'_>, key: &str) -> Vec<Neighbor> {
     let Some(items) = f.get(key).and_then(|v| v.items()) else { return Vec::new() };
     let one = |n: Value<'_>| {
-        // nuPlan's and nuScenes' neighbors are bare ids, beside the whole of the lane.
+        // nuPlan's and nuScenes' neighbors are bare ids, along the whole lane.
         if let Some(lane) = n.id() {
             return Some(Neighbor { start: 0, end: 0, lane });
         }
@@ -131,7 +131,7 @@ fn neighbors(f: Value<'_>, key: &str) -> Vec<Neighbor> {
     items.filter_map(one).collect()
 }
 
-/// MetaDrive's line types, color left out. They do not say which side of a passing line is solid.
+/// MetaDrive's line types, color left out. They do not state which side of a passing line is solid.
 fn mark(name: &str) -> LaneMark {
     let kind = name.trim_start_matches("ROAD_LINE_");
     match kind.rsplit_once('_').map_or(kind, |(kind, _color)| kind) {

@@ -1,4 +1,4 @@
-//! `tracks`: one dict an object, with arrays as long as the scenario.
+//! `tracks`: one dict per object, with arrays as long as the scenario.
 
 use crate::assemble::frames::{Sample, Sampled};
 use crate::assemble::key_frames::KeyFrames;
@@ -17,12 +17,12 @@ pub(super) struct Tracks {
     pub tracks: Vec<Track>,
     pub count: RowCount,
     pub impossible: BTreeMap<String, usize>,
-    /// Objects that could not be used, the first in words.
+    /// Objects that could not be used, with a description of the first.
     pub invalid_example: Option<String>,
     pub unknown_types: BTreeSet<String>,
     /// Rows that were measured, where the rest is interpolated; see [`KeyFrames`].
     pub key_frames: Option<KeyFrames>,
-    /// The ego that the metadata name is not there.
+    /// The ego that the metadata name is missing.
     pub ego_missing: Option<String>,
 }
 
@@ -123,8 +123,8 @@ impl Tracks {
         Ok(sampled)
     }
 
-    /// Leaves all heights open: of a set whose poses lie in one plane, where a box's height says how far the road is
-    /// off that plane at the recording car, and nothing of the road.
+    /// Leaves all heights open: of a set whose poses lie in one plane, where a box's height is the distance of the road
+    /// from that plane at the recording car, not the height of the road.
     pub fn forget_heights(&mut self) {
         for object in self.objects.iter_mut().map(|(_, _, o)| o).chain(&mut self.ego) {
             object.z.fill(f64::NAN);

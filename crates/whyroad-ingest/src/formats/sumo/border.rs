@@ -1,5 +1,5 @@
-//! Where a network ends. SUMO's vehicles vanish at its dead ends; those on the border of what was modeled stand for
-//! roads that go on, those within it are what they look like.
+//! Where a network ends. SUMO's vehicles vanish at its dead ends; those on the border of the modeled area represent
+//! roads that continue, those inside it are real dead ends.
 
 use crate::encodings::xml::Element;
 use std::collections::BTreeMap;

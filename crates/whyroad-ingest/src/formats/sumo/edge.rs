@@ -5,7 +5,7 @@ pub(super) struct Edge {
     pub from: String,
     pub to: String,
     pub function: String,
-    /// `highway.motorway_link`; empty where the network does not tell.
+    /// `highway.motorway_link`; empty where the network does not state it.
     pub kind: String,
     /// Ids of its lanes, from the right.
     pub lanes: Vec<String>,

@@ -8,8 +8,8 @@ use super::vehicle_types::{IsPerson, VehicleTypes};
 pub enum Egos {
     /// By id, in this order.
     Named(Vec<String>),
-    /// Every motor vehicle with this probability. Whether one is drawn depends on its id and the seed alone, not on who
-    /// else is there.
+    /// Every motor vehicle with this probability. Whether one is drawn depends only on its id and the seed, not on the
+    /// other vehicles.
     Share {
         /// 0 to 1.
         share: f64,
@@ -25,7 +25,7 @@ impl Default for Egos {
 }
 
 impl Egos {
-    /// Ids of the egos in a log; named ones whether they are there or not.
+    /// Ids of the egos in a log; named ones even if they are not in the log.
     pub(super) fn choose(&self, fcd: &Fcd, types: &VehicleTypes) -> Vec<String> {
         match self {
             Egos::Named(ids) => ids.clone(),

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-/// One object at one time, as FCD states it but for units: positions are still the front bumper's center.
+/// One object at one time, as FCD states it except for units: positions are still the front bumper's center.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
     /// Simulated time, ns.
@@ -68,7 +68,7 @@ pub(super) fn read_csv(input: Input<'_>) -> Result<Fcd, String> {
     let (mut fcd, mut is_fcd) = (Fcd::new(), false);
     let end = for_each_row(input, |row| {
         is_fcd = true;
-        // Every row of CSV states its time; rows of one step stand together.
+        // Every row of CSV states its time; rows of one step are adjacent.
         let step = row.get("time").and_then(|t| fcd.step_of_row(nanos(t)));
         if let Some(kind) = row.kind {
             fcd.add(step, kind, |name| row.get(name).map(Cow::Borrowed));
@@ -94,7 +94,7 @@ pub(super) fn read_xml(input: Input<'_>) -> Result<Fcd, String> {
     fcd.ended(is_fcd, end)
 }
 
-/// Seconds as text to ns; `None` when it is no number.
+/// Seconds as text to ns; `None` when it is not a number.
 fn nanos(seconds: &str) -> Option<i64> {
     seconds.trim().parse().ok().filter(|s: &f64| s.is_finite()).map(|s| (s * 1e9).round() as i64)
 }
@@ -132,7 +132,7 @@ impl Fcd {
             self.count.drop_rows("out_of_order", 1);
             return;
         };
-        // Whoever rides in something has no box of its own on the road; containers are freight.
+        // A person who rides in a vehicle has no box on the road; containers are freight.
         if kind == "container" || (kind == "person" && get("vehicle").is_some_and(|v| !v.is_empty())) {
             self.count.set_aside("carried", 1);
             return;

@@ -35,10 +35,7 @@ fn text(zh: String, en: String) -> Bilingual {
 pub(super) fn fcd_unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "sumo.fcd.unreadable",
-        text(
-            format!("不是可读取的 FCD 文件：{reason}"),
-            format!("this is no FCD file that can be read: {reason}"),
-        ),
+        text(format!("不是可读取的 FCD 文件：{reason}"), format!("not a readable FCD file: {reason}")),
     )
     .with_hint(Bilingual::new(
         "用 `sumo --fcd-output fcd.xml.gz` 生成",
@@ -183,7 +180,7 @@ pub(super) fn ambiguous(
         text(
             format!("无法确定属于此行程的文件，有多个候选：{names}；均未使用"),
             format!(
-                "several files could belong to this drive, and no name says which: {names}; none is used"
+                "several files could belong to this drive, and their names do not decide: {names}; none is used"
             ),
         ),
     )

@@ -15,7 +15,7 @@ use whyroad_model::RoadMap;
 use whyroad_model::scene::LightState;
 
 pub(super) fn add_file(hash: &mut ContentHash, path: &Path) {
-    // What cannot be read is reported where it is read; here it only makes another hash.
+    // Unreadable files are reported where they are read; here they only change the hash.
     let mut bytes = Vec::new();
     let _ = fs::File::open(path).and_then(|mut f| f.read_to_end(&mut bytes));
     hash.add(&file_label(path), &bytes);

@@ -1,4 +1,4 @@
-//! Light states (`<tlsStates>`, written by `<timedEvent type="SaveTLSStates">`), one letter a link of the light.
+//! Light states (`<tlsStates>`, written by `<timedEvent type="SaveTLSStates">`), one letter per link of the light.
 
 use super::net::LightLink;
 use crate::encodings::input::Input;

@@ -45,7 +45,7 @@ pub(super) fn run_name(path: &Path) -> String {
 pub(super) enum Companion {
     None,
     File(PathBuf),
-    /// Several could be meant, and no name says which.
+    /// Several match, and their names do not decide.
     Several(Vec<PathBuf>),
 }
 
@@ -59,7 +59,7 @@ fn base(path: &Path) -> String {
 }
 
 /// The file named `word` that belongs to `fcd`: of the same name; else the one whose name begins that of the log; else
-/// the only one. What lies beside the log goes before what lies in the folder above.
+/// the only one. Files beside the log take precedence over files in the parent folder.
 pub(super) fn companion(fcd: &Path, word: &str) -> Companion {
     let own = base(fcd);
     let found = beside(fcd, &[word]);

@@ -22,7 +22,7 @@ use whyroad_model::road_map::{
 
 /// SUMO's width of a lane that states none, m.
 const DEFAULT_WIDTH_M: f64 = 3.2;
-/// Opposite lanes are neighbors when their left edges are no further apart than this, m.
+/// Opposite lanes are neighbors when their left edges are at most this far apart, m.
 const OPPOSITE_GAP_M: f64 = 1.0;
 
 /// One movement that a light controls.
@@ -178,7 +178,7 @@ fn lane_kind(allow: Option<&str>, disallow: Option<&str>) -> Option<LaneKind> {
     let Some(allow) = allow.filter(|a| !a.is_empty()) else {
         let barred: BTreeSet<&str> = disallow.unwrap_or("").split_whitespace().collect();
         let open = |class: &str| !barred.contains(class) && !barred.contains("all");
-        // A lane closed to cars is for whoever of these may still use it.
+        // A lane closed to cars is for those of these classes that may use it.
         let kinds = [
             ("passenger", LaneKind::Vehicle),
             ("bus", LaneKind::Bus),
@@ -306,8 +306,8 @@ fn assemble(raw: Raw, net: &mut Net) {
         },
     ));
     net.map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
-    // netconvert marks every roundabout that it finds; of ramps, lanes to gain speed and lights a network has what its
-    // vehicles know of.
+    // netconvert marks every roundabout that it finds; a network has all ramps, acceleration lanes and lights that its
+    // vehicles use.
     net.map.complete_for = ["acceleration", "ramp", "roundabout", "traffic_light"].map(str::to_owned).into();
     net.map.lanes = lanes.into_values().collect();
     net.map.crosswalks = crossings;
@@ -320,8 +320,8 @@ fn assemble(raw: Raw, net: &mut Net) {
             Area { id, boundary }
         })
         .collect();
-    // A network has what those in it obey: a simulation has no lights, limits or crossings but those. Paint it never
-    // has.
+    // A network has everything that its vehicles obey: a simulation has no other lights, limits or crossings. Paint it
+    // never has.
     let complete = [
         MapLayer::Connections,
         MapLayer::Junctions,
@@ -362,8 +362,8 @@ fn edge_of(lane: &str) -> Option<&str> {
     lane.rsplit_once('_').map(|p| p.0)
 }
 
-/// Nodes that join three or more other nodes by edges that have lanes, but for those at which roads only merge or part,
-/// passing those of the other direction at most.
+/// Nodes that join three or more other nodes by edges that have lanes, except those at which roads only merge or part,
+/// or pass roads of the other direction.
 fn real_junctions<'e>(
     meetings: &BTreeMap<&'e str, Vec<ramps::Meeting<'e>>>,
     lanes: &BTreeMap<String, Lane>,

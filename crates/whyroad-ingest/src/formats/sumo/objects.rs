@@ -71,7 +71,7 @@ fn motion(
         notes.jumps += 1;
     }
     if is_person == IsPerson::No {
-        // A person's speed is that of the walk, whatever way the person faces.
+        // A person's speed is that of the walk, whichever direction the person faces.
         m.forward = empty_when_unknown(rows.iter().map(|(_, s)| s.speed).collect());
         m.accel = rows.iter().map(|(_, s)| s.accel).collect();
     }
@@ -159,7 +159,7 @@ pub(super) fn tracks(
             interior_points: vec![f64::NAN; n],
             turn_signal: empty_when_never_told(signals),
             known_at: lags(&rows),
-            // Visibility comes from the sensor model, where one is asked for.
+            // Visibility comes from the sensor model, where one is requested.
             ..Track::default()
         });
     }

@@ -1,5 +1,5 @@
 //! Whether the vehicles of a log drive on the network that is taken for its map: a network of another run is not used,
-//! whatever its name.
+//! even if the name matches.
 
 use super::fcd::Fcd;
 use super::vehicle_types::IsPerson;
@@ -12,14 +12,14 @@ use whyroad_model::road_map::{Lane, LaneKind, Point3};
 /// The front of a vehicle lies this near to a lane's center line, m: half a lane, and as much for a change of lane, for
 /// overtaking and for stops beside the road.
 const NEAR_M: f64 = 4.0;
-/// Less than this share of the probes on the network, and it is another log's. Of the log's own network a quarter may
-/// be missing: cyclists ride where it has no lane.
+/// With less than this share of the probes on the network, it belongs to another log. Of the log's own network a
+/// quarter may be missing: cyclists ride where it has no lane.
 const OWN: f64 = 0.5;
-/// Less than this share, and some vehicles drive where the network has no lane.
+/// With less than this share, some vehicles drive where the network has no lane.
 const WHOLE: f64 = 0.98;
-/// Fewer probes than this prove nothing: two vehicles' worth. `ingest.map.off` still looks at the ego.
+/// Fewer probes than this (those of two vehicles) are not enough. `ingest.map.off` still checks the ego.
 const LEAST_PROBES: usize = 40;
-/// Probes per vehicle, and at most in all.
+/// Probes per vehicle, and maximum in total.
 const PER_VEHICLE: usize = 20;
 const PROBES: usize = 20_000;
 /// Size of the cells by which lanes are looked up, m.
@@ -34,7 +34,7 @@ pub(super) struct OnNet {
     pub probes: usize,
     /// Of them, those on a lane that leads as the vehicle drives.
     pub on_lane: usize,
-    /// A vehicle that is not on it, in words.
+    /// Description of a vehicle that is not on it.
     pub example: Option<String>,
 }
 
@@ -44,7 +44,7 @@ impl OnNet {
         if self.probes < LEAST_PROBES { 1.0 } else { self.on_lane as f64 / self.probes as f64 }
     }
 
-    /// The network is that of another log.
+    /// The network belongs to another log.
     pub fn is_foreign(&self) -> bool {
         self.share() < OWN
     }
@@ -94,7 +94,7 @@ impl<'a> Segments<'a> {
         Self { by_cell }
     }
 
-    /// True when a lane passes near the point and leads about this way.
+    /// True when a lane passes near the point and leads in about this direction.
     fn carries(&self, x: f64, y: f64, heading: f64) -> bool {
         self.by_cell.get(&cell(x, y)).into_iter().flatten().any(|[a, b]| {
             let (dx, dy) = (b.x - a.x, b.y - a.y);

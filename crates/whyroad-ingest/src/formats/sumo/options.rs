@@ -30,7 +30,7 @@ pub const SENSOR_RANGE: OptionSpec = OptionSpec::new(
     "METRES",
     "range of the ego's sensor, m, or inf for unlimited (default: 150)",
 );
-/// What a car's sensors see of other traffic, m; a simulation knows of everybody in the network.
+/// What a car's sensors see of other traffic, m; a simulation knows all objects in the network.
 const DEFAULT_RANGE_M: f64 = 150.0;
 /// Whether vehicles hide others.
 pub const OCCLUSION: OptionSpec =

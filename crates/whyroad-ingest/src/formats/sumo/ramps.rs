@@ -90,7 +90,7 @@ impl Meeting<'_> {
             && headings.iter().all(|&a| headings.iter().all(|&b| apart(a, b) < TOGETHER_RAD))
     }
 
-    /// True where the roads of `other` go the opposite way: they pass each other and do not cross.
+    /// True where the roads of `other` go in the opposite direction: they pass each other and do not cross.
     pub fn is_opposite(&self, other: &Meeting<'_>, lanes: &BTreeMap<String, Lane>) -> bool {
         let theirs = other.headings(lanes);
         self.headings(lanes).iter().all(|&a| theirs.iter().all(|&b| apart(a, b) > PI - TOGETHER_RAD))
@@ -142,7 +142,7 @@ fn tag(ids: impl IntoIterator<Item = String>, lanes: &mut BTreeMap<String, Lane>
     }
 }
 
-/// Speed limit from which on a road is one that has ramps, m/s: 70 km/h.
+/// Roads from this speed limit up have ramps, m/s: 70 km/h.
 const RAMP_ROAD_MPS: f64 = 19.4;
 /// A side road is this much slower than the main road, m/s, or has fewer lanes.
 const SLOWER_MPS: f64 = 2.0;

@@ -56,7 +56,7 @@ pub(super) fn area(
     })
 }
 
-/// The outline of a node from its corner nearest `from` to that nearest `to`, the way that lies further out.
+/// The outline of a node from its corner nearest `from` to that nearest `to`, along the outer side.
 fn mouth(shape: &[Point3], from: Point3, to: Point3, middle: (f64, f64)) -> Vec<Point3> {
     let corner = |p: Point3| {
         let away = |q: &Point3| (q.x - p.x).hypot(q.y - p.y);

@@ -2,15 +2,15 @@
 //!
 //! Sight lines run in the plane from the center of the ego's box to a target's outline, [`SIGHT_LINES`] of them evenly
 //! over the angle under which it is seen; one that meets another motor vehicle's box or a building (of an additional
-//! file) first is blocked. Heights play no part: a car hides a lorry behind it. A row that no line reaches is taken out
-//! of the track.
+//! file) first is blocked. Heights are ignored: a car hides a truck behind it. A row that no line reaches is removed
+//! from the track.
 
 use std::collections::BTreeMap;
 use whyroad_model::TrackId;
 use whyroad_model::road_map::RoadMap;
 use whyroad_model::scene::{Ego, Motion, Track};
 
-/// Sight lines a target.
+/// Sight lines per target.
 pub const SIGHT_LINES: usize = 100;
 
 /// How the ego senses.
@@ -25,7 +25,7 @@ pub struct Sensing {
 /// Whether vehicles hide what is behind them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Occlusion {
-    /// All is seen.
+    /// Everything is seen.
     #[default]
     Ignored,
     /// By the boxes of motor vehicles, and buildings.
@@ -118,7 +118,7 @@ fn wall_hit([a, b]: Wall, direction: (f64, f64)) -> Option<f64> {
 struct Sight {
     /// Lines of [`SIGHT_LINES`] that reach it.
     seen: usize,
-    /// Index of the vehicle that stops most of the others; `None` when walls stop more.
+    /// Index of the vehicle that blocks most of the others; `None` when walls block more.
     occluder: Option<usize>,
 }
 
@@ -139,7 +139,7 @@ fn look(target: &Footprint, others: &[(usize, Footprint)], walls: &[Wall]) -> Si
     for i in 0..SIGHT_LINES {
         let angle = center + low + (high - low) * (i as f64 + 0.5) / SIGHT_LINES as f64;
         let direction = (angle.cos(), angle.sin());
-        // Between two corners that the eye sees, every line meets the box; rounding at its edge does not matter.
+        // Between two corners that are visible, every line meets the box; rounding at its edge does not matter.
         let Some(own) = target.hit(direction) else { continue };
         let boxes = nearer.iter().filter_map(|(k, o)| Some((o.hit(direction)?, Some(*k))));
         let walls = walls.iter().filter_map(|w| Some((wall_hit(*w, direction)?, None)));
@@ -182,8 +182,8 @@ struct Seen {
     sights: Vec<Sight>,
 }
 
-/// Takes out of the tracks what the ego's sensor would not have seen, and states how many sight lines reach the rest
-/// and what stops most of the others (only with occlusion).
+/// Removes from the tracks what the ego's sensor would not have seen, and states how many sight lines reach the rest
+/// and what blocks most of the others (only with occlusion).
 pub(super) fn apply(sensing: Sensing, ego: &Ego, map: Option<&RoadMap>, tracks: &mut Vec<Track>) -> Unseen {
     let mut unseen = Unseen::default();
     if sensing == Sensing::default() {
@@ -197,7 +197,7 @@ pub(super) fn apply(sensing: Sensing, ego: &Ego, map: Option<&RoadMap>, tracks: 
     };
     let occludes = sensing.occlusion == Occlusion::ByBoxes;
     let within = |f: &Footprint| sensing.range_m.is_none_or(|r| f.distance() <= r);
-    // Who can hide something, by frame, before anything is taken out; and how far the farthest target is.
+    // Which vehicles can hide something, by frame, before anything is taken out; and how far the farthest target is.
     let mut by_frame: Vec<Vec<(usize, Footprint)>> = vec![Vec::new(); ego.motion.len()];
     let mut reach = vec![0.0_f64; ego.motion.len()];
     for (k, track) in tracks.iter().enumerate().filter(|_| occludes) {
@@ -318,7 +318,7 @@ mod tests {
     #[test]
     fn a_wall_hides_and_what_stops_most_is_named() {
         let target = car(30.0, 0.0);
-        // From y = 0 upwards, half way: the left half is hidden by the wall, nobody is to be named.
+        // From y = 0 upwards, half way: the left half is hidden by the wall, so no vehicle is named.
         let wall = [(15.0, 0.0), (15.0, 20.0)];
         let sight = look(&target, &[], &[wall]);
         assert_eq!((sight.seen, sight.occluder), (SIGHT_LINES / 2, None));

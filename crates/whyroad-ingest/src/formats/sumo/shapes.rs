@@ -1,8 +1,7 @@
 //! Polygons and points of interest of SUMO's additional files, as facilities and signs:
-//! `<poly type="building" shape=.../>` (any type that begins so, as OpenStreetMap imports write `building.house`, or a
-//! word of our list of facilities) and `<poi type="sign.stop" x= y= or lane= pos=/>` (with
-//! `<param key="value" value="8.33"/>` inside for the number on it). What is of any other type is scenery and set
-//! aside.
+//! `<poly type="building" shape=.../>` (any type with this prefix, as OpenStreetMap imports write `building.house`, or
+//! a word of our list of facilities) and `<poi type="sign.stop" x= y= or lane= pos=/>` (with `<param key="value"
+//! value="8.33"/>` inside for the number on it). What is of any other type is scenery and set aside.
 
 use crate::assemble::geometry::distance;
 use crate::encodings::input::Input;

@@ -5,11 +5,11 @@ use crate::encodings::xml::{Tag, for_each_tag};
 use std::collections::BTreeMap;
 use whyroad_model::ObjectClass;
 
-/// What a type says about all its vehicles.
+/// Properties that all vehicles of a type have.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VehicleType {
     pub class: ObjectClass,
-    /// SUMO's word for the class.
+    /// SUMO's name of the class.
     pub vclass: String,
     pub length_m: f64,
     pub width_m: f64,
@@ -22,7 +22,7 @@ pub(super) struct VehicleTypes(BTreeMap<String, VehicleType>);
 
 impl VehicleTypes {
     /// Adds the types of a route or additional file. SUMO has no class for animals and the like: `<param
-    /// key="whyroad.class" value="animal"/>` inside a type says it in our words.
+    /// key="whyroad.class" value="animal"/>` inside a type states our class.
     pub fn read(&mut self, input: Input<'_>) -> Result<(), String> {
         let mut inside: Option<String> = None;
         for_each_tag(input, |tag| {

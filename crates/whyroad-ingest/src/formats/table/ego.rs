@@ -50,7 +50,7 @@ pub(super) struct EgoRows {
     pose: Vec<Pose>,
     accel: Vec<f64>,
     yaw_rate: Vec<f64>,
-    /// One value a row.
+    /// One value per row.
     bus: EgoBus,
 }
 
@@ -175,8 +175,8 @@ impl EgoRows {
         for (pose, &time) in self.pose.iter().zip(&seconds) {
             let (s, c) = pose.heading.sin_cos();
             let [x, y, z] = pose.position;
-            // A velocity is that of the reference point; the middle of the car also swings round it, but goes as fast
-            // along the heading.
+            // A velocity is that of the reference point; the middle of the car also swings round it, but has the same
+            // speed along the heading.
             let Velocity { vector, forward } = pose.velocity;
             let (vector, forward) = match d {
                 0.0 => (vector, forward),

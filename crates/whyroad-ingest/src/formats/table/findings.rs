@@ -113,6 +113,6 @@ pub(super) fn unknown_word(file: &str, column: &str, word: &str, rows: usize, kn
         format!("列 '{column}' 有 {rows} 行的词 '{word}' 不在词表中，未采用"),
         format!("{rows} rows of column '{column}' have the unknown word '{word}'; it is not used"),
     );
-    // What the file says is lost.
+    // What the file states is lost.
     did_you_mean(Diagnostic::error("table.word.unknown", message).in_file(file), word, known)
 }

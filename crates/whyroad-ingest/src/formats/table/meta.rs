@@ -43,7 +43,7 @@ pub(super) fn drive_file(dir: Folder<'_>) -> Option<&'static str> {
 }
 
 impl Meta {
-    /// Reads the file; what is wrong goes into the report, and without the two things that nobody can guess there is no
+    /// Reads the file; problems go into the report, and without the two values that cannot be guessed there is no
     /// drive.
     pub fn read(reader: &mut Reader) -> Option<Self> {
         let folder = reader.dir.own_label();

@@ -1,4 +1,4 @@
-//! `objects`: what was tracked, a row an object and time, brought to frames.
+//! `objects`: tracked objects, one row per object and time, brought to frames.
 
 use super::ego::{states, velocities};
 use super::findings;
@@ -37,7 +37,7 @@ pub(super) const COLUMNS: &[&str] = &[
 ];
 pub(super) const REQUIRED: &[&[&str]] = &[TIME, &["track_id"], &["class"], &["x_m"], &["y_m"]];
 
-/// A column in which every row is unknown is no column.
+/// A column in which every row is unknown counts as absent.
 fn empty_if<T>(values: Vec<T>, unknown: impl Fn(&T) -> bool) -> Vec<T> {
     if values.iter().all(unknown) { Vec::new() } else { values }
 }

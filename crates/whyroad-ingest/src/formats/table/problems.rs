@@ -22,7 +22,7 @@ impl Problems {
         group.add(row);
     }
 
-    /// Takes note of a row that is dropped.
+    /// Records a dropped row.
     pub fn row(&mut self, reason: &'static str, row: usize, count: &mut RowCount) {
         count.drop_rows(reason, 1);
         self.rows.entry(reason).or_default().add(row);

@@ -1,4 +1,4 @@
-//! What every table of a drive is read with: the folder, the report, and the drive's clock.
+//! What is needed to read every table of a drive: the folder, the report, and the drive's clock.
 
 use super::findings;
 use super::sheet::{Sheet, sheet_file};
@@ -14,7 +14,7 @@ use whyroad_model::scene::FRAME_RATE_HZ;
 const MAX_GAP_S: f64 = 0.25;
 const GAP_STEPS: f64 = 1.5;
 
-/// What every table is read with.
+/// What is needed to read every table.
 pub(super) struct Reader<'a> {
     pub dir: Folder<'a>,
     pub hash: ContentHash,

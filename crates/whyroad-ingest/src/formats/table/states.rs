@@ -1,4 +1,4 @@
-//! `lights` and `context`: what holds from a time on until the next row of the same kind.
+//! `lights` and `context`: states that are valid from a time until the next row of the same kind.
 
 use super::problems::Problems;
 use super::reader::Reader;
@@ -43,8 +43,8 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
     Some(out)
 }
 
-/// Weather, surface and the like; `None` without the table. A value that is missing or not one of its kind's ends what
-/// was known before: from there on the state is `unknown`.
+/// Weather, surface and the like; `None` without the table. A value that is missing or not allowed for its kind ends
+/// the previous state: from there on the state is `unknown`.
 pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
     let columns = ["timestamp_ns", "time", "time_s", "kind", "value", "source", "confidence"];
     let sheet = reader.sheet("context", &columns, &[TIME, &["kind"], &["value"]])?;

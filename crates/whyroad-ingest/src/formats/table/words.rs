@@ -13,7 +13,7 @@ pub(super) struct UnknownWords {
 }
 
 impl UnknownWords {
-    /// `word` in lower case when it is in `known`; else it is taken note of as one of `column`.
+    /// `word` in lower case when it is in `known`; else it is recorded under `column`.
     pub fn check(&mut self, column: &'static str, word: &str, known: &[&'static str]) -> Option<String> {
         let word = word.to_ascii_lowercase();
         if known.contains(&word.as_str()) {

@@ -26,7 +26,7 @@ pub(super) fn record(file: &str, e: &RecordError) -> Diagnostic {
     };
     let (zh, en) = (
         format!("{zh}；该记录及其后的内容丢失"),
-        format!("{e}; it is lost, and what cannot be found after it"),
+        format!("{e}; this record is lost, and any after it that cannot be found"),
     );
     Diagnostic::error(code, Bilingual::new(zh, en))
         .with_hint(Bilingual::new("重新下载该文件", "download the file again"))
@@ -38,7 +38,7 @@ pub(super) fn schema(file: &str, what: &str) -> Diagnostic {
         "waymo.schema",
         Bilingual::new(
             format!("记录不是 Scenario 消息：{what}"),
-            format!("the record is no Scenario message: {what}"),
+            format!("the record is not a Scenario message: {what}"),
         ),
     )
     .with_hint(Bilingual::new(

@@ -1,4 +1,4 @@
-//! The `Scenario` message, as much of it as scene tables want. Field numbers: `scenario.proto` and `map.proto` of the
+//! The `Scenario` message, limited to what scene tables need. Field numbers: `scenario.proto` and `map.proto` of the
 //! Waymo Open Dataset (motion, 1.0 to 1.3).
 
 use crate::assemble::feature_map::{Boundary, CenterLane, Feature, Neighbor};
@@ -23,7 +23,7 @@ pub(super) struct Scenario {
     pub features: Vec<(String, Result<Feature, String>)>,
 }
 
-/// An object: one state a step; `None` where it is not valid.
+/// An object: one state per step; `None` where it is not valid.
 #[derive(Default)]
 pub(super) struct ObjectTrack {
     pub id: i64,
@@ -92,7 +92,7 @@ fn track(field: Field<'_>) -> Parsed<ObjectTrack> {
 }
 
 fn state(field: Field<'_>) -> Parsed<Option<Sample>> {
-    // What a proto2 message leaves out is zero, and not valid.
+    // A field absent from a proto2 message is zero, and not valid.
     let mut v = [0.0; 12];
     let mut valid = false;
     for f in field.fields()? {
@@ -205,7 +205,7 @@ fn lane(field: Field<'_>) -> Parsed<CenterLane> {
     }
     l.lane = Lane {
         kind: if kind == TYPE_BIKE_LANE { LaneKind::Bike } else { LaneKind::Vehicle },
-        // Lanes made between two others are the ways over junctions; on freeways they are splits and merges.
+        // Lanes made between two others are the paths across junctions; on freeways they are splits and merges.
         in_junction: interpolating && kind != TYPE_FREEWAY,
         predecessors: texts(&entries),
         successors: texts(&exits),

@@ -8,7 +8,7 @@ use crate::maps::{MapReading, signs};
 use std::collections::{BTreeMap, HashMap};
 use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, Point3, TurnKind};
 
-/// A lanelet as it is driven: those for both directions are there twice.
+/// A lanelet as it is driven: those for both directions occur twice.
 pub(super) struct Lanelet {
     pub relation: i64,
     pub lane: Lane,
@@ -175,7 +175,7 @@ fn lanelet(
     Lanelet { relation: relation_id, lane, bounds: b.ways, begin: ends(false), end: ends(true) }
 }
 
-/// Who a lanelet is for, by its subtype, else by who may use it.
+/// The users of a lanelet, by its subtype, else by the permitted participants.
 fn kind(relation: &Relation) -> Option<LaneKind> {
     let may = |who: &str| match relation.tag(&format!("participant:{who}")) {
         "yes" | "true" => Some(true),
@@ -219,7 +219,7 @@ fn mark(tags: &Tags, turned: bool) -> LaneMark {
             ("dashed_solid", false) | ("solid_dashed", true) => LaneMark::DashedSolid,
             _ => LaneMark::Unknown,
         },
-        // Curbs, walls and the like say nothing of paint.
+        // Curbs, walls and the like have no paint information.
         _ => LaneMark::Unknown,
     }
 }
@@ -260,7 +260,7 @@ fn link(all: &mut [Lanelet]) {
         lane.successors = next;
         lane.predecessors = before.remove(&i).unwrap_or_default();
     }
-    // A lane that leads nowhere leaves the map: it does not end on the road.
+    // A lane without a successor leaves the map: it does not end on the road.
     if all.iter().any(|l| !l.lane.successors.is_empty()) {
         for l in all.iter_mut().filter(|l| l.lane.successors.is_empty()) {
             l.lane.successors.push(format!("beyond:{}", l.lane.id));

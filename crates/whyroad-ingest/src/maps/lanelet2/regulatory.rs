@@ -11,10 +11,10 @@ use whyroad_model::road_map::{Facility, Lane, Point3, Sign, StopLine};
 /// More pairs of loose stop lines and lanes are not compared.
 const MAX_PAIRS: usize = 100_000_000;
 
-/// Adds what regulatory elements say.
+/// Adds what regulatory elements state.
 pub(super) fn add(document: &Document, lanelets: &Lanelets, ground: &mut Ground, out: &mut MapReading) {
     let lanes = lanelets.by_relation();
-    // Lanes by the elements that hold for them.
+    // Lanes by the elements that apply to them.
     let mut under: HashMap<i64, Vec<String>> = HashMap::new();
     for (id, relation) in document.relations.iter().filter(|(_, r)| r.tag("type") == "lanelet") {
         for element in relation.members(MemberKind::Relation, "regulatory_element") {

@@ -160,7 +160,7 @@ fn degrees_need_an_origin_and_a_declared_datum() {
         (p.x - 10.0 * 73_171.0 / 73_000.0).abs() < 0.01 && (p.y - 8.0 * 111_205.0 / 111_000.0).abs() < 0.01,
         "{p:?}"
     );
-    // Germany is not shifted, whatever is declared; a datum that is not known is refused.
+    // Germany is not shifted with any declared datum; a datum that is not known is refused.
     let gcj = reading(&no_local, &options.clone().with(&MAP_DATUM, "gcj02"));
     assert_eq!(gcj.map.lane("50").unwrap().left[1], p);
     assert!(Placement::of(&options.with(&MAP_DATUM, "bd09")).is_err());

@@ -1,5 +1,5 @@
 //! An OpenDRIVE file as it is written: roads, lanes, junctions, objects, signals, before anything is placed. Attributes
-//! that are absent stay absent; elements that are not known are passed over.
+//! that are absent stay absent; unknown elements are skipped.
 
 use super::cubic::{Cubic, Profile};
 use super::plan_view::{Geometry, Shape};
@@ -94,7 +94,7 @@ pub(super) struct Signal {
     pub validity: Vec<(i32, i32)>,
 }
 
-/// A signal that stands elsewhere and concerns this road too.
+/// A signal located elsewhere that also applies to this road.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SignalReference {
     pub id: String,
@@ -172,7 +172,7 @@ pub(super) fn read(input: Input<'_>) -> Result<Document, String> {
     if !state.is_open_drive {
         return Err(end.err().unwrap_or_else(|| "it has no <OpenDRIVE>".to_owned()));
     }
-    // What was begun before a break is kept.
+    // Elements that were begun before a break are kept.
     state.end_road();
     state.document.junctions.extend(state.junction.take());
     state.document.broken = end.err();

@@ -13,7 +13,7 @@ use whyroad_model::road_map::{Area, Facility, Lane, LayerState, MapLayer, Point3
 /// Half the width of a light, m.
 const HALF_LIGHT_M: f64 = 0.5;
 
-/// What signals and objects gave.
+/// Results from signals and objects.
 #[derive(Default)]
 pub(super) struct Found {
     /// Lanes that stop for lights, which no stop line names.

@@ -34,7 +34,7 @@ pub(super) fn mark(document: &Document, lanes: &mut BTreeMap<LaneKey, Lane>) -> 
         if let Some(junction) = document.roads[key.road].junction.as_deref()
             && rolls(lane)
         {
-            // Also where a street only turns back at its end, which is no junction.
+            // Also where a street only turns back at its end, which is not a junction.
             lane.turn = layers::turn(&lane.center);
             inside.entry(junction).or_default().push(*key);
         }

@@ -34,13 +34,13 @@ impl Default for Budget {
     }
 }
 
-/// What became of the lanes of a road.
+/// Results for the lanes of a road.
 #[derive(Default)]
 pub(super) struct Placed {
     pub lanes: BTreeMap<LaneKey, Lane>,
-    /// Lanes for nobody who uses the road: medians, borders, rails.
+    /// Lanes without road users: medians, borders, rails.
     pub set_aside: usize,
-    /// Lanes that cannot be placed; the first in words.
+    /// Lanes that cannot be placed; a description of the first.
     pub invalid: Vec<String>,
 }
 
@@ -275,7 +275,7 @@ fn neighbors(road: usize, section: usize, doc: &Road, lanes: &mut BTreeMap<LaneK
     }
 }
 
-/// Who a lane is for, and its tag; `None` for what is not part of the road.
+/// The users of a lane, and its tag; `None` for what is not part of the road.
 fn kind(name: &str) -> Option<(LaneKind, Option<&'static str>)> {
     Some(match name {
         "driving" | "bidirectional" | "slipLane" => (LaneKind::Vehicle, None),

@@ -33,7 +33,7 @@ impl<'d> Index<'d> {
     }
 }
 
-/// Joins the lanes; gives links that name what the file does not have.
+/// Joins the lanes; returns links that name elements missing from the file.
 pub(super) fn join(
     document: &Document,
     index: &Index<'_>,

@@ -61,12 +61,12 @@ mod tests {
 
     #[test]
     fn two_lines_are_seen_from_either_side() {
-        // In the middle: solid on the left by ascending stations, dashed on the right. Who drives forward on the right
-        // side has the dashed line on his side, that is on the right of the two.
+        // In the middle: solid on the left by ascending stations, dashed on the right. A driver going forward on the
+        // right side has the dashed line on the near side, that is on the right of the two.
         let middle = [Mark { offset: 0.0, kind: "solid broken".into() }];
         let right = of(&lane(-1, "solid"), &middle, true, 10.0);
         assert_eq!(right, (LaneMark::SolidDashed, LaneMark::Solid));
-        // Against it, on the left side, the solid one is on his side.
+        // Against it, on the left side, the solid one is on the driver's side.
         let left = of(&lane(1, "broken"), &middle, false, 10.0);
         assert_eq!(left, (LaneMark::DashedSolid, LaneMark::Dashed));
     }

@@ -148,7 +148,7 @@ impl Geometry {
     }
 }
 
-/// Direction of a parametric curve; where it stands still, that of the point next to it.
+/// Direction of a parametric curve; where its speed is zero, that of the neighboring point.
 fn direction(u: [f64; 4], v: [f64; 4], p: f64, end: f64) -> f64 {
     let (du, dv) = (slope(u, p), slope(v, p));
     if du.hypot(dv) > 1e-9 {

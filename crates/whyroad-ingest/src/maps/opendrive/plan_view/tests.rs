@@ -62,7 +62,7 @@ fn a_parametric_cubic_in_both_ranges() {
     let (u, v) = ([0.0, 30.0, 0.0, -10.0], [0.0, 0.0, 30.0, -10.0]);
     let end = end_of(Shape::Parametric { u, v, end: 1.0 }, 29.0);
     assert!(near(end.x, 20.0, 1e-9) && near(end.y, 20.0, 1e-9) && near(end.heading, FRAC_PI_2, 1e-9));
-    // u = 0, v = 10 p^2 stands still at its start, and goes north all the same.
+    // u = 0, v = 10 p^2 has zero speed at its start, and still heads north.
     let still = Shape::Parametric { u: [0.0; 4], v: [0.0, 0.0, 10.0, 0.0], end: 1.0 };
     let g = Geometry { start: 0.0, x: 0.0, y: 0.0, heading: 0.0, length: 10.0, shape: still };
     assert!(near(poses(&[g], &[0.0])[0].heading, FRAC_PI_2, 1e-9));
