@@ -3,8 +3,8 @@
 //!
 //! Flags, texts, numbers and nulls are made pages here (`encoded`), integers by Parquet's own column writers.
 //!
-//! Columns of a row group with equal values are in the file once: the footer names the same pages for each of them.
-//! That is plain Parquet, where a column is wherever the footer says, so that no reader has to know of it.
+//! Columns of a row group with equal values are stored once: the footer names the same pages for each of them. That is
+//! plain Parquet, where the footer states the position of a column, so readers need no special support.
 
 mod encoded;
 
@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use whyroad_model::{Column, Tri};
 
-/// What a file of this format begins and ends with.
+/// The bytes at the beginning and end of a file of this format.
 const MAGIC: &[u8] = b"PAR1";
 
 /// Where a column of a row group comes from.
@@ -39,7 +39,7 @@ const MAGIC: &[u8] = b"PAR1";
 pub(crate) enum Source<'a> {
     /// Values.
     Cells(Cells<'a>),
-    /// A column of another file, as it is there.
+    /// A column of another file, unchanged.
     Copied(&'a Chunk, &'a ColumnChunkMetaData),
     /// The same values as the column of this index, which comes before.
     SameAs(usize),
@@ -181,7 +181,7 @@ fn closed(metadata: ColumnChunkMetaData, rows: usize) -> ColumnCloseResult {
     }
 }
 
-/// What the footer says of a column that is where another one is.
+/// The footer entry of a column that shares the pages of another one.
 fn at_the_place_of(
     other: &ColumnChunkMetaData,
     column: &ColumnChunkMetaData,
@@ -208,7 +208,7 @@ fn at_the_place_of(
     out.build()
 }
 
-/// Flags, texts, numbers and nulls as a column of this type; `None` where Parquet's own writer makes it.
+/// Flags, texts, numbers and nulls as a column of this type; `None` where Parquet's own writer is used.
 fn encoded(cells: Cells<'_>, column: Option<&ColumnDescPtr>) -> ParquetResult<Option<Encoded>> {
     let Some(column) = column else { return Ok(None) };
     let (physical, nullable) = (column.physical_type(), column.max_def_level() == 1);
@@ -306,7 +306,8 @@ fn other_type() -> ParquetError {
     ParquetError::General("the values are not of the column's type".into())
 }
 
-/// Definition levels (1: known, 0: null) of rows, and the values of those that are known; all of them are for `None`.
+/// Definition levels (1: known, 0: null) of rows, and the values of those that are known; `None` means that all are
+/// known.
 fn divided<'v, T: Copy + Default>(
     all: &'v [T],
     known: Option<&(impl Fn(usize) -> bool + ?Sized)>,

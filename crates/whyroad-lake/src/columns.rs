@@ -111,7 +111,7 @@ impl TableBuilder {
     }
 }
 
-/// A table read from disk. Every getter fails with the file's name when the column is not there or not of its type.
+/// A table read from disk. Every getter fails with the file's name when the column is missing or of another type.
 #[derive(Debug)]
 pub(crate) struct Table {
     pub path: PathBuf,
@@ -123,7 +123,7 @@ impl Table {
         self.batch.num_rows()
     }
 
-    /// Columns that lakes of earlier builds lack are asked for first.
+    /// For columns that lakes of earlier builds lack, check this first.
     pub fn has(&self, name: &str) -> bool {
         self.batch.column_by_name(name).is_some()
     }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use whyroad_model::DriveId;
 
 impl Lake {
-    /// True where the lake holds anything of the drive, also what a killed process left.
+    /// True where the lake holds anything of the drive, including leftovers of a killed process.
     pub fn holds(&self, id: &DriveId) -> bool {
         self.folders_of(id).is_ok_and(|folders| !folders.is_empty())
             || self.last_catalog().find(id).is_some()
@@ -54,7 +54,7 @@ impl Lake {
         Ok(())
     }
 
-    /// The drive's folder, its images, and what processes wrote aside for it (`.new-<pid>-<id>` and the like).
+    /// The drive's folder, its images, and temporary folders of processes for it (`.new-<pid>-<id>` and the like).
     fn folders_of(&self, id: &DriveId) -> Result<Vec<PathBuf>, LakeError> {
         let dir = self.checked_dir(id)?;
         let drives = self.dir().join("drives");

@@ -87,18 +87,18 @@ pub enum LakeError {
     /// This build has no object stores.
     #[error("{0}: this build has no support for S3")]
     NoS3(String),
-    /// The object store refused or failed, also after repetitions.
+    /// The object store refused or failed, also after retries.
     #[error("{url}: {reason}")]
     Storage {
         /// The lake.
         url: String,
-        /// What it answered, without anything secret.
+        /// Its answer, without secrets.
         reason: String,
     },
     /// The object store ignores the conditions of writes, so that two writers would overwrite each other.
     #[error("{0}: the object store does not support conditional writes (If-Match, If-None-Match)")]
     Unconditional(String),
-    /// Another process changed the same at the same time.
+    /// Another process changed the same files at the same time.
     #[error("{url}: changed by another process at the same time: {}", .what.join(", "))]
     ChangedMeanwhile {
         /// The lake.
@@ -140,7 +140,7 @@ impl LakeError {
         }
     }
 
-    /// The same for people, with a remedy.
+    /// The error as a diagnostic, with a hint.
     pub fn diagnostic(&self) -> Diagnostic {
         let zh = match self {
             LakeError::NotALake(p) => format!("{} 不是数据湖：缺少 whyroad-lake.json", p.display()),
@@ -173,7 +173,7 @@ impl LakeError {
             ),
             LakeError::DriveInvalid { .. } => Bilingual::new(
                 "这是导入适配器的缺陷，请附上报告反馈",
-                "an adapter must not produce this; please report it with the message",
+                "this is a bug in the adapter; please report it with this message",
             ),
             LakeError::TableBroken { .. } | LakeError::RowOrder { .. } => Bilingual::new(
                 "重新导入原始数据：无法读取的行程会被替换",
@@ -227,7 +227,7 @@ impl LakeError {
     }
 }
 
-/// How to get on: by ingesting again into the same lake, or with a newer program.
+/// How to continue: by ingesting again into the same lake, or with a newer program.
 fn version_hint(path: &Path, found: u32, formats: &[String]) -> Bilingual {
     if found > crate::LAKE_VERSION {
         return Bilingual::new("请升级 whyroad", "use a newer whyroad");

@@ -8,7 +8,7 @@ use std::fs;
 use whyroad_model::DriveId;
 use whyroad_model::scene::{DriveMeta, GeoPosition};
 
-/// Facts about a drive; `None` says nothing and changes nothing.
+/// Facts about a drive; `None` means not stated and changes nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DriveFacts {
     /// Recording session.

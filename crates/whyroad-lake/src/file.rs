@@ -28,7 +28,7 @@ use whyroad_model::Nanos;
 pub(crate) const ROW_ORDER_KEY: &str = "whyroad.row_order";
 const VERSION_KEY: &str = "whyroad.lake_version";
 
-/// Rows in which a text stands on average, at least, where its column is written as runs.
+/// Minimum average number of consecutive rows with the same text for a column to be written as runs.
 const LEAST_RUN_ROWS: usize = 4;
 
 /// How tables are written; `more` is metadata beside the version and the order of the rows.
@@ -44,7 +44,7 @@ pub(crate) fn properties(row_order: &str, more: Vec<KeyValue>) -> WriterProperti
         .set_key_value_metadata(Some(stated.into_iter().chain(more).collect()))
 }
 
-/// Writes one table: one row group (so that any engine hands it out whole), Snappy, and the row order in the metadata.
+/// Writes one table: one row group (so that any engine returns it whole), Snappy, and the row order in the metadata.
 pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> Result<usize, LakeError> {
     let batch = table.finish().map_err(|e| LakeError::broken(path, e))?;
     let mut properties = properties(row_order, vec![]);
@@ -78,12 +78,12 @@ fn flat(batch: &RecordBatch) -> Option<Vec<Source<'_>>> {
     all.then(|| batch.columns().iter().map(|c| Source::Cells(Cells::Array(c))).collect())
 }
 
-/// True where values come again so often that a dictionary is shorter than the values, and faster to read.
+/// True where values repeat often enough that a dictionary is shorter than the values, and faster to read.
 pub(crate) fn repeats(values: &[f64]) -> bool {
     let sample = &values[..values.len().min(8192)];
-    // Room for as many as can be told apart here.
+    // Capacity for the maximum number of distinct values here.
     let (mut distinct, mut last) = (HashSet::with_capacity(sample.len() / 8 + 1), None);
-    // Of most columns the first few rows tell.
+    // For most columns the first few rows decide.
     !sample.is_empty()
         && sample.iter().map(|x| x.to_bits()).all(|bits| {
             // Mostly it is the value of the row before.
@@ -94,7 +94,7 @@ pub(crate) fn repeats(values: &[f64]) -> bool {
         })
 }
 
-/// Writes a file that is on the disk when this returns; every batch begins a row group.
+/// Writes a file that is on disk when this returns; every batch begins a row group.
 pub(crate) fn write_batches<'a>(
     path: &Path,
     schema: &SchemaRef,
@@ -124,11 +124,11 @@ pub fn check_columns(metadata: &ParquetMetaData) -> Result<(), &'static str> {
     if damaged { Err("a column has a negative offset or length") } else { Ok(()) }
 }
 
-/// The next rows of a Parquet file; `None` at its end. A reader that failed would fail again: it is not to be asked
+/// The next rows of a Parquet file; `None` at its end. A reader that failed would fail again: it must not be used
 /// again.
 ///
 /// # Errors
-/// Where the file is damaged, also in ways on which the Parquet library panics: pages that contradict each other.
+/// Where the file is damaged, including damage on which the Parquet library panics: pages that contradict each other.
 pub fn next_batch(reader: &mut ParquetRecordBatchReader) -> Result<Option<RecordBatch>, String> {
     match catch_unwind(AssertUnwindSafe(|| reader.next().transpose())) {
         Ok(batch) => batch.map_err(|e| e.to_string()),
@@ -245,7 +245,7 @@ mod tests {
     use super::*;
     use crate::tables::frames;
 
-    /// A table of all types of columns, with what they can lack.
+    /// A table of all types of columns, with missing values where they can have them.
     fn table(rows: usize, texts: bool) -> TableBuilder {
         let word =
             move |i: usize| if texts { format!("row {i}") } else { ["near", "far"][i / 50 % 2].to_owned() };

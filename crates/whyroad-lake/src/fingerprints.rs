@@ -1,8 +1,8 @@
 //! Whether a drive is still the one that was mined, without opening it: where it is, and the identity of its files.
 //!
 //! In a folder, a file's identity is its length, its time of change and its number in the file system; in an object
-//! store, the hash of its content, which the manifest of the lake states. What commands keep beside a drive (stored
-//! signals, results) is not looked at: it follows from the tables.
+//! store, the hash of its content, which the manifest of the lake states. Files that commands keep beside a drive
+//! (stored signals, results) are not checked: they follow from the tables.
 
 use crate::lake::MANIFEST;
 use crate::packs::{self, DRIVES_FILE, fingerprint};
@@ -54,7 +54,7 @@ impl Lake {
     }
 
     /// Hash of what a drive states about itself, wherever it is; `None` where it cannot be read, or does not state the
-    /// hash of its content: then nobody can say that the content is the same.
+    /// hash of its content: then equal content cannot be established.
     pub fn stated(&self, id: &DriveId) -> Option<String> {
         let manifest = self.manifest(id).ok().filter(|m| !m.meta.content_hash.is_empty())?;
         let text = serde_json::to_vec(&manifest).ok()?;
@@ -130,7 +130,7 @@ mod tests {
         assert_ne!(changed.tables, a.tables);
         fs::write(&tracks, bytes).unwrap();
 
-        // Packed, the drive is elsewhere and states the same; notes lie over the pack.
+        // After packing, the drive is elsewhere and states the same; notes override the pack.
         lake.compact(&CompactionOptions::default(), |_, _| ()).unwrap();
         let packed = of("a");
         assert!(!packed.place.is_empty() && !packed.head.is_empty() && packed.place != of("b").place);

@@ -1,4 +1,4 @@
-//! A lake folder: which drives it holds, reading one, writing one so that it is there whole or not at all.
+//! A lake folder: which drives it holds, reading one, writing one atomically.
 
 use crate::columns::Table;
 use crate::manifest::{DriveManifest, LakeMarker};
@@ -34,7 +34,7 @@ pub struct Lake {
 pub enum WriteOutcome {
     /// The drive is new.
     Written,
-    /// A drive of the same id and content hash is there already; nothing was touched.
+    /// A drive of the same id and content hash exists already; nothing was changed.
     Unchanged,
     /// A drive of the same id but other content was replaced.
     Replaced,
@@ -97,14 +97,14 @@ impl Lake {
         Ok((Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None }, marker.version))
     }
 
-    /// Opens the lake for writing, making an empty one if it does not exist. What a killed process left half written
-    /// is removed. An older lake becomes one of this version: each of its drives is refused by readers until it is
-    /// written again.
+    /// Opens the lake for writing, making an empty one if it does not exist. Partial writes of a killed process are
+    /// removed. An older lake becomes one of this version: each of its drives is refused by readers until it is written
+    /// again.
     ///
-    /// What is written into a lake in an object store is not there before [`Lake::publish`].
+    /// What is written into a lake in an object store is not visible before [`Lake::publish`].
     ///
     /// # Errors
-    /// As [`Lake::open`], and where the lake cannot be written.
+    /// Those of [`Lake::open`], and when the lake cannot be written.
     pub fn create_or_open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
         let Some(url) = StorageUrl::of(dir.as_ref()) else {
             return Self::create_or_open_folder(dir.as_ref());
@@ -125,7 +125,7 @@ impl Lake {
     ///
     /// # Errors
     /// [`LakeError::ChangedMeanwhile`] names drives that another process changed at the same time; all others are
-    /// published. After any other error, calling it again is right whether or not it was published.
+    /// published. After any other error, call it again: this is safe whether or not it was published.
     pub fn publish(&self) -> Result<(), LakeError> {
         self.publish_as(Intent::Write)
     }
@@ -147,7 +147,7 @@ impl Lake {
         self.mirror.as_ref().map(|mirror| mirror.images())
     }
 
-    /// The lake as people name it: its folder or its URL.
+    /// The lake's displayed name: its folder or its URL.
     pub fn name(&self) -> String {
         self.mirror.as_ref().map_or_else(|| self.dir.display().to_string(), |mirror| mirror.url())
     }
@@ -170,7 +170,7 @@ impl Lake {
         Ok(Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None })
     }
 
-    /// Makes the folder of packs; from now on, a build that does not know of packs refuses the lake.
+    /// Makes the folder of packs; from now on, a build without support for packs refuses the lake.
     pub(crate) fn mark_packed(&self) -> Result<(), LakeError> {
         let packs = self.packs_dir();
         fs::create_dir_all(&packs).map_err(LakeError::io(&packs))?;
@@ -214,7 +214,7 @@ impl Lake {
         Ok(self.drive_dir(id))
     }
 
-    /// True for a drive with a folder of its own, which lies over what a pack has of it.
+    /// True for a drive with a folder of its own, which overrides its copy in a pack.
     pub(crate) fn is_loose(&self, id: &DriveId) -> bool {
         self.drive_dir(id).join(MANIFEST).is_file()
     }
@@ -339,8 +339,8 @@ impl Lake {
     }
 
     /// Writes one drive. A drive of the same id is replaced, unless its content hash is equal. Readers never see a
-    /// part of a drive: the tables are written aside and the folder is then renamed into place. (A process killed
-    /// between the two renames of a replacement leaves no drive of that id; the next ingest writes it again.)
+    /// part of a drive: the tables are written to a temporary folder, which is then renamed into place. (A process
+    /// killed between the two renames of a replacement leaves no drive of that id; the next ingest writes it again.)
     pub fn write_drive(&self, drive: &Drive) -> Result<WriteOutcome, LakeError> {
         self.write_drive_with(drive, &[])
     }
@@ -374,7 +374,7 @@ impl Lake {
             remove_dir(leftover)?;
         }
         fs::create_dir_all(&fresh).map_err(LakeError::io(&fresh))?;
-        // What the log does not have and was stated about the drive stays stated.
+        // Facts that were stated about the drive and that the log does not have are kept.
         let mut meta = drive.meta.clone();
         if let Ok(held) = self.manifest_of_any_version(id) {
             let own = DriveFacts::of(&meta);
@@ -392,7 +392,7 @@ impl Lake {
             },
         )?;
         let _lock = lock::changing(&self.dir)?;
-        // Signals and small files over a packed drive go with what they lie over.
+        // Signals and small files that override those of a packed drive are removed with it.
         let (aside, packed) = (target.exists(), self.last_catalog().find(id).is_some());
         if aside {
             fs::rename(&target, &old).map_err(LakeError::io(&target))?;

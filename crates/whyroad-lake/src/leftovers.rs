@@ -1,5 +1,5 @@
-//! What a killed process left half written (`.new-<pid>-<drive>`), put away (`.old-<pid>-<drive>`) or had not
-//! yet removed (`.gone-<pid>-<drive>`) among the drives.
+//! What a killed process left partly written (`.new-<pid>-<drive>`), moved aside (`.old-<pid>-<drive>`) or had not yet
+//! removed (`.gone-<pid>-<drive>`) among the drives.
 
 use std::fs;
 use std::path::Path;
@@ -9,9 +9,9 @@ use std::time::{Duration, SystemTime};
 /// or container, whose processes cannot be seen from here.
 const QUIET: Duration = Duration::from_secs(600);
 
-/// Removes half-written drives whose process is gone. A drive put away for a replacement that never came is put back.
-/// Where processes cannot be looked up (no `/proc`) nothing is done; what cannot be removed stays, as it harms no
-/// reader.
+/// Removes half-written drives whose process is gone. A drive that was moved aside for a replacement that was never
+/// completed is restored. Where processes cannot be looked up (no `/proc`) nothing is done; what cannot be removed
+/// stays, as it harms no reader.
 pub(crate) fn remove(drives: &Path) {
     if !Path::new("/proc/self").exists() {
         return;
@@ -25,7 +25,7 @@ pub(crate) fn remove(drives: &Path) {
         }
         let target = drives.join(drive);
         let _ = match kind {
-            // A drive that is in a pack, too, comes back as a loose one, which lies over the pack.
+            // A drive that is in a pack, too, is restored as a loose one, which overrides the pack.
             "old" if !target.exists() => fs::rename(&path, &target),
             _ => fs::remove_dir_all(&path),
         };
@@ -56,7 +56,7 @@ mod tests {
     fn only_what_a_process_that_is_gone_left_long_ago_is_removed() {
         let dir = tempfile::tempdir().unwrap();
         let drives = Lake::create_or_open(dir.path()).unwrap().dir().join("drives");
-        // A process that has ended and been waited for: its id names nobody.
+        // A process that has ended and been waited for: its id names no process.
         let mut child = std::process::Command::new("true").spawn().unwrap();
         let gone = child.id();
         child.wait().unwrap();

@@ -2,8 +2,8 @@
 //! plain enough for DuckDB or pandas; `docs/reference/lake.md` lists tables, columns and units), stored signals, mined
 //! folders. This crate knows how these are *stored*; it knows no input format and derives nothing.
 //!
-//! What holds for every drive in a lake: it appears whole or not at all (a folder written aside, then renamed; or many
-//! drives in one pack, which the catalog names); rows are ordered by clip, then target, then frame, one row group
+//! Guarantees for every drive in a lake: it appears whole or not at all (a temporary folder that is then renamed; or
+//! many drives in one pack, which the catalog names); rows are ordered by clip, then target, then frame, one row group
 //! holds the whole drive, and both are recorded in the file and checked on read; unknown is null on disk and NaN or
 //! `None` in memory.
 

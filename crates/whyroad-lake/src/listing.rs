@@ -24,7 +24,7 @@ impl Lake {
     /// Where the drive is missing or cannot be read.
     pub fn entry(&self, id: &DriveId) -> Result<DriveEntry, LakeError> {
         let Some(mirror) = &self.mirror else { return self.at_place(id, |place| self.entry_at(id, place)) };
-        // A listing fetches one small table of a drive and not all of it.
+        // A listing fetches one small table of a drive, not the whole drive.
         let folder = format!("drives/{id}");
         self.checked_dir(id)?;
         mirror.fetch_files(&folder, |name| name == "frames.parquet")?;

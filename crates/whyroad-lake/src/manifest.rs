@@ -21,7 +21,7 @@ pub(crate) struct DriveManifest {
     pub lake_version: u32,
     pub meta: DriveMeta,
     pub frames: usize,
-    /// Rows of each table; a table that is not named here is one that the log has not.
+    /// Rows of each table; a table that is not listed here is missing in the log.
     pub tables: BTreeMap<String, usize>,
 }
 
@@ -48,7 +48,7 @@ impl DriveManifest {
         }
     }
 
-    /// Reads the file, of whatever version.
+    /// Reads the file of any version.
     pub fn read(path: &Path, id: &DriveId) -> Result<Self, LakeError> {
         let text = match fs::read_to_string(path) {
             Ok(t) => t,

@@ -8,7 +8,7 @@ use std::fs;
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{DriveId, Need};
 
-/// What adapters call pictures that a log has not (`drive.json`, `missing`).
+/// The name that adapters use for missing images (`drive.json`, `missing`).
 const NO_PICTURES: Need = Need::CameraPictures;
 const TABLE: &str = "media";
 
@@ -24,8 +24,8 @@ impl Lake {
         })
     }
 
-    /// Puts `frames` in the place of the drive's camera frames; they are sorted by camera, then time. The drive stays
-    /// readable if this is killed: for that moment it has no pictures, and the next call has the old ones still.
+    /// Replaces the drive's camera frames with `frames`, sorted by camera, then time. The drive stays readable if this
+    /// is killed: until the next call it has no images, and that call still has the old ones.
     pub fn write_media(&self, id: &DriveId, frames: &[MediaFrame]) -> Result<(), LakeError> {
         self.unpack(id)?;
         let mut manifest = self.manifest(id)?;

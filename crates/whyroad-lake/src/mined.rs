@@ -51,7 +51,7 @@ pub enum MinedFile {
     Clips,
     /// What was searched for and what was found, for every leaf.
     Coverage,
-    /// Folder with a `mining_result` message for each class that was asked for.
+    /// Folder with a `mining_result` message for each requested class.
     Results,
     /// The `mining_result` message of a single question.
     SingleResult,

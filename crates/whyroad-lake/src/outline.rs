@@ -1,4 +1,4 @@
-//! What is known of a drive without reading its tables, and the signals that are stored beside it.
+//! What is known about a drive without reading its tables, and the signals that are stored beside it.
 
 use crate::lake::{Lake, remove_dir};
 use crate::packs::{self, Place};
@@ -11,7 +11,7 @@ use whyroad_model::messages::clip::{ClipMetadata, DataSources};
 use whyroad_model::scene::{ContextState, DriveMeta};
 use whyroad_model::{DriveId, Nanos, SignalTable};
 
-/// A drive's head: enough to say what its clips are and whether it has changed.
+/// A drive's head: enough to list its clips and to see whether it has changed.
 #[derive(Clone, Debug)]
 pub struct Outline {
     /// What the drive states about itself.
@@ -41,7 +41,7 @@ impl Lake {
         Ok(Outline { meta, times, clips })
     }
 
-    /// What the log states of weather, surface and the like; `None` where it states nothing.
+    /// What the log states about weather, surface and the like; `None` where it states nothing.
     pub fn stated_context(&self, id: &DriveId) -> Result<Option<Vec<ContextState>>, LakeError> {
         self.at_place(id, |place| {
             if !self.current(id, place)?.tables.contains_key("context") {
@@ -64,10 +64,10 @@ impl Lake {
                 let contents = file.contents();
                 contents.version == version
                     && contents.drives.iter().map(|d| (&d.drive_id, &d.content_hash)).eq([(id, &hash)])
-                    // Without a hash nobody can say that the content is the same.
+                    // Without a hash, equal content cannot be established.
                     && !hash.is_empty()
             };
-            // A store that cannot be read is one that has to be made again.
+            // A store that cannot be read has to be made again.
             let beside = SignalFile::open(&self.signals_dir(id)).ok().flatten().filter(is_current);
             Ok(match (beside, place) {
                 (None, Place::Packed(pack, _)) => pack.signals(id).filter(is_current),
@@ -91,8 +91,8 @@ impl Lake {
         fs::rename(&fresh, &target).map_err(LakeError::io(&target))
     }
 
-    /// Excludes that the drive's folder is moved away, and makes the folder of a drive that has none: what is put in
-    /// it lies over its pack.
+    /// Excludes that the drive's folder is moved away, and makes the folder of a drive that has none: its content
+    /// overrides that of the pack.
     fn lock_folder(&self, id: &DriveId) -> Result<Option<fs::File>, LakeError> {
         let lock = packs::changing(self.dir())?;
         let dir = self.drive_dir(id);
@@ -126,7 +126,7 @@ impl Lake {
         fs::rename(&fresh, &target).map_err(LakeError::io(&target))
     }
 
-    /// A name that no reader takes for a drive, on the same file system.
+    /// A name that no reader treats as a drive, on the same file system.
     pub(crate) fn aside(&self, id: &DriveId, what: &str) -> PathBuf {
         self.dir().join("drives").join(format!(".{what}-{}-{id}", std::process::id()))
     }

@@ -1,12 +1,12 @@
 //! Packs: many drives in few files, for lakes that are too large for a folder per drive.
 //!
 //! `packs/<number>/` has one Parquet file per table, with one row group per drive that has rows in it, and the drives'
-//! `drive.json` in `drives.parquet`. `packs/catalogue.parquet` says which drive is where; replacing it by one rename
+//! `drive.json` in `drives.parquet`. `packs/catalogue.parquet` states where each drive is; replacing it by one rename
 //! publishes a compaction or a deletion. Packs are never changed.
 //!
-//! What lies over what: `drives/<id>/` with a `drive.json` is a loose drive, and whatever a pack has of it is outdated.
-//! Without one, the signals and small files in `drives/<id>/` lie over those of the pack. So a drive is ingested,
-//! replaced, mined and changed as if there were no packs, and the next compaction takes that in.
+//! Precedence: `drives/<id>/` with a `drive.json` is a loose drive, and its copy in a pack is outdated. Without one,
+//! the signals and small files in `drives/<id>/` override those of the pack. So a drive is ingested, replaced, mined
+//! and changed as if there were no packs, and the next compaction packs the changes.
 
 mod catalog;
 mod compact;
@@ -106,7 +106,7 @@ impl Lake {
         Ok(Place::Packed(self.open_pack(pack)?, row))
     }
 
-    /// Calls `read` with the drive's place, again when the drive has been moved meanwhile by another process.
+    /// Calls `read` with the drive's place, and again if another process has moved the drive meanwhile.
     pub(crate) fn at_place<T>(
         &self,
         id: &DriveId,

@@ -1,5 +1,5 @@
 //! Every reader of a single file of a lake, by name, on bytes in memory: what the fuzz targets run. They are the
-//! functions that a lake is read with.
+//! functions that read a lake.
 
 use crate::LakeError;
 use crate::columns::Table;
@@ -8,10 +8,10 @@ use crate::manifest::DriveManifest;
 use crate::signals::read_bytes;
 use crate::tables::{clips, ego, frames, road_map, states, tracks};
 
-/// A reader; what it makes of the bytes is dropped.
+/// A reader; its result is dropped.
 #[derive(Clone, Copy)]
 pub struct LakeReader {
-    /// Name of the file without its ending, behind that of its folder.
+    /// Name of the file without its ending, after that of its folder.
     pub name: &'static str,
     /// Reads a file; true when it can be one.
     pub read: fn(&[u8]) -> bool,

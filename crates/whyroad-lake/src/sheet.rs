@@ -78,7 +78,7 @@ impl SheetValues {
     }
 }
 
-/// A text as a CSV field. An empty text is quoted, so that it is not taken for unknown.
+/// A text as a CSV field. An empty text is quoted, so that it is not read as unknown.
 fn quoted(text: &str) -> String {
     let plain = !text.is_empty() && !text.contains([',', '"', '\n', '\r']);
     if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }

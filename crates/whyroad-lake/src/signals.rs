@@ -2,14 +2,14 @@
 //! (one row per frame) and `targets` (one row per object and frame), plain enough for SQL; only the columns asked for
 //! are read.
 //!
-//! What holds, is recorded in the files and checked on reading: a row group holds a whole drive, its rows in the
+//! Invariants, recorded in the files and checked on reading: a row group holds a whole drive, its rows in the
 //! order of target, then frame, without a hole; `whyroad.signals` in the metadata of `frames` names the drive's
 //! content, the version of the signals, the objects with their frames, and the words of each category; in that of
 //! `targets` it is the hash of that text.
 //!
-//! Numbers are 64 bits wide as they were derived: a value that is exactly on a rule's threshold stays on its
-//! side, so a lake with stored signals answers what one without them answers. Flags are bits, categories a byte
-//! or less a row (dictionary). Unknown is null on disk.
+//! Numbers are 64 bits wide as they were derived: a value exactly on a rule's threshold stays on its side, so results
+//! are the same with and without stored signals. Flags are bits, categories at most one byte per row (dictionary).
+//! Unknown is null on disk.
 
 pub(crate) mod bitmap;
 mod column;
@@ -43,8 +43,8 @@ pub(crate) fn digest(contents: &str) -> String {
     format!("blake3:{}", &blake3::hash(contents.as_bytes()).to_hex()[..32])
 }
 
-/// What one of the two files of a store says and holds, from bytes in memory: the text of the contents can be read, or
-/// is a hash. The number of columns that can be read.
+/// Contents of one of the two files of a store, from bytes in memory: the text of the contents can be read, or is a
+/// hash. The number of columns that can be read.
 pub(crate) fn read_bytes(bytes: &[u8]) -> Result<usize, LakeError> {
     let path = Path::new("memory");
     let (mut table, contents) = table::Table::of(path, &Bytes::copy_from_slice(bytes))?;
@@ -56,11 +56,11 @@ pub(crate) fn read_bytes(bytes: &[u8]) -> Result<usize, LakeError> {
     Ok(table.read_all(&mut Cursor::new(bytes)).len())
 }
 
-/// Columns before the signals: who and when.
+/// Columns before the signals: object and time.
 pub(crate) const FRAME: &str = "frame";
 pub(crate) const TIME: &str = "time_ns";
 
-/// What the files of one store say about themselves.
+/// What the files of one store state about themselves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contents {
     /// Version of what derived the signals.
@@ -85,7 +85,7 @@ pub struct StoredDrive {
     pub unavailable: BTreeMap<String, Vec<Need>>,
     /// The words of each category signal, in the order of their codes.
     pub words: BTreeMap<String, Vec<String>>,
-    /// Columns that other drives of the same files have and this one has not, although they are not unavailable.
+    /// Columns that other drives of the same files have and this one lacks, although they are not unavailable.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub absent: Vec<String>,
     /// Version of what derived the signals of this drive, where it is not that of the files.
@@ -99,7 +99,7 @@ impl StoredDrive {
         self.targets.iter().map(|t| t.frames.len()).sum()
     }
 
-    /// True for a signal that the drive does not have, whatever columns the files have.
+    /// True for a signal that the drive does not have, regardless of the columns of the files.
     pub(crate) fn lacks(&self, signal: &str) -> bool {
         self.unavailable.contains_key(signal) || self.absent.iter().any(|name| name == signal)
     }

@@ -1,4 +1,4 @@
-//! How large a drive is, from the catalog or its `drive.json` alone: what a plan for several workers goes by.
+//! How large a drive is, from the catalog or its `drive.json` alone: used to plan several workers.
 
 use crate::{Lake, LakeError};
 use whyroad_model::DriveId;

@@ -1,4 +1,4 @@
-//! Telling whether a drive on disk is still the one that was read, without reading it again.
+//! Checks whether a drive on disk is still the one that was read, without reading it again.
 
 use crate::LakeError;
 use crate::lake::{Lake, MANIFEST};
@@ -7,8 +7,8 @@ use std::fs;
 use std::time::SystemTime;
 use whyroad_model::DriveId;
 
-/// What differs when a drive was written again or its images were changed: both put another `drive.json` in place.
-/// Made *before* reading the drive, it is never newer than what was read.
+/// What differs when a drive was written again or its images were changed: both replace `drive.json`. Taken *before*
+/// reading the drive, so it is never newer than the data read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stamp {
     modified: Option<SystemTime>,
@@ -21,7 +21,7 @@ impl Lake {
     /// The stamp of a drive as it is now.
     pub fn stamp(&self, id: &DriveId) -> Result<Stamp, LakeError> {
         if let Some(mirror) = &self.mirror {
-            // While the store cannot be asked, the drives are as they were.
+            // While the store cannot be reached, the drives are taken as unchanged.
             let _ = mirror.refresh();
         }
         self.at_place(id, |place| match place {

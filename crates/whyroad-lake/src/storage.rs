@@ -9,7 +9,7 @@
 //!   content where they are in it ([`cache`]); what was written there is published by [`crate::Lake::publish`].
 //! - Camera images are objects under `media/<drive>/`, outside the manifest: there can be millions of them.
 //!
-//! [`Objects`] is all that this needs of a store. Only `s3` (a cargo feature) knows a network.
+//! [`Objects`] is the complete interface to a store. Only `s3` (a cargo feature) uses a network.
 
 mod cache;
 mod manifest;
@@ -39,7 +39,7 @@ use std::time::{Duration, SystemTime};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ObjectVersion(pub String);
 
-/// What a writer is about.
+/// The kind of change that a writer makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Intent {
     /// Drives, or what was derived from them: each drive by itself.
@@ -50,7 +50,7 @@ pub(crate) enum Intent {
     Delete,
 }
 
-/// What a conditional put did.
+/// Result of a conditional put.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum PutOutcome {
     /// The object is written and has this version.
@@ -81,7 +81,7 @@ pub(crate) trait Objects: Debug + Send + Sync {
     /// Writes an object from a file.
     fn upload(&self, from: &Path, key: &str) -> Result<(), LakeError>;
 
-    /// Removes objects; one that does not exist is no error.
+    /// Removes objects; one that does not exist is not an error.
     fn remove(&self, keys: &[String]) -> Result<(), LakeError>;
 
     /// Keys that begin with `prefix`, with the time when each was written.
@@ -106,10 +106,10 @@ pub(crate) fn objects(url: &StorageUrl) -> Result<Arc<dyn Objects>, LakeError> {
     Err(LakeError::NoS3(url.to_string()))
 }
 
-/// Calls that are made at the same time.
+/// Maximum number of concurrent calls.
 const PARALLEL_CALLS: usize = 16;
 
-/// Does the work on every item, several at once: the work waits for a network. The first error ends it.
+/// Does the work on every item, several at once: the work waits for a network. The first error stops it.
 pub(crate) fn in_parallel<T: Sync>(
     items: &[T],
     work: impl Fn(&T) -> Result<(), LakeError> + Sync,

@@ -1,9 +1,9 @@
-//! What a drive must promise before it may be written. Readers rely on all of it without checking again.
+//! Conditions that a drive must fulfill before it may be written. Readers rely on them without checking again.
 
 use whyroad_model::Drive;
 use whyroad_model::scene::{Motion, Track};
 
-/// The first broken promise, in words.
+/// Description of the first broken condition.
 pub(crate) fn broken_promise(drive: &Drive) -> Option<String> {
     if !is_folder_safe(drive.meta.drive_id.as_str()) {
         return Some(

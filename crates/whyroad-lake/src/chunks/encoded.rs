@@ -19,10 +19,10 @@ use parquet::schema::types::ColumnDescPtr;
 use std::collections::HashMap;
 use whyroad_model::Tri;
 
-/// Rows of a page.
+/// Rows per page.
 const PAGE_ROWS: usize = 1 << 16;
 
-/// A column, with what the footer says of it; offsets are those in the bytes.
+/// A column with its entry in the footer; offsets are those in the bytes.
 pub(super) type Encoded = (Bytes, ColumnChunkMetaData);
 
 /// Flags; unknown becomes null.
@@ -76,7 +76,7 @@ pub(super) fn words(codes: &[u16], names: &[String], column: ColumnDescPtr) -> P
     placed(&texts, runs().map(|(code, rows)| (place(code), rows)), column)
 }
 
-/// Texts, each with the number of rows in which it is there; nulls where the column has such.
+/// Texts, each with its number of rows; nulls where the column has such.
 pub(super) fn runs<'t>(
     runs: impl Iterator<Item = (Option<&'t str>, usize)>,
     column: ColumnDescPtr,
@@ -92,7 +92,7 @@ pub(super) fn runs<'t>(
     placed(&texts, runs.into_iter(), column)
 }
 
-/// Texts by their places in a dictionary.
+/// Texts by their indices in a dictionary.
 fn placed(
     texts: &[&str],
     runs: impl Iterator<Item = (Option<u32>, usize)>,
@@ -153,7 +153,7 @@ pub(super) fn nulls(rows: usize, column: ColumnDescPtr) -> ParquetResult<Encoded
         Type::INT32 => Statistics::int32(None, None, None, count, false),
         Type::INT64 => Statistics::int64(None, None, None, count, false),
         Type::DOUBLE => Statistics::double(None, None, None, count, false),
-        other => return Err(ParquetError::General(format!("no columns of {other} are written"))),
+        other => return Err(ParquetError::General(format!("columns of {other} cannot be written"))),
     };
     if column.max_def_level() == 0 {
         return Err(ParquetError::General("a value is missing that must be there".into()));
@@ -188,14 +188,14 @@ fn bytes_of(bits: &Bitmap) -> Vec<u8> {
     bytes
 }
 
-/// Which rows are known, as a page begins with it: a length, then runs and packed bits.
+/// Which rows are known, as at the beginning of a page: a length, then runs and packed bits.
 fn levels(known: &Bitmap) -> ParquetResult<Vec<u8>> {
     // Shorter runs are packed.
     const LEAST_RUN_BYTES: usize = 4;
     let mut bytes = bytes_of(known);
     let rest = known.len % 8;
     if let Some(last) = bytes.last_mut().filter(|_| rest > 0 && known.get(known.len - 1)) {
-        // The last bit goes on to the end of its byte, so that it ends no run.
+        // The last bit is repeated to the end of its byte, so that it does not end a run.
         *last |= 0xff << rest;
     }
     let mut out = vec![0; 4];
@@ -238,13 +238,13 @@ struct Hybrid {
 }
 
 impl Hybrid {
-    /// Of places in a dictionary with this number of entries: before them is a byte with their width.
+    /// Indices into a dictionary with this number of entries, preceded by a byte with their width.
     fn of_places(entries: usize) -> Self {
         let width = (usize::BITS - entries.saturating_sub(1).leading_zeros()) as usize;
         Self { out: vec![width as u8], width, literals: Vec::new() }
     }
 
-    /// The same number so often.
+    /// The same number, repeated this many times.
     fn push(&mut self, value: u32, count: usize) {
         // Groups of eight are filled before a run begins.
         let fills = count.min(self.literals.len().next_multiple_of(8) - self.literals.len());
@@ -299,7 +299,7 @@ fn of_texts(texts: &[&str]) -> ParquetResult<Vec<u8>> {
 struct Pages {
     to: TrackedWrite<Vec<u8>>,
     encoding: Encoding,
-    /// What compresses the pages; `None` where they are not compressed.
+    /// The compressor of the pages; `None` where they are not compressed.
     snappy: Option<snap::raw::Encoder>,
     /// Bytes that this takes off them.
     saved: i64,
@@ -315,7 +315,7 @@ impl Pages {
         Self { to, encoding, snappy: None, saved: 0, dictionary_at: None, data_at: None, rows: 0, pages: 0 }
     }
 
-    /// The page that comes first: so many entries.
+    /// The dictionary page, which comes first: its number of entries.
     fn dictionary(&mut self, bytes: Vec<u8>, entries: usize) -> ParquetResult<()> {
         let num_values = u32::try_from(entries).map_err(|e| ParquetError::General(e.to_string()))?;
         let raw = bytes.len();
@@ -341,14 +341,14 @@ impl Pages {
         Ok(())
     }
 
-    /// What a page has in the file for these bytes.
+    /// What is written to the file for the bytes of a page.
     fn packed(&mut self, bytes: Vec<u8>) -> ParquetResult<Bytes> {
         let Some(snappy) = &mut self.snappy else { return Ok(bytes.into()) };
         let packed = snappy.compress_vec(&bytes).map_err(|e| ParquetError::General(e.to_string()))?;
         Ok(packed.into())
     }
 
-    /// Writes a page that has this number of bytes when it is not compressed; gives where it begins.
+    /// Writes a page that has this number of bytes when it is not compressed; returns its offset.
     fn write(&mut self, page: Page, raw: usize) -> ParquetResult<i64> {
         self.saved += raw as i64 - page.buffer().len() as i64;
         let written = SerializedPageWriter::new(&mut self.to).write_page(CompressedPage::new(page, raw))?;

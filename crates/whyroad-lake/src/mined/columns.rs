@@ -41,7 +41,7 @@ pub(super) const LINE_BYTES: &str = "line_bytes";
 /// A column: name, type, nullable, values.
 type EpisodeColumn = (&'static str, DataType, bool, ArrayRef);
 
-/// The table of these episodes, with the places of their lines.
+/// The table of these episodes, with the positions of their lines.
 pub(super) fn episode_batch(rows: &[(EpisodeRecord, LineSpan)]) -> Result<RecordBatch, ArrowError> {
     let records: Vec<&EpisodeRecord> = rows.iter().map(|(r, _)| r).collect();
     let lines = |of: &dyn Fn(&LineSpan) -> Option<i64>| -> ArrayRef {
@@ -53,7 +53,8 @@ pub(super) fn episode_batch(rows: &[(EpisodeRecord, LineSpan)]) -> Result<Record
     batch(columns)
 }
 
-/// The table of these episodes, as `episodes.parquet` has it but for the places of lines: what is in memory has none.
+/// The table of these episodes, as in `episodes.parquet` but without the positions of lines, which do not exist in
+/// memory.
 ///
 /// # Errors
 /// Never for records whose columns fit into memory.

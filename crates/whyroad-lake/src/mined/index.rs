@@ -1,5 +1,5 @@
-//! Counts and pages of the episodes of a mined folder. The Parquet table says which lines of the JSON Lines file answer
-//! a filter; only these are read. What is held in memory does not grow with the folder.
+//! Counts and pages of the episodes of a mined folder. The Parquet table states which lines of the JSON Lines file
+//! match a filter; only these are read. What is held in memory does not grow with the folder.
 
 use super::columns::{
     DRIVE_ID, EPISODE_ID, EPISODES_VERSION, IS_PRIMARY, LINE_BYTES, LINE_START, SCENARIO_ID, SCORE,
@@ -30,7 +30,7 @@ pub struct EpisodeIndex {
     metadata: ArrowReaderMetadata,
 }
 
-/// An episode that answers a filter, by its line.
+/// An episode that matches a filter, by its line.
 struct Hit {
     row: u64,
     episode_id: String,
@@ -53,7 +53,7 @@ impl EpisodeIndex {
         Ok(Self { table: table.to_owned(), lines: lines.to_owned(), metadata })
     }
 
-    /// Number of episodes that answer `filter`.
+    /// Number of episodes that match `filter`.
     pub fn count(&self, filter: &EpisodeFilter) -> Result<u64, LakeError> {
         if filter.is_all() {
             return Ok(self.rows());
@@ -66,7 +66,7 @@ impl EpisodeIndex {
         Ok(count)
     }
 
-    /// At most `limit` episodes that answer `filter`, from `after` on. A cursor behind the last episode gives an empty
+    /// At most `limit` episodes that match `filter`, from `after` on. A cursor behind the last episode gives an empty
     /// page.
     pub fn page(
         &self,
@@ -94,7 +94,7 @@ impl EpisodeIndex {
         u64::try_from(self.metadata.metadata().file_metadata().num_rows()).unwrap_or(0)
     }
 
-    /// Calls `each` for every row from `from` on that answers the filter, until it answers false.
+    /// Calls `each` for every row from `from` on that matches the filter, until it returns false.
     fn scan(
         &self,
         filter: &EpisodeFilter,
@@ -143,12 +143,12 @@ impl EpisodeIndex {
     /// Reads the line of an episode; `at` is the reader's position.
     fn read(&self, file: &mut BufReader<File>, at: &mut u64, hit: &Hit) -> Result<EpisodeRecord, LakeError> {
         let io = |e| LakeError::io(&self.lines)(e);
-        // A short way ahead stays in the buffer.
+        // A line a short distance ahead stays in the buffer.
         match hit.start.checked_sub(*at).and_then(|ahead| i64::try_from(ahead).ok()) {
             Some(ahead) => file.seek_relative(ahead).map_err(io)?,
             None => file.seek(SeekFrom::Start(hit.start)).map(drop).map_err(io)?,
         }
-        // Not allocated by what the table states: a damaged table could ask for all memory.
+        // The stated length is not allocated: a damaged table could request all memory.
         let mut line = Vec::new();
         file.by_ref().take(hit.bytes as u64).read_to_end(&mut line).map_err(io)?;
         *at = hit.start + line.len() as u64;

@@ -1,10 +1,10 @@
-//! `ledger.jsonl`: which drives a mined folder was made from, what they were, and where their lines are, so that the
-//! next run into the folder opens only drives that are new or have changed.
+//! `ledger.jsonl`: the drives that a mined folder was made from, their state, and the positions of their lines, so that
+//! the next run into the folder opens only drives that are new or have changed.
 //!
 //! The last line seals the ledger: it names the files of the folder by their identity (length, time of change, number).
 //! A ledger that is not sealed, or whose files were changed, copied or half replaced by a killed run, does not count:
-//! all drives are opened then. It says nothing about results that depend on anything else than the drive and what the
-//! run stated about itself in `of`.
+//! then all drives are opened. It covers only results that depend on the drive and on what the run stated about itself
+//! in `of`.
 
 use super::error::{MinedWriteError, encoding, io};
 use super::{MinedFile, MinedFolder};
@@ -29,7 +29,7 @@ pub type Gaps = BTreeMap<ScenarioId, Vec<String>>;
 pub struct LedgerEntry {
     /// The drive.
     pub drive_id: DriveId,
-    /// Where and what it was.
+    /// Its location and state.
     pub fingerprint: Fingerprint,
     /// Hash of what it stated about itself ([`crate::Lake::stated`]).
     pub stated: Option<String>,
@@ -37,14 +37,14 @@ pub struct LedgerEntry {
     pub bytes: [u64; 4],
     /// Which of [`Ledger::gaps`] are its own.
     pub gaps: usize,
-    /// By class: episodes found, and the primary ones among them; also of classes that were not asked for.
+    /// By class: episodes found, and the primary ones among them; also of classes that were not requested.
     pub counts: Vec<(ScenarioId, u64, u64)>,
 }
 
-/// What an earlier run left.
+/// Results of an earlier run.
 #[derive(Debug)]
 pub struct Ledger {
-    /// What drives could not decide: many drives have the same.
+    /// Undecided rules and missing signals, shared by many drives.
     pub gaps: Vec<Gaps>,
     /// The drives, by id.
     pub entries: Vec<LedgerEntry>,
@@ -68,7 +68,7 @@ enum Line {
 }
 
 impl Ledger {
-    /// The ledger of a folder; `None` without one that can be relied on.
+    /// The ledger of a folder; `None` without a valid one.
     pub fn open(folder: &MinedFolder, of: &str) -> Option<Self> {
         let text = fs::read(folder.path(MinedFile::Ledger)).ok()?;
         let (mut gaps, mut entries, mut starts) = (Vec::new(), Vec::<LedgerEntry>::new(), Vec::new());
@@ -99,7 +99,7 @@ impl Ledger {
         let open = LINES.map(|file| File::open(folder.path(file)));
         let [Ok(a), Ok(b), Ok(c), Ok(d)] = open else { return None };
         let files = [a, b, c, d];
-        // Every byte of the files is of one of the drives.
+        // Every byte of the files belongs to one of the drives.
         let whole = files.iter().zip(at).all(|(f, bytes)| f.metadata().is_ok_and(|m| m.len() == bytes));
         let dir = folder.dir().to_owned();
         whole.then(|| Self { gaps, entries, starts, files, dir })
@@ -180,7 +180,7 @@ impl LedgerWriter {
         Ok(ledger)
     }
 
-    /// Enters a drive. What it could not decide is written where its number is new; numbers are given in order.
+    /// Records a drive. Its undecided rules are written when their number is new; numbers are assigned in order.
     pub fn drive(&mut self, entry: LedgerEntry, gaps: &Gaps) -> Result<(), MinedWriteError> {
         if entry.gaps == self.gaps {
             self.gaps += 1;
@@ -190,7 +190,7 @@ impl LedgerWriter {
         self.put(&Line::Drive(entry))
     }
 
-    /// Seals the ledger of the folder, whose files are in their places.
+    /// Seals the ledger of the folder, whose files are in place.
     pub fn finish(mut self) -> Result<(), MinedWriteError> {
         self.put(&Line::Sealed { drives: self.drives, files: identities(&self.dir) })?;
         let (path, place) = (part(&self.dir), MinedFile::Ledger.path(&self.dir));

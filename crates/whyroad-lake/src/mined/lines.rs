@@ -37,7 +37,7 @@ impl LineWriter {
         self.copy(serde_json::to_vec(message).map_err(encoding(&self.path))?)
     }
 
-    /// Writes a line of another file as it is, given without its end.
+    /// Writes a line of another file unchanged, given without its end.
     pub fn copy(&mut self, mut line: Vec<u8>) -> Result<LineSpan, MinedWriteError> {
         let span = LineSpan { start: self.bytes, len: line.len() };
         line.push(b'\n');
@@ -46,7 +46,7 @@ impl LineWriter {
         Ok(span)
     }
 
-    /// Writes complete lines of another file as they are.
+    /// Writes complete lines of another file unchanged.
     pub fn copy_all(&mut self, text: &[u8]) -> Result<(), MinedWriteError> {
         self.bytes += text.len() as u64;
         self.out.write_all(text).map_err(io(&self.path))
@@ -62,8 +62,8 @@ impl LineWriter {
     }
 }
 
-/// The episodes of a file, read one at a time. A line that is not an episode is an error in its place; after a failure
-/// of the file system nothing follows.
+/// The episodes of a file, read one at a time. A line that is not an episode yields an error at its position; after a
+/// file system error the iteration ends.
 pub struct EpisodeLines {
     path: PathBuf,
     lines: BufReader<File>,

@@ -1,4 +1,4 @@
-//! Publishing a mined folder as one: it is written beside its place, and takes it in one step.
+//! Publishing a mined folder atomically: it is written beside its final path and moved there in one step.
 //!
 //! On Linux the new folder and the one in its place are exchanged by one system call. Where that does not exist (other
 //! systems, some network file systems) the old folder is first renamed aside; a reader can then find none for a moment.
@@ -29,7 +29,7 @@ pub enum PublishError {
     Busy(PathBuf),
 }
 
-/// A place that a folder is being written for. What is not finished is removed when this is dropped.
+/// A path for which a folder is being written. An unfinished folder is removed when this is dropped.
 pub struct Publication {
     out: PathBuf,
     fresh: PathBuf,
@@ -37,7 +37,7 @@ pub struct Publication {
 }
 
 impl Publication {
-    /// Checks the place `out` and makes an empty folder beside it. With `replace`, results of another question may be
+    /// Checks the path `out` and makes an empty folder beside it. With `replace`, results of another question may be
     /// there.
     pub fn begin(out: &Path, question: &MiningQuestion, replace: bool) -> Result<Self, PublishError> {
         if let Some(folder) = MinedFolder::open(out)
@@ -54,12 +54,12 @@ impl Publication {
         Ok(place)
     }
 
-    /// Removes what a killed process left beside the place.
+    /// Removes what a killed process left beside the path.
     pub fn sweep(out: &Path) -> Result<(), PublishError> {
         Self::lock(out).map(drop)
     }
 
-    /// Locks the place, and clears away what a killed process left.
+    /// Locks the path and removes what a killed process left.
     fn lock(out: &Path) -> Result<Self, PublishError> {
         let parent = match out.parent() {
             Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
@@ -79,7 +79,7 @@ impl Publication {
         if !is_at(&lock, &locked) {
             return Err(PublishError::Busy(out.to_owned()));
         }
-        // Put aside for a folder that never came: it is all there is.
+        // Moved aside for a folder that was never completed: it is the only copy.
         if old.exists() && !out.exists() {
             fs::rename(&old, out).map_err(io(out))?;
         }
@@ -93,7 +93,7 @@ impl Publication {
         &self.fresh
     }
 
-    /// Puts the folder in its place.
+    /// Moves the folder into place.
     pub fn publish(self) -> Result<(), PublishError> {
         if !self.out.exists() {
             fs::rename(&self.fresh, &self.out).map_err(io(&self.out))?;

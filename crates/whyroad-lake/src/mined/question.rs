@@ -1,5 +1,5 @@
-//! What a mined folder answers, recorded beside the answer: the results of one question are never continued or replaced
-//! by those of another unnoticed.
+//! The question that a mined folder answers, recorded with the results: results of one question are never silently
+//! continued or replaced by those of another.
 
 use serde::{Deserialize, Serialize};
 use std::fs;

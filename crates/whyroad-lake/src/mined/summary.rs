@@ -1,5 +1,5 @@
-//! What a mined folder says in short: its drives from the metadata of their clips, its episodes from the four columns
-//! that counts need. Neither reads the lake, and neither holds all episodes.
+//! Summary of a mined folder: its drives from the metadata of their clips, its episodes from the four columns that
+//! counts need. Neither reads the lake, and neither holds all episodes.
 
 use super::{MinedFile, MinedFolder};
 use crate::LakeError;
@@ -27,7 +27,7 @@ pub struct DriveSummary {
     pub start: Option<Nanos>,
 }
 
-/// An episode in short.
+/// Summary of an episode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpisodeSummary {
     /// Class.
@@ -58,7 +58,7 @@ impl MinedFolder {
                 serde_json::from_str(&line).map_err(|e| LakeError::broken(&path, e))?;
             let clip = message.clip_metadata;
             let id = ClipId(clip.clip_id);
-            // Its frames are also in clips of the division.
+            // Its frames are also in the regular clips.
             if id.is_around_keyframe() {
                 continue;
             }

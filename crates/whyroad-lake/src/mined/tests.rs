@@ -127,7 +127,7 @@ fn results_of_another_question_are_kept() {
     assert_eq!(folder.question(), Some(rule.clone()));
     assert_eq!(folder.index().unwrap().count(&EpisodeFilter::default()).unwrap(), 0);
     create(&rule, Existing::ReplaceSameQuestion).unwrap().unwrap();
-    // A folder that does not say what it answers is not replaced either.
+    // A folder that does not record its question is not replaced either.
     fs::remove_file(folder.path(MinedFile::Question)).unwrap();
     let refused = create(&rule, Existing::ReplaceSameQuestion).err().unwrap();
     assert!(matches!(refused, MinedWriteError::OtherQuestion { found: None, .. }));

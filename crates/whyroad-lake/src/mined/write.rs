@@ -1,5 +1,5 @@
-//! Writing a mined folder, episode by episode. Files are written under other names and put in place at the end: what an
-//! earlier run left stays until this one is done.
+//! Writing a mined folder, episode by episode. Files are written under temporary names and moved into place at the end:
+//! results of an earlier run stay until this one is done.
 
 use super::columns::{EPISODES_VERSION, VERSION_KEY, episode_batch};
 use super::error::{MinedWriteError, encoding, io};
@@ -20,7 +20,7 @@ use whyroad_model::messages::{
 };
 use whyroad_model::{DriveId, ScenarioId};
 
-/// Episodes that are written to the Parquet file together, and rows of its row groups.
+/// Episodes that are written to the Parquet file together; also the number of rows per row group.
 const EPISODES_PER_BATCH: usize = 512;
 const ROWS_PER_GROUP: usize = 1 << 16;
 
@@ -30,7 +30,7 @@ pub enum Existing {
     /// Results of the same question are replaced; those of another question are an error.
     #[default]
     ReplaceSameQuestion,
-    /// Whatever is there is replaced.
+    /// Existing results are always replaced.
     Replace,
 }
 
@@ -55,11 +55,11 @@ pub struct MinedFolderWriter {
 pub struct WrittenDrive<'a> {
     /// The drive.
     pub drive_id: &'a DriveId,
-    /// Where and what it was before it was mined.
+    /// Its location and state before it was mined.
     pub fingerprint: Fingerprint,
     /// Hash of what it stated about itself before it was mined.
     pub stated: Option<String>,
-    /// What could not be decided, and its number: equal gaps have one, given in order from 0.
+    /// What could not be decided, and its number: equal gaps share one, assigned in order from 0.
     pub gaps: (usize, &'a Gaps),
     /// By class: episodes found, and the primary ones among them.
     pub counts: Vec<(ScenarioId, u64, u64)>,
@@ -103,7 +103,7 @@ impl MinedFolderWriter {
         Ok(())
     }
 
-    /// Enters a drive into the ledger; every line since the drive before is its own.
+    /// Records a drive in the ledger; every line since the previous drive belongs to it.
     pub fn account(&mut self, drive: WrittenDrive<'_>) -> Result<(), MinedWriteError> {
         let bytes = [&self.episodes, &self.pre_labels, &self.suggestions, &self.clips].map(LineWriter::bytes);
         let before = std::mem::replace(&mut self.accounted, bytes);
@@ -154,7 +154,7 @@ impl MinedFolderWriter {
         self.episode_line(record, line)
     }
 
-    /// The same with the episode's line of another folder, which is written as it is: numbers keep all their digits.
+    /// The same with the episode's line of another folder, which is written unchanged: numbers keep all their digits.
     pub fn episode_line(
         &mut self,
         record: &EpisodeRecord,
@@ -183,7 +183,7 @@ impl MinedFolderWriter {
         self.clips.put(message).map(drop)
     }
 
-    /// Adds a line of another folder's pre-labels, keyframe suggestions or clips as it is. Other files have no lines.
+    /// Adds a line of another folder's pre-labels, keyframe suggestions or clips unchanged. Other files have no lines.
     pub fn line(&mut self, file: MinedFile, line: Vec<u8>) -> Result<(), MinedWriteError> {
         match file {
             MinedFile::PreLabels => self.pre_labels.copy(line).map(drop),
@@ -219,7 +219,7 @@ impl MinedFolderWriter {
         let results = MinedFile::Results.path(&dir);
         fs::create_dir_all(&results).map_err(io(&results))?;
         clear(&results)?;
-        // It would be about other files.
+        // It would refer to other files.
         for file in [MinedFile::SingleResult, MinedFile::Ledger] {
             let path = file.path(&dir);
             match fs::remove_file(&path) {
@@ -261,7 +261,7 @@ impl FinishedEpisodes {
         io(&MinedFile::Episodes.path(&self.dir))(e)
     }
 
-    /// Writes the `mining_result` of a class; of the only question also under a fixed name.
+    /// Writes the `mining_result` of a class; for a single question also under a fixed name.
     pub fn result(
         &self,
         class: &ScenarioId,
@@ -272,7 +272,7 @@ impl FinishedEpisodes {
         if only { json(&MinedFile::SingleResult.path(&self.dir), message) } else { Ok(()) }
     }
 
-    /// Puts the ledger in its place, after everything else.
+    /// Moves the ledger into place, after everything else.
     pub fn seal(self) -> Result<(), MinedWriteError> {
         self.ledger.map_or(Ok(()), LedgerWriter::finish)
     }
@@ -288,7 +288,7 @@ fn part(dir: &Path, file: MinedFile) -> PathBuf {
     dir.join(format!(".{}.part", file.name()))
 }
 
-/// Results of an earlier run into the same folder would be taken for this one's.
+/// Results of an earlier run into the same folder would be mistaken for results of this one.
 fn clear(results: &Path) -> Result<(), MinedWriteError> {
     for entry in fs::read_dir(results).map_err(io(results))?.flatten() {
         let path = entry.path();

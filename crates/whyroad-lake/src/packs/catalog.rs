@@ -16,7 +16,7 @@ const ROW_ORDER: &str = "drive";
 const NEXT: &str = "whyroad.next_pack";
 const DRIVES_PER_ROW_GROUP: usize = 65_536;
 
-/// What a listing says about a drive.
+/// A drive as shown in a listing.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct DriveEntry {
     /// The drive.
@@ -79,7 +79,7 @@ impl Default for Catalog {
 impl Catalog {
     /// Reads the file; a lake without one has no packed drive.
     pub fn read(path: &Path) -> Result<Self, LakeError> {
-        // Made first: it is never newer than what is read.
+        // Taken first, so it is never newer than the data read.
         let identity = fingerprint::identity(path);
         let Some((file, footer)) = file::open(path, ROW_ORDER)? else { return Ok(Self::default()) };
         let next = file::stated(&footer, NEXT).and_then(|n| n.parse().ok());
@@ -107,7 +107,7 @@ impl Catalog {
         Ok(Self { identity, next_pack, table: Some(table), numbers })
     }
 
-    /// Writes a catalog aside and puts it in its place by one rename.
+    /// Writes a catalog to a temporary file and moves it into place by one rename.
     pub fn publish(dir: &Path, entries: &[DriveEntry], next_pack: u64) -> Result<(), LakeError> {
         let whole = |n: u64| i64::try_from(n).unwrap_or(i64::MAX);
         let all = || entries.iter();

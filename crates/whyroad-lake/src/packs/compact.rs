@@ -1,6 +1,6 @@
-//! Compaction: loose drives into packs, small packs into larger ones; and taking drives out of packs.
+//! Compaction: loose drives into packs, small packs into larger ones; and removing drives from packs.
 //!
-//! What holds at every moment, also after a kill: the drives are those of the catalog and those with a folder of
+//! Invariants at every moment, also after a kill: the drives are those of the catalog and those with a folder of
 //! their own, each once. New packs are complete on the disk before the catalog names them; the folders that went into
 //! them, and packs that the catalog no longer names, are removed after that. A folder is removed only while it is
 //! still the one that was packed, which the pack records; a killed removal is finished by the next compaction.
@@ -26,7 +26,7 @@ pub struct CompactionOptions {
     pub pack_bytes: u64,
     /// Maximum number of drives in a pack: the footers of its files grow with it.
     pub pack_drives: usize,
-    /// Whether stored signals are kept; without them a rule that is asked for the first time derives them again.
+    /// Whether stored signals are kept; without them, the first evaluation of a rule derives them again.
     pub keep_signals: bool,
 }
 
@@ -58,7 +58,7 @@ pub struct Compaction {
 /// A folder of a drive.
 #[derive(Clone, Debug)]
 struct Folder {
-    /// With a `drive.json`: all of the drive. Without: signals and small files over those of a pack.
+    /// With a `drive.json`: all of the drive. Without: signals and small files that override those of a pack.
     whole: bool,
     fingerprint: String,
     bytes: u64,
@@ -70,7 +70,7 @@ struct Written {
     /// Number of the next pack.
     next_pack: u64,
     entries: Vec<DriveEntry>,
-    /// Drives, or what lies over them, that cannot be read.
+    /// Drives, or files that override theirs, that cannot be read.
     left: Vec<(DriveId, LakeError)>,
     /// Folders that went into the packs.
     packed: BTreeMap<DriveId, Folder>,
@@ -85,8 +85,8 @@ struct Source {
 }
 
 impl Lake {
-    /// Packs all loose drives. Doing it twice changes nothing. `done` is called with the number of drives written so
-    /// far and of all to write, from any thread.
+    /// Packs all loose drives. Repeating it changes nothing. `done` is called with the number of drives written so far
+    /// and of all to write, from any thread.
     ///
     /// # Errors
     /// Where a pack cannot be read or written; then the lake is as before. A loose drive that cannot be read stays
@@ -284,7 +284,7 @@ impl Lake {
                 match (self.member(source, options), &source.pack) {
                     (Ok(member), _) => members.push(member),
                     (Err(e), None) => left.push((source.id.clone(), e)),
-                    // What lies over a packed drive cannot be read: it stays there.
+                    // Files that override those of a packed drive cannot be read: they stay.
                     (Err(e), Some((pack, row))) => {
                         members.push(Member::packed(pack, *row)?);
                         left.push((source.id.clone(), e));
@@ -343,7 +343,7 @@ impl Lake {
         Ok(member)
     }
 
-    /// Puts a catalog in place that has `entries` instead of the drives of the packs written again.
+    /// Publishes a catalog that has `entries` instead of the drives of the packs written again.
     fn put_catalog(
         &self,
         old: &Catalog,

@@ -1,11 +1,11 @@
-//! Who may change what at the same time: writers of drives share the lake, and only moving a drive's folder away
+//! Which changes may run at the same time: writers of drives share the lake, and only moving a drive's folder away
 //! excludes them; compaction and deletion of packed drives exclude each other. Readers take no lock.
 
 use crate::LakeError;
 use std::fs::File;
 use std::path::Path;
 
-/// Held while a folder or file of a drive is put in its place.
+/// Held while a folder or file of a drive is moved into place.
 pub(crate) fn changing(lake: &Path) -> Result<Option<File>, LakeError> {
     held(&lake.join("drives"), File::lock_shared)
 }
@@ -20,8 +20,8 @@ pub(super) fn packing(lake: &Path) -> Result<Option<File>, LakeError> {
     held(&lake.join(super::FOLDER), File::lock)
 }
 
-/// A lock on a folder; its end is that of the file. Without one where folders cannot be opened: there, one process at
-/// a time must write.
+/// A lock on a folder; it ends when the file is closed. Without one where folders cannot be opened: there, one process
+/// at a time must write.
 fn held(folder: &Path, lock: fn(&File) -> std::io::Result<()>) -> Result<Option<File>, LakeError> {
     if !cfg!(unix) {
         return Ok(None);

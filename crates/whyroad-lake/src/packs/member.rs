@@ -50,7 +50,7 @@ impl Member {
             let Some(&rows) = manifest.tables.get(name) else {
                 if path.exists() {
                     let reason =
-                        "drive.json does not name this table: a change of it was interrupted; do it again";
+                        "drive.json does not name this table: a change of it was interrupted; repeat it";
                     return Err(LakeError::broken(&path, reason));
                 }
                 continue;
@@ -103,14 +103,14 @@ impl Member {
         })
     }
 
-    /// Takes the signals and small files in a folder over those that the drive has.
+    /// Uses the signals and small files of a folder instead of those of the drive.
     pub fn overlay(&mut self, dir: &Path, fingerprint: String) -> Result<(), LakeError> {
         self.fingerprint = fingerprint;
         let current = |file: &SignalFile| {
             let mut drives = file.contents().drives.iter().map(|d| (&d.drive_id, &d.content_hash));
             drives.next() == Some((&self.id, &self.manifest.meta.content_hash)) && drives.next().is_none()
         };
-        // A store that cannot be read, or is of other content, is one that has to be made again.
+        // A store that cannot be read, or is of other content, has to be made again.
         let found = SignalFile::open(&dir.join("signals")).ok().flatten().filter(current);
         if let Some(file) = found {
             self.signals = Some(MemberSignals::of(&file));

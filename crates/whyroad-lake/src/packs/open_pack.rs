@@ -101,7 +101,7 @@ impl OpenPack {
         self.signals.get_or_init(open).as_ref()
     }
 
-    /// The stored signals of a drive, of whatever version.
+    /// The stored signals of a drive, of any version.
     pub fn signals(&self, id: &DriveId) -> Option<SignalFile> {
         let all = self.all_signals()?;
         let drive = all.contents().drives.binary_search_by(|d| d.drive_id.cmp(id)).ok()?;

@@ -1,5 +1,5 @@
-//! Row groups of several files as the row groups of one: the encoded columns are copied as they are, with their
-//! statistics. Only what a file lacks is written: the id of the drive, and nulls for a signal that it does not have.
+//! Row groups of several files as the row groups of one: the encoded columns are copied unchanged, with their
+//! statistics. Only missing columns are written: the id of the drive, and nulls for a signal that it does not have.
 
 use crate::LakeError;
 use crate::chunks::{Cells, ChunkWriter, Source};
@@ -33,7 +33,7 @@ impl Part {
         self.metadata.row_groups().get(self.group?)
     }
 
-    /// Bytes of its columns; what several share counts once.
+    /// Bytes of its columns; shared columns count once.
     pub fn bytes(&self) -> u64 {
         let columns = self.row_group().map_or(&[][..], RowGroupMetaData::columns);
         columns.iter().map(|c| c.byte_range()).collect::<BTreeSet<_>>().iter().map(|(_, length)| length).sum()
@@ -90,7 +90,7 @@ pub(super) fn write(
             from.columns().iter().map(|c| (c.column_path(), c)).collect();
         let rows = usize::try_from(from.num_rows()).unwrap_or(0);
         let drive = [(id.as_str(), rows)];
-        // What columns share in the file they share in the pack.
+        // Columns that share pages in the file share them in the pack.
         let mut places = HashMap::new();
         let sources = columns.iter().enumerate().map(|(at, column)| match own.get(column.path()) {
             Some(source) => match places.entry((source.byte_range(), source.column_type())) {

@@ -8,7 +8,7 @@ use std::fs;
 use whyroad_model::DriveId;
 
 impl Lake {
-    /// Makes a drive loose, with its stored signals and small files; nothing happens to one that is. Readers find the
+    /// Makes a drive loose, with its stored signals and small files; a loose drive is left unchanged. Readers find the
     /// drive at every moment.
     pub(crate) fn unpack(&self, id: &DriveId) -> Result<(), LakeError> {
         if matches!(self.place(id)?, Place::Loose(_)) {
@@ -36,7 +36,7 @@ impl Lake {
         })?;
         let _lock = super::replacing(self.dir())?;
         let target = self.drive_dir(id);
-        // What lies over the pack is newer than what was in it.
+        // The overriding files are newer than those in the pack.
         for entry in fs::read_dir(&target).into_iter().flatten().flatten() {
             let to = fresh.join(entry.file_name());
             if to.is_dir() {

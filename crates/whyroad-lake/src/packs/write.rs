@@ -103,7 +103,7 @@ type PartOf = fn(&MemberSignals) -> &Part;
 /// Columns of one of the two files.
 #[derive(Default)]
 struct SignalColumns {
-    /// Who and when.
+    /// Object and time.
     keys: Vec<Arc<Field>>,
     /// The signals of all drives.
     signals: BTreeMap<String, Arc<Field>>,
@@ -155,7 +155,7 @@ fn write_signals(dir: &Path, stored: &[&MemberSignals], schemas: &mut Schemas) -
     let drives = stored.iter().enumerate().map(|(i, s)| {
         let mut drive = s.stored.clone();
         drive.version = (s.version != version).then(|| s.version.clone());
-        // What was absent stays absent, whatever columns the source had.
+        // Absent columns stay absent, even if the source had them.
         let absent = columns.iter().flat_map(|c| c.absent(i)).cloned().chain(drive.absent);
         let absent: BTreeSet<String> = absent.filter(|n| !drive.unavailable.contains_key(n)).collect();
         drive.absent = absent.into_iter().collect();

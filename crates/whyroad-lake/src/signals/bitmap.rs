@@ -1,11 +1,12 @@
-//! Bits per row, 64 a word, the first row in the lowest bit: which rows are null, and flags, as they come out of pages.
+//! One bit per row, 64 per word, the first row in the lowest bit: which rows are null, and flags, as they come out of
+//! pages.
 
 /// Bits that are appended.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Bitmap {
     pub words: Vec<u64>,
     pub len: usize,
-    /// How many are 1.
+    /// Number of ones.
     pub ones: usize,
 }
 

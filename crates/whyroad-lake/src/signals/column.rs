@@ -1,4 +1,4 @@
-//! A column as rules read it.
+//! A column in the form that rules use.
 
 use super::StoredDrive;
 use super::bitmap::Bitmap;
@@ -19,7 +19,7 @@ pub enum StoredColumn {
 }
 
 impl StoredColumn {
-    /// What was read of a signal; `None` where it is of no type that a signal has.
+    /// The values read for a signal; `None` where the column's type is not a signal type.
     pub(super) fn of(dense: Dense, name: &str, of: &StoredDrive, rows: usize) -> Option<Self> {
         let Dense { values, known } = dense;
         Some(match values {
@@ -27,7 +27,7 @@ impl StoredColumn {
             Values::Flags(bits) => Self::Flags(bits.words, known.map(|k| k.words)),
             Values::Texts(codes, texts) => {
                 let words = words(of, name);
-                // The file's own dictionary is in the order in which words came up.
+                // The file's own dictionary is in the order of first occurrence.
                 let code = |text: &String| {
                     let at = words.iter().position(|w| w == text);
                     at.and_then(|i| u16::try_from(i).ok()).unwrap_or(UNKNOWN_CODE)

@@ -1,5 +1,5 @@
-//! How values stand in a page: the encodings of Parquet that signal stores use (the format's "Encodings" page), decoded
-//! into what rules read. `None` is a page that is not what it says.
+//! How values are encoded in a page: the encodings of Parquet that signal stores use (the format's "Encodings" page),
+//! decoded into what rules read. `None` means that a page is invalid.
 
 use super::bitmap::Bitmap;
 use super::steps::Steps;
@@ -37,7 +37,7 @@ pub(super) fn with_length<'b>(bytes: &mut &'b [u8]) -> Option<&'b [u8]> {
 
 /// A stretch of the "RLE / bit-packing hybrid".
 pub(super) enum Stretch<'b> {
-    /// The same number so often.
+    /// The same number, repeated this many times.
     Same(u32, usize),
     /// A given count of numbers, packed.
     Packed(&'b [u8], usize),
@@ -105,7 +105,7 @@ pub(super) fn looked_up<T: Copy>(bytes: &[u8], n: usize, dictionary: &[T], to: &
         Stretch::Packed(bytes, n) => {
             codes.clear();
             unpack(bytes, width, n, &mut codes)?;
-            // Checked once for all, so that the look-up itself can be quick.
+            // Checked once for all, so that the look-up itself can be fast.
             if codes.iter().max().is_some_and(|most| *most as usize >= dictionary.len()) {
                 return None;
             }
@@ -134,13 +134,13 @@ fn unpack(bytes: &[u8], width: usize, n: usize, to: &mut Vec<u32>) -> Option<()>
     Some(())
 }
 
-/// The bits from `bit` on, at least 57 of them; `bytes` go on for eight bytes behind the first of them.
+/// The bits from `bit` on, at least 57 of them; `bytes` has at least eight bytes from the first of them.
 fn bits_at(bytes: &[u8; 40], bit: usize) -> u64 {
     let eight = bytes[bit / 8..].first_chunk::<8>().copied().unwrap_or_default();
     u64::from_le_bytes(eight) >> (bit % 8)
 }
 
-/// Numbers that stand as they are.
+/// PLAIN-encoded numbers.
 pub(super) fn plain<const N: usize, T>(
     bytes: &[u8],
     n: usize,
@@ -200,7 +200,7 @@ fn unpack_long(bytes: &[u8], width: usize, n: usize, to: &mut Vec<u64>) -> Optio
     let mask = super::bitmap::low(width);
     for bit in (0..n).map(|i| i * width) {
         let from = &bytes[bit / 8..];
-        // Eight bytes hold all of it, unless it is very wide; at the end there may be fewer.
+        // Eight bytes hold the whole number, unless it is very wide; at the end there may be fewer.
         let value = match from.first_chunk::<8>() {
             Some(eight) if width <= 57 => u64::from_le_bytes(*eight) >> (bit % 8),
             _ => {

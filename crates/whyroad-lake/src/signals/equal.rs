@@ -8,8 +8,8 @@ use whyroad_model::column::UNKNOWN_CODE;
 /// Rows that are compared before whole columns are.
 const SAMPLES: usize = 48;
 
-/// For each column, the first one before it that has the same values, bit by bit, and is of the same type. Unknown is
-/// one value, whatever stands for it. Columns that a drive does not have are equal to none.
+/// For each column, the first one before it that has the same values, bit by bit, and is of the same type. All
+/// representations of unknown count as one value. Columns that a drive does not have equal no other column.
 pub(super) fn earlier_equals(columns: &[Option<&Column>]) -> Vec<Option<usize>> {
     let mut alike: HashMap<Sample, Vec<usize>> = HashMap::new();
     let mut out = vec![None; columns.len()];

@@ -1,6 +1,6 @@
 //! One column of one row group from its bytes: pages are taken out and decompressed by the Parquet library, their
-//! values decoded here ([`super::encodings`]), because rules want them otherwise than a table does: the values of the
-//! known rows one after another, and which rows these are as bits. Nothing is spread over rows that hold nothing.
+//! values decoded here ([`super::encodings`]), because rules need another layout than a table: the values of the known
+//! rows one after another, and which rows these are as bits. Unknown rows take no space.
 
 use super::bitmap::Bitmap;
 use super::encodings::{bits, deltas, looked_up, plain, with_length};
@@ -56,13 +56,13 @@ pub(super) fn read(
     if rows > MAX_ROWS {
         return Err(words(&format!("{rows} rows are more than a drive can have")));
     }
-    // The length is the file's word: not much more memory is taken than the file has bytes.
+    // The stated length is untrusted: memory use is limited by the size of the file.
     let mut bytes = Vec::with_capacity(length.min(RESERVED));
     file.seek(SeekFrom::Start(start)).map_err(|e| words(&e))?;
     file.by_ref().take(length as u64).read_to_end(&mut bytes).map_err(|e| words(&e))?;
     let descriptor = column.column_descr();
     if descriptor.max_rep_level() > 0 || descriptor.max_def_level() > 1 {
-        return Err(words(&"its values are not plain ones"));
+        return Err(words(&"its values are not PLAIN-encoded"));
     }
     let chunk = Arc::new(Chunk { start, bytes: bytes.into() });
     let pages = SerializedPageReader::new(chunk, column, rows, None).map_err(|e| words(&e))?;
@@ -91,7 +91,7 @@ pub(super) fn read(
     Ok(Dense { values: decoder.values, known: known.filter(|k| k.ones < rows) })
 }
 
-/// Takes what says which rows are null off the beginning of a page; the bytes of the values, and how many these are.
+/// Takes the null information from the beginning of a page; returns the bytes of the values and their number.
 fn levels<'p>(page: &'p Page, known: Option<&mut Bitmap>) -> Option<(&'p [u8], usize)> {
     let n = page.num_values() as usize;
     let before = known.as_ref().map_or(0, |k| k.ones);
@@ -130,7 +130,7 @@ struct Decoder {
 
 impl Decoder {
     fn new(physical: Type, rows: usize) -> Option<Self> {
-        // How many rows there are is the file's word, too.
+        // The stated number of rows is untrusted, too.
         let rows = rows.min(RESERVED);
         let values = match physical {
             Type::DOUBLE => Values::Numbers(Vec::with_capacity(rows)),
@@ -170,7 +170,7 @@ impl Decoder {
                 let mut own = Steps::default();
                 deltas(bytes, n, &mut own)?;
                 let fits = |x: i64| i32::try_from(x).is_ok();
-                // Sums of 32 bits wrap around there; seldom is there one that does.
+                // Sums of 32 bits wrap around there; this is rare.
                 let own = if own.all(fits) { own } else { own.mapped(|x| i64::from(x as i32)) };
                 to.append(own);
                 Some(())

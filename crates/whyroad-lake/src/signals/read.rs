@@ -1,4 +1,4 @@
-//! Signal tables from Parquet: one drive, and of it only the columns that are asked for.
+//! Signal tables from Parquet: one drive, and only its requested columns.
 
 use super::column::{StoredColumn, words};
 use super::pages::{Dense, Values};
@@ -72,7 +72,7 @@ impl SignalFile {
         Ok(Some(Self { frames, targets, contents: Arc::new(contents) }))
     }
 
-    /// The part of the store that is of one drive, which has index 0 in it.
+    /// The part of the store that belongs to one drive, which has index 0 in it.
     pub(crate) fn of_drive(&self, drive: usize) -> Option<Self> {
         let stored = self.contents.drives.get(drive)?;
         let version = stored.version.clone().unwrap_or_else(|| self.contents.version.clone());

@@ -19,7 +19,7 @@ impl Stretch {
 pub(super) struct Steps {
     stretches: Vec<Stretch>,
     len: usize,
-    /// What would go on with the last stretch.
+    /// The value that would continue the last stretch.
     next: i64,
 }
 
@@ -71,7 +71,7 @@ impl Steps {
         other.stretches.into_iter().for_each(|s| self.push_run(s.first, s.step, s.len));
     }
 
-    /// True when it is true of every number, provided that it is of all between two of which it is true. Sums must not
+    /// True when `f` holds for every number. `f` must hold between any two numbers for which it holds. Sums must not
     /// wrap around in 64 bits.
     pub fn all(&self, f: impl Fn(i64) -> bool) -> bool {
         self.stretches.iter().all(|s| f(s.first) && f(s.at(s.len - 1)))

@@ -27,7 +27,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// The table, and what it says of the contents of the store, as text.
+    /// The table, and its description of the contents of the store, as text.
     pub fn open(path: &Path) -> Result<Option<(Self, String)>, LakeError> {
         let file = match File::open(path) {
             Ok(f) => f,
@@ -53,7 +53,7 @@ impl Table {
             return Err(LakeError::broken(path, format!("the order of its rows is not '{ROW_ORDER}'")));
         }
         let contents = value(KEY).unwrap_or_default();
-        // Names have dots, and are one part of a path all the same.
+        // Names may contain dots, but are a single part of a path.
         let leaves = metadata.file_metadata().schema_descr().columns().iter().enumerate();
         let named = leaves.filter_map(|(i, c)| match c.path().parts() {
             [name] => Some((name.clone(), i)),
@@ -69,7 +69,7 @@ impl Table {
     /// not have these numbers of rows.
     pub fn divide(&mut self, rows_of_drives: &[usize]) -> bool {
         let rows = self.metadata.row_groups().iter().map(|g| usize::try_from(g.num_rows()).unwrap_or(0));
-        // Some writers leave an empty row group for a file without rows.
+        // Some writers write an empty row group for a file without rows.
         let with_rows: Vec<(usize, usize)> = rows.enumerate().filter(|(_, n)| *n > 0).collect();
         let mut left = with_rows.iter();
         let mut fits = true;
@@ -132,7 +132,7 @@ impl Table {
         columns.filter_map(|(column, rows)| read(source, column, rows).ok()).collect()
     }
 
-    /// Checks that the rows of a drive are those that the store says, in the order that it says; the first time only.
+    /// Checks that the rows of a drive are those that the store states, in the stated order; only the first time.
     pub fn check_order(
         &self,
         drive: usize,

@@ -47,7 +47,7 @@ fn stored(hash: &str, table: &SignalTable) -> StoredDrive {
     }
 }
 
-/// Whose rows they are, and when.
+/// Object and time of the rows.
 struct Keys<'a> {
     /// The targets, each with the number of its rows; `None` in a table of frames.
     targets: Option<Vec<(&'a str, usize)>>,
@@ -73,7 +73,7 @@ fn keys<'a>(
     Keys { targets, frames: rows.map(|f| u32::try_from(f).unwrap_or(u32::MAX)).collect(), times }
 }
 
-/// The columns of a file: keys, then signals, of which the type is that of a sample.
+/// The columns of a file: keys, then signals, whose type is that of a sample.
 fn schema(has_targets: bool, signals: &[(&String, &Column)]) -> Schema {
     let text = || DataType::Dictionary(Box::new(DataType::UInt16), Box::new(DataType::Utf8));
     let mut fields = vec![Field::new("drive_id", text(), false)];

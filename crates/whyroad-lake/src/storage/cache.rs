@@ -98,7 +98,7 @@ impl Cache {
         fs::create_dir_all(&dir).map_err(LakeError::io(&dir))?;
         let lock = lock_of(&dir);
         let file = File::create(&lock).map_err(LakeError::io(&lock))?;
-        // Where locks are not supported, nobody removes what is left over.
+        // Where locks are not supported, leftovers are not removed.
         let _ = file.try_lock();
         Ok(WorkFolder { dir, lock: Some(file) })
     }
@@ -142,7 +142,7 @@ impl Cache {
     }
 }
 
-/// A folder that goes with the process.
+/// A folder that is removed with the process.
 #[derive(Debug)]
 pub(super) struct WorkFolder {
     pub dir: PathBuf,
@@ -151,7 +151,7 @@ pub(super) struct WorkFolder {
 
 impl Drop for WorkFolder {
     fn drop(&mut self) {
-        // What stays is removed by the next process.
+        // Remaining files are removed by the next process.
         let _ = fs::remove_dir_all(&self.dir);
         drop(self.lock.take());
         let _ = fs::remove_file(lock_of(&self.dir));

@@ -1,4 +1,4 @@
-//! `manifest.json`: which objects are the lake's files.
+//! `manifest.json`: maps the lake's files to objects.
 
 use crate::LakeError;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ const VERSION: u32 = 1;
 pub(super) struct Manifest {
     /// By path in the lake (`drives/d1/tracks.parquet`).
     pub files: BTreeMap<String, StoredFile>,
-    /// Objects that no file is any more, and when that came about; readers may still be reading them.
+    /// Objects that no file uses any more, and since when; readers may still be reading them.
     pub retired: Vec<Retired>,
 }
 
@@ -89,13 +89,13 @@ impl Manifest {
         serde_json::to_vec(&stored).unwrap_or_default()
     }
 
-    /// The files whose path begins so.
+    /// The files whose path has this prefix.
     pub fn below<'a>(&'a self, prefix: &'a str) -> impl Iterator<Item = (&'a String, &'a StoredFile)> {
         self.files.range(prefix.to_owned()..).take_while(move |(path, _)| path.starts_with(prefix))
     }
 }
 
-/// What is changed as one: a drive, all packs, or a file of its own.
+/// A unit of change: a drive, all packs, or a single file.
 pub(super) fn unit(path: &str) -> &str {
     if path.starts_with("packs/") {
         return "packs";

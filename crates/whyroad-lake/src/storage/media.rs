@@ -1,5 +1,5 @@
-//! Camera images in an object store: one object per image, handed out by links that end soon. Which image somebody may
-//! see is decided before; a link opens nothing but its one object.
+//! Camera images in an object store: one object per image, served by short-lived links. Access is checked before a link
+//! is made; a link opens only its one object.
 
 use super::mirror::{Mirror, collect};
 use super::{Objects, StorageUrl, in_parallel, objects};
@@ -42,7 +42,7 @@ impl MediaStore {
     /// The image of this name, if it is in the store. A name that leads out of the folder is not.
     ///
     /// # Errors
-    /// Where the store cannot be asked.
+    /// When the store cannot be reached.
     pub fn find(&self, name: &str) -> Result<Option<LinkedMedia>, LakeError> {
         let leads_out = |part: &str| part.is_empty() || part == "." || part == "..";
         if name.split('/').any(leads_out) || name.contains(['\\', '?', '#']) {
@@ -81,10 +81,10 @@ impl MediaStore {
         self.objects.link(&media.key, lifetime)
     }
 
-    /// The image itself; `None` where it is gone.
+    /// The image itself; `None` where it no longer exists.
     ///
     /// # Errors
-    /// Where the store cannot be asked.
+    /// When the store cannot be reached.
     pub fn read(&self, media: &LinkedMedia) -> Result<Option<Vec<u8>>, LakeError> {
         Ok(self.objects.get(&media.key)?.map(|(content, _)| content))
     }
@@ -110,7 +110,7 @@ impl Mirror {
         })
     }
 
-    /// Whether the store has images of a drive, which the manifest does not tell.
+    /// Whether the store has images of a drive, which the manifest does not state.
     pub(crate) fn has_images(&self, id: &str) -> Result<bool, LakeError> {
         Ok(!self.objects.list(&format!("media/{id}/"))?.is_empty())
     }

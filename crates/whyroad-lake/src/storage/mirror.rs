@@ -1,9 +1,9 @@
 //! The folder in which a process works on a lake in an object store: it looks like a lake on disk, and its files are
 //! fetched when they are needed. `drive.json` of loose drives and the catalog are fetched at once, so that listing
-//! works as ever; the folder of a drive or pack is there from the start, and empty until it is used.
+//! works as usual; the folder of a drive or pack is there from the start, and empty until it is used.
 //!
-//! A file that was fetched is known by its identity (length, time, number): so what the process has changed is found by
-//! looking, and no function that writes needs to know of object stores.
+//! A file that was fetched is known by its identity (length, time, number): so changes by the process are found by
+//! comparison, and functions that write need no knowledge of object stores.
 
 use super::cache::{Cache, WorkFolder, hash, unique};
 use super::manifest::{self, Manifest, StoredFile, folder};
@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 /// Fetches of the same drive by several threads wait for each other.
 const FETCH_LOCKS: usize = 64;
-/// How long a service does not see what others publish.
+/// Maximum time until a service sees what others publish.
 const REFRESH_EVERY: Duration = if cfg!(test) { Duration::ZERO } else { Duration::from_secs(10) };
 
 /// A process's copy of a lake.
@@ -36,7 +36,7 @@ pub(crate) struct Mirror {
     refreshed: Mutex<Instant>,
 }
 
-/// What the process knows of the store.
+/// What the process knows about the store.
 #[derive(Debug, Default)]
 pub(super) struct State {
     /// The manifest on which the folder is based, and its version.
@@ -97,8 +97,8 @@ impl Mirror {
         &self.work.dir
     }
 
-    /// Takes over what others have published, from time to time: for a process that reads for long and writes nothing
-    /// that has to last.
+    /// Takes over what others have published, from time to time: for a long-running process that writes nothing
+    /// persistent.
     pub fn refresh(&self) -> Result<(), LakeError> {
         {
             let mut last = self.refreshed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -132,8 +132,8 @@ impl Mirror {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Makes the folder hold what `next` says, where it knows of `known` (with its own changes) until now. A drive that
-    /// others changed is fetched again when it is next used.
+    /// Updates the folder from `known` (with its own changes) to `next`. A drive that others changed is fetched again
+    /// when it is next used.
     pub(super) fn follow(
         &self,
         known: &Manifest,
@@ -197,7 +197,7 @@ impl Mirror {
             let of = of.filter(|(path, _)| wanted(&path[below.len()..]));
             of.map(|(path, file)| (path.clone(), file.clone())).collect()
         };
-        // Without the folder, this process has removed the drive.
+        // A missing folder means that this process has removed the drive.
         if missing().is_empty() || !self.work.dir.join(folder).is_dir() {
             return Ok(());
         }
@@ -286,7 +286,7 @@ impl Mirror {
         Ok((changes, uploads))
     }
 
-    /// The object of a file: where one looks for it, and unlike any other.
+    /// The object of a file: its path, made unique.
     fn key(&self, path: &str, blake3: &str) -> String {
         let mark = format!("{}-{}", blake3.get(..16).unwrap_or(blake3), self.run);
         let (folder, name) = path.rsplit_once('/').map_or(("", path), |(f, n)| (f, n));
@@ -296,12 +296,12 @@ impl Mirror {
     }
 }
 
-/// Makes an empty lake, and finds out whether the store keeps the promise on which two writers depend: some stores
-/// accept conditional puts and ignore the condition.
+/// Makes an empty lake, and tests the guarantee on which concurrent writers depend: some stores accept conditional puts
+/// and ignore the condition.
 fn found_lake(objects: &dyn Objects) -> Result<(), LakeError> {
     let empty = || Manifest::default().to_bytes();
     let PutOutcome::Done(version) = objects.put_if(manifest::KEY, empty(), None)? else {
-        // Another process was first, and tries it out.
+        // Another process was first and runs the test.
         return Ok(());
     };
     let other = ObjectVersion(format!("\"{}\"", "0".repeat(32)));

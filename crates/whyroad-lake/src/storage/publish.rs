@@ -1,5 +1,5 @@
-//! Publishing what a process has written: objects first, then one conditional put of the manifest. Killed before that
-//! put, nothing has happened; after it, everything has. Doing it again changes nothing.
+//! Publishing what a process has written: objects first, then one conditional put of the manifest. If the process is
+//! killed before that put, nothing has changed; after it, everything has. Repeating it changes nothing.
 
 use super::manifest::{self, Manifest};
 use super::mirror::Mirror;
@@ -15,7 +15,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 const GRACE: Duration = Duration::from_secs(3600);
 /// Objects that a killed process uploaded and never published are removed after this time.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
-/// Puts that may find that another writer was faster, and calls that may fail after the store's own repetitions.
+/// Maximum number of puts that lose against another writer, and of calls that fail after the store's own retries.
 const MOST_PUTS: u64 = 100;
 const MOST_FAILURES: u64 = 4;
 const FIRST_PAUSE_MS: u64 = if cfg!(test) { 1 } else { 20 };
@@ -24,9 +24,9 @@ impl Mirror {
     /// Publishes what this process has changed since the last time.
     ///
     /// # Errors
-    /// [`LakeError::ChangedMeanwhile`] names the drives that another writer changed at the same time: of these nothing
-    /// was published; all others are. Any other error: it is unknown whether it is published, and doing it again is
-    /// right in both cases.
+    /// [`LakeError::ChangedMeanwhile`] names the drives that another writer changed at the same time: these were not
+    /// published; all others were. After any other error it is unknown whether the changes were published; repeating
+    /// the call is safe in both cases.
     pub(crate) fn publish(&self, intent: Intent) -> Result<(), LakeError> {
         self.publish_images()?;
         let (changes, uploads) = self.changes()?;
@@ -47,7 +47,7 @@ impl Mirror {
         Ok(())
     }
 
-    /// Puts the manifest with the changes; gives what could not be applied.
+    /// Puts the manifest with the changes; returns what could not be applied.
     fn commit(&self, changes: &Changes, intent: Intent) -> Result<Vec<String>, LakeError> {
         let (base, mut current, mut version) = {
             let state = self.state();
@@ -71,7 +71,7 @@ impl Mirror {
                     let what = vec![manifest::KEY.to_owned()];
                     return Err(LakeError::ChangedMeanwhile { url: self.url(), what });
                 }
-                // Perhaps it is written and only the answer was lost: what is there now tells.
+                // The write may have succeeded although the answer was lost: the current content decides.
                 Err(_) if failures < MOST_FAILURES => failures += 1,
                 Err(e) => return Err(e),
             }
@@ -128,7 +128,8 @@ impl Mirror {
         LakeError::NotALake(PathBuf::from(self.url()))
     }
 
-    /// Removes objects that have been no file for long enough, then their entries: killed in between, it is done again.
+    /// Removes objects that have been unused for long enough, then their entries. If it is killed in between, the next
+    /// run repeats it.
     fn purge(&self) -> Result<(), LakeError> {
         let due = |m: &Manifest| -> Vec<String> {
             let is_due = |at: u64| at + GRACE.as_secs() <= now();
@@ -167,7 +168,7 @@ impl Mirror {
         Ok(())
     }
 
-    /// Objects that no manifest names and nobody is about to publish.
+    /// Objects that no manifest names and no process is about to publish.
     fn remove_abandoned(&self) -> Result<(), LakeError> {
         let before = SystemTime::now() - ABANDONED;
         let mut keys = Vec::new();

@@ -39,7 +39,7 @@ pub(super) fn rebase(
         by_unit.entry(unit(path)).or_default().insert(path, change);
     }
     let packs_moved = !same(&files(base, "packs"), &files(current, "packs"));
-    // The answer to an earlier put was lost: it is all there.
+    // The answer to an earlier put was lost: everything was written.
     let packed = by_unit.get("packs").is_some_and(|changes| {
         let theirs = files(current, "packs");
         changes.iter().all(|(path, change)| match change {
@@ -57,7 +57,7 @@ pub(super) fn rebase(
                 Change::Remove => drop(mine.remove(path)),
             }
         }
-        // Deleted meanwhile: packed, it would come back.
+        // Deleted meanwhile: packing it would restore it.
         if intent == Intent::Compact
             && !packed
             && !base.is_empty()
@@ -73,7 +73,7 @@ pub(super) fn rebase(
             Decision::Mine => replace(&mut result, &theirs, &mine),
             Decision::Theirs => {}
             Decision::Both => {
-                // What both have is theirs: it is published, and the content of a drive is the same.
+                // Where both have a file, the published one is kept: the content of a drive is the same.
                 for (path, change) in changes {
                     if let Change::Put(file) = change
                         && theirs.get(path).is_none_or(|t| t.blake3 != file.blake3)
@@ -111,7 +111,7 @@ fn decide(of: &Versions<'_>, intent: Intent, packs_moved: bool) -> Decision {
     let drive_json = format!("{}/{DRIVE_JSON}", of.name);
     let head = |files: &Files<'_>| files.get(drive_json.as_str()).map(|f| f.blake3.clone());
     let (base, theirs, mine) = (head(of.base), head(of.theirs), head(of.mine));
-    // What lies over a packed drive belongs to the pack that it was made for.
+    // Files that override those of a packed drive belong to the pack that they were made for.
     let over_pack = is_drive && base.is_none() && mine.is_none();
     if same(of.mine, of.theirs) {
         return Decision::Theirs;
@@ -123,13 +123,13 @@ fn decide(of: &Versions<'_>, intent: Intent, packs_moved: bool) -> Decision {
         return Decision::Conflict;
     }
     if mine == base {
-        // Only derived from the drive: of no use where the drive is another one now.
+        // Only derived from the drive: useless if the drive has been replaced.
         return if theirs == base && !(over_pack && packs_moved) { Decision::Both } else { Decision::Theirs };
     }
     match (mine, theirs) {
         (Some(mine), Some(theirs)) if mine == theirs => Decision::Both,
         (None, Some(_)) if intent == Intent::Compact => Decision::Theirs,
-        // Compacted or deleted meanwhile: packing it would bring it back.
+        // Compacted or deleted meanwhile: packing it would restore it.
         _ => Decision::Conflict,
     }
 }
@@ -156,19 +156,19 @@ fn replace(result: &mut Manifest, theirs: &Files<'_>, mine: &Files<'_>) {
         result.files.remove(*path);
     }
     for (path, file) in mine {
-        // A file that is as it was keeps its object.
+        // An unchanged file keeps its object.
         let kept = theirs.get(path).filter(|t| t.blake3 == file.blake3);
         result.files.insert((*path).to_owned(), (*kept.unwrap_or(file)).clone());
     }
 }
 
-/// Notes the objects that are no file any more, and those of `changes` that became none.
+/// Records the objects that no file uses any more, and those uploaded for `changes` that no file uses.
 fn retire(result: &mut Manifest, current: &Manifest, changes: &Changes, intent: Intent, now: u64) {
     let used: BTreeSet<&str> = result.files.values().map(|f| f.key.as_str()).collect();
     let known: BTreeSet<&str> = result.retired.iter().map(|r| r.key.as_str()).collect();
     let replaced = current.files.values().map(|f| (f.key.as_str(), now));
     let unused = changes.values().filter_map(|c| match c {
-        // Nobody but this writer has ever known it.
+        // Only this writer has ever known it.
         Change::Put(file) => Some((file.key.as_str(), 0)),
         Change::Remove => None,
     });
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn doing_it_again_changes_nothing() {
-        // Also when the answer to the first put was lost: what is published is what was to be.
+        // Also when the answer to the first put was lost: the published content is the intended one.
         let (files, conflicts, retired) = outcome(&[], &[A], &[A], Intent::Write);
         assert_eq!((files.as_str(), conflicts.as_str(), retired.as_str()), ("drives/a/drive.json=a", "", ""));
     }
@@ -258,7 +258,7 @@ mod tests {
         let (files, conflicts, retired) = outcome(&[A], &replaced, &[signals], Intent::Write);
         assert_eq!((files.as_str(), conflicts.as_str()), ("drives/a/drive.json=a1", ""));
         assert_eq!(retired, "key-s@0");
-        // Deleted: it does not come back in part. Over a pack: only as long as the packs are the same.
+        // Deleted: it is not restored in part. Overriding a pack: only as long as the packs are the same.
         assert_eq!(outcome(&[A], &[], &[signals], Intent::Write).0, "");
         assert_eq!(
             outcome(&[CATALOG], &[("packs/catalogue.parquet", "c2")], &[signals], Intent::Write).0,
@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn packing_keeps_what_others_wrote_and_brings_nothing_back() {
         let packed = [("drives/a/drive.json", ""), PACK, CATALOG];
-        // A drive that came meanwhile, and one that was replaced meanwhile: both keep their folders.
+        // A drive that was added meanwhile, and one that was replaced meanwhile: both keep their folders.
         let (files, conflicts, _) =
             outcome(&[A], &[("drives/a/drive.json", "a1"), B], &packed, Intent::Compact);
         assert_eq!(

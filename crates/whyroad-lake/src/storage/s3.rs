@@ -1,5 +1,5 @@
-//! S3 and what speaks its protocol, through the crate `object_store`. Credentials come as in every tool of AWS:
-//! environment, web identity, shared files ([`profile`]), container, instance. Nothing of them is ever in a message.
+//! S3 and compatible stores, through the crate `object_store`. Credentials come as in every tool of AWS: environment,
+//! web identity, shared files ([`profile`]), container, instance. They never appear in a message.
 
 mod http;
 mod profile;
@@ -37,7 +37,7 @@ pub(super) struct S3Objects {
     store: AmazonS3,
     runtime: &'static Runtime,
     url: StorageUrl,
-    /// What must not be shown, whatever a store answers.
+    /// Secrets that must not be shown, whatever the store answers.
     secrets: Vec<String>,
 }
 
@@ -206,7 +206,7 @@ impl Objects for S3Objects {
     }
 }
 
-/// Threads for storage, of the whole process: never ended, since that would block whoever ends last.
+/// Threads for storage, of the whole process: never shut down, since that would block the last thread.
 fn runtime() -> Option<&'static Runtime> {
     static RUNTIME: OnceLock<Option<Runtime>> = OnceLock::new();
     let start =
@@ -214,12 +214,12 @@ fn runtime() -> Option<&'static Runtime> {
     RUNTIME.get_or_init(start).as_ref()
 }
 
-/// Whether the object does not exist; without its bucket that would say too little.
+/// Whether the object does not exist; a missing bucket is reported separately.
 fn is_missing(e: &Error) -> bool {
     matches!(e, Error::NotFound { .. }) && !e.to_string().contains("NoSuchBucket")
 }
 
-/// What a store answered, in few words. An answer can repeat a session token.
+/// The store's answer, shortened. An answer can repeat a session token.
 fn reason(e: &Error, secrets: &[String]) -> String {
     let text = e.to_string();
     let element = |name: &str| {
@@ -229,7 +229,7 @@ fn reason(e: &Error, secrets: &[String]) -> String {
     let mut short = match (element("Code"), element("Message")) {
         (Some(code), Some(message)) => format!("{code}: {message}"),
         (Some(code), None) => code,
-        // Without the body, if there is one that nobody knows.
+        // Without the body, if it has an unknown form.
         _ => text.split('<').next().unwrap_or_default().trim().trim_end_matches(':').to_owned(),
     };
     for secret in secrets {

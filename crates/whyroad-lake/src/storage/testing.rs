@@ -22,7 +22,7 @@ pub(crate) struct MemoryObjects {
     pub left: Arc<Mutex<Option<u64>>>,
     /// Writing calls so far.
     pub calls: Arc<Mutex<u64>>,
-    /// The call that fails is carried out: only its answer is lost.
+    /// The failing call is carried out: only its answer is lost.
     pub loses_answers: bool,
     /// Conditions are ignored.
     pub unconditional: bool,

@@ -70,7 +70,7 @@ fn two_writers_at_once_lose_nothing() {
             lake.write_drive(&drive(&format!("d{n}-{i}"), "c")).unwrap();
             lake.publish().unwrap();
         }
-        // Each has seen what the other published, as far as it was there at the last moment.
+        // Each has seen what the other had published before its own last read.
         assert!(lake.drive_ids().len() >= 8);
     };
     std::thread::scope(|s| (0..2).for_each(|n| drop(s.spawn(move || writer(n)))));
@@ -107,10 +107,10 @@ fn the_same_drive_with_other_content_is_a_conflict_and_nothing_else_is_lost() {
     let Err(LakeError::ChangedMeanwhile { what, .. }) = b.publish() else { panic!("no conflict") };
     assert_eq!(what, ["drives/x"]);
     assert_eq!(read(&store), pairs(&[("x", "of a"), ("y", "of b")]));
-    // The loser goes on with what is published, and does not report it twice.
+    // The loser continues with what is published, and does not report it twice.
     assert_eq!(b.read_drive(&"x".into()).unwrap().meta.content_hash, "of a");
     b.publish().unwrap();
-    // Run again, as the message says.
+    // Run again, as the message advises.
     b.write_drive(&drive("x", "of b")).unwrap();
     b.publish().unwrap();
     assert_eq!(read(&store), pairs(&[("x", "of b"), ("y", "of b")]));
@@ -207,7 +207,7 @@ fn packs_are_one_writer_at_a_time_and_drives_that_come_meanwhile_stay() {
     assert_eq!(read(&store), pairs(&[("a", "1"), ("c", "1")]));
     let packed = one.entries().filter(|(_, e)| e.as_ref().unwrap().pack.is_some()).count();
     assert_eq!(packed, 1);
-    // A process that began before goes on writing.
+    // A process that began before continues to write.
     b.write_drive(&drive("a", "2")).unwrap();
     assert_eq!(b.publish().map_err(|e| e.code()), Ok(()));
     assert_eq!(read(&store), pairs(&[("a", "2"), ("c", "1")]));

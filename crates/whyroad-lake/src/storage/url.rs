@@ -1,4 +1,4 @@
-//! `s3://bucket/prefix`: read strictly, so that no credentials hide in it.
+//! `s3://bucket/prefix`: parsed strictly, so that it cannot contain credentials.
 
 use crate::LakeError;
 use std::fmt;

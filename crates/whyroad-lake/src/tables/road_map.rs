@@ -11,7 +11,7 @@ use whyroad_model::road_map::{Area, Facility, Lane, Point3, Sign, StopLine};
 /// last.
 pub(crate) const ROW_ORDER: &str = "lane,crosswalk,junction,drivable_area,stop_line,sign,facility; id";
 
-/// One row, of whatever feature.
+/// One row, for any feature.
 #[derive(Default)]
 struct Row<'a> {
     feature: &'static str,

@@ -1,4 +1,4 @@
-//! `lights.parquet`, `context.parquet`, `media.parquet`: things that have a time of their own and no frame.
+//! `lights.parquet`, `context.parquet`, `media.parquet`: records with their own time and without a frame.
 
 use crate::LakeError;
 use crate::columns::{Table, TableBuilder, member_name};

@@ -95,7 +95,7 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
     let (known_at, times) = (read_known_at(t)?, t.integers("time_ns")?);
 
     let clip = |i: usize| frames[i] as usize / CLIP_FRAMES;
-    // Of most rows the frames tell: the row before is of the same object and clip.
+    // For most rows the frames decide: the previous row has the same object and clip.
     let follows = |i: usize| {
         let (before, now) = (ids.value(i - 1), ids.value(i));
         clip(i - 1) < clip(i)

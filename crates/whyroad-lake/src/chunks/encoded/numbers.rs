@@ -1,4 +1,4 @@
-//! Numbers: as they are where they hardly come again, else as codes into a dictionary.
+//! Numbers: plain where they rarely repeat, else as codes into a dictionary.
 
 use super::{Encoded, Hybrid, PAGE_ROWS, Pages, levels};
 use crate::file::repeats;
@@ -8,11 +8,11 @@ use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::statistics::Statistics;
 use parquet::schema::types::ColumnDescPtr;
 
-/// Bytes that are compressed to see whether a column becomes shorter, of which so many are taken from as many places.
+/// Bytes that are compressed to see whether a column becomes shorter: samples of a fixed length from several positions.
 const SAMPLE_BYTES: usize = 4096;
 const SAMPLES: usize = 4;
 
-/// Numbers; those of which `known` says so become null.
+/// Numbers; those that `known` marks as unknown become null.
 pub(in crate::chunks) fn numbers(
     values: &[f64],
     known: impl Fn(usize) -> bool,
@@ -99,11 +99,11 @@ fn range(numbers: &[f64]) -> Option<(f64, f64)> {
     (least <= greatest).then(|| (signed(least, -0.0), signed(greatest, 0.0)))
 }
 
-/// Numbers by their places in a dictionary.
+/// Numbers by their indices in a dictionary.
 struct Places {
-    /// The numbers, in the order in which they come first.
+    /// The numbers, in the order of first occurrence.
     entries: Vec<f64>,
-    /// The place of each value.
+    /// The index of each value.
     of_values: Vec<u32>,
 }
 

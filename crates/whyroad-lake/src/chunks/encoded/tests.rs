@@ -156,7 +156,7 @@ fn check_numbers(numbers: &[f64]) -> Arc<ParquetMetaData> {
     metadata
 }
 
-/// A number that no other one is near of, from 1 to 2.
+/// A pseudo-random number from 1 to 2.
 fn scattered(i: usize) -> f64 {
     let bits = (i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5bd1_e995;
     f64::from_bits(0x3ff0_0000_0000_0000 | (bits.wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 12))
@@ -181,7 +181,7 @@ proptest! {
 fn numbers_of_several_pages_are_read() {
     let rows = 2 * super::PAGE_ROWS + 11;
     let hole = |i: usize, x: f64| if i % 1001 < 3 { f64::NAN } else { x };
-    // A dictionary; numbers that come once; those that do so after a beginning in which they repeat.
+    // A dictionary; numbers that occur once; numbers that occur once after a beginning in which they repeat.
     let few: Vec<f64> = (0..rows).map(|i| hole(i, scattered(i % 300))).collect();
     let single: Vec<f64> = (0..rows).map(|i| hole(i, scattered(i))).collect();
     let later: Vec<f64> = (0..rows).map(|i| if i < 9000 { 1.5 } else { scattered(i) }).collect();
@@ -190,7 +190,7 @@ fn numbers_of_several_pages_are_read() {
     for numbers in [&single, &later] {
         assert_eq!(column(numbers).dictionary_page_offset(), None);
     }
-    // Digits without order are not compressed; what goes on for long is.
+    // Digits without order are not compressed; a long run is.
     assert_eq!(column(&single).compression(), Compression::UNCOMPRESSED);
     assert_eq!(column(&later).compression(), Compression::SNAPPY);
     assert!(column(&later).compressed_size() < column(&later).uncompressed_size());

@@ -1,6 +1,5 @@
-//! What is decoded here is what the common Rust reader gives, however the file was written: pages of both versions,
-//! with dictionary and without, one page or many, compressed or not. What is cut off or damaged is an error, and no
-//! panic.
+//! Decoded values equal those of the common Rust reader, for all ways to write the file: pages of both versions, with
+//! dictionary and without, one page or many, compressed or not. What is cut off or damaged is an error, and no panic.
 
 use super::*;
 use arrow_array::cast::AsArray;

@@ -1,4 +1,4 @@
-//! The HTTP client of the rest of the program for `object_store`: blocking calls on threads of their own, TLS by
+//! The program's HTTP client, adapted to `object_store`: blocking calls on threads of their own, TLS by
 //! rustls with the system's certificates. No redirect is followed: requests are signed for one address.
 
 use http_body_util::BodyExt as _;
@@ -26,7 +26,7 @@ pub(super) struct UreqConnector {}
 
 impl HttpConnector for UreqConnector {
     fn connect(&self, options: &ClientOptions) -> object_store::Result<HttpClient> {
-        // A machine that is not in a cloud has no metadata service: nobody answers, and that is known soon.
+        // A machine outside a cloud has no metadata service: the request fails quickly.
         let stated = options.get_config_value(&ClientConfigKey::ConnectTimeout);
         let seconds = stated.and_then(|text| text.strip_suffix('s')?.trim().parse::<u64>().ok());
         let connect = seconds.map_or(CONNECT, |s| Duration::from_secs(s).min(CONNECT));
@@ -88,12 +88,12 @@ fn send(agent: &Agent, request: Request<Vec<u8>>) -> Result<HttpResponse, HttpEr
         agent.run(Request::from_parts(parts, ()))
     };
     let (parts, mut body) = answered.map_err(failed)?.into_parts();
-    // A connection that is cut in the middle of an answer ends here, not as a short file.
+    // A connection that is cut in the middle of an answer is an error here, not a short file.
     let content = body.with_config().limit(u64::MAX).read_to_vec().map_err(failed)?;
     Ok(Response::from_parts(parts, content.into()))
 }
 
-/// What may be sent again: everything where no answer came; the store decides by the request.
+/// What may be retried: every request without an answer; the store decides by the request.
 fn failed(e: ureq::Error) -> HttpError {
     let kind = match &e {
         ureq::Error::Timeout(_) => HttpErrorKind::Timeout,

@@ -4,10 +4,10 @@ use object_store::aws::{AmazonS3Builder, AmazonS3ConfigKey as Key};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Completes what the environment does not say with the profile (`AWS_PROFILE`, otherwise `default`).
+/// Completes settings missing in the environment from the profile (`AWS_PROFILE`, otherwise `default`).
 ///
 /// # Errors
-/// Where a profile was asked for by name that neither file has, or that gets its keys in a way that is not supported.
+/// When a named profile is in neither file, or gets its keys in an unsupported way.
 pub(super) fn complete(builder: &mut AmazonS3Builder) -> Result<(), String> {
     let asked = std::env::var("AWS_PROFILE").ok().filter(|name| !name.is_empty());
     let name = asked.clone().unwrap_or_else(|| "default".to_owned());
