@@ -1,5 +1,5 @@
-//! A question in words becomes a rule of the rule language through a model. What is wrong with the rule is sent back a
-//! few times; a rule that compiles is given with its text and what the model assumed. Finding episodes is mining's
+//! A question in words becomes a rule of the rule language through a model. Errors in the rule are sent back a few
+//! times; a rule that compiles is returned with its text and the model's assumptions. Finding episodes is mining's
 //! work.
 
 use crate::{AnswerForm, ChatError, Client, Message, Request, Role};
@@ -19,7 +19,7 @@ const LONGEST_RULE: usize = 2000;
 /// What a target can be; `none` for rules about the ego alone.
 const TARGETS: [&str; 5] = ["none", "any", "vehicle", "large_vehicle", "vru"];
 
-/// A rule that the model gave, and what was wrong with it.
+/// A rule from the model, and its errors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Attempt {
     /// The rule's text.
@@ -32,7 +32,7 @@ pub struct Attempt {
     pub faults: Vec<Diagnostic>,
 }
 
-/// What came of a question.
+/// The result of a question.
 #[derive(Clone, Debug)]
 pub struct Asked {
     /// In order; the last one is the answer.

@@ -21,7 +21,7 @@ use std::time::Duration;
 use whyroad_model::ModelSpent;
 use wire::{Outcome, Wire};
 
-/// Times that one question is asked until its answer has the form that was asked for.
+/// Maximum number of times that one question is asked until its answer has the required form.
 const TRIES_FOR_FORM: u32 = 2;
 
 /// How to reach a model, and within which limits.
@@ -31,7 +31,7 @@ pub struct Settings {
     pub url: String,
     /// Name of the model.
     pub model: String,
-    /// Sent as bearer token; `None` where the endpoint asks for none.
+    /// Sent as bearer token; `None` where the endpoint requires none.
     pub key: Option<Key>,
     /// Time for one request as a whole.
     pub timeout: Duration,
@@ -43,7 +43,7 @@ pub struct Settings {
     pub longest_pause: Duration,
     /// Maximum number of requests per minute.
     pub requests_per_minute: Option<u32>,
-    /// What may be spent.
+    /// The budget.
     pub budget: Budget,
     /// Prices, for the report.
     pub price: Option<Price>,
@@ -73,12 +73,12 @@ impl Settings {
     }
 }
 
-/// A usable answer: what was read from it, and its text.
+/// A usable answer: the parsed value, and the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answered<T> {
-    /// As the caller read it.
+    /// As parsed by the caller.
     pub value: T,
-    /// The model's words.
+    /// The model's text.
     pub text: String,
 }
 
@@ -118,8 +118,8 @@ impl Client {
         self.ledger.spent()
     }
 
-    /// Asks, and reads the answer with `read`, which says in words what is wrong with it. An answer that `read` takes
-    /// is kept; one that it does not take is asked for once more.
+    /// Asks, and parses the answer with `read`, whose error describes what is wrong. An answer that `read` accepts is
+    /// kept; otherwise the question is asked once more.
     pub fn ask<T>(
         &self,
         request: &Request,
@@ -172,7 +172,7 @@ impl Client {
                         }
                         return Ok(completion);
                     }
-                    // A proxy's page, or a connection that was cut: the next request may be luckier.
+                    // A proxy's page, or a connection that was cut: the next request may succeed.
                     Err(why) => (why, None),
                 },
                 Outcome::Again { why, pause } => (why, pause),

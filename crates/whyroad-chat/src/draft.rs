@@ -1,6 +1,6 @@
 //! Drafts of labels by a model, in two calls that mirror the stages of LABELING.md 6: critical components from the
-//! history alone, then decision, causes and trace with the 6 s after the keyframe. What the label checks find is sent
-//! back once per call. A draft is no label: its provenance is the model, and a person checks it.
+//! history alone, then decision, causes and trace with the 6 s after the keyframe. Findings of the label checks are
+//! sent back once per call. A draft is not a label: its provenance is the model, and a person checks it.
 
 mod answers;
 mod findings;
@@ -20,7 +20,7 @@ use whyroad_model::{Bilingual, Diagnostic, Drive, Lang, Location, Severity};
 /// Codes of this module; each has a page in `docs/diagnostics/`.
 pub const DRAFT_CODES: &[&str] = &["draft.drive", "draft.findings", "draft.language", "draft.unsafe"];
 
-/// What drafts are made with.
+/// Inputs for making drafts.
 pub struct Drafter<'a> {
     /// The model.
     pub client: &'a Client,
@@ -34,12 +34,12 @@ pub struct Drafter<'a> {
     pub lang: Lang,
 }
 
-/// A draft, and what the label checks still find in it.
+/// A draft, and the remaining findings of the label checks.
 #[derive(Clone, Debug)]
 pub struct ModelDraft {
     /// In the format of a finished label.
     pub label: CocLabel,
-    /// Warnings, for whoever checks it.
+    /// Warnings for the person who checks it.
     pub findings: Vec<Diagnostic>,
 }
 
@@ -48,7 +48,7 @@ pub struct ModelDraft {
 pub enum NoDraft {
     /// The model gave no usable answer.
     Chat(ChatError),
-    /// The recording or the answer does not allow one.
+    /// The recording or the answer does not permit one.
     Found(Vec<Diagnostic>),
 }
 
@@ -69,8 +69,8 @@ impl NoDraft {
 }
 
 impl Drafter<'_> {
-    /// The draft of one episode. `measured` is the drive as the lake holds it: what the first call is shown is
-    /// estimated from the part of it up to the keyframe, never from `recorded`, whose motion rests on the whole drive.
+    /// The draft of one episode. `measured` is the drive as the lake holds it: the input of the first call is estimated
+    /// from the part up to the keyframe, never from `recorded`, whose motion is based on the whole drive.
     pub fn draft(
         &self,
         measured: &Drive,
@@ -121,7 +121,7 @@ impl Drafter<'_> {
         if errors.is_empty() { Ok(()) } else { Err(NoDraft::Found(still_there(label, errors))) }
     }
 
-    /// Second call: decision, causes, trace. Gives the warnings that remain.
+    /// Second call: decision, causes, trace. Returns the warnings that remain.
     fn future(&self, after: &Scene, label: &mut CocLabel) -> Result<Vec<Diagnostic>, NoDraft> {
         let prompt = self.framework.prompts.get(PromptName::DraftFuture);
         let ids: Vec<String> = label.critical_components.iter().filter_map(|c| c.id.clone()).collect();
@@ -253,7 +253,7 @@ fn unsafe_driving(label: &CocLabel, why: &str) -> Diagnostic {
     let why: String = why.chars().take(200).collect();
     let message = Bilingual::new(
         format!("模型认为自车的驾驶不合法或不安全，不作为样本：{why}"),
-        format!("the model calls the ego's driving illegal or unsafe, so it is no sample: {why}"),
+        format!("the model calls the ego's driving illegal or unsafe, so it is not a sample: {why}"),
     );
     Diagnostic::error("draft.unsafe", message).at(of_label(label))
 }

@@ -1,4 +1,4 @@
-//! Why a question has no answer. No error holds the key: what an endpoint says is shown without it.
+//! Why a question has no answer. No error holds the key: messages of an endpoint are shown without it.
 
 use crate::client::Limit;
 use std::path::PathBuf;
@@ -26,7 +26,7 @@ pub enum ChatError {
     Unavailable {
         /// Requests that were sent.
         attempts: u32,
-        /// The last one's fault.
+        /// The error of the last one.
         why: String,
     },
     /// A status that a retry does not change: 400, 401, 404.
@@ -40,10 +40,10 @@ pub enum ChatError {
     /// The model declined, or a content filter did.
     #[error("the model refused: {0}")]
     Refused(String),
-    /// The answer is cut off, is not JSON, or has not the form that was asked for, also when asked again.
+    /// The answer is cut off, is not JSON, or does not have the required form, also when asked again.
     #[error("the answer cannot be used: {0}")]
     Answer(String),
-    /// Nothing more may be spent.
+    /// The budget is used up.
     #[error("the budget is used up: {0:?}")]
     Budget(Limit),
     /// The cache cannot be written.
@@ -63,7 +63,7 @@ impl ChatError {
             || matches!(self, Self::Rejected { status: 401 | 403 | 404, .. })
     }
 
-    /// The same for people.
+    /// The error as a diagnostic.
     pub fn diagnostic(&self) -> Diagnostic {
         let (code, message) = match self {
             Self::Settings(text) => ("chat.settings", text.clone()),

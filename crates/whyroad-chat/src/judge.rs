@@ -1,6 +1,7 @@
-//! True/false questions about labels, put to a model (LABELING.md 6): decision, presence of causal factors, validity of
-//! the links between cause and effect, and omission, for which the counterfactual ranking names the candidates. Nothing
-//! here says how good the model is: a share of the labels goes to people, and agreement with them is computed.
+//! True/false questions about labels, answered by a model (LABELING.md 6): decision, presence of causal factors,
+//! validity of the links between cause and effect, and omission, for which the counterfactual ranking names the
+//! candidates. Nothing here measures the quality of the model: people check a share of the labels, and agreement with
+//! them is computed.
 
 mod questions;
 
@@ -24,7 +25,7 @@ use whyroad_model::{Drive, Lang};
 /// Codes of this module; each has a page in `docs/diagnostics/`.
 pub const JUDGE_CODES: &[&str] = &["judge.label"];
 
-/// What labels are judged with.
+/// Inputs for judging labels.
 pub struct Judge<'a> {
     /// The model.
     pub client: &'a Client,
@@ -36,7 +37,7 @@ pub struct Judge<'a> {
     pub lang: Lang,
 }
 
-/// Answers by id, as the model gives them.
+/// Answers by id, as in the model's output.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Answers {
@@ -152,7 +153,7 @@ fn read(text: &str, questions: &[Question]) -> Result<BTreeMap<String, Said>, St
     let mut out = BTreeMap::new();
     for said in answers.answers {
         if !questions.iter().any(|q| q.id == said.id) {
-            return Err("it answers a question that was not put".to_owned());
+            return Err("it answers a question that was not asked".to_owned());
         }
         if out.insert(said.id.clone(), said).is_some() {
             return Err("it answers a question twice".to_owned());
@@ -164,8 +165,8 @@ fn read(text: &str, questions: &[Question]) -> Result<BTreeMap<String, Said>, St
     }
 }
 
-/// Whether a label goes to people: `share` of all, chosen by seed and label, so that the choice does not depend on what
-/// else is judged.
+/// Whether a label is checked by people: `share` of all, chosen by seed and label, so that the choice does not depend
+/// on what else is judged.
 pub fn is_for_people(label: &CocLabel, share: f64, seed: u64) -> bool {
     let mut hash = blake3::Hasher::new();
     hash.update(&seed.to_le_bytes());

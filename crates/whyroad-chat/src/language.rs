@@ -1,15 +1,15 @@
-//! Is a text in the language that was asked for?
+//! Checks that a text is in the requested language.
 
 use whyroad_model::{Bilingual, Diagnostic, Lang, Location};
 
-/// A letter of the other script in a row of this many is a word.
+/// This many consecutive letters of the other script are a word.
 const WORD: usize = 2;
 
 fn is_han(c: char) -> bool {
     matches!(c, '\u{3400}'..='\u{9fff}' | '\u{f900}'..='\u{faff}')
 }
 
-/// The first piece of `text` that is not of `lang`; the whole text where nothing of it is.
+/// The first piece of `text` that is not of `lang`; the whole text where no part of it is.
 pub(crate) fn foreign(text: &str, lang: Lang) -> Option<&str> {
     match lang {
         Lang::En => text.char_indices().find(|(_, c)| is_han(*c)).map(|(at, _)| piece(&text[at..], is_han)),

@@ -1,6 +1,7 @@
 //! Questions to a language model. [`client`] speaks OpenAI-compatible chat completions: schema-constrained answers,
-//! retries, a rate limit, a budget, a cache by content, and a report of what was spent. It knows no drive and no label.
-//! What is asked for is in a module each: [`draft`], [`judge`], [`ask`]. Drives, labels and images are handed in.
+//! retries, a rate limit, a budget, a cache by content, and a report of what was spent. It has no knowledge of drives
+//! or labels. Each kind of question has a module: [`draft`], [`judge`], [`ask`]. Drives, labels and images are handed
+//! in.
 
 pub mod client;
 mod error;

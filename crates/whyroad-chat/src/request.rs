@@ -1,10 +1,10 @@
-//! One question as the endpoint reads it: messages with texts and images, and the JSON Schema of the answer.
+//! One question in the endpoint's format: messages with texts and images, and the JSON Schema of the answer.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-/// Who says a message.
+/// Author of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// The instructions.
@@ -122,7 +122,7 @@ impl Request {
         .to_string()
     }
 
-    /// The same conversation with the model's answer and what is said to it.
+    /// The same conversation with the model's answer and a reply to it.
     #[must_use]
     pub fn reply(&self, answer: &str, text: impl Into<String>) -> Self {
         let mut next = self.clone();

@@ -1,8 +1,8 @@
-//! A scene as a model is shown it: a JSON record and images. [`Scene::before`] is made from the drive *cut at the
-//! keyframe* and has nothing of what comes after; [`Scene::after`] is the 6 s that follow.
+//! A scene as input for a model: a JSON record and images. [`Scene::before`] is made from the drive *cut at the
+//! keyframe* and contains nothing later; [`Scene::after`] is the 6 s that follow.
 //!
-//! Names that a log gave to its objects are data: they are shortened, quoted as JSON, and never spoken of; answers name
-//! objects by the ids that are made here (`o1`, `o2`, ...).
+//! Object names from a log are data: they are shortened, quoted as JSON, and never used in prompts' text; answers name
+//! objects by the ids assigned here (`o1`, `o2`, ...).
 
 use crate::{ImageKind, Part};
 use serde_json::{Map, Value, json};
@@ -14,23 +14,23 @@ use whyroad_render::raster::{Raster, birds_eye};
 
 /// Time between two images, s: 2 Hz (LABELING.md 6).
 const IMAGE_EVERY_S: f64 = 0.5;
-/// History and future that are shown, s.
+/// Shown history and future, s.
 const HISTORY_S: f64 = 2.0;
 const FUTURE_S: f64 = 6.0;
-/// Objects that are listed: the nearest.
+/// Maximum number of listed objects, nearest first.
 const OBJECTS: usize = 12;
-/// Farther ones are not listed, m.
+/// Farther objects are not listed, m.
 const REACH_M: f64 = 100.0;
 /// Longest name of a log that is shown, characters.
 const NAME: usize = 40;
-/// A camera image may be this old at its moment, s.
+/// Maximum age of a camera image at its moment, s.
 const CAMERA_LAG_S: f64 = 0.3;
 /// Bird's-eye images: 96 m by 96 m.
 const RASTER: Raster = Raster { size_px: 384, m_per_px: 0.25 };
 
-/// Camera images by what the lake says of them.
+/// Camera images by their entry in the lake.
 pub trait Images: Sync {
-    /// The image's bytes; `None` where it is not at hand.
+    /// The image's bytes; `None` where it is not available.
     fn image(&self, drive: &Drive, frame: &MediaFrame) -> Option<(ImageKind, Vec<u8>)>;
 }
 
@@ -213,7 +213,7 @@ fn views(drive: &Drive, images: &dyn Images, moments: impl Iterator<Item = Nanos
     out
 }
 
-/// The camera that looks ahead; the first by name where no name says so.
+/// The camera that looks ahead; the first by name where no name shows it.
 fn front_camera(drive: &Drive) -> Option<&str> {
     let names: std::collections::BTreeSet<&str> =
         drive.media.as_deref()?.iter().map(|m| m.camera.as_str()).collect();
@@ -224,7 +224,7 @@ fn front_camera(drive: &Drive) -> Option<&str> {
     names.iter().copied().find(|n| is_front(n)).or_else(|| names.first().copied())
 }
 
-/// One decimal: more than an estimate is good for.
+/// One decimal: finer than the accuracy of an estimate.
 fn rounded(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }

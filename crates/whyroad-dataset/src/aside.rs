@@ -1,4 +1,4 @@
-//! Folders that are written beside their place and renamed to it when they are whole.
+//! Folders that are written beside their final path and renamed to it when complete.
 
 use crate::DatasetError;
 use std::fs;
@@ -11,7 +11,7 @@ pub(crate) fn partial(out: &Path) -> PathBuf {
     out.with_file_name(format!(".{name}.partial"))
 }
 
-/// The same, without what an earlier run left there.
+/// The same, without leftovers of an earlier run.
 ///
 /// # Errors
 /// When the old folder cannot be removed.

@@ -1,5 +1,5 @@
-//! Stage 5: caps and weights for the training split, and what is missing in it. A leaf or L2 that is at or below its
-//! floor is never thinned; what is rare is never repeated, only weighted.
+//! Stage 5: caps and weights for the training split, and its shortfalls. A leaf or L2 that is at or below its floor is
+//! never thinned; rare samples are never repeated, only weighted.
 
 use crate::item::{Dropped, Item, SplitName, Stage};
 use crate::labels::Names;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use whyroad_framework::Framework;
 use whyroad_model::ScenarioId;
 
-/// What the stage did; part of the manifest.
+/// Results of the stage; part of the manifest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BalanceReport {
     /// Training samples dropped over a cap.
@@ -27,7 +27,7 @@ pub struct Shortfall {
     pub scenario_id: String,
     /// Its floor.
     pub wanted: usize,
-    /// What training has.
+    /// Number of training samples.
     pub present: usize,
     /// File of the mining query, relative to the release; `None` when the class has no rule that a query can express.
     pub query: Option<String>,
@@ -40,7 +40,7 @@ fn cell(item: &Item) -> Cell {
     (item.class, cut.and_then(|c| c.longitudinal), cut.and_then(|c| c.lateral), item.place_cell)
 }
 
-/// Drops what is over a cap, sets the weights, and lists what is missing.
+/// Drops samples over a cap, sets the weights, and lists the shortfalls.
 pub(crate) fn balance(
     items: &mut [Item],
     classes: &Names,
@@ -75,7 +75,7 @@ fn cap(items: &mut [Item], classes: &Names, spec: &Balance, seed: u64) -> usize 
     let mut dropped = 0;
     for (class, mut members) in by_class {
         let name = l2(classes.get(class));
-        // The order in which samples stay: by a hash, so that neither time nor drive decides.
+        // The order in which samples are kept: by a hash, so that it does not depend on time or drive.
         members.sort_by_cached_key(|&i| {
             let mut hash = blake3::Hasher::new();
             hash.update(&seed.to_le_bytes());

@@ -1,6 +1,6 @@
 //! A baseline that any model should beat: longitudinal decision, lateral decision and leaf from the history alone,
-//! trained on a CPU in minutes. It says how much of a release can be predicted from what was seen and driven before
-//! t0, without images and without language.
+//! trained on a CPU in minutes. It shows how much of a release can be predicted from observations and motion before t0,
+//! without images and without language.
 //!
 //! Stages: [`features`], a [`learner`], [`calibration`] on the validation split, [`compare`] against the majority
 //! class and the last meta action. [`folds`] gives probabilities of samples that the model did not see, for
@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// What `format` of a model file says.
+/// Value of `format` in a model file.
 const FORMAT: &str = "whyroad-baseline";
 /// Version of the features and of the file; a model of another version is not read.
 const VERSION: u32 = 1;
@@ -204,7 +204,7 @@ fn target_model(train: &[Row], val: &[Row], target: Target, settings: Settings) 
     let classes: Vec<String> = classes.into_iter().map(str::to_owned).collect();
     let problem = Problem::new(train.iter().collect(), target, &classes);
     let boosted = Boosted::fit(&problem, settings);
-    // A class that training does not have says nothing about calibration.
+    // A class that is absent from training cannot be used for calibration.
     let known: Vec<Row> =
         val.iter().filter(|r| classes.iter().any(|c| c == r.truth.class(target))).cloned().collect();
     let held_out = Problem::new(known.iter().collect(), target, &classes);

@@ -1,5 +1,5 @@
-//! The build: stages in order, with everything between them in a work folder beside the output, so that an
-//! interrupted build goes on where it was. The output appears whole or not at all.
+//! The build: stages in order, with everything between them in a work folder beside the output, so that an interrupted
+//! build continues where it stopped. The output appears atomically.
 
 mod cutting;
 mod freezing;
@@ -25,7 +25,7 @@ use work::Work;
 /// Makes the mining query that finds more of a class, up to a number of clips; `None` when the class has no rule.
 pub type QueryMaker<'a> = dyn Fn(&ScenarioId, usize) -> Option<MiningQueryMessage> + Sync + 'a;
 
-/// What a build is made from.
+/// Inputs of a build.
 pub struct Inputs<'a> {
     /// The spec.
     pub spec: Spec,
@@ -43,9 +43,9 @@ pub struct Inputs<'a> {
     pub out: &'a Path,
     /// Language of drafts that are made from episodes.
     pub lang: Lang,
-    /// Queries for what is missing.
+    /// Queries for the shortfalls.
     pub queries: &'a QueryMaker<'a>,
-    /// Discards what a build with other inputs left.
+    /// Discards leftovers of a build with other inputs.
     pub restart: bool,
 }
 
@@ -58,14 +58,14 @@ pub enum Step {
     Write,
 }
 
-/// What was built.
+/// Result of a build.
 #[derive(Debug)]
 pub struct Built {
     /// The manifest.
     pub manifest: Manifest,
-    /// What somebody should know; no error.
+    /// Diagnostics for the user, none of them errors.
     pub diagnostics: Vec<Diagnostic>,
-    /// Drives whose samples were there from an interrupted build.
+    /// Drives whose samples were taken from an interrupted build.
     pub resumed: usize,
 }
 
@@ -79,8 +79,8 @@ pub(crate) struct State<'a> {
     diagnostics: Vec<Diagnostic>,
 }
 
-/// Builds a release from the labels of `streams`. `progress` is called with a step, what is done and what there is to
-/// do; when it returns false the build stops, and the next one with the same inputs goes on from there.
+/// Builds a release from the labels of `streams`. `progress` is called with a step, the work done and the total; when
+/// it returns false the build stops, and the next one with the same inputs continues from there.
 ///
 /// # Errors
 /// When the output exists, an input cannot be read, a license forbids it, or `progress` stopped it.
@@ -133,7 +133,7 @@ pub fn build(
     Ok(Built { manifest, diagnostics, resumed })
 }
 
-/// Whatever a build depends on.
+/// Everything that a build depends on.
 fn key(inputs: &Inputs<'_>, labels: &Labels, selected: &Selected) -> String {
     let mut hash = blake3::Hasher::new();
     let mut put = |text: &str| {
@@ -143,7 +143,7 @@ fn key(inputs: &Inputs<'_>, labels: &Labels, selected: &Selected) -> String {
     put(env!("CARGO_PKG_VERSION"));
     put(crate::sample::SAMPLE_VERSION);
     put(whyroad_engine::SIGNALS_VERSION);
-    // Drafts and their checks depend on all of these, whatever version they state.
+    // Drafts and their checks depend on all of these, regardless of the stated version.
     let f = inputs.framework;
     put(&format!("{:?} {:?} {:?} {:?}", f.taxonomy, f.specs, f.l1_specs, f.l2_specs));
     put(&format!("{:?} {:?} {:?}", f.decision_table(), f.record_types, f.draft_texts));
@@ -218,7 +218,7 @@ fn nothing_left(labels: &Labels) -> Diagnostic {
     ))
 }
 
-/// What could not be grouped, and splits that got nothing.
+/// Samples that could not be grouped, and empty splits.
 fn report_groups(state: &mut State<'_>, report: &split::SplitReport) {
     for (key, n) in &report.unknown {
         state.diagnostics.push(

@@ -1,6 +1,6 @@
-//! A release carried along when classes are renamed, merged or split: a new release with the same samples, splits and
-//! images, other classes, and its own hashes. The old one stays as it is. Samples that a person has to decide are left
-//! out and listed; tables of the stages stay those of the build.
+//! A release migrated when classes are renamed, merged or split: a new release with the same samples, splits and
+//! images, other classes, and its own hashes. The old one stays unchanged. Samples that need a person's decision are
+//! left out and listed; tables of the stages are those of the build.
 
 use crate::aside::empty_partial;
 use crate::freeze::manifest::{Counts, FileEntry, Manifest};
@@ -26,12 +26,12 @@ pub const UNDECIDED: &str = "undecided.jsonl";
 /// Reasons in the manifest's counts, below `6-migrate`.
 const STAGE: &str = "6-migrate";
 
-/// What was, or would be, done.
+/// The changes made, or those of a dry run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CarriedRelease {
     /// Samples whose class has another id, by class before and after.
     pub moved: BTreeMap<String, BTreeMap<String, u64>>,
-    /// Samples that a person has to decide.
+    /// Samples that need a person's decision.
     pub undecided: Vec<UndecidedSample>,
     /// Samples left out because another of the same drive and keyframe has the class now.
     pub repeated: Vec<String>,
@@ -39,7 +39,7 @@ pub struct CarriedRelease {
     pub samples: usize,
 }
 
-/// A sample that a person has to decide.
+/// A sample that needs a person's decision.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct UndecidedSample {
     /// Its id in the old release.
@@ -48,7 +48,7 @@ pub struct UndecidedSample {
     pub drive_id: String,
     /// Its clip.
     pub clip_id: String,
-    /// Its task, where the labeling service made it.
+    /// Its task, where it comes from the labeling service.
     pub task_id: Option<String>,
     /// Class before.
     pub from: String,
@@ -56,7 +56,7 @@ pub struct UndecidedSample {
     pub parts: Vec<String>,
 }
 
-/// Carries `release` along into the folder `out`, which must not exist; `None` writes nothing.
+/// Migrates `release` into the folder `out`, which must not exist; `None` writes nothing.
 ///
 /// # Errors
 /// When a file cannot be read or written, or `out` exists.
@@ -76,7 +76,7 @@ pub fn carry_release(
     if out.exists() {
         return Err(DatasetError::Exists(out.to_owned()));
     }
-    // Aside and renamed: whole or not there.
+    // Written to a temporary folder and renamed, so it appears atomically.
     let aside = empty_partial(out)?;
     let manifest = write(release, mapping, &aside, &mut done, &mut ids)?;
     finish(&aside, manifest)?;
@@ -193,7 +193,7 @@ fn one(
     done: &mut CarriedRelease,
     ids: &mut BTreeSet<String>,
 ) -> Option<Sample> {
-    // A label that is not JSON has no class to carry.
+    // A label that is not JSON has no class to migrate.
     let mut label: serde_json::Value = serde_json::from_str(&sample.label_json).unwrap_or_default();
     let carried = carry(mapping, &mut label);
     match &carried {
@@ -257,7 +257,7 @@ fn put(sample: &mut Sample, to: &ScenarioId, label: &serde_json::Value, mapping:
         id_text(sample_id(&sample.lineage.drive_id, sample.lineage.keyframe_time_ns, &sample.scenario_id));
 }
 
-/// Floors of classes that are no longer there say nothing; queries were made from the old rules.
+/// Floors of removed classes do not apply; queries were made from the old rules.
 fn shortfalls(manifest: &mut Manifest, mapping: &ClassMapping) {
     manifest
         .balance

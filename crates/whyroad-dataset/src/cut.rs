@@ -1,5 +1,5 @@
-//! Stage 2: a sample cut from its drive around the keyframe, not from the 20 s clip. What a model may see is taken
-//! from the drive cut at the keyframe (`states(drive, keyframe + 1)`), what it should learn from the whole window.
+//! Stage 2: a sample cut from its drive around the keyframe, not from the 20 s clip. The model's input is taken from
+//! the drive cut at the keyframe (`states(drive, keyframe + 1)`), its target from the whole window.
 
 mod images;
 mod label;
@@ -140,7 +140,7 @@ impl<'a> Cutter<'a> {
         Ok((sample, facts))
     }
 
-    /// The descriptor of a moment without a label: what [`Self::cut`] would compare it by. `None` where the drive has
+    /// The descriptor of a moment without a label: the one that [`Self::cut`] would compare. `None` where the drive has
     /// no pose or frame there.
     pub fn describe(&self, keyframe: Nanos, named: &BTreeSet<String>) -> Option<Vec<f32>> {
         let drive = self.drive;
@@ -267,7 +267,7 @@ fn word<T: serde::Serialize>(value: &T) -> String {
     serde_json::to_value(value).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-/// Hash of motion, objects and class without any id: a drive that was ingested twice gives it twice.
+/// Hash of motion, objects and class without any id: a drive that was ingested twice gives equal hashes.
 fn content_hash(sample: &Sample) -> [u8; 16] {
     let mut hash = blake3::Hasher::new();
     let mut put = |bytes: Vec<u8>| {

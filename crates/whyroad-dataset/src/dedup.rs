@@ -1,5 +1,5 @@
-//! Stage 4: exact duplicates by content, near-duplicates by descriptor: inside an L2 of one split, and across splits
-//! whatever the L2. Of samples in different splits the one in training goes, then the one in validation.
+//! Stage 4: exact duplicates by content, near-duplicates by descriptor: inside an L2 of one split, and across splits in
+//! any L2. Of samples in different splits, the one in training is dropped, otherwise the one in validation.
 
 pub mod search;
 pub(crate) mod trace;
@@ -16,7 +16,7 @@ use std::collections::HashMap;
 /// Similarities at which the curve is reported.
 const CURVE: [f64; 8] = [0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 0.99];
 
-/// What the stage did; part of the manifest.
+/// Results of the stage; part of the manifest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DedupReport {
     /// Exact duplicates dropped.
@@ -129,7 +129,7 @@ struct Marked {
 const BATCH: usize = 4096;
 
 /// Greedy in the order of the members: each is kept unless it resembles one that was kept before. Exact, and the same
-/// on any number of cores: a batch is compared with what was kept before it in parallel, then with itself in order.
+/// on any number of cores: a batch is compared in parallel with the members kept before it, then with itself in order.
 fn mark(vectors: &[&[f32]], members: &[Member], projection: &Projection, similarity: f64) -> Marked {
     let radius = descriptor::distance_of(similarity);
     let mut out = Marked::default();

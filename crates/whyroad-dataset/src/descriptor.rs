@@ -1,13 +1,13 @@
-//! A sample as a short vector, so that samples which would teach a model the same have a small distance: the ego's
-//! motion before and after t0, the object that the label is about, and the surroundings. Each number is divided by
-//! what counts as a clear difference; the distance of two samples is the root mean square over all numbers, and their
-//! similarity is `1 / (1 + distance)`.
+//! A sample as a short vector, so that samples with the same training content have a small distance: the ego's motion
+//! before and after t0, the object that the label is about, and the surroundings. Each number is divided by the size of
+//! a clear difference; the distance of two samples is the root mean square over all numbers, and their similarity is `1
+//! / (1 + distance)`.
 
 use crate::item::DESCRIPTOR;
 use crate::sample::{Object, Sample, Trajectory};
 use std::collections::BTreeSet;
 
-/// Stands for "unknown": equal to itself, far from everything known.
+/// Represents "unknown": equal to itself, far from every known value.
 const UNKNOWN: f32 = -9.0;
 
 /// The vector; always [`DESCRIPTOR`] numbers.

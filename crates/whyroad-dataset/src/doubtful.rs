@@ -1,8 +1,8 @@
 //! Labels that are probably wrong, by confident learning (Northcutt, Jiang, Chuang: Confident Learning, JAIR 2021) on
-//! probabilities of a model that did not see the sample in training. The result is that of cleanlab's
-//! `find_label_issues` with its defaults on the same numbers ([`confident`]).
+//! probabilities of a model that was trained without the sample. The result is that of cleanlab's `find_label_issues`
+//! with its defaults on the same numbers ([`confident`]).
 //!
-//! It changes no label: what it finds goes to people for review.
+//! It changes no label: people review its findings.
 
 pub mod confident;
 

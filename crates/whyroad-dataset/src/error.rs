@@ -1,10 +1,10 @@
-//! What stops a data set command, and the codes of everything that it can report.
+//! Errors that stop a data set command, and the codes of everything that it can report.
 
 use std::path::{Path, PathBuf};
 use whyroad_lake::LakeError;
 use whyroad_model::{Bilingual, Diagnostic};
 
-/// Codes of this crate's diagnostics, those of the spec excepted; each has a page in `docs/diagnostics/`.
+/// Codes of this crate's diagnostics, except those of the spec; each has a page in `docs/diagnostics/`.
 pub const CODES: &[&str] = &[
     "dataset.io",
     "dataset.release.exists",
@@ -59,10 +59,10 @@ pub enum DatasetError {
     /// The lake cannot be read.
     #[error(transparent)]
     Lake(#[from] LakeError),
-    /// The output is there already: a release never changes.
+    /// The output exists already: a release never changes.
     #[error("{} exists already; a release never changes", .0.display())]
     Exists(PathBuf),
-    /// The work folder is of a build with other inputs.
+    /// The work folder belongs to a build with other inputs.
     #[error("{} was left by a build with other inputs", .0.display())]
     OtherWork(PathBuf),
     /// Another build writes into the same folder.
@@ -95,7 +95,7 @@ impl DatasetError {
         Self::Broken { path: path.to_owned(), reason: reason.to_string() }
     }
 
-    /// The same for people.
+    /// The error as a diagnostic.
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let en = self.to_string();
         let one = |code, zh: String, hint: Option<(&str, &str)>| {

@@ -115,7 +115,7 @@ impl ExportOptions {
     }
 }
 
-/// What an export wrote and what it left out.
+/// Files and samples that an export wrote and left out.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Exported {
     /// Samples that were read.
@@ -126,7 +126,7 @@ pub struct Exported {
     pub files: usize,
     /// Samples that are not in the export, or that the consumer's loader would drop, by reason.
     pub left_out: BTreeMap<String, Vec<String>>,
-    /// What the consumer's user should know: options to set, what the format cannot hold.
+    /// Notes for the user: options to set, data that the format cannot hold.
     pub notes: Vec<String>,
 }
 
@@ -141,10 +141,10 @@ impl TraceLanguage {
     }
 }
 
-/// Reason for leaving out a sample that [`traces`] gives nothing for.
+/// Reason for leaving out a sample for which [`traces`] returns nothing.
 const NO_TRACE: &str = "no trace in this language";
 
-/// The traces of a sample in the languages that are asked for.
+/// The traces of a sample in the requested languages.
 fn traces(sample: &Sample, choice: TraceLanguage) -> Vec<(Lang, &str)> {
     let of = |lang: &Lang| match lang {
         Lang::Zh => Some((*lang, sample.trace_zh.as_deref()?)),
@@ -172,8 +172,8 @@ impl Exported {
     }
 }
 
-/// Writes `release` in `format` into the new folder `out`, which appears when it is whole. `progress` is called after
-/// each sample.
+/// Writes `release` in `format` into the new folder `out`, which appears when it is complete. `progress` is called
+/// after each sample.
 ///
 /// # Errors
 /// When `out` exists and is not empty, when a file cannot be written, or when the release is damaged.
@@ -187,7 +187,7 @@ pub fn export(
     if out.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
         return Err(DatasetError::Exists(out.to_owned()));
     }
-    // A folder of the caller's may be a mount that nothing can be renamed to: it is filled as it is.
+    // The caller's folder may be a mount point, to which nothing can be renamed: it is filled in place.
     if out.exists() {
         return write(release, format, out, options, progress);
     }
@@ -199,7 +199,7 @@ pub fn export(
     exported
 }
 
-/// The same into a folder that is there or made.
+/// The same into a folder that exists or is created.
 fn write(
     release: &Release,
     format: ExportFormat,
@@ -237,7 +237,7 @@ fn write(
     finish(output)
 }
 
-/// Calls `each` with the samples of a split in order; the next row group is decoded meanwhile.
+/// Calls `each` with the samples of a split in order; the next row group is decoded in parallel.
 fn each_sample(
     release: &Release,
     split: SplitName,
@@ -274,7 +274,7 @@ fn finish(mut output: Output) -> Result<Exported, DatasetError> {
 trait SampleWriter {
     fn add(&mut self, sample: Sample, split: SplitName, out: &mut Output) -> Result<(), DatasetError>;
 
-    /// Writes what needs all samples.
+    /// Writes the files that need all samples.
     fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
         let _ = out;
         Ok(())

@@ -11,7 +11,7 @@ pub(crate) mod tables;
 pub const DATA: &str = "data";
 /// Tables of the stages.
 pub const STAGES: &str = "stages";
-/// Mining queries for what is missing.
+/// Mining queries for the shortfalls.
 pub const QUERIES: &str = "queries";
 /// Charts of the card.
 pub const CHARTS: &str = "charts";

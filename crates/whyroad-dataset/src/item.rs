@@ -1,11 +1,12 @@
-//! What stays in memory of a candidate sample during a build: about 500 bytes; everything else is in record files.
+//! The part of a candidate sample that stays in memory during a build: about 500 bytes; everything else is in record
+//! files.
 
 use crate::records::RecordRef;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Most bytes that a build keeps in memory per candidate sample (`docs/reference/release.md` states it; a test checks
-/// the parts).
+/// Maximum bytes that a build keeps in memory per candidate sample (`docs/reference/release.md` states it; a test
+/// checks the parts).
 pub const BYTES_PER_SAMPLE: usize = 1024;
 
 /// Numbers in a descriptor.
@@ -49,9 +50,9 @@ impl Stage {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Dropped {
     pub stage: Stage,
-    /// A word: `status`, `class`, `history`, `duplicate_exact`, ...
+    /// An identifier: `status`, `class`, `history`, `duplicate_exact`, ...
     pub reason: Cow<'static, str>,
-    /// What exactly, where the reason alone does not say.
+    /// Details, where the reason alone is not enough.
     pub detail: Option<Box<str>>,
 }
 
@@ -132,12 +133,12 @@ impl SplitName {
     }
 }
 
-/// What the later stages need of a cut sample.
+/// The data of a cut sample for the later stages.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Cut {
     /// The sample in its drive's record file.
     pub at: RecordRef,
-    /// Hash of what a model sees and learns, whatever the drive is called.
+    /// Hash of the model's input and target, independent of the drive's name.
     pub content: [u8; 16],
     pub descriptor: Vec<f32>,
     pub sketch: [u32; SKETCH],
@@ -149,12 +150,12 @@ pub(crate) struct Cut {
     pub images: u16,
 }
 
-/// Where a sample is, comparable inside one frame.
+/// Position of a sample, comparable inside one frame.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Position {
     /// `geo`, or `map:<place>`.
     pub frame: String,
-    /// m. Of `geo`: on a sphere around the Earth's center, so that distances hold everywhere.
+    /// m. Of `geo`: on a sphere around the Earth's center, so that distances are correct everywhere.
     pub p: [f64; 3],
     /// For polygons and cells: map x and y in m, or longitude and latitude in degrees.
     pub plane: [f64; 2],

@@ -1,6 +1,6 @@
 //! Labels in: JSON lines of the service's export (`tasks export --content tasks`), plain labels (DATA_FORMAT.md 4), or
-//! episodes as `whyroad mine` writes them, which are drafted by rule when drafts are asked for. Each line is kept or
-//! dropped with a reason; what is kept goes to a record file, and a short [`Item`] stays in memory.
+//! episodes as `whyroad mine` writes them, which are drafted by rule when drafts are requested. Each line is kept or
+//! dropped with a reason; kept lines go to a record file, and a short [`Item`] stays in memory.
 
 use crate::DatasetError;
 use crate::item::{Dropped, Item, SampleId, Stage};
@@ -28,7 +28,7 @@ pub struct LabelStream {
 pub const IMPORTED: &str = "imported";
 /// States of the labeling service in which a label is finished.
 pub const FINISHED: &[&str] = &["accepted", "checked", "submitted", "rework"];
-/// State of what no person has finished.
+/// State of labels that no person has finished.
 pub const DRAFT: &str = "draft";
 
 /// One label on disk.
@@ -79,7 +79,7 @@ impl Names {
     }
 }
 
-/// Everything that was read.
+/// All labels that were read.
 pub(crate) struct Labels {
     pub items: Vec<Item>,
     pub drives: Names,
@@ -322,7 +322,7 @@ fn of_task(task: &Value, checker: &Checker<'_>) -> Result<Read, Fault> {
     Ok(read)
 }
 
-/// Why a version was returned: the note, else the comments that were made with the return.
+/// Why a version was returned: the note, else the comments made with the return.
 fn reason(task: &Value, entry: &Value) -> Option<String> {
     if let Some(note) = entry["note"].as_str().filter(|n| !n.is_empty()) {
         return Some(note.to_owned());
@@ -343,7 +343,7 @@ fn rejected(task: &Value) -> Vec<Rejected> {
         if entry["draft"].is_object() {
             last = Some(&entry["draft"]);
         }
-        // Not `reopen`: who reopens an accepted label asks for another look and rejects nothing yet.
+        // Not `reopen`: reopening an accepted label requests another review and rejects nothing yet.
         if entry["action"].as_str() == Some("send_back")
             && let Some(draft) = last
         {

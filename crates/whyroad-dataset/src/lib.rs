@@ -1,4 +1,4 @@
-//! Data sets: labels and a lake in, a release out that a trainer reads and that never changes. Stages in order:
+//! Data sets: from labels and a lake to an immutable release that a trainer reads. Stages in order:
 //! select, cut ([`sample`]), split, de-duplicate, balance, freeze; each writes what it kept and dropped, with
 //! reasons. [`build`] runs them, [`Release`] reads the result, [`verify`] checks it. `docs/reference/release.md`
 //! describes the spec and the files.

@@ -1,5 +1,5 @@
-//! Licenses: which are known, what a release that contains them may be used for, and which one it declares. The
-//! knowledge is `schema/licences.yaml`.
+//! Licenses: the known ones, the permitted uses of a release that contains them, and the license that it declares. The
+//! data is in `schema/licences.yaml`.
 
 use crate::spec::{Licences, Use};
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use whyroad_model::{Bilingual, Diagnostic, Severity};
 
 /// The table that is built in.
 pub const BUNDLED: &str = include_str!("../../../schema/licences.yaml");
-/// What a release declares that may only be used internally and has no single license.
+/// Declared by a release that may only be used internally and has no single license.
 const INTERNAL: &str = "LicenseRef-Internal";
 
 const TABLE: &str = "dataset.licence.table";
@@ -23,16 +23,16 @@ pub struct Licence {
     pub id: String,
     /// Other names, matched without regard to case.
     pub names: Vec<String>,
-    /// Public data sets that come under it.
+    /// Public data sets under this license.
     #[serde(default)]
     pub data_sets: Vec<String>,
     /// Its text.
     pub url: Option<String>,
-    /// What a data set with it may be used for.
+    /// Permitted uses of a data set under it.
     pub permits: Vec<Use>,
-    /// Must be kept by what contains it.
+    /// Must be kept by a release that contains it.
     pub share_alike: bool,
-    /// What it obliges to.
+    /// Its obligations.
     pub attribution: Option<String>,
 }
 
@@ -49,7 +49,7 @@ impl LicenceTable {
     /// Reads `schema/licences.yaml`.
     ///
     /// # Errors
-    /// Everything that is wrong with it.
+    /// All errors in it.
     pub fn read(text: &str, file: &str) -> Result<Self, Vec<Diagnostic>> {
         let mut r = FileReport::new(file, text, &FORM);
         let mut table = Self { version: String::new(), licences: Vec::new() };
@@ -123,14 +123,14 @@ impl LicenceTable {
                     Bilingual::new(
                         format!("{}（相同方式共享）不能与 {} 合并后发布", s.id, l.id),
                         format!(
-                            "{} (share-alike) cannot be combined with {} in a release that is handed on",
+                            "{} (share-alike) cannot be combined with {} in a release that is distributed",
                             s.id, l.id
                         ),
                     ),
                 )
                 .with_hint(Bilingual::new(
                     "用 licences.allow 只取其中之一，或将 purpose 设为 internal",
-                    "take one of them with licences.allow, or set purpose: internal",
+                    "select one of them with licences.allow, or set purpose: internal",
                 )),
             )),
             (None, []) => Ok(INTERNAL.to_owned()),
@@ -225,7 +225,7 @@ mod tests {
                 assert_eq!(code(id, purpose), Some("dataset.licence.forbidden"), "{id}");
             }
             assert_eq!(code(id, Use::Internal), None);
-            // Together with open data it stays what it is; with share-alike data neither license can be kept.
+            // Together with open data it stays unchanged; with share-alike data neither license can be kept.
             assert_eq!(declared(&[id, "MIT"], Use::Internal).unwrap(), id);
             assert_eq!(
                 declared(&[id, "CC-BY-NC-SA-4.0"], Use::Research).unwrap_err(),

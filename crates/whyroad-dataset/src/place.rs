@@ -1,4 +1,4 @@
-//! Where samples are: positions that can be compared between drives, place cells, and which samples are near each
+//! Locations of samples: positions that can be compared between drives, place cells, and which samples are near each
 //! other.
 
 use crate::item::Position;
@@ -12,7 +12,7 @@ const EARTH_M: f64 = 6_371_008.8;
 /// Frame of positions on the Earth.
 pub(crate) const GEO: &str = "geo";
 
-/// The position of a pose; `None` where the drive's frame is not fixed to the ground or is known to nobody else.
+/// The position of a pose; `None` where the drive's frame is not fixed to the ground or is private to the drive.
 pub(crate) fn position(meta: &DriveMeta, pose: &Pose) -> Option<Position> {
     if meta.frame_of_reference != FrameOfReference::World {
         return None;
@@ -62,7 +62,7 @@ pub(crate) fn contains<P: Copy + Into<[f64; 2]>>(points: &[P], [x, y]: [f64; 2])
     inside
 }
 
-/// Points in buckets of one edge length, to find what is near.
+/// Points in buckets of one edge length, to find near points.
 pub(crate) struct Grid<'a> {
     edge: f64,
     buckets: HashMap<(&'a str, [i64; 3]), Vec<u32>>,
@@ -70,7 +70,7 @@ pub(crate) struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    /// Points by index; those without a position are near nothing.
+    /// Points by index; those without a position are near no other.
     pub fn new(points: Vec<Option<&'a Position>>, edge: f64) -> Self {
         let mut buckets: HashMap<_, Vec<u32>> = HashMap::new();
         for (i, p) in points.iter().enumerate() {
@@ -125,7 +125,7 @@ mod tests {
     fn meters_stay_meters_on_the_earth_and_across_origins() {
         let (a, b) = (at(0.0, 0.0, 40.0, 116.0), at(3.0, 4.0, 40.0, 116.0));
         assert!((distance(&a, &b) - 5.0).abs() < 1e-3, "{}", distance(&a, &b));
-        // A second drive whose origin is 1 km to the north: the same spot has another y there.
+        // A second drive whose origin is 1 km to the north: the same location has another y there.
         let north = 40.0 + (1000.0 / EARTH_M).to_degrees();
         assert!(distance(&at(0.0, 1000.0, 40.0, 116.0), &at(0.0, 0.0, north, 116.0)) < 0.01);
     }

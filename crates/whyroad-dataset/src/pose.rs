@@ -1,4 +1,4 @@
-//! The pose of the ego's reference point, and what lies where from it.
+//! The pose of the ego's reference point, and transforms into its frame.
 
 /// The ego's reference point at t0 in the world.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,5 +1,5 @@
-//! Values kept on disk between the stages of a build: appended one by one, read back by position. What stays in
-//! memory of a record is its 12-byte position.
+//! Values kept on disk between the stages of a build: appended one by one, read back by position. Only the 12-byte
+//! position of a record stays in memory.
 
 use crate::DatasetError;
 use serde::Serialize;
@@ -54,7 +54,7 @@ pub(crate) fn read_record<T: DeserializeOwned>(path: &Path, at: RecordRef) -> Re
     postcard::from_bytes(&plain).map_err(|e| DatasetError::broken(path, e))
 }
 
-/// Writes a value whole or not at all.
+/// Writes a value atomically.
 pub(crate) fn write_value<T: Serialize>(path: &Path, value: &T) -> Result<(), DatasetError> {
     let bytes = postcard::to_allocvec(value).map_err(|e| DatasetError::broken(path, e))?;
     let aside = path.with_extension("writing");

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Rows that a core decodes at once.
 const DECODED_AT_ONCE: usize = 16;
 
-/// A release that was opened. Nothing but the manifest is read until it is asked for.
+/// An opened release. Data other than the manifest is read on request.
 #[derive(Clone, Debug)]
 pub struct Release {
     dir: PathBuf,
@@ -101,7 +101,7 @@ impl Release {
         })
     }
 
-    /// The sample whose id is `id`, or the first of those whose ids begin with it, and how many these are.
+    /// The sample whose id is `id`, or the first of those whose ids begin with it, and the number of matches.
     ///
     /// # Errors
     /// When a file of the release cannot be read.

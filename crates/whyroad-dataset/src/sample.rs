@@ -1,6 +1,6 @@
-//! One sample of a release in memory: a keyframe of a drive with what a model may see (history, images, route) and
-//! what it should learn (trace, decisions, components, future). The same struct is the row of the release's Parquet
-//! files; the columns have the names of its fields (`docs/reference/release.md` lists them).
+//! One sample of a release in memory: a keyframe of a drive with the model's input (history, images, route) and its
+//! target (trace, decisions, components, future). The same struct is the row of the release's Parquet files; the
+//! columns have the names of its fields (`docs/reference/release.md` lists them).
 //!
 //! Frame of every position, heading and velocity: right-handed, metric, x forward, y left, z up, origin and axes
 //! those of the ego's reference point at t0 (the keyframe's frame). Times are seconds from t0. `None` is unknown,
@@ -59,7 +59,7 @@ pub struct Sample {
     pub route_text_en: Option<String>,
     /// Where the sample comes from.
     pub lineage: Lineage,
-    /// What it is grouped by.
+    /// Its group keys.
     pub groups: Groups,
     /// The ego's box and reference point.
     pub ego: EgoBox,
@@ -107,7 +107,7 @@ pub struct Component {
     pub description: String,
     /// `low` or `high`.
     pub uncertainty: Option<String>,
-    /// When it could be seen, seconds from t0 (never positive).
+    /// When it could be observed, seconds from t0 (never positive).
     pub evidence_t_s: Vec<f32>,
     /// Track ids.
     pub objects: Vec<String>,
@@ -131,7 +131,7 @@ pub struct Lineage {
     pub drive_hash: String,
     /// Clip that the label names.
     pub clip_id: String,
-    /// Episode that led to the label; `None` when the label's source does not say.
+    /// Episode that led to the label; `None` when the label's source does not state it.
     pub episode_id: Option<String>,
     /// Track that the episode's rule bound.
     pub target_id: Option<String>,
@@ -246,7 +246,7 @@ pub struct Trajectory {
 pub struct Object {
     /// Track id in the drive.
     pub id: String,
-    /// Class by what was seen up to t0.
+    /// Class by observations up to t0.
     pub class: String,
     /// The episode's target or an object that the label names.
     pub named: bool,

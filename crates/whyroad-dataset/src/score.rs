@@ -1,5 +1,5 @@
-//! Scores of anybody's model on one split of a release: decisions, class, trajectory, with confidence intervals, in
-//! all and by leaf, place and rarity. `docs/reference/model-evaluation.md` defines every figure.
+//! Scores of any model on one split of a release: decisions, class, trajectory, with confidence intervals, overall and
+//! by leaf, place and rarity. `docs/reference/model-evaluation.md` defines every figure.
 //!
 //! It runs no model: predictions come as lines of JSON ([`predictions`]), from the built-in baseline or from elsewhere.
 

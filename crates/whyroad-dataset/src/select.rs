@@ -1,5 +1,5 @@
-//! Stage 1: which labels become samples, by status, class, source, place, quality and license. Weather is checked
-//! when the drive is open (stage 2), and reported here all the same.
+//! Stage 1: which labels become samples, by status, class, source, place, quality and license. Weather is checked when
+//! the drive is open (stage 2), but reported here.
 
 use crate::item::{Dropped, Item, Stage};
 use crate::labels::{DRAFT, Labels};
@@ -10,7 +10,7 @@ use whyroad_lake::Lake;
 use whyroad_model::scene::DriveMeta;
 use whyroad_model::{Bilingual, Diagnostic, DriveId, ScenarioId};
 
-/// What selection found out about the drives.
+/// Results of the selection about the drives.
 #[derive(Default)]
 pub(crate) struct Selected {
     /// Metadata by drive index; only drives with a candidate.
@@ -22,7 +22,7 @@ pub(crate) struct Selected {
     pub refused: Vec<Diagnostic>,
 }
 
-/// Marks what is not taken.
+/// Marks labels that are not selected.
 pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &LicenceTable) -> Selected {
     let mut out = Selected::default();
     let present: BTreeSet<DriveId> = lake.drive_ids().into_iter().collect();
@@ -62,7 +62,7 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
         };
     }
     labels.items = items;
-    // A drive that no candidate is left of is not asked for its license.
+    // The license of a drive without remaining candidates is not checked.
     let used: BTreeSet<u32> = labels.items.iter().filter(|i| i.kept()).map(|i| i.drive).collect();
     out.drives.retain(|d, _| used.contains(d));
     for name in &missing {

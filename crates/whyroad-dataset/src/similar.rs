@@ -1,5 +1,4 @@
-//! Episodes by the descriptors that near-duplicates are found by: how similar two moments are before anybody has
-//! labeled them.
+//! Episodes by the descriptors used for near-duplicates: how similar two moments are before anybody has labeled them.
 
 use crate::cut::{Cutter, Media};
 use crate::{Spec, descriptor};
@@ -35,17 +34,18 @@ pub fn describe<'e>(
     episodes.into_iter().map(of).collect()
 }
 
-/// Moments that resemble one of them.
+/// A group of moments that resemble one of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SimilarMoments {
-    /// The one that the most resemble, by its index.
+    /// The one that most others resemble, by its index.
     pub center: usize,
     /// All of them, the center included, in their order.
     pub members: Vec<usize>,
 }
 
-/// Groups moments: the one that resembles most of those that are left, at least this much, is the center of the next
-/// group. The first of equals; so the result depends on the order and on nothing else. What has no descriptor is alone.
+/// Groups moments: the moment with the most remaining moments of at least this similarity is the center of the next
+/// group; ties go to the first, so the result depends only on the order. A moment without a descriptor is a group of
+/// one.
 pub fn groups(moments: &[Option<EpisodeDescriptor>], similarity: f64) -> Vec<SimilarMoments> {
     let alike = |a: usize, b: usize| match (&moments[a], &moments[b]) {
         (Some(x), Some(y)) => x.similarity(y) >= similarity,

@@ -1,4 +1,4 @@
-//! The spec of a release: everything that a build depends on beside its labels and its lake. Read from YAML with
+//! The spec of a release: everything that a build depends on besides its labels and its lake. Read from YAML with
 //! positions, so that each mistake is reported where it is; every field has a default, which `template.yaml` shows
 //! and explains.
 
@@ -17,15 +17,15 @@ pub const TEMPLATE: &str = include_str!("spec/template.yaml");
 pub struct Spec {
     /// Name of the release, a slug.
     pub name: String,
-    /// Title for people.
+    /// Displayed title.
     pub title: Option<String>,
     /// Version of the release, free text.
     pub version: String,
     /// Seed of every random choice.
     pub seed: u64,
-    /// Which labels are taken.
+    /// Selection of labels.
     pub labels: Labels,
-    /// Which samples are taken.
+    /// Selection of samples.
     pub select: Select,
     /// Licenses.
     pub licences: Licences,
@@ -41,7 +41,7 @@ pub struct Spec {
     pub samples_per_shard: usize,
 }
 
-/// Which labels are taken.
+/// Selection of labels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Labels {
     /// States of the labeling service; labels of plain files have the state `imported`.
@@ -50,7 +50,7 @@ pub struct Labels {
     pub drafts: bool,
 }
 
-/// Which samples are taken; an empty list is "all".
+/// Selection of samples; an empty list means "all".
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Select {
     /// Classes (L1, L2 or leaf) to take.
@@ -63,26 +63,26 @@ pub struct Select {
     pub places: Vec<String>,
     /// Stated weather at t0; a drive that states none is left out when this is set.
     pub weather: Vec<String>,
-    /// Least match score of the episode; a label without a score passes.
+    /// Minimum match score of the episode; a label without a score passes.
     pub min_score: Option<f64>,
 }
 
-/// What the data may be used for.
+/// Permitted uses of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Use {
-    /// Inside one organisation, not handed on.
+    /// Inside one organization, not distributed.
     Internal,
-    /// Published or handed on for research.
+    /// Published or distributed for research.
     Research,
-    /// Handed on with commercial use permitted.
+    /// Distributed with commercial use permitted.
     Commercial,
 }
 
 /// Licenses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Licences {
-    /// What the release may be used for.
+    /// Purpose of the release.
     pub purpose: Use,
     /// Only these licenses; empty: all that the purpose permits.
     pub allow: Vec<String>,
@@ -90,7 +90,7 @@ pub struct Licences {
     pub assume: Option<String>,
 }
 
-/// What is done with a sample whose window reaches beyond the drive.
+/// Treatment of a sample whose window reaches beyond the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Incomplete {
@@ -206,9 +206,9 @@ pub struct Split {
 pub struct Deduplicate {
     /// Drop exact duplicates.
     pub exact: bool,
-    /// Least similarity (0 to 1) of near-duplicates; unset: keep them.
+    /// Minimum similarity (0 to 1) of near-duplicates; unset: keep them.
     pub near: Option<f64>,
-    /// Least similarity of traces that are reported.
+    /// Minimum similarity of reported traces.
     pub traces: f64,
 }
 
@@ -219,13 +219,13 @@ pub struct Balance {
     pub floor_l2: usize,
     /// Training samples that every leaf should have.
     pub floor_leaf: usize,
-    /// Most training samples of one leaf; unset: no cap.
+    /// Maximum number of training samples of one leaf; unset: no cap.
     pub cap_leaf: Option<usize>,
-    /// Most training samples of one cell of leaf x decisions x place; unset: no cap.
+    /// Maximum number of training samples of one cell of leaf x decisions x place; unset: no cap.
     pub cap_cell: Option<usize>,
     /// 0: all weights 1; 1: every cell weighs the same.
     pub weight_exponent: f64,
-    /// Greatest weight relative to the mean.
+    /// Maximum weight relative to the mean.
     pub max_weight: f64,
 }
 

@@ -16,10 +16,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 use whyroad_model::scene::DriveMeta;
 
-/// What the split did; part of the manifest.
+/// Results of the split; part of the manifest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SplitReport {
-    /// Keys that were asked for.
+    /// Requested keys.
     pub by: Vec<GroupKey>,
     /// Number of connected components.
     pub components: usize,
@@ -116,7 +116,7 @@ pub(crate) fn key_name(key: GroupKey) -> &'static str {
     }
 }
 
-/// Largest components first; each goes where its classes are needed most and least is overshot.
+/// Largest components first; each goes to the split that needs its classes most and overshoots least.
 fn assign(groups: &[Vec<usize>], kept: &[usize], items: &[Item], spec: &Split, seed: u64) -> Vec<SplitName> {
     let shares = [spec.train, spec.val, spec.test];
     let mut of_class: HashMap<u32, f64> = HashMap::new();
@@ -159,7 +159,7 @@ fn assign(groups: &[Vec<usize>], kept: &[usize], items: &[Item], spec: &Split, s
             let room = (target - filled[s]) / target.max(1e-9);
             need / size + room - 4.0 * over
         };
-        // Of equal scores the first: the training split.
+        // With equal scores the first is chosen: the training split.
         let mut best = 0;
         for s in 1..3 {
             if score(s) > score(best) + 1e-9 {

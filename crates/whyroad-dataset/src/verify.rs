@@ -42,7 +42,7 @@ const COLUMNS: &[&str] = &[
 /// Findings of one kind that are written out; the rest is counted.
 const TOLD: usize = 10;
 
-/// What a check found.
+/// Results of a check.
 #[derive(Debug, Default)]
 pub struct Verified {
     /// Samples read.
@@ -51,11 +51,11 @@ pub struct Verified {
     pub files: usize,
     /// Labels that were checked again.
     pub labels: usize,
-    /// What is wrong.
+    /// Findings.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// What is kept of a sample.
+/// The kept part of a sample.
 struct Seen {
     id: String,
     split: SplitName,
@@ -75,7 +75,7 @@ pub fn verify(
     verify_with(dir, framework, licences, None)
 }
 
-/// The same; with `recordings`, labels are also compared with the drives that they speak of.
+/// The same; with `recordings`, labels are also compared with the drives that they refer to.
 ///
 /// # Errors
 /// When the release cannot be read at all.
@@ -264,7 +264,7 @@ fn alike(release: &Release, seen: &[Seen], found: &mut Findings) {
     let Some(similarity) = release.manifest.spec.deduplicate.near else { return };
     let vectors: Vec<&[f32]> = seen.iter().map(|s| s.descriptor.as_slice()).collect();
     let projection = Projection::of(&vectors);
-    // A hair stricter than the build, so that rounding on the way to disk is no finding.
+    // Slightly stricter than the build, so that rounding on disk is not a finding.
     let radius = descriptor::distance_of(similarity) * 0.999;
     let mut index = Neighbors::new(&vectors, &projection, radius);
     for (i, s) in seen.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A bar chart as an SVG file of its own: one row per name, the value written beside its bar, so that it can be read
+//! A bar chart as a separate SVG file: one row per name, the value written beside its bar, so that it can be read
 //! in print and without colors.
 
 use crate::markup::Markup;

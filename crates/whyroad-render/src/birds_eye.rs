@@ -1,5 +1,5 @@
-//! The bird's-eye picture of one moment: road, crosswalks, lights, boxes with heading, the ego's and the
-//! target's way before and after. Ego heading is up; coordinates in the SVG are decimeters.
+//! The bird's-eye image of one moment: road, crosswalks, lights, boxes with heading, the ego's and the target's path
+//! before and after. Ego heading is up; coordinates in the SVG are decimeters.
 
 use crate::markup::Markup;
 use crate::view::{Spot, View, path};
@@ -12,7 +12,7 @@ use whyroad_model::{Drive, Nanos, ObjectClass, TrackId};
 const TRAIL_FRAMES: usize = 30;
 const FUTURE_FRAMES: usize = 60;
 
-/// The picture at `frame`; empty when the log has no ego pose there.
+/// The image at `frame`; empty when the log has no ego pose there.
 pub fn render(drive: &Drive, frame: usize, target: Option<&TrackId>) -> Markup {
     let mut m = Markup::new();
     let Some(ego) = drive.ego.as_ref() else { return m };

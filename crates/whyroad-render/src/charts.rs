@@ -1,11 +1,11 @@
-//! Small charts for pages: one measure each, the value always written beside its mark, so that they can be read without
-//! color, in print, and by a screen reader. Styles are classes; the page that holds them says what they look like.
+//! Small charts for pages: one measure each, the value always shown beside its mark, so that they can be read without
+//! color, in print, and by a screen reader. Styles are classes; the page that includes them defines their appearance.
 
 use crate::markup::Markup;
 use whyroad_model::Bilingual;
 use whyroad_model::display::number;
 
-/// A bar in proportion to `most`, without its value: the cell beside it has that.
+/// A bar in proportion to `most`, without its value: the cell beside it shows it.
 pub fn bar(value: f64, most: f64) -> Markup {
     let share = if most > 0.0 && value.is_finite() { (value / most).clamp(0.0, 1.0) } else { 0.0 };
     let mut m = Markup::new();

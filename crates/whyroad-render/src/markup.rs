@@ -1,11 +1,11 @@
-//! HTML text under construction. What is written as markup must be a literal of this program; everything that
-//! comes from data goes through an escaping method, so that no name in a log can become markup.
+//! HTML text under construction. Markup must be a literal of this program; all text from data goes through an escaping
+//! method, so that no name in a log can become markup.
 
 use std::fmt::Write;
 use whyroad_model::Bilingual;
 use whyroad_model::display::number;
 
-/// A piece of the page.
+/// A fragment of the page.
 #[derive(Clone, Debug, Default)]
 pub struct Markup(String);
 
@@ -58,7 +58,7 @@ impl Markup {
 
     /// A count.
     pub fn int(&mut self, value: impl TryInto<u64>) -> &mut Self {
-        // Counts are never negative; what does not fit says so rather than lie.
+        // Counts are never negative; a number that does not fit is shown as such.
         match value.try_into() {
             Ok(n) => {
                 let _ = write!(self.0, "{n}");

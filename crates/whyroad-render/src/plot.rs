@@ -12,18 +12,18 @@ const RIGHT: f64 = 424.0;
 const TOP: f64 = 8.0;
 const BOTTOM: f64 = 78.0;
 
-/// What a plot says of a signal; from the catalog, which this crate does not read.
+/// Texts and units of a signal for a plot; from the catalog, which this crate does not read.
 #[derive(Clone, Debug, Default)]
 pub struct SignalInfo {
     /// Unit in which a number is displayed; `None` for flags and categories.
     pub unit: Option<&'static Unit>,
-    /// What it is called.
+    /// Its displayed name.
     pub title: Bilingual,
-    /// What it means.
+    /// Its meaning.
     pub meaning: Bilingual,
     /// Typical magnitude in the base unit.
     pub scale: f64,
-    /// What the values of a category are called.
+    /// Displayed names of the values of a category.
     pub values: BTreeMap<String, Bilingual>,
 }
 
@@ -34,7 +34,7 @@ impl SignalInfo {
     }
 }
 
-/// Which frames a plot shows and what it marks in them; frames of the drive.
+/// The frames that a plot shows and marks; frames of the drive.
 #[derive(Clone, Copy, Debug)]
 pub struct Span {
     /// Shown.
@@ -45,7 +45,7 @@ pub struct Span {
     pub keyframe: usize,
 }
 
-/// What a signal is called, as a caption; its id where the catalog does not have it.
+/// Caption of a signal: its displayed name, or its id where the catalog does not have it.
 pub fn caption(infos: &BTreeMap<String, SignalInfo>, name: &str) -> Bilingual {
     let title = infos.get(name).map(|info| &info.title).filter(|title| !title.zh.is_empty());
     title.map_or_else(|| Bilingual::same(name), |t| Bilingual::new(t.zh.clone(), capitalized(&t.en)))
@@ -186,7 +186,7 @@ fn frame(m: &mut Markup, signals: &SignalTable, span: Span) {
     let Some(zero) = time(span.keyframe) else { return };
     let last = span.shown.end.saturating_sub(1);
     let key = x_of(span, span.keyframe as f64);
-    // The ends are labeled where they do not run into the keyframe's label.
+    // The ends are labeled where they do not overlap the keyframe's label.
     let apart = |f: usize| (x_of(span, f as f64) - key).abs() >= 34.0;
     let ends = [(span.shown.start, "start"), (last, "end")].into_iter().filter(|(f, _)| apart(*f));
     for (frame, anchor) in ends.chain([(span.keyframe, "middle")]) {
@@ -262,8 +262,8 @@ fn numbers(m: &mut Markup, series: &Series<'_>, info: &SignalInfo, span: Span) {
     }
 }
 
-/// The range of the axis: all values, but not so much of a spike that the rest is flat (at most three times
-/// the spread of the middle 90 %), and always the value at the keyframe.
+/// The range of the axis: all values, with spikes cut off so that the rest is not flat (at most three times the spread
+/// of the middle 90 %), and always the value at the keyframe.
 fn value_range(sorted: &[f64], at_keyframe: Option<f64>, scale: f64) -> (f64, f64) {
     let (Some(&min), Some(&max)) = (sorted.first(), sorted.last()) else { return (0.0, 1.0) };
     let quantile = |q: f64| sorted[((sorted.len() - 1) as f64 * q).round() as usize];
@@ -367,7 +367,7 @@ mod tests {
 
     #[test]
     fn values_of_a_category_are_shown_by_name() {
-        // Names as schema/signals.yaml has them.
+        // Names as in schema/signals.yaml.
         let names = [("go_straight", ("直行", "go straight")), ("none", ("无", "none"))];
         let values = names.map(|(id, (zh, en))| (id.to_owned(), Bilingual::new(zh, en))).into();
         let infos =

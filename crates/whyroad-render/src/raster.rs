@@ -1,6 +1,6 @@
-//! The bird's-eye view of one moment as a small PNG with a fixed palette, for models to read: the ego at a fixed
-//! pixel, its heading up, and nothing that was measured later. Drawn without antialiasing, so that every pixel is one
-//! class of thing.
+//! The bird's-eye view of one moment as a small PNG with a fixed palette, as input for models: the ego at a fixed
+//! pixel, its heading up, and no later measurements. Drawn without antialiasing, so that every pixel belongs to one
+//! class.
 
 mod canvas;
 
@@ -18,7 +18,7 @@ pub struct Raster {
     pub m_per_px: f64,
 }
 
-/// What a pixel shows: the index into the palette, and its color (red, green, blue).
+/// Class of a pixel: the index into the palette, and its color (red, green, blue).
 pub const PALETTE: [(&str, [u8; 3]); 16] = [
     ("outside", [20, 22, 26]),
     ("drivable", [52, 56, 64]),

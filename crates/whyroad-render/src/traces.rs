@@ -5,7 +5,7 @@ use crate::markup::Markup;
 use whyroad_model::display::number;
 use whyroad_model::{Column, FrameRange, Tri};
 
-/// Frames a second of what is drawn.
+/// Frames per second of the drawn data.
 const RATE: f64 = 10.0;
 const LEFT: f64 = 300.0;
 const RIGHT: f64 = 748.0;
@@ -31,11 +31,11 @@ pub struct Panel {
 /// One signal.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Name as it is written.
+    /// Displayed name.
     pub name: String,
-    /// Unit as it is shown; empty where there is none.
+    /// Displayed unit; empty where there is none.
     pub unit: String,
-    /// How many of `unit` a base unit is, for numbers.
+    /// Factor from the base unit to `unit`, for numbers.
     pub per_base_unit: f64,
     /// 10 Hz from the start of the panel.
     pub column: Column,

@@ -1,6 +1,6 @@
 //! Conditions over time as a self-contained SVG file: one row per condition, green where it is true, gray where it is
 //! false, hatched where it is unknown, and a line at one moment. Legible without color (low bars, hatching, and words),
-//! on light and on dark ground.
+//! on light and dark backgrounds.
 
 use crate::markup::Markup;
 use whyroad_model::Tri;
@@ -16,7 +16,7 @@ const FRAMES_PER_TICK: usize = 50;
 const LETTER_PX: usize = 7;
 const IDEOGRAPH_PX: usize = 13;
 
-/// Colors by what they mean, for light and dark ground.
+/// Colors by meaning, for light and dark backgrounds.
 const STYLE: &str = "<style>
 svg { --ground: #ffffff; --ink: #1f2328; --yes: #1a7f37; --no: #b42318; --unknown: #8a6d00; --true: #57ab5a; --false: #d0d5db; --moment: #1f4fd8 }
 @media (prefers-color-scheme: dark) {
@@ -40,7 +40,7 @@ pub struct TruthChart {
     pub rows: Vec<TruthRow>,
     /// The marked frame.
     pub moment: Option<usize>,
-    /// What true, false and unknown are called in the legend.
+    /// Names of true, false and unknown in the legend.
     pub truth_words: [&'static str; 3],
     /// The rest of the legend.
     pub note: &'static str,
@@ -55,16 +55,16 @@ pub struct TruthRow {
     pub indent: usize,
     /// Truth at the marked moment.
     pub truth: Tri,
-    /// Truth by frame; `None` where there is nothing to judge.
+    /// Truth by frame; `None` where there is no value.
     pub cells: Vec<Option<Tri>>,
-    /// What is compared, drawn below the bar.
+    /// The compared values, drawn below the bar.
     pub curve: Option<Curve>,
 }
 
 /// A number over time.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// By frame; what is not finite is not drawn.
+    /// By frame; values that are not finite are not drawn.
     pub values: Vec<f64>,
     /// Drawn as a dashed line.
     pub threshold: Option<f64>,
@@ -131,7 +131,7 @@ fn at(m: &mut Markup, x: usize, y: usize) -> &mut Markup {
     m.raw("<text x=\"").int(x).raw("\" y=\"").int(y).raw("\"")
 }
 
-/// What the bars and the words before the conditions mean.
+/// Meaning of the bars and of the words before the conditions.
 fn legend(m: &mut Markup, y: usize, chart: &TruthChart) {
     let mut x = LEFT;
     for (truth, word) in [Tri::True, Tri::False, Tri::Unknown].into_iter().zip(chart.truth_words) {

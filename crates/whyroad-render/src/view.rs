@@ -1,13 +1,13 @@
-//! The frame of a bird's-eye picture: ego at the origin, its heading up, and only what lies inside the window.
-//! Picture coordinates are meters, x to the right and y down.
+//! The frame of a bird's-eye image: ego at the origin, its heading up, and only what lies inside the window.
+//! Image coordinates are meters, x to the right and y down.
 
 use crate::markup::Markup;
 use whyroad_model::road_map::Point3;
 
-/// A point of the picture, m.
+/// A point of the image, m.
 pub type Spot = (f64, f64);
 
-/// Where the picture is taken and how far it reaches.
+/// Pose and extent of the image.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     origin: (f64, f64),
@@ -36,7 +36,7 @@ impl View {
         view
     }
 
-    /// A world point in the picture.
+    /// A world point in the image.
     pub fn spot(&self, x: f64, y: f64) -> Spot {
         let (s, c) = self.heading.sin_cos();
         let (dx, dy) = (x - self.origin.0, y - self.origin.1);
@@ -82,7 +82,7 @@ impl View {
         self.cut(&self.spots(points))
     }
 
-    /// The parts of a line in the picture that are inside the window, thinned to 5 cm.
+    /// The parts of a line in the image that are inside the window, thinned to 5 cm.
     pub fn cut(&self, spots: &[Spot]) -> Vec<Vec<Spot>> {
         let mut out: Vec<Vec<Spot>> = Vec::new();
         let mut open = false;

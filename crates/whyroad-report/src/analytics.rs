@@ -1,7 +1,7 @@
-//! One model of what there is, how good it is, and what is missing: from mining, the labeling service and releases.
-//! `whyroad report`, the page of the service, the tables and the text all show this value.
+//! One model of amount, quality and gaps of the data: from mining, the labeling service and releases. `whyroad report`,
+//! the page of the service, the tables and the text all show this value.
 //!
-//! Nothing here opens a file or asks a clock: inputs are handed in ([`AnalyticsInputs`]). A number that no input gives
+//! Nothing here opens a file or reads a clock: inputs are passed in ([`AnalyticsInputs`]). A number that no input gives
 //! is `None`; it is never shown as zero. Classes that the drives cannot show are kept apart from classes without finds.
 
 mod agreement;
@@ -37,10 +37,10 @@ use unseen::Estimate;
 use whyroad_framework::Framework;
 use whyroad_model::{Nanos, ScenarioId};
 
-/// More driving that outlooks are for, h.
+/// Additional driving that outlooks assume, h.
 pub const MORE_HOURS: f64 = 100.0;
 
-/// Everything that is shown.
+/// All shown values.
 #[derive(Clone, Debug, Serialize)]
 pub struct Analytics {
     /// Version of the taxonomy whose classes these are.
@@ -57,15 +57,15 @@ pub struct Analytics {
     pub decisions: Decisions,
     /// By place, hour, weather, source.
     pub contexts: Vec<ContextRow>,
-    /// What people changed of drafts; `None` without tasks.
+    /// Changes to drafts; `None` without tasks.
     pub corrections: Option<Corrections>,
-    /// How far people agree who labeled the same episode; empty without overlaps.
+    /// Agreement of people who labeled the same episode; empty without overlaps.
     pub agreement: Vec<AgreementRow>,
     /// Throughput, finish, cost; `None` without tasks.
     pub progress: Option<Progress>,
-    /// What has not been seen yet; `None` without mining.
+    /// Unseen classes; `None` without mining.
     pub unseen: Option<Unseen>,
-    /// Leaves that are short of labels or were never found.
+    /// Leaves with too few labels or without any find.
     pub shortfalls: Vec<Shortfall>,
 }
 
@@ -80,7 +80,7 @@ pub struct Given {
     pub releases: bool,
 }
 
-/// What has not been seen yet.
+/// Unseen classes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unseen {
     /// Hours that were searched.
@@ -96,13 +96,13 @@ pub struct Unseen {
     /// Leaves without a find so far that [`MORE_HOURS`] more would show; `None` where they are too far beyond what was
     /// searched.
     pub new_leaves: Option<Estimate>,
-    /// Hours that have to be searched before `new_leaves` can be said.
+    /// Hours that have to be searched before `new_leaves` can be estimated.
     pub hours_needed: f64,
-    /// Episodes that [`MORE_HOURS`] more would bring, by observable leaf.
+    /// Expected episodes in [`MORE_HOURS`] more, by observable leaf.
     pub leaves: Vec<LeafOutlook>,
 }
 
-/// What [`MORE_HOURS`] more would bring of a leaf.
+/// Expected episodes of a leaf in [`MORE_HOURS`] more.
 #[derive(Clone, Debug, Serialize)]
 pub struct LeafOutlook {
     /// The leaf.
@@ -113,7 +113,7 @@ pub struct LeafOutlook {
     pub hours: f64,
     /// Scatter between drives, 1 for Poisson.
     pub dispersion: f64,
-    /// Primary episodes to come.
+    /// Expected primary episodes.
     pub coming: Option<Estimate>,
 }
 

@@ -1,12 +1,12 @@
-//! From judged episodes to the shares that mining uses as scores (`schema/calibration.yaml`), and how far such shares
-//! are off on episodes that they were not made from.
+//! From judged episodes to the shares that mining uses as scores (`schema/calibration.yaml`), and the errors of such
+//! shares on held-out episodes.
 //!
-//! Shares by class are estimates of few examples, so each is drawn towards what is known without them (m-estimate,
-//! Cestnik 1990): a class towards all classes, a step of the margin score towards its class, or both towards an earlier
-//! table. Steps are tenths of the margin score with enough episodes each (histogram binning, Zadrozny and Elkan 2001),
-//! made monotone by pooling adjacent violators (isotonic regression, Ayer et al. 1955; Zadrozny and Elkan 2002). A
-//! logistic curve (Platt 1999) was not taken: rules that compare no numbers have one score only, and most classes have
-//! too few wrong episodes to fit two parameters.
+//! Shares by class are estimates of few examples, so each is drawn towards a prior (m-estimate, Cestnik 1990): a class
+//! towards all classes, a step of the margin score towards its class, or both towards an earlier table. Steps are
+//! tenths of the margin score with enough episodes each (histogram binning, Zadrozny and Elkan 2001), made monotone by
+//! pooling adjacent violators (isotonic regression, Ayer et al. 1955; Zadrozny and Elkan 2002). A logistic curve (Platt
+//! 1999) is not used: rules that compare no numbers have one score only, and most classes have too few wrong episodes
+//! to fit two parameters.
 
 mod error;
 mod text;
@@ -25,17 +25,17 @@ use whyroad_framework::calibration::{
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{DriveId, ScenarioId};
 
-/// What is known without the examples counts as this many episodes.
+/// The prior counts as this many episodes.
 pub const PRIOR_EPISODES: f64 = 4.0;
-/// An earlier table counts as at most this many episodes per class and step: what it was made from may differ from the
-/// drives that are judged now (power prior, Ibrahim and Chen 2000).
+/// An earlier table counts as at most this many episodes per class and step: its drives may differ from the drives that
+/// are judged now (power prior, Ibrahim and Chen 2000).
 pub const TABLE_EPISODES: f64 = 10.0;
 /// A step has at least this many judged episodes, where the class has.
 pub const STEP_EPISODES: usize = 10;
 /// Least margin score, of conditions that are only just met.
 const LEAST_SCORE: f64 = 0.5;
 
-/// An episode of which somebody says whether its class is right.
+/// An episode with a judgment whether its class is right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedEpisode {
     /// Class as mined.
@@ -58,7 +58,7 @@ impl JudgedEpisode {
     }
 }
 
-/// Episodes of classes of the taxonomy that a truth judges: where their class is declared complete.
+/// Episodes that ground truth judges: where their class is declared complete.
 pub fn judged_by_truth(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Vec<JudgedEpisode> {
     let judged = episodes.iter().zip(judge(truth, episodes));
     judged.filter_map(|(e, right)| JudgedEpisode::of(e, right?)).collect()
@@ -83,7 +83,7 @@ pub fn judged_by_verdicts(
     (judged, missing)
 }
 
-/// Judged episodes in short.
+/// Summary of judged episodes.
 pub fn source(name: &str, kind: SourceKind, judged: &[JudgedEpisode]) -> CalibrationSource {
     CalibrationSource {
         name: name.to_owned(),
@@ -94,7 +94,7 @@ pub fn source(name: &str, kind: SourceKind, judged: &[JudgedEpisode]) -> Calibra
     }
 }
 
-/// The table of these episodes. Classes of `earlier` about which little is new stay as they are.
+/// The table of these episodes. Classes of `earlier` with few new episodes are not changed.
 pub fn fit(
     judged: &[JudgedEpisode],
     earlier: Option<&Calibration>,
@@ -164,7 +164,7 @@ fn one_class(
     }
 }
 
-/// A share of (right, all), drawn towards `prior` as if that were so many episodes more.
+/// A share of (right, all), drawn towards `prior` which counts as this many additional episodes.
 fn drawn((right, all): (usize, usize), prior: f64, episodes: f64) -> f64 {
     (right as f64 + episodes * prior) / (all as f64 + episodes)
 }
@@ -178,11 +178,11 @@ struct Bin<'a> {
     episodes: Vec<&'a JudgedEpisode>,
 }
 
-/// Tenths of the margin score, neighbors taken together until each has enough episodes.
+/// Tenths of the margin score, neighbors merged until each has enough episodes.
 fn binned<'a>(episodes: &[&'a JudgedEpisode]) -> Vec<Bin<'a>> {
     let mut tenths: BTreeMap<u32, Vec<&JudgedEpisode>> = BTreeMap::new();
     for e in episodes {
-        // A score of 0.7 is not under 0.7 for the last bit of a product.
+        // A score of 0.7 is not below 0.7 because of the last bit of a product.
         let tenth = ((e.margin_score.clamp(LEAST_SCORE, 1.0) * 10.0) + 1e-9).floor().min(9.0) as u32;
         tenths.entry(tenth).or_default().push(e);
     }

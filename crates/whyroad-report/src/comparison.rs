@@ -1,8 +1,9 @@
-//! Two sets of episodes over the same drives compared: what was gained, lost, reclassified, moved in time, or changed
-//! its primary class. Used for two mined folders, two versions of the rules, and the samples of two releases.
+//! Two sets of episodes over the same drives compared: episodes gained, lost, reclassified, moved in time, or with
+//! another primary class. Used for two mined folders, two versions of the rules, and the samples of two releases.
 //!
 //! An episode of one side and an episode of the other are the same moment when they are on one drive and target and
-//! [`Moment::match_error`] says so. Pairs of one class are made first; what is left is paired across classes.
+//! [`Moment::match_error`] says so. Pairs of one class are made first; the remaining episodes are paired across
+//! classes.
 
 mod page;
 mod text;
@@ -16,7 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{DriveId, ScenarioId};
 
-/// Keyframes that differ by more than this are moved, s: half a frame at 10 Hz.
+/// Keyframes that differ by more than this count as moved, s: half a frame at 10 Hz.
 pub const MOVED_S: f64 = 0.05;
 /// Examples that are named per class and change.
 pub const EXAMPLES: usize = 5;
@@ -63,8 +64,8 @@ pub struct ChangedEpisode {
     pub drive: DriveId,
     /// Keyframe in the second folder, in the first where the second has none.
     pub keyframe: whyroad_model::Nanos,
-    /// A label of this moment was accepted by a person: for what is gained, a label of the class after; for everything
-    /// else, a label of the class before. `None` where no labels were given.
+    /// A label of this moment was accepted by a person: for gained episodes, a label of the class after; for all
+    /// others, a label of the class before. `None` where no labels were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accepted: Option<bool>,
     /// Of a reclassified moment: a label of the class after was accepted.
@@ -121,11 +122,11 @@ pub struct AcceptedMoment {
     pub keyframe: whyroad_model::Nanos,
 }
 
-/// An accepted label belongs to an episode whose keyframe is no further away, s.
+/// Maximum distance of the keyframes of an accepted label and its episode, s.
 const ACCEPTED_WITHIN_S: f64 = 1.0;
 
 impl AcceptedMoment {
-    /// True when the label is of this episode.
+    /// True when the label belongs to this episode.
     fn is_of(&self, e: &EpisodeRecord) -> bool {
         self.drive == e.drive_id
             && self.scenario == e.scenario_id

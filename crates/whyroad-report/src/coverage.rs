@@ -1,4 +1,4 @@
-//! Coverage over the whole taxonomy: mining's `coverage.json` laid over the tree, with counts at every level.
+//! Coverage over the whole taxonomy: mining's `coverage.json` mapped onto the tree, with counts at every level.
 //! A leaf that mining does not mention is one without a rule; it is shown as that, never left out.
 
 use std::collections::BTreeMap;
@@ -7,7 +7,7 @@ use whyroad_model::ids::OTHER;
 use whyroad_model::messages::{Coverage, CoverageState, DriveGap, LeafCoverage};
 use whyroad_model::{Bilingual, ScenarioId};
 
-/// One leaf with its place in the tree and what is known of it.
+/// One leaf with its position in the tree and its state.
 #[derive(Clone, Debug)]
 pub struct LeafRow<'a> {
     /// Full id.
@@ -30,18 +30,18 @@ pub struct LeafRow<'a> {
     pub gaps: &'a [DriveGap],
 }
 
-/// Episodes that are known to be of an L2 while the variant is not: the recording does not show it.
+/// Episodes of an L2 whose variant is unknown: the recording does not show it.
 #[derive(Clone, Debug)]
 pub struct UnresolvedRow<'a> {
     /// Kind of trigger.
     pub l1: &'a L1,
     /// Triggering event.
     pub l2: &'a L2,
-    /// What mining found of it.
+    /// Mining results for it.
     pub found: &'a LeafCoverage,
 }
 
-/// The L2s that have a rule of their own, in mining's order.
+/// The L2s with their own rule, in mining's order.
 pub fn unresolved<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<UnresolvedRow<'a>> {
     coverage
         .unresolved
@@ -58,7 +58,7 @@ pub fn unexplained(coverage: &Coverage) -> Option<&LeafCoverage> {
     coverage.unresolved.iter().find(|l| l.scenario_id.l1 == OTHER)
 }
 
-/// The name of a class for people: `L2 · L3`, or the L2 with the remark that its variant is not known.
+/// The displayed name of a class: `L2 · L3`, or the L2 with a note that its variant is not known.
 pub fn class_title(taxonomy: &Taxonomy, id: &ScenarioId) -> Bilingual {
     if let Some((_, l2, l3)) = taxonomy.leaf(id) {
         return Bilingual::new(
@@ -156,8 +156,8 @@ pub fn counts(rows: &[LeafRow<'_>]) -> StateCounts {
 }
 
 impl LeafRow<'_> {
-    /// Drives on which the rule could be decided, and all drives, where these are some and not all: what was not found
-    /// then is not known of the others.
+    /// Drives on which the rule could be decided, and all drives, where these differ: an absent find is then unknown
+    /// for the other drives.
     pub fn searched_in_part(&self) -> Option<(u64, u64)> {
         let blind: usize = self.gaps.iter().map(|g| g.drives.len()).sum();
         let all = self.drives_searched + blind as u64;
@@ -174,7 +174,7 @@ impl LeafRow<'_> {
     }
 }
 
-/// The name of a state for people.
+/// The displayed name of a state.
 pub fn state_name(state: CoverageState) -> Bilingual {
     match state {
         CoverageState::Found => Bilingual::new("已找到", "found"),

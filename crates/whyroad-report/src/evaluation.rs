@@ -1,5 +1,5 @@
-//! How good what was found is, against truth that somebody else wrote down: per class precision, recall, F1, keyframe
-//! error, and which classes are taken for one another.
+//! Evaluation of episodes against independent ground truth: per class precision, recall, F1, keyframe error, and which
+//! classes are confused.
 //!
 //! Truth comes as [`truth::TruthSet`], episodes as `whyroad mine` writes them. An episode matches an entry of the truth
 //! when they name the same class and drive, the same target where both name one, and their keyframes are at most
@@ -26,8 +26,8 @@ use whyroad_model::messages::EpisodeRecord;
 /// Compares `episodes` with `truth`.
 ///
 /// An entry that names an L2 (its variant is not known) is matched by every episode of that L2, after the entries that
-/// name a leaf. Only drives that the truth speaks of are looked at; an episode beyond the truth is false where its
-/// class and drive are declared complete, and else counts neither way. Nor does one that only an optional entry
+/// name a leaf. Only drives that the truth names are evaluated; an episode beyond the truth is false where its class
+/// and drive are declared complete, and otherwise does not count. Nor does an episode that only an optional entry
 /// matches; optional entries come last.
 pub fn evaluate(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Evaluation {
     let Pairing { entries, partner, taken, open } = pair(truth, episodes);
@@ -35,7 +35,7 @@ pub fn evaluate(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Evaluation {
 }
 
 /// Whether each episode is right, as [`evaluate`] counts it; `None` where the truth is not declared complete for its
-/// class and drive, and where it leaves the answer open.
+/// class and drive, and where it is undecided.
 pub fn judge(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Vec<Option<bool>> {
     let Pairing { taken, open, .. } = pair(truth, episodes);
     let one = |(i, e): (usize, &EpisodeRecord)| {
@@ -44,7 +44,7 @@ pub fn judge(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Vec<Option<bool>> 
     episodes.iter().enumerate().map(one).collect()
 }
 
-/// Which entries and episodes are one.
+/// The pairs of entries and episodes.
 struct Pairing<'a> {
     /// Those that have to be found.
     entries: Vec<&'a truth::TruthEntry>,
@@ -58,7 +58,7 @@ struct Pairing<'a> {
 
 fn pair<'a>(truth: &'a TruthSet, episodes: &[EpisodeRecord]) -> Pairing<'a> {
     let mut entries: Vec<&truth::TruthEntry> = truth.entries.iter().collect();
-    // Leaves first, so that an L2's entry takes what no leaf's entry claims.
+    // Leaves first, so that an L2's entry takes episodes that no leaf's entry matches.
     entries.sort_by_key(|e| {
         (e.optional, !e.scenario_id.is_leaf(), e.keyframe_ns, e.scenario_id.clone(), e.target_id.clone())
     });

@@ -1,8 +1,8 @@
 //! Results of mining and labeling: coverage over all leaves, the report that shows it, and episodes evaluated against
 //! ground truth.
 //!
-//! Nothing here finds episodes or derives signals: both are handed in, because this crate must not depend on
-//! the crates that make them. Nothing here writes a file; callers store what is returned.
+//! Nothing here finds episodes or derives signals: both are passed in, because this crate must not depend on the crates
+//! that make them. Nothing here writes a file; callers store what is returned.
 
 pub mod analytics;
 pub mod calibration;

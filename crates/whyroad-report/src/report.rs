@@ -1,5 +1,5 @@
 //! The report: one self-contained HTML page, in Chinese and English, with the coverage of the whole taxonomy
-//! and a card for each episode. It fetches nothing, and says so to the browser (Content-Security-Policy).
+//! and a card for each episode. It fetches nothing, and forbids fetching by a Content-Security-Policy.
 //!
 //! Drives are added one at a time, so that memory does not grow with the lake.
 
@@ -18,12 +18,12 @@ use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
 use whyroad_render::markup::Markup;
 
-/// What holds for the whole report.
+/// Settings of the whole report.
 #[derive(Clone, Copy, Debug)]
 pub struct ReportContext<'a> {
     /// Classes, specs and decisions.
     pub framework: &'a Framework,
-    /// What mining searched for and what it found.
+    /// What mining searched for and found.
     pub coverage: &'a Coverage,
     /// Signals by name.
     pub signals: &'a BTreeMap<String, SignalInfo>,
@@ -44,8 +44,8 @@ impl CardChoice {
         Self { room: max_cards }
     }
 
-    /// Chooses among episodes in the order of their drives, of which one at a time is in memory; gives the chosen ones
-    /// by drive.
+    /// Chooses among episodes in the order of their drives, one of which is in memory at a time; returns the chosen
+    /// ones by drive.
     pub fn choose_all(
         mut self,
         episodes: impl Iterator<Item = EpisodeRecord>,
@@ -96,7 +96,7 @@ pub struct ChosenEpisodes {
     pub total: usize,
 }
 
-/// What the page has of one drive. Drives are rendered independently of each other.
+/// The content of one drive on the page. Drives are rendered independently of each other.
 #[derive(Debug)]
 pub struct DrivePart {
     line: page::DriveLine,
@@ -135,12 +135,12 @@ impl<'a> ReportBuilder<'a> {
         Self { context, cards: Vec::new(), episodes: 0, drives: Vec::new(), analytics: None }
     }
 
-    /// Puts the analytics after the coverage.
+    /// Adds the analytics after the coverage.
     pub fn put_analytics(&mut self, fragment: Markup) {
         self.analytics = Some(fragment);
     }
 
-    /// Adds a drive; in the order of the page.
+    /// Adds a drive; call it in page order.
     pub fn add(&mut self, part: DrivePart) {
         self.episodes += part.line.episodes;
         self.drives.push(part.line);

@@ -1,5 +1,5 @@
-//! How far mining agrees with itself when a log is made worse: episodes of the drive as it is against those of the same
-//! drive perturbed, by class. Perturbing and mining are done elsewhere; here is what is counted, and how it is shown.
+//! Agreement of mining with itself when a log is perturbed: episodes of the original drive against those of the
+//! perturbed drive, by class. Perturbation and mining are done elsewhere; this module counts and shows the results.
 
 mod page;
 mod text;
@@ -12,12 +12,12 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::{Bilingual, DriveId, Nanos, ScenarioId, TrackId};
 
-/// An episode, as far as it is compared.
+/// The compared part of an episode.
 #[derive(Clone, Debug)]
 pub struct Occurrence {
     /// Class.
     pub scenario: ScenarioId,
-    /// Target and the objects in other roles, by their ids in the drive as it is.
+    /// Target and the objects in other roles, by their ids in the original drive.
     pub objects: Vec<TrackId>,
     /// First moment.
     pub start: Nanos,
@@ -30,7 +30,7 @@ pub struct Occurrence {
 /// Counts of one class under one perturbation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ClassAgreement {
-    /// Episodes of the drives as they are.
+    /// Episodes of the original drives.
     pub before: usize,
     /// Episodes of the perturbed drives.
     pub after: usize,
@@ -46,17 +46,17 @@ pub struct ClassAgreement {
     shifts: Vec<f64>,
 }
 
-/// Which of the two has an episode that the other has not.
+/// Which of the two has an episode that the other lacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Change {
-    /// Only the drive as it is.
+    /// Only the original drive.
     Lost,
     /// Only the perturbed drive.
     New,
 }
 
-/// An episode that is found in one of the two only.
+/// An episode that is found in only one of the two.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Difference {
     /// Which one has it.
@@ -65,7 +65,7 @@ pub struct Difference {
     pub scenario: ScenarioId,
     /// Drive.
     pub drive: DriveId,
-    /// Target and the objects in other roles, by their ids in the drive as it is.
+    /// Target and the objects in other roles, by their ids in the original drive.
     pub objects: Vec<TrackId>,
     /// Its keyframe, s since the first frame of the drive.
     pub keyframe_s: f64,
@@ -76,7 +76,7 @@ pub struct Difference {
 pub struct PerturbationAgreement {
     /// Its name.
     pub name: String,
-    /// What it does.
+    /// Its description.
     pub meaning: Bilingual,
     /// All classes together.
     pub all: ClassAgreement,
@@ -95,15 +95,15 @@ pub struct Robustness {
     pub left_out: usize,
     /// Seed of the perturbations.
     pub seed: u64,
-    /// The perturbations in the order in which they were asked for.
+    /// The perturbations in the order requested.
     pub perturbations: Vec<PerturbationAgreement>,
 }
 
-/// Episodes with fewer than this many before and after say little about a class by themselves.
+/// Episodes with fewer than this many before and after are not enough to judge a class.
 pub const FEW: usize = 5;
 
 impl Robustness {
-    /// A comparison of nothing yet.
+    /// An empty comparison.
     pub fn new(seed: u64, perturbations: impl IntoIterator<Item = (String, Bilingual)>) -> Self {
         let one = |(name, meaning)| PerturbationAgreement { name, meaning, ..Default::default() };
         Self { seed, perturbations: perturbations.into_iter().map(one).collect(), ..Self::default() }

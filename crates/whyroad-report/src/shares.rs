@@ -1,4 +1,4 @@
-//! Shares of judged episodes: their interval, and how they are made monotone in a score.
+//! Shares of judged episodes: their interval, and monotone estimates by score.
 
 /// Neighboring episodes with one estimate, `sum / weight`.
 pub(crate) struct Block {

@@ -1,6 +1,6 @@
-//! Moments that no class explains (`other`): similar ones together, each group with the classes that come nearest to
-//! it. It tells the framework's owner which rule to look at, or which class is missing. Nothing here finds moments or
-//! compares them: both are handed in.
+//! Moments that no class explains (`other`): grouped by similarity, each group with the nearest classes. It shows the
+//! framework's owner which rule to review, or which class is missing. Nothing here finds moments or compares them: both
+//! are passed in.
 
 mod page;
 mod text;
@@ -13,7 +13,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Nanos, ScenarioId, TrackId};
 
-/// Classes that are listed for a group.
+/// Maximum number of classes listed for a group.
 pub const LISTED_CLASSES: usize = 3;
 
 /// A moment.
@@ -32,16 +32,16 @@ pub struct UnexplainedMoment {
     /// Speed of the ego there, m/s; absent where unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ego_speed_mps: Option<f64>,
-    /// What the ego does from there on, by the signals `ego.meta_longitudinal` and `ego.meta_lateral`; empty where
+    /// The ego's action from there on, by the signals `ego.meta_longitudinal` and `ego.meta_lateral`; empty where
     /// unknown.
     pub ego_actions: Vec<String>,
-    /// What these are called.
+    /// Displayed names of these.
     pub ego_action_names: Vec<Bilingual>,
-    /// Classes that come nearest, the nearest first.
+    /// Nearest classes, the nearest first.
     pub nearest: Vec<NearestClass>,
 }
 
-/// A class that a moment comes near to.
+/// A class whose conditions a moment nearly meets.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NearestClass {
     /// The class.
@@ -64,9 +64,9 @@ pub struct UnmetPart {
     pub condition: String,
     /// In words.
     pub description: Bilingual,
-    /// What it measures, in `unit`; null where that is not known.
+    /// The measured value, in `unit`; null where it is unknown.
     pub actual_value: Value,
-    /// The same in words, with its unit.
+    /// The same as text, with its unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub actual_words: Option<Bilingual>,
     /// Symbol of the unit.
@@ -97,7 +97,7 @@ pub struct Unexplained {
     pub drives: usize,
     /// The largest first, then by example.
     pub groups: Vec<UnexplainedGroup>,
-    /// What the classes are called.
+    /// Displayed names of the classes.
     pub names: BTreeMap<ScenarioId, Bilingual>,
 }
 
@@ -136,7 +136,7 @@ impl Unexplained {
 }
 
 impl Unexplained {
-    /// What a class is called; its id where it has no name.
+    /// Displayed name of a class; its id where it has no name.
     fn name(&self, id: &ScenarioId, lang: Lang) -> String {
         self.names.get(id).map_or_else(|| id.to_string(), |name| name.get(lang).to_owned())
     }
@@ -204,7 +204,7 @@ mod tests {
         let names: Vec<(String, usize)> = first.nearest.iter().map(|(id, n)| (id.to_string(), *n)).collect();
         assert_eq!(names, [("r.x.p".to_owned(), 2), ("r.x.q".to_owned(), 1)]);
         let text = render(&found, Lang::En);
-        // On a terminal the ids are there for the next command; a page is read.
+        // On a terminal the ids are input for the next command; on a page they are not needed.
         assert!(text.contains("Class p (r.x.p): 4 of 5") && text.contains("< 5 s (is 6.25 s)"), "{text}");
         let html = page(&found, &[], Lang::Zh);
         assert!(html.contains("类别 z：") && html.contains("碰撞时间 &lt; 5 s（实际 6.25 s）"), "{html}");

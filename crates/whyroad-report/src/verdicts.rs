@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use whyroad_model::messages::VerdictKind;
 use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Location, Nanos, ScenarioId};
 
-/// One line of the export, as far as it is used here; further fields are for people.
+/// One line of the export, limited to the fields used here; further fields are for readers.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct VerdictLine {
     /// The verdict.
@@ -38,7 +38,7 @@ impl VerdictLine {
         matches!(self.verdict, VerdictKind::Right | VerdictKind::KeyframeMoved)
     }
 
-    /// What is there by this verdict; `None` for nothing, and for another class that nobody named.
+    /// The class that is there by this verdict; `None` for no episode, and for another class that is not named.
     pub fn moment(&self) -> Option<AcceptedMoment> {
         let scenario = match self.verdict {
             VerdictKind::Right | VerdictKind::KeyframeMoved => self.scenario_id.clone(),
@@ -50,7 +50,7 @@ impl VerdictLine {
     }
 }
 
-/// True where a file of JSON lines is an export of verdicts: its first line says a verdict.
+/// True where a file of JSON lines is an export of verdicts: its first line is a verdict.
 pub fn is_export(text: &str) -> bool {
     let first = text.lines().find(|l| !l.trim().is_empty()).unwrap_or_default();
     serde_json::from_str::<serde_json::Value>(first).is_ok_and(|v| v.get("verdict").is_some())
@@ -106,7 +106,7 @@ pub struct CalibrationStep {
     pub judged: usize,
 }
 
-/// Calibration by class. Several verdicts on one episode count each: who disagrees makes the share uncertain.
+/// Calibration by class. Several verdicts on one episode all count: disagreement makes the share uncertain.
 pub fn calibrate(verdicts: &[VerdictLine]) -> BTreeMap<ScenarioId, ClassCalibration> {
     let classes: BTreeSet<&ScenarioId> = verdicts.iter().map(|v| &v.scenario_id).collect();
     let one = |class: &ScenarioId| {

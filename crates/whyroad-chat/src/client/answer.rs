@@ -1,4 +1,4 @@
-//! The answer of an endpoint, as far as it is of use: the model's text or refusal, and the tokens.
+//! The used parts of an endpoint's answer: the model's text or refusal, and the tokens.
 
 use super::budget::Tokens;
 use serde::Deserialize;
@@ -8,9 +8,9 @@ use serde::Deserialize;
 pub(super) struct Completion {
     content: String,
     cut_off: bool,
-    /// The model's or the filter's words, where it declined.
+    /// The text of the model or filter, where it declined.
     pub refusal: Option<String>,
-    /// `None` where the endpoint does not say.
+    /// `None` where the endpoint does not state it.
     pub tokens: Option<Tokens>,
 }
 
@@ -54,7 +54,7 @@ impl Completion {
         Ok(Self { content, cut_off: reason == "length", refusal, tokens })
     }
 
-    /// The text, without the fence that some models put around JSON; in words why there is none.
+    /// The text, without the fence that some models put around JSON; `Err` states why there is none.
     pub fn text(&self) -> Result<String, String> {
         if self.cut_off {
             return Err("it is cut off at the maximum number of tokens".to_owned());

@@ -1,15 +1,15 @@
-//! What may be spent, and what was.
+//! The budget, and what was spent.
 
 use crate::ChatError;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use whyroad_model::ModelSpent;
 
-/// What may be spent; `None` is no limit.
+/// The budget; `None` means no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Budget {
     /// Requests, retries among them.
     pub requests: Option<u64>,
-    /// Tokens of questions and answers together. A request is sent as long as fewer were counted.
+    /// Tokens of questions and answers together. A request is sent while the count is below this.
     pub tokens: Option<u64>,
 }
 
@@ -22,7 +22,7 @@ pub enum Limit {
     Tokens(u64),
 }
 
-/// Prices of a million tokens, in whatever currency the user thinks.
+/// Prices of a million tokens, in the user's currency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Price {
     /// Of questions.
@@ -38,7 +38,7 @@ pub(super) struct Tokens {
     pub output: u64,
 }
 
-/// Counts, and says when to stop.
+/// Counts, and decides when to stop.
 #[derive(Debug)]
 pub(super) struct Ledger {
     budget: Budget,

@@ -1,6 +1,5 @@
-//! Answers kept by the content of their request, one file each: a run that was interrupted goes on where it ended, and
-//! a repeated one costs nothing. Only answers that could be used are kept; a file that cannot be read is asked for
-//! again.
+//! Answers kept by the content of their request, one file each: an interrupted run continues where it stopped, and a
+//! repeated one costs nothing. Only usable answers are kept; the question of an unreadable file is asked again.
 
 use crate::ChatError;
 use serde::{Deserialize, Serialize};
@@ -23,7 +22,7 @@ struct Kept {
     answer: String,
 }
 
-/// Name of the request's file: a hash of the address and of everything that is sent but the key.
+/// Name of the request's file: a hash of the address and of everything that is sent except the key.
 pub(super) fn name(url: &str, body: &str) -> String {
     let mut hash = blake3::Hasher::new();
     hash.update(url.as_bytes());
@@ -44,7 +43,7 @@ impl Cache {
         (kept.version == VERSION).then_some(kept.answer)
     }
 
-    /// Written whole or not at all: a run that is killed leaves no half file.
+    /// Written atomically: a killed run leaves no partial file.
     pub fn put(&self, name: &str, answer: &str) -> Result<(), ChatError> {
         let kept = Kept { version: VERSION, answer: answer.to_owned() };
         let text = serde_json::to_string(&kept).map_err(|e| unwritable(&self.dir, &e.into()))?;

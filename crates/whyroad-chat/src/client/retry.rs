@@ -12,8 +12,9 @@ pub(super) struct Retry {
 }
 
 impl Retry {
-    /// Pause after `attempts` requests: as the endpoint asks, else doubled each time. `None` where it is enough, also
-    /// where the endpoint asks for a longer pause than is allowed: coming earlier would be refused again.
+    /// Pause after `attempts` requests: as the endpoint requests, else doubled each time. `None` when no further
+    /// attempt is made, also when the endpoint requests a longer pause than is allowed: an earlier request would be
+    /// refused again.
     pub fn pause(&self, attempts: u32, asked: Option<Duration>) -> Option<Duration> {
         if attempts > self.most {
             return None;

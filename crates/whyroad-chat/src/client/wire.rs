@@ -1,5 +1,5 @@
-//! One POST to the endpoint over HTTP or TLS, within limits, and no further: no redirect is followed, since the key is
-//! meant for the address that it is sent to.
+//! One POST to the endpoint over HTTP or TLS, within limits. No redirect is followed, since the key is meant only for
+//! the given address.
 
 use super::key::Key;
 use crate::ChatError;
@@ -14,7 +14,7 @@ const LARGEST: u64 = 8 * 1024 * 1024;
 /// Longest text of an endpoint that is shown, characters.
 const SHOWN: usize = 200;
 
-/// What came of a request.
+/// The result of a request.
 pub(super) enum Outcome {
     /// Status 200, with its body.
     Body(String),
@@ -43,7 +43,7 @@ impl Wire {
             .unversioned_rustls_crypto_provider(Arc::new(rustls::crypto::ring::default_provider()))
             .build();
         let config = Agent::config_builder();
-        // A proxy of the environment is for other machines.
+        // A proxy from the environment applies only to other machines.
         let config = if is_here(&url) { config.proxy(None) } else { config };
         let config = config
             .tls_config(tls)
@@ -93,7 +93,7 @@ impl Wire {
         }
     }
 
-    /// The endpoint's own message. What it says of a key may repeat parts of it, and is left out.
+    /// The endpoint's own message. Text about a key may repeat parts of it, and is left out.
     fn said(&self, status: u16, body: &str) -> String {
         if matches!(status, 401 | 403) {
             return "the key is missing, wrong or not allowed to do this".to_owned();

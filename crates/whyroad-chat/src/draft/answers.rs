@@ -1,5 +1,5 @@
-//! The answers of the two calls: their forms as JSON Schema, and how they are read. What a schema cannot say, or an
-//! endpoint does not enforce, is checked here.
+//! The answers of the two calls: their forms as JSON Schema, and how they are read. Constraints that a schema cannot
+//! express, or an endpoint does not enforce, are checked here.
 
 use crate::AnswerForm;
 use serde::Deserialize;
@@ -61,7 +61,7 @@ pub(super) struct SaidCause {
 }
 
 impl SaidCause {
-    /// As a label has it; `None` where nothing is said.
+    /// As a label has it; `None` where nothing is stated.
     pub fn into_cause(self) -> Option<Cause> {
         let unobserved = self.unobserved.trim();
         let reason = (self.components.is_empty() && !unobserved.is_empty()).then(|| unobserved.to_owned());

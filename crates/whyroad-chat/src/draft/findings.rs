@@ -1,4 +1,4 @@
-//! What the label checks say of an answer, as far as the call that gave it can change it.
+//! Findings of the label checks on an answer that the call which gave it can fix.
 
 use crate::language;
 use std::fmt::Write as _;
@@ -7,11 +7,11 @@ use whyroad_model::messages::{CocLabel, DrivingDecision};
 use whyroad_model::{Diagnostic, Lang, Severity};
 
 const COMPONENTS: &str = "/critical_components";
-/// Findings of the first call: of the texts alone. Others speak of the class or of what happens later, which the first
-/// call must not learn.
+/// Findings of the first call: of the texts alone. Others reveal the class or later events, which the first call must
+/// not learn.
 const HISTORY_CODES: [&str; 3] =
     ["label.text.hindsight", "label.text.placeholder", "label.component.duplicate"];
-/// Findings that the second call can do nothing about: they are about what mining found, or for a person to fill in.
+/// Findings that the second call cannot fix: they concern mining results, or fields for a person to fill in.
 const NOT_OF_THE_MODEL: [&str; 10] = [
     "label.record.",
     "label.keyframe.",
@@ -25,7 +25,7 @@ const NOT_OF_THE_MODEL: [&str; 10] = [
     "label.uncertainty.missing",
 ];
 
-/// Of the components. The rest of the label is not looked at, and no recording either.
+/// Of the components. The rest of the label and the recording are not used.
 pub(super) fn of_history(checker: &Checker<'_>, label: &CocLabel, lang: Lang) -> Vec<Diagnostic> {
     let mut bare = label.clone();
     bare.driving_decision = DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None };

@@ -1,4 +1,4 @@
-//! The statements about one label. A correct label makes each of them true, but those of omission, which it makes
+//! The statements about one label. A correct label makes each of them true, except those of omission, which it makes
 //! false.
 
 use crate::scene::Scene;
@@ -9,10 +9,10 @@ use whyroad_model::messages::{Cause, CocLabel};
 use whyroad_model::names::class_name;
 use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, SignalTable};
 
-/// Unnamed objects that are asked about, most effect first.
+/// Maximum number of unnamed objects in questions, largest effect first.
 const MOST_OMISSIONS: usize = 3;
 
-/// Something that no component names: in words, and its track.
+/// Something that no component names: its description and track.
 pub(super) struct Omitted {
     words: Bilingual,
     track: Option<String>,
@@ -42,7 +42,7 @@ pub(super) fn about(
             ),
             None => Bilingual::new(
                 "关键帧之后自车的纵向行驶没有新的决策，延续原来的状态。",
-                "After the keyframe the ego makes no new longitudinal decision and goes on as before.",
+                "After the keyframe the ego makes no new longitudinal decision and continues as before.",
             ),
         },
     ));
@@ -64,7 +64,7 @@ pub(super) fn about(
             ),
             None => Bilingual::new(
                 "关键帧之后自车没有新的横向决策，延续原来的横向状态。",
-                "After the keyframe the ego makes no new lateral decision and goes on as before.",
+                "After the keyframe the ego makes no new lateral decision and continues as before.",
             ),
         },
     ));
@@ -161,7 +161,7 @@ fn capital(text: &str) -> String {
     chars.next().map_or_else(String::new, |c| c.to_uppercase().chain(chars).collect())
 }
 
-/// Things that no component names and whose removal would change the drive plainly.
+/// Things that no component names and whose removal would clearly change the drive.
 pub(super) fn omission_candidates(
     drive: &Drive,
     signals: &SignalTable,
@@ -184,7 +184,7 @@ pub(super) fn omission_candidates(
                 .then(|| Omitted { words: Bilingual::new("信号灯", "the traffic light"), track: None }),
             Removed::Object(id) if linked(id.as_str()) => None,
             Removed::Object(id) => {
-                // Spoken of as the scene record does; what the record does not list cannot be asked about.
+                // Named as in the scene record; things that the record does not list cannot be in a question.
                 let (alias, track) = scene.objects.iter().find(|(_, track)| track == id)?;
                 let class = class_name(drive.track(id)?.class);
                 let words = Bilingual::new(

@@ -1,5 +1,5 @@
 //! Calibration: one temperature per target (Guo et al., On Calibration of Modern Neural Networks, ICML 2017), and how
-//! well stated probabilities agree with how often they are right.
+//! well stated probabilities agree with the observed accuracy.
 
 use serde::Serialize;
 

@@ -1,6 +1,5 @@
-//! What was known at t0, as numbers: the ego's motion and last meta actions, the objects around it, lights, map and
-//! route. Nothing after t0 is read, nor anything that comes from the label (`named` objects, components). NaN is
-//! unknown.
+//! The state known at t0, as numbers: the ego's motion and last meta actions, the objects around it, lights, map and
+//! route. Nothing after t0 is read, nor anything from the label (`named` objects, components). NaN is unknown.
 
 use crate::sample::{MapElement, Object, Sample, Trajectory};
 use serde::{Deserialize, Serialize};
@@ -137,7 +136,7 @@ fn actions(out: &mut Features, last: &LastAction) {
     out.extend(["left", "right"].map(|w| has(&last.lateral, w)));
 }
 
-/// An object as it was last seen before or at t0.
+/// The last observation of an object before or at t0.
 #[derive(Clone, Copy)]
 struct Seen {
     x: f64,

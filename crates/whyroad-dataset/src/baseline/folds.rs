@@ -44,7 +44,7 @@ fn assign(rows: &[Row], folds: usize, seed: u64) -> BTreeMap<&str, usize> {
     for i in (1..drives.len()).rev() {
         drives.swap(i, random.below(i + 1));
     }
-    // Long drives first, so that the folds come out alike; the sort keeps the seeded order of equal ones.
+    // Long drives first, so that the folds have similar sizes; the sort keeps the seeded order of equal ones.
     drives.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
     let mut filled = vec![0usize; folds.clamp(1, drives.len().max(1))];
     let mut out = BTreeMap::new();

@@ -29,9 +29,9 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// A model that is fitted once and then gives probabilities.
+/// A model that is fitted once and then predicts probabilities.
 pub trait Learner: Sized {
-    /// Learns. Sampling weights of the rows count.
+    /// Fits the model. Sampling weights of the rows are used.
     fn fit(problem: &Problem<'_>, settings: Settings) -> Self;
     /// One row per sample, one column per class; each row sums to 1.
     fn probabilities(&self, rows: &[Row]) -> Vec<Vec<f64>>;
@@ -40,9 +40,9 @@ pub trait Learner: Sized {
 /// Gradient-boosted trees.
 #[derive(Serialize, Deserialize)]
 pub struct Boosted {
-    /// Per class; `None`: no sample is of it, or all are.
+    /// Per class; `None`: no sample, or every sample, belongs to it.
     ensembles: Vec<Option<GradientBooster>>,
-    /// Share of each class in training: the answer where there is no ensemble.
+    /// Share of each class in training: the prediction where there is no ensemble.
     shares: Vec<f64>,
 }
 
@@ -115,7 +115,7 @@ fn shares<'a>(labels: impl Iterator<Item = (&'a usize, &'a f64)>, classes: usize
     normalized(out)
 }
 
-/// The shares of the training split, whatever the sample.
+/// The shares of the training split, for every sample.
 #[derive(Serialize, Deserialize)]
 pub struct Majority {
     shares: Vec<f64>,

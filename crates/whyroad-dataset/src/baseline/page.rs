@@ -1,4 +1,5 @@
-//! The comparison as a page: methods side by side, in all and by leaf, and reliability diagrams. Legible without color.
+//! The comparison as a page: methods side by side, overall and by leaf, and reliability diagrams. Legible without
+//! color.
 
 use super::Method;
 use super::calibration::Reliability;

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// A sample as the baseline sees it.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// What is right.
+    /// The correct answer.
     pub truth: Truth,
-    /// What was known at t0.
+    /// The state known at t0.
     pub features: Features,
     /// The ego's last meta actions.
     pub last: LastAction,

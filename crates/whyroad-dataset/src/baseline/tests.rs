@@ -11,7 +11,7 @@ use crate::score::resample::Random;
 use whyroad_model::Lang;
 
 /// `n` samples of `drives` drives: with a slow car ahead the ego yields (cut-in), else it follows at speed; every
-/// sample has the same last meta action, so that repeating it says nothing. Lateral is always "no change".
+/// sample has the same last meta action, so that repeating it predicts nothing. Lateral is always "no change".
 fn samples(n: usize, drives: usize, seed: u64) -> Vec<Sample> {
     let mut random = Random::new(seed, "samples");
     let mut one = |i: usize| {
@@ -104,7 +104,7 @@ fn nothing_after_t0_and_nothing_of_the_label_is_a_feature() {
     other.future =
         Trajectory { t_s: vec![1.0], x: vec![Some(3.0)], y: vec![Some(3.0)], ..Trajectory::default() };
     assert_eq!(format!("{:?}", features::of(&other)), before);
-    // It is not blind: an object that comes closer before t0 changes them.
+    // The features do react: an object that comes closer before t0 changes them.
     other.objects[0].x[20] = Some(8.0);
     assert_ne!(format!("{:?}", features::of(&other)), before);
 }
@@ -115,7 +115,7 @@ fn unknown_stays_unknown() {
     assert_eq!(empty.len(), features::NAMES.len());
     let known: Vec<&str> =
         features::NAMES.iter().zip(&empty).filter(|(_, v)| !v.is_nan()).map(|(n, _)| *n).collect();
-    // Objects are a list, not an optional field: none are known to be there.
+    // Objects are a list, not an optional field: an empty list means none, not unknown.
     assert_eq!(known, ["objects_30", "vru_30", "large_30"]);
 }
 
@@ -155,10 +155,10 @@ fn ten_percent_of_wrong_labels_are_found() {
 
 #[test]
 fn a_drive_is_never_in_training_and_held_out_at_once() {
-    // With one drive there is nothing to hold out, so there are no probabilities at all.
+    // With one drive no drive can be held out, so there are no probabilities.
     let rows = rows_of(&samples(20, 1, 6));
     assert_eq!(out_of_fold(&rows, Target::Longitudinal, 5, Settings::default()).rows().count(), 0);
-    // A class that a single drive has gets no probability there: its own samples were not seen.
+    // A class that occurs in a single drive gets no probability there: its own samples were not in training.
     let mut samples = samples(60, 6, 6);
     samples
         .iter_mut()

@@ -1,5 +1,5 @@
-//! Stage 2 over all drives, on all cores: each drive is read once, its samples go to one file, and what the later
-//! stages need stays in memory. Drives that an interrupted build finished are taken from their files.
+//! Stage 2 over all drives, on all cores: each drive is read once, its samples go to one file, and the data for later
+//! stages stays in memory. Drives that an interrupted build finished are taken from their files.
 
 use super::{State, Step};
 use crate::DatasetError;
@@ -15,7 +15,7 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId, Nanos};
 
 type Outcome = Result<Cut, Dropped>;
 
-/// Cuts every kept item. Gives the number of drives that were there already.
+/// Cuts every kept item. Returns the number of drives that had been cut already.
 pub(super) fn cut(
     state: &mut State<'_>,
     progress: &(dyn Fn(Step, usize, usize) -> bool + Sync),
@@ -96,7 +96,7 @@ fn cut_drive(state: &State<'_>, drive: u32, items: &[usize]) -> Result<Vec<Outco
     };
     let candidates: Vec<Candidate<'_>> =
         items.iter().map(|&i| candidate(state, &state.labels.items[i])).collect::<Result<_, _>>()?;
-    // Signals of the whole drive are needed only to draft what nobody has labeled.
+    // Signals of the whole drive are needed only to draft unlabeled episodes.
     let signals = if candidates.iter().any(|c| c.label.is_episode) {
         let version = whyroad_engine::SIGNALS_VERSION;
         let stored = inputs.lake.signals(&id, version)?.and_then(|file| file.read_table(0).ok());
@@ -179,7 +179,7 @@ fn summary(state: &mut State<'_>) {
             )
             .with_hint(Bilingual::new(
                 "用其中一张图像单独运行 --blur 的程序，查看其输出，然后重新构建",
-                "run the program of --blur on one of the images, see what it prints, and build again",
+                "run the program of --blur on one of the images, check its output, and build again",
             )),
         );
     }

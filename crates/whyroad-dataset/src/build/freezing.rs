@@ -26,7 +26,7 @@ use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 
 type Reports = (SplitReport, DedupReport, BalanceReport);
 
-/// Writes the release and gives its manifest.
+/// Writes the release and returns its manifest.
 pub(super) fn freeze(
     state: &mut State<'_>,
     label_names: &[String],
@@ -147,7 +147,7 @@ fn data(
             return Err(DatasetError::Stopped);
         }
         let path = dir.join(DATA).join(name);
-        // There already: an interrupted build with the same inputs wrote it.
+        // Already present: an interrupted build with the same inputs wrote it.
         if !path.exists() {
             shards::write(&path, rows, members.iter().map(|&i| finished(state, &state.labels.items[i])))?;
         }
@@ -163,7 +163,7 @@ fn data(
     Ok(jobs.iter().map(|(name, members)| (format!("{DATA}/{name}"), members.len())).collect())
 }
 
-/// The sample with what the stages after the cut decided.
+/// The sample with the results of the stages after the cut.
 fn finished(state: &State<'_>, item: &Item) -> Result<Sample, DatasetError> {
     let path = state.work.samples(item.drive as usize);
     let at = item.cut.as_ref().map(|c| c.at).unwrap_or_default();
@@ -249,7 +249,7 @@ struct TraceRow {
     trace: String,
 }
 
-/// Traces that say nearly the same: groups, and traces in them.
+/// Near-identical traces: groups, and traces in them.
 fn traces(state: &State<'_>, dir: &Path) -> Result<[usize; 2], DatasetError> {
     let kept: Vec<&Item> = state.labels.items.iter().filter(|i| i.kept()).collect();
     let sketches: Vec<_> = kept.iter().map(|i| i.cut.as_ref().map_or([0; 16], |c| c.sketch)).collect();
@@ -282,7 +282,7 @@ fn traces(state: &State<'_>, dir: &Path) -> Result<[usize; 2], DatasetError> {
     Ok([groups.len(), n])
 }
 
-/// A mining query for each class that is short of samples.
+/// A mining query for each class with too few samples.
 fn shortfalls(state: &mut State<'_>, dir: &Path, balance: &mut BalanceReport) -> Result<(), DatasetError> {
     for short in &mut balance.shortfalls {
         let Ok(id) = short.scenario_id.parse::<ScenarioId>() else { continue };
@@ -388,7 +388,7 @@ fn made_from(state: &State<'_>, label_names: &[String]) -> Inputs {
     }
 }
 
-/// The name without its folder: a release does not depend on where its inputs lie.
+/// The name without its folder: a release does not depend on the location of its inputs.
 fn file_name(name: &str) -> String {
     Path::new(name).file_name().map_or(name.to_owned(), |f| f.to_string_lossy().into_owned())
 }

@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 /// A work folder, held by one build.
 pub(super) struct Work {
     dir: PathBuf,
-    /// Locked as long as the build lives; a killed build releases it.
+    /// Locked as long as the build runs; a killed build releases it.
     _lock: File,
 }
 
 impl Work {
-    /// Opens or makes the folder. Another build that works in it is not disturbed: this one is refused.
+    /// Opens or makes the folder. If another build is working in it, this one is refused.
     pub fn open(out: &Path) -> Result<Self, DatasetError> {
         let dir = partial(out);
         fs::create_dir_all(&dir).map_err(DatasetError::io(&dir))?;
@@ -26,7 +26,7 @@ impl Work {
         }
     }
 
-    /// Makes it the folder of a build with these inputs; what another one left is refused or discarded.
+    /// Makes it the folder of a build with these inputs; leftovers of another build are refused or discarded.
     pub fn claim(&mut self, key: &str, restart: bool) -> Result<(), DatasetError> {
         let path = self.dir.join("inputs");
         match fs::read_to_string(&path) {
@@ -59,12 +59,12 @@ impl Work {
         self.parts().join(format!("{drive:06}.records"))
     }
 
-    /// What the later stages need of the samples of a drive; there when all of them are cut.
+    /// What the later stages need of the samples of a drive; present when all of them are cut.
     pub fn facts(&self, drive: usize) -> PathBuf {
         self.parts().join(format!("{drive:06}.facts"))
     }
 
-    /// The release in the making.
+    /// The release under construction.
     pub fn release(&self) -> PathBuf {
         self.dir.join("release")
     }

@@ -13,16 +13,16 @@ use whyroad_model::scene::MediaFrame;
 use whyroad_model::{DriveId, Nanos};
 use whyroad_render::raster::{Raster, birds_eye};
 
-/// File types that are images; a frame inside a video is not taken.
+/// File types that are images; a frame inside a video is not used.
 const TYPES: &[&str] = &["jpg", "jpeg", "png", "webp"];
-/// A camera frame may be this much older than the time that is asked for, s.
+/// A camera frame may be this much older than the requested time, s.
 const OLDEST_S: f64 = 0.25;
 
-/// Gives the file that is to be exported in place of a camera image, with faces and plates made unreadable; an error in
-/// words where it cannot.
+/// Returns the file to be exported in place of a camera image, with faces and plates made unreadable, or an error
+/// message.
 pub type Blurring = Arc<dyn Fn(&Path) -> Result<PathBuf, String> + Send + Sync>;
 
-/// Folders in which the images lie that the lake names, and what is done with camera images before they are exported.
+/// Folders with the images that the lake names, and the processing of camera images before export.
 #[derive(Clone, Default)]
 pub struct Media {
     roots: Vec<PathBuf>,
@@ -43,14 +43,14 @@ impl Media {
     }
 
     /// Every camera image goes through `blurring` before it is exported; where that fails the sample is dropped, never
-    /// exported as it is. `name` says what it is: a build with another one does not go on with this one's images.
+    /// exported as it is. `name` identifies it: a build with another one does not reuse these images.
     #[must_use]
     pub fn blurred(mut self, name: impl Into<String>, blurring: Blurring) -> Self {
         self.blurring = Some((name.into(), blurring));
         self
     }
 
-    /// What camera images go through.
+    /// Processing applied to camera images.
     pub fn blurring_name(&self) -> Option<&str> {
         self.blurring.as_ref().map(|(name, _)| name.as_str())
     }
@@ -72,7 +72,7 @@ impl Media {
     }
 }
 
-/// The images that the spec asks for.
+/// The images that the spec requests.
 pub(super) fn of(cutter: &Cutter<'_>, window: &Window, frame: usize) -> Result<Vec<Image>, Dropped> {
     let cut = &cutter.spec.sample;
     match cut.images {
@@ -129,7 +129,7 @@ fn cameras(cutter: &Cutter<'_>, cut: &Cut, t0: Nanos) -> Result<Vec<Image>, Drop
     Ok(out)
 }
 
-/// Rendered from what was measured up to each time: the frame of the drive at or before it.
+/// Rendered from measurements up to each time: the frame of the drive at or before it.
 fn bev(cutter: &Cutter<'_>, cut: &Cut, frame: usize) -> Result<Vec<Image>, Dropped> {
     let raster = Raster { size_px: cut.bev_size_px, m_per_px: cut.bev_m_per_px };
     let times = &cutter.drive.times;

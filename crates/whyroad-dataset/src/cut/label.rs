@@ -64,7 +64,7 @@ impl Resolved {
         Lateral::ALL.iter().position(|d| *d == chosen).map(|i| i as u8)
     }
 
-    /// Fills in what the label says.
+    /// Fills in the fields of the label.
     pub fn write(self, sample: &mut Sample) {
         let label = self.label;
         let t0 = Nanos(sample.lineage.keyframe_time_ns);

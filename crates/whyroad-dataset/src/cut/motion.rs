@@ -8,14 +8,14 @@ use whyroad_model::catalog::CategoryValue;
 use whyroad_model::scene::{Ego, Motion};
 use whyroad_model::{Drive, FrameRange, Nanos};
 
-/// Seconds of the drive before the history that the states may use: an estimator needs some run-up.
+/// Seconds of the drive before the history that the states may use: an estimator needs some data to settle.
 const RUN_UP_S: f64 = 3.0;
 /// Steps are interpolated between frames that are at most this far apart, s.
 const LARGEST_GAP_S: f64 = 0.25;
 /// A frame this near to a step is taken as it is, s.
 const SAME_S: f64 = 0.001;
 
-/// A stretch of a drive around the keyframe, with what is known of it.
+/// A stretch of a drive around the keyframe, with derived data.
 pub(crate) struct Window {
     /// The stretch: without map, lights, context and media.
     pub drive: Drive,
@@ -119,7 +119,7 @@ impl Window {
     }
 
     /// The two frames around `t_s` from t0 and the weight of the second; `None` outside the frames and in gaps. Only
-    /// the first `frames` frames count, so that a step of the past never leans on a later frame.
+    /// the first `frames` frames count, so that a step of the past never depends on a later frame.
     fn frames_at(&self, t_s: f64, frames: usize) -> Option<(usize, usize, f64)> {
         let times = &self.drive.times[..frames.min(self.drive.times.len())];
         let t0 = self.time();

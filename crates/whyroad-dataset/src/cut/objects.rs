@@ -7,7 +7,7 @@ use crate::spec::Cut;
 use std::collections::BTreeSet;
 use whyroad_engine::ObjectStates;
 
-/// Objects observed within the history, nearest at their last observation first; named ones are always there.
+/// Objects observed within the history, nearest at their last observation first; named ones are always included.
 pub(super) fn around(window: &Window, cut: &Cut, named: &BTreeSet<String>) -> Vec<Object> {
     let t0 = window.time();
     let seconds = |frame: u32| window.drive.times[frame as usize].seconds_since(t0);
@@ -63,7 +63,7 @@ fn object(window: &Window, cut: &Cut, past: &ObjectStates, named: bool) -> Objec
         }
     };
     put(past, -cut.history_s, 0.0);
-    // From the first frame after t0: what was known at t0 stays as it was known then.
+    // From the first frame after t0: states known at t0 are not changed later.
     if let Some(whole) = window.whole.objects.iter().find(|o| o.id == past.id) {
         put(whole, 0.002, cut.future_s);
     }

@@ -1,13 +1,13 @@
 //! Vectors within a radius, exactly: buckets over the three directions in which the vectors differ most. A projection
-//! never makes a distance larger, so whatever is nearer than the radius lies in the same or an adjacent bucket, and
-//! no neighbor is missed. An approximate graph (HNSW) would miss some, and its result would depend on the order of
+//! never makes a distance larger, so every vector within the radius is in the same or an adjacent bucket, and no
+//! neighbor is missed. An approximate graph (HNSW) would miss some, and its result would depend on the order of
 //! threads.
 
 use std::collections::HashMap;
 
 /// Directions of the buckets.
 const AXES: usize = 3;
-/// Vectors that the directions are computed from, at most.
+/// Maximum number of vectors from which the directions are computed.
 const SAMPLED: usize = 20_000;
 /// Rounds of the power iteration.
 const ROUNDS: usize = 60;
@@ -79,7 +79,7 @@ fn orthonormal(v: &mut [f64], others: &[Vec<f64>]) {
     }
 }
 
-/// Vectors that can be asked for within one radius.
+/// Vectors that can be searched within one radius.
 pub struct Neighbors<'a> {
     vectors: &'a [&'a [f32]],
     projection: &'a Projection,
@@ -109,7 +109,7 @@ impl<'a> Neighbors<'a> {
         self.buckets.entry(bucket).or_default().push(i);
     }
 
-    /// Some vector within the radius that `accept` takes; always the same one.
+    /// A vector within the radius that `accept` accepts; always the same one.
     pub fn find(&self, v: &[f32], accept: impl Fn(u32) -> bool) -> Option<u32> {
         let mut found = None;
         self.each_near(v, |i| {
@@ -165,7 +165,7 @@ fn is_within(a: &[f32], b: &[f32], square: f32) -> bool {
 mod tests {
     use super::*;
 
-    /// Numbers without a pattern that matters, the same in every run.
+    /// Pseudo-random numbers, the same in every run.
     fn vectors(n: usize, dimensions: usize) -> Vec<Vec<f32>> {
         let mut state = 1_u64;
         let mut next = || {

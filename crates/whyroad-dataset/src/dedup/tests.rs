@@ -1,4 +1,4 @@
-//! Duplicates that were put there on purpose.
+//! Deliberately inserted duplicates.
 
 use super::*;
 use crate::item::{Cut, DESCRIPTOR, SKETCH};
@@ -59,10 +59,10 @@ fn duplicates_go_inside_an_l2_and_across_splits_whatever_the_l2() {
         item(4, 2, Train, 0.1, 4),
         // Far from all.
         item(5, 0, Train, 90.0, 5),
-        // Near a test sample of another L2: the training sample goes.
+        // Near a test sample of another L2: the training sample is dropped.
         item(6, 0, Train, 50.0, 6),
         item(7, 2, Test, 50.1, 7),
-        // Validation against test: the validation sample goes.
+        // Validation against test: the validation sample is dropped.
         item(8, 1, Val, 50.2, 8),
     ];
     let report = deduplicate(&mut items, &classes, &Spec::default().deduplicate);

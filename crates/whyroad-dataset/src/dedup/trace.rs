@@ -1,5 +1,5 @@
-//! Traces that say nearly the same: found by sketches (MinHash over groups of three characters), confirmed on the
-//! texts, and reported. Nothing is dropped for its words alone.
+//! Near-identical traces: found by sketches (MinHash over groups of three characters), confirmed on the texts, and
+//! reported. No sample is dropped because of its text alone.
 
 use crate::item::SKETCH;
 use rayon::prelude::*;
@@ -7,7 +7,7 @@ use std::collections::{BTreeSet, HashMap};
 
 /// Values of a sketch that must agree for two texts to be compared.
 const BAND: usize = 2;
-/// Texts of one bucket that are compared with the first: more say the same thing.
+/// Maximum number of texts of one bucket that are compared with the first.
 const COMPARED: usize = 2000;
 
 /// The sketch of a text; all zero for an empty one.
@@ -51,7 +51,7 @@ pub(crate) fn similarity(a: &str, b: &str) -> f64 {
     if all == 0 { 1.0 } else { a.intersection(&b).count() as f64 / all as f64 }
 }
 
-/// Groups of texts whose sketches suggest that they are alike and whose texts are at least `least` similar to the
+/// Groups of texts whose sketches suggest similarity and whose texts are at least `least` similar to the
 /// first of their group. `text` reads one.
 pub(crate) fn groups<E: Send>(
     sketches: &[[u32; SKETCH]],

@@ -2,7 +2,7 @@
 //! pred_probs)` with its default filter `prune_by_noise_rate`. Equal numbers keep the order of the input; cleanlab
 //! leaves that order to numpy's unstable sort, which differs between processors.
 
-/// What two numbers may differ by and still count as equal (cleanlab's `FLOATING_POINT_COMPARISON`).
+/// Maximum difference of two numbers that count as equal (cleanlab's `FLOATING_POINT_COMPARISON`).
 const TOLERANCE: f64 = 1e-6;
 /// Fewest samples of a class that are left (cleanlab's `min_examples_per_class`).
 const KEPT_PER_CLASS: usize = 1;
@@ -115,7 +115,7 @@ fn prune_counts(joint: &[Vec<usize>]) -> Vec<Vec<usize>> {
     out
 }
 
-/// Rounds so that the sum is the rounded sum: the numbers that were rounded furthest take the difference.
+/// Rounds so that the sum is the rounded sum: the difference is applied to the numbers with the largest rounding.
 fn round_keeping_sum(values: &[f64]) -> Vec<usize> {
     let mut whole: Vec<f64> = values.iter().map(|v| v.round_ties_even()).collect();
     let wanted = values.iter().sum::<f64>().round_ties_even();

@@ -24,10 +24,10 @@ use zip::{CompressionMethod, ZipWriter};
 /// Where t0 lies in the pseudo-clip, microseconds: after the 1.6 s of history that the loader needs, and where the
 /// recipe's `use_default_keyframe` looks.
 const T0_US: i64 = 5_100_000;
-/// What the loader needs before and after t0, s.
+/// Time that the loader needs before and after t0, s.
 const HISTORY_S: f32 = 1.5;
 const FUTURE_S: f32 = 6.4;
-/// Clips of a chunk.
+/// Clips per chunk.
 const PER_CHUNK: usize = 100;
 /// Cameras that the loader takes by default.
 const CAMERAS: [&str; 4] = [
@@ -46,7 +46,7 @@ pub(super) struct Writer {
     preflight: BTreeMap<String, Vec<String>>,
 }
 
-/// What the indexes need of a clip.
+/// The data of a clip for the indexes.
 struct Clip {
     id: String,
     chunk: usize,
@@ -223,7 +223,7 @@ impl Writer {
         out
     }
 
-    /// `t0_relative` is what the code of the loader reads, `t0` what its documentation says.
+    /// The loader's code reads `t0_relative`; its documentation names `t0`.
     fn navigation(&self) -> Vec<Value> {
         let entry = |c: &Clip| {
             json!({
@@ -239,7 +239,7 @@ impl Writer {
     }
 }
 
-/// Why the loader drops a clip, or reads other than what it needs.
+/// Why the loader drops a clip, or reads unsuitable data.
 fn faults(sample: &Sample, cameras: &[String]) -> Vec<String> {
     let mut out = Vec::new();
     if sample.history.t_s.first().is_none_or(|t| *t > -HISTORY_S + 0.01) {
@@ -328,7 +328,7 @@ fn state(t: &Trajectory, i: usize) -> Option<[f64; 14]> {
     ])
 }
 
-/// Videos of the sample's cameras; gives the names of those that were written.
+/// Videos of the sample's cameras; returns the names of those that were written.
 fn cameras(
     sample: &Sample,
     id: &str,
@@ -372,7 +372,7 @@ fn cameras(
     Ok(written)
 }
 
-/// The images as a video with a key frame per image; `None` when ffmpeg refuses them.
+/// The images as a video with a key frame per image; `None` when ffmpeg fails.
 fn encode(
     sample: &Sample,
     images: &[usize],
@@ -399,7 +399,7 @@ fn encode(
     Ok(content)
 }
 
-/// `gentle_accelerate` as the auto-labeler writes it.
+/// `gentle_accelerate` in the auto-labeler's spelling.
 fn action_name(id: &str) -> String {
     let name = match id {
         "gentle_accelerate" => "GentleAcceleration",

@@ -1,6 +1,6 @@
-//! The conversation of a sample, and what the formats of vision-language trainers share: a question that contains only
-//! what was known at t0, and the answer: the trace, then the decisions. [`ChatWriter`] reads samples and writes their
-//! images; a [`ChatFormat`] turns each conversation into records.
+//! The conversation of a sample, and the common parts of formats for vision-language trainers: a question that contains
+//! only what was known at t0, and the answer: the trace, then the decisions. [`ChatWriter`] reads samples and writes
+//! their images; a [`ChatFormat`] turns each conversation into records.
 
 use super::{NO_TRACE, Output, SampleWriter, images, traces};
 use crate::DatasetError;
@@ -38,10 +38,10 @@ impl Conversation<'_> {
         format!("{}\n{}", self.trace, decisions(decided, self.lang))
     }
 
-    /// What a returned version would have answered; `None` when it is in the other language or says the same.
+    /// The answer of a returned version; `None` when it is in the other language or identical.
     pub fn rejected_answer(&self, version: &Rejected) -> Option<String> {
         let trace = version.trace.as_deref()?;
-        // A version in the other language is no alternative to this answer.
+        // A version in the other language is not an alternative to this answer.
         if crate::labels::is_chinese(trace) != (self.lang == Lang::Zh) {
             return None;
         }
@@ -66,14 +66,14 @@ pub(super) trait ChatFormat {
     /// Writes the records of one conversation.
     fn add(&mut self, conversation: &Conversation<'_>, out: &mut Output) -> Result<(), DatasetError>;
 
-    /// Writes what needs all samples.
+    /// Writes the files that need all samples.
     fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
         let _ = out;
         Ok(())
     }
 }
 
-/// The conversations of all samples in the languages that are asked for.
+/// The conversations of all samples in the requested languages.
 pub(super) struct ChatWriter<F>(pub F);
 
 impl<F: ChatFormat> SampleWriter for ChatWriter<F> {
@@ -97,7 +97,7 @@ impl<F: ChatFormat> SampleWriter for ChatWriter<F> {
     }
 }
 
-/// What is asked: the images, the ego's motion up to t0, the route; nothing after t0.
+/// The question: the images, the ego's motion up to t0, the route; nothing after t0.
 fn question(sample: &Sample, lang: Lang) -> String {
     let speeds = speeds(&sample.history, lang);
     let route = super::route_text(sample, lang);

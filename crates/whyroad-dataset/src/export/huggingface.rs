@@ -46,7 +46,7 @@ pub(super) fn write(
     out.write("README.md", card(&manifest).as_bytes())
 }
 
-/// One file under its name in the release; gives its name in the export and the number of samples.
+/// One file under its name in the release; returns its name in the export and the number of samples.
 fn file(
     source: &Path,
     schema: &SchemaRef,
@@ -171,7 +171,7 @@ fn with_images(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, a
     RecordBatch::try_new(schema.clone(), columns)
 }
 
-/// The card: front matter that `load_dataset` reads, then what is in it.
+/// The card: front matter that `load_dataset` reads, then the contents.
 fn card(m: &Manifest) -> String {
     let mut out = String::from("---\n");
     let title = m.title.as_deref().unwrap_or(&m.name);

@@ -4,7 +4,7 @@ use super::Output;
 use crate::DatasetError;
 use crate::sample::Sample;
 
-/// Writes the images of a sample and gives their paths, relative to the export.
+/// Writes the images of a sample and returns their paths, relative to the export.
 pub(super) fn write(sample: &Sample, out: &mut Output) -> Result<Vec<String>, DatasetError> {
     let mut paths = Vec::with_capacity(sample.images.len());
     for (name, image) in names(sample).into_iter().zip(&sample.images) {

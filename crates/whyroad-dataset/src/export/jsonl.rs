@@ -14,7 +14,7 @@ impl SampleWriter for Writer {
         let paths = images::write(&sample, out)?;
         sample.images.iter_mut().for_each(|image| image.bytes.clear());
         let broken = |e| DatasetError::broken(&out.root, e);
-        // By way of the text: a value that is made directly has every number in the digits of a double.
+        // Through the text: a value made directly would write every number with the digits of a double.
         let text = serde_json::to_string(&sample).map_err(broken)?;
         let mut record: Value = serde_json::from_str(&text).map_err(broken)?;
         for (image, path) in record["images"].as_array_mut().into_iter().flatten().zip(paths) {

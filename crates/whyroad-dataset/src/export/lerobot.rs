@@ -18,9 +18,9 @@ use std::sync::Arc;
 
 /// State of the vehicle per frame.
 const STATE: [&str; 6] = ["speed", "heading", "x", "y", "accel", "yaw_rate"];
-/// What is learned per frame: the motion of the next step.
+/// The training target per frame: the motion of the next step.
 const ACTION: [&str; 2] = ["accel", "yaw_rate"];
-/// Episodes of a data file.
+/// Episodes per data file.
 const EPISODES_PER_FILE: usize = 1000;
 
 #[derive(Default)]
@@ -43,7 +43,7 @@ struct Episode {
     file: usize,
 }
 
-/// Frames that are not written yet.
+/// Frames not written yet.
 #[derive(Default)]
 struct Frames {
     episodes: usize,
@@ -280,7 +280,7 @@ fn row(t: &Trajectory, i: usize) -> Option<[f32; 6]> {
     Some([at(&t.speed)?, at(&t.heading)?, at(&t.x)?, at(&t.y)?, at(&t.accel)?, at(&t.yaw_rate)?])
 }
 
-/// The task: the route, which is known before the drive; without one, to drive on.
+/// The task: the route, which is known before the drive; without one, to continue.
 fn task(sample: &Sample) -> String {
     sample.route_text_en.clone().unwrap_or_else(|| "Drive safely along the road.".to_owned())
 }

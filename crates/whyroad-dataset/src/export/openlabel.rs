@@ -1,6 +1,6 @@
 //! ASAM OpenLABEL 1.0: one document per sample with the objects' boxes per frame in the ego frame at t0, the ego's
 //! decisions as actions, the critical components as contexts, and their causes as relations. The standard's schema
-//! wants numbers as keys of elements; the names that the log and the label use are in `name` and `id`.
+//! requires numbers as keys of elements; the names that the log and the label use are in `name` and `id`.
 
 use super::{Output, SampleWriter, number};
 use crate::DatasetError;
@@ -14,7 +14,7 @@ const FRAME: &str = "ego_t0";
 /// Coordinate system of the ego's reference point at each frame.
 const EGO: &str = "ego";
 
-/// What the class in `tags` is defined by.
+/// The definition of the class in `tags`.
 const ONTOLOGY: &str = "https://github.com/whyroad/whyroad/blob/main/schema/scenario_taxonomy.yaml";
 
 #[derive(Default)]
@@ -144,7 +144,7 @@ fn pose(sample: &Sample, step: usize) -> Option<Value> {
     }))
 }
 
-/// Objects by their number, and frames with their boxes. An object is called by its track id.
+/// Objects by their number, and frames with their boxes. An object is named by its track id.
 fn objects(sample: &Sample, times: &[f32]) -> (Map<String, Value>, BTreeMap<String, Value>) {
     let (mut objects, mut frames) = (Map::new(), BTreeMap::new());
     for (uid, object) in sample.objects.iter().enumerate().map(|(i, o)| (i.to_string(), o)) {

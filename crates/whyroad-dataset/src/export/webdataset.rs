@@ -1,5 +1,5 @@
 //! WebDataset shards: `<split>-000000.tar`, files of one sample share their basename up to the first dot. Samples are
-//! already shuffled in the release; shards of a split have equal sizes, give or take one.
+//! already shuffled in the release; shard sizes of a split differ by at most one.
 
 use super::{Output, SampleWriter, images};
 use crate::freeze::shards::{Shard, shards};
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 
-/// Samples of a shard.
+/// Samples per shard.
 const PER_SHARD: usize = 1000;
 
 pub(super) struct Writer {
@@ -40,12 +40,12 @@ impl Writer {
         Self { plan, done: BTreeMap::new(), open: None, shards: BTreeMap::new() }
     }
 
-    /// Counts a sample; gives the number and the size of the shard that begins with it.
+    /// Counts a sample; returns the number and the size of the shard that begins with it.
     fn begins(&mut self, split: SplitName, out: &Output) -> Result<Option<(usize, usize)>, DatasetError> {
         let plan = self.plan.get(split.name()).map_or(&[][..], Vec::as_slice);
         let done = self.done.entry(split.name()).or_default();
         if plan.last().is_none_or(|last| *done >= last.range.end) {
-            let fault = "the release has more samples than its manifest says";
+            let fault = "the release has more samples than its manifest states";
             return Err(DatasetError::broken(&out.root, fault));
         }
         let number = plan.iter().position(|s| s.range.start == *done);

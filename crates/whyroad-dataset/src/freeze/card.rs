@@ -1,5 +1,5 @@
-//! The card: what is in the release, for people, with charts; its front matter is what the Hugging Face hub and
-//! `datasets` read.
+//! The card: the contents of the release, with charts; its front matter is what the Hugging Face hub and `datasets`
+//! read.
 
 use super::manifest::Manifest;
 use super::{CHARTS, QUERIES};
@@ -7,7 +7,7 @@ use crate::item::SplitName;
 use std::fmt::Write;
 use whyroad_render::bars::bars;
 
-/// Rows of a chart at most.
+/// Maximum number of rows of a chart.
 const ROWS: usize = 40;
 
 /// Charts by file name.
@@ -84,10 +84,8 @@ pub(crate) fn card(m: &Manifest) -> String {
         d.exact, d.near_within, d.near_across
     );
     let [groups, traces] = m.counts.alike_traces;
-    let _ = writeln!(
-        t,
-        "Traces that say nearly the same: {traces} in {groups} groups (`stages/traces.parquet`); kept.\n"
-    );
+    let _ =
+        writeln!(t, "Near-identical traces: {traces} in {groups} groups (`stages/traces.parquet`); kept.\n");
     let b = &m.balance;
     let _ = writeln!(
         t,

@@ -1,4 +1,4 @@
-//! `manifest.json`: what the release is made of, by what, from what, and how much of it there is.
+//! `manifest.json`: contents, tools, inputs and counts of a release.
 
 use crate::balance::BalanceReport;
 use crate::dedup::DedupReport;
@@ -7,7 +7,7 @@ use crate::split::SplitReport;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What `format` says.
+/// Value of `format`.
 pub const FORMAT: &str = "whyroad-release";
 /// Version of the release's layout.
 pub const FORMAT_VERSION: &str = "1.0.0";
@@ -25,7 +25,7 @@ pub struct Manifest {
     pub name: String,
     /// Version of the release.
     pub version: String,
-    /// Title for people.
+    /// Displayed title.
     pub title: Option<String>,
     /// Program and version.
     pub created_by: String,
@@ -49,18 +49,18 @@ pub struct Manifest {
     pub balance: BalanceReport,
     /// The spec in force.
     pub spec: Spec,
-    /// Every file but this one and the checksums, by path.
+    /// Every file except this one and the checksums, by path.
     pub files: Vec<FileEntry>,
 }
 
-/// A license and how much comes under it.
+/// A license and the amount of data under it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LicenceCount {
     /// Id.
     pub id: String,
     /// Its text.
     pub url: Option<String>,
-    /// What it obliges to.
+    /// Its obligations.
     pub attribution: Option<String>,
     /// Drives in the release.
     pub drives: usize,
@@ -68,7 +68,7 @@ pub struct LicenceCount {
     pub samples: usize,
 }
 
-/// What a release was made from.
+/// Inputs of a release.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
     /// Names of the label streams, without folders.
@@ -77,13 +77,13 @@ pub struct Inputs {
     pub label_lines: usize,
     /// BLAKE3 of all lines.
     pub labels_hash: String,
-    /// Drives that labels were taken of.
+    /// Drives whose labels were used.
     pub drives: usize,
     /// BLAKE3 over ids and content hashes of those drives.
     pub drives_hash: String,
 }
 
-/// How much there is.
+/// Counts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
     /// Samples.
@@ -102,7 +102,7 @@ pub struct Counts {
     pub images: usize,
     /// Candidates dropped, per stage and reason.
     pub dropped: BTreeMap<String, BTreeMap<String, usize>>,
-    /// Groups of traces that say nearly the same, and traces in them.
+    /// Groups of near-identical traces, and traces in them.
     pub alike_traces: [usize; 2],
 }
 

@@ -1,5 +1,5 @@
-//! The samples' files: shuffled once by the seed, so that any part of a file is a fair sample of its split, and as
-//! many per file as in any other of the split, give or take one.
+//! The samples' files: shuffled once by the seed, so that any part of a file is a random sample of its split; the files
+//! of a split differ by at most one sample.
 
 use super::tables::properties;
 use crate::DatasetError;
@@ -10,7 +10,7 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Rows of a row group: what a reader holds at least, and a writer at most. Fewer with images.
+/// Rows per row group: the minimum that a reader holds, and the maximum for a writer. Fewer with images.
 pub(crate) const ROWS: usize = 256;
 /// Rows of a row group of samples with images.
 pub(crate) const ROWS_WITH_IMAGES: usize = 32;

@@ -1,5 +1,5 @@
 //! The Arrow schema of a sample, and batches of samples to and from it. One schema for every file of every release:
-//! each column is present, and each is nullable, so that an empty field never changes what a reader sees.
+//! each column is present, and each is nullable, so that an empty field never changes the schema.
 
 use super::Sample;
 use arrow_array::RecordBatch;
@@ -186,7 +186,7 @@ fn fields() -> Vec<FieldRef> {
 /// Samples as one batch of [`schema`].
 ///
 /// # Errors
-/// In words, when a sample does not fit the schema (never for a [`Sample`] that this crate made).
+/// With a message, when a sample does not fit the schema (never for a [`Sample`] that this crate made).
 pub fn to_batch(samples: &[Sample]) -> Result<RecordBatch, String> {
     serde_arrow::to_record_batch(&fields(), &samples).map_err(|e| e.to_string())
 }
@@ -194,7 +194,7 @@ pub fn to_batch(samples: &[Sample]) -> Result<RecordBatch, String> {
 /// The samples of a batch that was read from a release.
 ///
 /// # Errors
-/// In words, when a column is missing or of another type.
+/// With a message, when a column is missing or of another type.
 pub fn from_batch(batch: &RecordBatch) -> Result<Vec<Sample>, String> {
     serde_arrow::from_record_batch(batch).map_err(|e| e.to_string())
 }

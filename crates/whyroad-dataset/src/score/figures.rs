@@ -7,7 +7,7 @@ use super::truth::Truth;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// A sample with what was predicted for it.
+/// A sample with its prediction.
 pub struct Row<'a> {
     pub(super) truth: &'a Truth,
     pub(super) prediction: Option<&'a Prediction>,

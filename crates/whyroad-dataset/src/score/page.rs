@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use whyroad_model::Lang;
 use whyroad_render::markup::Markup;
 
-// Intervals stand below their values, so that nine columns fit on a screen and on paper. Charts are black on white.
+// Intervals are below their values, so that nine columns fit on a screen and on paper. Charts are black on white.
 const STYLE: &str = "<style>:root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:75em;padding:0 1em}\
 table{border-collapse:collapse;margin:.5em 0 2em}th,td{border-bottom:1px solid #999;padding:.2em .7em;text-align:right;white-space:nowrap;\
 font-variant-numeric:tabular-nums}th:first-child,td:first-child{text-align:left}td small{display:block}small{opacity:.75}svg{max-width:100%;background:#fff}\

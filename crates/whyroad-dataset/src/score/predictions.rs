@@ -8,7 +8,7 @@ use std::io::BufRead;
 use whyroad_model::diagnostic::Location;
 use whyroad_model::{Bilingual, Diagnostic};
 
-/// What a model says of one sample.
+/// A model's prediction for one sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prediction {
@@ -43,7 +43,7 @@ pub struct PredictedTrajectory {
     pub y: Vec<f64>,
 }
 
-/// Tells `null` from an absent field.
+/// Distinguishes `null` from an absent field.
 fn given<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Option<String>>, D::Error> {
     Option::<String>::deserialize(d).map(Some)
 }
@@ -75,7 +75,7 @@ impl Vocabulary {
 pub struct Predictions(BTreeMap<String, Prediction>);
 
 impl Predictions {
-    /// From rows; of several for one sample the first counts.
+    /// From rows; with several for one sample, the first is used.
     pub fn new(rows: impl IntoIterator<Item = Prediction>) -> Self {
         let mut out = BTreeMap::new();
         for p in rows {
@@ -84,7 +84,7 @@ impl Predictions {
         Self(out)
     }
 
-    /// Reads JSON Lines. What cannot be used is left out and reported.
+    /// Reads JSON Lines. Unusable lines are left out and reported.
     ///
     /// # Errors
     /// When the stream itself fails.
@@ -154,7 +154,7 @@ fn line_fault(zh: &str, en: &str) -> Diagnostic {
     Diagnostic::error("score.prediction.line", text)
 }
 
-/// What makes a prediction unusable.
+/// Why a prediction is unusable.
 fn fault(p: &Prediction) -> Option<(&'static str, &'static str)> {
     if let Some(t) = &p.trajectory {
         if t.t_s.len() != t.x.len() || t.t_s.len() != t.y.len() || t.t_s.is_empty() {

@@ -22,7 +22,7 @@ pub struct Estimate {
 pub struct Random(SplitMix64);
 
 impl Random {
-    /// A stream of its own per `name`.
+    /// A separate stream per `name`.
     pub fn new(seed: u64, name: &str) -> Self {
         let hash = blake3::hash(name.as_bytes());
         let first = hash.as_bytes().iter().take(8).fold(0u64, |n, b| n << 8 | u64::from(*b));
@@ -41,8 +41,8 @@ impl Random {
     }
 }
 
-/// The figure that `figure` computes of drives, with its interval. `drives` has one part per drive; `figure` gets the
-/// parts that were drawn and gives `None` where it is not defined.
+/// The figure that `figure` computes from drives, with its interval. `drives` has one part per drive; `figure` gets the
+/// drawn parts and returns `None` where the figure is not defined.
 pub fn estimate<P>(
     drives: &[P],
     samples: usize,

@@ -1,12 +1,12 @@
-//! What a model predicts, and how it is scored.
+//! Prediction targets, and how they are scored.
 
 use crate::SplitName;
 use serde::Serialize;
 
-/// How a null decision is written where a class needs a name: "no change of decision".
+/// Name of a null decision where a class needs a name: "no change of decision".
 pub const NO_CHANGE: &str = "no_change";
 
-/// What to score and how the intervals are drawn.
+/// Settings for scores and intervals.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Split that the predictions are for.
@@ -23,7 +23,7 @@ impl Default for Options {
     }
 }
 
-/// What a model predicts.
+/// A prediction target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {

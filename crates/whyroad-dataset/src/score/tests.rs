@@ -1,4 +1,4 @@
-//! Expected figures follow by hand from the few samples.
+//! Expected figures are computed by hand from the few samples.
 
 use super::predictions::{PredictedTrajectory, Prediction, Predictions, Vocabulary};
 use super::resample::{Random, estimate};

@@ -1,4 +1,4 @@
-//! What a split says is right: the part of a sample that is scored, small enough to keep a split in memory.
+//! Ground truth of a split: the scored part of each sample, small enough to keep a split in memory.
 
 use super::target::{NO_CHANGE, Target};
 use crate::{DatasetError, Release, Sample, SplitName};
@@ -52,7 +52,7 @@ impl Truth {
         }
     }
 
-    /// A trajectory can be scored on it.
+    /// True when a trajectory can be scored on it.
     pub fn has_future(&self) -> bool {
         self.future_complete && !self.future.is_empty()
     }

@@ -1,4 +1,4 @@
-//! YAML to [`Spec`], going on after each mistake.
+//! YAML to [`Spec`], continuing after each mistake.
 
 use super::{
     Balance, Cut, Deduplicate, GroupKey, Images, Incomplete, Labels, Licences, Polygon, Reference, Select,
@@ -37,7 +37,7 @@ const VALUE: &str = "dataset.spec.value";
 /// The spec in `text`; `file` is its name in diagnostics.
 ///
 /// # Errors
-/// Everything that is wrong with it.
+/// All errors in it.
 pub fn read(text: &str, file: &str, framework: &Framework) -> Result<Spec, Vec<Diagnostic>> {
     let mut r = FileReport::new(file, text, &FORM);
     let mut spec = Spec::default();
@@ -295,7 +295,7 @@ fn within(node: &Node, low: f64, high: f64, r: &mut FileReport<'_>) -> Option<f6
     if v >= low && v <= high {
         return Some(v);
     }
-    // As it is written: 1e300 is 300 digits otherwise.
+    // As written in the file: 1e300 would otherwise be 300 digits.
     let t = r.text(node)?;
     refuse(r, node, format!("{t} 应在 {low} 与 {high} 之间"), format!("{t} must be from {low} to {high}"));
     None

@@ -1,4 +1,4 @@
-//! How near the samples of one split are to those of another: the leak that a random split has and nobody sees.
+//! How near the samples of one split are to those of another: a hidden leak of random splits.
 
 use crate::item::{Item, Position, SplitName};
 use crate::place::Grid;

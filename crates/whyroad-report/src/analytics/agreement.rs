@@ -1,5 +1,5 @@
-//! How far people agree who labeled the same episode independently: labels as first handed in, before any check could
-//! bring them together. Kappas are those of `whyroad_label::agreement`.
+//! Agreement of people who labeled the same episode independently: labels as first submitted, before any check could
+//! align them. Kappas are those of `whyroad_label::agreement`.
 
 use super::decisions::{lateral, longitudinal};
 use serde::Serialize;
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use whyroad_label::agreement::{cohen, fleiss, median};
 use whyroad_label::facts::{Judgement, TaskFacts};
 
-/// What is compared.
+/// The compared field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
@@ -36,13 +36,13 @@ impl Measure {
 /// One measure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AgreementRow {
-    /// What is compared.
+    /// The compared field.
     pub measure: Measure,
     /// Episodes with two labels or more.
     pub episodes: u64,
     /// Pairs of labels.
     pub pairs: u64,
-    /// Share of pairs that agree; of keyframes, those within half a second.
+    /// Share of pairs that agree; for keyframes, those within half a second.
     pub same: Option<f64>,
     /// Cohen's kappa over all pairs; `None` where chance alone would always agree.
     pub cohen: Option<f64>,
@@ -52,10 +52,10 @@ pub struct AgreementRow {
     pub median_s: Option<f64>,
 }
 
-/// Keyframes that differ by no more than this are the same, s.
+/// Maximum difference of keyframes that count as the same, s.
 const SAME_KEYFRAME_S: f64 = 0.5;
 
-/// A row for each measure; nothing without an episode that two people labeled.
+/// A row for each measure; no rows without an episode that two people labeled.
 pub(super) fn rows(tasks: &[TaskFacts]) -> Vec<AgreementRow> {
     let mut groups: BTreeMap<&str, Vec<(&str, &Judgement)>> = BTreeMap::new();
     for t in tasks {

@@ -1,12 +1,12 @@
-//! Where, when and in which weather: hours driven, episodes, labels and samples by place, hour of the day, weather and
-//! source. What a drive does not state is a row of its own, never left out.
+//! Context of the data: hours driven, episodes, labels and samples by place, hour of the day, weather and source.
+//! Values that a drive does not state have their own row and are never left out.
 
 use super::input::{AnalyticsInputs, DriveFacts, hour};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_label::facts::LabelStage;
 
-/// What a row is about.
+/// Dimension of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Dimension {
@@ -81,7 +81,7 @@ pub(super) fn rows(inputs: &AnalyticsInputs<'_>) -> Vec<ContextRow> {
         if t.stage != LabelStage::Accepted || t.superseded || !episodes.insert(&t.episode) {
             continue;
         }
-        // Without the mined folder nobody says where a drive was.
+        // Without the mined folder the location of a drive is unknown.
         if let Some(facts) = inputs.mined {
             for key in stated(facts.drives.get(&t.drive)) {
                 *accepted.entry(key).or_default() += 1;
@@ -123,7 +123,7 @@ pub(super) fn rows(inputs: &AnalyticsInputs<'_>) -> Vec<ContextRow> {
             released: count(&released, key, inputs.releases.is_some()),
         })
         .collect();
-    // Hours of the day by the clock, everything else by its size; what is not stated last.
+    // Hours of the day by the clock, everything else by its size; unstated values last.
     out.sort_by(|a, b| {
         let size = |r: &ContextRow| r.hours.unwrap_or(0.0).max(r.released.unwrap_or(0) as f64);
         let by_size = || size(b).total_cmp(&size(a));
@@ -145,7 +145,7 @@ fn stated(drive: Option<&DriveFacts>) -> [Key; 3] {
     ]
 }
 
-/// Adds the hours of the day that a drive lies in.
+/// Adds the hours of the day that a drive covers.
 fn driven(drive: &DriveFacts, shift: i8, hours: &mut BTreeMap<Key, f64>) {
     let Some(start) = drive.start else {
         *hours.entry((Dimension::Hour, None)).or_default() += drive.seconds / 3600.0;

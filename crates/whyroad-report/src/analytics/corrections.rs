@@ -1,5 +1,4 @@
-//! What people change of the drafts they begin with, until the label is accepted: by field of the label, and how far
-//! they move keyframes.
+//! Changes that people make to drafts until the label is accepted: by field of the label, and the shifts of keyframes.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -8,9 +7,9 @@ use whyroad_label::facts::{LabelStage, Revision, TaskFacts};
 use whyroad_model::label_fields::LABEL_FIELDS;
 use whyroad_model::{Bilingual, ScenarioId};
 
-/// Keyframes that differ by no more than this are not moved, s: half a frame at 10 Hz.
+/// Maximum difference of keyframes that count as not moved, s: half a frame at 10 Hz.
 const MOVED_S: f64 = 0.05;
-/// Upper ends of the classes of keyframe shifts, s; below the first and above the last there is one more class each.
+/// Upper ends of the classes of keyframe shifts, s; there is one more class below the first and one above the last.
 pub(super) const SHIFTS_S: [f64; 8] = [-2.0, -1.0, -0.5, -MOVED_S, MOVED_S, 0.5, 1.0, 2.0];
 
 /// Everything.
@@ -18,7 +17,7 @@ pub(super) const SHIFTS_S: [f64; 8] = [-2.0, -1.0, -0.5, -MOVED_S, MOVED_S, 0.5,
 pub struct Corrections {
     /// Accepted labels that were compared with their drafts.
     pub labels: u64,
-    /// Of these, labels that nobody changed.
+    /// Of these, unchanged labels.
     pub unchanged: u64,
     /// By field, the most changed first.
     pub fields: Vec<FieldCorrections>,
@@ -39,7 +38,7 @@ pub struct FieldCorrections {
     pub changed: u64,
 }
 
-/// How far keyframes were moved.
+/// Shifts of keyframes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct KeyframeShifts {
     /// Labels and drafts with a keyframe.

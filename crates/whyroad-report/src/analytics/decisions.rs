@@ -1,4 +1,4 @@
-//! Decisions by leaf: of accepted labels, else of labels that were handed in, else of the samples of releases.
+//! Decisions by leaf: of accepted labels, else of submitted labels, else of the samples of releases.
 
 use super::input::AnalyticsInputs;
 use serde::Serialize;
@@ -8,13 +8,13 @@ use whyroad_label::facts::{Judgement, LabelStage};
 use whyroad_model::decision::LateralDirection;
 use whyroad_model::{Bilingual, ScenarioId};
 
-/// Which labels the decisions are of.
+/// Source of the decisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DecisionBasis {
     /// Accepted labels.
     Accepted,
-    /// Labels that were handed in: none is accepted yet.
+    /// Submitted labels: none is accepted yet.
     Labelled,
     /// Samples of releases: no tasks were given.
     Released,

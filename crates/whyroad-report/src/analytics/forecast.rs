@@ -1,10 +1,10 @@
-//! When the labels that are still wanted will be accepted: past days resampled into the future.
+//! Forecast of when the remaining required labels will be accepted: past days resampled into the future.
 //!
 //! Method: the counts of accepted labels of the last complete days (at most [`WINDOW_DAYS`]) are drawn again in blocks
-//! of seven days, which keeps the rhythm of the week, until the wanted number is reached; repeated [`RUNS`]
-//! times with a fixed seed. The forecast is the median day, its interval the middle 80 %. It assumes that people go
-//! on as in those days. Source: H. R. Künsch, "The jackknife and the bootstrap for general stationary observations",
-//! Annals of Statistics 17 (1989), for the moving blocks.
+//! of seven days, which keeps the rhythm of the week, until the required number is reached; repeated [`RUNS`]
+//! times with a fixed seed. The forecast is the median day, its interval the middle 80 %. It assumes that people
+//! continue to work as in those days. Source: H. R. Künsch, "The jackknife and the bootstrap for general stationary
+//! observations", Annals of Statistics 17 (1989), for the moving blocks.
 
 use serde::Serialize;
 use whyroad_model::random::SplitMix64;
@@ -20,7 +20,7 @@ const RUNS: usize = 2000;
 /// No forecast goes beyond this many days.
 const HORIZON: usize = 3650;
 
-/// Days from now until the wanted number is reached.
+/// Days from now until the required number is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct DaysLeft {
     /// Median.
@@ -35,7 +35,7 @@ pub struct DaysLeft {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NoForecast {
-    /// Nothing is wanted any more.
+    /// No label is missing.
     Done,
     /// Fewer than [`LEAST_DAYS`] days since the first label was accepted.
     TooFewDays,
@@ -56,7 +56,7 @@ pub fn days_left(daily: &[u64], wanted: u64) -> Result<DaysLeft, NoForecast> {
         return Err(NoForecast::NoProgress);
     }
     let mut random = SplitMix64::new(0x5eed);
-    // The future begins on the weekday after the last day: blocks start on that weekday, so weekends stay weekends.
+    // The future begins on the weekday after the last day: blocks start on that weekday, so weekends remain weekends.
     let starts: Vec<usize> =
         (0..=window.len() - BLOCK).filter(|i| (window.len() - i).is_multiple_of(BLOCK)).collect();
     let mut days: Vec<usize> = (0..RUNS).map(|_| run(window, &starts, wanted, &mut random)).collect();
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn a_steady_pace_gives_the_day_of_the_division() {
-        // 10 a day: 95 more are there on the tenth day, in every run.
+        // 10 a day: 95 more are reached on the tenth day, in every run.
         let left = days_left(&[10; 30], 95).unwrap();
         assert_eq!(left, DaysLeft { median: 10, low: 10, high: Some(10) });
     }

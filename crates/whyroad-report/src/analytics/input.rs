@@ -1,4 +1,4 @@
-//! What the analytics are made from. Whoever opens files and stores hands it in; `None` is "not given", never zero.
+//! Inputs of the analytics. The caller reads files and stores; `None` means "not given", never zero.
 
 use std::collections::BTreeMap;
 use whyroad_label::facts::{Judgement, TaskFacts};
@@ -15,7 +15,7 @@ pub struct AnalyticsInputs<'a> {
     pub tasks: Option<&'a [TaskFacts]>,
     /// Releases, each with its name.
     pub releases: Option<&'a [ReleaseFacts]>,
-    /// Accepted labels wanted, by leaf; empty when nothing is stated.
+    /// Required accepted labels by leaf; empty when nothing is stated.
     pub wanted: &'a BTreeMap<ScenarioId, u64>,
     /// Cost of an hour of work.
     pub rate: Option<&'a HourlyRate>,
@@ -27,7 +27,7 @@ pub struct AnalyticsInputs<'a> {
     pub query: &'a dyn Fn(&ScenarioId, usize) -> Option<MiningQueryMessage>,
 }
 
-/// What an hour of work costs.
+/// Cost of an hour of work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HourlyRate {
     /// Amount for an hour.
@@ -36,7 +36,7 @@ pub struct HourlyRate {
     pub currency: String,
 }
 
-/// What a drive states.
+/// Context that a drive states.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DriveFacts {
     /// Length, s.
@@ -51,10 +51,10 @@ pub struct DriveFacts {
     pub start: Option<Nanos>,
 }
 
-/// A mined folder in short.
+/// Summary of a mined folder.
 #[derive(Clone, Debug, Default)]
 pub struct MinedFacts {
-    /// What was searched for and found, by leaf.
+    /// Search results by leaf.
     pub coverage: Coverage,
     /// The drives.
     pub drives: BTreeMap<DriveId, DriveFacts>,
@@ -62,7 +62,7 @@ pub struct MinedFacts {
     pub episodes: EpisodeTally,
 }
 
-/// Counts of episodes: what is held does not grow with the episodes, but with classes times drives.
+/// Counts of episodes: memory grows with classes times drives, not with episodes.
 #[derive(Clone, Debug, Default)]
 pub struct EpisodeTally {
     /// Episodes and primary ones, by class and drive.
@@ -89,7 +89,7 @@ pub(crate) fn hour(time: Nanos) -> usize {
     (time.0.div_euclid(3_600_000_000_000)).rem_euclid(24) as usize
 }
 
-/// A release in short.
+/// Summary of a release.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReleaseFacts {
     /// Name and version.
@@ -98,7 +98,7 @@ pub struct ReleaseFacts {
     pub samples: Vec<SampleFacts>,
 }
 
-/// A sample of a release in short.
+/// Summary of a sample of a release.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampleFacts {
     /// Id: the same sample in every release.

@@ -4,7 +4,8 @@
 //! Counts are Poisson with an unknown rate under Jeffreys' prior, so a coming count is negative binomial (J. Aitchison
 //! and I. R. Dunsmore, "Statistical Prediction Analysis", 1975). Episodes come in clusters; the dispersion, Pearson's
 //! chi-squared over its degrees of freedom, widens the interval as in quasi-likelihood (P. McCullagh and J. A. Nelder,
-//! "Generalized Linear Models", 1989). Both work without any find so far: then the interval says what may still come.
+//! "Generalized Linear Models", 1989). Both work without any find so far: then the interval shows what may still be
+//! found.
 
 use super::unseen::Estimate;
 
@@ -14,7 +15,7 @@ const Z95: f64 = 1.959_963_984_540_054;
 const LARGE: f64 = 400.0;
 
 /// Dispersion of counts over drives of different lengths, at least 1: hours and finds of each drive. 1 for a single
-/// drive, whose scatter nobody knows.
+/// drive, whose scatter is unknown.
 pub fn dispersion(drives: &[(f64, u64)]) -> f64 {
     let hours: f64 = drives.iter().map(|d| d.0).sum();
     let finds: u64 = drives.iter().map(|d| d.1).sum();
@@ -96,7 +97,7 @@ mod tests {
         let (plain, wide) =
             (coming(12, 4.0, 4.0, 1.0).unwrap(), coming(12, 4.0, 4.0, dispersion(&drives)).unwrap());
         assert!(wide.high > plain.high && wide.low <= plain.low, "{plain:?} {wide:?}");
-        // Evenly spread finds are never taken to be more certain than Poisson.
+        // Evenly spread finds are never treated as more certain than Poisson.
         assert_eq!(dispersion(&[(1.0, 3), (1.0, 3)]), 1.0);
         assert_eq!(dispersion(&[(1.0, 9)]), 1.0);
     }

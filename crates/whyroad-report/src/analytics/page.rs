@@ -1,5 +1,5 @@
-//! The analytics as a piece of a page: with its own style, without script, both languages in it. The report holds it,
-//! and so does the page of the labeling service; `html[lang]` decides which language is seen.
+//! The analytics as a fragment of a page: with its own style, without script, in both languages. The report and the
+//! page of the labeling service include it; `html[lang]` selects the visible language.
 
 mod context_section;
 mod label_section;
@@ -13,7 +13,7 @@ use whyroad_render::markup::Markup;
 
 const STYLE: &str = include_str!("../../assets/analytics.css");
 
-/// Names of classes for people: `L2 · L3`.
+/// Displayed names of classes: `L2 · L3`.
 pub(super) struct ClassNames(BTreeMap<ScenarioId, Bilingual>);
 
 impl ClassNames {
@@ -37,7 +37,7 @@ impl ClassNames {
     }
 }
 
-/// The piece: one element of class `analytics`.
+/// The fragment: one element of class `analytics`.
 pub fn fragment(a: &Analytics) -> Markup {
     let names = ClassNames::of(a);
     let mut m = Markup::new();
@@ -59,7 +59,7 @@ pub fn fragment(a: &Analytics) -> Markup {
     m
 }
 
-/// Which inputs the numbers are from: what was not given is unknown, not zero.
+/// Inputs of the numbers: missing inputs are unknown, not zero.
 fn given(m: &mut Markup, a: &Analytics) {
     let inputs = [
         (a.given.mined, "挖掘结果", "mined episodes"),
@@ -90,7 +90,7 @@ fn list<'i>(m: &mut Markup, inputs: impl Iterator<Item = &'i (bool, &'static str
     }
 }
 
-/// The numbers to see first.
+/// The most important numbers.
 fn figures(m: &mut Markup, a: &Analytics) {
     let total = |of: fn(&super::StageCounts) -> Option<u64>| -> Option<u64> {
         let tops = a.stages.iter().filter(|r| r.scenario_id.l2.is_none() || !r.in_taxonomy);
@@ -131,7 +131,7 @@ pub(super) fn number(m: &mut Markup, value: Option<f64>, digits: usize) {
 pub(super) fn head(m: &mut Markup, titles: &[(&'static str, &'static str, Align)]) {
     m.raw("<thead><tr>");
     for (zh, en, align) in titles {
-        // A column of bars has no title: the values beside it have.
+        // A column of bars has no title: the column of values beside it has one.
         if zh.is_empty() {
             m.raw("<td class=\"bar\"></td>");
             continue;
@@ -146,7 +146,7 @@ pub(super) fn head(m: &mut Markup, titles: &[(&'static str, &'static str, Align)
     m.raw("</tr></thead>");
 }
 
-/// How a column is set.
+/// Alignment of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Text,

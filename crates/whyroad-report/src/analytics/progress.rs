@@ -21,7 +21,7 @@ pub struct Progress {
     pub weeks: Vec<WeekRow>,
     /// By author, by number of accepted labels.
     pub people: Vec<PersonRow>,
-    /// When what is wanted will be done.
+    /// When the required labels will be done.
     pub finish: Finish,
     /// Cost of an accepted label; `None` when no rate was given or nothing is accepted.
     pub cost: Option<Cost>,
@@ -34,7 +34,7 @@ pub struct WeekRow {
     pub week: String,
     /// Tasks made.
     pub created: u64,
-    /// Labels handed in for the first time.
+    /// Labels submitted for the first time.
     pub submitted: u64,
     /// Labels accepted.
     pub accepted: u64,
@@ -49,7 +49,7 @@ pub struct WeekRow {
 pub struct PersonRow {
     /// Display name.
     pub name: String,
-    /// Labels handed in.
+    /// Submitted labels.
     pub submitted: u64,
     /// Of these, accepted.
     pub accepted: u64,
@@ -57,20 +57,20 @@ pub struct PersonRow {
     pub returned: u64,
 }
 
-/// What a finish is counted from.
+/// Basis of a finish forecast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FinishBasis {
-    /// The numbers wanted by leaf.
+    /// The required numbers by leaf.
     Wanted,
-    /// The tasks that are not finished: nothing is stated as wanted.
+    /// The unfinished tasks: no target is set.
     Unfinished,
 }
 
-/// When it will be done.
+/// Forecast of the finish.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finish {
-    /// What is counted.
+    /// Basis of the count.
     pub basis: FinishBasis,
     /// Labels still to be accepted.
     pub remaining: u64,
@@ -84,7 +84,7 @@ pub struct Finish {
     pub interval: Option<(String, Option<String>)>,
 }
 
-/// What an accepted label costs.
+/// Cost of an accepted label.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cost {
     /// Per accepted label.
@@ -155,7 +155,7 @@ fn weeks(tasks: &[TaskFacts], as_of: Option<Nanos>) -> Vec<WeekRow> {
     let (Some(first), Some(last)) = (weeks.keys().next().copied(), weeks.keys().next_back().copied()) else {
         return vec![];
     };
-    // Ten years of weeks at most: a task of an impossible date must not fill the page.
+    // At most ten years of weeks: a task with an impossible date must not fill the page.
     let last = as_of.map_or(last, |t| last.max(week_of(t)));
     (first.max(last - 520)..=last)
         .map(|week| {

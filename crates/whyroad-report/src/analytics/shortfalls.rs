@@ -1,4 +1,4 @@
-//! What is missing, what to do about it, and the query that mines it.
+//! Shortfalls, the next action, and the query that mines them.
 
 use super::Unseen;
 use super::input::AnalyticsInputs;
@@ -10,21 +10,21 @@ use whyroad_label::facts::LabelStage;
 use whyroad_model::messages::{CoverageState, MiningQueryMessage};
 use whyroad_model::{Bilingual, ScenarioId};
 
-/// What to do next about a shortfall.
+/// Next action for a shortfall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ShortfallStep {
     /// Mine more drives.
     MineMore,
-    /// Make tasks from episodes that are mined already.
+    /// Make tasks from episodes that are already mined.
     MakeTasks,
-    /// Finish the tasks that there are.
+    /// Finish the existing tasks.
     Label,
-    /// No drive can show it: bring drives with the signals that its rule needs.
+    /// No drive can show it: ingest drives with the signals that its rule needs.
     OtherDrives,
     /// Write a rule.
     WriteRule,
-    /// Labels are short, and without a mined folder nobody knows whether episodes are too.
+    /// Labels are missing; without a mined folder it is unknown whether episodes are missing too.
     Unknown,
 }
 
@@ -41,10 +41,10 @@ impl ShortfallStep {
         }
     }
 
-    /// What to do, in words.
+    /// Displayed name of the action.
     pub fn text(self) -> Bilingual {
         let (zh, en) = match self {
-            Self::OtherDrives => ("导入具备所需信号的行程", "bring drives with the missing signals"),
+            Self::OtherDrives => ("导入具备所需信号的行程", "ingest drives with the missing signals"),
             Self::WriteRule => ("编写规则", "write a rule"),
             Self::MineMore => ("挖掘更多行程", "mine more drives"),
             Self::MakeTasks => ("用已挖掘的事件建任务", "make tasks from mined episodes"),
@@ -55,14 +55,14 @@ impl ShortfallStep {
     }
 }
 
-/// A leaf that is short.
+/// A leaf with a shortfall.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shortfall {
     /// The leaf.
     pub scenario_id: ScenarioId,
     /// Its name.
     pub name: Bilingual,
-    /// Accepted labels wanted; `None` where nothing is stated and it was simply never found.
+    /// Required accepted labels; `None` where no target is set and the leaf was never found.
     pub wanted: Option<u64>,
     /// Accepted labels.
     pub accepted: Option<u64>,
@@ -72,15 +72,15 @@ pub struct Shortfall {
     pub untasked: Option<u64>,
     /// Episodes that still have to be mined.
     pub missing: Option<u64>,
-    /// Hours of driving in which as many are expected, from the rate so far; `None` without a find.
+    /// Expected hours of driving for that number, from the rate so far; `None` without a find.
     pub hours: Option<f64>,
-    /// What to do.
+    /// Next action.
     pub step: ShortfallStep,
     /// The query that finds more; `None` where its rule has no form as a query.
     pub query: Option<MiningQueryMessage>,
 }
 
-/// Episodes asked for of a leaf that was never found, where nothing is stated as wanted.
+/// Requested episodes of a leaf that was never found and has no target.
 const FIRST: u64 = 10;
 
 pub(super) fn of(
@@ -103,7 +103,7 @@ pub(super) fn of(
             one(row, on_the_way, unseen, inputs)
         })
         .collect();
-    // What can be done now first, then what is missing most, then in the order of the tree.
+    // Actions that are possible now first, then by the size of the shortfall, then in tree order.
     out.sort_by_key(|s| (s.step, std::cmp::Reverse(s.missing.or(s.wanted))));
     out
 }
@@ -118,7 +118,7 @@ fn one(
     let short = match (row.wanted, have) {
         (Some(wanted), Some(have)) => Some(wanted.saturating_sub(have)).filter(|n| *n > 0)?,
         (Some(wanted), None) => wanted,
-        // Nothing is stated as wanted: a leaf without a find is short all the same.
+        // Without a target, a leaf without a find is still a shortfall.
         (None, _) if row.counts.mined.is_none_or(|n| n == 0) && row.state.is_some() => FIRST,
         (None, _) => return None,
     };

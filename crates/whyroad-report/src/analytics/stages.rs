@@ -1,5 +1,5 @@
 //! The tree of classes with counts by stage: mined, tasked, labeled, accepted, released. An episode counts once,
-//! however many people label it.
+//! regardless of how many people label it.
 
 use super::input::AnalyticsInputs;
 use serde::Serialize;
@@ -17,7 +17,7 @@ pub struct StageCounts {
     pub mined: Option<u64>,
     /// Episodes with a task, those left out included.
     pub tasked: Option<u64>,
-    /// Episodes whose label was handed in.
+    /// Episodes whose label was submitted.
     pub labelled: Option<u64>,
     /// Episodes with an accepted label.
     pub accepted: Option<u64>,
@@ -54,18 +54,18 @@ pub struct StageRow {
     pub scenario_id: ScenarioId,
     /// Its name.
     pub name: Bilingual,
-    /// What mining knows of a leaf; `None` without mining, and for L1 and L2.
+    /// Mining state of a leaf; `None` without mining, and for L1 and L2.
     pub state: Option<CoverageState>,
-    /// Counts; of an L1 or L2 everything below it and what is known to be of it without its variant.
+    /// Counts; for an L1 or L2, everything below it and episodes known to be of the L2 without a variant.
     pub counts: StageCounts,
-    /// What is known to be of this L2 while its variant is not; part of `counts`.
+    /// Episodes known to be of this L2 without a known variant; part of `counts`.
     pub without_variant: StageCounts,
     /// Secondary episodes of the class and everything below it: found beside a primary one of another class. Not part
     /// of `counts.mined`, so that a moment counts once.
     pub secondary: Option<u64>,
     /// Tasks that were skipped or rejected.
     pub left_out: Option<u64>,
-    /// Accepted labels wanted.
+    /// Required accepted labels.
     pub wanted: Option<u64>,
     /// The class is in the taxonomy; others are of another version or of a custom rule.
     pub in_taxonomy: bool,
@@ -108,14 +108,14 @@ pub(super) fn rows(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Vec<S
         let mut secondary = inputs.mined.map(|_| sum_below(&tally.secondary, &id).unwrap_or(0));
         let without_variant = if id.is_leaf() { StageCounts::default() } else { counts };
         if matches!(state, Some(CoverageState::NotObservable | CoverageState::NoRule)) {
-            // What cannot be seen was not counted, unless something was found all the same.
+            // Unobservable classes were not counted, unless something was found anyway.
             counts.mined = counts.mined.filter(|n| *n > 0);
             secondary = secondary.filter(|n| *n > 0);
         }
         if !id.is_leaf() {
             let below = tally.counts.iter().filter(|(other, _)| other.is_within(&id) && **other != id);
             below.for_each(|(_, c)| counts.add(c));
-            // Where no leaf below can be seen, nothing was searched: unknown, not zero.
+            // Where no leaf below is observable, nothing was searched: unknown, not zero.
             let searched = states.iter().any(|(leaf, s)| {
                 leaf.is_within(&id) && matches!(s, CoverageState::Found | CoverageState::NotFound)
             });
@@ -157,7 +157,7 @@ fn sum_below(of: &BTreeMap<ScenarioId, u64>, id: &ScenarioId) -> Option<u64> {
     below.peek().is_some().then(|| below.sum())
 }
 
-/// What a class is called in the tree.
+/// Displayed name of a class in the tree.
 fn name(framework: &Framework, id: &ScenarioId) -> Bilingual {
     let taxonomy = &framework.taxonomy;
     if let Some((_, _, l3)) = taxonomy.leaf(id) {

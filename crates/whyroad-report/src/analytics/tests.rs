@@ -195,7 +195,7 @@ fn corrections_agreement_and_cost_are_those_of_the_project() {
     let weeks: Vec<(&str, u64, u64, u64)> =
         p.weeks.iter().map(|w| (w.week.as_str(), w.created, w.submitted, w.accepted)).collect();
     assert_eq!(weeks, [("2026-11-02", 5, 3, 0), ("2026-11-09", 0, 0, 1)]);
-    // 5 + 1 are wanted, one is accepted; one day of history is not enough for a forecast.
+    // 5 + 1 are required, one is accepted; one day of history is not enough for a forecast.
     assert_eq!((p.finish.remaining, p.finish.reason), (5, Some(forecast::NoForecast::TooFewDays)));
 }
 
@@ -222,7 +222,7 @@ fn contexts_keep_what_is_not_stated() {
 fn shortfalls_say_what_to_do() {
     let a = analytics(true, true);
     let of = |class: &ScenarioId| a.shortfalls.iter().find(|s| s.scenario_id == *class);
-    // Urgent: 5 wanted, none accepted, e2 and e3 on the way, nothing mined is without a task: 3 to mine.
+    // Urgent: 5 required, none accepted, e2 and e3 on the way, nothing mined is without a task: 3 to mine.
     let urgent = of(&id(URGENT)).unwrap();
     assert_eq!(
         (urgent.step, urgent.in_progress, urgent.missing),

@@ -1,4 +1,4 @@
-//! The analytics in short, for a terminal. Everything is in the page and in the tables.
+//! Summary of the analytics for a terminal. The page and the tables have all numbers.
 
 use super::page::ClassNames;
 use super::unseen::Estimate;
@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use whyroad_model::display::number;
 use whyroad_model::{Lang, messages::CoverageState};
 
-/// Shortfalls that are listed.
+/// Maximum number of listed shortfalls.
 const SHORTFALLS: usize = 10;
 
 /// The text.
@@ -63,7 +63,7 @@ pub fn render_text(a: &Analytics, lang: Lang) -> String {
     out
 }
 
-/// Every L1 and L2, and the leaves of which there is something.
+/// Every L1 and L2, and the leaves with any count.
 fn is_shown(row: &StageRow) -> bool {
     !row.scenario_id.is_leaf()
         || row.wanted.is_some()
@@ -71,7 +71,7 @@ fn is_shown(row: &StageRow) -> bool {
         || row.counts.all().iter().any(|(_, n)| n.is_some_and(|n| n > 0))
 }
 
-/// Hours as text; less than one as minutes, so that little work is not shown as none.
+/// Hours as text; less than one as minutes, so that a little work is not shown as zero.
 pub(super) fn hours(h: f64) -> String {
     if h < 1.0 { format!("{} min", number(h * 60.0, 1)) } else { format!("{} h", number(h, 1)) }
 }

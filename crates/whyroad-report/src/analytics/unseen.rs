@@ -1,8 +1,8 @@
-//! What has not been seen yet: the share of coming finds that will be of a class without any find so far (Good-Turing),
-//! and how many such classes more driving would bring (Good-Toulmin, smoothed). Pure functions over counts.
+//! Unseen classes: the share of future finds that will be of a class without any find so far (Good-Turing), and how
+//! many such classes more driving would bring (Good-Toulmin, smoothed). Pure functions over counts.
 //!
-//! A drive counts a class once, however often it is found there: finds in one drive depend on each other. What is
-//! estimated holds for more drives of the same kind, and only for classes that these drives can show.
+//! A drive counts a class at most once: finds in one drive depend on each other. The estimates apply to more drives of
+//! the same kind, and only for classes that these drives can show.
 //!
 //! Sources: I. J. Good, "The population frequencies of species and the estimation of population parameters",
 //! Biometrika 40 (1953); W. W. Esty, "A normal limit law for a nonparametric estimator of the coverage of a random
@@ -51,7 +51,7 @@ pub fn unseen_mass(frequencies: &[u64]) -> Option<Estimate> {
     let (f1, f2) = (at(1), at(2));
     let value = f1 / n;
     let deviation = (f1 * (1.0 - value) + 2.0 * f2).max(0.0).sqrt() / n;
-    // Without any class found once the normal interval has no width; three in n is the bound of 95 % for what never
+    // Without any class found once the normal interval has no width; 3/n is the 95 % bound for an event that never
     // happened in n trials.
     let high = if f1 == 0.0 { 3.0 / n } else { value + Z95 * deviation };
     Some(Estimate { value, low: (value - Z95 * deviation).max(0.0), high: high.min(1.0) })

@@ -1,4 +1,4 @@
-//! How far shares are off: expected calibration error (Naeini, Cooper and Hauskrecht 2015) and Brier score (1950).
+//! Errors of shares: expected calibration error (Naeini, Cooper and Hauskrecht 2015) and Brier score (1950).
 
 use super::{JudgedEpisode, fit};
 use serde::Serialize;
@@ -6,12 +6,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Calibration;
 use whyroad_model::DriveId;
 
-/// Parts into which drives are divided; each is judged by a table of the others.
+/// Parts into which drives are divided; each is judged with a table made from the others.
 const FOLDS: usize = 5;
 /// Tenths of the predicted share.
 const BINS: usize = 10;
 
-/// Predicted shares against what was right.
+/// Predicted shares against actual shares.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CalibrationError {
     /// Episodes of calibrated classes.
@@ -48,8 +48,8 @@ pub fn measure(predictions: &[(f64, bool)]) -> Option<CalibrationError> {
     })
 }
 
-/// Error of the shares on drives that they were not made from: drives in the order of their ids, every fifth in one
-/// part of five. And the error of the margin scores, were they taken for shares, on the same episodes.
+/// Error of the shares on held-out drives: drives in the order of their ids, every fifth in one of five parts. Also the
+/// error of the margin scores, taken as shares, on the same episodes.
 pub fn held_out(
     judged: &[JudgedEpisode],
     earlier: Option<&Calibration>,

@@ -22,7 +22,7 @@ fn shares_are_drawn_towards_their_class_and_never_fall() {
     // (9 + 4 * 0.6970) / 14 = 0.8420.
     let steps: Vec<(f64, f64, usize)> = c.steps.iter().map(|s| (s.from, s.share, s.judged)).collect();
     assert_eq!(steps, [(0.5, 0.5563, 10), (0.9, 0.842, 10)]);
-    // The other way round they are one step, with the share of the class.
+    // Reversed, they are one step, with the share of the class.
     let falling = [some("a.b.c", 0.6, 9, 10), some("a.b.c", 0.9, 5, 10)].concat();
     let table = fit(&falling, None, vec![]);
     assert_eq!(table.classes[0].steps.len(), 1);
@@ -31,7 +31,7 @@ fn shares_are_drawn_towards_their_class_and_never_fall() {
 
 #[test]
 fn a_rule_with_one_score_has_one_share() {
-    // A rule that compares no numbers: every score is 0.5, the share is what was right.
+    // A rule that compares no numbers: every score is 0.5, the share is the fraction that is right.
     let table = fit(&some("a.b.c", 0.5, 36, 60), None, vec![]);
     let share = table.share(&"a.b.c".parse().unwrap(), 0.5).unwrap();
     assert_eq!(table.classes[0].steps.len(), 1);
@@ -53,7 +53,7 @@ fn an_earlier_table_counts_as_ten_episodes() {
     let after = fit(&some("a.b.c", 0.7, 10, 30), Some(&before), vec![]);
     let share = after.share(&"a.b.c".parse().unwrap(), 0.7).unwrap();
     assert!((share - (10.0 + 10.0 * was) / 40.0).abs() < 1e-4, "{share}");
-    // Little that is new changes nothing, nor does a class about which nothing is new.
+    // A class with few or no new episodes is not changed.
     let little = fit(&some("a.b.c", 0.7, 0, 4), Some(&before), vec![]);
     assert_eq!(little.classes, before.classes);
     assert_eq!(fit(&some("a.b.d", 0.7, 5, 5), Some(&before), vec![]).classes.len(), 2);
@@ -71,7 +71,7 @@ fn the_error_is_that_of_its_definition() {
 
 #[test]
 fn shares_are_better_than_margins_on_held_out_drives() {
-    // A class that is right three times of five whatever its score says, in each fifth of the drives.
+    // A class that is right three times of five at every score, in each fifth of the drives.
     let episodes: Vec<JudgedEpisode> = (0..200).map(|i| judged("a.b.c", i, 0.98, i / 5 % 5 < 3)).collect();
     let (shares, margins) = held_out(&episodes, None).unwrap();
     assert_eq!(shares.episodes, 200);

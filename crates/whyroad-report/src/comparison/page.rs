@@ -12,14 +12,14 @@ const STYLE: &str = include_str!("../../assets/report.css");
 const CHART_STYLE: &str = include_str!("../../assets/analytics.css");
 const SCRIPT: &str = include_str!("../../assets/report.js");
 
-/// What the page says beside the comparison.
+/// Texts of the page besides the comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct PageHead<'a> {
     /// Name of the first side.
     pub before: &'a str,
     /// Name of the second side.
     pub after: &'a str,
-    /// Where class names are looked up, the first that has one counts.
+    /// Taxonomies for class names; the first with a name is used.
     pub taxonomies: &'a [Taxonomy],
     /// Language that is shown first; the reader can switch.
     pub lang: Lang,
@@ -65,7 +65,7 @@ fn both(change: Change) -> Bilingual {
     Bilingual::new(name(change, Lang::Zh), name(change, Lang::En))
 }
 
-/// Drives that both sides have, and those that only one has.
+/// Drives on both sides, and drives on one side only.
 fn scope(m: &mut Markup, c: &Comparison) {
     m.raw("<p>").say("两侧都有的行程：", "Drives of both sides: ").int(c.drives);
     for (drives, zh, en) in
@@ -92,7 +92,7 @@ fn verdict(m: &mut Markup, c: &Comparison) {
         None => {
             m.say(
                 "未提供已接受的标注（--labels），无法判断变化的对错。",
-                "No accepted labels were given (--labels): nothing says which changes are right.",
+                "No accepted labels were given (--labels): it is unknown which changes are right.",
             );
         }
     }
@@ -111,7 +111,7 @@ fn classes(m: &mut Markup, c: &Comparison, head: &PageHead<'_>) {
     for (zh, en) in [("之前", "before"), ("之后", "after")] {
         m.raw("</th><th scope=\"col\" class=\"n\">").say(zh, en);
     }
-    // Only what occurs has a column.
+    // Only changes that occur have a column.
     let shown: Vec<Change> = Change::ALL.into_iter().filter(|ch| c.total(*ch) > 0).collect();
     for change in &shown {
         m.raw("</th><th scope=\"col\" class=\"n\">").both(&both(*change));
@@ -177,7 +177,7 @@ fn examples(m: &mut Markup, c: &Comparison, head: &PageHead<'_>) {
     m.raw("</tbody></table>");
 }
 
-/// There is more to say of it than what changed.
+/// The entry has more than the change.
 fn is_detailed(e: &ChangedEpisode) -> bool {
     e.class_after.is_some()
         || e.keyframe_shift_s.is_some_and(|s| s.abs() > super::MOVED_S)

@@ -80,7 +80,7 @@ fn example(e: &ChangedEpisode, lang: Lang) -> String {
     out
 }
 
-/// What a change is called.
+/// Displayed name of a change.
 pub fn name(change: Change, lang: Lang) -> &'static str {
     let (zh, en) = match change {
         Change::Gained => ("新增", "gained"),

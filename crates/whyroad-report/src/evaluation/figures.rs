@@ -1,4 +1,4 @@
-//! The figures of an evaluation, from who was paired with whom.
+//! The figures of an evaluation, computed from the pairs.
 
 use super::matching::{Moment, same_target};
 use super::truth::{TruthEntry, TruthSet};
@@ -10,9 +10,9 @@ use whyroad_model::{DriveId, Nanos, ScenarioId, TrackId};
 /// One class.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ClassFigures {
-    /// Entries of the truth.
+    /// Entries of the ground truth.
     pub truth: usize,
-    /// Of those, found.
+    /// Of those, the found ones.
     pub matched: usize,
     /// Entries not found.
     pub missed: usize,
@@ -35,7 +35,7 @@ pub struct ClassFigures {
     pub keyframe_lateness_mean_s: Option<f64>,
 }
 
-/// An entry that nothing matched, but an episode of another class did at that moment.
+/// An entry without a match, but with an episode of another class at that moment.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Confusion {
     /// Class of the entry.
@@ -87,11 +87,11 @@ pub struct Evaluation {
     pub macro_classes: usize,
     /// Median keyframe error over all pairs, s.
     pub keyframe_error_median_s: Option<f64>,
-    /// What was taken for what.
+    /// Confusions of classes.
     pub confusions: Vec<Confusion>,
     /// Not found.
     pub missed: Vec<MissedEntry>,
-    /// Found beyond the truth.
+    /// Spurious episodes.
     pub spurious: Vec<SpuriousEpisode>,
 }
 
@@ -102,7 +102,7 @@ fn by_name<S: serde::Serializer>(map: &BTreeMap<ScenarioId, ClassFigures>, s: S)
 #[derive(Default)]
 struct Tally {
     figures: ClassFigures,
-    /// Matched where the class is declared complete: only these can be weighed against what is spurious.
+    /// Matched where the class is declared complete: only these can be compared with the spurious ones.
     judged_matched: usize,
     judged: bool,
     lateness: Vec<f64>,
@@ -116,7 +116,7 @@ impl Tally {
         figures.recall = share(figures.matched, figures.truth);
         figures.precision = share(judged_matched, judged_matched + figures.spurious);
         figures.f1 = match (figures.precision, figures.recall) {
-            // Nothing found of what is there, and nothing false: precision has no value, the harmonic mean is 0.
+            // No entry found, and no false episode: precision has no value, the harmonic mean is 0.
             (None, Some(0.0)) if judged => Some(0.0),
             (Some(p), Some(r)) if p + r > 0.0 => Some(2.0 * p * r / (p + r)),
             (Some(_), Some(_)) => Some(0.0),

@@ -1,4 +1,4 @@
-//! Pairing truth with episodes: who may be paired, and the pairing with the most pairs.
+//! Pairing ground truth with episodes: allowed pairs, and the pairing with the most pairs.
 
 use super::truth::TruthEntry;
 use whyroad_model::Nanos;

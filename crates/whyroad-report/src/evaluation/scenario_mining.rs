@@ -35,7 +35,7 @@ pub const MATCH_DISTANCE_M: f64 = 2.0;
 pub struct Figures {
     /// Frames in which an object is referred to.
     pub hota_temporal: f64,
-    /// Whole tracks of what is ever referred to.
+    /// Whole tracks of objects that are ever referred to.
     pub hota_track: f64,
     /// Is anything referred to in this frame?
     pub timestamp_balanced_accuracy: f64,
@@ -52,7 +52,7 @@ pub struct Scores {
     pub prompts: BTreeMap<String, Figures>,
 }
 
-/// Something about the two files does not fit together.
+/// The two files do not match.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Mismatch {
     /// No prediction for a sequence of the truth.
@@ -125,7 +125,7 @@ impl Sequence {
         self
     }
 
-    /// What is ever referred to is so in every frame.
+    /// An object that is ever referred to is referred to in every frame.
     fn whole_tracks(mut self) -> Self {
         let referred = |f: &Frame| -> Vec<String> {
             let of = f.objects.iter().filter(|o| o.label == Label::ReferredObject);

@@ -60,8 +60,7 @@ pub fn render(evaluation: &Evaluation, lang: Lang) -> String {
         );
     }
     if !evaluation.confusions.is_empty() {
-        let _ =
-            writeln!(out, "\n{}", pick("漏检处找到的类别：", "found instead, where something was missed:"));
+        let _ = writeln!(out, "\n{}", pick("漏检处找到的类别：", "found instead of missed entries:"));
         for c in &evaluation.confusions {
             let _ = writeln!(out, "{:>5}  {} -> {}", c.count, c.truth, c.found);
         }

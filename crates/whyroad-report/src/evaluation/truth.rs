@@ -1,4 +1,4 @@
-//! Truth files: JSON Lines. The first line may say for which classes and drives the truth is complete,
+//! Truth files: JSON Lines. The first line may state for which classes and drives the truth is complete,
 //! `{"complete": [class ids], "drives": [drive ids]}`; every other line is one entry,
 //! `{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?, "reason"?}`, with times
 //! in nanoseconds since the Unix epoch (the drive's own clock) and a half-open range.
@@ -7,7 +7,7 @@ use serde::Deserialize;
 use std::collections::BTreeSet;
 use whyroad_model::{Bilingual, Diagnostic, DriveId, Location, Nanos, ScenarioId, TrackId};
 
-/// Something that happened.
+/// An event.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TruthEntry {
@@ -15,7 +15,7 @@ pub struct TruthEntry {
     pub scenario_id: ScenarioId,
     /// Drive.
     pub drive_id: DriveId,
-    /// Target; absent without one, or where any will do.
+    /// Target; absent without one, or where any matches.
     #[serde(default)]
     pub target_id: Option<TrackId>,
     /// Start of the time range.
@@ -27,15 +27,16 @@ pub struct TruthEntry {
     /// End of the time range, not included.
     #[serde(deserialize_with = "nanos")]
     pub end_ns: Nanos,
-    /// The definition leaves it open (a threshold is just met or just missed): found or not, it counts neither way.
+    /// The definition does not decide it (a threshold is just met or just missed): it does not count, whether found or
+    /// not.
     #[serde(default)]
     pub optional: bool,
-    /// Why somebody holds it to be so; for people.
+    /// Reason for the entry, for readers.
     #[serde(default)]
     pub reason: Option<String>,
 }
 
-/// For these classes, whatever is found on these drives beyond the truth is false.
+/// For these classes, any episode found on these drives beyond the truth is false.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Complete {
     /// Leaves, or L2 or L1 for all below.
@@ -44,7 +45,7 @@ pub struct Complete {
     pub drives: BTreeSet<DriveId>,
 }
 
-/// What one or more truth files say.
+/// Contents of one or more truth files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TruthSet {
     /// One per file that declares it.
@@ -71,7 +72,7 @@ impl TruthSet {
         self.complete.iter().any(holds)
     }
 
-    /// Adds what `text` says; a line that cannot be read is an error with its location and does not stop the rest.
+    /// Adds the entries of `text`; a line that cannot be read is an error with its location and does not stop the rest.
     /// Class ids that `is_class` does not know are errors too: a typo must not become a class that is never found.
     pub fn read(
         &mut self,

@@ -1,4 +1,4 @@
-//! One episode: the picture at its keyframe, what the rule found, and the signals that it read.
+//! One episode: the image at its keyframe, the rule's conditions, and the signals that it read.
 
 use super::{ReportContext, draft_box};
 use crate::coverage::class_title;
@@ -13,7 +13,7 @@ use whyroad_render::plot::{self, Span};
 /// Frames of context in the plots on either side of an episode: 3 s.
 const CONTEXT_FRAMES: usize = 30;
 
-/// A finished card and what it is filtered by.
+/// A finished card and its filter values.
 #[derive(Clone, Debug)]
 pub(super) struct Card {
     pub(super) leaf: ScenarioId,
@@ -159,7 +159,7 @@ fn conditions(m: &mut Markup, episode: &EpisodeRecord) {
         m.raw("<tr><td>");
         match &c.description {
             Some(words) => m.both(words),
-            // Of results that were mined before conditions had words, or elsewhere.
+            // For results mined before conditions had texts, or by other programs.
             None => m.raw("<code>").text(&c.condition).raw("</code>"),
         };
         m.raw("</td><td>");

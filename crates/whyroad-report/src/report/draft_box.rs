@@ -1,4 +1,4 @@
-//! The label skeleton of a primary episode, as an annotator would find it.
+//! The label draft of a primary episode, as an annotator would see it.
 
 use whyroad_framework::Framework;
 use whyroad_label::draft::draft;

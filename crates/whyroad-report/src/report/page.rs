@@ -1,5 +1,5 @@
-//! The page around the pieces: head, language switch, coverage, filters, cards. Style and script are in
-//! `assets/`; the script only switches language, filters and shows details, and the page reads without it.
+//! The page with its parts: head, language switch, coverage, filters, cards. Style and script are in
+//! `assets/`; the script only switches language, filters and shows details, and the page is readable without it.
 
 use super::card::Card;
 use super::{ReportContext, summary, tree_map};
@@ -11,7 +11,7 @@ use whyroad_render::markup::Markup;
 const STYLE: &str = include_str!("../../assets/report.css");
 const SCRIPT: &str = include_str!("../../assets/report.js");
 
-/// What the page says of a drive.
+/// Information about a drive on the page.
 #[derive(Clone, Debug)]
 pub(super) struct DriveLine {
     id: DriveId,
@@ -89,7 +89,7 @@ pub(super) fn render(
     m.into_string()
 }
 
-/// What the taxonomy or its rules do not reach yet.
+/// Gaps of the taxonomy or its rules.
 fn unexplained(m: &mut Markup, context: &ReportContext<'_>) {
     let Some(other) = coverage::unexplained(context.coverage) else { return };
     m.raw("<p class=\"other\">");
@@ -219,7 +219,7 @@ fn episodes_section(
     m.raw("</output></form>");
     if cards.len() < episodes {
         m.raw("<p class=\"warning\">")
-            .say("页面只显示部分事件；未显示：", "The page does not hold all episodes; left out: ");
+            .say("页面只显示部分事件；未显示：", "The page does not show all episodes; left out: ");
         m.int(episodes - cards.len()).raw("</p>");
     }
     key(m);
@@ -229,7 +229,7 @@ fn episodes_section(
     m.raw("</section>");
 }
 
-/// What the colors and lines of the pictures mean.
+/// Legend of the colors and lines of the images.
 fn key(m: &mut Markup) {
     m.raw("<ul class=\"key\">");
     for (class, zh, en) in [
@@ -246,8 +246,8 @@ fn key(m: &mut Markup) {
         m.say(zh, en).raw("</li>");
     }
     for (class, zh, en) in [
-        ("way way-ego before", "此前 3 s 轨迹", "way in the 3 s before"),
-        ("way way-ego after", "此后 6 s 轨迹", "way in the 6 s after"),
+        ("way way-ego before", "此前 3 s 轨迹", "path in the 3 s before"),
+        ("way way-ego after", "此后 6 s 轨迹", "path in the 6 s after"),
     ] {
         m.raw("<li><svg viewBox=\"0 0 60 24\" width=\"34\" height=\"14\"><path class=\"")
             .raw(class)

@@ -84,7 +84,7 @@ fn leaf(m: &mut Markup, row: &LeafRow<'_>, signals: &BTreeMap<String, SignalInfo
     m.text(row.state.id()).raw("\">").raw(mark_small(row.state)).raw("</i>").both(&state_name(row.state));
     for count in [row.episodes, row.primary_episodes, row.drives_searched] {
         m.raw("</td><td class=\"n\">");
-        // Without a rule nothing was counted, and a zero would say that something was.
+        // Without a rule nothing was counted; a zero would be misleading.
         if row.state != CoverageState::NoRule {
             m.int(count);
         }
@@ -106,7 +106,7 @@ fn leaf(m: &mut Markup, row: &LeafRow<'_>, signals: &BTreeMap<String, SignalInfo
     m.raw("</td></tr>");
 }
 
-/// What was found of an L2 without its variant; not a leaf, and in no count of leaves.
+/// Episodes of an L2 without a variant; not a leaf, and not counted as one.
 fn without_variant(m: &mut Markup, row: &UnresolvedRow<'_>) {
     m.raw("<tr class=\"unresolved\"><td>").both(&row.l2.name).raw(" <div class=\"faint definition\">");
     m.say("属于该 L2，但记录不足以判定变体", "of this L2; the recording does not show the variant")

@@ -113,7 +113,7 @@ fn the_page_fetches_nothing() {
         assert!(!page.contains(what), "{what}");
     }
     assert!(page.contains("default-src 'none'"));
-    // The only references are to places in the page itself.
+    // The only references are to anchors in the page itself.
     for reference in page.split("href=\"").skip(1) {
         assert!(reference.starts_with('#'), "{}", &reference[..reference.len().min(40)]);
     }
@@ -138,7 +138,7 @@ fn a_card_has_picture_conditions_and_a_plot_of_each_signal() {
     assert!(card.contains("class=\"vehicle target\""), "the target stands out");
     assert!(card.contains("way-ego before") && card.contains("way-ego after"));
     assert!(card.contains("class=\"zebra\"") && card.contains(">10 m</text>"));
-    // light.state has no column: it says what the log lacks instead of drawing a flat line.
+    // light.state has no column: the page states what the log lacks instead of drawing a flat line.
     assert!(card.contains(
         "not observable, needs: </span><span lang=\"zh\">交通信号灯</span><span lang=\"en\">traffic lights"
     ));

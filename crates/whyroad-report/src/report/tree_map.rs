@@ -33,9 +33,9 @@ impl Rect {
     }
 }
 
-/// Divides `area` into rectangles with areas in proportion to `weights`, in order, as square as can be.
+/// Divides `area` into rectangles with areas in proportion to `weights`, in order, as square as possible.
 ///
-/// Squarified tree maps: Bruls, Huizing, van Wijk 2000; order is kept here because the taxonomy has one.
+/// Squarified tree maps: Bruls, Huizing, van Wijk 2000; the order is kept here because the taxonomy has one.
 pub(super) fn squarify(weights: &[f64], area: Rect) -> Vec<Rect> {
     let total: f64 = weights.iter().sum();
     let mut out = Vec::with_capacity(weights.len());
@@ -214,7 +214,7 @@ fn groups<'r, 'a>(rows: &'r [LeafRow<'a>], key: impl Fn(&LeafRow<'a>) -> String)
     rows.chunk_by(|a, b| key(a) == key(b)).collect()
 }
 
-/// Width of a text in a proportional face of `size`: a Chinese character is as wide as the size, a Latin one
+/// Width of a text in a proportional font of `size`: a Chinese character is as wide as the size, a Latin one
 /// a little over half of it.
 fn width_px(text: &str, size: f64) -> f64 {
     text.chars().map(|c| if c.is_ascii() { 0.56 * size } else { size }).sum()
@@ -244,7 +244,7 @@ fn shorten(text: &str, width: f64, size: f64) -> String {
 fn wrap(text: &str, width: f64, size: f64, max_lines: usize) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     for c in text.chars() {
-        // A Chinese character may end a line, and so is a word of its own.
+        // A Chinese character may end a line, and so is a separate word.
         match words.last_mut() {
             Some(w) if c.is_ascii() && c != ' ' && w.ends_with(|l: char| l.is_ascii() && l != ' ') => {
                 w.push(c)

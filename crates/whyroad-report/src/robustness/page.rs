@@ -12,7 +12,7 @@ max-width:8em}.low{font-weight:700;background:color-mix(in srgb,var(--person) 18
 html[lang] [lang]{display:inline}body:has(#zh:checked) span[lang=en],body:has(#en:checked) span[lang=zh]{display:none}\
 @media print{.choose{display:none}}";
 
-/// The page; `lang` is shown first, agreement below `floor` is marked, `name` says what a class is called.
+/// The page; `lang` is shown first, agreement below `floor` is marked, `name` returns the displayed name of a class.
 pub fn page(of: &Robustness, lang: Lang, floor: f64, name: impl Fn(&ScenarioId) -> Bilingual) -> String {
     let mut m = Markup::new();
     let (code, title) = if lang == Lang::Zh { ("zh", "鲁棒性") } else { ("en", "Robustness") };
@@ -89,7 +89,7 @@ pub fn page(of: &Robustness, lang: Lang, floor: f64, name: impl Fn(&ScenarioId) 
     m.into_string()
 }
 
-/// What a perturbation does, without its figures: those are in the table above.
+/// Description of a perturbation, without its figures: those are in the table above.
 fn short(meaning: &Bilingual) -> Bilingual {
     let before = |text: &str, mark: char| text.split(mark).next().unwrap_or_default().to_owned();
     Bilingual::new(before(&meaning.zh, '：'), before(&meaning.en, ':'))

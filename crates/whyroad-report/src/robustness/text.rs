@@ -1,4 +1,4 @@
-//! Agreement for people: a line per perturbation, then the classes that changed most.
+//! Agreement as text: a line per perturbation, then the classes that changed most.
 
 use super::{Change, ClassAgreement, Difference, Robustness};
 use std::fmt::Write as _;
@@ -60,7 +60,7 @@ pub fn render(of: &Robustness, lang: Lang, shown: Shown) -> String {
     out
 }
 
-/// `-` is only in the drive as it is, `+` only in the perturbed one.
+/// `-` is only in the original drive, `+` only in the perturbed one.
 fn difference(of: &Difference) -> String {
     let sign = if of.change == Change::Lost { '-' } else { '+' };
     let objects: Vec<&str> = of.objects.iter().map(|id| id.as_str()).collect();

@@ -4,7 +4,7 @@ use super::{LISTED_CLASSES, NearestClass, Unexplained, UnexplainedMoment, UnmetP
 use std::fmt::Write as _;
 use whyroad_model::{Bilingual, Lang};
 
-/// Conditions that are shown for a class.
+/// Maximum number of conditions shown for a class.
 const SHOWN_UNMET: usize = 3;
 
 /// The groups, one paragraph each.
@@ -43,7 +43,7 @@ pub fn render(of: &Unexplained, lang: Lang) -> String {
             )
         };
         for near in g.example.nearest.iter().take(LISTED_CLASSES) {
-            // The next command takes the id.
+            // The id is input for the next command.
             let name = format!("{} ({})", of.name(&near.scenario_id, lang), near.scenario_id);
             let _ = writeln!(out, "   {}", class(near, &name, lang));
             for part in near.unmet.iter().take(SHOWN_UNMET) {
@@ -66,7 +66,7 @@ pub fn render(of: &Unexplained, lang: Lang) -> String {
     out
 }
 
-/// What the ego does, in short.
+/// Summary of the ego's action.
 pub(super) fn ego(of: &UnexplainedMoment, lang: Lang) -> String {
     let speed = of.ego_speed_mps.map(|v| format!("{v:.1} m/s"));
     let actions = of.ego_action_names.iter().map(|name| name.get(lang).to_owned());
@@ -83,7 +83,7 @@ pub(super) fn ego(of: &UnexplainedMoment, lang: Lang) -> String {
 pub(super) fn class(near: &NearestClass, name: &str, lang: Lang) -> String {
     let (held, all) = (near.held, near.conditions);
     let target = near.target_id.as_ref();
-    // Its episode is near, and its time range does not hold the moment.
+    // Its episode is near, but its time range does not contain the moment.
     let found = held == all && near.unmet.is_empty();
     match lang {
         Lang::Zh => {
@@ -99,9 +99,9 @@ pub(super) fn class(near: &NearestClass, name: &str, lang: Lang) -> String {
     }
 }
 
-/// A condition with what was measured.
+/// A condition with its measured value.
 pub(super) fn unmet(part: &UnmetPart, lang: Lang) -> String {
-    // That a truth does not hold is what the line says.
+    // The line itself states that the condition does not hold.
     if part.actual_value.is_boolean() {
         return part.description.get(lang).to_owned();
     }

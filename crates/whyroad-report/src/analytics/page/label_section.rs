@@ -1,4 +1,4 @@
-//! Labeling: throughput, finish and cost, agreement, what people correct, and which decisions they take.
+//! Labeling: throughput, finish and cost, agreement, corrections, and decisions.
 
 use super::{Align, ClassNames, count, head, number};
 use crate::analytics::corrections::SHIFTS_S;
@@ -39,7 +39,7 @@ pub(super) fn progress(m: &mut Markup, a: &Analytics) {
             let entries: Vec<(String, Option<f64>)> = weeks.iter().map(|w| (w.week.clone(), of(w))).collect();
             m.piece(&charts::columns(&Bilingual::new(zh, en), &entries, digits));
         };
-        chart(m, "每周提交的标注", "Labels handed in per week", 0, |w| Some(w.submitted as f64));
+        chart(m, "每周提交的标注", "Labels submitted per week", 0, |w| Some(w.submitted as f64));
         chart(m, "每周接受的标注", "Labels accepted per week", 0, |w| Some(w.accepted as f64));
         chart(
             m,
@@ -84,9 +84,9 @@ fn finish(m: &mut Markup, p: &Progress) {
     let f = &p.finish;
     m.say("剩余 ", "Remaining: ").raw("<b>").int(f.remaining).raw("</b> ");
     match f.basis {
-        FinishBasis::Wanted => m.say("个标注（按目标）。", "labels (against what is wanted). "),
+        FinishBasis::Wanted => m.say("个标注（按目标）。", "labels (against the target). "),
         FinishBasis::Unfinished => {
-            m.say("个未完成任务（未设目标）。", "unfinished tasks (no target is stated). ")
+            m.say("个未完成任务（未设目标）。", "unfinished tasks (no target is set). ")
         }
     };
     m.say("预计完成：", "Forecast of the finish: ");
@@ -100,7 +100,7 @@ fn finish(m: &mut Markup, p: &Progress) {
             m.raw(") <span class=\"faint\">");
             m.say(
                 "由最近至多 56 天的每日接受数按 7 天分块重抽样（Künsch 1989）",
-                "daily accepted labels of the last 56 days at most, resampled in blocks of 7 days (Künsch 1989)",
+                "daily accepted labels of at most the last 56 days, resampled in blocks of 7 days (Künsch 1989)",
             )
             .raw("</span>");
         }
@@ -169,7 +169,7 @@ pub(super) fn agreement(m: &mut Markup, a: &Analytics) {
 
 pub(super) fn corrections(m: &mut Markup, a: &Analytics, names: &ClassNames) {
     let Some(c) = &a.corrections else { return };
-    m.raw("<h3>").say("人工对草稿的修改", "What people change of drafts").raw("</h3>");
+    m.raw("<h3>").say("人工对草稿的修改", "Changes to drafts").raw("</h3>");
     if c.labels == 0 {
         m.raw("<p>").say("还没有已接受的标注。", "No label is accepted yet.").raw("</p>");
         return;
@@ -255,7 +255,7 @@ pub(super) fn decisions(m: &mut Markup, a: &Analytics, names: &ClassNames) {
     match a.decisions.basis {
         DecisionBasis::Accepted => m.say("已接受的标注。", "Of accepted labels."),
         DecisionBasis::Labelled => {
-            m.say("已提交的标注（尚无已接受的）。", "Of labels handed in (none is accepted yet).")
+            m.say("已提交的标注（尚无已接受的）。", "Of submitted labels (none is accepted yet).")
         }
         DecisionBasis::Released => m.say(
             "发布数据集中的样本（未提供标注任务）。",

@@ -1,4 +1,4 @@
-//! What is missing: shortfalls with their queries, what has not been seen yet, and what more driving would bring.
+//! Gaps: shortfalls with their queries, unseen classes, and the expected results of more driving.
 
 use super::{Align, ClassNames, count, head};
 use crate::analytics::unseen::Estimate;
@@ -13,7 +13,7 @@ const LEAVES: usize = 25;
 pub(super) fn shortfalls(m: &mut Markup, a: &Analytics, names: &ClassNames) {
     m.raw("<h3>").say("缺口", "Shortfalls").raw("</h3>");
     if a.shortfalls.is_empty() {
-        m.raw("<p>").say("没有缺口。", "Nothing is short.").raw("</p>");
+        m.raw("<p>").say("没有缺口。", "There are no shortfalls.").raw("</p>");
         return;
     }
     m.raw("<p>").int(a.shortfalls.len()).say(" 个 L3 场景", " classes").raw("</p>");
@@ -27,11 +27,14 @@ pub(super) fn shortfalls(m: &mut Markup, a: &Analytics, names: &ClassNames) {
     m.raw("<p class=\"faint\">");
     m.say("查询可保存为文件并运行 ", "Save a query to a file and run ")
         .raw("<code>whyroad mine --query FILE</code>");
-    m.say("。预计行驶时间按目前的发现率计算。", ". Driving is expected from the rate of finds so far.")
-        .raw("</p>");
+    m.say(
+        "。预计行驶时间按目前的发现率计算。",
+        ". Expected driving time follows from the rate of finds so far.",
+    )
+    .raw("</p>");
 }
 
-/// A column of numbers: its title, and what a row has there.
+/// A column of numbers: its title, and the value of a row.
 type NumberColumn = (&'static str, &'static str, fn(&Shortfall) -> Option<u64>);
 
 /// Columns of numbers; those that no row has are left out.
@@ -83,7 +86,7 @@ fn shortfall(m: &mut Markup, s: &Shortfall, name: &Bilingual, numbers: impl Iter
 
 pub(super) fn unseen(m: &mut Markup, a: &Analytics, names: &ClassNames) {
     let Some(u) = &a.unseen else { return };
-    m.raw("<h3>").say("尚未见到的场景", "What has not been seen yet").raw("</h3><ul class=\"plain\"><li>");
+    m.raw("<h3>").say("尚未见到的场景", "Unseen classes").raw("</h3><ul class=\"plain\"><li>");
     m.say("已搜索 ", "Searched ").num(u.hours, 2).raw(" h, ").int(u.drives).say(" 个行程；", " drives; ");
     m.say("可观测的 L3 场景 ", "leaves that they can show ").int(u.observable);
     m.say("，其中已找到 ", ", of these found ").int(u.found).raw(".</li><li>");
@@ -135,7 +138,7 @@ fn estimate(m: &mut Markup, e: Estimate, digits: usize) {
 fn outlook(m: &mut Markup, a: &Analytics, names: &ClassNames) {
     let Some(u) = &a.unseen else { return };
     let mut leaves: Vec<_> = u.leaves.iter().filter_map(|l| Some((l, l.coming?))).collect();
-    // The rarest are what the question is about.
+    // The rarest matter most here.
     leaves
         .sort_by(|a, b| a.1.value.total_cmp(&b.1.value).then_with(|| a.0.scenario_id.cmp(&b.0.scenario_id)));
     if leaves.is_empty() {

@@ -25,7 +25,7 @@ pub(super) fn write(m: &mut Markup, a: &Analytics) {
     m.raw("</li><li><b>?</b> ").say("不可观测（缺信号）", "not observable (signals missing)");
     m.raw("</li><li><b>–</b> ").say("没有规则", "no rule");
     m.raw("</li></ul>");
-    // Most classes of a lake have nothing; a table of zeros hides the others.
+    // Most classes of a lake have no episodes; a table of zeros would hide the others.
     m.raw("<div class=\"stage-box\"><label><input type=\"checkbox\" class=\"every\"> ")
         .say("列出全部场景，包括没有事件的", "List all classes, also those without episodes")
         .raw("</label>");
@@ -49,7 +49,7 @@ pub(super) fn write(m: &mut Markup, a: &Analytics) {
     m.raw("</tbody></table></div>");
 }
 
-/// The columns for which there is input: others would only repeat that there is none.
+/// The columns for which there is input: others would be empty.
 struct Columns {
     /// Positions in `STAGES`.
     stages: Vec<usize>,
@@ -66,7 +66,7 @@ impl Columns {
     }
 }
 
-/// Why nothing was mined: of a leaf its own state, of a class above what all of its leaves have.
+/// Why nothing was mined: for a leaf its own state, for a class above it the common state of all its leaves.
 fn state(a: &Analytics, row: &StageRow) -> Option<CoverageState> {
     if row.scenario_id.is_leaf() {
         return row.state;

@@ -48,7 +48,7 @@ pub fn balanced(pairs: &[(Sequence, Sequence)], least_score: f64) -> (f64, f64) 
     (timestamps.balanced(), logs.balanced())
 }
 
-/// `None` where nobody can say.
+/// `None` where it is undecided.
 fn truth_of(frame: &Frame) -> Option<bool> {
     frame.is_positive.unwrap_or(Some(!frame.objects.is_empty()))
 }

@@ -1,5 +1,5 @@
-//! Our truth and our episodes as sequences: the class is the prompt, the target the object referred to, or the ego
-//! where there is no target. An object is referred to from the start of its time range to the end.
+//! Our ground truth and our episodes as sequences: the class is the prompt, the target the object referred to, or the
+//! ego where there is no target. An object is referred to from the start of its time range to the end.
 
 use super::super::truth::TruthEntry;
 use super::result::{MiningResult, ResultFrame, ResultObject, evaluated_frames};
@@ -12,12 +12,12 @@ use whyroad_model::{Drive, Nanos, ScenarioId, TrackId};
 /// Track id of the ego in sequences.
 pub const EGO: &str = "ego";
 
-/// That an object is referred to for some time.
+/// A time range in which an object is referred to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     /// The prompt.
     pub class: ScenarioId,
-    /// Target; none is the ego.
+    /// Target; `None` means the ego.
     pub target: Option<TrackId>,
     /// Start.
     pub start: Nanos,
@@ -87,7 +87,7 @@ pub fn sequence(drive: &Drive, class: &ScenarioId, references: &[Reference]) -> 
     Sequence { log_id: drive.meta.drive_id.to_string(), prompt: class.to_string(), frames }
 }
 
-/// What was found on `drive` as the challenge wants it: every object in every evaluated frame. `one_object` says which
+/// The results on `drive` in the challenge's form: every object in every evaluated frame. `one_object` states which
 /// tracks were found to be one object, by id of the later one. An object that only takes another role is related.
 pub fn result(
     drive: &Drive,

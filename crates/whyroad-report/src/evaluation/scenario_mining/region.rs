@@ -7,7 +7,7 @@
 use super::sequence::Sequence;
 use serde::Deserialize;
 
-/// A raster and where it lies.
+/// A raster and its location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     rows: usize,
@@ -64,7 +64,7 @@ impl Region {
         let shape = header.split_once("'shape': (").and_then(|(_, rest)| rest.split_once(')'));
         let sides = shape.map(|(inside, _)| inside.split(',').filter_map(|n| n.trim().parse().ok()));
         let sides: Vec<usize> = sides.map(Iterator::collect).unwrap_or_default();
-        let [rows, columns] = sides[..] else { return Err(fail("it has not two dimensions")) };
+        let [rows, columns] = sides[..] else { return Err(fail("it does not have two dimensions")) };
         let body = &npy[end..];
         if rows.checked_mul(columns) != Some(body.len()) {
             return Err(fail("its size does not fit its shape"));
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn cells_are_found_by_hand() {
-        // Two cells a meter, the origin of the raster at (100, 200).
+        // Two cells per meter, the origin of the raster at (100, 200).
         let sim = r#"{"R": [1, 0, 0, 1], "t": [-100, -200], "s": 2.0}"#;
         let region = Region::read(&raster(), sim).unwrap();
         assert!(region.contains(100.6, 200.2), "row 0, column 1");

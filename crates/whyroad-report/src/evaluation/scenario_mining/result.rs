@@ -1,4 +1,4 @@
-//! What a miner found, as the challenge wants it: for every evaluated frame all objects of the log, each referred to,
+//! Results of a miner in the challenge's form: for every evaluated frame all objects of the log, each referred to,
 //! related, or other. Written as a pickle that the challenge's evaluator loads, or as JSON Lines ([`super::sequence`]).
 
 use super::sequence::{Frame, Label, Object, Sequence};
@@ -14,7 +14,7 @@ const EVERY: usize = 5;
 pub struct MiningResult {
     /// Log (drive).
     pub log_id: String,
-    /// What is asked.
+    /// The prompt.
     pub prompt: String,
     /// In the order of time.
     pub frames: Vec<ResultFrame>,
@@ -36,7 +36,7 @@ pub struct ResultFrame {
 pub struct ResultObject {
     /// Track.
     pub track_id: String,
-    /// What it is to the prompt.
+    /// Its relation to the prompt.
     pub label: Label,
     /// Box center, m.
     pub center: [f64; 3],

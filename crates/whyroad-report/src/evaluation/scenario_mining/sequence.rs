@@ -1,4 +1,4 @@
-//! Sequences as JSON Lines, the pickle-free equivalent of the challenge's files: one line a log and prompt,
+//! Sequences as JSON Lines, the pickle-free equivalent of the challenge's files: one line per log and prompt,
 //! `{"log_id", "prompt", "frames": [{"timestamp_ns", "ego": [x, y], "is_positive"?, "objects": [{"track_id",
 //! "label"?, "x", "y", "score"?}]}]}`. Positions are box centers in the city (world) frame, m.
 
@@ -11,7 +11,7 @@ use whyroad_model::{Bilingual, Diagnostic, Location};
 pub struct Sequence {
     /// Log (drive).
     pub log_id: String,
-    /// What is asked: a text, or the id of a class.
+    /// The prompt: a text, or the id of a class.
     pub prompt: String,
     /// In the order of time.
     pub frames: Vec<Frame>,
@@ -25,7 +25,7 @@ pub struct Frame {
     pub timestamp_ns: i64,
     /// Center of the ego, m.
     pub ego: [f64; 2],
-    /// Does the prompt apply here? Absent: it does where an object is referred to. `null`: nobody can say.
+    /// Whether the prompt applies here. Absent: it applies where an object is referred to. `null`: undecided.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "stated")]
     pub is_positive: Option<Option<bool>>,
     /// Objects; those that are never referred to may be left out.
@@ -38,7 +38,7 @@ pub struct Frame {
 pub struct Object {
     /// Track.
     pub track_id: String,
-    /// What it is to the prompt.
+    /// Its relation to the prompt.
     #[serde(default)]
     pub label: Label,
     /// m.
@@ -50,11 +50,11 @@ pub struct Object {
     pub score: f64,
 }
 
-/// What an object is to the prompt.
+/// Relation of an object to the prompt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Label {
-    /// The prompt speaks of it.
+    /// The prompt refers to it.
     #[default]
     ReferredObject,
     /// The prompt mentions it.
@@ -67,7 +67,7 @@ fn sure() -> f64 {
     1.0
 }
 
-/// Tells `null` from absent.
+/// Distinguishes `null` from absent.
 fn stated<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Option<bool>>, D::Error> {
     Option::<bool>::deserialize(d).map(Some)
 }

@@ -67,7 +67,7 @@ fn null_is_not_absent() {
     );
 }
 
-/// By trying every way.
+/// By trying every assignment.
 fn brute(weight: &[Vec<f64>], row: usize, used: u32) -> f64 {
     let Some(w) = weight.get(row) else { return 0.0 };
     let pairs_left = w.len() - used.count_ones() as usize;

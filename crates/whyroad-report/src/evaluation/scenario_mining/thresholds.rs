@@ -5,7 +5,7 @@ use super::assignment::best_assignment;
 use super::sequence::Sequence;
 use super::similarity;
 
-/// Thresholds tried a prompt.
+/// Thresholds tried per prompt.
 const COUNT: usize = 10;
 
 /// From the highest recall to the lowest; 0 where a recall is not reached. `pairs`: truth and prediction, referred
