@@ -11,26 +11,26 @@ use std::marker::PhantomData;
 
 include!(concat!(env!("OUT_DIR"), "/signals.rs"));
 
-/// Over what a signal has values.
+/// What a signal has values for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum SignalScope {
     /// One value per frame.
     Frame,
     /// One value per target and frame.
     Target,
-    /// One value per object and frame, the ego among the objects; derived when a rule asks for it.
+    /// One value per object and frame, the ego among the objects; derived only when a rule uses it.
     Object,
-    /// One value per ordered pair of near objects and frame; derived when a rule asks for it.
+    /// One value per ordered pair of near objects and frame; derived only when a rule uses it.
     Pair,
 }
 
 impl SignalScope {
-    /// True for signals that are derived only when a rule asks for them.
+    /// True for signals that are derived only when a rule uses them.
     pub fn is_on_demand(self) -> bool {
         matches!(self, Self::Object | Self::Pair)
     }
 
-    /// The word for it in the catalog.
+    /// Its name in the catalog.
     pub fn word(self) -> &'static str {
         match self {
             Self::Frame => "frame",
@@ -52,7 +52,7 @@ pub enum SignalType {
     Category(&'static [&'static str]),
 }
 
-/// What is fixed about a signal when the code is compiled.
+/// What is known about a signal at compile time.
 #[derive(Debug)]
 struct SignalFacts {
     name: &'static str,
@@ -77,7 +77,7 @@ impl SignalId {
         Some(Self::ALL[at])
     }
 
-    /// Over what it has values.
+    /// What it has values for.
     pub fn scope(self) -> SignalScope {
         self.facts().scope
     }
@@ -87,7 +87,7 @@ impl SignalId {
         self.facts().kind
     }
 
-    /// What a log must have for it.
+    /// What a log must have to support it.
     pub fn needs(self) -> &'static [Need] {
         self.facts().needs
     }

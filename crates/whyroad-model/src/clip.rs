@@ -1,6 +1,5 @@
-//! Which frames of a drive a clip has. The id says it, so that nobody has to store it: `<drive>_<number>` is a clip of
-//! the division of a drive into stretches of [`CLIP_FRAMES`], `<drive>_k<first frame>` one that was cut around a
-//! keyframe.
+//! Which frames of a drive a clip has. The id states it, so it is not stored: `<drive>_<number>` is a clip of the
+//! division of a drive into stretches of [`CLIP_FRAMES`], `<drive>_k<first frame>` one that was cut around a keyframe.
 
 use crate::scene::CLIP_FRAMES;
 use crate::{ClipId, DriveId, FrameRange};
@@ -17,7 +16,7 @@ pub enum ClipCut {
     Keyframe,
 }
 
-/// What the last part of a clip's id says.
+/// Meaning of the last part of a clip's id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ClipNumber {
     /// Number of the clip.
@@ -70,7 +69,7 @@ impl ClipId {
     fn parts(&self) -> Option<(&str, ClipNumber)> {
         let (drive, tail) = self.as_str().rsplit_once('_').filter(|(drive, _)| !drive.is_empty())?;
         let number = |digits: &str, least: usize| {
-            // As it is written, and no other way: an id has one spelling.
+            // Only the canonical spelling is accepted.
             let plain = digits.len() >= least && digits.bytes().all(|b| b.is_ascii_digit());
             let padded = digits.len() == least || !digits.starts_with('0');
             digits.parse::<usize>().ok().filter(|_| plain && padded)
@@ -103,7 +102,7 @@ mod tests {
         assert_eq!(frames("city_7_002"), Some((400, 450)));
         assert_eq!(frames("city_7_k000123"), Some((123, 323)));
         assert_eq!(frames("city_7_k000300"), Some((300, 450)));
-        // Not of the drive; beyond it; not as ids are written.
+        // Of another drive; beyond the drive; not a canonical id.
         for id in [
             "city_8_000",
             "city_7_003",

@@ -1,5 +1,5 @@
 //! Reference categories of critical components (LABELING.md 3, after table 2 of Alpamayo-R1). A label's `category` is
-//! free text; these are what the page offers, what drafts use and what models are asked for.
+//! free text; the page, drafts and model prompts use these.
 
 use crate::Bilingual;
 use crate::decision::closed_set;
@@ -7,17 +7,17 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 closed_set!(
-    /// What a critical component is of.
+    /// Category of a critical component.
     ComponentCategory {
         /// Road users, animals and things.
         CriticalObjects = "critical_objects",
         /// The light that the ego obeys.
         TrafficLights = "traffic_lights",
-        /// Where to give way or to stop otherwise.
+        /// Other places to give way or to stop.
         YieldStopControl = "yield_stop_control",
-        /// What is particular about the road ahead.
+        /// Special features of the road ahead.
         RoadEvents = "road_events",
-        /// Lanes, their lines, and who they are for.
+        /// Lanes, their lines, and their users.
         LaneAndLaneLines = "lane_and_lane_lines",
         /// Where the route leads.
         RoutingIntent = "routing_intent",
@@ -27,7 +27,7 @@ closed_set!(
 );
 
 impl ComponentCategory {
-    /// Name for people.
+    /// Displayed name.
     pub fn name(self) -> Bilingual {
         let (zh, en) = match self {
             Self::CriticalObjects => ("关键目标", "critical objects"),

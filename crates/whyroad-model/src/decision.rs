@@ -1,5 +1,5 @@
 //! The closed sets of driving decisions (LABELING.md 2). Names and meanings for people are in
-//! `schema/driving_decisions.yaml`; a test in whyroad-framework holds the two equal.
+//! `schema/driving_decisions.yaml`; a test in whyroad-framework keeps the two equal.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -82,7 +82,7 @@ closed_set!(
         Left = "left",
         /// To the right.
         Right = "right",
-        /// Back the way it came; only with `turn`.
+        /// Back in the opposite direction; only with `turn`.
         Uturn = "uturn",
     }
 );

@@ -1,4 +1,4 @@
-//! Diagnostics: what is wrong with somebody's data, said so it can be fixed. One type for logs,
+//! Diagnostics: problems in the user's data, reported so they can be fixed. One type for logs,
 //! taxonomies, specs, rules and labels. Codes are stable; each has a page in `docs/diagnostics/`.
 
 mod render;
@@ -8,11 +8,11 @@ pub use render::{json_row, render_ansi, render_json, render_sarif, render_text, 
 use crate::{Bilingual, Lang};
 use serde::Serialize;
 
-/// How bad it is.
+/// How severe it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// The document or record is not usable as it is, or something was lost.
+    /// The document or record is not usable, or data was lost.
     Error,
     /// It is usable, but a person should look.
     Warning,
@@ -51,7 +51,7 @@ pub struct Location {
 pub struct Diagnostic {
     /// Stable code: `label.enum.longitudinal`, `av2.feather.truncated`.
     pub code: &'static str,
-    /// How bad it is.
+    /// How severe it is.
     pub severity: Severity,
     /// What is wrong, naming the value.
     pub message: Bilingual,

@@ -1,5 +1,5 @@
-//! A number as people read it: a stored value (base unit) together with the unit in which it is displayed, so that a
-//! value never stands beside a unit that it is not in.
+//! A displayed number: a stored value (base unit) together with its display unit, so that a value is never shown with
+//! the wrong unit.
 
 use crate::units::Unit;
 
@@ -41,7 +41,7 @@ impl Displayed {
     }
 }
 
-/// A number with at most `digits` decimals: no trailing zeros, no negative zero; infinity and NaN as signs.
+/// A number with at most `digits` decimals: no trailing zeros, no negative zero; infinity and NaN as symbols.
 pub fn number(value: f64, digits: usize) -> String {
     if value.is_nan() {
         return "–".to_owned();

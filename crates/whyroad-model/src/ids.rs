@@ -43,7 +43,7 @@ string_id!(
 /// First part of the ids of custom rules.
 const CUSTOM: &str = "custom";
 
-/// A place in the taxonomy: `l1`, `l1.l2` or `l1.l2.l3` (TAXONOMY.md "full id"). Says nothing of existence.
+/// A place in the taxonomy: `l1`, `l1.l2` or `l1.l2.l3` (TAXONOMY.md "full id"). The class need not exist.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ScenarioId {
     /// Trigger category.
@@ -54,8 +54,8 @@ pub struct ScenarioId {
     pub l3: Option<String>,
 }
 
-/// Id of what fits no class: as L1 for decision moments that no class explains, as L2 and L3 for what belongs to no
-/// class of its parent (LABELING.md 1). It is in no taxonomy file.
+/// Id for unclassified moments: as L1 for decision moments that no class explains, as L2 and L3 for those that belong
+/// to no class of the parent (LABELING.md 1). It is in no taxonomy file.
 pub const OTHER: &str = "other";
 
 impl ScenarioId {

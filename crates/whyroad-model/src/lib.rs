@@ -3,8 +3,8 @@
 //! The build script (`build.rs`) generates [`SignalId`], the typed ids and category enums of [`catalog`] and [`Need`]
 //! from `schema/signals.yaml` and `schema/needs.yaml`.
 //!
-//! Nothing here reads a file, knows a format or decides anything about driving. A type is here because at
-//! least two crates must agree on it.
+//! Nothing here reads a file, knows a format or decides anything about driving. A type is here because at least two
+//! crates share it.
 
 pub mod catalog;
 mod clip;

@@ -1,9 +1,9 @@
-//! Names for people of what the scene tables only have ids for.
+//! Displayed names for values that have only ids in the scene tables.
 
 use crate::messages::KeyframeType;
 use crate::{Bilingual, ObjectClass};
 
-/// What a class of objects is called.
+/// Displayed name of a class of objects.
 pub fn class_name(class: ObjectClass) -> Bilingual {
     let (zh, en) = match class {
         ObjectClass::Car => ("轿车", "car"),
@@ -28,7 +28,7 @@ pub fn class_name(class: ObjectClass) -> Bilingual {
     Bilingual::new(zh, en)
 }
 
-/// What a kind of keyframe is called.
+/// Displayed name of a kind of keyframe.
 pub fn keyframe_kind(kind: KeyframeType) -> Bilingual {
     match kind {
         KeyframeType::Reactive => Bilingual::new("时刻型", "one moment"),

@@ -16,7 +16,7 @@ impl Need {
         Self::ALL.iter().copied().find(|n| n.id() == id)
     }
 
-    /// The name for people.
+    /// The displayed name.
     pub fn name(self) -> Bilingual {
         let (_, zh, en) = NAMES[self as usize];
         Bilingual::new(zh, en)

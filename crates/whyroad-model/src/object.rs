@@ -36,9 +36,9 @@ closed_set!(
         WheeledPedestrian = "wheeled_pedestrian",
         /// Animal.
         Animal = "animal",
-        /// Cone or barrel that marks works.
+        /// Cone or barrel that marks roadworks.
         Cone = "cone",
-        /// Barrier set up on the road: water-filled, concrete or plastic, as at works.
+        /// Barrier set up on the road: water-filled, concrete or plastic, as at roadworks.
         Barrier = "barrier",
         /// Bollard, sign on a pole, other fixed object.
         StaticObject = "static_object",
@@ -77,7 +77,7 @@ impl ObjectClass {
         )
     }
 
-    /// The highest speed over ground that is believed of an object of the class, m/s; more is an identity switch or a
+    /// The highest plausible speed over ground of an object of the class, m/s; a higher one is an identity switch or a
     /// bad box, not a motion.
     pub fn max_speed_mps(self) -> f64 {
         match self {

@@ -5,13 +5,13 @@ use crate::{Column, FrameRange};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Two objects farther apart than this, box to box, are no pair, m.
+/// Two objects farther apart than this, box to box, are not a pair, m.
 pub const PAIR_REACH_M: f64 = 50.0;
 
 /// Signals of ordered pairs of the targets of one drive.
 #[derive(Clone, Debug, Default)]
 pub struct PairTable {
-    /// Ordered by first, then second object. Each pair is there in both orders, with the same frames.
+    /// Ordered by first, then second object. Each pair occurs in both orders, with the same frames.
     pub spans: Vec<PairSpan>,
     /// By row: whether both are observed in the frame, and within [`PAIR_REACH_M`].
     pub near: Vec<bool>,

@@ -1,4 +1,4 @@
-//! The road around a drive, in the drive's world frame. Geometry only; questions about it are signals.
+//! The road around a drive, in the drive's world frame. Geometry only; anything computed from it is a signal.
 
 mod layers;
 
@@ -35,11 +35,11 @@ pub struct RoadMap {
     pub signs: Vec<Sign>,
     /// Toll gates, speed bumps, tunnels and the like.
     pub facilities: Vec<Facility>,
-    /// Kinds of signs and facilities and tags of lanes of which the map has all there are, ordered. Of any other a map
-    /// without any is not a road without any.
+    /// Kinds of signs and facilities and tags of lanes for which the map is complete, ordered. For any other kind, its
+    /// absence in the map does not mean that the road has none.
     pub complete_for: Vec<String>,
     /// How much of each layer the map has, as its adapter declares it. A layer that is not declared counts as complete:
-    /// maps made by hand are whole.
+    /// maps made by hand are complete.
     pub layers: BTreeMap<MapLayer, LayerState>,
 }
 
@@ -66,7 +66,7 @@ pub struct Lane {
     pub successors: Vec<String>,
     /// Lanes that lead here.
     pub predecessors: Vec<String>,
-    /// Who the lane is for.
+    /// The users of the lane.
     pub kind: LaneKind,
     /// Inside a junction.
     pub in_junction: bool,
@@ -82,7 +82,7 @@ pub struct Lane {
     pub tags: Vec<String>,
 }
 
-/// Who a lane is for.
+/// The users of a lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LaneKind {
@@ -167,12 +167,11 @@ pub struct Sign {
     pub kind: String,
     /// Position.
     pub position: Point3,
-    /// Lanes that it concerns.
+    /// Lanes that it applies to.
     pub lane_ids: Vec<String>,
     /// A number on it (a limit in m/s, a height or width in m), where there is one.
     pub value: Option<f64>,
-    /// Where its face points, towards who reads it, rad counter-clockwise from x; `None` where the source does not
-    /// tell.
+    /// Direction of its face, towards its readers, rad counter-clockwise from x; `None` where the source does not tell.
     pub facing: Option<f64>,
 }
 
@@ -188,7 +187,7 @@ pub struct Facility {
 }
 
 impl Lane {
-    /// True when the source says so of the lane; `tag` is a word of [`crate::vocabulary::LANE_TAGS`].
+    /// True when the source states this of the lane; `tag` is a word of [`crate::vocabulary::LANE_TAGS`].
     pub fn is_tagged(&self, tag: &str) -> bool {
         self.tags.iter().any(|t| t == tag)
     }
@@ -200,7 +199,7 @@ impl RoadMap {
         self.layers.get(&layer).copied().unwrap_or(LayerState::Complete)
     }
 
-    /// True when the map says something of `layer`.
+    /// True when the map has information about `layer`.
     pub fn has(&self, layer: MapLayer) -> bool {
         self.layer(layer) != LayerState::Absent
     }

@@ -1,10 +1,10 @@
-//! Scene tables in memory: one drive as every format is brought to it. Positions are in a right-handed
+//! Scene tables in memory: one drive in the common form of all formats. Positions are in a right-handed
 //! metric world frame (x east-ish, y left of x, z up), headings in radians counter-clockwise from x in
 //! (-pi, pi]. **Every pose, the ego's included, is the center of the object's box.** NaN in a number
 //! means that the log does not state it.
 //!
-//! **Only what was measured.** A log without velocities has none here: they are estimated from the part of the drive
-//! that may be seen (`whyroad_signals::estimate`), after [`Drive::until`] has cut it.
+//! **Only what was measured.** A log without velocities has none here: they are estimated (`whyroad_signals::estimate`)
+//! from the part of the drive that is left after [`Drive::until`] has cut it.
 
 mod cut;
 mod driving_side;
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 /// Frames in a clip: 20 s at 10 Hz (LABELING.md 4).
 pub const CLIP_FRAMES: usize = 200;
-/// Nominal frames a second of all scene tables.
+/// Nominal frames per second of all scene tables.
 pub const FRAME_RATE_HZ: f64 = 10.0;
 
 /// One recorded drive.
@@ -115,8 +115,8 @@ pub struct Ego {
     pub motion: Motion,
     /// Vehicle bus signals; empty vectors where the log has none.
     pub bus: EgoBus,
-    /// Time of the latest measurement on which each row rests, where that is later than the frame (a pose between two
-    /// samples rests on both); empty when no row rests on a later one.
+    /// Time of the latest measurement on which each row is based, where that is later than the frame (a pose between
+    /// two samples rests on both); empty when no row rests on a later one.
     pub known_at: Vec<Nanos>,
 }
 
@@ -195,13 +195,13 @@ pub struct EgoBus {
     pub aeb: Vec<Option<bool>>,
     /// Windscreen wipers moving, at any speed.
     pub wipers: Vec<Option<bool>>,
-    /// Vertical acceleration of the body without gravity, m/s2, up positive: of a frame's samples the one of greatest
-    /// magnitude, since a bump is shorter than a frame.
+    /// Vertical acceleration of the body without gravity, m/s2, up positive: the sample of greatest magnitude in a
+    /// frame, since a bump is shorter than a frame.
     pub vertical_accel: Vec<f64>,
     /// Cruise control active.
     pub cruise: Vec<Option<bool>>,
-    /// Next routing command in the source's words reduced to `left`, `right`, `straight`, `uturn`, `exit`; `none`
-    /// where it asks for nothing now.
+    /// Next routing command from the source's words, reduced to `left`, `right`, `straight`, `uturn`, `exit`; `none`
+    /// where there is no command now.
     pub route_command: Vec<Option<String>>,
 }
 
@@ -233,25 +233,25 @@ pub struct Track {
     pub class_changes: Vec<ClassChange>,
     /// Frame of each row, strictly ascending; may have gaps.
     pub frames: Vec<u32>,
-    /// Motion of the box center, one row a frame in `frames`.
+    /// Motion of the box center, one row per frame in `frames`.
     pub motion: Motion,
-    /// Box length in m, a row each; NaN where the log has no sizes.
+    /// Box length in m, one value per row; NaN where the log has no sizes.
     pub length_m: Vec<f64>,
-    /// Box width in m, a row each.
+    /// Box width in m, one value per row.
     pub width_m: Vec<f64>,
-    /// Box height in m, a row each.
+    /// Box height in m, one value per row.
     pub height_m: Vec<f64>,
     /// Lidar points in the box or another count of visibility, NaN where unknown.
     pub interior_points: Vec<f64>,
     /// Indicators, where the source states it (simulators do); empty when it does not.
     pub turn_signal: Vec<Option<TurnSignal>>,
-    /// Share of the object that the ego's sensors could see, 0 to 1, a row each, where the source's own sensor model
-    /// tells; empty when it does not.
+    /// Share of the object that the ego's sensors could see, 0 to 1, one value per row, where the source's own sensor
+    /// model states it; empty when it does not.
     pub visible_share: Vec<f64>,
     /// What hid most of the rest by that model; empty if it has none. May name a track that was itself never
     /// seen and so is not in the drive.
     pub occluder: Vec<Option<TrackId>>,
-    /// As [`Ego::known_at`], a row each.
+    /// As [`Ego::known_at`], one value per row.
     pub known_at: Vec<Nanos>,
 }
 
@@ -275,7 +275,7 @@ impl Track {
         }
     }
 
-    /// Takes the class that the source states for each row. The track's own class is the one that most rows state, the
+    /// Sets the class that the source states for each row. The track's own class is the one that most rows state, the
     /// earlier one of two that are equally frequent; unknown only when no row states one.
     pub fn state_classes<'a>(&mut self, stated: impl IntoIterator<Item = (ObjectClass, &'a str)>) {
         let mut changes: Vec<ClassChange> = Vec::new();
@@ -313,7 +313,7 @@ impl Track {
     }
 }
 
-/// State of one signal head as it concerns one lane or one movement over a junction.
+/// State of one signal head for one lane or one movement across a junction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightState {
     /// Lane that the light controls (its id in the map).
@@ -336,7 +336,7 @@ pub enum LightColor {
     Red,
     /// Clear the junction.
     Yellow,
-    /// Green without conflicting traffic having right of way.
+    /// Green, and no conflicting traffic has right of way.
     Green,
     /// Green that must give way to others.
     GreenYield,
@@ -367,7 +367,7 @@ pub struct ContextState {
     pub value: String,
     /// The source of the statement.
     pub source: String,
-    /// How sure the source is, 0 to 1, where it tells (a perception model).
+    /// How sure the source is, 0 to 1, where it states this (a perception model).
     pub confidence: Option<f64>,
 }
 
@@ -378,7 +378,7 @@ pub struct MediaFrame {
     pub camera: String,
     /// Exposure time.
     pub time: Nanos,
-    /// Where the picture is, relative to the lake or as the log names it.
+    /// Path of the image, relative to the lake or as the log names it.
     pub uri: String,
     /// Frame number inside a video.
     pub index: u32,

@@ -4,8 +4,8 @@ use crate::pair::PairTable;
 use crate::{Column, DriveId, FrameRange, Nanos, Need, ObjectClass, TrackId};
 use std::collections::BTreeMap;
 
-/// The first clause of what a signal means: what it is, without how it is computed. A signal that the clause refers to
-/// by its id is named by the first clause of its own meaning, which `meaning` gives.
+/// The first clause of a signal's meaning: what it is, without how it is computed. A signal that the clause refers to
+/// by its id is replaced by the first clause of its own meaning, which `meaning` returns.
 pub fn short_meaning<'m>(text: &str, meaning: impl Fn(&str) -> Option<&'m str>) -> String {
     let clause = first_clause(text);
     let short = |id: &str| meaning(id).map(first_clause).filter(|words| !words.is_empty());
@@ -30,7 +30,7 @@ pub fn deviation_name(signal: &str) -> String {
     format!("{signal}{DEVIATION}")
 }
 
-/// True for the name of a column of standard deviations: it is no signal of the catalog.
+/// True for the name of a column of standard deviations: it is not a signal of the catalog.
 pub fn is_deviation(column: &str) -> bool {
     column.ends_with(DEVIATION)
 }
@@ -56,11 +56,11 @@ pub struct SignalTable {
     pub target_columns: BTreeMap<String, Column>,
     /// Signals that this log cannot support, with what it lacks: `{"light.state": [Need::TrafficLights]}`.
     pub unavailable: BTreeMap<String, Vec<Need>>,
-    /// Signals of pairs, where a rule asks for them; then the ego may be the last of `targets`.
+    /// Signals of pairs, where a rule uses them; then the ego may be the last of `targets`.
     pub pairs: Option<PairTable>,
 }
 
-/// Id of the ego where it is among the objects that a rule about any object asks for.
+/// Id of the ego where it is among the objects that a rule about any object uses.
 pub const EGO_ID: &str = "ego";
 
 /// True for a signal with a value for each object and frame, by its name.
@@ -68,7 +68,7 @@ pub fn is_of_object(signal: &str) -> bool {
     signal.starts_with("target.") || signal.starts_with("object.")
 }
 
-/// True for a signal that is derived only when a rule asks for it, by its name: of any object, or of a pair.
+/// True for a signal that is derived only when a rule uses it, by its name: of any object, or of a pair.
 pub fn is_on_demand(signal: &str) -> bool {
     signal.starts_with("object.") || signal.starts_with("pair.")
 }

@@ -1,4 +1,4 @@
-//! Text that people read, in both languages. Not a translation system: whoever emits a text writes both.
+//! Text that people read, in both languages. Not a translation system: code that emits a text supplies both.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,5 @@
-//! Time. One clock per drive: nanoseconds since the Unix epoch as the log states them. Nothing here asks the machine
-//! what time it is.
+//! Time. One clock per drive: nanoseconds since the Unix epoch as the log states them. Nothing here reads the machine's
+//! clock.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,7 @@ impl Nanos {
         self.0.saturating_sub(earlier.0) as f64 / 1e9
     }
 
-    /// This time moved by `seconds`; at most to the first or last time that there is.
+    /// This time moved by `seconds`; limited to the first or last representable time.
     pub fn plus_secs(self, seconds: f64) -> Self {
         Self(self.0.saturating_add(Self::from_secs_f64(seconds).0))
     }

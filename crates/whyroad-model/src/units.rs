@@ -65,7 +65,7 @@ pub const UNITS: &[Unit] = &[
 ];
 
 impl Unit {
-    /// A number in this unit as people write it: `30 km/h`, `20°`, `3 m/s²`.
+    /// A number in this unit as displayed: `30 km/h`, `20°`, `3 m/s²`.
     pub fn of(&self, number: &str) -> String {
         match self.symbol {
             "" => number.to_owned(),

@@ -1,5 +1,5 @@
-//! Closed lists of words that maps and context states are made of. Adapters bring their sources' words to these;
-//! signals read no others. Their use is described in `docs/reference/lake.md`.
+//! Closed lists of words that maps and context states are made of. Adapters map their sources' words to these; signals
+//! read no others. Their use is described in `docs/reference/lake.md`.
 
 /// Tags of a lane ([`crate::road_map::Lane::tags`]).
 pub const LANE_TAGS: &[&str] =
@@ -57,8 +57,8 @@ pub const SIGN_KINDS: &[&str] = &[
     "warning_lights",
 ];
 
-/// Kinds of prohibitions that ask a moving car to slow or to take another way: all but those about parking, overtaking
-/// and vehicles of other kinds. `prohibition` itself is one of which nothing more is known.
+/// Kinds of prohibitions that require a moving car to slow or to take another route: all but those about parking,
+/// overtaking and vehicles of other kinds. `prohibition` itself is one without further details.
 pub const PROHIBITIONS: &[&str] = &[
     "prohibition",
     "no_entry",
@@ -70,7 +70,7 @@ pub const PROHIBITIONS: &[&str] = &[
     "width_limit",
 ];
 
-/// Kinds of warnings. `warning` itself is one of which nothing more is known.
+/// Kinds of warnings. `warning` itself is one without further details.
 pub const WARNINGS: &[&str] = &[
     "warning",
     "warning_pedestrians",
@@ -86,10 +86,10 @@ pub const WARNINGS: &[&str] = &[
     "warning_lights",
 ];
 
-/// Value of an unknown context state; it ends what was known before.
+/// Value of an unknown context state; it ends the previous state.
 pub const UNKNOWN: &str = "unknown";
 
-/// What the value of a context state is.
+/// Type of the value of a context state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContextValues {
     /// One of these words.

@@ -1,7 +1,7 @@
 //! YAML with source positions: a tree in which every key and value knows its line and column, so that all
-//! problems of a file are reported where they are. Only reading; meaning is given by whoever calls it.
+//! problems of a file are reported where they are. Only reading; the caller gives it meaning.
 //!
-//! [`from_str`] gives any type that serde reads, with the position of the first mistake; [`to_string`] writes.
+//! [`from_str`] returns any type that serde reads, with the position of the first mistake; [`to_string`] writes.
 //! [`parse`] gives the tree. [`FileReport`] and [`Fields`] read mappings field by field and report what is missing,
 //! misspelled, of the wrong type or written twice, each under the codes ([`FormCodes`]) of its family of files.
 

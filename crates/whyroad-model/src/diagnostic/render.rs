@@ -140,7 +140,7 @@ pub fn render_json(all: &[Diagnostic], lang: Lang) -> serde_json::Value {
     json!({ "diagnostics": rows, "errors": count(Severity::Error), "warnings": count(Severity::Warning) })
 }
 
-/// SARIF 2.1.0, one run, one rule a code.
+/// SARIF 2.1.0, one run, one rule per code.
 pub fn render_sarif(all: &[Diagnostic], lang: Lang) -> serde_json::Value {
     let mut codes: Vec<&str> = all.iter().map(|d| d.code).collect();
     codes.sort_unstable();

@@ -4,8 +4,8 @@ use super::LabelField;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-/// TypeScript source with one constant per pointer (`KEYFRAME_TIMESTAMP`; a function of the positions for what is in a
-/// list: `criticalComponentsItemId(n0)`), and the Chinese and English names of the fields that the page shows.
+/// TypeScript source with one constant per pointer (`KEYFRAME_TIMESTAMP`; a function of the positions for list
+/// elements: `criticalComponentsItemId(n0)`), and the Chinese and English names of the fields that the page shows.
 ///
 /// # Panics
 /// If two objects have a field of the same name that the page shows under different names.

@@ -23,7 +23,7 @@ pub struct ClipMetadata {
     pub capture_time: Nanos,
     /// Length, s.
     pub duration_sec: f64,
-    /// Nominal frames a second.
+    /// Nominal frames per second.
     pub frame_rate: f64,
     /// Number of frames.
     pub total_frames: u32,
@@ -88,10 +88,10 @@ pub struct PreLabelScenario {
 pub struct ScenarioPreLabelMessage {
     /// The pre-label.
     pub scenario_pre_label: ScenarioPreLabel,
-    /// Episode that this is about, in a file of many.
+    /// Episode that this refers to, in a file of many.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub episode_id: Option<String>,
-    /// Clip that this is about, in a file of many.
+    /// Clip that this refers to, in a file of many.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clip_id: Option<String>,
 }
@@ -121,10 +121,10 @@ pub struct ScenarioPreLabel {
 pub struct KeyframeSuggestionMessage {
     /// The suggestion.
     pub keyframe_suggestion: KeyframeSuggestion,
-    /// Episode that this is about, in a file of many.
+    /// Episode that this refers to, in a file of many.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub episode_id: Option<String>,
-    /// Clip that this is about, in a file of many.
+    /// Clip that this refers to, in a file of many.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clip_id: Option<String>,
 }

@@ -15,10 +15,9 @@ pub struct Coverage {
     pub taxonomy_version: String,
     /// Drives that were searched, sorted.
     pub drives: Vec<DriveId>,
-    /// Every leaf of the taxonomy, in its order; after a question of the user's own (`--rule`, `--query`) only its
-    /// class.
+    /// Every leaf of the taxonomy, in its order; after a custom question (`--rule`, `--query`) only its class.
     pub leaves: Vec<LeafCoverage>,
-    /// L2s with a rule of their own: what is known to be of the L2 while its variant is not. In taxonomy order.
+    /// L2s with their own rule, for episodes whose L2 is known but not the variant. In taxonomy order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unresolved: Vec<LeafCoverage>,
 }
@@ -50,7 +49,7 @@ pub struct LeafCoverage {
     pub primary_episodes: u64,
     /// Drives on which the rule could be decided.
     pub drives_searched: u64,
-    /// Drives on which it could not, by what they lack.
+    /// Drives on which it could not be decided, by what they lack.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gaps: Vec<DriveGap>,
 }
@@ -65,7 +64,8 @@ pub struct DriveGap {
     pub missing_signals: Vec<String>,
 }
 
-/// Ids of drives, sorted. Many classes lack the same on the same drives, and share one list; as JSON it is a list.
+/// Ids of drives, sorted. Classes that lack the same signals on the same drives share one list; in JSON it is a plain
+/// list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DriveList(pub Arc<[DriveId]>);
 

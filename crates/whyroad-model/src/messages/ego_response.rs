@@ -1,18 +1,18 @@
-//! Whether the ego answered a trigger: a part of episodes and of mining results.
+//! Whether the ego responded to a trigger: a part of episodes and of mining results.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Whether the ego answered what triggered an episode.
+/// Whether the ego responded to the trigger of an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EgoResponse {
-    /// The ego did what the rule counts as an answer (it slowed, waited, moved aside), or the rule's match is itself
-    /// what the ego did.
+    /// The ego did what the rule counts as a response (it slowed, waited, moved aside), or the rule's match is itself
+    /// the ego's action.
     Observed,
-    /// It did not, in the whole time range: a missed response, or one that was not needed.
+    /// It did not respond in the whole time range: a missed response, or one that was not needed.
     Absent,
-    /// The log cannot tell: it ends before, or lacks a signal.
+    /// The log does not show it: it ends before, or lacks a signal.
     Unknown,
 }
 

@@ -1,5 +1,5 @@
-//! One episode as mining writes it to `episodes.jsonl`: what `episodes.parquet` has, and in words what the
-//! report and the label drafts need beside it. Not one of DATA_FORMAT.md's messages.
+//! One episode as mining writes it to `episodes.jsonl`: the content of `episodes.parquet`, and the texts that the
+//! report and the label drafts need. Not one of DATA_FORMAT.md's messages.
 
 use super::ego_response::EgoResponse;
 use super::label::{Keyframe, TimeRange};
@@ -23,7 +23,7 @@ pub struct EpisodeRecord {
     /// The target that the rule bound; null for rules without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target_id: Option<TrackId>,
-    /// Who takes which role, where the rule binds two objects (`{"lead": .., "obstacle": ..}`); empty otherwise.
+    /// Object for each role, where the rule binds two objects (`{"lead": .., "obstacle": ..}`); empty otherwise.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub roles: BTreeMap<String, TrackId>,
     /// From start to end; frames count from the clip's first frame and are clamped to the clip.
@@ -48,7 +48,7 @@ pub struct EpisodeRecord {
     /// The primary episode that this one is secondary to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub primary_episode_id: Option<String>,
-    /// Whether the ego answered the trigger; absent in files of earlier versions.
+    /// Whether the ego responded to the trigger; absent in files of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ego_response: Option<EgoResponse>,
     /// How the keyframe was found, from the labeling spec.

@@ -1,10 +1,10 @@
-//! Asking for the episodes of a mined folder page by page: what is asked, and what one page holds. Not messages of
-//! DATA_FORMAT.md: types that the lake (which reads) and the service (which asks) share.
+//! Asking for the episodes of a mined folder page by page: the request, and the content of one page. Not messages of
+//! DATA_FORMAT.md: types that the lake (which reads) and the service (which requests) share.
 
 use super::episode::EpisodeRecord;
 use crate::{DriveId, ScenarioId};
 
-/// Which episodes are wanted. The default is all of them; every field that is set narrows it.
+/// Filter of episodes. The default is all of them; every field that is set narrows it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EpisodeFilter {
     /// Only episodes of this class or below it.
@@ -18,12 +18,12 @@ pub struct EpisodeFilter {
 }
 
 impl EpisodeFilter {
-    /// True when nothing is narrowed down.
+    /// True when no field is set.
     pub fn is_all(&self) -> bool {
         *self == Self::default()
     }
 
-    /// True when `record` is wanted.
+    /// True when `record` matches.
     pub fn accepts(&self, record: &EpisodeRecord) -> bool {
         self.scenario.as_ref().is_none_or(|id| record.scenario_id.is_within(id))
             && self.drive.as_ref().is_none_or(|id| record.drive_id == *id)
@@ -36,7 +36,7 @@ impl EpisodeFilter {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct EpisodeCursor(pub u64);
 
-/// Some of the episodes that were asked for.
+/// Some of the requested episodes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EpisodePage {
     /// In the order of drive, keyframe, class, target.

@@ -27,7 +27,7 @@ closed_set!(
 );
 
 closed_set!(
-    /// How sure the annotator or the situation lets one be.
+    /// Level of certainty, given the annotator and the situation.
     Uncertainty {
         /// Plain.
         Low = "low",
@@ -67,8 +67,7 @@ where
     Option::<T>::deserialize(d)
 }
 
-/// A field that must be there and may be null. schemars, left alone, takes an `Option` to be a field that may be
-/// absent.
+/// A field that must be there and may be null. By default schemars treats an `Option` as a field that may be absent.
 fn decision_or_null<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     let decision = T::json_schema(generator);
     json_schema!({
@@ -76,7 +75,7 @@ fn decision_or_null<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     })
 }
 
-/// `null` where an optional list may stand is the same as none, as it is for every other optional field.
+/// `null` for an optional list is the same as an absent list, as for every other optional field.
 fn none_as_empty<'de, D: serde::Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Vec<T>, D::Error> {
     Ok(Option::deserialize(from)?.unwrap_or_default())
 }

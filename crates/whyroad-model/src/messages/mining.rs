@@ -94,10 +94,10 @@ pub struct MinedClip {
     /// The target, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target_id: Option<String>,
-    /// Whether the ego answered the trigger.
+    /// Whether the ego responded to the trigger.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ego_response: Option<EgoResponse>,
-    /// False where the score is no share of right episodes, because none is known for the class.
+    /// False where the score is not a share of right episodes, because none is known for the class.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibrated: Option<bool>,
 }

@@ -1,5 +1,5 @@
-//! What a `mining_query` asks for: the comparisons of DATA_FORMAT.md 5.1 and, compatible with them, clauses that
-//! combine others (`any`, `all`, `not`), speak of time, or are written in the rule language
+//! The conditions of a `mining_query`: the comparisons of DATA_FORMAT.md 5.1 and, compatible with them, clauses that
+//! combine others (`any`, `all`, `not`), refer to time, or are written in the rule language
 //! (`docs/reference/rules.md`).
 
 use schemars::JsonSchema;
@@ -100,7 +100,7 @@ pub struct OverTime {
     /// Its time, s: needed by `for` and `within`, optional for `previously`, none for `rises` and `falls`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
-    /// What it speaks of.
+    /// Its operand.
     pub condition: Box<QueryClause>,
 }
 
@@ -132,11 +132,11 @@ pub struct RuleText {
 #[serde(rename_all = "lowercase")]
 #[schemars(inline)]
 pub enum OneOperator {
-    /// Belongs to a run of true that lasts at least so long.
+    /// Belongs to a run of true that lasts at least that time.
     For,
-    /// True now or at most so much later.
+    /// True now or within that time after now.
     Within,
-    /// True at some earlier time, at most so long ago.
+    /// True at some earlier time, within that time before now.
     Previously,
     /// True now and false just before.
     Rises,

@@ -3,22 +3,22 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What somebody says of a mined episode.
+/// A person's verdict on a mined episode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum VerdictKind {
     /// Class and keyframe are right.
     Right,
-    /// Something is there, of another class.
+    /// An episode of another class is there.
     WrongLeaf,
-    /// Nothing is there.
+    /// There is no episode.
     Nothing,
     /// The class is right, the keyframe is another moment.
     KeyframeMoved,
 }
 
 impl VerdictKind {
-    /// The word in the store and in exports.
+    /// Its identifier in the store and in exports.
     pub fn word(self) -> &'static str {
         match self {
             Self::Right => "right",
@@ -28,7 +28,7 @@ impl VerdictKind {
         }
     }
 
-    /// The one with this word.
+    /// The one with this identifier.
     pub fn from_word(word: &str) -> Option<Self> {
         [Self::Right, Self::WrongLeaf, Self::Nothing, Self::KeyframeMoved]
             .into_iter()

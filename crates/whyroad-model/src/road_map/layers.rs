@@ -1,10 +1,10 @@
-//! What a map has of the road: by layer, completely, in part, derived from its geometry, or not at all. Whatever an
-//! absent layer would tell is unknown, never "none".
+//! How much of each layer of the road a map has: all, part, derived from its geometry, or nothing. Information of an
+//! absent layer is unknown, never "none".
 
 use crate::{Bilingual, Need};
 use serde::{Deserialize, Serialize};
 
-/// A part of the road that a map may have or not.
+/// A part of the road that a map may contain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MapLayer {
@@ -16,7 +16,7 @@ pub enum MapLayer {
     Crosswalks,
     /// Lines at which to stop.
     StopLines,
-    /// Where traffic lights stand.
+    /// Where traffic lights are.
     Lights,
     /// Legal speed limits of lanes.
     SpeedLimits,
@@ -32,7 +32,7 @@ pub enum MapLayer {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LayerState {
-    /// All there is: what is not in the map is not on the road.
+    /// Complete: what is not in the map is not on the road.
     Complete,
     /// Some of it.
     Partial,
@@ -56,8 +56,8 @@ impl MapLayer {
         Self::Ramps,
     ];
 
-    /// What a log lacks whose map does not have the layer; `None` where signals depend on something else that is
-    /// checked by itself (states of lights, marks of each lane, heights).
+    /// The need that a log with a map without this layer lacks; `None` where signals depend on something else that is
+    /// checked separately (states of lights, marks of each lane, heights).
     pub fn need(self) -> Option<Need> {
         match self {
             Self::Connections => Some(Need::LaneConnections),
@@ -70,7 +70,7 @@ impl MapLayer {
         }
     }
 
-    /// The name for people.
+    /// The displayed name.
     pub fn name(self) -> Bilingual {
         let (zh, en) = match self {
             Self::Connections => ("车道连接", "connections"),
@@ -88,7 +88,7 @@ impl MapLayer {
 }
 
 impl LayerState {
-    /// The name for people.
+    /// The displayed name.
     pub fn name(self) -> Bilingual {
         let (zh, en) = match self {
             Self::Complete => ("完整", "complete"),

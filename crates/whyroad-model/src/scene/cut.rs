@@ -1,12 +1,13 @@
-//! A drive as it was at a moment, and stretches of it. What is not in a cut drive cannot be in what is made from it.
+//! A drive as known at a moment, and stretches of it. Data that a cut drive lacks cannot leak into results made from
+//! it.
 
 use super::{Drive, DriveMeta, Ego, EgoBus, Motion, Track};
 use crate::{FrameRange, Nanos};
 
 impl Drive {
-    /// The drive up to and with `until`: frames, rows and states of later times are not in it, nor what rests on a
+    /// The drive up to and with `until`: frames, rows and states of later times are not in it, nor values based on a
     /// later measurement (a pose between two samples, of which the second is later). Two recordings that are equal up
-    /// to `until` give equal results. The hash of the content and the list of what is missing speak of the whole drive
+    /// to `until` give equal results. The hash of the content and the list of what is missing describe the whole drive
     /// and are empty.
     pub fn until(&self, until: Nanos) -> Drive {
         let times = &self.times[..self.times.partition_point(|t| *t <= until)];
@@ -66,8 +67,7 @@ fn numbers(values: &[f64], first: usize, end: usize) -> Vec<f64> {
     if out.iter().any(|v| !v.is_nan()) { out } else { Vec::new() }
 }
 
-/// When rows were known that are at `times`: not after `until`, whatever came later; empty when none was known later
-/// than its own time.
+/// When the rows at `times` were known, at most `until`; empty when none was known later than its own time.
 fn known_at(all: Vec<Nanos>, times: impl Iterator<Item = Nanos>, until: Option<Nanos>) -> Vec<Nanos> {
     let all: Vec<Nanos> = all.into_iter().map(|at| until.map_or(at, |until| at.min(until))).collect();
     if all.iter().zip(times).any(|(at, time)| *at > time) { all } else { Vec::new() }
@@ -110,7 +110,7 @@ impl Motion {
 }
 
 impl EgoBus {
-    /// True when nothing of it is stated.
+    /// True when no value of it is stated.
     pub fn is_empty(&self) -> bool {
         let numbers = [&self.speed_mps, &self.steering, &self.throttle, &self.vertical_accel];
         let flags = [&self.brake, &self.aeb, &self.cruise, &self.wipers];
@@ -137,7 +137,7 @@ impl EgoBus {
         }
     }
 
-    /// Makes what is interpolated between samples unknown in a row; states hold from when they were stated.
+    /// Makes what is interpolated between samples unknown in a row; states are valid from when they were stated.
     fn forget(&mut self, row: usize) {
         let columns = [&mut self.speed_mps, &mut self.steering, &mut self.throttle, &mut self.vertical_accel];
         columns.into_iter().filter_map(|v| v.get_mut(row)).for_each(|v| *v = f64::NAN);
@@ -286,7 +286,7 @@ mod tests {
         });
         let class = |frames| drive(99.0).until_frame(frames).tracks[0].class;
         assert_eq!(class(1), ObjectClass::Unknown);
-        // One row of each: an unknown class says less than a known one.
+        // One row of each: an unknown class carries less information than a known one.
         assert_eq!(class(2), ObjectClass::Unknown, "the second row rests on frame 5");
         assert_eq!(class(6), ObjectClass::Car);
     }

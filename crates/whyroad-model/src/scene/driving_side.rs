@@ -1,5 +1,5 @@
-//! On which side of the road traffic drives: by the place, else by lanes that run against each other. No rule or signal
-//! may assume one.
+//! On which side of the road traffic drives: by location, else by lanes that run against each other. No rule or signal
+//! may assume a side.
 
 use super::Drive;
 use crate::road_map::{Lane, Point3, RoadMap};
@@ -107,7 +107,7 @@ fn dot(a: (f64, f64), b: (f64, f64)) -> f64 {
 mod tests {
     use super::*;
 
-    /// Two-way streets; the neighbor that comes towards one is on the given side.
+    /// Two-way streets; the oncoming neighbor is on the given side.
     fn map(oncoming_left: bool) -> RoadMap {
         let lane = |id: String, towards: f64, other: String| {
             let center = [0.0, 50.0].map(|x| Point3 { x: towards * x, y: 0.0, z: 0.0 }).to_vec();

@@ -1,6 +1,6 @@
-//! From a YAML tree to Rust types through serde: for files with a plain form, of which the first mistake is enough.
-//! The error keeps its position. Files that people edit much are read with [`super::Fields`], which reports every
-//! mistake.
+//! From a YAML tree to Rust types through serde: for files with a simple form, where reporting the first mistake is
+//! enough. The error keeps its position. Files that people edit often are read with [`super::Fields`], which reports
+//! every mistake.
 
 use super::tree::{Entry, Mark, Node, Scalar, Style, SyntaxCause, SyntaxError, Value, parse};
 use crate::{Bilingual, Diagnostic, Location};
@@ -11,7 +11,7 @@ use serde::de::{
 use serde::{Deserialize, forward_to_deserialize_any};
 use std::fmt;
 
-/// Why a text or a tree is not a value of the wanted type. The message quotes what is written.
+/// Why a text or a tree is not a value of the required type. The message quotes the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DecodeError {
     /// What is wrong, in serde's words.
@@ -48,8 +48,8 @@ impl From<SyntaxError> for DecodeError {
 }
 
 impl DecodeError {
-    /// This error as a diagnostic at its place in `file`. `what` is what the file holds, as it begins a sentence: "the
-    /// word list".
+    /// This error as a diagnostic at its place in `file`. `what` names the content of the file, as the beginning of a
+    /// sentence: "the word list".
     pub fn diagnostic(&self, code: &'static str, file: &str, what: Bilingual) -> Diagnostic {
         let location = Location {
             file: Some(file.to_owned()),

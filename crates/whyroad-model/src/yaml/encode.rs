@@ -1,5 +1,5 @@
-//! From any serializable value to block-style YAML, for output that people read. Fields keep their order; whatever
-//! could be read as something else is quoted.
+//! From any serializable value to block-style YAML, for output that people read. Fields keep their order; any text that
+//! could be read as another type is quoted.
 
 use super::tree::{Entry, Node, Scalar, Style, Value, parse};
 use serde::Serialize;
@@ -74,7 +74,7 @@ fn line(value: &Value, out: &mut String) {
     out.push('\n');
 }
 
-/// A text without quotes where nothing else can be meant by it; otherwise as a JSON string, which YAML reads too.
+/// A text without quotes where it is unambiguous; otherwise as a JSON string, which YAML reads too.
 fn text(t: &str) -> String {
     let plain = !t.is_empty()
         && t.trim() == t

@@ -1,5 +1,5 @@
-//! Reading a mapping field by field, going on after each mistake: what is missing, of the wrong kind, written
-//! twice or unknown is reported with its location, and the rest is read.
+//! Reading a mapping field by field, continuing after each mistake: fields that are missing, of the wrong type, written
+//! twice or unknown are reported with their location, and the rest is read.
 
 use super::{Entry, Mark, Node, Value};
 use crate::suggest::{did_you_mean, suggestion};
@@ -136,7 +136,7 @@ impl<'t> FileReport<'t> {
     }
 }
 
-/// A mapping that is being read. Every key that is asked for is known; [`Fields::close`] reports the others.
+/// A mapping that is being read. Every key that is requested is known; [`Fields::close`] reports the others.
 pub struct Fields<'n> {
     node: &'n Node,
     entries: Vec<&'n Entry>,
@@ -189,7 +189,7 @@ impl<'n> Fields<'n> {
         self.get(key).map_or(&[], |n| report.items(n))
     }
 
-    /// Reports the keys that were not asked for.
+    /// Reports the keys that were not requested.
     pub fn close(self, report: &mut FileReport) {
         for e in &self.entries {
             if self.asked.contains(&e.key.as_str()) {

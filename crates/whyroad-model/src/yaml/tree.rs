@@ -24,7 +24,7 @@ pub struct Node {
     pub pointer: String,
 }
 
-/// What a value is. Scalars stay text: `version: 2.0` must not become a number on the way.
+/// What a value is. Scalars stay text: `version: 2.0` must not become a number.
 #[derive(Clone, Debug)]
 pub enum Value {
     /// Empty, `~` or `null`.
@@ -77,7 +77,7 @@ pub struct SyntaxError {
     pub mark: Mark,
 }
 
-/// What a [`SyntaxError`] is about.
+/// The cause of a [`SyntaxError`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SyntaxCause {
     /// Not YAML; the parser's message.
@@ -111,7 +111,7 @@ impl Node {
         self.entries().iter().find(|e| e.key == key).map(|e| &e.node)
     }
 
-    /// The same value, wherever and in whatever notation it is written.
+    /// True for equal values, regardless of position and notation.
     pub fn same_content(&self, other: &Node) -> bool {
         match (&self.value, &other.value) {
             (Value::Null, Value::Null) => true,
