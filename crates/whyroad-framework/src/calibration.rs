@@ -1,6 +1,6 @@
-//! How often mined episodes are right (`schema/calibration.yaml`): by class and margin score, the share of judged
-//! episodes that was right. Mining makes its scores from it; `whyroad calibrate` writes it. How shares are estimated
-//! from judged episodes is `whyroad_report::calibration`.
+//! Accuracy of mined episodes (`schema/calibration.yaml`): by class and margin score, the share of judged episodes that
+//! was right. Mining makes its scores from it; `whyroad calibrate` writes it. How shares are estimated from judged
+//! episodes is `whyroad_report::calibration`.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use whyroad_model::{Bilingual, Diagnostic, ScenarioId, yaml};
 /// Name of the file in a framework.
 pub const CALIBRATION_FILE: &str = "schema/calibration.yaml";
 
-/// Codes of faults of the file.
+/// Codes of errors in the file.
 pub const CODES: &[&str] = &["calibration.file"];
 
 /// A class with fewer judged episodes is not calibrated: the table keeps its counts, mining does not use them.
@@ -21,7 +21,7 @@ pub const LEAST_JUDGED: usize = 5;
 pub struct Calibration {
     /// Version of the file.
     pub version: String,
-    /// What was judged.
+    /// The judged episodes.
     pub sources: Vec<CalibrationSource>,
     /// In the order of their ids.
     pub classes: Vec<ClassCalibration>,
@@ -43,7 +43,7 @@ pub struct CalibrationSource {
     pub right: usize,
 }
 
-/// Who says what is right.
+/// Source of the judgments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SourceKind {
@@ -91,7 +91,7 @@ impl ClassCalibration {
         self.judged >= LEAST_JUDGED && !self.steps.is_empty()
     }
 
-    /// Share at a margin score, whatever the number of judged episodes; that of the first step below it.
+    /// Share at a margin score, for any number of judged episodes; that of the first step below it.
     pub fn share_at(&self, margin_score: f64) -> Option<f64> {
         // Both evaluators agree on four decimals of a margin score.
         let score = (margin_score * 1e4).round() / 1e4;
@@ -101,8 +101,8 @@ impl ClassCalibration {
 }
 
 impl Calibration {
-    /// From the text of the file; `file` is named in diagnostics. A table with a fault is not used at all: part of it
-    /// would make scores that do not compare.
+    /// From the text of the file; `file` is named in diagnostics. A table with an error is not used at all: scores from
+    /// a part of it would not be comparable.
     pub fn parse(file: &str, text: &str) -> (Calibration, Vec<Diagnostic>) {
         let fault = |message: Bilingual| {
             let hint = Bilingual::new(
@@ -147,7 +147,7 @@ impl Calibration {
         ))
     }
 
-    /// What is known of a class, even where it is not enough to be used.
+    /// The entry of a class, even where it has too few episodes to be used.
     pub fn class(&self, id: &ScenarioId) -> Option<&ClassCalibration> {
         self.classes.binary_search_by(|c| c.id.cmp(id)).ok().map(|i| &self.classes[i])
     }
@@ -169,7 +169,7 @@ impl Calibration {
 }
 
 impl ClassCalibration {
-    /// What cannot be, in Chinese and English.
+    /// Description of an impossible value, in Chinese and English.
     fn fault(&self) -> Option<(&'static str, &'static str)> {
         let share = |x: f64| (0.0..=1.0).contains(&x);
         let [low, high] = self.interval;

@@ -1,4 +1,4 @@
-//! Checks of every message but the label (DATA_FORMAT.md 2.2, 3 and 5), and what they share with the checks of labels
+//! Checks of every message but the label (DATA_FORMAT.md 2.2, 3 and 5), and the parts shared with the checks of labels
 //! in whyroad-label: JSON with spans ([`json`]), the tolerant walk over it ([`walk`]), and findings ([`finding`]).
 //!
 //! Nothing here opens a file, and nothing here knows what a label means.
@@ -36,7 +36,7 @@ pub struct Verdict {
 }
 
 /// Parses `text`, checks it as the message it is, and adds the findings, sorted by location, to `out`. Locations have
-/// no file name. What to do with a label is the caller's to say.
+/// no file name. The caller handles labels.
 pub fn check_document<'t>(
     text: &'t str,
     origin: &'t Origin,
@@ -68,7 +68,7 @@ pub fn check_document<'t>(
     Verdict { kind, valid, foreign }
 }
 
-/// Everything wrong with a text that should be a message of this kind; [`MessageKind::CocLabel`] is not one of them.
+/// All errors of a text that should be a message of this kind; [`MessageKind::CocLabel`] is not one of them.
 pub fn check_message(text: &str, kind: MessageKind, classes: &ClassIndex) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     let origin = Origin::start();

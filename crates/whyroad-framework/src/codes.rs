@@ -1,8 +1,8 @@
-//! The stable codes of what this crate finds in taxonomies and labeling specs. Each has a page in
-//! `docs/diagnostics/`; tests hold this list equal to the pages and show that each code is emitted.
+//! The stable codes of this crate's findings in taxonomies and labeling specs. Each has a page in
+//! `docs/diagnostics/`; tests compare this list with the pages and show that each code is emitted.
 //! Codes of labels are in `validate`.
 
-/// Codes of taxonomy files, decision files, TAXONOMY.md pages and of asking for a class.
+/// Codes of taxonomy files, decision files, TAXONOMY.md pages and of looking up a class.
 pub const TAXONOMY: &[&str] = &[
     "taxonomy.against.self",
     "taxonomy.against.unknown",

@@ -1,5 +1,4 @@
-//! Which decisions a class goes with (`scenarios/decisions.yaml`, which says what each part means), leaves with what
-//! they inherit from their L2.
+//! Decisions that fit each class (`scenarios/decisions.yaml`, which documents each part); leaves inherit from their L2.
 
 mod causes;
 mod read;
@@ -12,10 +11,10 @@ use std::collections::BTreeMap;
 use whyroad_model::ScenarioId;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 
-/// How a decision stands to a class.
+/// Relation of a decision to a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Fit {
-    /// Seen most of the time.
+    /// Usual.
     Usual,
     /// Seen and allowed.
     Possible,
@@ -23,10 +22,10 @@ pub enum Fit {
     Impossible,
 }
 
-/// A lateral decision as the table writes it: with a direction, only that direction is meant.
+/// A lateral decision as the table writes it: with a direction, only that direction matches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LateralEntry {
-    /// The decision; `None` is no change.
+    /// The decision; `None` means no change.
     pub lateral: Option<Lateral>,
     /// The only direction; `None`: every direction.
     pub direction: Option<LateralDirection>,
@@ -35,13 +34,13 @@ pub struct LateralEntry {
 /// The decisions of one class.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ClassDecisions {
-    /// Along the path; `None` is no change. The usual ones first.
+    /// Along the path; `None` means no change. The usual ones first.
     pub longitudinal: Vec<(Option<Longitudinal>, Fit)>,
     /// Across the path. The usual ones first.
     pub lateral: Vec<(LateralEntry, Fit)>,
     /// At least one channel has a decision.
     pub decides: bool,
-    /// What the texts must speak of; empty where nothing is prescribed.
+    /// Things that the texts must mention; empty where nothing is required.
     pub about: GroupSet,
     /// The same by name, for messages.
     pub about_names: Vec<String>,
@@ -56,7 +55,7 @@ impl ClassDecisions {
         found.map_or(Fit::Impossible, |(_, fit)| *fit)
     }
 
-    /// How `lateral` fits, in whatever direction.
+    /// How `lateral` fits, in any direction.
     pub fn lateral_fit(&self, lateral: Option<Lateral>) -> Fit {
         let fits = self.lateral.iter().filter(|(e, _)| e.lateral == lateral).map(|(_, fit)| *fit);
         fits.min().unwrap_or(Fit::Impossible)
@@ -70,7 +69,7 @@ impl ClassDecisions {
         fits.min().unwrap_or(Fit::Impossible)
     }
 
-    /// What either of two classes allows: for a label of which only the L2 is known.
+    /// What either of two classes allows: for a label with only the L2.
     #[must_use]
     pub fn or(&self, other: &ClassDecisions) -> ClassDecisions {
         let mut out = self.clone();
@@ -102,8 +101,8 @@ impl ClassDecisions {
 pub struct DecisionTable {
     /// By leaf.
     pub leaves: BTreeMap<ScenarioId, ClassDecisions>,
-    /// What can bring about what.
+    /// Possible causes of decisions.
     pub causes: Causes,
-    /// Decisions that do not go together in any class.
+    /// Decisions that cannot be combined in any class.
     pub impossible_pairs: Vec<(Longitudinal, Lateral)>,
 }

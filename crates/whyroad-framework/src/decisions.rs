@@ -1,5 +1,5 @@
 //! Names and meanings of the driving decisions (`schema/driving_decisions.yaml`). The closed sets themselves
-//! are `whyroad_model::decision`; loading holds the two equal.
+//! are `whyroad_model::decision`; loading checks that the two are equal.
 
 mod read;
 
@@ -13,7 +13,7 @@ use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 pub struct DecisionSets {
     /// `major.minor.patch`.
     pub version: String,
-    /// What null means: no change of decision.
+    /// Meaning of null: no change of decision.
     pub null_decision: DecisionText,
     /// Along the path.
     pub longitudinal: Vec<LongitudinalText>,
@@ -21,7 +21,7 @@ pub struct DecisionSets {
     pub lateral: Vec<LateralText>,
 }
 
-/// One longitudinal decision in words.
+/// Texts of one longitudinal decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LongitudinalText {
     /// Which.
@@ -30,7 +30,7 @@ pub struct LongitudinalText {
     pub text: DecisionText,
 }
 
-/// One lateral decision in words.
+/// Texts of one lateral decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LateralText {
     /// Which.
@@ -41,14 +41,14 @@ pub struct LateralText {
     pub directions: Vec<LateralDirection>,
 }
 
-/// What is said of a decision.
+/// Texts of a decision.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DecisionText {
     /// Short name.
     pub name: Bilingual,
-    /// What it means.
+    /// Its meaning.
     pub meaning: Bilingual,
-    /// What it is not to be confused with.
+    /// Similar decisions and how they differ.
     pub not: Option<Bilingual>,
     /// The row of AR1 table 1 that it maps to (LABELING.md 2), where there is one.
     pub ar1: Option<String>,
@@ -65,7 +65,7 @@ impl DecisionSets {
         self.lateral.iter().find(|d| d.id == id).map(|d| &d.text)
     }
 
-    /// Name of a decision of either channel, for people; its id where the file has no name.
+    /// Displayed name of a decision of either channel; its id where the file has no name.
     pub fn name(&self, id: &str) -> Bilingual {
         let along = Longitudinal::from_id(id).and_then(|d| self.longitudinal(d));
         let text = along.or_else(|| Lateral::from_id(id).and_then(|d| self.lateral(d)));

@@ -1,12 +1,12 @@
-//! What changed between two taxonomies, and how large a step that is under DATA_FORMAT.md 1.3.
+//! Changes between two taxonomies, and the resulting version step under DATA_FORMAT.md 1.3.
 //!
 //! A step is **major** when a label that was right under A may be wrong or invalid under B: a class removed,
 //! moved or given another id, or its *meaning* changed. It is **minor** when B only adds: a class, a rule that
 //! decides between two classes that had none, other typical decisions (which guide and do not bind). Everything
 //! else is wording, order or reference: **patch**.
 //!
-//! What a definition, condition or deciding rule means is judged in `wording`. Two whole frameworks are compared by
-//! [`diff_frameworks`]: their labeling specs (`labelling`) and mining rules (`mining`) too.
+//! Changes of meaning in a definition, condition or deciding rule are judged in `wording`. Two whole frameworks are
+//! compared by [`diff_frameworks`]: their labeling specs (`labelling`) and mining rules (`mining`) too.
 
 mod framework;
 mod labelling;
@@ -31,9 +31,9 @@ pub struct TaxonomyDiff {
     pub to_version: String,
     /// By kind; within a kind in tree order of B, removed classes in that of A.
     pub changes: Vec<Change>,
-    /// The least step that all these changes call for.
+    /// The smallest step that all these changes require.
     pub step: Step,
-    /// What the versions say; the worst of all files.
+    /// Result of the version check; the worst of all files.
     pub version_check: VersionCheck,
     /// Each file whose version counts: the taxonomy, then the files of `scenarios/` with changes.
     pub files: Vec<FileVersion>,
@@ -49,7 +49,7 @@ pub struct Change {
     /// Its id in A, where it moved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from_id: Option<ScenarioId>,
-    /// The field that changed, as the file calls it; absent where the class as a whole did.
+    /// The field that changed, as named in the file; absent where the class as a whole changed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub field: Option<&'static str>,
     /// The text in A.
@@ -58,7 +58,7 @@ pub struct Change {
     /// The text in B.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub after: Option<Bilingual>,
-    /// The step that this change alone calls for.
+    /// The step that this change alone requires.
     pub step: Step,
 }
 
@@ -74,9 +74,9 @@ pub enum ChangeKind {
     Added,
     /// Same id, other name.
     Renamed,
-    /// A label may now be wrong, or a class reads otherwise in a way that counts.
+    /// A label may now be wrong, or the meaning of a class changed.
     MeaningChanged,
-    /// Said differently, meaning the same.
+    /// Other wording, same meaning.
     Reworded,
     /// Order among siblings, or a reference.
     Arranged,
@@ -86,15 +86,15 @@ pub enum ChangeKind {
     Mining,
 }
 
-/// Whether B's version is high enough. In order of how bad it is.
+/// Whether B's version is high enough. In order of severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum VersionCheck {
-    /// The stated step is as large as it must be, or larger.
+    /// The stated step is at least as large as required.
     Consistent,
     /// A or B states no version.
     Unknown,
-    /// B states a smaller step than its changes call for.
+    /// B states a smaller step than its changes require.
     TooSmall,
     /// B states an earlier version than A.
     Backwards,
@@ -111,12 +111,12 @@ struct Entry<'t> {
     spec_ref: Option<&'t str>,
 }
 
-/// What can be compared.
+/// The comparable fields.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Scope {
     /// All fields.
     Everything,
-    /// What a TAXONOMY.md says: names, and those definitions and conditions that both sides state.
+    /// The content of a TAXONOMY.md: names, and those definitions and conditions that both sides state.
     Page,
 }
 
@@ -143,7 +143,7 @@ pub fn diff(a: &Taxonomy, b: &Taxonomy) -> TaxonomyDiff {
         }
     }
     order(a, b, &mut changes);
-    // Stable: within a kind the order stays that of the tree.
+    // Stable sort: within a kind the tree order is kept.
     changes.sort_by_key(|c| c.kind);
     let step = changes.iter().map(|c| c.step).max().unwrap_or_default();
     let file = FileVersion::of(framework::TAXONOMY, &a.version, &b.version, step);

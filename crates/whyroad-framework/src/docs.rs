@@ -126,7 +126,7 @@ fn decisions(typical: &TypicalDecisions) -> String {
     ids.map(|id| format!("`{id}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// What a labeler must do beyond keyframe, start and end; those are in `whyroad taxonomy show`.
+/// Requirements for a labeler besides keyframe, start and end; those are in `whyroad taxonomy show`.
 fn labelling(spec: Option<&ResolvedSpec>) -> String {
     let Some(spec) = spec else { return "?".to_owned() };
     let mut parts = vec![format!("keyframe: {}", spec.keyframe.kind)];
@@ -150,7 +150,7 @@ fn tree(f: &Framework, out: &mut String) {
     let _ = write!(out, "---\n\n## 场景树状图 · Tree\n\n```\n{}```\n", tree_text(f));
 }
 
-/// Text that cannot break a table.
+/// Text that is safe in a table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
 }

@@ -1,4 +1,4 @@
-//! Texts of label drafts (`schema/draft_texts.yaml`, which says what each part is).
+//! Texts of label drafts (`schema/draft_texts.yaml`, which documents each part).
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -18,9 +18,9 @@ pub struct DraftTexts {
     traces: Phrasings,
     /// By id of [`WhyKept`].
     kept: BTreeMap<String, KeptTexts>,
-    /// That the ego goes on with a change of its speed, where nothing new is decided: `rises` or `falls`.
+    /// States that the ego continues a change of its speed, without a new decision: `rises` or `falls`.
     goes_on: BTreeMap<String, Phrasings>,
-    /// Why the lead calls for a decision where the class is about something else.
+    /// Why the lead requires a decision where the class is about something else.
     lead: Vec<WhyWhen>,
     classes: BTreeMap<String, ClassTexts>,
     decisions: DecisionTexts,
@@ -34,7 +34,7 @@ pub struct Openings {
     pub standing: Phrasings,
     /// It moves; `{speed}` is its speed.
     pub moving: Phrasings,
-    /// It moves, and a number is said of something else.
+    /// It moves, and the text has a number of something else.
     pub moving_without_speed: Phrasings,
 }
 
@@ -42,40 +42,40 @@ pub struct Openings {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClassTexts {
-    /// The component where the recording tells none.
+    /// The component where the recording shows none.
     seen: Option<Seen>,
-    /// What it is where signals tell more: the first whose conditions hold at the keyframe.
+    /// More specific components by signals: the first whose conditions hold at the keyframe.
     seen_when: Option<Vec<SeenWhen>>,
-    /// A further component where signals show what the reason speaks of: the first whose conditions hold.
+    /// A further component where signals show what the reason refers to: the first whose conditions hold.
     also_when: Option<Vec<SeenWhen>>,
-    /// Where the navigation leads is a component, where the recording tells it.
+    /// The navigation route is a component, where the recording has it.
     routed: Option<bool>,
     /// The class is about the lead, where its rule names no target.
     of_lead: Option<bool>,
-    /// What the target of the episode does, where the class says it better than its motion at the keyframe.
+    /// Action of the episode's target, where the class describes it better than its motion at the keyframe.
     doing: Option<Pair>,
-    /// What the target does, where a signal of it tells: the first that holds at the keyframe.
+    /// Action of the target by its signals: the first that holds at the keyframe.
     #[serde(default)]
     doing_when: Vec<DoingWhen>,
-    /// Why it calls for a decision.
+    /// Why it requires a decision.
     why: Option<Phrasings>,
     /// The same while signals hold: the first whose conditions do.
     #[serde(default)]
     why_when: Vec<WhyWhen>,
-    /// The same of one decision, by its id.
+    /// The same for one decision, by its id.
     #[serde(default)]
     why_for: BTreeMap<String, Phrasings>,
     /// The same where only one of the two channels decides.
     why_only: Option<WhyOnly>,
-    /// Where nothing new is decided, in words of this class.
+    /// Without a new decision, in the class's own words.
     #[serde(default)]
     kept: BTreeMap<String, KeptTexts>,
-    /// Decisions of both channels in words of this class.
+    /// Decisions of both channels, in the class's own words.
     #[serde(default)]
     decisions: BTreeMap<String, Phrasings>,
 }
 
-/// What holds of a signal at the keyframe: a flag is true, or what is stated of a number or a category.
+/// A condition on a signal at the keyframe: a flag is true, or a number or category meets the condition.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SignalCondition {
@@ -97,7 +97,7 @@ pub struct SignalCondition {
     pub below_signal: Option<String>,
 }
 
-/// What a target does while signals hold.
+/// Action of a target while conditions hold.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DoingWhen {
@@ -114,7 +114,7 @@ impl DoingWhen {
     }
 }
 
-/// A component while signals hold.
+/// A component while conditions hold.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SeenWhen {
@@ -138,12 +138,12 @@ impl SeenWhen {
     }
 }
 
-/// Why it calls for a decision while signals hold.
+/// Why it requires a decision while conditions hold.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WhyWhen {
     when: Vec<SignalCondition>,
-    /// Of this decision only, by its id; `none` where nothing new is decided.
+    /// Of this decision only, by its id; `none` for no new decision.
     decision: Option<String>,
     why: Phrasings,
 }
@@ -159,7 +159,7 @@ impl WhyWhen {
 pub struct Reason<'a> {
     /// All of these hold; without any it always may.
     pub when: &'a [SignalCondition],
-    /// Ways to say it.
+    /// Alternative phrasings.
     pub texts: &'a Phrasings,
 }
 
@@ -170,7 +170,7 @@ struct WhyOnly {
     lateral: Option<Phrasings>,
 }
 
-/// What a class is about, in words.
+/// Texts of the subject of a class.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Seen {
@@ -200,7 +200,7 @@ struct Pair {
     en: String,
 }
 
-/// Several ways to say the same.
+/// Alternative phrasings.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Phrasings {
@@ -232,14 +232,14 @@ struct DecisionTexts {
     lateral: BTreeMap<String, Phrasings>,
 }
 
-/// Why nothing new is decided: what holds at the keyframe.
+/// Why there is no new decision: the situation at the keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhyKept {
     /// The ego is at standstill.
     Standing,
-    /// The speed of the ego falls already.
+    /// The ego's speed is already falling.
     Slowing,
-    /// The speed of the ego rises already.
+    /// The ego's speed is already rising.
     Speeding,
     /// The target is beside the ego or behind it.
     Beside,
@@ -251,7 +251,7 @@ pub enum WhyKept {
     OffPath,
     /// The ego is slow.
     Slow,
-    /// Nobody else is what the class is about: the speed of the ego suits the place.
+    /// The class is not about another road user: the ego's speed suits the location.
     Suits,
     /// The ego turns, which changes nothing along its path.
     Turning,
@@ -275,7 +275,7 @@ impl WhyKept {
         Self::Driving,
     ];
 
-    /// What it is called in `schema/draft_texts.yaml`.
+    /// Its name in `schema/draft_texts.yaml`.
     pub fn id(self) -> &'static str {
         match self {
             Self::Standing => "standing",
@@ -293,13 +293,13 @@ impl WhyKept {
     }
 }
 
-/// Where nothing new is decided.
+/// Texts for no new decision.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct KeptTexts {
-    /// What lets the ego go on with what it does.
+    /// The reason why the ego continues its action.
     why: Option<Phrasings>,
-    /// That it does.
+    /// The statement that it continues.
     none: Option<Phrasings>,
 }
 
@@ -315,12 +315,12 @@ impl DraftTexts {
         }
     }
 
-    /// What the class is about: of the leaf, or of its L2.
+    /// Subject of the class: of the leaf, or of its L2.
     pub fn seen(&self, class: &ScenarioId) -> Option<&Seen> {
         self.of(class, |c| c.seen.as_ref())
     }
 
-    /// The ego does what it does because of its route: the leaf, or its L2.
+    /// The route is the reason for the ego's action: of the leaf, or of its L2.
     pub fn is_routed(&self, class: &ScenarioId) -> bool {
         self.of(class, |c| c.routed.as_ref()).is_some_and(|r| *r)
     }
@@ -330,7 +330,7 @@ impl DraftTexts {
         self.of(class, |c| c.of_lead.as_ref()).is_some_and(|l| *l)
     }
 
-    /// Why the lead calls for this decision along the path, of whatever class, in the order in which they are tried.
+    /// Why the lead requires this longitudinal decision, in any class, in the order in which they are tried.
     pub fn reasons_of_lead(&self, decision: Option<Longitudinal>) -> Vec<Reason<'_>> {
         let fits = |w: &&WhyWhen| match decision {
             Some(d) => w.decision.as_deref() == Some(d.id()),
@@ -339,17 +339,17 @@ impl DraftTexts {
         self.lead.iter().filter(fits).map(|w| Reason { when: &w.when, texts: &w.why }).collect()
     }
 
-    /// What the target does, in Chinese and English: of the leaf, or of its L2.
+    /// Action of the target, in Chinese and English: of the leaf, or of its L2.
     pub fn doing(&self, class: &ScenarioId) -> Option<(&str, &str)> {
         self.of(class, |c| c.doing.as_ref()).map(|p| (p.zh.as_str(), p.en.as_str()))
     }
 
-    /// What the target does while a signal of it holds: of the leaf, or of its L2.
+    /// Action of the target while conditions hold: of the leaf, or of its L2.
     pub fn doing_when(&self, class: &ScenarioId) -> &[DoingWhen] {
         self.of(class, |c| Some(&c.doing_when).filter(|all| !all.is_empty())).map_or(&[], Vec::as_slice)
     }
 
-    /// What the class is about where signals tell more than [`DraftTexts::seen`]: of the leaf, or of its L2.
+    /// Subject of the class where signals are more specific than [`DraftTexts::seen`]: of the leaf, or of its L2.
     pub fn seen_when(&self, class: &ScenarioId) -> &[SeenWhen] {
         self.of(class, |c| c.seen_when.as_ref()).map_or(&[], Vec::as_slice)
     }
@@ -359,8 +359,8 @@ impl DraftTexts {
         self.of(class, |c| c.also_when.as_ref()).map_or(&[], Vec::as_slice)
     }
 
-    /// Why the class calls for this decision, in the order in which they are tried; the last one has no conditions.
-    /// What an L2 says of this decision comes before what a leaf says of any.
+    /// Why the class requires this decision, in the order in which they are tried; the last one has no conditions. An
+    /// L2's text for this decision takes precedence over a leaf's text for any decision.
     pub fn reasons(&self, class: &ScenarioId, decision: &DrivingDecision) -> Vec<Reason<'_>> {
         let ids = [decision.longitudinal.map(Longitudinal::id), decision.lateral.map(Lateral::id)];
         let (mut found, mut any) = (Vec::new(), None);
@@ -387,23 +387,24 @@ impl DraftTexts {
         found
     }
 
-    /// The class, or its L2, has a reason of its own for this decision, by its id.
+    /// The class, or its L2, has its own reason for this decision, by its id.
     pub fn has_reason_for(&self, class: &ScenarioId, decision: &str) -> bool {
         self.of(class, |c| c.why_for.get(decision)).is_some()
     }
 
-    /// Why the class calls for no new decision, where signals tell, in the order in which they are tried.
+    /// Why the class requires no new decision, by signals, in the order in which they are tried.
     pub fn reasons_for_none(&self, class: &ScenarioId) -> Vec<Reason<'_>> {
         let all = self.levels(class).flat_map(|c| &c.why_when);
         all.filter(|w| w.is_of_none()).map(|w| Reason { when: &w.when, texts: &w.why }).collect()
     }
 
-    /// That the speed of the ego goes on to change so, where nothing new is decided: `rises` or `falls`.
+    /// States that the ego's speed continues to change, without a new decision: `rises` or `falls`.
     pub fn goes_on(&self, trend: &str) -> Option<&Phrasings> {
         self.goes_on.get(trend)
     }
 
-    /// Why nothing new is decided, and that it is not: in words of the class, or else in those of all.
+    /// Why there is no new decision, and the statement that there is none: in the class's own words, or else in the
+    /// common words.
     pub fn kept(&self, class: &ScenarioId, kept: WhyKept) -> (Option<&Phrasings>, Option<&Phrasings>) {
         let of_all = self.kept.get(kept.id());
         let of_class = self.of(class, |c| c.kept.get(kept.id()));
@@ -413,7 +414,7 @@ impl DraftTexts {
         (part(|k| k.why.as_ref()), part(|k| k.none.as_ref()))
     }
 
-    /// Texts of the class and, of a leaf, those of its L2.
+    /// Texts of the class and, for a leaf, those of its L2.
     fn levels(&self, class: &ScenarioId) -> impl Iterator<Item = &ClassTexts> {
         let l2 = class.l3.is_some().then(|| ScenarioId { l3: None, ..class.clone() }.to_string());
         std::iter::once(class.to_string()).chain(l2).filter_map(|id| self.classes.get(&id))
@@ -423,21 +424,21 @@ impl DraftTexts {
         self.levels(class).find_map(part)
     }
 
-    /// A longitudinal decision as the end of a trace: in words of the class, or else in those of all; each where the
-    /// ego moves as `motion` says (`slows`, `stops`, `speeds_up`), or else however it does.
+    /// A longitudinal decision as the end of a trace: in the class's own words, or else in the common words; each first
+    /// for the ego's `motion` (`slows`, `stops`, `speeds_up`), then for any motion.
     pub fn longitudinal(&self, class: &ScenarioId, d: Longitudinal, motion: &str) -> Option<&Phrasings> {
         let keys = [format!("{}.{motion}", d.id()), d.id().to_owned()];
         let of_class = self.of(class, |c| keys.iter().find_map(|key| c.decisions.get(key)));
         of_class.or_else(|| keys.iter().find_map(|key| self.decisions.longitudinal.get(key)))
     }
 
-    /// A lateral decision as the end of a trace, in words of the class, or else in those of all; `{side}` stands for
-    /// its direction.
+    /// A lateral decision as the end of a trace, in the class's own words, or else in the common words; `{side}` stands
+    /// for its direction.
     pub fn lateral(&self, class: &ScenarioId, d: Lateral) -> Option<&Phrasings> {
         self.of(class, |c| c.decisions.get(d.id())).or_else(|| self.decisions.lateral.get(d.id()))
     }
 
-    /// How a trace may begin.
+    /// Beginnings of a trace.
     pub fn openings(&self) -> &Openings {
         &self.openings
     }
@@ -447,7 +448,7 @@ impl DraftTexts {
         &self.traces
     }
 
-    /// The word of a direction.
+    /// The text of a direction.
     pub fn side(&self, side: LateralDirection, lang: Lang) -> &str {
         self.sides.get(side.id()).map_or("", |p| match lang {
             Lang::Zh => &p.zh,

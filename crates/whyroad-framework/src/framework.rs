@@ -17,29 +17,29 @@ use whyroad_model::{Diagnostic, ScenarioId};
 pub struct Framework {
     /// The classes.
     pub taxonomy: Taxonomy,
-    /// The decisions in words.
+    /// Texts of the decisions.
     pub decisions: DecisionSets,
-    /// One spec a leaf, inheritance applied.
+    /// One spec per leaf, inheritance applied.
     pub specs: BTreeMap<ScenarioId, ResolvedSpec>,
-    /// One spec an L1 whose default is whole.
+    /// One spec per L1 with a complete default.
     pub l1_specs: BTreeMap<ScenarioId, ResolvedSpec>,
-    /// One spec an L2 that has any, for what is known to be of that L2 and of no leaf in particular.
+    /// One spec per L2 that has one, for labels of that L2 without a leaf.
     pub l2_specs: BTreeMap<ScenarioId, ResolvedSpec>,
-    /// One `mining:` block an L2 or leaf that has one, in taxonomy order, an L2 before its leaves.
+    /// One `mining:` block per L2 or leaf that has one, in taxonomy order, an L2 before its leaves.
     pub rules: Vec<RuleSource>,
     /// Every expression of the labeling specs as written, in the order of the files.
     pub expressions: Vec<ExpressionSource>,
     /// Version that each file of `scenarios/` states, by relative path.
     pub spec_versions: BTreeMap<String, String>,
-    /// What reads and judges the texts of labels.
+    /// The tables that read and check the texts of labels.
     reading: Reading,
-    /// What the required records may hold.
+    /// Types of the required records.
     pub record_types: RecordTypes,
     /// Texts of label drafts.
     pub draft_texts: DraftTexts,
-    /// What language models are asked.
+    /// Prompts for language models.
     pub prompts: Prompts,
-    /// How often mined episodes are right; without the file, no class is calibrated.
+    /// Accuracy of mined episodes; without the file, no class is calibrated.
     pub calibration: Calibration,
     /// Text of `schema/signals.yaml`, which whyroad-signals parses; empty when the file is absent.
     pub signals_yaml: String,
@@ -47,8 +47,8 @@ pub struct Framework {
     pub precedence_yaml: String,
 }
 
-/// What reads and judges the texts of labels. The words fill a fifth of a second of every start, and most commands read
-/// no label: those of the program itself, which a test holds free of findings, are compiled when first asked for.
+/// The tables that read and check the texts of labels. Compiling the words takes a fifth of a second, and most commands
+/// read no label: the bundled ones, which a test keeps free of findings, are compiled on first use.
 #[derive(Clone, Debug)]
 enum Reading {
     Bundled(OnceLock<Box<ReadingTables>>),
@@ -72,10 +72,10 @@ pub struct ReadingTables {
     pub decision_table: DecisionTable,
 }
 
-/// A mining rule as written, of a leaf or of an L2. whyroad-mining gives it meaning.
+/// A mining rule as written, of a leaf or of an L2. whyroad-mining interprets it.
 #[derive(Clone, Debug)]
 pub struct RuleSource {
-    /// Which leaf, or which L2.
+    /// The leaf or L2.
     pub leaf: ScenarioId,
     /// `scenarios/<l1>/<l2>.yaml`.
     pub file: String,
@@ -83,11 +83,11 @@ pub struct RuleSource {
     pub rule: Node,
     /// Position of the block's key.
     pub mark: Mark,
-    /// The whole file, from which faults are shown.
+    /// The whole file, for error messages.
     pub text: Arc<str>,
 }
 
-/// An `expr` of a labeling spec as written: a moment of the rule language. whyroad-mining gives it meaning.
+/// An `expr` of a labeling spec as written: a moment of the rule language. whyroad-mining interprets it.
 #[derive(Clone, Debug)]
 pub struct ExpressionSource {
     /// The class whose labeling it belongs to: an L1, an L2 or a leaf.
@@ -96,7 +96,7 @@ pub struct ExpressionSource {
     pub file: String,
     /// The expression: a scalar that knows its position and pointer.
     pub expression: Node,
-    /// The whole file, from which faults are shown.
+    /// The whole file, for error messages.
     pub source: Arc<str>,
 }
 
@@ -112,7 +112,7 @@ static PROMPTS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../prompts")
 static SCENARIOS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../scenarios");
 
 impl Framework {
-    /// The framework that is built into this program. A test holds it free of findings.
+    /// The framework that is built into this program. A test keeps it free of findings.
     pub fn bundled() -> &'static Framework {
         static BUNDLED: OnceLock<Framework> = OnceLock::new();
         BUNDLED.get_or_init(|| load::bundled(&Framework::bundled_files()).unwrap_or_default())
@@ -149,7 +149,7 @@ impl Framework {
         }
     }
 
-    /// The texts that [`Framework::bundled`] is made of, by relative path.
+    /// The texts of [`Framework::bundled`], by relative path.
     pub fn bundled_files() -> BTreeMap<String, String> {
         let mut out = BTreeMap::new();
         collect(&SCHEMA, "schema", &mut out);
@@ -168,8 +168,7 @@ impl Framework {
     /// A framework from the texts of its files by relative path (`schema/...yaml`, `scenarios/...yaml`,
     /// `prompts/...yaml`).
     ///
-    /// `None` only when there is no usable taxonomy; otherwise what could be read, with everything that is
-    /// wrong in it.
+    /// `None` only when there is no usable taxonomy; otherwise the readable parts, with all errors.
     pub fn from_files(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<Diagnostic>) {
         load::load(files)
     }

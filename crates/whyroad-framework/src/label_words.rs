@@ -1,5 +1,5 @@
-//! The words of a label's texts (`schema/label_words.yaml`, which says what each list means), compiled to one search:
-//! things, sides, states, colors, hindsight, placeholders. What follows from them is decided by the label checks.
+//! The words of a label's texts (`schema/label_words.yaml`, which documents each list), compiled to one search: things,
+//! sides, states, colors, hindsight, placeholders. The label checks interpret them.
 
 mod aftermath;
 mod apart;
@@ -32,14 +32,14 @@ use whyroad_model::{Bilingual, Diagnostic, yaml};
 use crate::lexicon::trie::{Found, Trie};
 use crate::lexicon::units::Units;
 
-/// Bytes of a text that may be unfinished: a longer one says something besides.
+/// Maximum bytes of a text that may be unfinished: a longer one has other content.
 pub const LONGEST_UNFINISHED: usize = 60;
 /// Between the parts of one, beside a dash between spaces.
 const PART_MARKS: &str = ",;:()[]，；：（）【】—–";
 /// Letters and digits of a placeholder; the list is checked against it.
 const LONGEST_PLACEHOLDER: usize = 32;
 
-/// A set of groups of things, a bit each.
+/// A set of groups of things, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GroupSet(pub u64);
 
@@ -55,13 +55,13 @@ impl GroupSet {
         GroupSet(self.0 | other.0)
     }
 
-    /// What is not in `other`.
+    /// The elements not in `other`.
     #[must_use]
     pub fn without(self, other: GroupSet) -> GroupSet {
         GroupSet(self.0 & !other.0)
     }
 
-    /// What is in `other`, too.
+    /// The elements that are also in `other`.
     #[must_use]
     pub fn only(self, other: GroupSet) -> GroupSet {
         GroupSet(self.0 & other.0)
@@ -73,18 +73,18 @@ impl GroupSet {
     }
 }
 
-/// Kinds of things that the checks ask for by name; empty where the file has none.
+/// Kinds of things that the checks use by name; empty where the file has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KnownKinds {
-    /// Whoever drives before the ego.
+    /// The vehicle ahead of the ego.
     pub lead: GroupSet,
-    /// Whoever waits in a row.
+    /// Vehicles that wait in a queue.
     pub queue: GroupSet,
     /// Any vehicle.
     pub vehicle: GroupSet,
     /// Vehicles that are not in the ego's lane.
     pub elsewhere: GroupSet,
-    /// What causes no decision by itself: gaps and lanes.
+    /// Things that cause no decision by themselves: gaps and lanes.
     pub no_cause: GroupSet,
     /// The road itself.
     pub road: GroupSet,
@@ -94,19 +94,19 @@ pub struct KnownKinds {
     pub light: GroupSet,
     /// Road users and animals.
     pub actor: GroupSet,
-    /// Signs, lights and stop lines, whose names say what is to be done there.
+    /// Signs, lights and stop lines, whose names state the required action.
     pub sign: GroupSet,
-    /// Where the ego is to go.
+    /// The ego's route.
     pub route: GroupSet,
-    /// What hides something.
+    /// Things that block the view.
     pub sight: GroupSet,
-    /// Where there is none of it, there is nothing to respond to.
+    /// Things whose absence leaves nothing to respond to.
     pub adverse: GroupSet,
-    /// What the road, its surface, the light or the view is like; not what falls.
+    /// Conditions of the road, its surface, the light or the view; not precipitation.
     pub condition: GroupSet,
 }
 
-/// What is said of a thing, a bit each: `doings` of the file, and the states of the same names.
+/// States and actions of a thing, one bit each: `doings` of the file, and the states of the same names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Doings(pub u32);
 
@@ -122,19 +122,19 @@ impl Doings {
         Doings(self.0 | other.0)
     }
 
-    /// What is in `other`, too.
+    /// The elements that are also in `other`.
     #[must_use]
     pub fn only(self, other: Doings) -> Doings {
         Doings(self.0 & other.0)
     }
 
-    /// What is not in `other`.
+    /// The elements not in `other`.
     #[must_use]
     pub fn without(self, other: Doings) -> Doings {
         Doings(self.0 & !other.0)
     }
 
-    /// True when nothing is said.
+    /// True when the set is empty.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
@@ -145,15 +145,15 @@ impl Doings {
 pub struct ObjectGroup {
     /// Its id.
     pub id: String,
-    /// A trace that names one must have a component that does.
+    /// A trace that names one needs a component that names it.
     pub named: bool,
     /// The group itself, as a set.
     pub own: GroupSet,
-    /// Groups that answer for it, itself included.
+    /// Groups that can stand for it, itself included.
     pub near: GroupSet,
 }
 
-/// What somebody is said to do.
+/// State or action of a road user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaidState {
     /// Stands.
@@ -181,7 +181,7 @@ impl SaidState {
         })
     }
 
-    /// The name in `doings` of what says the same: whoever brakes is about to stand.
+    /// The corresponding name in `doings`: a braking vehicle is about to stand.
     fn doing(self) -> &'static str {
         match self {
             Self::Standing | Self::Slowing => "stopping",
@@ -192,52 +192,52 @@ impl SaidState {
     }
 }
 
-/// What a word is.
+/// Role of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WordRole {
     /// A thing: index of its group.
     Object(usize),
     /// A side: true is left.
     Side(bool),
-    /// What somebody does, also as one of the doings.
+    /// An action, also as one of the doings.
     State(SaidState, Doings),
-    /// What is said of a thing, where it is no state.
+    /// A property of a thing that is not a state.
     Doing(Doings),
     /// Far away.
     Distant,
-    /// A distance beyond whatever is named next.
+    /// A distance beyond the thing that is named next.
     Beyond,
-    /// In a short text, says that the text is still to be written.
+    /// In a short text: the text is still to be written.
     Template,
-    /// Wherever it stands: something is still to be written.
+    /// In any position: something is still to be written.
     Unwritten,
-    /// Says that there is no reason.
+    /// There is no reason.
     NoReason,
-    /// Says that what was named before has no part in what is decided.
+    /// The thing named before has no part in the decision.
     Irrelevant,
-    /// Says that the cause was not observed.
+    /// The cause was not observed.
     Unobserved,
-    /// What it names is only compared with something.
+    /// The named thing is only compared with something.
     Likened,
     /// A color: index in the file's order of names.
     Color(usize),
     /// Only known afterwards.
     Hindsight,
-    /// In a component: follows from the ego's own response.
+    /// In a component: a consequence of the ego's own response.
     AfterResponse,
-    /// Says that what it is near is before the ego.
+    /// The nearby thing is ahead of the ego.
     Ahead,
-    /// Says that what follows is not there.
+    /// The following thing is absent.
     Absent,
-    /// Says that what follows does not happen.
+    /// The following event does not happen.
     Denied,
-    /// Says that what follows in the clause is only supposed.
+    /// The rest of the clause is hypothetical.
     Supposed,
-    /// Says that whatever the clause names may be there or not.
+    /// The things named in the clause may be there or not.
     Uncertain,
-    /// Says that whoever the ego responds to is out of the way: nobody responds to that.
+    /// The road user that the ego responds to is gone, which needs no response.
     Resolved,
-    /// Says that the ego goes on as before.
+    /// The ego continues as before.
     Unchanged,
     /// Only hides the words inside it.
     Plain,
@@ -246,7 +246,7 @@ pub enum WordRole {
 /// A word found in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WordHit {
-    /// What it is.
+    /// Its role.
     pub role: WordRole,
     /// First byte in the text.
     pub start: usize,
@@ -272,19 +272,19 @@ pub struct LabelWords {
     roles: Vec<WordRole>,
     reasons: Trie,
     scene: Trie,
-    /// What tells of events after the decision.
+    /// Words for events after the decision.
     pub aftermath: Aftermath,
     /// Names that exclude one another.
     pub apart: Apart,
-    /// What texts say beside their things.
+    /// Statements of texts besides their things.
     pub bearing: Bearing,
-    /// With one of these before it, hindsight is what would happen.
+    /// With one of these before it, hindsight is a prediction.
     pub imagined: Vec<String>,
-    /// With one of these anywhere in the clause, a time that passes is predicted.
+    /// With one of these anywhere in the clause, a passing time is a prediction.
     pub predicted: Vec<String>,
     /// Words of each color of a light.
     pub lights: Vec<Vec<String>>,
-    /// The first characters of colors in Chinese, which stand right before a name: "红卡车".
+    /// The first characters of colors in Chinese, which directly precede a name: "红卡车".
     pub color_chars: Vec<(char, usize)>,
     /// Words for numbers.
     pub numbers: Numbers,
@@ -292,19 +292,19 @@ pub struct LabelWords {
     pub clauses: Clauses,
     /// Words for road users, in lower case.
     pub road_users: Vec<String>,
-    /// Kinds that the checks ask for.
+    /// Kinds that the checks use.
     pub known: KnownKinds,
-    /// What somebody off the road does that reaches the road.
+    /// Actions of road users off the road that affect the road.
     pub reaching: Doings,
-    /// Whoever does one of these gives nobody on the road a reason to respond.
+    /// Actions that give nobody on the road a reason to respond.
     pub calm: Doings,
-    /// What is said of nobody together.
+    /// Properties that exclude each other.
     pub opposite: Vec<(Doings, Doings)>,
-    /// What texts are compared without.
+    /// Words that are ignored when texts are compared.
     pub compared: Compared,
-    /// Says that the ego keeps its course or speed as before, in lower case.
+    /// Words for an ego that keeps its course or speed, in lower case.
     pub unchanged_course: Vec<String>,
-    /// How the thing is found that a component speaks of.
+    /// Words to find the thing that a component describes.
     pub subjects: Subjects,
     /// Times and distances that are far from any decision.
     pub remote: Remote,
@@ -312,13 +312,13 @@ pub struct LabelWords {
     pub quantities: Quantities,
     /// Numbers of exits, in order.
     exits: Vec<Vec<String>>,
-    /// How a clause that decides nothing is told from one that may.
+    /// Words to distinguish a clause without a decision from one that may decide.
     pub undecided: Undecided,
 }
 
 impl LabelWords {
-    /// From the text of `schema/label_words.yaml`; `file` is named in diagnostics. An unreadable file gives no words,
-    /// with which nothing is found.
+    /// From the text of `schema/label_words.yaml`; `file` is named in diagnostics. An unreadable file gives an empty
+    /// word list, which finds nothing.
     pub fn parse(file: &str, text: &str) -> (LabelWords, Vec<Diagnostic>) {
         let raw: File = match yaml::from_str(text) {
             Ok(raw) => raw,
@@ -333,12 +333,12 @@ impl LabelWords {
         (words, diagnostics)
     }
 
-    /// Gives the words of `text` to `take` in order, never overlapping.
+    /// Passes the words of `text` to `take` in order, never overlapping.
     pub fn hits(&self, text: &str, take: impl FnMut(WordHit)) {
         self.hits_in(&Units::of(text), 0..text.len(), take);
     }
 
-    /// The same in a part of a text that has been cut, which begins and ends between units.
+    /// The same for a part of a text that has been cut, which begins and ends between units.
     pub fn hits_in(&self, units: &Units, bytes: Range<usize>, mut take: impl FnMut(WordHit)) {
         let hit = |f: Found| WordHit { role: self.roles[f.word], start: f.start, end: f.end };
         self.trie.find_in(units, bytes, |f| take(hit(f)));
@@ -349,7 +349,7 @@ impl LabelWords {
         self.roles.is_empty()
     }
 
-    /// A kind for people; its id where the file has no name.
+    /// Displayed name of a kind; its id where the file has no name.
     pub fn kind_name(&self, id: &str) -> Bilingual {
         self.names.get(id).cloned().unwrap_or_else(|| Bilingual::same(id))
     }
@@ -364,7 +364,7 @@ impl LabelWords {
             digits = digits && c.is_ascii_digit();
             count += 1;
             if !same && !digits {
-                // Most texts end here: they begin otherwise than any of the list, or are longer.
+                // Most texts end here: their beginning is not in the list, or they are longer.
                 let begins = count == 2 && is_plain(first) && is_plain(c);
                 if begins
                     && self
@@ -382,7 +382,7 @@ impl LabelWords {
         (same && count > 1) || digits || self.placeholders.contains(&compile::bare(text))
     }
 
-    /// True when a part of a short text says that the text is still to be written: `路况：同上`, `part 2 - fill in`.
+    /// True when a part of a short text states that the text is still to be written: `路况：同上`, `part 2 - fill in`.
     pub fn is_unfinished(&self, text: &str) -> bool {
         text.len() <= LONGEST_UNFINISHED
             && text
@@ -391,8 +391,8 @@ impl LabelWords {
                 .any(|part| self.unfinished.contains(&compile::bare(part)))
     }
 
-    /// Bytes of the first part of a text, of any length, that a template has and nobody filled in: an instruction in
-    /// brackets, `××`, `___`, `xx`.
+    /// Bytes of the first part of a text, of any length, that was left from a template: an instruction in brackets,
+    /// `××`, `___`, `xx`.
     pub fn left_open(&self, text: &str) -> Option<(usize, usize)> {
         let is_sign = |c: char| "×╳＿_".contains(c);
         if let Some(at) = text.find(is_sign) {
@@ -422,7 +422,7 @@ impl LabelWords {
         bracketed.filter(|_| !self.instructions.is_empty())
     }
 
-    /// What is not said together with any of `doings`.
+    /// The properties that exclude any of `doings`.
     pub fn opposite_of(&self, doings: Doings) -> Doings {
         self.opposite.iter().fold(Doings::default(), |all, (a, b)| {
             let all = if a.meets(doings) { all.with(*b) } else { all };
@@ -430,14 +430,14 @@ impl LabelWords {
         })
     }
 
-    /// True when `text` has a word that has to do with roads and traffic.
+    /// True when `text` has a word about roads and traffic.
     pub fn is_of_driving(&self, text: &str) -> bool {
         let mut any = false;
         self.scene.find(text, |_| any = true);
         any
     }
 
-    /// The text tells a thing from another one of its kind: "a second van", "另一辆".
+    /// The text distinguishes a thing from another one of its kind: "a second van", "另一辆".
     pub fn tells_another(&self, text: &str) -> bool {
         if text.is_ascii() {
             return has_word(text, |w| self.subjects.another.iter().any(|a| w.eq_ignore_ascii_case(a)));
@@ -448,7 +448,7 @@ impl LabelWords {
     /// The last color of a light in `text`, as an index in the file's order: "from green to yellow".
     pub fn light_color(&self, text: &str) -> Option<usize> {
         let lower = text.to_lowercase();
-        // "Hundred" is no color.
+        // "Hundred" is not a color.
         let whole = |at: usize, w: &str| {
             let letter = |c: char| c.is_ascii_alphanumeric();
             !w.is_ascii() || !lower[..at].ends_with(letter) && !lower[at + w.len()..].starts_with(letter)
@@ -465,9 +465,9 @@ impl LabelWords {
         self.exits.iter().position(|words| words.iter().any(|w| lower.contains(w.as_str())))
     }
 
-    /// The number of the exit, from 0, that a text speaks of.
+    /// The number of the exit, from 0, that a text mentions.
     pub fn ordinal_of_exit(&self, text: &str) -> Option<usize> {
-        /// Bytes behind the number.
+        /// Bytes after the number.
         const NEAR: usize = 16;
         let lower = text.to_lowercase();
         let is_exit = |at: usize| {
@@ -480,7 +480,7 @@ impl LabelWords {
         })
     }
 
-    /// True when `text` says why something could not be observed.
+    /// True when `text` states why something could not be observed.
     pub fn gives_reason(&self, text: &str) -> bool {
         let mut any = false;
         self.reasons.find(text, |_| any = true);

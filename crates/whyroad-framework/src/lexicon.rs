@@ -1,6 +1,5 @@
-//! The words in which a trace names decisions, in both languages (`schema/decision_lexicon.yaml`, which says
-//! what each list means), compiled to one search. What a trace *says* with them is judged in
-//! [`super::trace`].
+//! The words in which a trace names decisions, in both languages (`schema/decision_lexicon.yaml`, which documents each
+//! list), compiled to one search. The meaning of a trace is judged in [`super::trace`].
 
 mod compile;
 pub(crate) mod expand;
@@ -15,42 +14,42 @@ use serde::Deserialize;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::{Bilingual, Diagnostic, yaml};
 
-/// Words for decisions, for negation, and for who does what.
+/// Words for decisions, for negation, and for subjects and actions.
 #[derive(Clone, Debug, Default)]
 pub struct Lexicon {
     /// Bounds of length, numbers and reach.
     pub limits: Limits,
     /// Decisions that a trace may name although the label's channel is null.
     pub null_allows: Says,
-    /// What each phrase says, by its index.
+    /// Meaning of each phrase, by its index.
     pub phrases: Vec<Says>,
     /// Beginnings of words that support a decision which no phrase states.
     pub stems: Stems,
-    /// Words behind a decision that say that it is over, in Chinese.
+    /// Words after a decision that mark it as finished, in Chinese.
     pub behind_decision: Vec<String>,
-    /// Words between two phrases that are both taken back.
+    /// Words between two phrases that are both negated.
     pub joined: Vec<String>,
-    /// Words that stand for the ego behind a decision marker.
+    /// Words for the ego after a decision marker.
     pub pronouns: Vec<String>,
-    /// Words before whoever is given way.
+    /// Words before the road user that is given way.
     pub gives_way: Vec<String>,
-    /// Before a name of the ego: something goes there.
+    /// Before a name of the ego: something moves there.
     pub towards_ego: Vec<String>,
-    /// Behind a name of the ego: its lane, or a place near it.
+    /// After a name of the ego: its lane, or a place near it.
     pub of_ego: Vec<String>,
-    /// Right behind a phrase in Chinese: what can be done, not what is.
+    /// Directly after a phrase in Chinese: a possibility, not a fact.
     pub can: Vec<String>,
-    /// Behind a name of the ego: what it is about.
+    /// After a name of the ego: the topic of the text.
     pub meant: Vec<String>,
-    /// Beginnings of whoever is given way.
+    /// Beginnings of the name of the road user that is given way.
     pub given_way: Vec<String>,
-    /// Behind a phrase in Chinese, what would come of it.
+    /// After a phrase in Chinese: a possible consequence.
     pub consequence: Vec<String>,
-    /// What the ego does beside driving, in lower case.
+    /// Actions of the ego besides driving, in lower case.
     pub beside_driving: Vec<String>,
-    /// Of the words for what comes later, those that introduce another action of the ego.
+    /// Those of the words for later events that introduce another action of the ego.
     then: Vec<String>,
-    /// Words that deny what the ego does, rather than what it can do or has to do; in lower case.
+    /// Words that negate what the ego does, rather than what it can or must do; in lower case.
     refuses: Vec<String>,
     trie: trie::Trie,
     /// By word number of the trie. Empty in an empty lexicon, which finds nothing.
@@ -63,7 +62,7 @@ pub struct Lexicon {
 pub struct Limits {
     /// Length of a word of Latin letters, in Chinese characters.
     pub latin_word_counts_as: usize,
-    /// A shorter trace is an error, in characters as they are counted.
+    /// A shorter trace is an error, in characters as defined by [`Self::latin_word`].
     pub too_short_below: usize,
     /// A longer trace is a warning; 0 switches it off.
     pub too_long_above: usize,
@@ -77,7 +76,7 @@ pub struct Limits {
     pub behind_reach: usize,
 }
 
-/// The decisions that a phrase goes with, by channel.
+/// The decisions that fit a phrase, by channel.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Says {
@@ -93,10 +92,10 @@ pub struct Says {
     /// A change of motion: contradicts a null decision of its channel.
     #[serde(skip)]
     pub change: bool,
-    /// Decisions that are not taken where this is said not to happen.
+    /// Decisions that are ruled out when this is negated.
     #[serde(skip)]
     pub denies: Vec<Longitudinal>,
-    /// What it says of the ego's speed, whatever the decision.
+    /// Its effect on the ego's speed, for any decision.
     #[serde(skip)]
     pub speed: Option<SaidSpeed>,
 }
@@ -109,7 +108,7 @@ impl Says {
     }
 }
 
-/// What a phrase says of the ego's speed.
+/// Effect of a phrase on the ego's speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SaidSpeed {
@@ -221,24 +220,25 @@ struct PhraseWords {
 }
 
 impl Lexicon {
-    /// The name of the ego at `start..end` of `text` says where or how something else is: "towards our lane".
+    /// The name of the ego at `start..end` of `text` describes the position or motion of something else: "towards our
+    /// lane".
     pub fn is_place_of_ego(&self, text: &str, start: usize, end: usize) -> bool {
         let (before, behind) = (text[..start].trim_end(), &text[end..]);
         self.towards_ego.iter().any(|w| before.ends_with(w.as_str()))
             && self.of_ego.iter().any(|w| behind.starts_with(w.as_str()))
     }
 
-    /// `word`, which says that something comes later, introduces another action of the ego.
+    /// `word`, which marks something as later, introduces another action of the ego.
     pub fn introduces_another(&self, word: &str) -> bool {
         self.then.iter().any(|w| w.eq_ignore_ascii_case(word))
     }
 
-    /// A word that denies, in upper or lower case, denies what the ego does, not what it can do or has to do.
+    /// A negation, in upper or lower case, negates what the ego does, not what it can or must do.
     pub fn refuses(&self, word: &str) -> bool {
         self.refuses.iter().any(|w| w.eq_ignore_ascii_case(word))
     }
 
-    /// What follows a name of the ego says what it is about.
+    /// The words after a name of the ego state the topic.
     pub fn is_meant(&self, follows: &str) -> bool {
         self.meant.iter().any(|w| follows.starts_with(w.as_str()))
     }

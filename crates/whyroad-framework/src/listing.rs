@@ -1,4 +1,4 @@
-//! The classes as flat rows, for `taxonomy list --format json` and whoever reads it.
+//! The classes as flat rows, for `taxonomy list --format json` and its readers.
 
 use crate::taxonomy::TypicalDecisions;
 use crate::{Framework, ResolvedSpec, Taxonomy};
@@ -91,15 +91,15 @@ pub fn rows(framework: &Framework, l1: Option<&str>) -> Vec<Row> {
     out
 }
 
-/// Everything about one class, for `taxonomy show`.
+/// All details of one class, for `taxonomy show`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Detail {
     /// The class itself.
     #[serde(flatten)]
     pub class: Row,
-    /// What mining looks for, in words; a leaf without its own has its L2's.
+    /// Description of what mining looks for; a leaf without its own has its L2's.
     pub mining_conditions: Vec<Bilingual>,
-    /// Rules between this class and others, whichever of the two states them.
+    /// Rules between this class and others, stated by either of the two.
     pub decides: Vec<Boundary>,
     /// Classes directly below.
     pub children: Vec<Row>,
@@ -168,7 +168,7 @@ fn boundaries(framework: &Framework, id: &ScenarioId) -> Vec<Boundary> {
             }
         }
     }
-    // What this class says itself comes first; the mirror image on the other side is then left out.
+    // Rules that this class states itself come first; the mirror image on the other side is then left out.
     out.sort_by_key(|b| !id.is_within(&b.stated_by));
     let mut seen: Vec<Bilingual> = Vec::new();
     out.retain(|b| {

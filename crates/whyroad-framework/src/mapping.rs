@@ -1,5 +1,5 @@
-//! A mapping of classes from one version of the taxonomy to the next: what is renamed, merged, split. Read
-//! from YAML with positions and checked; what it does to a label is `whyroad_label::carry`.
+//! A mapping of classes from one version of the taxonomy to the next: renamed, merged and split classes. Read from YAML
+//! with positions and checked; `whyroad_label::carry` applies it to labels.
 //!
 //! ```yaml
 //! from: 1.0.0
@@ -31,16 +31,16 @@ pub struct ClassMapping {
     pub from: String,
     /// Version of the taxonomy after.
     pub to: String,
-    /// What becomes of each class; a class that is not here stays, unless a class above it is renamed.
+    /// Change of each class; a class that is not listed stays, unless a class above it is renamed.
     pub changes: BTreeMap<ScenarioId, ClassChange>,
-    /// 16 hexadecimal digits of a hash of the changes: labels that were carried along by them say so.
+    /// 16 hexadecimal digits of a hash of the changes: labels that were migrated by them state it.
     pub mark: String,
     /// Ids of the records that a label of each class after the change has to have (the last column of TAXONOMY.md);
-    /// a class that is not here asks for none. [`ClassMapping::requiring`] fills it.
+    /// a class that is not listed requires none. [`ClassMapping::requiring`] fills it.
     pub records: BTreeMap<ScenarioId, Vec<String>>,
 }
 
-/// What becomes of a class.
+/// Change of a class.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ClassChange {
     /// It has another id, alone or together with other classes.
@@ -54,8 +54,8 @@ pub enum ClassChange {
 pub struct SplitPart {
     /// The class.
     pub to: ScenarioId,
-    /// What a label of it has: for each field, one of these values; `None` stands for null and an absent field. Empty:
-    /// nothing in a label says so, a person decides.
+    /// Conditions on a label of it: for each field, one of these values; `None` means null or an absent field. Empty:
+    /// the label does not decide it, a person decides.
     pub when: BTreeMap<String, Vec<Option<String>>>,
 }
 
@@ -68,7 +68,7 @@ impl ClassMapping {
         self
     }
 
-    /// What becomes of `id`: its own change, or that of the nearest class above it that is renamed.
+    /// The change of `id`: its own change, or that of the nearest class above it that is renamed.
     pub fn change(&self, id: &ScenarioId) -> Option<ClassChange> {
         if let Some(change) = self.changes.get(id) {
             return Some(change.clone());
@@ -82,7 +82,7 @@ impl ClassMapping {
     }
 }
 
-/// `id`, which lies below `old`, at the same place below `new`.
+/// `id`, which lies below `old`, at the same position below `new`.
 fn below(id: &ScenarioId, old: &ScenarioId, new: &ScenarioId) -> ScenarioId {
     match (&old.l2, &new.l2) {
         (None, None) => ScenarioId { l1: new.l1.clone(), ..id.clone() },

@@ -1,5 +1,5 @@
-//! A TAXONOMY.md as data: what its tables list, what its tree lists, and the numbers it states, each with its
-//! place. Comparing them is in `lint`; nothing is judged here.
+//! A TAXONOMY.md as data: what its tables list, what its tree lists, and the numbers it states, each with its position.
+//! `lint` compares them; nothing is judged here.
 
 mod lint;
 
@@ -9,7 +9,7 @@ pub use lint::lint_markdown;
 use crate::taxonomy::{L1, L2, L3, Taxonomy};
 use whyroad_model::{Bilingual, Location};
 
-/// Everything a TAXONOMY.md says of classes.
+/// All information about classes in a TAXONOMY.md.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MarkdownTaxonomy {
     /// From `> 版本: 2.0.0`.
@@ -59,7 +59,7 @@ pub struct Stated {
     pub part: Part,
 }
 
-/// What a stated number counts in.
+/// Scope of a stated number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// Everything.
@@ -81,7 +81,7 @@ pub enum Part {
     Tree,
 }
 
-/// Reads a TAXONOMY.md. Lines of no known form are passed over.
+/// Reads a TAXONOMY.md. Lines of unknown form are skipped.
 pub fn read_markdown(text: &str) -> MarkdownTaxonomy {
     let mut out = MarkdownTaxonomy::default();
     let mut fenced = Fence::Outside;
@@ -107,7 +107,7 @@ pub fn read_markdown(text: &str) -> MarkdownTaxonomy {
         } else if let Some(rest) = raw.strip_prefix('>') {
             let text = rest.trim();
             if defining && !text.is_empty() && !text.starts_with("**") {
-                // The definition goes on.
+                // The definition continues.
                 if let Some(meaning) = meaning(&mut out) {
                     join(meaning, text);
                 }
@@ -329,8 +329,8 @@ fn tree_line(line: &Line, out: &mut MarkdownTaxonomy) {
 }
 
 impl MarkdownTaxonomy {
-    /// The listed classes as a taxonomy, for comparison. What a TAXONOMY.md does not say (English, definitions of
-    /// L3, decisions) is empty.
+    /// The listed classes as a taxonomy, for comparison. Fields that a TAXONOMY.md does not have (English, definitions
+    /// of L3, decisions) are empty.
     pub fn to_taxonomy(&self) -> Taxonomy {
         let zh = |text: &str| Bilingual::new(text, "");
         let l3 = |c: &Class| L3 {

@@ -1,5 +1,5 @@
-//! What a language model is asked (`prompts/*.yaml`): instructions, question, and what is said when its answer has
-//! faults, in both languages, with placeholders for data. Sends nothing.
+//! Prompts of language models (`prompts/*.yaml`): instructions, question, and the reply when an answer has errors, in
+//! both languages, with placeholders for data. Sends nothing.
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -55,13 +55,13 @@ impl PromptName {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prompt {
-    /// Version of the text, `major.minor.patch`: recorded with what is made with it.
+    /// Version of the text, `major.minor.patch`: recorded with its results.
     pub version: String,
     /// Instructions.
     pub system: Bilingual,
     /// The question.
     pub user: Bilingual,
-    /// What is said when the answer has faults; unset where it is not sent back.
+    /// Reply when the answer has errors; unset where it is not sent back.
     #[serde(default)]
     pub again: Option<Bilingual>,
 }
@@ -77,7 +77,7 @@ impl Prompt {
         fill(self.user.get(lang), values)
     }
 
-    /// What is said of `findings`.
+    /// The reply to `findings`.
     pub fn again(&self, lang: Lang, findings: &str) -> String {
         self.again.as_ref().map_or_else(String::new, |a| fill(a.get(lang), &[("findings", findings)]))
     }
@@ -93,8 +93,8 @@ impl Prompts {
         self.0.get(&name).cloned().unwrap_or_default()
     }
 
-    /// From the texts of `prompts/` among `files`. A prompt whose file is absent is that of `otherwise`: frameworks
-    /// were made before there were prompts.
+    /// From the texts of `prompts/` among `files`. A prompt whose file is absent is taken from `otherwise`: older
+    /// frameworks have no prompts.
     pub fn read(
         files: &BTreeMap<String, String>,
         otherwise: &BTreeMap<String, String>,
@@ -164,7 +164,7 @@ fn wrong_placeholder(file: &str, part: &str, lang: Lang, placeholder: &str, is_o
     let message = if is_odd {
         Bilingual::new(
             format!("{part}.{lang} 中的占位符 {{{{{placeholder}}}}} 没有对应的内容"),
-            format!("nothing is put in the place of {{{{{placeholder}}}}} in {part}.{lang}"),
+            format!("there is no value for the placeholder {{{{{placeholder}}}}} in {part}.{lang}"),
         )
     } else {
         Bilingual::new(
@@ -175,7 +175,7 @@ fn wrong_placeholder(file: &str, part: &str, lang: Lang, placeholder: &str, is_o
     Diagnostic::error("prompt.placeholder", message).in_file(file)
 }
 
-/// The text in pieces: plain text, and names between `{{` and `}}`.
+/// The text in parts: plain text, and names between `{{` and `}}`.
 fn pieces(text: &str) -> Vec<(&str, Option<&str>)> {
     let (mut out, mut rest) = (Vec::new(), text);
     while let Some((before, after)) = rest.split_once("{{") {
@@ -191,7 +191,7 @@ fn placeholders(text: &str) -> Vec<&str> {
     pieces(text).into_iter().filter_map(|(_, name)| name).collect()
 }
 
-/// Replaces names by values in one pass: a value that contains a placeholder stays as it is.
+/// Replaces names by values in one pass: a value that contains a placeholder is not changed.
 fn fill(text: &str, values: &[(&str, &str)]) -> String {
     let mut out = String::new();
     for (plain, name) in pieces(text) {
@@ -234,7 +234,7 @@ mod tests {
         ]);
         let (prompts, found) = Prompts::read(&files, &ours);
         let codes: Vec<_> = found.iter().map(|d| d.code).collect();
-        // One is lacking and one is odd, in each language.
+        // One is missing and one is unknown, in each language.
         assert_eq!(codes[..4], ["prompt.placeholder"; 4]);
         assert_eq!(codes[4..], ["prompt.syntax", "prompt.unknown"]);
         assert!(found[0].message.en.contains("{{label}}") && found[1].message.en.contains("{{lable}}"));

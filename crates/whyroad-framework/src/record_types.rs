@@ -1,15 +1,15 @@
-//! What the required records of a label may hold (`scenarios/records.yaml`), and the form in which they are stored:
-//! without language. Which leaf owes which record is in the labeling specs.
+//! Types of the required records of a label (`scenarios/records.yaml`), and their stored form, which is independent of
+//! the language. The labeling specs state which leaf requires which record.
 
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, Diagnostic, yaml};
 
-/// What is stored where the clip does not show it.
+/// The stored value where the clip does not show it.
 pub const UNKNOWN: &str = "unknown";
 
-/// What a record holds.
+/// Type of a record.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum RecordType {
@@ -34,7 +34,7 @@ pub enum RecordType {
         /// Other text is kept.
         #[serde(default)]
         or_text: bool,
-        /// Where it has at least so many words: a degree is no description.
+        /// Minimum number of words of such a text: an adverb of degree alone is not a description.
         #[serde(default)]
         text_words: usize,
     },
@@ -46,7 +46,7 @@ pub enum RecordType {
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChoiceValue {
-    /// What is stored.
+    /// The stored value.
     pub id: String,
     /// Words that state it.
     pub words: Vec<String>,
@@ -90,10 +90,10 @@ impl<'a> RecordValue<'a> {
     }
 }
 
-/// What a record's value is worth.
+/// Check result of a record's value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RecordVerdict {
-    /// Right; to be stored like this.
+    /// Valid; to be stored in this form.
     Stored(Value),
     /// Of another type.
     WrongType,
@@ -120,7 +120,7 @@ impl RecordTypes {
         }
     }
 
-    /// True when `text` says that the clip does not show it.
+    /// True when `text` states that the clip does not show it.
     pub fn is_unknown(&self, text: &str) -> bool {
         let text = text.trim();
         self.unknown.iter().any(|w| w.eq_ignore_ascii_case(text))
@@ -137,7 +137,7 @@ impl RecordTypes {
         }
     }
 
-    /// What `value` is worth as the record `id`; `None` for an id that has no type.
+    /// Check result of `value` as the record `id`; `None` for an id that has no type.
     pub fn judge(&self, id: &str, value: RecordValue<'_>) -> Option<RecordVerdict> {
         let kind = self.records.get(id)?;
         if let RecordValue::Text(t) = value
@@ -168,7 +168,7 @@ impl RecordTypes {
                 }
             }
             (RecordType::Text, RecordValue::Text(t)) => RecordVerdict::Stored(t.trim().into()),
-            // Who was passed may be given by the number of its track.
+            // The passed road user may be given by its track number.
             (RecordType::Text, RecordValue::Number(n)) => RecordVerdict::Stored(n.into()),
             _ => RecordVerdict::WrongType,
         })
@@ -191,7 +191,7 @@ fn number(value: RecordValue<'_>, min: f64, max: f64) -> RecordVerdict {
     }
 }
 
-/// `or_text`: other text is kept, where it has at least so many words.
+/// `or_text`: other text is kept if it has at least this number of words.
 fn choice(values: &[ChoiceValue], or_text: Option<usize>, text: &str) -> RecordVerdict {
     let text = text.trim();
     if let Some(v) = values.iter().find(|v| v.id == text) {
@@ -206,7 +206,7 @@ fn choice(values: &[ChoiceValue], or_text: Option<usize>, text: &str) -> RecordV
                 if or_text.is_some() { lower == w.to_lowercase() } else { lower.contains(&w.to_lowercase()) }
             })
             .max_by_key(|(w, _)| w.len());
-    // "-3" is no word for the third, nor a text.
+    // "-3" is neither a word for the third nor a text.
     let bare = |t: &str| t.parse::<f64>().is_ok();
     let negative = text.starts_with('-') && text.split_whitespace().next().is_some_and(bare);
     // In Chinese a word has two characters.

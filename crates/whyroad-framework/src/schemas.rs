@@ -1,5 +1,5 @@
 //! JSON Schemas (draft 2020-12) of every message and of the labeling specs, generated from the Rust types.
-//! What JSON Schema can express of the rules between fields is added in `rules`, from the framework's data.
+//! Rules between fields that JSON Schema can express are added in `rules`, from the framework's data.
 
 mod rules;
 
@@ -25,7 +25,7 @@ pub struct SchemaFile {
 }
 
 impl SchemaFile {
-    /// The file's text: pretty JSON with a final newline. What a reader looks for first comes first.
+    /// The file's text: pretty JSON with a final newline. The most important fields come first.
     pub fn text(&self) -> String {
         let Value::Object(fields) = &self.schema else { return format!("{:#}\n", self.schema) };
         let mut ordered: IndexMap<&str, &Value> = IndexMap::new();
@@ -89,7 +89,7 @@ pub fn schemas(framework: &Framework) -> Vec<SchemaFile> {
     .collect()
 }
 
-/// The schema of `T` with a head that says what it is. The `$id` is a name, not an address to fetch.
+/// The schema of `T` with a description at its beginning. The `$id` is a name, not an address to fetch.
 fn of<T: JsonSchema>(name: &str, description: &str) -> Value {
     let generated = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<T>();
     let mut head = json!({

@@ -1,5 +1,5 @@
-//! Labeling specs after inheritance: what a labeler of one leaf has to do (LABELING.md 4, TAXONOMY.md last
-//! column). An L3 says what differs from its L2, an L2 what differs from its L1's default.
+//! Labeling specs after inheritance: requirements for a labeler of one leaf (LABELING.md 4, TAXONOMY.md last column).
+//! An L3 states its differences from its L2, an L2 those from its L1's default.
 
 mod expressions;
 mod inherit;
@@ -14,7 +14,7 @@ use whyroad_model::decision::Lateral;
 use whyroad_model::messages::KeyframeType;
 use whyroad_model::{Bilingual, ScenarioId};
 
-/// Everything about labeling one leaf.
+/// All labeling requirements of one leaf.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ResolvedSpec {
     /// Which leaf.
@@ -30,16 +30,16 @@ pub struct ResolvedSpec {
     pub end: BoundSpec,
     /// Context kept outside `time_range`.
     pub pack: PackSpec,
-    /// What the annotator must note besides the label, in file order.
+    /// Records that the annotator must fill in besides the label, in file order.
     pub records: Vec<RecordSpec>,
-    /// True when at least one critical component must say `uncertainty: high` (LABELING.md 3).
+    /// True when at least one critical component must have `uncertainty: high` (LABELING.md 3).
     pub uncertainty_high: bool,
     /// The lateral decision that the leaf prescribes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lateral: Option<Lateral>,
 }
 
-/// A keyframe: its kind, its rule in words and, where signals exist for it, as a moment of the rule language.
+/// A keyframe: its kind, its rule as text and, where signals exist for it, as a moment of the rule language.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct KeyframeSpec {
     /// One moment or a range.
@@ -50,7 +50,7 @@ pub struct KeyframeSpec {
     /// In the rule language.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expr: Option<String>,
-    /// When the rule gives nothing.
+    /// Used when the rule gives no moment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fallback: Option<MomentSpec>,
 }
@@ -63,12 +63,12 @@ pub struct BoundSpec {
     /// In the rule language.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expr: Option<String>,
-    /// When the rule gives nothing.
+    /// Used when the rule gives no moment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fallback: Option<MomentSpec>,
 }
 
-/// A moment in words and, where signals exist for it, in the rule language.
+/// A moment as text and, where signals exist for it, in the rule language.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MomentSpec {
     /// In words.
@@ -90,12 +90,12 @@ pub struct PackSpec {
     pub after_until: Option<MomentSpec>,
 }
 
-/// Something to note.
+/// A record to fill in.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct RecordSpec {
     /// Key in the label's `records`.
     pub id: String,
-    /// Name for people.
+    /// Displayed name.
     pub name: Bilingual,
     /// Unit of a measured value; absent for text.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -116,6 +116,6 @@ pub struct RecordSpec {
 pub struct RecordChoice {
     /// Value in the label's `records`.
     pub id: String,
-    /// Name for people.
+    /// Displayed name.
     pub name: Bilingual,
 }

@@ -1,4 +1,4 @@
-//! The classes (TAXONOMY.md) as validated values, in the order of the file, and how a person's text finds one.
+//! The classes (TAXONOMY.md) as validated values, in the order of the file, and how user input finds one.
 //! Reading the YAML is in `read`.
 
 mod lookup;
@@ -20,7 +20,7 @@ use whyroad_model::{Bilingual, ScenarioId};
 pub struct Taxonomy {
     /// `major.minor.patch` (DATA_FORMAT.md 1.3).
     pub version: String,
-    /// What the file says of itself.
+    /// Description of the file.
     pub description: Bilingual,
     /// Kinds of trigger, in file order.
     pub l1: Vec<L1>,
@@ -52,11 +52,11 @@ pub struct L2 {
     pub condition: Option<Bilingual>,
     /// Decisions that the ego usually takes.
     pub typical_decisions: TypicalDecisions,
-    /// What mining looks for, in words.
+    /// Description of what mining looks for.
     pub mining_conditions: Vec<Bilingual>,
-    /// Where the labeling spec is written, as the file names it.
+    /// Where the labeling spec is written, as named in the file.
     pub labeling_spec_ref: Option<String>,
-    /// What decides against classes of overlapping meaning (LABELING.md 8).
+    /// Rules against classes of overlapping meaning (LABELING.md 8).
     pub decides: Vec<Decides>,
     /// Variants, in file order.
     pub l3: Vec<L3>,
@@ -71,15 +71,15 @@ pub struct L3 {
     pub name: Bilingual,
     /// What belongs here.
     pub definition: Bilingual,
-    /// What makes it this variant (TAXONOMY.md third column).
+    /// Condition of this variant (TAXONOMY.md third column).
     pub condition: Bilingual,
     /// Decisions that the ego usually takes; those of the L2 where the leaf states none.
     pub typical_decisions: TypicalDecisions,
-    /// What mining looks for, in words; empty where the L2's say it all.
+    /// Description of what mining looks for; empty where the L2's text suffices.
     pub mining_conditions: Vec<Bilingual>,
     /// Where the labeling spec is written; the L2's where the leaf states none.
     pub labeling_spec_ref: Option<String>,
-    /// What decides against classes of overlapping meaning (LABELING.md 8).
+    /// Rules against classes of overlapping meaning (LABELING.md 8).
     pub decides: Vec<Decides>,
 }
 
@@ -97,7 +97,7 @@ pub struct TypicalDecisions {
 pub struct Decides {
     /// The other class: a leaf or a whole L2.
     pub against: ScenarioId,
-    /// When it is this class and when the other.
+    /// Conditions for this class and for the other.
     pub rule: Bilingual,
 }
 

@@ -25,7 +25,7 @@ impl Version {
         if parts.next().is_some() { None } else { Some(version) }
     }
 
-    /// The least version that says "there was a change of this size since `self`".
+    /// The smallest version that states a change of this size since `self`.
     pub fn after(self, step: Step) -> Self {
         match step {
             Step::None => self,
@@ -69,7 +69,7 @@ pub enum Step {
     Patch,
     /// Compatible additions.
     Minor,
-    /// What was valid before may not be, or means something else.
+    /// Previously valid data may be invalid or have another meaning.
     Major,
 }
 

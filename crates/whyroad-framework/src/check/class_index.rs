@@ -1,5 +1,4 @@
-//! The taxonomy and its labeling specs, arranged for quick questions about one label, and the answers to
-//! "what could have been meant" for wrong ids.
+//! The taxonomy and its labeling specs, arranged for quick questions about one label, and suggestions for wrong ids.
 
 use crate::decision_table::ClassDecisions;
 use crate::taxonomy::did_you_mean;
@@ -11,10 +10,10 @@ use whyroad_model::{Bilingual, ScenarioId};
 
 pub use whyroad_model::ids::OTHER;
 
-/// What a class prescribes for its labels.
+/// Requirements of a class for its labels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prescribed {
-    /// The class in words.
+    /// The displayed name of the class.
     pub title: Bilingual,
     /// Type of the keyframe.
     pub kind: Option<KeyframeType>,
@@ -22,7 +21,7 @@ pub struct Prescribed {
     pub uncertainty_high: bool,
     /// The lateral decision.
     pub lateral: Option<Lateral>,
-    /// Id, name for people, unit.
+    /// Id, displayed name, unit.
     pub records: Vec<(String, Bilingual, Option<String>)>,
     /// A second keyframe is expected.
     pub two_keyframes: bool,
@@ -30,13 +29,13 @@ pub struct Prescribed {
     pub start_offset_s: Option<f64>,
     /// Context before the start, s.
     pub pack_before_s: f64,
-    /// Which decisions it goes with; `None` where the framework has no table.
+    /// The decisions that fit it; `None` where the framework has no table.
     pub decisions: Option<ClassDecisions>,
 }
 
 #[derive(Clone, Debug, Default)]
 struct L2Entry {
-    /// What all leaves have in common: for labels without an L3.
+    /// The common requirements of all leaves: for labels without an L3.
     common: Prescribed,
     l3: HashMap<String, Prescribed>,
 }
@@ -52,9 +51,9 @@ pub struct ClassIndex {
 /// The result of looking up the ids of a class.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found<'i> {
-    /// A class, or an L2 with what its leaves have in common.
+    /// A class, or an L2 with the common requirements of its leaves.
     Class(&'i Prescribed),
-    /// A class that prescribes nothing: `other`.
+    /// A class without requirements: `other`.
     Unclassified,
     /// The first id, from the left, that is wrong.
     Wrong {
@@ -89,7 +88,7 @@ impl Prescribed {
         }
     }
 
-    /// What two classes both prescribe.
+    /// The common requirements of two classes.
     fn and(self, other: &Prescribed) -> Self {
         Self {
             title: self.title,
@@ -124,12 +123,12 @@ impl ClassIndex {
         self.names.iter().filter(|(id, _)| ends(id)).count() == 1
     }
 
-    /// A class in words.
+    /// The displayed name of a class.
     pub fn name(&self, id: &ScenarioId) -> Option<&Bilingual> {
         self.names.iter().find(|(own, _)| own == id).map(|(_, name)| name)
     }
 
-    /// The classes of a framework with what they prescribe.
+    /// The classes of a framework with their requirements.
     pub fn new(framework: &Framework) -> Self {
         let mut index = Self::default();
         for a in &framework.taxonomy.l1 {
@@ -186,8 +185,8 @@ impl ClassIndex {
         self.at(level).filter(|(s, _)| own_id(s) == id).map(|(s, _)| s).collect()
     }
 
-    /// What `text` at `level` was probably meant to be, under `l1` and `l2` as far as they are given: by name in
-    /// either language, then by likeness of the id, siblings before the rest of the tree.
+    /// The probable meaning of `text` at `level`, under `l1` and `l2` as far as they are given: by name in
+    /// either language, then by similarity of the id, siblings before the rest of the tree.
     pub fn meant(&self, level: Level, text: &str, l1: Option<&str>, l2: Option<&str>) -> Option<&ScenarioId> {
         let sibling = |s: &ScenarioId| {
             l1.is_none_or(|l1| s.l1 == l1) && l2.is_none_or(|l2| s.l2.as_deref() == Some(l2))

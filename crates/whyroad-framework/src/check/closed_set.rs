@@ -1,4 +1,4 @@
-//! Texts that must be one of a few identifiers, and what was probably meant by others.
+//! Texts that must be one of a few identifiers, and suggestions for others.
 
 use super::finding::{Finding, Sink, Words};
 use super::json::Node;
@@ -7,7 +7,7 @@ use super::walk::Walk;
 use crate::taxonomy::did_you_mean;
 use whyroad_model::messages::KeyframeType;
 
-/// A closed set: what its members are called, in messages and by people.
+/// A closed set: names of its members in messages and for display.
 pub struct ClosedSet<T: 'static> {
     /// The finding's code.
     pub code: &'static str,
@@ -19,11 +19,11 @@ pub struct ClosedSet<T: 'static> {
     pub all: &'static [T],
     /// A member's identifier.
     pub id: fn(T) -> &'static str,
-    /// Names for people, either language, with their identifiers.
+    /// Displayed names in both languages, with their identifiers.
     pub names: Vec<(String, &'static str)>,
 }
 
-/// A member of the set by its identifier; anything else is reported with what was probably meant.
+/// A member of the set by its identifier; any other text is reported with a suggestion.
 pub fn choose<'d, T: Copy>(
     walk: &mut Walk<'d>,
     node: Option<&'d Node<'d>>,
@@ -42,7 +42,7 @@ pub fn choose<'d, T: Copy>(
         let words = Words::new(format!("'{text}' 不是{}", set.zh), format!("'{text}' is not {}", set.en));
         let ids = || set.all.iter().map(|m| (set.id)(*m));
         let wanted = text.trim().to_lowercase();
-        // A Chinese name inside a longer phrase still says what was meant.
+        // A Chinese name inside a longer phrase still identifies the member.
         let contained = set.names.iter().filter(|(n, _)| !n.is_ascii() && wanted.contains(n.as_str()));
         let named = set.names.iter().find(|(n, _)| *n == wanted).or(contained.max_by_key(|(n, _)| n.len()));
         let named = named.map(|(_, id)| *id);

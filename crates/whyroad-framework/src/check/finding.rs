@@ -1,14 +1,14 @@
-//! What a check reports: a code, a location by JSON pointer, and words that are made only when they are read.
+//! What a check reports: a code, a location by JSON pointer, and texts that are made only when they are read.
 
 use std::borrow::Cow;
 use whyroad_model::{Bilingual, Severity};
 
-/// What a rule has to say, in words.
+/// Texts of a finding.
 #[derive(Clone, Debug)]
 pub struct Words {
     /// What is wrong.
     pub message: Bilingual,
-    /// What to do about it.
+    /// How to fix it.
     pub hint: Option<Bilingual>,
 }
 
@@ -25,7 +25,7 @@ impl Words {
         self
     }
 
-    /// With the word that was probably meant.
+    /// With a suggested word.
     #[must_use]
     pub fn meant(self, word: &str) -> Self {
         self.hint(format!("是否想写 '{word}'？"), format!("did you mean '{word}'?"))
@@ -47,7 +47,7 @@ pub struct Finding {
     pub severity: Severity,
     /// JSON pointer; need not exist in the document.
     pub pointer: Cow<'static, str>,
-    /// Bytes of the text there, when only a part is meant.
+    /// Bytes of the text there, for a finding about a part of it.
     pub part: Option<(usize, usize)>,
 }
 
@@ -77,6 +77,6 @@ impl Finding {
 
 /// Takes findings. The fast path only notes that there was one.
 pub trait Sink {
-    /// Takes one finding; `words` makes its text, for whoever shows it.
+    /// Takes one finding; `words` makes its text when it is shown.
     fn report(&mut self, finding: Finding, words: &dyn Fn() -> Words);
 }

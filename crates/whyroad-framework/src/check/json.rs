@@ -1,5 +1,5 @@
 //! JSON with spans, for explaining: a tree in which every key and value knows its bytes, duplicate keys kept,
-//! and syntax errors said in words. The fast path of labels never comes here; serde_json decides there.
+//! and syntax errors with explanations. The fast path of labels does not use it; serde_json decides there.
 
 mod error;
 mod locate;

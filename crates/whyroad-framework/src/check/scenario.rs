@@ -64,7 +64,7 @@ pub fn check<'i>(
         return Some(found);
     }
     full_id(s, base, sink);
-    // With an unreadable L3 nothing is known of the leaf.
+    // With an unreadable L3 the leaf is unknown.
     if matches!(s.l3, Slot::Broken) { None } else { Some(found) }
 }
 

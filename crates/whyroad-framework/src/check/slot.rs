@@ -1,19 +1,19 @@
-//! A field that may be absent, broken or there.
+//! A field that may be absent, broken or present.
 
 /// A field of a message as a check sees it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Slot<T> {
-    /// Not there, or null, where that is allowed.
+    /// Absent or null, where that is allowed.
     #[default]
     Absent,
-    /// There and wrong, or not there and required: already reported, so no rule speaks of it again.
+    /// Present and wrong, or absent and required: already reported, so no rule reports it again.
     Broken,
     /// There.
     Is(T),
 }
 
 impl<T> Slot<T> {
-    /// The value, where there is a good one.
+    /// The value, where it is valid.
     pub fn get(self) -> Option<T> {
         match self {
             Slot::Is(t) => Some(t),
@@ -21,7 +21,7 @@ impl<T> Slot<T> {
         }
     }
 
-    /// Not there, or null.
+    /// Absent or null.
     pub fn is_absent(&self) -> bool {
         matches!(self, Slot::Absent)
     }

@@ -1,5 +1,5 @@
-//! The slow path's walk over a document: fields are asked for one by one, everything wrong with their form is
-//! reported with its place, and the walk goes on. What the fields mean is for the rules.
+//! The slow path's walk over a document: fields are requested one by one, every error of form is reported with its
+//! location, and the walk continues. The rules interpret the fields.
 
 use super::finding::{Finding, Sink, Words};
 use super::json::{Entry, JsonKind, Locator, Node};
@@ -9,10 +9,10 @@ use std::collections::HashSet;
 use std::ops::Range;
 use whyroad_model::{Bilingual, Diagnostic, Nanos, Severity};
 
-/// Keys of an object that are compared pair by pair.
+/// Maximum number of keys of an object that are compared pair by pair.
 const FEW_KEYS: usize = 24;
 
-/// The codes that a family of documents uses for mistakes of form.
+/// The codes that a family of documents uses for errors of form.
 #[derive(Debug)]
 pub struct Family {
     /// A field is missing, null or blank.
@@ -47,13 +47,13 @@ pub struct Walk<'d> {
     pub root: &'d Node<'d>,
     /// From its bytes to lines and columns.
     pub locator: &'d Locator<'d>,
-    /// Codes for mistakes of form.
+    /// Codes for errors of form.
     pub family: &'static Family,
-    /// Takes what is found.
+    /// Receives the findings.
     pub out: &'d mut Vec<Diagnostic>,
 }
 
-/// An object being read. Every key asked for is a known one; [`Walk::close`] reports the others.
+/// An object being read. Every requested key is a known one; [`Walk::close`] reports the others.
 pub struct Object<'d> {
     /// Its value in the document.
     pub node: &'d Node<'d>,
@@ -115,7 +115,7 @@ impl<'d> Walk<'d> {
     }
 
     fn duplicates(&mut self, entries: &[Entry<'_>], pointer: &str) {
-        // Of few keys looking at each pair is quicker than a set.
+        // For few keys, comparing all pairs is faster than a set.
         let mut seen = (entries.len() > FEW_KEYS).then(HashSet::new);
         for (i, e) in entries.iter().enumerate() {
             let twice = match &mut seen {
@@ -130,14 +130,14 @@ impl<'d> Walk<'d> {
                 )
                 .with_hint(Bilingual::new(
                     "不同的读取程序会取不同的那个值；只留一个",
-                    "readers differ in which of the two they take; keep one",
+                    "programs differ in which of the two they read; keep one",
                 ));
                 self.push(d, e.key_span.clone(), &format!("{pointer}/{key}"));
             }
         }
     }
 
-    /// Looks for keys written twice in values that are not read any further.
+    /// Looks for keys written twice in values that are not read further.
     pub fn free(&mut self, node: &Node<'_>, pointer: &str) {
         match &node.kind {
             JsonKind::List(items) => {
@@ -167,7 +167,7 @@ impl<'d> Walk<'d> {
         Some(node)
     }
 
-    /// A key that must be there, with null as a value of its own.
+    /// A key that must be there, with null as a separate value.
     pub fn nullable(&mut self, o: &mut Object<'d>, key: &'static str) -> Option<&'d Node<'d>> {
         let found = o.raw(key);
         if found.is_none() {
@@ -186,7 +186,7 @@ impl<'d> Walk<'d> {
         found
     }
 
-    /// A text that says something.
+    /// A text that is not blank.
     pub fn text(&mut self, node: Option<&'d Node<'d>>, pointer: &str) -> Slot<&'d str> {
         match self.any_text(node, pointer) {
             Slot::Is(t) if t.trim().is_empty() => {
@@ -303,7 +303,7 @@ impl<'d> Walk<'d> {
         }
     }
 
-    /// Reports the keys that were not asked for.
+    /// Reports the keys that were not requested.
     pub fn close(&mut self, o: Object<'d>, severity: Severity) {
         for (i, e) in o.entries.iter().enumerate() {
             if o.asked.contains(&&*e.key) || o.entries[..i].iter().any(|p| p.key == e.key) {
@@ -358,7 +358,7 @@ impl<'d> Walk<'d> {
             (Some((start, end)), JsonKind::Text(t)) if whole && t.len() + 2 == node.span.len() => {
                 node.span.start + 1 + start..node.span.start + 1 + end
             }
-            // A long text is named by its key; underlining it whole shows nothing.
+            // A long text is named by its key; underlining all of it would not help.
             (_, JsonKind::Text(t)) if whole && t.len() > 60 => key_span.unwrap_or_else(|| node.mark()),
             (_, JsonKind::Map(_) | JsonKind::List(_)) => key_span.unwrap_or_else(|| node.mark()),
             _ => node.mark(),

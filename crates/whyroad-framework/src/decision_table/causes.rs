@@ -1,22 +1,22 @@
-//! What can bring about what (`causes` of `scenarios/decisions.yaml`): kinds of things by decision, and what somebody
-//! of the kind has to be said to do. The classes add their own triggers.
+//! Possible causes of decisions (`causes` of `scenarios/decisions.yaml`): kinds of things by decision, and the states
+//! that the text must state for them. The classes add their own triggers.
 
 use crate::label_words::{GroupSet, LabelWords, SaidState};
 use std::collections::BTreeMap;
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, Longitudinal};
 
-/// The word for "no cause is out of place".
+/// The identifier for "every cause fits".
 const ANYTHING: &str = "anything";
-/// The row of what says where something is, and not what it is.
+/// The row of words for where something is, not what it is.
 const BACKGROUND: &str = "background";
 
-/// What can bring about one decision.
+/// Possible causes of one decision.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CauseKinds {
-    /// In whatever state.
+    /// In any state.
     pub kinds: GroupSet,
-    /// Only where the state is said.
+    /// Only where the state is stated.
     pub in_state: Vec<(GroupSet, SaidState)>,
     /// Anything can.
     pub anything: bool,
@@ -25,18 +25,18 @@ pub struct CauseKinds {
 /// The rows of all decisions.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Causes {
-    /// Groups that are no cause without another thing, unless the row has them.
+    /// Groups that are not a cause without another thing, unless the row has them.
     pub background: GroupSet,
     by_decision: BTreeMap<&'static str, CauseKinds>,
 }
 
 impl Causes {
-    /// What can bring about a decision of either channel, by its id; `None` where the table has no row.
+    /// Possible causes of a decision of either channel, by its id; `None` where the table has no row.
     pub fn of(&self, decision: &str) -> Option<&CauseKinds> {
         self.by_decision.get(decision)
     }
 
-    /// The table as written, and what is wrong with it.
+    /// The table as written, and its errors.
     pub(super) fn read(raw: &BTreeMap<String, Vec<String>>, words: &LabelWords) -> (Self, Vec<Bilingual>) {
         let mut out = Self::default();
         let mut problems = Vec::new();
@@ -76,7 +76,7 @@ fn kinds(row: &str, names: &[String], words: &LabelWords, problems: &mut Vec<Bil
         match (words.kinds.get(kind), state.map(SaidState::from_id)) {
             (Some(set), None) => out.kinds = out.kinds.with(*set),
             (Some(set), Some(Some(state))) => out.in_state.push((*set, state)),
-            // Without words nothing can be compared; that they are missing has been said.
+            // Without words nothing can be compared; their absence has already been reported.
             (None, _) if words.is_empty() => {}
             (None, _) => problems.push(Bilingual::new(
                 format!("causes.{row}：schema/label_words.yaml 中没有 '{kind}'"),

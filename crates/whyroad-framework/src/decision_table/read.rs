@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId, yaml};
 
-/// The word for "no change of decision".
+/// The identifier for "no change of decision".
 const NONE: &str = "none";
 
 #[derive(Deserialize)]
@@ -42,7 +42,7 @@ struct RawChannel {
     possible: Vec<String>,
 }
 
-/// The table in `text`, and what is wrong with it. `file` is named in diagnostics.
+/// The table in `text`, and its errors. `file` is named in diagnostics.
 pub fn parse(
     file: &str,
     text: &str,
@@ -153,7 +153,7 @@ impl Reader<'_> {
         for name in &out.about_names {
             match self.words.kinds.get(name) {
                 Some(set) => out.about = out.about.with(*set),
-                // Without words nothing can be compared; that they are missing has been said.
+                // Without words nothing can be compared; their absence has already been reported.
                 None if self.words.is_empty() => out.about = GroupSet::default(),
                 None => self.out.push(
                     Diagnostic::error(
@@ -223,7 +223,7 @@ mod tests {
             assert!(class.longitudinal.iter().any(|(_, fit)| *fit == Fit::Usual), "{id}");
             assert!(!class.about.is_empty(), "{id}");
         }
-        // The combinations that the issue found to pass.
+        // Combinations that wrongly passed before.
         let leaf = |l1: &str, l2: &str, l3: &str| &f.decision_table().leaves[&ScenarioId::leaf(l1, l2, l3)];
         let red = leaf("reactive_rule", "traffic_light", "red_stop");
         assert_eq!(red.longitudinal_fit(Some(Longitudinal::Resume)), Fit::Impossible);

@@ -1,4 +1,4 @@
-//! `schema/driving_decisions.yaml` to [`DecisionSets`], held equal to the closed sets that messages use.
+//! `schema/driving_decisions.yaml` to [`DecisionSets`], checked against the closed sets that messages use.
 
 use super::{DecisionSets, DecisionText, LateralText, LongitudinalText};
 use crate::taxonomy::{FAMILY, optional_bilingual, read_bilingual, read_version, suggestion};
@@ -6,7 +6,7 @@ use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::yaml::{Fields, FileReport, Node};
 use whyroad_model::{Bilingual, Diagnostic};
 
-/// Reads the decisions. What cannot be read is left out and reported.
+/// Reads the decisions. Unreadable entries are left out and reported.
 pub fn read_decisions(file: &str, text: &str) -> (DecisionSets, Vec<Diagnostic>) {
     let mut report = FileReport::new(file, text, &FAMILY);
     let sets = report.parse(text).and_then(|root| document(&root, &mut report)).unwrap_or_default();

@@ -9,7 +9,7 @@ use whyroad_model::ScenarioId;
 
 pub(super) const TAXONOMY: &str = "schema/scenario_taxonomy.yaml";
 
-/// What one file says of its version, and what its changes call for.
+/// The version of one file, and the version that its changes require.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FileVersion {
     /// Relative path.
@@ -18,9 +18,9 @@ pub struct FileVersion {
     pub from_version: String,
     /// Version in B.
     pub to_version: String,
-    /// The least step that the changes of this file call for.
+    /// The smallest step that the changes of this file require.
     pub step: Step,
-    /// What the two versions say.
+    /// Result for the two versions.
     pub version_check: VersionCheck,
 }
 
@@ -39,7 +39,7 @@ impl FileVersion {
     }
 }
 
-/// Compares B with A in everything that labels and mining depend on: classes, labeling specs, mining rules.
+/// Compares B with A in everything that affects labels and mining: classes, labeling specs, mining rules.
 pub fn diff_frameworks(a: &Framework, b: &Framework) -> TaxonomyDiff {
     let mut out = diff(&a.taxonomy, &b.taxonomy);
     let specs: Vec<Change> = labelling::changes(a, b).into_iter().chain(mining::changes(a, b)).collect();
@@ -59,8 +59,8 @@ fn written_in(id: &ScenarioId) -> Vec<String> {
     }
 }
 
-/// The files of these changes. A change may come from the class's own file or from the one it inherits from: the file
-/// whose version was raised answers for it, and where neither was, the class's own.
+/// The files of these changes. A change may come from the class's own file or from the one it inherits from: it counts
+/// for the file whose version was raised, or for the class's own file if neither was.
 fn files(a: &Framework, b: &Framework, changes: &[Change]) -> Vec<FileVersion> {
     let version = |f: &Framework, file: &str| f.spec_versions.get(file).cloned().unwrap_or_default();
     let mut out: Vec<FileVersion> = Vec::new();

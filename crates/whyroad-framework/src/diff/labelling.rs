@@ -1,7 +1,6 @@
-//! Changes of labeling specs, inheritance applied, as steps: **major** where an old label may now be wrong or lacks
-//! what is demanded (keyframe type, another rule, a new record, `uncertainty: high`, a mandated lateral decision, a
-//! second keyframe), **minor** where something is added that binds nobody or a demand is taken back, **patch** for
-//! wording.
+//! Changes of labeling specs, inheritance applied, as steps: **major** where an old label may now be wrong or lack a
+//! required field (keyframe type, another rule, a new record, `uncertainty: high`, a mandated lateral decision, a
+//! second keyframe), **minor** where something optional is added or a requirement is removed, **patch** for wording.
 
 use super::wording::{Wording, compare_text};
 use super::{Change, ChangeKind};
@@ -20,7 +19,8 @@ struct Difference {
     step: Step,
 }
 
-/// All changes, leaf by leaf in tree order; what all leaves of an L2 or L1 have in common is said once of that class.
+/// All changes, leaf by leaf in tree order; changes common to all leaves of an L2 or L1 are reported once for that
+/// class.
 pub(super) fn changes(a: &Framework, b: &Framework) -> Vec<Change> {
     let mut found: BTreeMap<ScenarioId, Vec<Difference>> = BTreeMap::new();
     for (leaf, after) in &b.specs {
@@ -32,7 +32,7 @@ pub(super) fn changes(a: &Framework, b: &Framework) -> Vec<Change> {
     for id in b.taxonomy.ids() {
         let below: Vec<&ScenarioId> = found.keys().filter(|leaf| leaf.is_within(&id)).collect();
         let Some(first) = below.first() else { continue };
-        // For a leaf this is all it has; a class above takes what every leaf below it has.
+        // For a leaf, its changes; for a class above, the common changes of all leaves below it.
         let shared: Vec<Difference> = found[*first]
             .iter()
             .filter(|d| {
@@ -88,7 +88,7 @@ fn differences(x: &ResolvedSpec, y: &ResolvedSpec) -> Vec<Difference> {
     out
 }
 
-/// Names of a moment's fields as the file has them.
+/// Names of a moment's fields in the file.
 struct Names {
     kind: &'static str,
     rule: &'static str,
@@ -128,7 +128,7 @@ fn keyframe(x: &KeyframeSpec, y: &KeyframeSpec, names: &Names, out: &mut Vec<Dif
 fn bound(x: &BoundSpec, y: &BoundSpec, names: &Names, out: &mut Vec<Difference>) {
     words(names.rule, &x.rule, &y.rule, out);
     if x.expr != y.expr {
-        // An expression says what the rule says: with another one mining proposes other moments, labels stay right.
+        // An expression formalizes the rule: a changed one makes mining propose other moments, but labels stay valid.
         let step = if x.expr.is_none() { Step::Minor } else { Step::Patch };
         let text = |e: &Option<String>| e.as_ref().map_or_else(none, |e| Bilingual::same(e.as_str()));
         out.push(Difference { field: names.expr, before: text(&x.expr), after: text(&y.expr), step });
@@ -140,7 +140,7 @@ fn bound(x: &BoundSpec, y: &BoundSpec, names: &Names, out: &mut Vec<Difference>)
         (a, b) if a != b => {
             let step = match (a, b) {
                 (None, _) => Step::Minor,
-                // Labels were placed by it.
+                // Labels were placed according to it.
                 (Some(_), None) => Step::Major,
                 (Some(_), Some(_)) => Step::Patch,
             };
@@ -160,7 +160,7 @@ fn words(field: &'static str, x: &Bilingual, y: &Bilingual, out: &mut Vec<Differ
     out.push(Difference { field, before: x.clone(), after: y.clone(), step });
 }
 
-/// Something that a label must have, or need not have any more.
+/// A field that a label must have, or is no longer required.
 fn demand(
     field: &'static str,
     was: bool,
@@ -181,7 +181,7 @@ fn records(x: &[RecordSpec], y: &[RecordSpec], out: &mut Vec<Difference>) {
             out.push(Difference { field: "records", before: none(), after: record(r), step: Step::Major });
             continue;
         };
-        // Another unit makes a recorded number mean something else.
+        // A changed unit changes the meaning of recorded numbers.
         let step = match compare_text(&old.name, &r.name) {
             _ if old.unit != r.unit || choice_ids(&old) != choice_ids(r) => Step::Major,
             Wording::Same => continue,

@@ -1,5 +1,5 @@
-//! Changes of `mining:` blocks as written. They decide what is found, never whether a label is right: a rule that comes
-//! or goes is **minor**, one that changed **patch**.
+//! Changes of `mining:` blocks as written. They affect what is found, never the validity of a label: a rule that is
+//! added or removed is **minor**, a changed one **patch**.
 
 use super::{Change, ChangeKind};
 use crate::Framework;
@@ -7,7 +7,7 @@ use crate::version::Step;
 use whyroad_model::yaml::{Entry, Node, Value};
 use whyroad_model::{Bilingual, ScenarioId};
 
-/// All changes in tree order of B, rules that are gone last.
+/// All changes in tree order of B, removed rules last.
 pub(super) fn changes(a: &Framework, b: &Framework) -> Vec<Change> {
     let mut out = Vec::new();
     let change = |id: &ScenarioId, step| Change::of(ChangeKind::Mining, id.clone(), step);
@@ -27,7 +27,7 @@ pub(super) fn changes(a: &Framework, b: &Framework) -> Vec<Change> {
     out
 }
 
-/// What differs, parameter by parameter and definition by definition, else key by key.
+/// The differences, parameter by parameter and definition by definition, else key by key.
 fn blocks(x: &Node, y: &Node) -> Vec<(&'static str, Bilingual, Bilingual)> {
     let mut out = Vec::new();
     for key in keys(x.entries(), y.entries()) {
@@ -64,7 +64,7 @@ fn blocks(x: &Node, y: &Node) -> Vec<(&'static str, Bilingual, Bilingual)> {
     out
 }
 
-/// The same content, wherever it is written.
+/// The same content, regardless of position.
 fn same(x: Option<&Node>, y: Option<&Node>) -> bool {
     match (x, y) {
         (Some(x), Some(y)) => x.same_content(y),
@@ -72,13 +72,13 @@ fn same(x: Option<&Node>, y: Option<&Node>) -> bool {
     }
 }
 
-/// Keys of both in the order of B, those that B no longer has last.
+/// Keys of both in the order of B, removed keys last.
 fn keys<'n>(x: &'n [Entry], y: &'n [Entry]) -> Vec<&'n str> {
     let gone = x.iter().filter(|e| y.iter().all(|o| o.key != e.key));
     y.iter().chain(gone).map(|e| e.key.as_str()).collect()
 }
 
-/// `name: value`. The reason of a parameter is shown where it is all that changed.
+/// `name: value`. The reason of a parameter is shown where only the reason changed.
 fn named(name: &str, value: &Node, x: Option<&Node>, y: Option<&Node>) -> Bilingual {
     let part = |v: Option<&'_ Node>, key: &str| v.and_then(|v| v.get(key)).cloned();
     let (before, after) = (part(x, "value"), part(y, "value"));

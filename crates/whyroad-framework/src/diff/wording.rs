@@ -1,24 +1,25 @@
-//! Whether a changed text still says the same. A program cannot know; these rules err towards "meaning".
+//! Whether a changed text has the same meaning. A program cannot know this; these rules err towards "meaning".
 //!
 //! 1. Texts that differ only in blanks, punctuation, letter case or full-width forms are the same.
-//! 2. The *hard parts* are what a labeler measures or excludes by: numbers, comparison signs, words of negation,
-//!    and words of comparison or bound ("over", "at most", "至少"). Other hard parts: another meaning.
-//! 3. With equal hard parts, a text that changed in one language only was reworded: the other language pins the
-//!    meaning. Changed in both, it was reworded when each is still close to what it was, else it means something else.
+//! 2. The *hard parts* are the parts by which a labeler measures or excludes: numbers, comparison signs, words of
+//!    negation, and words of comparison or bound ("over", "at most", "至少"). Other hard parts: another meaning.
+//! 3. With equal hard parts, a text that changed in one language only was reworded: the other language fixes the
+//!    meaning. If it changed in both, it was reworded when each is still close to the old text; otherwise the meaning
+//!    changed.
 
 use whyroad_model::Bilingual;
 
-/// How alike two texts must be, 0 to 1, to count as close. A changed word in ten leaves about this.
+/// Minimum similarity of close texts, 0 to 1. One changed word in ten gives about this.
 const CLOSE: f64 = 0.8;
 
 /// Judgment on a pair of texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wording {
-    /// No difference that counts.
+    /// No relevant difference.
     Same,
     /// Said differently.
     Reworded,
-    /// Meaning something else, as far as can be determined.
+    /// Changed meaning, as far as can be determined.
     Meaning,
 }
 
@@ -54,7 +55,7 @@ fn bare(text: &str) -> String {
     fold(text).chars().filter(|c| c.is_alphanumeric()).collect()
 }
 
-/// Words that turn or bound a statement. Chinese ones are looked for anywhere, English ones as whole words.
+/// Words that negate or limit a statement. Chinese ones are looked for anywhere, English ones as whole words.
 const TURNS_ZH: &[&str] = &[
     "不", "无", "未", "没", "非", "除", "至少", "至多", "以上", "以下", "大于", "小于", "超过", "低于", "仅",
     "或",
@@ -64,7 +65,7 @@ const TURNS_EN: &[&str] = &[
     "least", "most", "more", "less", "than", "before", "after",
 ];
 
-/// What the text measures or excludes by, in order.
+/// The hard parts of the text, in order.
 fn hard_parts(text: &str) -> Vec<String> {
     let text = fold(text).replace('≥', ">=").replace('≤', "<=");
     let chars: Vec<char> = text.chars().collect();
@@ -112,7 +113,7 @@ mod tests {
 
     #[test]
     fn thresholds_and_negations_are_meaning() {
-        // By what a labeler would do with each text.
+        // Expected values by how a labeler would apply each text.
         let before = ("TTC < 3s", "TTC < 3 s");
         assert_eq!(judge(before, ("TTC < 4s", "TTC < 4 s")), Wording::Meaning);
         assert_eq!(judge(before, ("TTC >= 3s", "TTC >= 3 s")), Wording::Meaning);

@@ -1,5 +1,5 @@
-//! What decides between overlapping classes, each rule once. In the taxonomy a rule stands on both sides, and siblings
-//! often share one; on the page it stands in the section of the first of the classes, and the other sections refer
+//! Rules that decide between overlapping classes, each rule once. In the taxonomy a rule is stated on both sides, and
+//! siblings often share one; on the page it is in the section of the first of the classes, and the other sections refer
 //! there.
 
 use crate::Taxonomy;
@@ -50,7 +50,7 @@ impl<'t> Overlaps<'t> {
         Self { all }
     }
 
-    /// The entries of one L2, and links to the sections of others that speak of it.
+    /// The entries of one L2, and links to the sections of others that mention it.
     pub(super) fn section(&self, l2: &ScenarioId, out: &mut String) {
         let here: Vec<&Overlap<'_>> = self.all.iter().filter(|o| same_l2(&o.pairs[0].0, l2)).collect();
         let mut elsewhere: Vec<&str> = Vec::new();

@@ -1,5 +1,5 @@
-//! The generated parts of `docs/reference/SPEC.md`: the decision tables and the labeling of every L2. They stand
-//! between `<!-- generated: NAME -->` and `<!-- end generated -->`; everything else on that page is written by hand.
+//! The generated parts of `docs/reference/SPEC.md`: the decision tables and the labeling of every L2. They are between
+//! `<!-- generated: NAME -->` and `<!-- end generated -->`; the rest of the page is written by hand.
 
 use super::cell;
 use crate::decisions::DecisionText;
@@ -11,7 +11,7 @@ use whyroad_model::{Bilingual, Lang, ScenarioId};
 
 const END: &str = "<!-- end generated -->";
 
-/// `page` with its generated parts written again, or the marker that it lacks.
+/// `page` with its generated parts updated, or the marker that is missing.
 pub fn fill_spec_page(f: &Framework, page: &str) -> Result<String, String> {
     let mut out = page.to_owned();
     for (name, text) in [
@@ -23,7 +23,7 @@ pub fn fill_spec_page(f: &Framework, page: &str) -> Result<String, String> {
         let marker = format!("<!-- generated: {name} -->\n");
         let start = out.find(&marker).ok_or_else(|| marker.trim().to_owned())? + marker.len();
         let end = out[start..].find(END).ok_or_else(|| END.to_owned())? + start;
-        // Blank lines, or a table or heading would be taken for part of the comment.
+        // Blank lines, or a table or heading would be parsed as part of the comment.
         let text = super::wrap::wrap_page(&text);
         out.replace_range(start..end, &format!("\n{}\n\n", text.trim_end_matches('\n')));
     }
@@ -74,7 +74,7 @@ fn sides(directions: &[LateralDirection], lang: Lang) -> String {
     }
 }
 
-/// Three cells: name, meaning, what it is not.
+/// Three cells: name, meaning, similar decisions.
 fn words(d: &DecisionText, lang: Lang) -> String {
     let not = d.not.as_ref().map(|n| n.get(lang)).unwrap_or_default();
     [d.name.get(lang), d.meaning.get(lang), not].map(cell).join(" | ")
@@ -134,7 +134,7 @@ fn section(f: &Framework, l1: &L1, l2: &L2, lang: Lang, out: &mut String) {
     let variants: Vec<String> =
         l2.l3.iter().map(|c| format!("`{}` {}", c.id, c.condition.get(lang))).collect();
     line(s.field("变体", "Variants", &variants.join(s.pick("；", "; "))));
-    // An L1's defaults reach its L2s as they are; where nothing differs, that is worth knowing.
+    // An L1's defaults apply to its L2s unchanged; the page states where nothing differs.
     let default = f.l1_specs.get(&ScenarioId { l1: l1.id.clone(), l2: None, l3: None });
     if differing.is_empty()
         && let (Some(default), Some(whole)) = (default, whole)
@@ -144,7 +144,7 @@ fn section(f: &Framework, l1: &L1, l2: &L2, lang: Lang, out: &mut String) {
     }
 }
 
-/// Specs in words of one language.
+/// Specs as text in one language.
 struct Say {
     lang: Lang,
 }
@@ -158,7 +158,7 @@ impl Say {
         format!("{}{}{text}", self.pick(zh, en), self.pick("：", ": "))
     }
 
-    /// What `spec` says, or where it differs from `upper`: one text a field, each field in full.
+    /// The content of `spec`, or its differences from `upper`: one text per field, each field in full.
     fn differences(&self, upper: Option<&ResolvedSpec>, spec: &ResolvedSpec) -> Vec<String> {
         let mut out = Vec::new();
         if upper.is_none_or(|u| self.keyframe(&u.keyframe) != self.keyframe(&spec.keyframe)) {
@@ -210,7 +210,7 @@ impl Say {
         format!("{}{fallback}", b.rule.get(self.lang))
     }
 
-    /// An inherited fallback that says the same as the rule adds nothing.
+    /// An inherited fallback that repeats the rule is left out.
     fn fallback(&self, rule: &Bilingual, fallback: Option<&MomentSpec>) -> String {
         let Some(other) = fallback.map(|m| &m.rule).filter(|other| *other != rule) else {
             return String::new();

@@ -1,5 +1,5 @@
 //! Line wrapping for generated Markdown: at most [`WIDTH`] columns, where a Chinese character takes two. Code spans and
-//! links are not broken. Tables and code blocks are not for this.
+//! links are not broken. Not for tables and code blocks.
 
 /// Columns of a line of a generated page.
 pub const WIDTH: usize = 120;
@@ -14,7 +14,7 @@ fn is_wide(c: char) -> bool {
         | 0xfe30..=0xfe6f | 0xff00..=0xff60 | 0xffe0..=0xffe6 | 0x1f300..=0x1faff | 0x20000..=0x3fffd)
 }
 
-/// Marks after which a Chinese sentence is broken first: a line end there shows as the space that belongs there.
+/// Marks after which a Chinese sentence is broken first: a line end there is rendered as the space that belongs there.
 const AFTER: &str = "，。；：、！？";
 
 /// `text` (one paragraph) in lines: the first begins with `first`, the others with `rest`.
@@ -78,7 +78,7 @@ pub(crate) fn join(first: &mut String, next: &str) {
     first.push_str(next);
 }
 
-/// What a line may be broken between, each with whether a space precedes it.
+/// Units between which a line may be broken, each with whether a space precedes it.
 fn pieces(text: &str) -> Vec<(bool, String)> {
     let mut out: Vec<(bool, String)> = Vec::new();
     let (mut piece, mut space) = (String::new(), false);

@@ -23,7 +23,7 @@ const DRAFT_TEXTS: &str = "schema/draft_texts.yaml";
 const SIGNALS: &str = "schema/signals.yaml";
 const PRECEDENCE: &str = "schema/precedence.yaml";
 
-/// Files of `scenarios/` that are not of one class.
+/// Files of `scenarios/` that do not belong to one class.
 const TABLES: &[&str] = &[DECISION_TABLE, RECORD_TYPES];
 
 pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<Diagnostic>) {
@@ -35,14 +35,14 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
     (framework, out)
 }
 
-/// The framework of this program, whose words are compiled when first asked for.
+/// The framework of this program, whose words are compiled on first use.
 pub(super) fn bundled(files: &BTreeMap<String, String>) -> Option<Framework> {
     without_reading(files)
         .0
         .map(|framework| Framework { reading: Reading::Bundled(OnceLock::new()), ..framework })
 }
 
-/// What reads the texts of labels; problems go to `out`.
+/// The tables that read the texts of labels; problems go to `out`.
 pub(super) fn reading(
     files: &BTreeMap<String, String>,
     taxonomy: &Taxonomy,
@@ -158,7 +158,7 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
         for l2 in &l1.l2 {
             let file = format!("scenarios/{}/{}.yaml", l1.id, l2.id);
             let Some(spec) = read.get(&file) else {
-                // A file that is there but unreadable has been reported already.
+                // A file that exists but is unreadable has already been reported.
                 if !files.contains_key(&file) {
                     out.push(missing_file(&file));
                 }
@@ -167,7 +167,7 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
             let l2_layer = overlay(default, spec.spec.labeling.as_ref().unwrap_or(&nothing));
             let text: Arc<str> = files.get(&file).map(String::as_str).unwrap_or_default().into();
             let l2_id = ScenarioId { l1: l1.id.clone(), l2: Some(l2.id.clone()), l3: None };
-            // What an L2 leaves to its leaves is reported there.
+            // Fields that an L2 leaves to its leaves are reported there.
             if let Ok(resolved) = finish(l2_id.clone(), &l2_layer) {
                 framework.l2_specs.insert(l2_id.clone(), resolved);
             }

@@ -1,4 +1,4 @@
-//! Words that tell of events after the decision (`aftermath` of `schema/label_words.yaml`).
+//! Words for events after the decision (`aftermath` of `schema/label_words.yaml`).
 
 use super::compile::{expanded, trie};
 use super::{Words, has_word};
@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use whyroad_model::Bilingual;
 
-/// What a word says of the clause it is in.
+/// What a word indicates about its clause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TellWord {
-    /// A reason, a purpose, a condition or a plan: no event.
+    /// A reason, a purpose, a condition or a plan, not an event.
     Exempt,
     /// Past tense.
     Past,
@@ -22,7 +22,7 @@ pub enum TellWord {
     NotPast,
     /// An outcome, also of the decision itself.
     Outcome,
-    /// An event, where the clause says no decision.
+    /// An event, where the clause states no decision.
     Event,
 }
 
@@ -33,7 +33,7 @@ pub struct NewSubject {
     pub begins: Vec<String>,
     /// None of these is in it.
     pub breaks: Vec<String>,
-    /// Its last word is none of these.
+    /// Its last word is not one of these.
     pub own: Vec<String>,
     /// One of these follows the verb, unless the clause ends.
     pub behind: Vec<String>,
@@ -44,28 +44,28 @@ pub struct NewSubject {
 pub struct Aftermath {
     trace: Trie,
     tells: Vec<TellWord>,
-    /// Words behind which a verb of Latin letters has a subject.
+    /// Words after which a verb of Latin letters has a subject.
     pub subjects: Vec<String>,
     /// In a component, with a past tense: what came later; in lower case.
     pub later: Vec<String>,
     /// Past tenses.
     pub told: Vec<String>,
-    /// Behind these a word that ends as a past tense does is a participle.
+    /// After these, a word with a past-tense ending is a participle.
     pub participle: Vec<String>,
     /// Words that may stand between a subject and its verb.
     pub between: Vec<String>,
-    /// What begins a clause about somebody else.
+    /// Beginnings of a clause about another road user.
     pub new_subject: NewSubject,
     /// Irregular past tenses of decisions.
     pub decided: Vec<String>,
     /// Events that the ego itself may plan: "then".
     pub sequel: Vec<String>,
-    /// The moment of the decision: what was told before it was seen, too.
+    /// The moment of the decision: events stated before it were observed, too.
     now: Words,
 }
 
 impl Aftermath {
-    /// Gives the words of a clause of a trace, `bytes`, to `take`: what each says, first byte, one past its last byte.
+    /// Passes the words of a clause of a trace, `bytes`, to `take`: meaning, first byte, one past the last byte.
     pub fn trace_hits(
         &self,
         units: &Units,
@@ -75,7 +75,7 @@ impl Aftermath {
         self.trace.find_in(units, bytes, |f| take(self.tells[f.word], f.start, f.end));
     }
 
-    /// The text speaks of the moment of the decision.
+    /// The text mentions the moment of the decision.
     pub fn is_now(&self, text: &str) -> bool {
         self.now.zh.iter().any(|w| text.contains(w.as_str()))
             || has_word(text, |word| self.now.en.iter().any(|w| word.eq_ignore_ascii_case(w)))

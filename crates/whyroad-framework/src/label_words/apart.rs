@@ -1,23 +1,23 @@
-//! Names of things of one family that exclude one another: a hatchback is no pickup, a dog no cow (`apart` of
-//! `schema/label_words.yaml`). A name that may be of several kinds stands in each of them.
+//! Names of things of one family that exclude one another: a hatchback is not a pickup, a dog not a cow (`apart` of
+//! `schema/label_words.yaml`). A name that may be of several kinds is listed under each of them.
 
 use super::Words;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::Bilingual;
 
-/// Kinds that a family can hold.
+/// Maximum number of kinds of a family.
 const MAX_KINDS: usize = 64;
 
 /// All families.
 #[derive(Clone, Debug, Default)]
 pub struct Apart {
-    /// Of each family the names, in lower case, with their kinds, a bit each.
+    /// For each family the names, in lower case, with their kinds, one bit each.
     families: Vec<Vec<(String, u64)>>,
 }
 
 impl Apart {
-    /// Families of which `name` holds a word, with the kinds that it may be of: those of its longest words.
+    /// Families of which `name` contains a word, with its possible kinds: those of its longest words.
     pub fn kinds(&self, name: &str) -> Vec<(usize, u64)> {
         let lower = name.to_ascii_lowercase();
         let of = |family: &Vec<(String, u64)>| {
@@ -39,7 +39,7 @@ fn holds(name: &str, word: &str) -> bool {
     })
 }
 
-/// The lists as written: of each family, the names of each kind.
+/// The lists as written: for each family, the names of each kind.
 pub(super) type RawApart = BTreeMap<String, RawFamily>;
 
 #[derive(Clone, Debug, Deserialize)]

@@ -1,5 +1,5 @@
-//! What a text says beside its things: whether there is anything to respond to, whether it has to do with traffic at
-//! all, and whether the response is over (`bearing` of `schema/label_words.yaml`). Found apart from all other words.
+//! What a text states besides its things: whether there is anything to respond to, whether it concerns traffic, and
+//! whether the response is over (`bearing` of `schema/label_words.yaml`). Searched separately from all other words.
 
 use super::Words;
 use super::compile::{expanded, trie};
@@ -9,18 +9,18 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::Bilingual;
 
-/// What a phrase says.
+/// Meaning of a phrase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bears {
-    /// Nothing hides or hinders.
+    /// Nothing blocks the view or the path.
     Clear,
     /// There is nothing to respond to.
     Harmless,
-    /// Of no road and no traffic.
+    /// Not about roads or traffic.
     Idle,
     /// Off the road, or on another one.
     Apart,
-    /// A time at which the ego has responded already, or whoever it responds to is done.
+    /// A time at which the ego has already responded, or the road user that it responds to is gone.
     Done,
 }
 
@@ -32,7 +32,7 @@ pub struct Bearing {
 }
 
 impl Bearing {
-    /// Gives the phrases of a text to `take`: what each says, first byte, one past its last byte.
+    /// Passes the phrases of a text to `take`: meaning, first byte, one past the last byte.
     pub fn hits(&self, units: &Units, length: usize, mut take: impl FnMut(Bears, usize, usize)) {
         self.trie.find_in(units, 0..length, |f| take(self.says[f.word], f.start, f.end));
     }

@@ -1,4 +1,4 @@
-//! How texts are divided into clauses, and words that say of a clause whether it gives a reason (`clauses` of
+//! How texts are divided into clauses, and words that show whether a clause gives a reason (`clauses` of
 //! `schema/label_words.yaml`).
 
 use super::Words;
@@ -6,7 +6,7 @@ use crate::lexicon::units::{Mark, Unit, Units};
 use serde::Deserialize;
 use std::ops::Range;
 
-/// What a punctuation mark ends.
+/// The unit that a punctuation mark ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Divider {
     /// A sentence.
@@ -15,7 +15,7 @@ pub enum Divider {
     Clause,
     /// An item of a list.
     Item,
-    /// What stands before an aside, or before what is added.
+    /// The text before an aside or an addition.
     Aside,
 }
 
@@ -29,27 +29,27 @@ pub struct Clauses {
     pub joint: Vec<String>,
     /// Words that are followed by a reason, wherever they are, in lower case.
     pub because: Vec<String>,
-    /// Words that join what has nothing to do with the reason before them, in lower case.
+    /// Words that join a part unrelated to the preceding reason, in lower case.
     pub beside: Vec<String>,
     /// Words of [`Clauses::because`] after which the reason goes on to the end of its sentence.
     pub reason: Vec<String>,
-    /// Beginnings of a part that says what the ego has to do or wants.
+    /// Beginnings of a part that states what the ego must or wants to do.
     pub own_duty: Vec<String>,
-    /// Words behind which a reason is given that was called one before, in lower case.
+    /// Words after which an announced reason is given, in lower case.
     pub again: Vec<String>,
-    /// What follows is contrasted with what was said before.
+    /// The following text contrasts with the preceding one.
     pub contrast: Vec<String>,
-    /// Beginnings of a clause that adds to what the one before supposes.
+    /// Beginnings of a clause that adds to the assumption of the one before.
     pub alternative: Vec<String>,
 }
 
 impl Clauses {
-    /// What a mark ends.
+    /// The unit that a mark ends.
     pub fn divides(&self, mark: Mark) -> Option<Divider> {
         self.dividers.iter().find(|(sign, _)| *sign == mark.sign).map(|d| d.1)
     }
 
-    /// Ends of the parts of a text between marks of these kinds, behind the mark; the last part ends with the text.
+    /// Ends of the parts of a text between marks of these kinds, after the mark; the last part ends with the text.
     pub fn ends<'u>(
         &'u self,
         units: &'u Units,
@@ -72,8 +72,8 @@ impl Clauses {
         joint.map_or(mark, |i| clause[i].start)
     }
 
-    /// First byte of the part that holds `inside`, and the byte at which it ends: between marks of which `divides` is
-    /// true. What is inside may hold such marks itself.
+    /// First byte of the part that holds `inside`, and the byte at which it ends: between marks for which `divides` is
+    /// true. The inside may contain such marks itself.
     pub fn around(
         &self,
         units: &Units,
@@ -87,7 +87,7 @@ impl Clauses {
         (from.map_or(0, |m| m.end()), to.map_or(text_end, |m| m.start))
     }
 
-    /// The units begin with a joint. The last unit is the one behind the clause.
+    /// The units begin with a joint. The last unit is the one after the clause.
     fn is_joint(&self, units: &[Unit]) -> bool {
         units[0].key == u64::from(b' ')
             && self.joints.iter().any(|joint| {

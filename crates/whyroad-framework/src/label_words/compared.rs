@@ -1,5 +1,5 @@
-//! What texts are compared without (`compared` of `schema/label_words.yaml`): particles, and words that say nothing of
-//! a scene.
+//! Words that are ignored when texts are compared (`compared` of `schema/label_words.yaml`): particles, and words
+//! without information about a scene.
 
 use super::Words;
 use serde::Deserialize;
@@ -14,17 +14,17 @@ pub struct Compared {
     empty: Vec<u64>,
     /// The same as bits: a word whose bit is not set is not empty.
     empty_bits: [u64; 4],
-    /// Chinese characters that say nothing of a scene.
+    /// Chinese characters without information about a scene.
     pub of_no_scene: CharSet,
     /// Chinese characters of deciding and of reasons in general.
     pub of_deciding: CharSet,
-    /// Words of Latin letters that say nothing of a scene, or what the ego does and where it is.
+    /// Words of Latin letters without information about a scene, or about the ego's action and position.
     plain: HashSet<String>,
     /// Words of Latin letters of deciding and of reasons in general.
     deciding: HashSet<String>,
 }
 
-/// The hash of a word, going on with `c`, upper and lower case alike; 0 is the empty word.
+/// The hash of a word, extended by `c`, upper and lower case alike; 0 is the empty word.
 pub fn hashed(word: u64, c: char) -> u64 {
     word.wrapping_mul(0x0100_0000_01b3).wrapping_add(u64::from(c.to_ascii_lowercase()) + 1)
 }
@@ -45,12 +45,12 @@ impl Compared {
         self.empty_bits[bit / 64] >> (bit % 64) & 1 != 0
     }
 
-    /// True for a word of Latin letters, in lower case, that says nothing of a scene.
+    /// True for a word of Latin letters, in lower case, without information about a scene.
     pub fn is_plain(&self, word: &str) -> bool {
         self.plain.contains(word)
     }
 
-    /// True for a word of Latin letters, in lower case, that speaks of deciding and of reasons in general.
+    /// True for a word of Latin letters, in lower case, that is about decisions and reasons in general.
     pub fn is_deciding(&self, word: &str) -> bool {
         self.deciding.contains(word)
     }

@@ -6,12 +6,12 @@ use crate::lexicon::trie::Trie;
 use std::collections::{BTreeMap, HashSet};
 use whyroad_model::Bilingual;
 
-/// Groups of things that a set can hold.
+/// Maximum number of groups of things in a set.
 const MAX_GROUPS: usize = 64;
-/// Doings that a set can hold.
+/// Maximum number of doings in a set.
 const MAX_DOINGS: usize = 32;
 
-/// The words, and what is wrong with the file's patterns.
+/// The words, and the errors in the file's patterns.
 pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     let mut b = Builder { texts: BTreeMap::new(), problems: Vec::new() };
     let objects = groups(raw, &mut b);
@@ -116,7 +116,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
             .without(kind("rain").with(kind("snow"))),
     };
 
-    // A queue is waited in, and "no car" does nothing.
+    // "Queue" implies waiting, and "no car" has no action.
     let is_user = |role: &WordRole| matches!(role, WordRole::Object(i) if objects[*i].own.meets(acts) && !objects[*i].own.meets(known.queue));
     let road_users = (b.texts.iter())
         .filter(|(text, role)| is_user(role) && !text.starts_with(['有', '无', '没']))

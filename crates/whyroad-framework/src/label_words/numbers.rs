@@ -3,7 +3,7 @@
 use super::{CharSet, Words};
 use serde::Deserialize;
 
-/// How many, and how far.
+/// Counts and distances.
 #[derive(Clone, Debug, Default)]
 pub struct Numbers {
     /// More than one, in Chinese.
@@ -12,7 +12,7 @@ pub struct Numbers {
     words: Vec<String>,
     /// One, in Chinese.
     one: CharSet,
-    /// Characters of a number in Chinese that make a distance a long one.
+    /// Chinese number characters that indicate a long distance.
     long: CharSet,
 }
 

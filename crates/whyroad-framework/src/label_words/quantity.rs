@@ -8,30 +8,30 @@ use std::collections::BTreeMap;
 /// Words of numbers and units.
 #[derive(Clone, Debug, Default)]
 pub struct Quantities {
-    /// Unit of a record, word, and how many of the unit one of it is.
+    /// Unit of a record, word, and factor from the word to the unit.
     units: Vec<(String, String, f64)>,
     numbers: BTreeMap<String, f64>,
-    /// Behind a distance to something.
+    /// After a distance to something.
     away: Vec<String>,
-    /// Record id and the words beside which a text states it.
+    /// Record id and the words next to which a text states it.
     pub beside: BTreeMap<String, Vec<String>>,
 }
 
 /// A number with a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
-    /// In the unit that was asked for.
+    /// In the requested unit.
     pub value: f64,
     /// First byte in the text.
     pub start: usize,
     /// One past the last byte of its unit.
     pub end: usize,
-    /// Said to be more or less that.
+    /// Stated as approximate.
     pub is_rough: bool,
 }
 
 impl Quantity {
-    /// Nobody would call the two different: a person rounds.
+    /// The two count as equal: people round.
     pub fn is_about(&self, other: &Quantity) -> bool {
         let part = if self.is_rough || other.is_rough { 0.3 } else { 0.12 };
         (self.value - other.value).abs() <= part * self.value.max(other.value) + 0.6
@@ -39,7 +39,7 @@ impl Quantity {
 }
 
 impl Quantities {
-    /// The quantities of `text` in `unit`, but for distances to something.
+    /// The quantities of `text` in `unit`, except distances to something.
     pub fn find(&self, text: &str, unit: &str) -> Vec<Quantity> {
         self.of_unit(text, unit, false)
     }
@@ -83,7 +83,7 @@ impl Quantities {
         out.into_iter().map(|q| q.0).collect()
     }
 
-    /// How many of the thing whose name starts at `at` the text says there are: "三头黄牛", "four sheep".
+    /// The stated number of the thing whose name starts at `at`: "三头黄牛", "four sheep".
     pub fn count_before(&self, text: &str, at: usize, counters: &CharSet) -> Option<f64> {
         let before = text[..at].trim_end();
         if text.is_ascii() {

@@ -1,38 +1,38 @@
-//! What is far from the moment of a decision, in time or on the road (`remote` of `schema/label_words.yaml`): a date, a
-//! span of days or years, kilometers, the junction after the next. Read by form, not from a list of phrases.
+//! Things far from the moment of a decision, in time or on the road (`remote` of `schema/label_words.yaml`): a date, a
+//! span of days or years, kilometers, the junction after the next. Recognized by form, not by a list of phrases.
 
 use super::{CharSet, Words};
 use serde::Deserialize;
 use std::collections::HashSet;
 
-/// Words of times and distances that are far.
+/// Words for far times and distances.
 #[derive(Clone, Debug, Default)]
 pub struct Remote {
     /// By themselves.
     dates: HashSet<String>,
     dates_chinese: Vec<String>,
-    /// Behind one of `which`.
+    /// After one of `which`.
     spans: HashSet<String>,
     which: HashSet<String>,
-    /// Behind a span.
+    /// After a span.
     ago: HashSet<String>,
     ago_chinese: Vec<String>,
     spans_chinese: Vec<String>,
-    /// Long units, and what makes a speed of one.
+    /// Long units, and words that turn one into a speed.
     lengths: HashSet<String>,
     lengths_chinese: Vec<String>,
     per: HashSet<String>,
     /// Counted on the way to something.
     stages: HashSet<String>,
     stages_chinese: Vec<String>,
-    /// Behind what is counted.
+    /// After the counted thing.
     on: HashSet<String>,
     on_chinese: Vec<String>,
-    /// Before what is counted, in Chinese.
+    /// Before the counted thing, in Chinese.
     onward: Vec<String>,
     /// Before a length, the same.
     ahead: Vec<String>,
-    /// Behind a length, in Chinese: what is so far away.
+    /// After a length, in Chinese: the thing at that distance.
     of_chinese: Vec<String>,
     digits: CharSet,
     number: HashSet<String>,
@@ -58,10 +58,10 @@ impl Remote {
         let word = |i: usize| all.get(i).map_or("", |w| w.1);
         let is_number =
             |i: usize| word(i).starts_with(|c: char| c.is_ascii_digit()) || self.number.contains(word(i));
-        // "A" counts only what it stands before.
+        // "A" counts only the following thing.
         let counted =
             |i: usize| (i.saturating_sub(4)..i).any(|k| is_number(k) && (word(k) != "a" || k + 1 == i));
-        // "The next three kilometers": how long something is.
+        // "The next three kilometers": the length of something.
         let extends = |i: usize| (i.saturating_sub(4)..i).any(|k| ["next", "over", "for"].contains(&word(k)));
         // "The junction on the right" is near.
         let placed = |i: usize| word(i + 1) == "on" && ["the", "our", "ego"].contains(&word(i + 2));
@@ -98,7 +98,7 @@ impl Remote {
             let before = text[from..at].trim_end().trim_end_matches(is_number);
             all.iter().any(|w| before.ends_with(w.as_str()))
         };
-        // Most kilometers are those of a speed.
+        // Most kilometers belong to a speed.
         let away = |at: usize, end: usize| {
             let from = text[..at].rfind(['，', '。', '；']).unwrap_or(0);
             begins(end, &self.on_chinese)

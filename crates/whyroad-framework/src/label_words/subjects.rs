@@ -1,4 +1,4 @@
-//! How the thing is found that a component speaks of (`subjects` of `schema/label_words.yaml`).
+//! How to find the thing that a component describes (`subjects` of `schema/label_words.yaml`).
 
 use super::{CharSet, Words, has_word};
 use serde::Deserialize;
@@ -9,87 +9,87 @@ use std::collections::HashSet;
 pub struct Subjects {
     ends: HashSet<String>,
     pronouns: HashSet<String>,
-    /// A text in Chinese that begins with one of these speaks of the ego.
+    /// A text in Chinese that begins with one of these is about the ego.
     pub own: Vec<String>,
-    /// Behind one of these, what follows is near the ego.
+    /// The thing after one of these is near the ego.
     pub behind_own: CharSet,
-    /// How many, in Chinese.
+    /// Number words, in Chinese.
     pub counts: CharSet,
-    /// The word that counts, behind it.
+    /// The measure word after the number.
     pub counters: CharSet,
-    /// Whoever is there is neither to the left nor to the right; in lower case.
+    /// Positions that are neither left nor right; in lower case.
     pub opposite: Vec<String>,
-    /// A record that begins with one of these says that there is nothing; in lower case.
+    /// A record that begins with one of these states that there is nothing; in lower case.
     pub nothing: Vec<String>,
-    /// In so many names of things that to share one says nothing.
+    /// Characters in too many names of things to be evidence when shared.
     pub common: CharSet,
     /// The same of Latin letters, in lower case.
     pub common_words: HashSet<String>,
-    /// Names for all of a kind, in lower case.
+    /// Names for all members of a kind, in lower case.
     general: HashSet<String>,
-    /// Behind the name of a place.
+    /// After the name of a place.
     pub places: CharSet,
     /// Before a name in Latin letters.
     pub articles: Vec<String>,
-    /// The same, and words that begin what a thing does something to.
+    /// The same, and words that begin the object of an action.
     determiners: Vec<String>,
-    /// Before a name of Latin letters that speaks of one that is known.
+    /// Before a name of Latin letters that refers to a known thing.
     pub definite: Vec<String>,
-    /// Before a name of Latin letters of what belongs to somebody.
+    /// Before a name of Latin letters of a possession.
     pub owners: Vec<String>,
-    /// Before what a measure of the ego does, in Chinese.
+    /// Before the change of a measure of the ego, in Chinese.
     pub measures: Vec<String>,
-    /// Before a name of Latin letters that speaks of one that was not named before.
+    /// Before a name of Latin letters that refers to a thing not named before.
     pub introduces: Vec<String>,
-    /// Before the word that counts, in Chinese, the same.
+    /// Before the measure word, in Chinese, the same.
     pub appears: CharSet,
-    /// Before a number in Chinese that counts nothing.
+    /// Before a number in Chinese that is not a count.
     pub ordinals: CharSet,
-    /// Before a name in Chinese that is where somebody comes from or goes to.
+    /// Before a name in Chinese that is an origin or destination.
     pub origins: CharSet,
-    /// Names by which the ego may be called, where no component speaks of a vehicle; in lower case.
+    /// Possible names of the ego where no component is about a vehicle; in lower case.
     pub may_be_ego: Vec<String>,
-    /// Names that may be of a part of a vehicle as well, in lower case.
+    /// Names that may also be a part of a vehicle, in lower case.
     vague: HashSet<String>,
     /// Parts that every vehicle has, in lower case.
     parts: HashSet<String>,
     /// Parts that have a left and a right one: in Chinese by their first character, in lower case.
     own_parts: (CharSet, HashSet<String>),
-    /// Says that something is written, in lower case.
+    /// Words for something written, in lower case.
     writing: Vec<String>,
     /// The ego, in Chinese and in Latin letters.
     ego: [Vec<String>; 2],
-    /// Behind a name in Chinese, before one of Latin letters: it only says where something else is; in lower case.
+    /// After a name in Chinese, before one of Latin letters: the name only locates something else; in lower case.
     landmark: [Vec<String>; 2],
     stand_for: HashSet<String>,
     stand_for_chinese: Vec<String>,
-    /// Words for where somebody is, in lower case: before the ego, behind it.
+    /// Words for positions, in lower case: before the ego, behind it.
     pub at: [Vec<String>; 2],
     /// Words of a movement to one side, in lower case: left, right.
     pub goes_to: [Vec<String>; 2],
-    /// Say that somebody is another one of his kind.
+    /// Words for another one of the same kind.
     pub another: Vec<String>,
-    /// Before what somebody cannot do, in lower case.
+    /// Before an action that is not possible, in lower case.
     pub unable: Vec<String>,
     /// Another lane than the ego's, in lower case.
     pub beside_ego: Vec<String>,
-    /// Of what is behind the ego already.
+    /// Words for things already behind the ego.
     pub earlier: Vec<String>,
-    /// Behind the route: it does not ask for what is decided.
+    /// After the route: the route does not require the decision.
     pub route_not: Vec<String>,
-    /// Of the lane in which the ego is or was.
+    /// Words for the lane in which the ego is or was.
     pub own_lane: Vec<String>,
-    /// Before a name of Latin letters, behind one in Chinese: something else is farther on.
+    /// Before a name of Latin letters, after one in Chinese: something else is farther on.
     pub beyond: Vec<String>,
-    /// Say when and where the ego is, and no cause.
+    /// Words for the time and place of the ego, not for a cause.
     pub here: Vec<String>,
-    /// Names of lanes by which a side is meant.
+    /// Names of lanes that indicate a side.
     pub lanes: Vec<String>,
-    /// Say of a way that nothing is on it, in lower case.
+    /// Words for a free path, in lower case.
     pub free: Vec<String>,
-    /// Say that there is no room, in lower case.
+    /// Words for missing room, in lower case.
     pub full: Vec<String>,
-    /// Names of each part of which there is a left and a right one, in lower case.
+    /// Names of each part that has a left and a right one, in lower case.
     pub side_parts: Vec<Vec<String>>,
 }
 
@@ -99,35 +99,35 @@ impl Subjects {
         self.ends.contains(word)
     }
 
-    /// `name`, in upper or lower case, is that of all of a kind.
+    /// `name`, in upper or lower case, is a name for all members of a kind.
     pub fn is_general(&self, name: &str) -> bool {
         self.general.contains(&name.to_lowercase())
     }
 
-    /// `name`, in upper or lower case, may be that of a part of a vehicle as well.
+    /// `name`, in upper or lower case, may also be a part of a vehicle.
     pub fn is_vague(&self, name: &str) -> bool {
         self.vague.contains(&name.to_lowercase())
     }
 
-    /// The character at this byte of the text is in so many names that to share it says nothing.
+    /// The character at this byte of the text is in too many names to be evidence when shared.
     pub fn is_common(&self, text: &str, at: usize) -> bool {
         text[at..].starts_with(|c| self.common.contains(c))
     }
 
-    /// The text speaks of the ego.
+    /// The text mentions the ego.
     pub fn speaks_of_ego(&self, text: &str) -> bool {
         let [chinese, latin] = &self.ego;
         chinese.iter().any(|w| text.contains(w.as_str()))
             || has_word(text, |word| latin.iter().any(|w| word.eq_ignore_ascii_case(w)))
     }
 
-    /// The text says of something that it is to the left or to the right.
+    /// The text states that something is to the left or to the right.
     pub fn speaks_of_side(&self, text: &str) -> bool {
         text.contains(['左', '右'])
             || has_word(text, |w| w.eq_ignore_ascii_case("left") || w.eq_ignore_ascii_case("right"))
     }
 
-    /// The text begins with the ego, as the one who does something.
+    /// The text begins with the ego as the acting subject.
     pub fn begins_with_ego(&self, text: &str) -> bool {
         let [chinese, latin] = &self.ego;
         if text.is_ascii() {
@@ -142,13 +142,13 @@ impl Subjects {
         rest.is_some_and(|r| !r.starts_with(|c| self.behind_own.contains(c)))
     }
 
-    /// The text says that something is written.
+    /// The text states that something is written.
     pub fn speaks_of_writing(&self, text: &str) -> bool {
         let lower = text.to_ascii_lowercase();
         self.writing.iter().any(|w| lower.contains(w.as_str()))
     }
 
-    /// The text begins with a part of which everybody has a left and a right one: "wheels".
+    /// The text begins with a part that every vehicle has on the left and the right: "wheels".
     pub fn begins_with_own_part(&self, text: &str) -> bool {
         let text = text.trim_start();
         let word = text.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
@@ -156,7 +156,7 @@ impl Subjects {
             || self.own_parts.1.contains(&word.to_ascii_lowercase())
     }
 
-    /// The name at `start..end` of the text only says where something else is.
+    /// The name at `start..end` of the text only locates something else.
     pub fn is_landmark(&self, text: &str, start: usize, end: usize) -> bool {
         let [behind, before] = &self.landmark;
         behind.iter().any(|w| text[end..].starts_with(w.as_str()))
@@ -166,13 +166,13 @@ impl Subjects {
             }
     }
 
-    /// The text has a pronoun that stands for somebody.
+    /// The text has a pronoun that refers to a road user.
     pub fn has_pronoun(&self, text: &str) -> bool {
         self.stand_for_chinese.iter().any(|w| text.contains(w.as_str()))
             || has_word(text, |w| self.stand_for.contains(&w.to_ascii_lowercase()))
     }
 
-    /// `name`, in upper or lower case, is that of a part that every vehicle has, the ego too.
+    /// `name`, in upper or lower case, is a part that every vehicle has, including the ego.
     pub fn is_part(&self, name: &str) -> bool {
         self.parts.contains(&name.to_lowercase())
     }
@@ -182,7 +182,7 @@ impl Subjects {
         self.determiners.iter().any(|w| w == word)
     }
 
-    /// A text that begins with this word of Latin letters, in lower case, speaks of what was named before or of no
+    /// A text that begins with this word of Latin letters, in lower case, refers to what was named before or to no
     /// thing.
     pub fn is_pronoun(&self, word: &str) -> bool {
         self.pronouns.contains(word)

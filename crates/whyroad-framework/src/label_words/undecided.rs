@@ -1,60 +1,60 @@
-//! How a clause of a trace is told that states or explains something from one that may decide (`undecided` of
+//! How to distinguish a clause of a trace that states or explains something from one that may decide (`undecided` of
 //! `schema/label_words.yaml`).
 
 use super::Words;
 use serde::Deserialize;
 use std::collections::HashSet;
 
-/// Words of clauses that decide nothing, and of those that may.
+/// Words of clauses without a decision, and of those that may have one.
 #[derive(Clone, Debug, Default)]
 pub struct Undecided {
     /// Begin a clause in Latin letters whose subject follows.
     begins: HashSet<String>,
     /// May stand before a subject of Latin letters.
     opens: HashSet<String>,
-    /// Begin a clause in Latin letters that says first where or when.
+    /// Begin a clause in Latin letters that starts with a place or time.
     where_from: HashSet<String>,
-    /// Verbs that say what is.
+    /// Verbs that state a fact.
     is: HashSet<String>,
-    /// Behind the ego: what it is or could do, not what it does.
+    /// After the ego: what it is or could do, not what it does.
     could: HashSet<String>,
-    /// What the ego acts with: as a subject, it does the deciding.
+    /// Means by which the ego acts: as a subject, it makes the decision.
     controls: HashSet<String>,
     /// Chinese: the same.
     controls_chinese: Vec<String>,
-    /// Chinese: somebody who is not named acts, the ego.
+    /// Chinese: an unnamed subject acts, which is the ego.
     acts: Vec<String>,
     /// Chinese: words that only look like one of those.
     not_acts: Vec<String>,
     /// Before the ego, where it does not act.
     behind: HashSet<String>,
-    /// Behind "is": how something is.
+    /// After "is": a property.
     degrees: HashSet<String>,
-    /// Chinese: what would come of it.
+    /// Chinese: a possible consequence.
     would: Vec<String>,
-    /// Chinese: begin a clause with a subject of its own, or say that there is something.
+    /// Chinese: begin a clause with its own subject, or state that something exists.
     there: Vec<String>,
 }
 
-/// What a clause says of deciding.
+/// Whether a clause may decide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClauseMood {
-    /// It says what is, of something that is not the ego; or what would be.
+    /// It states a fact about something other than the ego; or a hypothetical.
     State,
-    /// It goes on with what was said before, or may decide.
+    /// It continues the preceding text, or may decide.
     Open,
-    /// The ego acts, or somebody who is not named.
+    /// The ego acts, or an unnamed subject.
     Acts,
 }
 
 impl Undecided {
-    /// What a clause says. `names`: first bytes, in it, of the things it names, which act or are there.
+    /// Kind of a clause. `names`: first bytes, in it, of the things it names, which act or are there.
     pub fn mood(&self, clause: &str, names: &[usize]) -> ClauseMood {
         if clause.is_ascii() { self.mood_latin(clause, names) } else { self.mood_chinese(clause, names) }
     }
 
     fn mood_latin(&self, clause: &str, names: &[usize]) -> ClauseMood {
-        /// A subject has at most so many words.
+        /// Maximum number of words of a subject.
         const LONGEST: usize = 9;
         let lower = clause.to_ascii_lowercase();
         let all: Vec<&str> = lower
@@ -65,7 +65,7 @@ impl Undecided {
         let Some(first) = all.first() else { return ClauseMood::State };
         let ego = |w: &str| ["we", "i", "ego"].contains(&w.split('\'').next().unwrap_or_default());
         let (own, _) = first.split_once('\'').unwrap_or((first, ""));
-        // "Slower than ego": with what is compared.
+        // "Slower than ego": the object of a comparison.
         let acts = |at: usize| ego(all[at]) && (at == 0 || !self.behind.contains(all[at - 1]));
         if let Some(at) = (0..all.len()).find(|at| acts(*at)) {
             let next = match all[at].split_once('\'') {
@@ -78,7 +78,7 @@ impl Undecided {
             } else {
                 next
             };
-            // "Come down to a speed that we could stop from": what is to be done comes first.
+            // "Come down to a speed that we could stop from": the action comes first.
             let subject = at == 0
                 || !names.is_empty()
                 || all[..at].iter().any(|w| self.begins.contains(*w)) && self.begins.contains(*first);
@@ -100,7 +100,7 @@ impl Undecided {
         let named = names.first().is_some_and(|at| *at < lower.len() / 2);
         let is_verb = |w: &&str| self.is.contains(*w) || w.contains("'s") || w.contains("'re");
         let Some(verb) = all.iter().take(LONGEST).position(is_verb) else {
-            // "The road disappears over the crest": whatever it does, it is not the ego.
+            // "The road disappears over the crest": the subject is not the ego.
             let thing = ["the", "a", "an"].contains(first) && !controls(&all[..all.len().min(LONGEST)]);
             return if thing { ClauseMood::State } else { ClauseMood::Open };
         };
@@ -118,7 +118,7 @@ impl Undecided {
     }
 
     fn mood_chinese(&self, clause: &str, names: &[usize]) -> ClauseMood {
-        /// Bytes of what may stand before the subject.
+        /// Bytes of words that may precede the subject.
         const NEAR: usize = 18;
         let clause = clause.trim_start();
         let mut bare = clause.to_owned();

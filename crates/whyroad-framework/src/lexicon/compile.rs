@@ -10,7 +10,7 @@ use std::ops::Range;
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 
-/// What a word does in a sentence. The lexicon file explains each.
+/// Role of a word in a sentence. The lexicon file explains each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Ends a sentence.
@@ -19,15 +19,15 @@ pub enum Role {
     ClauseEnd,
     /// Introduces the decision, such as "therefore".
     DecisionMarker,
-    /// Says that an action is required, such as "must".
+    /// States that an action is required, such as "must".
     Duty,
     /// Introduces a reason, such as "because".
     Reason,
     /// Introduces a condition, such as "if".
     Hypothesis,
-    /// Says what is meant to happen.
+    /// States an intention.
     Intention,
-    /// Introduces what comes later, such as "then".
+    /// Introduces a later event, such as "then".
     Sequel,
     /// Negates a phrase near it.
     Negation,
@@ -41,7 +41,7 @@ pub enum Role {
     Agent,
     /// Makes the next noun an object.
     ObjectOf,
-    /// Leaves what follows to somebody else, such as "allows".
+    /// Assigns the following action to another road user, such as "allows".
     Permits,
     /// Hides the words inside it.
     Neutral,
@@ -74,7 +74,7 @@ pub struct Hit {
 }
 
 impl Lexicon {
-    /// Gives the words of a part of a text to `take` in order, never overlapping. The part begins and ends between
+    /// Passes the words of a part of a text to `take` in order, never overlapping. The part begins and ends between
     /// units.
     pub fn hits(&self, units: &Units, bytes: Range<usize>, mut take: impl FnMut(Hit)) {
         self.trie.find_in(units, bytes, |f| {
@@ -84,7 +84,7 @@ impl Lexicon {
     }
 }
 
-/// The lexicon, and what is wrong with the file's patterns.
+/// The lexicon, and the errors in the file's patterns.
 pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
     let mut builder = Builder { raw, texts: BTreeMap::new(), problems: Vec::new() };
     let w = &raw.words;
@@ -123,7 +123,7 @@ pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
             builder.add(pattern, Role::Phrase(i), p.side);
         }
     }
-    // Ids of one word (`turn`, `resume`) are plain English and no evidence of anything.
+    // Ids of one word (`turn`, `resume`) are plain English and not evidence of a copied id.
     let ids = Longitudinal::ALL.iter().map(|d| d.id()).chain(Lateral::ALL.iter().map(|d| d.id()));
     for id in ids.filter(|id| id.contains('_')) {
         builder.add(id, Role::DecisionId, None);
@@ -134,7 +134,7 @@ pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
     }
 
     let Builder { texts, mut problems, .. } = builder;
-    // A map's keys are sorted and different, as the trie wants them.
+    // A map's keys are sorted and different, as the trie requires.
     let trie = Trie::new(texts.keys().map(String::as_str)).unwrap_or_else(|| {
         problems.push(Bilingual::new(
             "词表过大，或含有基本多文种平面之外的字",

@@ -1,5 +1,5 @@
-//! Stems of what the ego does (`stems` and `effects` of `schema/decision_lexicon.yaml`), for words that no phrase
-//! holds. Where the trace names no decision in a phrase, a stem supports one, an effect contradicts one.
+//! Stems of the ego's actions (`stems` and `effects` of `schema/decision_lexicon.yaml`), for words outside all phrases.
+//! Where the trace names no decision in a phrase, a stem supports one, an effect contradicts one.
 
 use super::{Says, Words};
 use serde::Deserialize;
@@ -36,12 +36,12 @@ pub(super) struct EffectWords {
 struct Effect {
     /// Decisions that have the opposite effect.
     against: Says,
-    /// A label with one of these has the effect, whatever else it decides.
+    /// A label with one of these has the effect, regardless of its other decision.
     goes_with: Says,
     words: Vec<String>,
 }
 
-/// All stems and effects, and what denies them.
+/// All stems and effects, and words that negate them.
 #[derive(Clone, Debug, Default)]
 pub struct Stems {
     stems: Vec<(Says, Vec<String>)>,
@@ -49,7 +49,7 @@ pub struct Stems {
     denied: Vec<String>,
 }
 
-/// A word that denies reaches this far: bytes of Latin letters, and of Chinese characters (3 each).
+/// Reach of a negation: bytes of Latin letters, and of Chinese characters (3 each).
 const REACH_LATIN: usize = 30;
 const REACH_CHINESE: usize = 9;
 
@@ -89,7 +89,7 @@ impl Stems {
         first
     }
 
-    /// Bytes of a word in `clause` whose effect contradicts one of the decisions, and goes with neither.
+    /// Bytes of a word in `clause` whose effect contradicts one of the decisions, and fits neither.
     pub fn against(
         &self,
         clause: &str,

@@ -15,14 +15,14 @@ const FILTER_BITS: u32 = 18;
 
 #[derive(Clone, Debug, Default)]
 pub struct Trie {
-    /// By character: 0, or one more than its place in `starts`. Characters beyond the table start no word.
+    /// By character: 0, or one more than its index in `starts`. Characters beyond the table start no word.
     characters: Vec<u16>,
-    /// The same by runs of Latin letters: an open table of keys and places, of a power of two.
+    /// The same by runs of Latin letters: an open table of keys and indices, of a power of two.
     runs: Vec<(u64, u16)>,
-    /// What one unit leads to.
+    /// Edges of one unit.
     starts: Vec<Start>,
     /// Which pairs of a first and a second unit begin a word (behind a space: a first and a third): most texts end
-    /// here. A set bit may lie, a bit that is not set does not.
+    /// here. A set bit may be a false positive; an unset bit is always correct.
     filter: Vec<u64>,
     nodes: Vec<Node>,
     /// Edges of all nodes: each has an open table of a power of two, side by side.
@@ -146,7 +146,7 @@ impl Trie {
         u32::try_from(self.nodes.len() - 1).ok()
     }
 
-    /// Gives the words of `text` to `take`, in order, never overlapping.
+    /// Passes the words of `text` to `take`, in order, never overlapping.
     pub fn find(&self, text: &str, take: impl FnMut(Found)) {
         self.find_in(&Units::of(text), 0..text.len(), take);
     }
@@ -206,7 +206,7 @@ impl Trie {
         self.filter[bit / 64] >> (bit % 64) & 1 != 0
     }
 
-    /// The longest word from unit `at` on, and the unit behind it.
+    /// The longest word from unit `at` on, and the unit after it.
     fn longest(&self, start: Start, units: &[Unit], at: usize, end: usize) -> Option<(u32, usize)> {
         let mut best = (start.word != NONE).then_some((start.word, at + 1));
         let key = |i: usize| if i < end { units[i].key } else { u64::MAX };
@@ -236,7 +236,7 @@ mod tests {
     use crate::lexicon::units::is_latin;
     use proptest::prelude::*;
 
-    /// The same by trying every word at every place.
+    /// The same by trying every word at every position.
     fn plainly(words: &[&str], text: &str) -> Vec<Found> {
         let chars: Vec<(usize, char)> = text.char_indices().collect();
         let latin_at = |i: Option<usize>| i.and_then(|i| chars.get(i)).is_some_and(|c| is_latin(c.1));

@@ -45,7 +45,7 @@ impl Mark {
 #[derive(Clone, Debug, Default)]
 pub struct Units {
     marks: Vec<Mark>,
-    /// All units, and one behind them that starts where the text ends.
+    /// All units, and one after them that starts where the text ends.
     units: Vec<Unit>,
 }
 
@@ -92,7 +92,7 @@ impl Units {
                 if at - start <= PACKED { LATIN | packed } else { LATIN | 1 << 62 | hash >> 2 }
             } else {
                 at += 1;
-                // "1.5 m" goes on.
+                // "1.5 m" continues.
                 let in_number = b == b'.' && bytes.get(at).is_some_and(u8::is_ascii_digit);
                 if b > b' ' && !in_number {
                     self.marks.push(Mark { sign: char::from(b), start });
@@ -109,13 +109,13 @@ impl Units {
         self.units.split_last().map_or(&[], |(_, all)| all)
     }
 
-    /// The punctuation in order. A point in a number is no mark.
+    /// The punctuation in order. A decimal point is not a punctuation mark.
     pub fn marks(&self) -> &[Mark] {
         &self.marks
     }
 
-    /// The units that start in a part of the text, and one behind them that starts where the next unit does: what a
-    /// search takes. The part begins and ends between units.
+    /// The units that start in a part of the text, and one after them that starts where the next unit starts: the input
+    /// of a search. The part begins and ends between units.
     pub(crate) fn part(&self, bytes: Range<usize>) -> &[Unit] {
         let Some(last) = self.units.len().checked_sub(1) else { return &[] };
         let at = |byte: usize| self.units.partition_point(|u| u.start < byte);

@@ -1,4 +1,4 @@
-//! YAML to [`ClassMapping`], going on after each mistake.
+//! YAML to [`ClassMapping`], continuing after each mistake.
 
 use super::{ClassChange, ClassMapping, SplitPart};
 use crate::Taxonomy;
@@ -43,7 +43,7 @@ struct Written<'n> {
 /// those before it in `before`, where that is given.
 ///
 /// # Errors
-/// Everything that is wrong with it.
+/// All errors in it.
 pub fn read_mapping(
     file: &str,
     text: &str,
@@ -140,7 +140,7 @@ fn change<'n>(
     for source in sources {
         let Some(of) = class(source, before, r) else { continue };
         let depth = |id: &ScenarioId| usize::from(id.l2.is_some()) + usize::from(id.l3.is_some());
-        // A leaf may go into its L2 (it is given up), never the other way: nobody knows the variant.
+        // A leaf may be merged into its L2, never the reverse: the variant is unknown.
         if depth(&to) > depth(&of) || to.l2.is_none() != of.l2.is_none() {
             level(source, r);
         }
@@ -217,8 +217,9 @@ fn part(node: &Node, after: &Taxonomy, r: &mut FileReport<'_>) -> Option<SplitPa
     Some(SplitPart { to: to?, when })
 }
 
-/// A class is changed once; what a change leads to is not changed by another: else the order of the changes
-/// would count, and doing it twice would change labels again. A split may keep its own id for one of its parts.
+/// A class is changed once, and the result of a change is not changed by another one: otherwise the order of the
+/// changes would matter, and repeating the migration would change labels again. A split may keep its own id for one of
+/// its parts.
 fn conflicts(written: &[Written<'_>], r: &mut FileReport<'_>) {
     let mut seen: BTreeSet<&ScenarioId> = BTreeSet::new();
     for w in written {
@@ -247,7 +248,7 @@ fn conflicts(written: &[Written<'_>], r: &mut FileReport<'_>) {
     }
 }
 
-/// FNV-1a of the changes in their order: names the mapping, guards nothing.
+/// FNV-1a of the changes in their order: identifies the mapping; not for security.
 fn mark(mapping: &ClassMapping) -> String {
     let text = format!("{} {} {:?}", mapping.from, mapping.to, mapping.changes);
     let hash = text

@@ -22,7 +22,7 @@ fn renames_merges_and_splits_are_read() {
          when: {{ /driving_decision/longitudinal: [yield_to_agent, null] }}\n      - to: reactive_agent.cutin.ramp\n"
     );
     let m = read(&text).unwrap();
-    // A rename of an L2 carries its leaves along.
+    // A rename of an L2 also applies to its leaves.
     assert_eq!(
         m.change(&id("reactive_agent.cut_in.urgent")),
         Some(ClassChange::To(id("reactive_agent.cutin.urgent")))

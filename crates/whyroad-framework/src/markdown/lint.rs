@@ -1,4 +1,4 @@
-//! A TAXONOMY.md against itself and against our classes: stated numbers against listed ones, its tree against
+//! Checks of a TAXONOMY.md against itself and our classes: stated numbers against listed ones, its tree against
 //! its tables, its classes against the taxonomy in force.
 
 use super::{Class, MarkdownTaxonomy, Part, Stated, Subject, read_markdown};
@@ -6,7 +6,7 @@ use crate::taxonomy::{Taxonomy, did_you_mean, suggestion};
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 
-/// Everything that does not agree in a TAXONOMY.md. `reference` is the taxonomy in force.
+/// All inconsistencies in a TAXONOMY.md. `reference` is the taxonomy in force.
 pub fn lint_markdown(file: &str, text: &str, reference: Option<&Taxonomy>) -> Vec<Diagnostic> {
     let md = read_markdown(text);
     let mut out = Vec::new();
@@ -42,7 +42,7 @@ fn counts(classes: &[Class]) -> (usize, usize, usize) {
     (classes.len(), l2, l3)
 }
 
-/// The number that the tables have where `stated` has its own; `None` when its class is not listed at all.
+/// The number in the tables that corresponds to `stated`; `None` when its class is not listed at all.
 fn listed_count(stated: &Stated, listed: &[Class], whole: (usize, usize, usize)) -> Option<usize> {
     let pick = |(l1, l2, l3): (usize, usize, usize)| match stated.level {
         1 => l1,
@@ -106,7 +106,7 @@ enum OnlyIn {
     Second,
 }
 
-/// Calls `say` for every class that one list has and the other lacks; not again for what is below such a class.
+/// Calls `say` for every class that one list has and the other lacks; but not again for classes below such a class.
 fn compare(
     a: &[Class],
     b: &[Class],

@@ -88,7 +88,7 @@ fn directions() -> Value {
     Value::Array(conditions)
 }
 
-/// Classes that demand `uncertainty: high`: a whole L2 where all its leaves do, else single leaves.
+/// Classes that require `uncertainty: high`: a whole L2 where all its leaves do, else single leaves.
 fn mandatory_uncertainty(framework: &Framework) -> Vec<ScenarioId> {
     let high = |leaf: &ScenarioId| framework.specs.get(leaf).is_some_and(|s| s.uncertainty_high);
     let mut out = BTreeSet::new();

@@ -1,5 +1,5 @@
-//! The rule-language expressions of a labeling file with their places, so that whoever knows the language can check
-//! each one where it is written. Nothing is interpreted here.
+//! The rule-language expressions of a labeling file with their places, so that whyroad-mining can check each one at its
+//! position. Nothing is interpreted here.
 
 use whyroad_model::yaml::{Node, Value};
 

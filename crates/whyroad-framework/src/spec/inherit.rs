@@ -1,8 +1,8 @@
 //! Inheritance: an L3's spec over its L2's over its L1's default, field by field.
 //!
-//! Two fields belong together: `rule` and `expr` say one thing, so a level that states a rule does not inherit
-//! an expression. A level that changes a keyframe's type does not inherit its fallback, because the fallback of
-//! a range is no moment. Records add up.
+//! Two fields belong together: `rule` and `expr` state the same thing, so a level that states a rule does not inherit
+//! an expression. A level that changes a keyframe's type does not inherit its fallback, because the fallback of a range
+//! is not a moment. Records are added.
 
 use super::raw::{
     BoundLayer, ChoiceLayer, KeyframeLayer, LabelingLayer, MomentLayer, PackLayer, RecordLayer, Words,
@@ -11,7 +11,7 @@ use super::{BoundSpec, KeyframeSpec, MomentSpec, PackSpec, RecordChoice, RecordS
 use whyroad_model::messages::Uncertainty;
 use whyroad_model::{Bilingual, ScenarioId};
 
-/// `upper` with everything that `lower` says laid over it.
+/// `upper` overridden by all fields of `lower`.
 pub(crate) fn overlay(upper: &LabelingLayer, lower: &LabelingLayer) -> LabelingLayer {
     let mut records = upper.records.clone().unwrap_or_default();
     for r in lower.records.iter().flatten() {
@@ -69,7 +69,7 @@ fn overlay_pack(upper: &PackLayer, lower: &PackLayer) -> PackLayer {
     }
 }
 
-/// The expression that goes with the rule in force: that of the level which stated the rule, or a later one.
+/// The expression of the rule in force: from the level that stated the rule, or a later one.
 fn expr_of(lower_rule: Option<&Words>, lower: Option<&String>, upper: Option<&String>) -> Option<String> {
     match lower_rule {
         Some(_) => lower.cloned(),

@@ -1,5 +1,5 @@
 //! Labeling specs as written, before inheritance. `schema/labeling_spec_schema.json` is generated from these
-//! types; `read` fills them. What a file leaves out is `None` and comes from the level above.
+//! types; `read` fills them. Fields that a file leaves out are `None` and come from the level above.
 
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -21,7 +21,7 @@ pub struct SpecFile {
     /// The L2; absent in the file of an L1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub l2: Option<String>,
-    /// What holds for the whole L1 or L2.
+    /// Settings of the whole L1 or L2.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub labeling: Option<LabelingLayer>,
     /// The mining rule of the L2, which its leaves' rules inherit from (docs/reference/rules.md).
@@ -32,7 +32,7 @@ pub struct SpecFile {
     pub leaves: Option<IndexMap<String, LeafLayer>>,
 }
 
-/// What a leaf says of its own.
+/// Settings of a leaf.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LeafLayer {
@@ -63,7 +63,7 @@ pub struct LabelingLayer {
     /// Context outside `time_range`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pack: Option<PackLayer>,
-    /// What the annotator must note; added to the records of the level above.
+    /// Records that the annotator must fill in; added to the records of the level above.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub records: Option<Vec<RecordLayer>>,
     /// `high`: at least one critical component must carry it. `low`: not mandatory, also where the level above says
@@ -75,8 +75,7 @@ pub struct LabelingLayer {
     pub lateral: Option<Lateral>,
 }
 
-/// A keyframe. `rule` and `expr` are one thing said twice: a level that states the rule does not inherit the
-/// expression.
+/// A keyframe. `rule` and `expr` state the same thing: a level that states the rule does not inherit the expression.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KeyframeLayer {
@@ -90,7 +89,7 @@ pub struct KeyframeLayer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub expr: Option<String>,
-    /// When the rule gives nothing. Not inherited by a level that changes `type`.
+    /// Used when the rule gives no moment. Not inherited by a level that changes `type`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fallback: Option<MomentLayer>,
 }
@@ -106,12 +105,12 @@ pub struct BoundLayer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub expr: Option<String>,
-    /// When the rule gives nothing.
+    /// Used when the rule gives no moment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fallback: Option<MomentLayer>,
 }
 
-/// A moment: in words, and as an expression where signals exist for it.
+/// A moment: as text, and as an expression where signals exist for it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MomentLayer {
@@ -140,14 +139,14 @@ pub struct PackLayer {
     pub after_until: Option<MomentLayer>,
 }
 
-/// Something to note.
+/// A record to fill in.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordLayer {
     /// Key in the label's `records`.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]*$"))]
     pub id: String,
-    /// Name for people.
+    /// Displayed name.
     pub name: Words,
     /// Unit of a measured value; absent for text.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -171,7 +170,7 @@ pub struct ChoiceLayer {
     /// Value in the label's `records`.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]*$"))]
     pub id: String,
-    /// Name for people.
+    /// Displayed name.
     pub name: Words,
 }
 

@@ -21,11 +21,11 @@ static FAMILY: FormCodes = FormCodes {
     empty: "spec.text.empty",
 };
 
-/// A file that was read, and where its leaves stand.
+/// A file that was read, and the positions of its leaves.
 #[derive(Clone, Debug)]
 pub(crate) struct ReadSpec {
     pub spec: SpecFile,
-    /// Place of each leaf's key.
+    /// Position of each leaf's key.
     pub leaf_marks: IndexMap<String, Mark>,
     /// Each leaf's `mining:` block.
     pub mining: IndexMap<String, Entry>,
@@ -102,12 +102,12 @@ fn document(root: &Node, taxonomy: &Taxonomy, r: &mut FileReport) -> Option<Read
     usable.then_some(out)
 }
 
-/// A `mining:` block as its schema describes it; what is wrong in it is found by whyroad-mining.
+/// A `mining:` block as its schema describes it; whyroad-mining finds its errors.
 fn as_map(entry: &Entry) -> Option<serde_json::Map<String, serde_json::Value>> {
     from_node(&entry.node).ok()
 }
 
-/// The folder and file name must say the same as the fields: people look files up by name.
+/// The folder and file name must match the fields: people find files by name.
 fn check_path(l1: &str, l2: Option<&str>, node: &Node, r: &mut FileReport) -> bool {
     let wanted = match l2 {
         None => format!("scenarios/{l1}.yaml"),

@@ -1,4 +1,4 @@
-//! What to say when a text names no class, or several.
+//! Diagnostics for a text that names no class, or several.
 
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 

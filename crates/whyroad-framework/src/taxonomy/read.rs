@@ -32,7 +32,8 @@ pub fn read_taxonomy(file: &str, text: &str) -> (Option<Taxonomy>, Vec<Diagnosti
 
 struct Reading<'r, 't, 'n> {
     report: &'r mut FileReport<'t>,
-    /// `decides.against` references, checked once all classes are known: (the class that speaks, the id, its place).
+    /// `decides.against` references, checked once all classes are known: (the class that states it, the id, its
+    /// position).
     against: Vec<(ScenarioId, ScenarioId, &'n Node)>,
     /// Where each L1 and L2 was written, by full id.
     nodes: BTreeMap<String, &'n Node>,
@@ -159,7 +160,7 @@ impl<'n> Reading<'_, '_, 'n> {
         let decides = self.decides(&ScenarioId::leaf(l1, &l2.id, &id), decides);
         let condition = condition.unwrap_or_default();
         let definition = definition.unwrap_or_else(|| {
-            // DATA_FORMAT.md 2.1 knows no definition of an L3, so this is a warning; the condition stands in.
+            // DATA_FORMAT.md 2.1 has no definition of an L3, so this is a warning; the condition is used instead.
             let message = Bilingual::new(format!("'{id}' 没有定义"), format!("'{id}' has no definition"));
             self.report.push(
                 Diagnostic::warning("taxonomy.definition.none", message),
@@ -238,7 +239,7 @@ impl<'n> Reading<'_, '_, 'n> {
             "taxonomy.parent.unknown",
             Bilingual::new(
                 format!("上级 '{key}' 不存在，其下的类别被忽略"),
-                format!("no class '{key}' is defined; what is listed under it is ignored"),
+                format!("no class '{key}' is defined; the entries under it are ignored"),
             ),
         );
         if let Some(near) = did_you_mean(key, known) {
@@ -247,7 +248,7 @@ impl<'n> Reading<'_, '_, 'n> {
         self.report.push(d, mark, &node.pointer);
     }
 
-    /// An L1 or L2 without children holds no leaf, so nothing can ever be labeled with it.
+    /// An L1 or L2 without children holds no leaf, so it can never be used in a label.
     fn childless(&mut self, l1: &[L1]) {
         let empty_l1 = l1.iter().filter(|a| a.l2.is_empty()).map(|a| (a.id.clone(), "L2"));
         let empty_l2 = l1.iter().flat_map(|a| {

@@ -1,23 +1,23 @@
-//! From what a person types to a class: a full id, a prefix of one, or a short id that only one class has.
+//! From user input to a class: a full id, a prefix of one, or a short id that only one class has.
 
 use super::Taxonomy;
 use whyroad_model::ScenarioId;
 use whyroad_model::suggest::similarity;
 
-/// What a text names.
+/// The class that a text names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Resolution {
     /// Exactly one class.
     Found(ScenarioId),
     /// Several classes share this short id; in tree order.
     Ambiguous(Vec<ScenarioId>),
-    /// None; the nearest ids, best first, for "did you mean".
+    /// No class; the nearest ids, best first, for "did you mean".
     Unknown(Vec<ScenarioId>),
 }
 
 impl Taxonomy {
     /// The class that `text` names: `l1`, `l1.l2`, `l1.l2.l3`, or the end of such an id (`urgent`,
-    /// `cutin`, `cutin.urgent`) where only one class ends so.
+    /// `cutin`, `cutin.urgent`) where only one class has this ending.
     pub fn resolve(&self, text: &str) -> Resolution {
         let ids = self.ids();
         if let Some(id) = ids.iter().find(|id| id.to_string() == text) {
@@ -47,9 +47,9 @@ impl Taxonomy {
             })
             .filter(|(score, _)| *score > 0.6)
             .collect();
-        // Stable: equals stay in tree order.
+        // Stable sort: equal ones stay in tree order.
         scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-        // What is far behind the best only distracts.
+        // Much worse candidates would only distract.
         let floor = scored.first().map_or(0.0, |(s, _)| s - 0.15);
         scored.into_iter().take_while(|(s, _)| *s >= floor).take(3).map(|(_, id)| id).collect()
     }

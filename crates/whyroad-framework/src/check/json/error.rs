@@ -1,5 +1,5 @@
-//! What a syntax error is, in words that tell an annotator which key to press. Where it is, is a byte range of
-//! the document; [`super::Locator`] makes line and column of it.
+//! Syntax errors, described so that an annotator can fix them. The location is a byte range of the document;
+//! [`super::Locator`] converts it to line and column.
 
 use std::ops::Range;
 use whyroad_model::Bilingual;
@@ -11,7 +11,7 @@ pub struct SyntaxError {
     pub span: Range<usize>,
     /// What is wrong.
     pub message: Bilingual,
-    /// What to do about it.
+    /// How to fix it.
     pub hint: Option<Bilingual>,
 }
 
@@ -28,7 +28,7 @@ impl SyntaxError {
         self
     }
 
-    /// `wanted` should stand at `at`, but something else does, or the text ends.
+    /// `wanted` is expected at `at`, but something else is there, or the text ends.
     pub fn expected(text: &str, at: usize, wanted_zh: &str, wanted_en: &str) -> Self {
         let Some(c) = text[at..].chars().next() else {
             return Self::new(
@@ -74,7 +74,7 @@ impl SyntaxError {
             "false" => e.hint("写作 false", "write false"),
             "nan" | "inf" | "-inf" | "infinity" | "-infinity" => e.hint(
                 "JSON 没有 NaN 和无穷大；未知的值写 null",
-                "JSON has no NaN or infinity; write null for what is unknown",
+                "JSON has no NaN or infinity; write null for unknown values",
             ),
             w if w.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.')) => {
                 e.hint("数字写作 12、-0.5 或 1.5e3", "numbers look like 12, -0.5 or 1.5e3")

@@ -12,7 +12,7 @@ const AFTER: usize = 200;
 pub struct Locator<'t> {
     text: &'t str,
     origin: &'t Origin,
-    /// Found out with the first question.
+    /// Computed on first use.
     index: std::cell::OnceCell<TextIndex>,
 }
 
@@ -66,7 +66,7 @@ impl<'t> Locator<'t> {
         let from = starts[row];
         let to = starts.get(row + 1).map_or(self.text.len(), |next| next - 1);
         let chars_before = index.chars_before(self.text, span.start) - index.chars_before(self.text, from);
-        // Characters of the file's line that stand before the document.
+        // Characters of the file's line before the document.
         let lead = if row == 0 { self.origin.column - 1 } else { 0 };
 
         let dropped = chars_before.saturating_sub(BEFORE);

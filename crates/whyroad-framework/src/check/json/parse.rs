@@ -1,5 +1,5 @@
-//! A strict RFC 8259 parser into [`Node`]s. It takes exactly what serde_json takes (a property test holds them
-//! equal) and differs in what it keeps: places, duplicate keys, and what exactly is wrong.
+//! A strict RFC 8259 parser into [`Node`]s. It accepts exactly what serde_json accepts (checked by a property test),
+//! and also keeps positions, duplicate keys, and a description of the error.
 
 use super::error::SyntaxError;
 use super::node::{Entry, JsonKind, Node};
@@ -155,7 +155,7 @@ impl<'t> Parser<'t> {
             return Err(SyntaxError::new(
                 comma..comma + 1,
                 format!("'{close}' 前多了一个逗号"),
-                format!("there is a comma too many before '{close}'"),
+                format!("there is an extra comma before '{close}'"),
             )
             .hint("删除这个逗号", "delete this comma"));
         }

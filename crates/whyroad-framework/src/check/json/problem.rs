@@ -1,4 +1,4 @@
-//! The findings for what is wrong between the documents of a file.
+//! The findings for errors between the documents of a file.
 
 use super::split::{MAX_DOCUMENT_BYTES, Origin, Problem};
 use whyroad_model::{Bilingual, Diagnostic, Location};
@@ -30,7 +30,7 @@ pub fn problem(problem: Problem, origin: &Origin) -> Diagnostic {
         Problem::CommaMissing => {
             syntax(b("数组的两个元素之间缺少逗号", "a comma is missing between two elements of the array"))
         }
-        Problem::CommaTooMany => syntax(b("数组中多了一个逗号", "there is a comma too many in the array"))
+        Problem::CommaTooMany => syntax(b("数组中多了一个逗号", "there is an extra comma in the array"))
             .with_hint(b("删除这个逗号", "delete this comma")),
         Problem::ArrayOpen => {
             syntax(b("文件在数组中间中断，缺少 ']'", "the file ends inside its array: ']' is missing"))

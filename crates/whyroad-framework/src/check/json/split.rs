@@ -13,15 +13,15 @@ use values::Values;
 /// How documents are arranged in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// One document a line (`.jsonl`, `.ndjson`).
+    /// One document per line (`.jsonl`, `.ndjson`).
     Lines,
     /// Values one after the other, or elements of one array, over any number of lines.
     Values,
 }
 
 impl Layout {
-    /// The layout that the first bytes of a file show. A file's name is no evidence: people call JSON Lines
-    /// `.json` and the other way round.
+    /// The layout that the first bytes of a file show. A file's name is not evidence: people name JSON Lines `.json`
+    /// and vice versa.
     pub fn guess(head: &[u8]) -> Layout {
         let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head);
         let mut lines = head.split_inclusive(|&b| b == b'\n').filter(|l| !l.trim_ascii().is_empty());

@@ -40,8 +40,8 @@ impl MessageKind {
     }
 }
 
-/// Any of these makes a document a label, however much else is missing. A clip and a time alone do not: other
-/// tables speak of those too.
+/// Any of these makes a document a label, even if all other fields are missing. A clip and a time alone do not: other
+/// tables have those too.
 const LABEL_KEYS: &[&str] = &["coc_trace", "driving_decision", "critical_components", "scenario"];
 
 /// What kind of document this is, by its keys.
@@ -55,7 +55,7 @@ pub fn kind_of(root: &Node<'_>) -> Option<MessageKind> {
         .or_else(|| LABEL_KEYS.iter().any(|k| has(k)).then_some(MessageKind::CocLabel))
 }
 
-/// The outer key that a key with an object in it was probably meant to be.
+/// The suggested outer key for an unknown key with an object in it.
 fn meant(root: &Node<'_>) -> Option<&'static str> {
     let outer = root.entries().unwrap_or_default().iter().filter(|e| e.node.entries().is_some());
     outer.filter_map(|e| did_you_mean(&e.key, OUTER.iter().map(|(o, _)| *o))).next()

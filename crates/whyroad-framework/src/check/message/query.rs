@@ -1,5 +1,5 @@
 //! A `mining_query` (DATA_FORMAT.md 5.1) with the clauses that we add (`any`, `all`, `not`, `temporal`, `rule`).
-//! Whether its fields are signals and its rules sound is asked by whyroad-mining, which knows them.
+//! whyroad-mining, which knows signals and rules, checks those.
 
 use super::values::{out_of_range, scenario_id};
 use crate::check::class_index::ClassIndex;
@@ -13,7 +13,7 @@ use whyroad_model::units::UNITS;
 
 const OPERATORS: &[&str] = &[">", ">=", "<", "<=", "==", "!=", "in"];
 
-/// The keys that tell what a clause is; one with none of them is a comparison.
+/// The keys that identify the kind of a clause; one with none of them is a comparison.
 const CLAUSES: &[&str] = &["any", "all", "not", "temporal", "rule"];
 /// The keys of a comparison.
 const COMPARISON: &[&str] = &["field", "operator", "value"];
@@ -50,13 +50,13 @@ pub(super) fn query<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &Class
     let (n, at) = (o.get("query_id"), o.at("query_id"));
     walk.text(n, &at);
     let n = walk.need(&mut o, "scenario_id");
-    // Mining takes a short id, too.
+    // Mining accepts a short id, too.
     let is_short = |n: &Node<'_>| matches!(&n.kind, JsonKind::Text(text) if classes.is_short_id(text));
     if !n.is_some_and(is_short) {
         scenario_id(walk, n, "/mining_query/scenario_id", classes);
     }
     let (n, at) = (walk.need(&mut o, "conditions"), o.at("conditions"));
-    // Without conditions, a query asks for all of its class.
+    // Without conditions, a query matches all of its class.
     if let Slot::Is(items) = walk.list(n, &at)
         && !items.is_empty()
     {
@@ -67,11 +67,11 @@ pub(super) fn query<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &Class
     }
     let (n, at) = (o.get("output_limit"), o.at("output_limit"));
     walk.frame(n, &at);
-    // A misspelt field of a query would silently ask another question.
+    // A misspelled field of a query would silently change the question.
     walk.close(o, Severity::Error);
 }
 
-/// A list of clauses; an empty one asks nothing.
+/// A list of clauses; an empty one has no meaning.
 fn clauses<'d>(walk: &mut Walk<'d>, items: &'d [Node<'d>], at: &str) {
     if items.is_empty() {
         walk.report(Finding::error("message.query.clause", at.to_owned()), &|| {
@@ -215,7 +215,7 @@ fn comparison<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
             walk.report(Finding::error("message.query.value", at), &|| {
                 Words::new(
                     format!("该值不能用于比较符 '{op}'"),
-                    format!("this value does not go with the operator '{op}'"),
+                    format!("this value does not fit the operator '{op}'"),
                 )
                 .hint("大小比较用数字，in 用列表", "numbers for < and >, a list for in")
             });

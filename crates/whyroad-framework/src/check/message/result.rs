@@ -1,4 +1,4 @@
-//! What came of a mining query (DATA_FORMAT.md 5.2).
+//! The result of a mining query (DATA_FORMAT.md 5.2).
 
 use super::values::{scenario_id, share};
 use crate::check::class_index::ClassIndex;
@@ -42,7 +42,7 @@ pub(super) fn result<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &Clas
     walk.close(o, Severity::Warning);
 }
 
-/// The list against the number that is stated for it; a shorter list may be an excerpt.
+/// The length of the list against the stated number; a shorter list may be an excerpt.
 fn listed(walk: &mut Walk<'_>, listed: u64, returned: Option<u64>, at: String) {
     let Some(returned) = returned.filter(|r| *r != listed) else { return };
     let mut finding = Finding::warning("message.result.count", at);
@@ -57,7 +57,7 @@ fn listed(walk: &mut Walk<'_>, listed: u64, returned: Option<u64>, at: String) {
     });
 }
 
-/// Whether the ego answered: `EgoResponse` of the model.
+/// Whether the ego responded: `EgoResponse` of the model.
 const RESPONSES: [&str; 3] = ["observed", "absent", "unknown"];
 
 fn clip<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
@@ -105,8 +105,11 @@ fn clip<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
         && !RESPONSES.contains(&word)
     {
         walk.report(Finding::error("message.enum", at), &|| {
-            Words::new(format!("'{word}' 不是 ego_response 的取值"), format!("'{word}' is no ego_response"))
-                .one_of(&RESPONSES.join("、"), &RESPONSES.join(", "))
+            Words::new(
+                format!("'{word}' 不是 ego_response 的取值"),
+                format!("'{word}' is not an ego_response value"),
+            )
+            .one_of(&RESPONSES.join("、"), &RESPONSES.join(", "))
         });
     }
     walk.close(o, Severity::Warning);

@@ -9,7 +9,7 @@ use crate::check::slot::Slot;
 use crate::check::walk::Walk;
 use whyroad_model::Severity;
 
-/// Frames a second of a suggestion, which names no clip (LABELING.md 4).
+/// Frames per second of a suggestion, which names no clip (LABELING.md 4).
 const RATE_HZ: f64 = 10.0;
 
 pub(super) fn clip_metadata<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &ClassIndex) {
@@ -35,7 +35,7 @@ pub(super) fn clip_metadata<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes
     let frames = walk.frame(n, &at).get();
     if let (Some(duration_s), Some(rate_hz), Some(frames)) = (duration_s, rate_hz, frames) {
         let due = duration_s * rate_hz;
-        // One frame of rounding, and the fencepost that some logs count.
+        // One frame of rounding, and the additional frame that some logs count.
         if (f64::from(frames) - due).abs() > 1.5 {
             walk.report(Finding::error("message.clip.frames", at), &|| {
                 Words::new(

@@ -30,8 +30,8 @@ pub(super) fn partial_class<'d>(s: ScenarioView<'d>, base: &str, classes: &Class
     scenario::check(&s, classes, base, walk);
 }
 
-/// A full or partial id in one text, such as `reactive_agent.cutin`; or `other`, where nobody has said yet under which
-/// L1 it belongs: mining counts decision moments that no class explains so.
+/// A full or partial id in one text, such as `reactive_agent.cutin`; or `other`, where its L1 is not decided yet:
+/// mining counts decision moments that no class explains this way.
 pub(super) fn scenario_id<'d>(
     walk: &mut Walk<'d>,
     node: Option<&'d Node<'d>>,
@@ -58,7 +58,7 @@ pub(super) fn scenario_id<'d>(
     scenario::check(&view, classes, "", &mut aside);
 }
 
-/// Moves findings about parts of an id to the text that holds the whole of it.
+/// Moves findings about parts of an id to the text that holds the whole id.
 struct At<'w, 'd> {
     pointer: &'static str,
     walk: &'w mut Walk<'d>,

@@ -1,4 +1,4 @@
-//! The parser takes what serde_json takes, says the same values, and points at the mistake.
+//! The parser accepts what serde_json accepts, returns the same values, and locates the mistake.
 
 use super::*;
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ fn to_value(n: &Node<'_>) -> Value {
     }
 }
 
-/// Same verdict and same value as serde_json, which is the measure.
+/// Same verdict and same value as serde_json, which is the reference.
 fn agrees(text: &str) {
     match (parse(text), serde_json::from_str::<Value>(text)) {
         (Ok(n), Ok(v)) => assert_eq!(to_value(&n), v, "{text:?}"),

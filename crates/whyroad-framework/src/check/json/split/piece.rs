@@ -1,4 +1,4 @@
-//! What comes out of cutting a stream: documents, where they start, and what is wrong between them.
+//! The results of cutting a stream: documents, their positions, and errors between them.
 
 /// The largest document that is taken into memory. A label has about 1.3 kB.
 pub const MAX_DOCUMENT_BYTES: usize = 64 << 20;
@@ -23,7 +23,7 @@ impl Origin {
     }
 }
 
-/// A document cut out of a file. Its bytes may be broken in every way.
+/// A document cut out of a file. Its bytes may be broken in any way.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Document<'b> {
     /// Its position.
@@ -32,7 +32,7 @@ pub struct Document<'b> {
     pub bytes: &'b [u8],
 }
 
-/// Something wrong between documents.
+/// An error between documents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Problem {
     /// The file starts with a byte order mark; it is skipped.
@@ -47,15 +47,15 @@ pub enum Problem {
     ArrayOpen,
     /// The document is larger than [`MAX_DOCUMENT_BYTES`]; it is skipped.
     TooLarge,
-    /// So much that is not JSON that the rest of the file is not read.
+    /// Too much text that is not JSON: the rest of the file is not read.
     NotJson,
 }
 
-/// What comes out of a [`super::Splitter`].
+/// Output of a [`super::Splitter`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Piece<'b> {
     /// A document.
     Document(Document<'b>),
-    /// Something wrong between documents, at a place.
+    /// An error between documents, with its position.
     Problem(Problem, Origin),
 }

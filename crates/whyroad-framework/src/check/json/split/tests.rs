@@ -1,8 +1,8 @@
-//! Cutting: what comes out, where it says it stood, and that chunk size never matters.
+//! Cutting: the output, the stated positions, and independence of the chunk size.
 
 use super::*;
 
-/// Everything that comes out, as text: `line:column[/element] bytes`, or the problem's name.
+/// The whole output, as text: `line:column[/element] bytes`, or the problem's name.
 fn cut(layout: Layout, text: &str, chunk: usize) -> Vec<String> {
     let mut out = Vec::new();
     let mut sink = |p: Piece<'_>| {

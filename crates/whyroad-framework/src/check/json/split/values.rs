@@ -2,7 +2,7 @@
 
 use super::piece::{Document, MAX_DOCUMENT_BYTES, Origin, Piece, Problem};
 
-/// After this many pieces in a row that are neither object nor array, the file is not worth reading on.
+/// After this many pieces in a row that are neither object nor array, the rest of the file is not read.
 const MAX_STRAY: usize = 20;
 
 #[derive(Debug)]
@@ -58,7 +58,7 @@ impl Default for Values {
     }
 }
 
-/// What a byte does to the open document.
+/// The effect of a byte on the open document.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Step {
     /// It belongs to it.
@@ -137,7 +137,7 @@ impl Values {
                 self.column = 1;
                 self.blank_so_far = true;
             }
-            // Continuation bytes of UTF-8 are no characters of their own.
+            // Continuation bytes of UTF-8 are not separate characters.
             0x80..=0xBF => {}
             _ => {
                 self.column += 1;
@@ -219,7 +219,7 @@ impl Open {
             match b {
                 _ if self.escaped => self.escaped = false,
                 b'\\' => self.escaped = true,
-                // No JSON text goes over a line's end: its closing quote has been forgotten.
+                // A JSON text never continues over a line's end: its closing quote is missing.
                 b'"' | b'\n' => {
                     self.in_string = false;
                     self.last = if b == b'"' { b } else { b',' };
