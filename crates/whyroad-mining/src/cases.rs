@@ -21,7 +21,7 @@ use whyroad_model::yaml::{self, DecodeError};
 use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId, SignalTable};
 use whyroad_signals::Catalog;
 
-/// What was run.
+/// The cases that were run.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Cases by rule and kind.
@@ -30,15 +30,15 @@ pub struct Tally {
     pub failures: Vec<Diagnostic>,
 }
 
-/// What the cases of a framework are run against.
+/// Inputs for the cases of a framework.
 #[derive(Clone, Copy, Debug)]
 pub struct CaseRunner<'a> {
     /// The rules in force.
     pub rules: &'a RuleSet,
     /// The signals that the cases may state.
     pub catalog: &'a Catalog,
-    /// Rule files in which faults were reported. Cases beside one whose rule could not be made are skipped: their
-    /// failure would only repeat the fault.
+    /// Rule files with reported errors. Cases of a rule that could not be made are skipped: their failure would only
+    /// repeat the error.
     pub faulty: &'a BTreeSet<String>,
 }
 
@@ -106,7 +106,7 @@ impl CaseRunner<'_> {
         tally
     }
 
-    /// One note for all cases that faulty rules keep from running; else an error for each class that has no rule.
+    /// One note for all cases that are not run because of faulty rules; else an error for each class that has no rule.
     fn unruled(&self, file: &str, unruled: &BTreeMap<ScenarioId, Unruled>) -> Vec<Diagnostic> {
         let rule_file = file.strip_suffix(CASES_EXTENSION).map(|stem| format!("{stem}.yaml"));
         if rule_file.is_none_or(|f| !self.faulty.contains(&f)) {
@@ -125,7 +125,7 @@ impl CaseRunner<'_> {
         let classes: Vec<String> = unruled.keys().map(ToString::to_string).collect();
         let message = Bilingual::new(
             format!("{cases} 个用例未运行，因为所属规则有错误：{}", classes.join("、")),
-            format!("{} not run, because the rule has faults: {}", counted(cases), classes.join(", ")),
+            format!("{} not run, because the rule has errors: {}", counted(cases), classes.join(", ")),
         );
         vec![Diagnostic::note("rule.case.skipped", message).in_file(file)]
     }
@@ -221,7 +221,7 @@ fn is_at(wanted: &str, frame: usize) -> Result<bool, Reason> {
     Ok((trace::time(wanted)?.as_secs_f64() - at).abs() < 0.051)
 }
 
-/// What was found, in words.
+/// Description of what was found.
 fn found_text(found: &[&Episode]) -> Bilingual {
     if found.is_empty() {
         return Bilingual::new("没有找到", "nothing");

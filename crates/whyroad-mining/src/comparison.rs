@@ -3,7 +3,7 @@
 use crate::language::syntax::CompareOp;
 use whyroad_model::Tri;
 
-/// Margins are cut off here; flags and categories, which are true or false without degree, have it in full.
+/// Margins are cut off here; flags and categories, which are true or false without degree, have this margin.
 pub const MARGIN_LIMIT: f64 = 2.0;
 
 /// Truth and margin of one comparison; unknown when a side is NaN.
@@ -19,7 +19,7 @@ pub(crate) fn compare(op: CompareOp, a: f64, b: f64, scale: f64) -> (Tri, f64) {
         CompareOp::Equal => (a == b, if a == b { f64::INFINITY } else { -(a - b).abs() }),
         CompareOp::NotEqual => (a != b, if a == b { f64::NEG_INFINITY } else { (a - b).abs() }),
     };
-    // Infinity against infinity: neither is nearer.
+    // Infinity against infinity: neither is closer.
     let raw = if raw.is_nan() { 0.0 } else { raw };
     (Tri::from(truth), (raw / scale).clamp(-MARGIN_LIMIT, MARGIN_LIMIT))
 }

@@ -1,6 +1,6 @@
 //! Thresholds of numbers that have standard deviations. A comparison by `<`, `<=`, `>` or `>=` changes its answer only
-//! where the two sides differ by more than the deviation of their difference; within it the answer of the row before
-//! stays. Without deviations each row is compared by itself.
+//! where the two sides differ by more than the deviation of their difference; within it the answer of the previous row
+//! is kept. Without deviations each row is compared by itself.
 //!
 //! Here are the rules by which deviations combine, and the plain definition of such a comparison; both evaluators use
 //! the first, the reference also the second.
@@ -27,7 +27,7 @@ pub(crate) fn of_product((a, of_a): (f64, f64), (b, of_b): (f64, f64)) -> f64 {
     stated(a * stated(of_b)).hypot(stated(b * stated(of_a)))
 }
 
-/// A deviation that is not known counts as none.
+/// An unknown deviation counts as zero.
 pub(crate) fn stated(deviation: f64) -> f64 {
     if deviation.is_finite() { deviation.abs() } else { 0.0 }
 }

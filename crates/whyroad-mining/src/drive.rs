@@ -1,5 +1,5 @@
-//! One drive: every rule run, the episodes arbitrated, what could not be decided named. A pure function; the
-//! unit that runs in parallel, and later inside other engines.
+//! One drive: every rule run, the episodes arbitrated, undecided rules listed. A pure function; the
+//! unit that runs in parallel, also inside other engines.
 
 use crate::episode::arbitrate::arbitrate;
 use crate::episode::{Episode, Found, find};
@@ -7,7 +7,7 @@ use crate::rule::RuleSet;
 use std::collections::BTreeMap;
 use whyroad_model::{DriveId, Nanos, ScenarioId, SignalTable};
 
-/// What was found in one drive.
+/// Results of one drive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DriveEpisodes {
     /// The drive.

@@ -1,5 +1,5 @@
 //! From a rule's truth over time to episodes: runs, keyframe, time range, score. Everything is in frames of
-//! the whole drive; clips come in only where an episode is written down.
+//! the whole drive; clips are used only where an episode is written.
 
 pub mod arbitrate;
 pub(crate) mod build;
@@ -19,7 +19,7 @@ pub struct Episode {
     pub scenario: ScenarioId,
     /// The target that the rule bound.
     pub target: Option<TrackId>,
-    /// Who takes which role, where the rule binds two objects; empty otherwise.
+    /// Object for each role, where the rule binds two objects; empty otherwise.
     pub roles: BTreeMap<String, TrackId>,
     /// Frames in which the rule's condition held, short breaks included.
     pub matched: FrameRange,
@@ -31,13 +31,13 @@ pub struct Episode {
     pub second_keyframe: Option<usize>,
     /// `time_range` of the labeling spec; contains the keyframe.
     pub range: FrameRange,
-    /// The time range with the context that its spec asks for.
+    /// The time range with the context that its spec requires.
     pub context: FrameRange,
     /// How the keyframe was found.
     pub keyframe_rule: Bilingual,
-    /// Whether the ego answered the trigger.
+    /// Whether the ego responded to the trigger.
     pub response: EgoResponse,
-    /// How far the conditions are exceeded, 0.5 to 1; see [`score`]. Does not compare between classes.
+    /// How far the conditions are exceeded, 0.5 to 1; see [`score`]. Not comparable between classes.
     pub score: f64,
     /// Share of the episodes of the class with such a score that is right; `None` where the class is not calibrated,
     /// and before [`crate::drive::arbitrated`].
@@ -59,11 +59,11 @@ pub enum Rank {
     SecondaryTo(usize),
 }
 
-/// Conditions that an episode lists at most: those that are met most narrowly decide.
+/// Maximum number of conditions that an episode lists: those that are met most narrowly.
 pub const LISTED_CONDITIONS: usize = 5;
 
-/// What a response condition comes to, from its truth by frame over `range`; `None` for a frame in which it is not
-/// judged. Over no frame at all nothing is known: an answer that was not looked for is not absent.
+/// The response, from the truth of its condition by frame over `range`; `None` for a frame in which it is not
+/// evaluated. Without any frame the response is unknown, not absent.
 pub(crate) fn response(range: FrameRange, mut truth: impl FnMut(usize) -> Option<Tri>) -> EgoResponse {
     let mut known = !range.is_empty();
     for frame in range.start..range.end {

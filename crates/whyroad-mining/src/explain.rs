@@ -1,5 +1,5 @@
 //! Why a rule matched or did not in one clip: its parts one by one over time, and the moment at which it matched or
-//! came nearest to it. Made with the reference evaluator, which keeps the truth of every part.
+//! came nearest to a match. Uses the reference evaluator, which keeps the truth of every part.
 
 mod nearest;
 
@@ -17,18 +17,18 @@ use whyroad_model::messages::EgoResponse;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{Bilingual, FrameRange, SignalTable, TrackId, Tri};
 
-/// How far a rule came, from least to most.
+/// How far a rule was met, from least to most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
-    /// Nothing that could be the target is seen in the clip.
+    /// No possible target is observed in the clip.
     NoCandidate,
-    /// Not one frame of the clip could be decided.
+    /// No frame of the clip could be decided.
     Undecided,
-    /// What has to hold together never did.
+    /// The conditions that must hold together never did.
     NotTogether,
     /// It held, but for too short (or too long) a time.
     WrongDuration,
-    /// It held, but something that is required at the keyframe did not.
+    /// It held, but a condition that is required at the keyframe did not.
     NotAtKeyframe,
     /// It matched.
     Matched,
@@ -39,7 +39,7 @@ pub enum Outcome {
 pub enum Cell {
     /// Its truth.
     Known(Tri),
-    /// There is nothing to judge: the target is not seen.
+    /// There is no value: the target is not observed.
     Absent,
 }
 
@@ -59,13 +59,13 @@ pub struct Course {
 pub struct PartCourse {
     /// Where it must hold.
     pub place: PartPlace,
-    /// As written, names replaced by what they stand for.
+    /// As written, names replaced by their definitions.
     pub text: String,
     /// In words.
     pub words: Bilingual,
     /// Its truth over time.
     pub course: Course,
-    /// What it measures.
+    /// Its comparisons.
     pub atoms: Vec<AtomCourse>,
 }
 
@@ -80,12 +80,12 @@ pub struct AtomCourse {
     pub course: Course,
     /// The measured value at the moment that is explained, in `unit`; null when unknown or infinite.
     pub actual: Value,
-    /// The same in words, with its unit.
+    /// The same as text, with its unit.
     pub actual_words: Option<Bilingual>,
     /// Symbol of the unit.
     pub unit: &'static str,
-    /// What is compared, by frame of the clip, in `unit`; NaN where it is unknown or there is nothing to judge. Empty
-    /// where no number is compared.
+    /// The compared number, by frame of the clip, in `unit`; NaN where it is unknown or there is no value. Empty where
+    /// no number is compared.
     pub values: Vec<f64>,
     /// The fixed number that it is compared with, in `unit`.
     pub threshold: Option<f64>,
@@ -94,13 +94,13 @@ pub struct AtomCourse {
 /// Why, or why not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
-    /// How far it came.
+    /// How far it was met.
     pub outcome: Outcome,
-    /// Who takes which role: the candidate that came furthest.
+    /// Object for each role: the best candidate.
     pub roles: BTreeMap<String, TrackId>,
-    /// How many objects (or pairs) were candidates in the clip.
+    /// Number of candidate objects (or pairs) in the clip.
     pub candidates: usize,
-    /// Frame of the clip that is explained: the keyframe, or where it came nearest.
+    /// The explained frame of the clip: the keyframe, or the nearest miss.
     pub moment: Option<usize>,
     /// The rule's `when` as a whole.
     pub when: Course,
@@ -108,18 +108,18 @@ pub struct Explanation {
     pub parts: Vec<PartCourse>,
     /// Signals for lack of which it could not be decided in this drive.
     pub missing: Vec<String>,
-    /// Of a match: whether the ego answered the trigger.
+    /// For a match: whether the ego responded to the trigger.
     pub response: Option<EgoResponse>,
 }
 
-/// Explains a rule on the frames `clip` of a drive; for one target, or for the candidate that came furthest.
+/// Explains a rule on the frames `clip` of a drive; for one target, or for the best candidate.
 pub fn explain(rule: &Rule, table: &SignalTable, clip: FrameRange, wanted: Option<&TrackId>) -> Explanation {
     let mut evaluator = Evaluator::new(&rule.program, table);
     let all = candidates(rule, table, clip, wanted);
     let mut best: Option<(Reached, Roles<'_>)> = None;
     for roles in &all {
         let reached = reach(rule, *roles, clip, &mut evaluator);
-        // The first of equals, so that the answer does not depend on anything but the drive.
+        // The first of equals, so that the answer depends only on the drive.
         if best.as_ref().is_none_or(|(b, _)| reached.beats(b)) {
             best = Some((reached, *roles));
         }
@@ -164,7 +164,7 @@ fn candidates<'a>(
     }
 }
 
-/// How far one candidate came.
+/// How far one candidate met the rule.
 struct Reached {
     outcome: Outcome,
     /// Conditions that hold together at the row, where not all of them do.

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! It must give what the reference (`crate::interpret`, `crate::episode`) gives: same truths on every row, same
-//! episodes with the same scores. Property tests keep the two equal. No I/O and no clock: who calls brings the columns.
+//! episodes with the same scores. Property tests keep the two equal. No I/O and no clock: the caller supplies the
+//! columns.
 
 pub mod bits;
 mod compare;

@@ -1,7 +1,7 @@
-//! What a program means: the plain interpreter, row by row, one operation after another. It is the reference
-//! that a faster evaluator must equal, so it is written to be checked by eye. Pure: signals in, truth out.
+//! The meaning of a program: the plain interpreter, row by row, one operation after another. It is the reference
+//! that the fast evaluator must equal, so it is written for review by reading. Pure: signals in, truth out.
 //!
-//! Every condition yields, a row, a three-valued truth and a *margin*: by how many typical magnitudes
+//! Every condition yields, per row, a three-valued truth and a *margin*: by how many typical magnitudes
 //! (`scale` in the catalog) the nearest deciding comparison is fulfilled (positive) or missed (negative).
 //! That is the robustness of signal temporal logic, cut off at [`MARGIN_LIMIT`].
 
@@ -55,11 +55,11 @@ pub struct Evaluator<'a> {
     table: &'a SignalTable,
     timeline: Timeline,
     of_drive: Vec<Option<Rc<Series>>>,
-    /// What pairs share: values over all rows of one object, by node and the object's first row.
+    /// Values that pairs share: values over all rows of one object, by node and the object's first row.
     of_object: BTreeMap<(NodeId, usize), Rc<Series>>,
 }
 
-/// Which objects take the roles of the rule; without any, it is about the drive.
+/// The objects in the roles of the rule; without any, the rule is about the drive.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Roles<'a> {
     /// The target.
@@ -80,7 +80,7 @@ impl Roles<'_> {
     }
 }
 
-/// What is known of the episode that is being built, in frames of the drive.
+/// The known parts of the episode that is being built, in frames of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Moments {
     /// The keyframe.
@@ -89,7 +89,7 @@ pub struct Moments {
     pub matched: FrameRange,
 }
 
-/// One question: for which rows, and of which episode once there is one. Keeps what it has computed.
+/// One evaluation: its rows, and its episode once there is one. Keeps what it has computed.
 pub struct Pass<'a> {
     roles: Roles<'a>,
     episode: Option<Moments>,
@@ -109,7 +109,7 @@ impl<'a> Evaluator<'a> {
         self.pass_of(Roles { target, second: None })
     }
 
-    /// A pass over the rows in which everything that has a role is seen.
+    /// A pass over the rows in which all objects with a role are observed.
     pub fn pass_of(&self, roles: Roles<'a>) -> Pass<'a> {
         Pass { roles, episode: None, done: vec![None; self.program.nodes.len()] }
     }
@@ -121,7 +121,7 @@ impl<'a> Evaluator<'a> {
         Pass { roles: pass.roles, episode: Some(episode), done }
     }
 
-    /// The rows that a pass speaks of.
+    /// The rows of a pass.
     pub fn rows(&self, pass: &Pass<'_>) -> &[Row] {
         let (from, to) = self.window(pass.roles);
         &self.timeline.rows[from..to]
@@ -142,8 +142,8 @@ impl<'a> Evaluator<'a> {
         }
         let node = self.program.node(id);
         let result = if node.scope != pass.roles.scope() {
-            // What does not depend on the target has its meaning over the whole drive, not over the rows in
-            // which the target happens to be seen; what depends on one object of a pair, over all rows of that one.
+            // A node that does not depend on the target is evaluated over the whole drive, not only over the rows in
+            // which the target is observed; a node that depends on one object of a pair, over all rows of that object.
             self.of_fewer_roles(id, pass)
         } else if node.scope == ValueScope::Frame && !node.needs_episode {
             match self.of_drive[id.0].clone() {
@@ -363,7 +363,7 @@ fn values(column: Option<&Column>, rows: &[Row], index: impl Fn(&Row) -> Option<
                 .collect(),
             names.clone(),
         ),
-        // The type does not matter: everything that reads it finds nothing known.
+        // The type does not matter: every reader finds only unknown values.
         None => Series::Numbers(vec![f64::NAN; rows.len()]),
     }
 }

@@ -18,8 +18,8 @@ pub use syntax::{Expr, Span};
 
 use whyroad_model::{Bilingual, Diagnostic, Location};
 
-/// What is wrong in an expression, and which part of it. Becomes a [`Diagnostic`] once the expression's
-/// own place is known.
+/// An error in an expression, and the wrong part. Becomes a [`Diagnostic`] once the position of the expression is
+/// known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// `rule.*` code.
@@ -28,7 +28,7 @@ pub struct Fault {
     pub message: Bilingual,
     /// How to fix it.
     pub hint: Option<Box<Bilingual>>,
-    /// The part of the expression that is meant.
+    /// The wrong part of the expression.
     pub span: Span,
 }
 
@@ -45,7 +45,7 @@ impl Fault {
         self
     }
 
-    /// As a diagnostic about the expression `text`, shown as it is; `origin` says where it comes from.
+    /// As a diagnostic about the expression `text`, shown unchanged; `origin` states where it comes from.
     pub fn about(self, text: &str, origin: &Location) -> Diagnostic {
         let start = self.span.start.min(text.len());
         let end = self.span.end.clamp(start, text.len());

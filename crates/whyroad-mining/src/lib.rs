@@ -1,8 +1,8 @@
 //! Rules to programs to episodes: the rule language, the interpreter that defines it, the fast evaluator, episode
 //! building, arbitration.
 //!
-//! Evaluation is a pure function of one drive's signals: no I/O, no clock, and no knowledge of what a
-//! scenario is about. Scenarios are defined in `scenarios/`.
+//! Evaluation is a pure function of one drive's signals: no I/O, no clock, and no knowledge of single scenarios.
+//! Scenarios are defined in `scenarios/`.
 
 pub mod cases;
 mod comparison;
@@ -19,5 +19,5 @@ pub use drive::{DriveEpisodes, mine_drive};
 pub use episode::{Episode, Rank};
 pub use rule::{CODES, Rule, RuleSet};
 
-/// Version of how rules are judged: changes with the code that does it.
+/// Version of the evaluation of rules: changes with its code.
 pub const VERSION: &str = env!("WHYROAD_MINING_VERSION");

@@ -1,4 +1,4 @@
-//! A rule: one program that says when a scenario happens, and how its moments are found. Made from a
+//! A rule: one program that defines when a scenario happens, and how its moments are found. Made from a
 //! `mining:` block and the leaf's labeling spec ([`source`]) or from a JSON query ([`query`]).
 
 mod block;
@@ -50,7 +50,7 @@ pub const CODES: &[&str] = &[
 
 pub use whyroad_model::ids::OTHER;
 
-/// What the first role is called where the rule gives it no name of its own.
+/// Name of the first role where the rule does not name it.
 pub const TARGET: &str = "target";
 
 /// An executable rule.
@@ -58,9 +58,9 @@ pub const TARGET: &str = "target";
 pub struct Rule {
     /// The leaf, or the L2 where the rule does not determine the variant.
     pub scenario: ScenarioId,
-    /// What the target can be; `None` when the rule speaks of the ego alone.
+    /// Kinds of the target; `None` when the rule is about the ego alone.
     pub subject: Option<Subject>,
-    /// How the rule calls its target: `target`, or a name such as `lead`.
+    /// The rule's name for its target: `target`, or a name such as `lead`.
     pub target_role: String,
     /// The object that a rule binds besides its target.
     pub second: Option<SecondRole>,
@@ -70,11 +70,11 @@ pub struct Rule {
     pub when: NodeId,
     /// Conditions at the keyframe.
     pub require: Vec<NodeId>,
-    /// What counts as the ego's answer to the trigger; `None` where the match is itself what the ego did.
+    /// What counts as the ego's response to the trigger; `None` where the match is itself the ego's action.
     pub response: Option<ResponseCondition>,
     /// The parts of `when` and `require` that are shown to people.
     pub atoms: Vec<Atom>,
-    /// What has to hold, part by part, as shown when somebody asks why the rule did not match.
+    /// The conditions, part by part, as shown to explain why the rule did not match.
     pub parts: Vec<Part>,
     /// Which atoms an episode lists.
     pub listed: Listed,
@@ -82,31 +82,31 @@ pub struct Rule {
     pub min_duration: Nanos,
     /// Longer matches are dropped.
     pub max_duration: Option<Nanos>,
-    /// Matches of one target that are no further apart are one.
+    /// Matches of one target that are at most this far apart are merged.
     pub merge_gap: Nanos,
-    /// Conditions that people are shown at length, by the definition that could have a name in `names`.
+    /// Conditions that are displayed at length, by the definition that could have a name in `names`.
     pub lengthy: BTreeMap<String, Bilingual>,
     /// Keyframe, start, end, context.
     pub timing: Timing,
 }
 
-/// What a rule about any object needs besides what is derived for every drive.
+/// Signals that a rule about any object needs besides those derived for every drive.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OnDemand {
     /// The `object.` and `pair.` signals.
     pub signals: BTreeSet<String>,
     /// All its other signals.
     pub others: BTreeSet<String>,
-    /// It asks about pairs of objects.
+    /// It uses pairs of objects.
     pub pairs: bool,
 }
 
-/// When the ego answers: looked for from the match's start to the end of the time range.
+/// The ego's response: searched from the match's start to the end of the time range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResponseCondition {
     /// The condition.
     pub condition: NodeId,
-    /// It speaks of the target: then it is known only while the target is seen.
+    /// It refers to the target: then it is known only while the target is observed.
     pub of_target: bool,
 }
 
@@ -115,13 +115,13 @@ pub struct ResponseCondition {
 pub struct Part {
     /// Where it must hold.
     pub place: PartPlace,
-    /// As written, names replaced by what they stand for.
+    /// As written, names replaced by their definitions.
     pub text: String,
     /// In words.
     pub words: Bilingual,
     /// Its truth.
     pub condition: NodeId,
-    /// What it measures.
+    /// Its comparisons.
     pub atoms: Vec<Atom>,
 }
 
@@ -134,12 +134,12 @@ pub enum PartPlace {
     Require,
 }
 
-/// A second object that takes part: the rule is judged for every pair of a target and such an object.
+/// A second object that takes part: the rule is evaluated for every pair of a target and such an object.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SecondRole {
-    /// How the rule calls it, such as `obstacle`.
+    /// The rule's name for it, such as `obstacle`.
     pub name: String,
-    /// What it can be.
+    /// Its allowed kinds.
     pub subject: Subject,
 }
 
@@ -152,20 +152,20 @@ pub enum Listed {
     All,
 }
 
-/// How the moments of an episode are found. Whatever is missing falls back, at last to the match itself.
+/// How the moments of an episode are found. Missing ones fall back, finally to the match itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timing {
     /// One moment or a range.
     pub kind: KeyframeType,
-    /// The keyframe: each way to find it with its rule in words, the best first.
+    /// The keyframe: each expression for it with its rule as text, the best first.
     pub keyframe: Vec<(Moment, Bilingual)>,
-    /// What the keyframe is when none of these finds it: the start of the match, in words.
+    /// Text for the fallback when none of these finds it: the start of the match.
     pub at_match_start: Bilingual,
     /// The second keyframe, the best expression first; unset without any, and where none finds it.
     pub second_keyframe: Vec<Moment>,
-    /// Start of the time range, the best way first.
+    /// Start of the time range, the best expression first.
     pub start: Vec<Moment>,
-    /// End of the time range, the best way first.
+    /// End of the time range, the best expression first.
     pub end: Vec<Moment>,
     /// Context before the start.
     pub before: Nanos,
@@ -192,7 +192,7 @@ impl Timing {
     }
 }
 
-/// What is shown of a rule: what it measures, and what has to hold.
+/// Displayed parts of a rule: its comparisons and conditions.
 #[derive(Debug, Default)]
 pub(crate) struct RuleParts {
     /// Each comparison once.
@@ -221,13 +221,13 @@ impl RuleParts {
 
 impl Rule {
     /// Score of a match whose margin is this: [`score`](crate::episode::score), and 0.5 for a rule that compares no
-    /// numbers: then there is nothing that could be exceeded by much or by little.
+    /// numbers: then there is no margin.
     pub fn margin_score(&self, margin: f64) -> f64 {
         let mut roots = std::iter::once(&self.when).chain(&self.require);
         if roots.any(|id| self.program.compares_numbers(*id)) { score(margin) } else { score(0.0) }
     }
 
-    /// Names of the signals on which it depends whether there is a match.
+    /// Names of the signals that decide whether there is a match.
     pub fn signals(&self) -> BTreeSet<String> {
         let mut out = self.program.signals(self.when);
         for id in &self.require {
@@ -236,8 +236,8 @@ impl Rule {
         out
     }
 
-    /// The signals that are derived only for rules that ask for them, and whether it asks about pairs; `None` when it
-    /// asks for none of them.
+    /// The signals that are derived only for rules that use them, and whether it uses pairs; `None` when it uses none
+    /// of them.
     pub fn on_demand(&self) -> Option<OnDemand> {
         let all = self.program.all_signals();
         let asks_for_pairs = |op: &Op| matches!(op, Op::PairSignal { .. } | Op::AtLeastNear { .. });
@@ -247,8 +247,8 @@ impl Rule {
         (!signals.is_empty()).then_some(OnDemand { signals, others, pairs })
     }
 
-    /// Those of them without which nobody can say that it was not there: all but the ones of which the rule itself
-    /// asks whether they are known.
+    /// Those of them without which the absence of a match is unknown: all except the ones that the rule itself tests
+    /// with `is known`.
     pub fn needs(&self) -> BTreeSet<String> {
         let roots = std::iter::once(&self.when).chain(&self.require);
         let asked: BTreeSet<String> = roots.flat_map(|id| self.program.asked_for(*id)).collect();

@@ -1,4 +1,4 @@
-//! Cases as something to draw: the signals that matter in a case over time, and the moments that it expects.
+//! Data for drawing cases: the relevant signals of a case over time, and the moments that it expects.
 
 use super::file::{CaseFile, CaseKind, CaseText, Reason};
 use super::table::{column, frame_of, frames};
@@ -16,9 +16,9 @@ pub struct DrawnCase {
     pub scenario: ScenarioId,
     /// What happens, in English.
     pub name: String,
-    /// What it shows.
+    /// What it demonstrates.
     pub kind: CaseKind,
-    /// How long it lasts, s.
+    /// Duration, s.
     pub seconds: f64,
     /// Signals that the case states itself, then those that change over time; constant ones of the base are left out.
     pub traces: Vec<DrawnTrace>,
@@ -39,11 +39,11 @@ pub struct DrawnTrace {
     pub unit: Option<&'static Unit>,
     /// 10 Hz from the start of the case, numbers in base units.
     pub column: Column,
-    /// The frames in which its object is seen; all of them for signals of the ego and the road.
+    /// The frames in which its object is observed; all frames for signals of the ego and the road.
     pub seen: FrameRange,
 }
 
-/// What must be found, s from the start of the case.
+/// An expected episode, s from the start of the case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnEpisode {
     /// The decision moment.

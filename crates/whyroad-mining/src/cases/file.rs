@@ -4,17 +4,17 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, ObjectClass};
 
-/// What a case shows about its rule. Every rule has at least one of each.
+/// What a case tests about its rule. Every rule has at least one of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CaseKind {
     /// It happens.
     Positive,
-    /// Something like it happens, but not this.
+    /// A similar event, but not this one.
     Negative,
     /// On the edge of a threshold.
     Boundary,
-    /// An input is not known.
+    /// An input is unknown.
     Unknown,
 }
 
@@ -23,7 +23,7 @@ pub enum CaseKind {
 pub(super) struct CaseFile {
     #[serde(rename = "version")]
     _version: Option<String>,
-    /// Class of the rules; neither is there beside a rule that belongs to no class.
+    /// Class of the rules; both are absent beside a rule without a class.
     pub l1: Option<String>,
     pub l2: Option<String>,
     /// Signals that the cases have in common.
@@ -42,7 +42,7 @@ pub(super) struct CaseText {
     pub duration: String,
     /// Class of the target.
     pub target: Option<ObjectClass>,
-    /// When the target is seen; default: all the time.
+    /// When the target is observed; default: all the time.
     pub seen: Option<[String; 2]>,
     /// Other objects by name: the second role of a rule, or what a count ranges over. Their signals are written
     /// `obstacle.gap`.
@@ -54,7 +54,7 @@ pub(super) struct CaseText {
     #[serde(default)]
     pub lacks: Vec<String>,
     pub expect: Vec<Expectation>,
-    /// Signals for lack of which the rule must say that it cannot be decided.
+    /// Missing signals that the rule must report as the reason why it cannot be decided.
     #[serde(default)]
     pub not_observable: Vec<String>,
 }

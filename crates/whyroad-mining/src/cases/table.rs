@@ -157,7 +157,7 @@ fn no_signal(written: &str, meant: &str, catalog: &Catalog) -> Reason {
     Bilingual::new(format!("没有名为 '{written}' 的信号{zh}"), format!("signal '{written}' not found{en}"))
 }
 
-/// A column like `like` for all objects, in which nothing is said yet.
+/// A column like `like` for all objects, in which all values are unknown.
 fn nothing_known(like: &Column, spans: &[TargetSpan]) -> Column {
     let rows = spans.iter().map(|s| s.frames.end - s.frames.start).sum();
     match like {
@@ -169,7 +169,7 @@ fn nothing_known(like: &Column, spans: &[TargetSpan]) -> Column {
     }
 }
 
-/// Writes an object's rows: those of the frames in which it is seen.
+/// Writes an object's rows: those of the frames in which it is observed.
 fn fill(rows: &mut Column, of_case: &Column, span: &TargetSpan) {
     let (from, to) = (span.frames.start, span.frames.end);
     let out = span.first_row..span.first_row + to - from;

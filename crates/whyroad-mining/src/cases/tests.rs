@@ -2,8 +2,8 @@ use super::*;
 use crate::fast;
 use whyroad_framework::Framework;
 
-/// Cases are run by the evaluator that mines; what a rule means is what the reference says. The other tests of their
-/// equality have drives, these have what somebody thought of at the edges of each rule.
+/// Cases are run by the evaluator that mines; the reference defines the meaning of a rule. The other equality tests use
+/// drives, these use the hand-written edge cases of each rule.
 #[test]
 fn both_evaluators_find_the_same_in_every_case() {
     let all = RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0;

@@ -1,5 +1,5 @@
-//! A signal over time in run lengths, as a person writes it: `10 m/s for 3 s, 10 m/s to 0 m/s for 2 s, unknown`.
-//! A segment is a value or a ramp, and how long it lasts; the last one goes on to the end.
+//! A signal over time in run lengths, in a form that people write: `10 m/s for 3 s, 10 m/s to 0 m/s for 2 s, unknown`.
+//! A segment is a value or a ramp, and how long it lasts; the last one extends to the end.
 
 use super::file::Reason;
 use crate::interpret::STEP;

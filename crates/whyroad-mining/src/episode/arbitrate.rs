@@ -1,8 +1,8 @@
 //! One primary class per decision (LABELING.md 1, MECE), by the order of `schema/precedence.yaml`.
 //!
 //! Episodes are taken from the most to the least preferred; each becomes primary unless one that is primary
-//! already has its keyframe in the neighborhood. Nothing is dropped but an L2's episode of which a leaf of
-//! the same L2 says more, and a decision moment (`other`) that some class explains.
+//! already has its keyframe in the neighborhood. Only two kinds are dropped: an L2's episode that a leaf of the same L2
+//! describes more precisely, and a decision moment (`other`) that some class explains.
 
 use super::{Episode, Rank};
 use crate::interpret::CLOCK_TOLERANCE;
@@ -11,7 +11,7 @@ use crate::rule::other::is_decision_moment;
 use std::collections::BTreeMap;
 use whyroad_model::{Nanos, ScenarioId};
 
-/// Drops what a leaf describes better, orders the rest by keyframe, and ranks it.
+/// Drops episodes that a leaf describes better, orders the rest by keyframe, and ranks it.
 pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedence) -> Vec<Episode> {
     let mut episodes = without_explained(without_resolved(episodes), times, precedence);
     episodes.sort_by(|a, b| {
@@ -26,7 +26,7 @@ pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedenc
         let (a, b) = (&episodes[i], &episodes[j]);
         ranks[i].cmp(&ranks[j]).then(b.score.total_cmp(&a.score)).then(i.cmp(&j))
     });
-    // Ten frames of a jittering clock are 1 s, whichever way they miss it.
+    // Ten frames of a jittering clock count as 1 s, whether slightly shorter or longer.
     let near = precedence.neighbourhood.0 - CLOCK_TOLERANCE.0;
     let mut primary: Vec<usize> = Vec::new();
     for i in order {
@@ -44,8 +44,8 @@ pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedenc
     episodes
 }
 
-/// Of the decision moments, those that no episode of a class explains: it has its keyframe near, or its time range
-/// holds the moment. Of several near ones, the first represents all.
+/// The decision moments that no episode explains; an episode explains a moment near its keyframe or within its time
+/// range. The first of several near moments represents all.
 fn without_explained(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedence) -> Vec<Episode> {
     let (mut moments, mut out): (Vec<Episode>, Vec<Episode>) =
         episodes.into_iter().partition(is_decision_moment);
@@ -64,7 +64,7 @@ fn without_explained(episodes: Vec<Episode>, times: &[Nanos], precedence: &Prece
 
 /// An L2's own rule means "this L2, variant unknown": where a leaf of it matched the same target at the
 /// same time, the variant is known. An L2 about the ego alone (a lane change) may have a leaf about a target (the
-/// vehicle overtaken): whichever target it is, the variant is known.
+/// vehicle overtaken): for any target, the variant is known.
 fn without_resolved(episodes: Vec<Episode>) -> Vec<Episode> {
     let resolved = |e: &Episode| {
         e.scenario.l3.is_none()

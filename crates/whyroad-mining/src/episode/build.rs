@@ -55,20 +55,20 @@ fn finished(mut found: Found, rule: &Rule, table: &SignalTable, decided: &Decide
     found
 }
 
-/// How far the rule's condition was known.
+/// How much of the rule's condition was known.
 #[derive(Default)]
 struct Decided {
     rows: usize,
     known: usize,
     /// In a frame that the log has, it was not known.
     open: bool,
-    /// The condition matched somewhere; that it made no episode may hang on what is not known.
+    /// The condition matched somewhere; it may have given no episode only because of unknown values.
     matched: bool,
 }
 
-/// Signals that the drive does not have, when the rule needs any: "nothing found" would claim too much, unless the
-/// condition is known to be false in every row whatever those signals were. Where the drive has them all and yet not
-/// one row could be decided, those that are never known.
+/// Signals that the drive does not have, when the rule needs any: "nothing found" would be wrong, unless the condition
+/// is known to be false in every row for any values of those signals. Where the drive has them all but no row could be
+/// decided, those that are never known.
 fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<String> {
     let signals = rule.needs();
     let of_pair = |s: &String| table.pairs.as_ref().and_then(|p| p.columns.get(s));
@@ -137,7 +137,7 @@ pub(crate) struct Located<'a> {
     keyframe_rule: Bilingual,
     /// The pass for this episode.
     pub(crate) at: Pass<'a>,
-    /// The row at which the conditions are judged.
+    /// The row at which the conditions are evaluated.
     pub(crate) row: usize,
 }
 
@@ -153,8 +153,8 @@ pub(crate) fn locate<'a>(
     let (keyframe_time, keyframe_rule) = keyframe(rule, known, evaluator, pass);
     let keyframe = times.frame_at(keyframe_time);
     known.keyframe = Some(times.time(keyframe));
-    // A keyframe may lie outside the match (0.5 s before the turn): the conditions are judged at the frame of
-    // the match that is nearest to it.
+    // A keyframe may lie outside the match (0.5 s before the turn): the conditions are evaluated at the nearest frame
+    // of the match.
     let judged = keyframe.clamp(times.matched.start, times.matched.end - 1);
     let at = evaluator.at_episode(pass, Moments { keyframe: judged, matched: times.matched });
     let row = evaluator.rows(&at).iter().position(|r| r.frame == Some(judged))?;
@@ -215,7 +215,7 @@ fn episode<'a>(
     })
 }
 
-/// Whether the ego answered in these frames.
+/// Whether the ego responded in these frames.
 fn answered<'a>(
     rule: &'a Rule,
     range: FrameRange,
@@ -236,7 +236,7 @@ fn answered<'a>(
     super::response(range, |frame| by_frame.get(&frame).copied())
 }
 
-/// Who takes which role, for a rule that binds two objects.
+/// Object for each role, for a rule that binds two objects.
 fn named(rule: &Rule, roles: Roles<'_>) -> BTreeMap<String, TrackId> {
     match (&rule.second, roles.target, roles.second) {
         (Some(role), Some(a), Some(b)) => {
@@ -356,7 +356,7 @@ impl Times {
     fn range(&self, start: Nanos, end: Nanos) -> FrameRange {
         let from = self.frame_at(start);
         let beyond = self.frames.last().is_none_or(|l| (l.end.0 - end.0).abs() <= (l.time.0 - end.0).abs());
-        // A frame before a gap may be over and yet begin nearer to `end` than the next one.
+        // A frame before a gap may have ended although it begins nearer to `end` than the next one.
         let nearest = self.frame_at(end);
         let to = if beyond { self.frames.len() } else { nearest + usize::from(self.end(nearest) <= end) };
         FrameRange::new(from, to.max(from + 1))

@@ -4,11 +4,11 @@ use crate::interpret::{Evaluator, Pass, Row, Series};
 use crate::language::program::{Moment, NodeId};
 use whyroad_model::{Nanos, Tri};
 
-/// Moments outside the match are looked for no further away than one clip lasts (LABELING.md 4).
+/// Moments outside the match are searched within the length of one clip (LABELING.md 4).
 pub(crate) const REACH: Nanos = Nanos(20_000_000_000);
 
-/// Which moment is sought: this decides where a bare condition is looked for. `first`, `last`, `least` and
-/// `greatest` speak of the match whatever is sought.
+/// The sought moment: it decides where a bare condition is searched. `first`, `last`, `least` and `greatest` always
+/// refer to the match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sought {
     /// The keyframe: within the match.
@@ -19,7 +19,7 @@ pub enum Sought {
     End,
 }
 
-/// What is known of the episode so far, as rows of the pass.
+/// The known parts of the episode so far, as rows of the pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Known {
     /// First row of the match.
@@ -57,7 +57,7 @@ pub fn resolve<'a>(
     }
 }
 
-/// Rows in which a moment is looked for.
+/// Rows in which a moment is searched.
 fn reach(rows: &[Row], sought: Sought, known: Known) -> std::ops::Range<usize> {
     let Some(keyframe) = known.keyframe.filter(|_| sought != Sought::Keyframe) else {
         return known.first..known.last + 1;

@@ -1,5 +1,5 @@
-//! Rules that bind two objects: which pairs are worth judging. All pairs of a crowded drive are many, and nearly
-//! all fail for the target alone (it is not even the lead), which is looked at first.
+//! Rules that bind two objects: which pairs are evaluated. A crowded drive has many pairs, and nearly all fail for the
+//! target alone (it is not even the lead), which is checked first.
 
 use crate::interpret::{Evaluator, Roles, Series, pair_rows};
 use crate::language::program::{NodeId, Op, Program, ValueScope};
@@ -7,7 +7,7 @@ use crate::rule::{Rule, SecondRole};
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{SignalTable, Tri};
 
-/// The objects that can take the second role beside `target`: others, seen while it is seen.
+/// The objects that can take the second role beside `target`: others that are observed while it is observed.
 pub(crate) fn partners<'a>(
     target: &'a TargetSpan,
     role: &SecondRole,
@@ -18,15 +18,15 @@ pub(crate) fn partners<'a>(
         o.first_row != target.first_row
             && subject.admits(o.class)
             && match table.pairs {
-                // A rule that asks for pairs is about those that come near each other.
+                // A rule about pairs considers only those that come near each other.
                 Some(_) => pair_rows::span(table, target, o).is_some(),
                 None => !o.frames.intersect(target.frames).is_empty(),
             }
     })
 }
 
-/// The number of the target's rows when what the rule asks of the target alone (or of the drive) is false at every one:
-/// no pair with this target can match, and all these rows are decided. `None` when a pair can match.
+/// The number of the target's rows when the rule's condition on the target alone (or on the drive) is false at every
+/// one: no pair with this target can match, and all these rows are decided. `None` when a pair can match.
 pub(super) fn hopeless<'a>(rule: &'a Rule, alone: Roles<'a>, evaluator: &mut Evaluator<'a>) -> Option<usize> {
     let mut parts = Vec::new();
     conjuncts(&rule.program, rule.when, &mut parts);

@@ -9,12 +9,12 @@ use crate::rule::{PartPlace, Rule};
 use serde_json::Value;
 use whyroad_model::{Bilingual, FrameRange, Nanos, ScenarioId, SignalTable, TrackId, Tri};
 
-/// A class, and what is missing for it.
+/// A class, and its unmet conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NearClass {
     /// The class.
     pub scenario: ScenarioId,
-    /// How far its rule came.
+    /// How far its rule was met.
     pub outcome: Outcome,
     /// Conditions that hold at the moment.
     pub held: usize,
@@ -24,7 +24,8 @@ pub struct NearClass {
     pub target: Option<TrackId>,
     /// Frame of the drive.
     pub frame: usize,
-    /// What does not hold, or is not known, of what must hold together and of what was reached at the keyframe.
+    /// Conditions that do not hold or are unknown, among those that must hold together and those reached at the
+    /// keyframe.
     pub unmet: Vec<UnmetCondition>,
     /// Share of the conditions that hold, each by how rarely it does.
     nearness: f64,
@@ -34,21 +35,20 @@ pub struct NearClass {
 /// A condition that does not hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnmetCondition {
-    /// As written, names replaced by what they stand for.
+    /// As written, names replaced by their definitions.
     pub text: String,
     /// In words.
     pub words: Bilingual,
-    /// What it measures, in `unit`; null where nothing is measured, or it is not known.
+    /// The measured value, in `unit`; null where nothing is measured, or it is unknown.
     pub actual: Value,
-    /// The same in words, with its unit.
+    /// The same as text, with its unit.
     pub actual_words: Option<Bilingual>,
     /// Symbol of the unit.
     pub unit: &'static str,
 }
 
 /// The classes of `rules` by the share of their conditions that hold in `range`, most first, then by how nearly the
-/// rest is met; at most `limit`. Classes that no object could be the target of, or that cannot be decided, are left
-/// out.
+/// rest is met; at most `limit`. Classes without a possible target, or that cannot be decided, are left out.
 pub fn nearest(rules: &[Rule], table: &SignalTable, range: FrameRange, limit: usize) -> Vec<NearClass> {
     let mut all: Vec<NearClass> = rules.iter().filter_map(|rule| one(rule, table, range)).collect();
     all.sort_by(|a, b| {
@@ -91,7 +91,7 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         }
         let lacking = lacking(rule, part.condition, row, &mut evaluator, &mut pass);
         let of_part = |id: &NodeId| part.atoms.iter().find(|a| a.condition == *id);
-        // Of a condition that is made of others, those that fail; the whole of it where these have no words.
+        // The failing parts of a composite condition; the whole condition where these have no text.
         let failing = lacking.iter().map(of_part).collect::<Option<Vec<&Atom>>>();
         if let Some(failing) = failing.filter(|_| lacking != [part.condition]) {
             for atom in failing {
@@ -139,9 +139,9 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
     })
 }
 
-/// What keeps a condition from holding at `row`: the members of a conjunction that do not hold, also of one that must
-/// last; of a disjunction those of the alternative that lacks fewest. Where alternatives lack equally many, it is the
-/// disjunction itself, and else the condition itself.
+/// The parts because of which a condition fails at `row`: the failing members of a conjunction, also of one with a
+/// duration; for a disjunction, those of the alternative with the fewest. If alternatives have equally many, the
+/// disjunction itself; otherwise the condition itself.
 fn lacking<'a>(
     rule: &'a Rule,
     id: NodeId,
@@ -154,7 +154,7 @@ fn lacking<'a>(
     }
     match &rule.program.node(id).op {
         Op::And(all) => all.iter().flat_map(|of| lacking(rule, *of, row, evaluator, pass)).collect(),
-        // What holds at the moment, but not long enough, is the condition itself.
+        // If it holds at the moment, but not long enough, the condition itself.
         Op::For(of, _) | Op::Bridge(of, _) => match lacking(rule, *of, row, evaluator, pass) {
             none if none.is_empty() => vec![id],
             some => some,
@@ -171,7 +171,7 @@ fn lacking<'a>(
     }
 }
 
-/// What a condition says where it holds, in bits: nothing where it holds in every row, most where it never does (its
+/// Information of a condition that holds, in bits: zero where it holds in every row, largest where it never does (its
 /// share by the rule of succession).
 fn rarity(condition: &Series) -> f64 {
     let Series::Truths(truths) = condition else { return 0.0 };
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!((found[0].held, found[0].conditions, found[0].frame), (2, 3, 9));
         assert_eq!(found[0].unmet[0].text, "ego.speed > 10m/s");
         assert_eq!(found[0].unmet[0].actual, serde_json::json!(9.0));
-        // What always holds brings nothing nearer: of three conditions that hold two are always met.
+        // A condition that always holds has no weight: two of the three conditions that hold are always met.
         let rules = [
             rule("a.b.always", "ego.accel > -1 m/s2 and ego.accel < 1 m/s2 and ego.speed > 30 m/s"),
             rule("a.b.rare", "ego.speed > 7 m/s and ego.accel > 1 m/s2"),
@@ -226,7 +226,7 @@ mod tests {
         for (name, value) in [("ego.speed", 7.0), ("ego.accel", 0.0), ("ego.yaw_rate", 0.1)] {
             table.frame_columns.insert(name.into(), Column::Number(vec![value; 10]));
         }
-        // The columns are constant: what holds at one frame holds at all, and is told by hand.
+        // The columns are constant: so truth is the same at all frames and known by hand.
         let unmet = |text: &str| -> Vec<String> {
             let found = nearest(&[rule("a.b.c", text)], &table, FrameRange::new(0, 10), 1);
             found[0].unmet.iter().map(|u| u.text.clone()).collect()

@@ -1,5 +1,5 @@
-//! A bit per row, 64 rows per word, the first row in the lowest bit. What boolean conditions are made of in the fast
-//! evaluator: `and`, `or`, `not` of 64 rows are one instruction. Bits beyond the last row are always 0.
+//! A bit per row, 64 rows per word, the first row in the lowest bit. The representation of boolean conditions in the
+//! fast evaluator: `and`, `or`, `not` of 64 rows are one instruction. Bits beyond the last row are always 0.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ impl Bits {
         Self::of_words(vec![u64::MAX; len.div_ceil(64)], len)
     }
 
-    /// From words; what lies beyond `len` is cleared.
+    /// From words; bits beyond `len` are cleared.
     pub fn of_words(mut words: Vec<u64>, len: usize) -> Self {
         debug_assert_eq!(words.len(), len.div_ceil(64));
         if let (Some(last), used @ 1..) = (words.last_mut(), len % 64) {
@@ -35,7 +35,7 @@ impl Bits {
         Self { words, len }
     }
 
-    /// A bit an item.
+    /// One bit per item.
     pub fn collect(len: usize, mut bit: impl FnMut(usize) -> bool) -> Self {
         let mut words = Vec::with_capacity(len.div_ceil(64));
         for start in (0..len).step_by(64) {

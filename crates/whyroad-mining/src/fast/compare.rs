@@ -3,7 +3,7 @@
 use super::bits::Bits;
 use crate::language::syntax::CompareOp;
 
-/// What a comparison says for all values of a range, where it says the same for all.
+/// The result of a comparison for all values of a range, where it is the same for all.
 pub(super) fn settled(op: CompareOp, (least, greatest): (f64, f64), bound: f64) -> Option<bool> {
     if least > greatest {
         return Some(false);
@@ -55,7 +55,7 @@ pub(super) fn holds(op: CompareOp, a: f64, b: f64) -> bool {
 
 /// Up to 64 rows to a word.
 pub(super) fn compare_word(op: CompareOp, rows: &[f64], b: f64) -> u64 {
-    // One loop per operator: no row has to look at it again.
+    // One loop per operator: so that rows need no check of it.
     match op {
         CompareOp::Less => pack(rows, |a| a < b),
         CompareOp::LessOrEqual => pack(rows, |a| a <= b),
@@ -82,7 +82,7 @@ pub(super) fn compare_columns(op: CompareOp, a: &[f64], b: &[f64]) -> Bits {
     Bits::of_words(words.collect(), a.len())
 }
 
-/// A bit an item.
+/// One bit per item.
 pub fn pack_all<T: Copy>(items: &[T], f: impl Fn(T) -> bool + Copy) -> Bits {
     Bits::of_words(items.chunks(64).map(|w| pack(w, f)).collect(), items.len())
 }
@@ -110,7 +110,7 @@ pub(super) fn both_known(a: &[f64], b: &[f64]) -> Bits {
 }
 
 /// Rows where the numbers differ by no more than their noise, the standard deviation of the difference; where that is
-/// not known, none (`crate::deviation::stated`).
+/// unknown, none (`crate::deviation::stated`).
 pub(super) fn within_noise(a: &[f64], b: &[f64], noise: &[f64]) -> Bits {
     let words = a.chunks(64).zip(b.chunks(64)).zip(noise.chunks(64)).map(|((a, b), noise)| {
         let mut flags = [0u8; 64];

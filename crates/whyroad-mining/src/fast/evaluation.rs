@@ -62,15 +62,15 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Turns to another episode, or to none: values that depend on it are forgotten.
+    /// Switches to another episode, or to none: values that depend on it are forgotten.
     pub fn set_episode(&self, episode: Option<Moments>) {
         self.episode.set(episode);
         self.of_episode.borrow_mut().clear();
         self.margins.borrow_mut().retain(|(id, _), _| !self.plan.node(*id).needs_episode);
     }
 
-    /// Where a node has its own rows, seen from a row set, and the node that stands for it there. `None` where
-    /// nobody has the role that it speaks of.
+    /// Where a node has its own rows, seen from a row set, and the node that stands for it there. `None` where the role
+    /// that it refers to is not taken.
     pub(super) fn home(&self, id: NodeId, row_set: RowSet) -> Option<(NodeId, RowSet)> {
         let node = self.plan.node(id);
         match (node.scope, row_set) {
@@ -259,7 +259,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// What has fewer rows comes first: often it settles the whole, and the rest is never computed.
+    /// Operands with fewer rows come first: often they decide the result, and the rest is never computed.
     fn in_order<'n>(&self, all: &'n [NodeId]) -> impl Iterator<Item = &'n NodeId> {
         let mut all: Vec<&NodeId> = all.iter().collect();
         all.sort_by_key(|id| self.plan.node(**id).scope);
@@ -293,7 +293,7 @@ impl<'a> Evaluation<'a> {
         out
     }
 
-    /// At least `count` of the objects that are seen at a frame meet the condition: a counter a row.
+    /// At least `count` of the objects that are observed at a frame meet the condition: one counter per row.
     fn at_least(&self, of: NodeId, count: usize, subject: Subject) -> Truth {
         let n = self.layout.rows.len();
         if !self.counts_can_be_told(of) {
@@ -312,14 +312,14 @@ impl<'a> Evaluation<'a> {
         let enough = |counters: &[u32], hole: bool| {
             Bits::collect(n, |i| match self.layout.rows[i].frame {
                 Some(_) => counters[i] as usize >= count,
-                // In a gap nothing is seen, and nothing known.
+                // In a gap nothing is observed, so nothing is known.
                 None => hole,
             })
         };
         Truth::bounded(enough(&sure, false), &enough(&possible, true))
     }
 
-    /// False where a signal of the condition is lacking: not even the absence of objects is known.
+    /// False where a signal of the condition is missing: then even the absence of objects is unknown.
     pub(super) fn counts_can_be_told(&self, of: NodeId) -> bool {
         let mut todo = vec![of];
         while let Some(id) = todo.pop() {

@@ -1,5 +1,5 @@
-//! Row sets: which rows a value has: those of the drive, of all objects one after another, of one object, of a pair.
-//! A *segment* is an unbroken stretch of the drive's rows; operators over time never look out of theirs.
+//! Row sets: the rows of a value: those of the drive, of all objects one after another, of one object, of a pair.
+//! A *segment* is an unbroken stretch of the drive's rows; operators over time never look beyond it.
 
 use crate::interpret::{Row, Timeline};
 use crate::language::program::PairSide;
@@ -18,8 +18,8 @@ pub enum RowSet {
     Objects,
     /// The rows of the object with this index.
     Object(usize),
-    /// The rows in which both the target and the other object are; where the drive has a table of pairs, from the first
-    /// to the last frame in which they are near.
+    /// The rows in which both the target and the other object exist; where the drive has a table of pairs, from the
+    /// first to the last frame in which they are near.
     Pair(usize, usize),
     /// The rows of all pairs of the drive's table of pairs, one after another, as one long column.
     Pairs,
@@ -73,7 +73,7 @@ pub struct RowLayout {
     gaps: bool,
     /// True when the long column is the table's own: no gap rows in it, objects in the order of their rows.
     dense: bool,
-    /// Objects in the order in which they come into sight.
+    /// Objects in the order in which they are first observed.
     by_start: Vec<usize>,
     longest: usize,
     /// The pairs of the drive's table, in its order; `None` where it has none.
@@ -158,7 +158,7 @@ impl RowLayout {
         self.pairs.as_ref()?.binary_search_by_key(&(first, second), |p| (p.first, p.second)).ok()
     }
 
-    /// The stretches of which a column there is made.
+    /// The stretches that form a column there.
     pub fn segments(&self, row_set: RowSet) -> Cow<'_, [Segment]> {
         match row_set {
             RowSet::Drive => Cow::Borrowed(std::slice::from_ref(&self.drive)),
@@ -195,7 +195,7 @@ impl RowLayout {
         }
     }
 
-    /// Objects that are seen while this one is, itself among them, in the order of the targets.
+    /// Objects that are observed while this one is, itself included, in the order of the targets.
     ///
     /// Where the drive has a table of pairs: those that come near it.
     pub fn seen_with(&self, object: usize) -> Vec<usize> {
@@ -220,7 +220,7 @@ impl RowLayout {
         (row < segment.len).then_some(row)
     }
 
-    /// The values of a signal of the drive there: as they are, or with `hole` in each gap.
+    /// The values of a signal of the drive there: unchanged, or with `hole` in each gap.
     pub fn of_frames<'v, T: Copy>(&self, values: &'v [T], hole: T) -> Cow<'v, [T]> {
         if !self.gaps {
             return Cow::Borrowed(values);
@@ -230,7 +230,7 @@ impl RowLayout {
         )
     }
 
-    /// The values of a signal of the objects there: as they are, or with `hole` in each gap.
+    /// The values of a signal of the objects there: unchanged, or with `hole` in each gap.
     pub fn of_objects<'v, T: Copy>(&self, values: &'v [T], row_set: RowSet, hole: T) -> Cow<'v, [T]> {
         match row_set {
             RowSet::Objects if self.dense && values.len() == self.object_rows => Cow::Borrowed(values),
@@ -274,8 +274,8 @@ impl RowLayout {
         self.rows[segment.row..segment.row + segment.len].iter().filter(|r| r.frame.is_some()).count()
     }
 
-    /// The rows of a stored column of `len` values that are the rows of a row set, where they are some of them just
-    /// as they are.
+    /// The rows of a stored column of `len` values that are the rows of a row set, where they are a subset without
+    /// changes.
     pub fn stored_rows(&self, row_set: RowSet, of_target: bool, len: usize) -> Option<Range<usize>> {
         let rows = match row_set {
             _ if self.gaps => return None,

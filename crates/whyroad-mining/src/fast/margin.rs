@@ -1,6 +1,6 @@
-//! Margins, only where they are asked for: on the rows of an episode, and on those around them that an operator
-//! over time looks at. The definitions are those of `crate::interpret`; what differs is which rows are computed,
-//! and that a moving window keeps its extreme instead of looking for it.
+//! Margins, only where they are needed: on the rows of an episode, and on those around them that an operator over time
+//! uses. The definitions are those of `crate::interpret`; what differs is which rows are computed, and that a moving
+//! window keeps its extreme instead of searching for it.
 
 use super::evaluation::Evaluation;
 use super::layout::RowSet;
@@ -89,7 +89,7 @@ impl Evaluation<'_> {
         out
     }
 
-    /// Before they are brought to agree with the truth.
+    /// Before they are adjusted to agree with the truth.
     fn raw_margins(
         &self,
         op: &Op,
@@ -162,7 +162,7 @@ impl Evaluation<'_> {
         }
         let first =
             (0..rows.start).rev().take_while(|&s| !enough(s, rows.start)).last().unwrap_or(rows.start);
-        // Windows by where they begin; from some row on, what is left is too short for one.
+        // Windows by where they begin; from some row on, the rest is too short for one.
         let mut ends = Vec::with_capacity(rows.end - first);
         let mut end = first;
         for start in first..rows.end {
@@ -222,7 +222,7 @@ impl Evaluation<'_> {
         each.collect()
     }
 
-    /// The margin of the object that is last needed to make up the number.
+    /// The margin of the object that is needed last to reach the number.
     fn of_count(&self, of: NodeId, count: usize, subject: Subject, rows: Range<usize>) -> Vec<f64> {
         let mut cells: Vec<Vec<f64>> = vec![Vec::new(); rows.len()];
         for (i, object) in self.layout.objects.iter().enumerate() {
@@ -263,7 +263,7 @@ impl Evaluation<'_> {
         out
     }
 
-    /// Looks back, ever farther, until what was before no longer matters: nearly always not far.
+    /// Looks back, ever farther, until earlier rows no longer matter, which is nearly always soon.
     fn of_since(&self, id: NodeId, of: (NodeId, NodeId), row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
         let (truth, by) = self.seen(id, row_set).unwrap_or_else(|| (Truth::unknown(rows.end), 0));
         let (mut parts, mut from, mut stride) =
@@ -280,7 +280,7 @@ impl Evaluation<'_> {
         }
     }
 
-    /// As [`Self::of_since`], the other way in time.
+    /// As [`Self::of_since`], in the other direction of time.
     fn of_until(&self, id: NodeId, of: (NodeId, NodeId), row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
         let n = self.layout.len(row_set);
         let (truth, by) = self.seen(id, row_set).unwrap_or_else(|| (Truth::unknown(n), 0));
@@ -308,7 +308,7 @@ impl Evaluation<'_> {
     }
 }
 
-/// How far `since` and `until` look on at first for a row that settles them.
+/// How far `since` and `until` first look ahead for a row that decides them.
 const STRIDE: usize = 32;
 
 /// The operands of `since` or `until` in one row.
@@ -317,7 +317,7 @@ struct Cell {
     b: (Tri, f64),
 }
 
-/// The margins along these cells where the `wanted`th does not depend on what came before the first, of which the truth
+/// The margins along these cells where the `wanted`th does not depend on the rows before the first, of which the truth
 /// is `before`: a margin is a growing function of the one before it, so it is the same for all if it is the same for
 /// the least and the greatest that there could have been. An unknown one has no margin at all.
 fn settles<'c, C: Iterator<Item = &'c Cell>>(

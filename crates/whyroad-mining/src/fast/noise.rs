@@ -1,5 +1,5 @@
 //! Standard deviations of the numbers of a program (`crate::deviation` defines them) on the rows of a row set. Only
-//! drives with noisy measurements have any; all others never come here.
+//! drives with noisy measurements have any; all others never use this module.
 
 use super::evaluation::Evaluation;
 use super::layout::RowSet;
@@ -111,7 +111,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Standard deviations of a number that is that of some row, such as an extreme.
+    /// Standard deviations of a number taken from some row, such as an extreme.
     fn noise_of_moment(&self, id: NodeId, row_set: RowSet) -> Option<Vec<f64>> {
         let (own, home) = self.home(id, row_set)?;
         let segments = self.layout.segments(home);

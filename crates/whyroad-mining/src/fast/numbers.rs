@@ -1,7 +1,7 @@
-//! Numbers per row, and how they are compared. A store hands out the numbers of the known rows alone, one after
+//! Numbers per row, and how they are compared. A store returns the numbers of the known rows only, one after
 //! another: they are compared as they are, and only the resulting bits are spread over the rows; so are the
 //! numbers where an operator needs one per row. A column that is compared again first gets the range of each 64
-//! numbers (signals change slowly), so that most words are settled without looking at their numbers, however many
+//! numbers (signals change slowly), so that most words are decided without reading their numbers, however many
 //! rules ask.
 
 use super::bits::Bits;
@@ -16,12 +16,12 @@ use std::rc::Rc;
 /// A column of numbers.
 #[derive(Debug)]
 pub struct NumberColumn<'a> {
-    /// A number a row, NaN where it is unknown; or those of the known rows alone.
+    /// One number per row, NaN where it is unknown; or those of the known rows alone.
     stored: Cow<'a, [f64]>,
-    /// Which rows the stored numbers are of, unless of all.
+    /// The rows of the stored numbers, unless all.
     of_rows: Option<Rc<Bits>>,
     known: OnceCell<Rc<Bits>>,
-    /// A number a row, once somebody has asked for them.
+    /// One number per row, computed on first use.
     by_row: OnceCell<Vec<f64>>,
     /// How many numbers are stored before each 64 rows.
     before: OnceCell<Vec<usize>>,
@@ -30,7 +30,7 @@ pub struct NumberColumn<'a> {
     ranges: OnceCell<Vec<(f64, f64)>>,
 }
 
-/// A number a row.
+/// One number per row.
 #[derive(Clone, Debug)]
 pub enum Numbers<'a> {
     /// The same value in this number of rows.
@@ -40,7 +40,7 @@ pub enum Numbers<'a> {
 }
 
 impl<'a> NumberColumn<'a> {
-    /// A number a row; NaN is unknown.
+    /// One number per row; NaN is unknown.
     pub fn of_rows(values: impl Into<Cow<'a, [f64]>>) -> Self {
         Self {
             stored: values.into(),
@@ -57,7 +57,7 @@ impl<'a> NumberColumn<'a> {
     pub fn of_known(values: Vec<f64>, known: Bits) -> Self {
         debug_assert_eq!(values.len(), known.count());
         let known = Rc::new(known);
-        // As many numbers as rows: a number a row.
+        // As many numbers as rows: one number per row.
         let of_rows = (values.len() < known.len()).then(|| known.clone());
         Self { of_rows, known: known.into(), ..Self::of_rows(values) }
     }
@@ -77,7 +77,7 @@ impl<'a> NumberColumn<'a> {
         self.known.get_or_init(|| Rc::new(pack_all(&self.stored, |x| !x.is_nan())))
     }
 
-    /// A number a row; NaN where it is unknown.
+    /// One number per row; NaN where it is unknown.
     pub fn values(&self) -> &[f64] {
         let Some(rows) = &self.of_rows else { return &self.stored };
         self.by_row.get_or_init(|| {
@@ -120,7 +120,7 @@ impl<'a> NumberColumn<'a> {
     }
 
     fn compare(&self, op: CompareOp, bound: f64) -> Bits {
-        // What is asked once is not worth the ranges.
+        // For a single use, ranges do not pay off.
         let yes = if self.compared.replace(true) {
             let ranges = self.ranges.get_or_init(|| self.stored.chunks(64).map(range).collect());
             let each =
@@ -214,7 +214,7 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    /// The numbers as a slice, where few are wanted of a long column.
+    /// The numbers as a slice, where few of a long column are needed.
     pub fn cut(&self) -> Cow<'_, [f64]> {
         match self {
             Self::Same(..) => self.values(),
@@ -299,7 +299,7 @@ mod tests {
             bound in number(),
             from in 0usize..200,
         ) {
-            // Stretches of equal values, so that whole words are settled by their range.
+            // Stretches of equal values, so that whole words are decided by their range.
             let n = rows.len();
             let long: Vec<f64> = level.iter().flat_map(|l| std::iter::repeat_n(f64::from(*l), 70)).collect();
             let (a, b): (Vec<f64>, Vec<f64>) = rows.into_iter().unzip();
@@ -314,7 +314,7 @@ mod tests {
                         prop_assert_eq!(m.at(i), expected(op, bound, *x));
                     }
                 }
-                // As a store hands them out: those of the known rows alone. Twice, once without ranges and once with.
+                // As a store returns them: those of the known rows only. Twice, once without ranges and once with.
                 let known = Bits::collect(n, |i| !a[i].is_nan());
                 let stored = a.iter().copied().filter(|x| !x.is_nan()).collect();
                 let dense = Numbers::all(Rc::new(NumberColumn::of_known(stored, known)));

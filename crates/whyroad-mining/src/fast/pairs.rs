@@ -1,5 +1,4 @@
-//! Pairs of near objects: their signals and what is counted among those near an object, for all pairs of the drive at
-//! once.
+//! Pairs of near objects: their signals and counts of those near an object, for all pairs of the drive at once.
 
 use super::bits::Bits;
 use super::evaluation::Evaluation;
@@ -15,7 +14,7 @@ use whyroad_model::Tri;
 use whyroad_model::signal::is_of_object;
 
 impl<'a> Evaluation<'a> {
-    /// A signal of pairs; of one pair as a part of that of all.
+    /// A signal of pairs; for one pair, a part of the signal of all pairs.
     pub(super) fn pair_signal(
         &self,
         id: NodeId,
@@ -140,7 +139,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// False where a signal of the condition is lacking: not even that nobody is near is known.
+    /// False where a signal of the condition is missing: then it is even unknown whether nobody is near.
     fn pairs_can_be_told(&self, of: NodeId) -> bool {
         let mut todo = vec![of];
         while let Some(id) = todo.pop() {
@@ -159,8 +158,7 @@ impl<'a> Evaluation<'a> {
         self.signals.pairs.is_some()
     }
 
-    /// Margins of such a count on these rows of the object: that of the object that is last needed to make up the
-    /// number.
+    /// Margins of such a count on these rows of the object: that of the object that is needed last to reach the number.
     pub(super) fn of_near_count(
         &self,
         of: NodeId,

@@ -1,4 +1,4 @@
-//! All rules as one program: what several rules ask is one node, and is evaluated once per drive.
+//! All rules as one program: a condition shared by several rules is one node, evaluated once per drive.
 
 use crate::language::program::{Moment, NodeId, Op, ValueScope};
 use crate::rule::{Rule, RuleSet};
@@ -24,23 +24,23 @@ pub struct PlanRule<'r> {
     pub rule: &'r Rule,
     /// Node of the plan for each node of the rule's program.
     nodes: Vec<NodeId>,
-    /// What `when` asks of the target alone, or of the drive, as parts that must all hold: for rules that bind two
-    /// objects, whose pairs are many.
+    /// The conditions of `when` on the target alone, or on the drive, as parts that must all hold: for rules that bind
+    /// two objects, which have many pairs.
     pub alone: Vec<NodeId>,
-    /// What it asks of the second object alone, as the same about a target.
+    /// Its conditions on the second object alone, expressed for a target.
     pub alone_second: Vec<NodeId>,
-    /// Signals for lack of which it cannot be said that there is nothing.
+    /// Signals without which the absence of a match is unknown.
     pub needs: BTreeSet<String>,
-    /// Signals on which it depends whether there is a match, sorted.
+    /// Signals that decide whether there is a match, sorted.
     pub signals: BTreeSet<String>,
     /// Signals that `when` reads.
     pub when_signals: BTreeSet<String>,
-    /// Signals that are read only once there is a match.
+    /// Signals that are read only after a match.
     pub later_signals: BTreeSet<String>,
 }
 
 impl PlanRule<'_> {
-    /// Every signal of which the rule speaks; some more than once.
+    /// Every signal that the rule uses; some more than once.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         let sets = [&self.needs, &self.signals, &self.when_signals, &self.later_signals];
         sets.into_iter().flatten().map(String::as_str)
@@ -140,7 +140,7 @@ fn nodes_at(nodes: &[NodeId], id: NodeId) -> NodeId {
     nodes[id.0]
 }
 
-/// What is looked at only once there is a match.
+/// Nodes that are evaluated only after a match.
 fn later_nodes(rule: &Rule) -> Vec<NodeId> {
     let timing = &rule.timing;
     let moments = timing.keyframe.iter().map(|(m, _)| m).chain(&timing.start).chain(&timing.end);

@@ -1,4 +1,4 @@
-//! Where the rules of a plan hold on one drive: runs of true in packed columns, and what becomes of each.
+//! Where the rules of a plan hold on one drive: runs of true in packed columns, and the result of each.
 
 mod build;
 
@@ -23,7 +23,7 @@ struct Matches {
     rows: Vec<(usize, usize)>,
 }
 
-/// What is known of one rule before episodes are built.
+/// State of one rule before episodes are built.
 struct Candidates {
     /// Index of the rule in the plan.
     rule: usize,
@@ -33,14 +33,14 @@ struct Candidates {
     whole: bool,
 }
 
-/// How far the rule's condition was known.
+/// How much of the rule's condition was known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Decided {
     /// It had rows.
     asked: bool,
     /// In one of them it was known.
     known: bool,
-    /// In a frame that the log has, it was not known; looked at only where the drive lacks a signal.
+    /// In a frame that the log has, it was not known; checked only where the drive lacks a signal.
     open: bool,
     /// The condition matched somewhere.
     matched: bool,
@@ -69,7 +69,7 @@ impl<'a> Search<'a> {
         later.filter(|s| signals.present.contains_key(*s) && !signals.holds(s)).cloned().collect()
     }
 
-    /// What came of each rule, in the order in which they were given.
+    /// The results of each rule, in the given order.
     pub fn found(&self) -> Vec<Found> {
         self.candidates.iter().map(|c| self.found_of(c)).collect()
     }
@@ -91,7 +91,7 @@ impl<'a> Search<'a> {
 }
 
 /// Signals that the drive does not have, when the rule needs any and its condition is not known to be false in every
-/// row without them; where it has them all and yet not one row could be decided, those that are never known.
+/// row without them; where it has them all but no row could be decided, those that are never known.
 fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTreeSet<String> {
     let of = |wanted: Option<bool>| -> BTreeSet<String> {
         rule.needs.iter().filter(|s| signals.present.get(*s).copied() == wanted).cloned().collect()
@@ -107,7 +107,7 @@ fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTre
 fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let of = &evaluation.plan.rules[rule];
     let when = of.node(of.rule.when);
-    // Without a signal that the rule needs, only rows that are all known tell that there is nothing.
+    // Without a signal that the rule needs, the absence of a match is known only if all rows are known.
     let whole = of.needs.iter().all(|s| evaluation.signals.present.contains_key(s));
     let mut out = Candidates { rule, matches: Vec::new(), decided: Decided::default(), whole };
     let Some(subject) = of.rule.subject else {
@@ -138,7 +138,7 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let truth = evaluation.truth(when, RowSet::Objects);
     let nowhere = truth.yes.none();
     for (i, object) in evaluation.layout.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
-        // Once it is known that something is known, rows without a match have nothing more to say.
+        // Once some row is known, rows without a match give no further information.
         if nowhere && out.decided.known && (whole || out.decided.open) {
             break;
         }
@@ -194,8 +194,8 @@ impl Candidates {
     }
 }
 
-/// A rule that binds two objects, and where what it asks of each alone is possible. All pairs of a crowded drive are
-/// many, and nearly all fail for one of the two.
+/// A rule that binds two objects, and the rows where its conditions on each alone are possible. A crowded drive has
+/// many pairs, and nearly all fail for one of the two.
 struct Pairs<'p, 'a> {
     evaluation: &'p Evaluation<'a>,
     of: &'p PlanRule<'p>,
@@ -204,7 +204,7 @@ struct Pairs<'p, 'a> {
 }
 
 impl Pairs<'_, '_> {
-    /// True when in every row of the pair one of the two is known not to do.
+    /// True when in every row of the pair one of the two is known not to qualify.
     fn hopeless(&self, target: usize, second: usize, rows: Segment) -> bool {
         let of_object = |bits: &Bits, i: usize| {
             let object = self.evaluation.layout.objects[i];
@@ -235,7 +235,7 @@ fn matches(rule: &Rule, truth: &Truth, stretch: Range<usize>, rows: &[Row]) -> V
     out
 }
 
-/// What comes of each rule of the plan on the signals of one drive, all of which are at hand.
+/// The results of each rule of the plan on the signals of one drive, all of which are available.
 pub fn find_all<'a>(plan: &'a Plan<'a>, signals: &'a Signals<'a>) -> Vec<Found> {
     Search::new(plan, signals, 0..plan.rules.len()).found()
 }

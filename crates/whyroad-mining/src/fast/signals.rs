@@ -1,4 +1,4 @@
-//! What the fast evaluator reads: the columns of one drive, wherever they come from. Borrowed from a
+//! Input of the fast evaluator: the columns of one drive, from any source. Borrowed from a
 //! [`SignalTable`], or owned as a store decoded them.
 
 use super::layout::{RowLayout, RowSet};
@@ -29,7 +29,7 @@ pub enum SignalColumn<'a> {
     Words(Cow<'a, [u16]>, Arc<[String]>),
 }
 
-/// Categories a row.
+/// One category per row.
 #[derive(Clone, Debug)]
 pub struct Words<'a> {
     codes: Rc<Cow<'a, [u16]>>,
@@ -93,16 +93,16 @@ pub struct Signals<'a> {
     pub targets: Cow<'a, [TargetSpan]>,
     /// Every signal that the drive has, of frames and targets, and whether any of its values is known.
     pub present: BTreeMap<String, bool>,
-    /// Signals of pairs, where the rules ask for them.
+    /// Signals of pairs, where the rules use them.
     pub pairs: Option<&'a PairTable>,
     columns: Columns<'a>,
     more: OnceCell<Columns<'a>>,
-    /// True when a column of standard deviations is at hand.
+    /// True when a column of standard deviations is available.
     noisy: Cell<bool>,
 }
 
 impl<'a> Signals<'a> {
-    /// The columns that are asked for first; [`Signals::supply`] can bring others.
+    /// The columns that are needed first; [`Signals::supply`] can bring others.
     pub fn new(
         times: impl Into<Cow<'a, [Nanos]>>,
         targets: impl Into<Cow<'a, [TargetSpan]>>,
@@ -128,7 +128,7 @@ impl<'a> Signals<'a> {
         Self { pairs: table.pairs.as_ref(), ..signals }
     }
 
-    /// Columns that turned out to be needed as well. Only the first call brings anything.
+    /// Columns that turned out to be needed as well. Only the first call supplies them.
     pub fn supply(&self, columns: Columns<'a>) {
         self.noisy.set(self.noisy.get() || has_noise(&columns));
         let _ = self.more.set(columns);
@@ -139,7 +139,7 @@ impl<'a> Signals<'a> {
         self.noisy.get()
     }
 
-    /// True when the column is at hand.
+    /// True when the column is available.
     pub fn holds(&self, name: &str) -> bool {
         self.column(name).is_some()
     }
@@ -158,7 +158,7 @@ impl<'a> Signals<'a> {
         }
     }
 
-    /// The values of a signal of pairs on the rows of all pairs; `None` where the drive has it not.
+    /// The values of a signal of pairs on the rows of all pairs; `None` where the drive does not have it.
     pub fn of_pairs(&self, name: &str, side: PairSide, layout: &RowLayout) -> Option<NodeValue<'a>> {
         Some(match self.pairs?.columns.get(name)? {
             Column::Number(values) => {
@@ -171,7 +171,7 @@ impl<'a> Signals<'a> {
         })
     }
 
-    /// The values of a signal on a row set; `None` where the drive has it not.
+    /// The values of a signal on a row set; `None` where the drive does not have it.
     pub fn value(&'a self, name: &str, layout: &RowLayout, row_set: RowSet) -> Option<NodeValue<'a>> {
         let column = self.column(name)?;
         let of_target = is_of_object(name);
@@ -239,7 +239,7 @@ fn cut_packed(layout: &RowLayout, row_set: RowSet, of_target: bool, truth: &Trut
     if let Some(rows) = layout.stored_rows(row_set, of_target, truth.len()) {
         return truth.slice(rows);
     }
-    // Rows of gaps come in between: rare, and worth no code of its own.
+    // Rows of gaps come in between: rare, so there is no special code for it.
     let values: Vec<Tri> = (0..truth.len()).map(|i| truth.at(i)).collect();
     packed(&cut(layout, row_set, of_target, &values, Tri::Unknown))
 }

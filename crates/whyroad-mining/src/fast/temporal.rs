@@ -1,8 +1,8 @@
 //! The operators over time as operations on runs: the work is in the number of changes, not of rows times window.
 //! `crate::interpret::temporal` defines what each means; a property test keeps the two equal.
 //!
-//! All are monotone, so each is done twice with the same code: on what is surely true, and on what is possible
-//! (true or unknown), the outside of the recording included.
+//! All are monotone, so each is computed twice with the same code: on the rows that are certainly true, and on those
+//! that are possibly true (true or unknown), including the time outside the recording.
 
 use super::bits::Bits;
 use super::layout::Segment;
@@ -11,7 +11,7 @@ use crate::interpret::{CLOCK_TOLERANCE, Row, STEP};
 use std::ops::Range;
 use whyroad_model::Nanos;
 
-/// The rows of the drive, and the stretches of them of which a column is made.
+/// The rows of the drive, and the stretches of them that form a column.
 #[derive(Clone, Copy)]
 pub struct Stretches<'a> {
     /// Rows of the drive.
@@ -63,7 +63,7 @@ pub fn within(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
             let mut reach = 0;
             for run in from.runs(segment.range()) {
                 let first = rows[run.start - segment.start].time;
-                // The first row from which the run can be seen.
+                // The first row whose window reaches the run.
                 let guess = (run.start - segment.start).saturating_sub((d.0 / STEP.0) as usize);
                 reach = first_in_near(reach, rows.len(), guess, |i| horizon(&rows[i]) >= first);
                 into.set_range(segment.start + reach..run.end);
@@ -102,7 +102,7 @@ pub fn previously(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
                 for run in from.runs(segment.range()) {
                     let (first, last) = (run.start - segment.start, run.end - 1 - segment.start);
                     reach = reach.max(last + 1).min(n);
-                    // One past the last row that can look back to the run.
+                    // One past the last row whose past window reaches the run.
                     let guess = last + 1 + (d.0 / STEP.0) as usize;
                     reach = first_in_near(reach, n, guess, |i| !reaches(rows, i, last, d));
                     into.set_range(moved(first + 1..reach, segment.start));
@@ -132,8 +132,8 @@ pub fn previously(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
     Truth::bounded(sure_out, &possible_out)
 }
 
-/// The first index from `from` on that fulfills a condition that, once fulfilled, stays so; `to` where none does. Where
-/// a clock keeps its rate, it is the one that is guessed.
+/// The first index from `from` on that fulfills a condition that, once fulfilled, stays so; `to` where none does. With
+/// a constant clock rate, the guess is right.
 fn first_in_near(from: usize, to: usize, guess: usize, fulfilled: impl Fn(usize) -> bool) -> usize {
     let right = from < guess && guess < to && fulfilled(guess) && !fulfilled(guess - 1);
     if right { guess } else { from + first_in(from, to, fulfilled) }
@@ -177,7 +177,7 @@ pub fn before(c: &Truth, on: Stretches<'_>) -> Truth {
     Truth::new(yes, known)
 }
 
-/// `a since b`: from a row with b as long as a goes on. Before the first row everything is possible.
+/// `a since b`: from a row with b as long as a goes on. Before the first row every value is possible.
 pub fn since(a: &Truth, b: &Truth, on: Stretches<'_>) -> Truth {
     let along = |a: &Bits, b: &Bits, outside: bool| {
         let mut out = b.clone();
@@ -196,7 +196,7 @@ pub fn since(a: &Truth, b: &Truth, on: Stretches<'_>) -> Truth {
     Truth::bounded(along(&a.yes, &b.yes, false), &along(&a.possible(), &b.possible(), true))
 }
 
-/// `a until b`: as [`since`], the other way in time.
+/// `a until b`: as [`since`], in the other direction of time.
 pub fn until(a: &Truth, b: &Truth, on: Stretches<'_>) -> Truth {
     let along = |a: &Bits, b: &Bits, outside: bool| {
         let mut out = b.clone();

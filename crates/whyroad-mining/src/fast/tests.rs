@@ -71,7 +71,7 @@ fn same_values(rule: &Rule, table: &SignalTable) {
                             "{}",
                             what()
                         );
-                        // Any part alone is what it is in the whole.
+                        // Any part has the same value alone and in the whole.
                         for part in [0..rows, rows / 3..rows / 2, rows / 2..rows] {
                             let margins = fast.margins(of, *row_set, part.clone());
                             for (a, b) in margins.iter().zip(&t.margin[part.clone()]) {
@@ -151,7 +151,7 @@ fn the_time_range_holds_the_last_frame_before_a_gap() {
     }
 }
 
-/// docs/reference/rules.md: an answer is looked for from the start of the match to the end of the time range; here the
+/// docs/reference/rules.md: a response is searched from the start of the match to the end of the time range; here the
 /// range ends before the match begins.
 #[test]
 fn an_answer_that_was_looked_for_in_no_frame_is_unknown() {

@@ -20,7 +20,7 @@ pub(super) fn crossed(
     let known = both_known(a, b);
     let mut yes = compare_columns(op, a, b);
     yes.and_with(&known);
-    // Few rows are as near to the other side as their noise: these stay as the row before them is.
+    // Few rows are within noise of the other side: these keep the value of the previous row.
     let near = within_noise(a, b, noise);
     for segment in segments {
         let rows = segment.range();

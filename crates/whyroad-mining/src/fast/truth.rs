@@ -4,7 +4,7 @@ use super::bits::Bits;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// The truth of a condition on consecutive rows. What is `yes` is `known`.
+/// The truth of a condition on consecutive rows. A `yes` row is also `known`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Truth {
     /// Known to be true.
@@ -19,7 +19,7 @@ impl Truth {
         Self { yes: Rc::new(yes), known: Rc::new(known) }
     }
 
-    /// From what is sure and what is possible (true or unknown).
+    /// From the certain and the possible rows (true or unknown).
     pub fn bounded(sure: Bits, possible: &Bits) -> Self {
         let known = sure.map2(possible, |s, p| s | !p);
         Self::new(sure, known)

@@ -1,4 +1,4 @@
-//! Numbers over the past window: share of time, least, greatest. One pass over the rows, whatever the window.
+//! Numbers over the past window: share of time, least, greatest. One pass over the rows, for any window.
 
 use super::numbers::Numbers;
 use super::temporal::{Stretches, begins_inside, reaches};
@@ -30,7 +30,7 @@ pub fn past_share(c: &Truth, on: Stretches<'_>, d: Nanos) -> Numbers<'static> {
     Numbers::of(out)
 }
 
-/// Extreme of the past window, now included; `better` says which of two is kept. NaN where a part is unknown.
+/// Extreme of the past window, now included; `better` decides which of two is kept. NaN where a part is unknown.
 pub fn past_extreme(
     v: &Numbers<'_>,
     on: Stretches<'_>,

@@ -1,5 +1,5 @@
-//! What looks beyond the rows of its own pass: the parts of a pair, counts over all objects, and values taken
-//! from an episode (its keyframe, its match).
+//! Operations that look beyond the rows of their own pass: the parts of a pair, counts over all objects, and values
+//! taken from an episode (its keyframe, its match).
 
 use super::temporal::{Truths, past_extreme_rows};
 use super::{Evaluator, MARGIN_LIMIT, Moments, Pass, Roles, Series};
@@ -13,7 +13,7 @@ impl<'a> Evaluator<'a> {
     /// A node that depends on fewer roles than the pass has, over all its own rows, cut to those of the pass.
     pub(super) fn of_fewer_roles(&mut self, id: NodeId, pass: &Pass<'a>) -> Rc<Series> {
         let Some(roles) = self.own_roles(id, pass) else {
-            // The pass has nobody in the role: nothing is known.
+            // No object has the role in the pass: nothing is known.
             let n = self.rows(pass).len();
             return Rc::new(Series::Numbers(vec![f64::NAN; n]));
         };
@@ -23,8 +23,8 @@ impl<'a> Evaluator<'a> {
         Rc::new(whole.slice(from - own, to - own))
     }
 
-    /// Standard deviations of a number that is that of some row, such as an extreme: over the node's own rows, cut to
-    /// those of the pass.
+    /// Standard deviations of a number taken from some row, such as an extreme: over the node's own rows, cut to those
+    /// of the pass.
     pub(super) fn deviations_of_moment(&mut self, id: NodeId, pass: &mut Pass<'a>) -> Option<Vec<f64>> {
         let roles = self.own_roles(id, pass)?;
         let mut own = self.pass_of(roles);
@@ -52,7 +52,7 @@ impl<'a> Evaluator<'a> {
         Some(of_rows[from - begin..to - begin].to_vec())
     }
 
-    /// Those of the pass's roles that a node speaks of; `None` where the pass has nobody in one of them.
+    /// The roles of the pass that a node refers to; `None` where one of them is not taken.
     fn own_roles(&self, id: NodeId, pass: &Pass<'a>) -> Option<Roles<'a>> {
         let scope = self.program.node(id).scope;
         let roles = match scope {
@@ -66,7 +66,7 @@ impl<'a> Evaluator<'a> {
 
     /// A node over all rows of these roles; kept where it belongs to one object and to no episode.
     pub(super) fn over(&mut self, id: NodeId, roles: Roles<'a>, episode: Option<Moments>) -> Rc<Series> {
-        // What belongs to a pair is asked for once.
+        // Values of a pair are used once.
         let object = match roles {
             Roles { target: Some(_), second: Some(_) } => None,
             Roles { target, second } => target.or(second),
@@ -84,8 +84,8 @@ impl<'a> Evaluator<'a> {
         computed
     }
 
-    /// At least `count` of the objects that are seen at a frame meet the condition. Each object of which that is
-    /// not known may or may not: unknown where such objects decide. In a gap nothing is seen, and nothing known.
+    /// At least `count` of the objects that are seen at a frame meet the condition. An object with an unknown condition
+    /// may or may not meet it: unknown where such objects decide. In a gap nothing is observed, so nothing is known.
     pub(super) fn at_least(
         &mut self,
         of: NodeId,
@@ -96,7 +96,7 @@ impl<'a> Evaluator<'a> {
         let n = self.timeline.rows.len();
         let signals = self.program.signals(of);
         if signals.iter().filter(|s| is_of_object(s)).any(|s| !self.table.target_columns.contains_key(s)) {
-            // Not even the absence of objects is known.
+            // Even the absence of objects is unknown.
             return Truths::unknown(n);
         }
         let mut seen: Vec<Vec<(Tri, f64)>> = vec![Vec::new(); n];
@@ -172,13 +172,13 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// At least `count` of these, each with its truth and margin; unknown where those that are not known decide.
+/// At least `count` of these, each with its truth and margin; unknown where unknown ones decide.
 pub(super) fn enough(count: usize, cells: &[(Tri, f64)]) -> (Tri, f64) {
     let sure = cells.iter().filter(|(t, _)| *t == Tri::True).count();
     let possible = cells.iter().filter(|(t, _)| *t != Tri::False).count();
     let mut margins: Vec<f64> = cells.iter().map(|(_, m)| *m).filter(|m| !m.is_nan()).collect();
     margins.sort_by(|a, b| b.total_cmp(a));
-    // The object that is last needed to make up the number; with too few of them, none is near.
+    // The object that is needed last to reach the number; with too few objects, none is near.
     let deciding = match count.checked_sub(1) {
         None => MARGIN_LIMIT,
         Some(last) => margins.get(last).copied().unwrap_or(-MARGIN_LIMIT),

@@ -15,8 +15,8 @@ pub(crate) fn span<'t>(
     Some((pairs, &pairs.spans[pairs.find(index(first)?, index(second)?)?]))
 }
 
-/// Frames of a pair: those in which both are seen; where the drive has a table of pairs, from the first to the last in
-/// which they are near.
+/// Frames of a pair: those in which both are observed; where the drive has a table of pairs, from the first to the last
+/// in which they are near.
 pub(super) fn frames(table: &SignalTable, first: &TargetSpan, second: &TargetSpan) -> FrameRange {
     match (&table.pairs, span(table, first, second)) {
         (_, Some((_, span))) => span.frames,

@@ -35,7 +35,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// At least `count` of the objects that are near the pass's object at the frame meet the condition. Where the
-    /// object itself is not observed, nobody can say who is near it.
+    /// object itself is not observed, it is unknown which objects are near it.
     pub(super) fn at_least_near(
         &mut self,
         of: NodeId,

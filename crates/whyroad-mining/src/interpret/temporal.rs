@@ -1,5 +1,5 @@
 //! Operators over time, each by its definition in `docs/reference/rules.md`. One principle decides every edge case:
-//! *what was not recorded is unknown*. A drive that is cut off, a target that was not yet seen and a gap in
+//! *what was not recorded is unknown*. A drive that is cut off, a target that was not yet observed and a gap in
 //! the log can turn an answer into unknown, never into its opposite.
 
 mod chain;
@@ -10,8 +10,8 @@ use super::MARGIN_LIMIT;
 use super::timeline::{Row, STEP};
 use whyroad_model::{Nanos, Tri};
 
-/// Frame clocks jitter by some ms (an AV2 frame lasts 100.196 ms on average, a simulator's exactly 100): a
-/// time in a rule is met when it is missed by no more than this.
+/// Frame clocks jitter by some ms (an AV2 frame lasts 100.196 ms on average, a simulator's exactly 100): a time in a
+/// rule is met within this tolerance.
 pub const CLOCK_TOLERANCE: Nanos = Nanos(10_000_000);
 
 /// Truth and margin, one per row. The margin is NaN exactly where the truth is unknown, at least 0 where it is
@@ -75,7 +75,7 @@ impl Truths {
         self
     }
 
-    /// Margins brought to agree with the truth.
+    /// Margins adjusted to agree with the truth.
     fn settled(mut self) -> Self {
         for (t, m) in self.value.iter().zip(&mut self.margin) {
             *m = match t {
@@ -168,7 +168,7 @@ fn past(rows: &[Row], i: usize, d: Nanos) -> (usize, bool) {
     (start, start > 0 || rows[0].time - STEP + CLOCK_TOLERANCE < from)
 }
 
-/// Kleene disjunction over a window a row; unknown rather than false where the window is not complete.
+/// Kleene disjunction over one window per row; unknown rather than false where the window is not complete.
 fn window_any(c: &Truths, rows: &[Row], window: impl Fn(usize) -> (usize, usize, bool)) -> Truths {
     let n = rows.len();
     let mut out = Truths::unknown(n);

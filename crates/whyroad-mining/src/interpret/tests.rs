@@ -28,7 +28,7 @@ fn tenths(n: usize) -> Vec<f64> {
     (0..n).map(|i| i as f64 / 10.0).collect()
 }
 
-/// `1`, `0`, `?` a row.
+/// `1`, `0` or `?` per row.
 fn truths(text: &str, table: &SignalTable, target: Option<usize>) -> String {
     let mut checker = Checker::new(Catalog::bundled());
     let id = checker.condition(&parse::parse(text).unwrap()).unwrap();
@@ -38,7 +38,7 @@ fn truths(text: &str, table: &SignalTable, target: Option<usize>) -> String {
     text_of(text, &t)
 }
 
-/// `1`, `0`, `?` a row, after a look at the margins.
+/// `1`, `0` or `?` per row, after a check of the margins.
 fn text_of(text: &str, t: &Truths) -> String {
     for (v, m) in t.value.iter().zip(&t.margin) {
         let agrees = match v {
@@ -95,7 +95,7 @@ fn for_marks_the_whole_run() {
     let run = |n: usize| [vec![0.0; 3], vec![9.0; n], vec![0.0; 3]].concat();
     assert_eq!(of_speeds("ego.speed > 5 m/s for 0.5 s", &run(5)), "00011111000");
     assert_eq!(of_speeds("ego.speed > 5 m/s for 0.5 s", &run(4)), "0000000000");
-    // At the edges of the drive the run may have been longer than was seen.
+    // At the edges of the drive the run may have been longer than recorded.
     assert_eq!(of_speeds("ego.speed > 5 m/s for 0.5 s", &[9.0, 9.0, 0.0, 9.0]), "??0?");
     // An unknown frame may or may not have joined two runs.
     assert_eq!(of_speeds("ego.speed > 5 m/s for 0.5 s", &[0.0, 9.0, 9.0, N, 9.0, 9.0, 0.0]), "0?????0");

@@ -8,7 +8,7 @@ use whyroad_model::{FrameRange, Nanos};
 pub struct Row {
     /// When it begins.
     pub time: Nanos,
-    /// When the next one begins: a frame speaks for the time until then.
+    /// When the next one begins: a frame represents the time until then.
     pub end: Nanos,
     /// Frame of the drive; `None` in a gap, where nothing is known.
     pub frame: Option<usize>,

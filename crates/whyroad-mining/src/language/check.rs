@@ -1,5 +1,5 @@
-//! Syntax to program: names looked up, types and units checked, values converted. Everything that can be
-//! wrong with a rule is found here, when it is read; evaluation cannot fail.
+//! Syntax to program: names looked up, types and units checked, values converted. All errors of a rule are found here,
+//! when it is read; evaluation cannot fail.
 
 mod atoms;
 mod calls;
@@ -31,28 +31,28 @@ pub struct Checker<'a> {
     catalog: &'a Catalog,
     /// Named numbers of the rule.
     pub parameters: BTreeMap<String, Quantity>,
-    /// Named conditions or numbers of the rule, in terms of which others may be written.
+    /// Named conditions or numbers of the rule that others may use.
     pub(crate) definitions: BTreeMap<String, Definition>,
-    /// What people are shown of definitions.
+    /// Displayed texts of definitions.
     pub names: BTreeMap<String, Bilingual>,
-    /// Conditions that people are shown at length because nothing in them has a name, by the definition that could
+    /// Conditions that are displayed at length because nothing in them has a name, by the definition that could
     /// have one.
     pub(crate) lengthy: BTreeMap<String, Bilingual>,
-    /// Values of categories that have been compared with: they cannot be names of something else as well.
+    /// Values of categories that have been compared with: they cannot also be other names.
     values: BTreeSet<String>,
-    /// What has been built so far.
+    /// The nodes built so far.
     pub program: Program,
     /// Restriction of the target by prefixes such as `target_vehicle.`.
     pub subject: Option<Subject>,
     /// Names of the rule's roles.
     pub roles: RoleNames,
-    /// Whom `target.` means at present.
+    /// The current meaning of `target.`.
     meaning: Meaning,
     /// A definition is being read: it may be used inside `exists`, where there is a second object.
     defining: bool,
 }
 
-/// How a rule calls the objects that it binds. `target.` always names the first one.
+/// Names of the objects that a rule binds. `target.` always names the first one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RoleNames {
     /// Another name of the target, such as `lead`.
@@ -61,7 +61,7 @@ pub struct RoleNames {
     pub second: Option<String>,
 }
 
-/// What a name of the rule means.
+/// Meaning of a name of the rule.
 #[derive(Clone, Debug)]
 pub(crate) struct Definition {
     expr: Expr,
@@ -70,7 +70,7 @@ pub(crate) struct Definition {
     text: describe::DefinitionText,
 }
 
-/// Whom `target.` means.
+/// Meaning of `target.`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meaning {
     /// The object in the rule's first role.
@@ -144,7 +144,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A name where a time is needed that is not a parameter: either unknown, or of something else.
+    /// A name where a time is needed that is not a parameter: either unknown, or the name of something else.
     fn unknown_duration(&self, expr: &Expr) -> Result<Nanos, Fault> {
         if let ExprKind::Name(name) = &expr.kind
             && self.catalog.get(name).is_none()

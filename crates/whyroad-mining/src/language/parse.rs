@@ -4,7 +4,7 @@
 //! sequence    := held ("then" held "within" duration)*
 //!              | held ("since" | "until") held ["within" duration]
 //! held        := disjunction ("for" duration ["gaps" duration] | "within" duration)*
-//!                                                                -- speaks of everything to its left
+//!                                                                -- applies to everything to its left
 //! disjunction := conjunction ("or" conjunction)*
 //! conjunction := negation ("and" negation)*
 //! negation    := "not" negation | comparison
@@ -15,7 +15,7 @@
 //! primary     := number [unit] | name | name "(" sequence ("," sequence)* ")" | "(" sequence ")"
 //! ```
 //!
-//! `a for 1 s and b` is refused, not guessed at: it wants parentheses.
+//! `a for 1 s and b` is rejected, not guessed: it needs parentheses.
 
 use super::Fault;
 use super::check::nearest;
@@ -58,10 +58,10 @@ pub fn parse(text: &str) -> Result<Expr, Fault> {
 
 /// Parentheses in parentheses: the parser goes through all its levels for each.
 const MAX_DEPTH: usize = 64;
-/// Bounds the chains (`not not a`, `a + b + c`) that are built without parentheses.
+/// Limits the chains (`not not a`, `a + b + c`) that are built without parentheses.
 const MAX_TOKENS: usize = 2000;
 
-/// The fault for an expression that is beyond [`Extent::MOST`].
+/// The fault for an expression that exceeds [`Extent::MOST`].
 pub fn too_large(span: Span) -> Fault {
     let most = Extent::MOST;
     Fault::new(
@@ -162,7 +162,7 @@ impl Parser {
         Ok(left)
     }
 
-    /// `since` and `until` after what they speak of; two of them in a row can be read in two ways.
+    /// `since` and `until` after their operand; two of them in a row are ambiguous.
     fn lasting(&mut self, left: Expr) -> Result<Expr, Fault> {
         let make = if self.keyword("since") {
             ExprKind::Since

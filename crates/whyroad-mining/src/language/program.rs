@@ -13,7 +13,7 @@ use whyroad_model::{Bilingual, Nanos, ObjectClass};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub usize);
 
-/// Over which rows a node has a value.
+/// The rows for which a node has a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ValueScope {
     /// One value per frame of the drive.
@@ -22,12 +22,12 @@ pub enum ValueScope {
     Target,
     /// One value per frame of each object that can take the rule's second role.
     Second,
-    /// One value for each pair of a target and another object and frame in which both are seen.
+    /// One value for each pair of a target and another object and frame in which both are observed.
     Pair,
 }
 
 impl ValueScope {
-    /// The rows of what is made of parts with these rows.
+    /// The rows of a node whose operands have these rows.
     #[must_use]
     pub fn join(self, other: ValueScope) -> ValueScope {
         match (self, other) {
@@ -53,7 +53,7 @@ pub enum Subject {
     Class(ObjectClass),
 }
 
-/// From whose side a pair is seen.
+/// Viewpoint of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairSide {
     /// The object in the first role: `pair.`.
@@ -63,7 +63,7 @@ pub enum PairSide {
 }
 
 impl Subject {
-    /// The word for it in a rule file.
+    /// Its name in a rule file.
     pub fn from_word(word: &str) -> Option<Self> {
         match word {
             "any" => Some(Self::Any),
@@ -113,7 +113,7 @@ pub enum Op {
     PairSignal {
         /// Name.
         name: String,
-        /// From whose side it is seen.
+        /// Viewpoint.
         seen_from: PairSide,
     },
     /// `-a`.
@@ -140,7 +140,7 @@ pub enum Op {
         left: NodeId,
         /// Right side.
         right: NodeId,
-        /// Typical magnitude of what is compared, in its base unit.
+        /// Typical magnitude of the compared number, in its base unit.
         scale: f64,
     },
     /// Category in a set of names.
@@ -153,11 +153,11 @@ pub enum Op {
     And(Vec<NodeId>),
     /// Kleene disjunction.
     Or(Vec<NodeId>),
-    /// Belongs to a run of true that lasts at least so long.
+    /// Belongs to a run of true that lasts at least this time.
     For(NodeId, Nanos),
-    /// True now or at some frame until so much later.
+    /// True now or at some frame within this time after now.
     Within(NodeId, Nanos),
-    /// True at some earlier frame, not longer ago than so much where a time is given.
+    /// True at some earlier frame, at most this time ago where a time is given.
     Previously(NodeId, Option<Nanos>),
     /// `a since b`: b now or at some earlier frame, and a at every frame after that one, now included.
     /// A time limit is lowered to a conjunction: `(b or previously(b, d)) and (a since b)`.
@@ -165,9 +165,9 @@ pub enum Op {
     /// `a until b`: b now or at some later frame, and a at every frame before that one, now included.
     /// A time limit is lowered to `(b within d) and (a until b)`.
     Until(NodeId, NodeId),
-    /// True, and also where it is not but breaks off for no longer than so much between two frames at which it is.
+    /// True, and also in breaks of at most this time between two frames at which it is true.
     Bridge(NodeId, Nanos),
-    /// At least `count` objects that are seen at the frame meet a condition of [`ValueScope::Target`], in which the
+    /// At least `count` objects that are observed at the frame meet a condition of [`ValueScope::Target`], in which the
     /// target is each of them in turn. The value is of [`ValueScope::Frame`].
     AtLeast {
         /// The condition.
@@ -194,8 +194,8 @@ pub enum Op {
     AtKeyframe(NodeId),
     /// True at some frame of the episode's match, at every frame.
     InMatch(NodeId),
-    /// Least known value in the episode's match, at every frame: for telling a person, never part of a condition
-    /// (comparisons with it are lowered to [`Op::InMatch`], which answers unknown where a frame is not known).
+    /// Least known value in the episode's match, at every frame: for display, never part of a condition (comparisons
+    /// with it are lowered to [`Op::InMatch`], which answers unknown where a frame is not known).
     MatchLeast(NodeId),
     /// Greatest known value in the episode's match, at every frame; as [`Op::MatchLeast`].
     MatchGreatest(NodeId),
@@ -214,8 +214,8 @@ pub struct Node {
     pub needs_episode: bool,
 }
 
-/// A moment of the labeling spec. What "true" ranges over (the match, before or after the keyframe) is the
-/// business of who resolves it: see [`crate::episode::moment`].
+/// A moment of the labeling spec. The rows that "true" ranges over (the match, before or after the keyframe) depend on
+/// where it is resolved: see [`crate::episode::moment`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Moment {
     /// The keyframe.
@@ -243,7 +243,7 @@ pub enum Moment {
 }
 
 impl Moment {
-    /// The conditions and numbers that it looks at.
+    /// The conditions and numbers that it reads.
     pub fn conditions(&self) -> Vec<NodeId> {
         match self {
             Moment::Keyframe | Moment::MatchStart | Moment::MatchEnd => vec![],
@@ -260,7 +260,7 @@ impl Moment {
     }
 }
 
-/// What a condition measures, for telling a person: `target.ttc < 3s` and the value it had.
+/// The measured part of a condition, for display: `target.ttc < 3s` and its value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Atom {
     /// As written, parameters replaced by their values.
@@ -275,24 +275,24 @@ pub struct Atom {
     pub signals: BTreeSet<String>,
     /// Unit in which the measured number is shown.
     pub unit: &'static Unit,
-    /// What people are shown of the values of a measured category.
+    /// Displayed names of the values of a measured category.
     pub value_names: BTreeMap<String, Bilingual>,
 }
 
-/// That a condition holds, or does not.
+/// Text for a condition that holds, or does not.
 pub fn truth_in_words(holds: bool) -> Bilingual {
     if holds { Bilingual::new("成立", "holds") } else { Bilingual::new("不成立", "does not hold") }
 }
 
 impl Atom {
-    /// The condition as an episode lists it, with the value that it had.
+    /// The condition as an episode lists it, with its value.
     pub fn matched(&self, actual_value: Value) -> MatchedCondition {
         let actual_words = self.value_in_words(&actual_value);
         let (condition, description) = (self.text.clone(), Some(self.words.clone()));
         MatchedCondition { condition, actual_value, description, actual_words }
     }
 
-    /// A measured value in words; `None` where there is none.
+    /// A measured value as text; `None` where there is none.
     pub fn value_in_words(&self, value: &Value) -> Option<Bilingual> {
         match value {
             Value::Bool(holds) => Some(truth_in_words(*holds)),
@@ -376,8 +376,7 @@ impl Program {
         self.nodes.iter().filter_map(name).collect()
     }
 
-    /// Names of the signals below a node of which it is asked whether they are known (`x is known`): what it is to
-    /// mean without them is stated.
+    /// Names of the signals below a node in a test `x is known`: the rule itself states the result without them.
     pub fn asked_for(&self, root: NodeId) -> BTreeSet<String> {
         let mut out = BTreeSet::new();
         for id in self.reached(root) {
@@ -388,12 +387,12 @@ impl Program {
         out
     }
 
-    /// True when a comparison of numbers decides on the value of `root`.
+    /// True when a comparison of numbers affects the value of `root`.
     pub fn compares_numbers(&self, root: NodeId) -> bool {
         self.reached(root).into_iter().any(|id| matches!(self.node(id).op, Op::Compare { .. }))
     }
 
-    /// A node and all that it reads, each once.
+    /// A node and all nodes that it reads, each once.
     fn reached(&self, root: NodeId) -> BTreeSet<NodeId> {
         let mut out = BTreeSet::new();
         let mut todo = vec![root];
@@ -419,7 +418,7 @@ impl Op {
         }
     }
 
-    /// True for the operations that look at an episode's keyframe or match.
+    /// True for the operations that read an episode's keyframe or match.
     pub fn is_of_episode(&self) -> bool {
         matches!(self, Op::AtKeyframe(_) | Op::InMatch(_) | Op::MatchLeast(_) | Op::MatchGreatest(_))
     }

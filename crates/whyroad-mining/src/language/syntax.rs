@@ -1,4 +1,4 @@
-//! An expression as written: names not yet looked up, units not yet converted. Every part knows its place.
+//! An expression as written: names not yet looked up, units not yet converted. Every part has its position.
 
 use whyroad_model::units::Unit;
 
@@ -28,7 +28,7 @@ pub struct Expr {
     pub span: Span,
 }
 
-/// How large an expression is, its names expanded.
+/// Size of an expression, its names expanded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
     /// Number of expressions from the whole to its deepest part, each in the one before.
@@ -38,8 +38,8 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// More than any person writes is refused: what reads, prints and evaluates expressions goes into them by
-    /// recursion, and definitions that name each other twice double at every step.
+    /// Larger expressions are rejected: reading, printing and evaluating them is recursive, and definitions that name
+    /// each other twice double at every step.
     pub const MOST: Extent = Extent { height: 100, size: 20_000 };
 
     /// True when it is within [`Extent::MOST`].
@@ -49,7 +49,7 @@ impl Extent {
 }
 
 impl Expr {
-    /// How large this is; `named` says it of what a name means.
+    /// The size of this; `named` returns it for the meaning of a name.
     pub fn extent(&self, named: &dyn Fn(&str) -> Extent) -> Extent {
         let below = match &self.kind {
             ExprKind::Name(name) => named(name),
@@ -61,7 +61,7 @@ impl Expr {
         Extent { height: below.height + 1, size: below.size.saturating_add(1) }
     }
 
-    /// The expressions of which it is made.
+    /// Its direct parts.
     pub fn parts(&self) -> Vec<&Expr> {
         match &self.kind {
             ExprKind::Number(_) | ExprKind::Name(_) => vec![],
@@ -115,7 +115,7 @@ pub enum ExprKind {
     For(Box<Expr>, Box<Expr>),
     /// `c within 3 s`: now or later.
     Within(Box<Expr>, Box<Expr>),
-    /// `c gaps 0.3 s`, only as what a `for` speaks of: `c for 2 s gaps 0.3 s`.
+    /// `c gaps 0.3 s`, only as the operand of a `for`: `c for 2 s gaps 0.3 s`.
     Gaps(Box<Expr>, Box<Expr>),
     /// `a then b within 3 s`: b now, and a before it.
     Then(Box<Expr>, Box<Expr>, Box<Expr>),

@@ -51,7 +51,7 @@ fn what_is_counted_near_an_object_belongs_to_it() {
     assert_eq!(scope("exists(target.gap < 5 m)"), ValueScope::Frame);
     assert_eq!(scope("exists(pair.sector == right, bicycle)"), ValueScope::Target);
     assert_eq!(scope("count(other.stopped, vehicle) >= 3"), ValueScope::Target);
-    // What is nobody's own is the same inside and outside.
+    // A node without an own object is the same inside and outside.
     assert_eq!(
         scope("exists(pair.follows and ego.speed > 1 m/s) and object.speed > 2 m/s"),
         ValueScope::Target
@@ -83,7 +83,7 @@ fn equal_parts_are_one_node() {
 
 #[test]
 fn every_kind_of_fault_has_its_code_and_place() {
-    // (text, code, the part that is meant)
+    // (text, code, the marked part)
     let cases = [
         ("ego.sped > 5 m/s", "rule.signal.unknown", "ego.sped"),
         ("target_vehicle.lateral_ofset > 0.5 m", "rule.signal.unknown", "target_vehicle.lateral_ofset"),

@@ -1,4 +1,4 @@
-//! Text to tokens. A number takes its unit with it: `5 km/h` is one token, so that `m/s` is never a division.
+//! Text to tokens. A number includes its unit: `5 km/h` is one token, so that `m/s` is never a division.
 
 use super::Fault;
 use super::syntax::{CompareOp, Quantity, Span};

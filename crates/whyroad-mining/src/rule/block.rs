@@ -1,5 +1,5 @@
-//! A `mining:` block as it is written, read field by field: what is missing, unknown, written twice or of the wrong
-//! type is reported at its position, and the rest is read. What the texts in it say is for [`super::source`].
+//! A `mining:` block as it is written, read field by field: fields that are missing, unknown, written twice or of the
+//! wrong type are reported at their position, and the rest is read. [`super::source`] interprets the texts.
 
 use super::origin::{Origin, SourceFile};
 use crate::language::check::nearest;
@@ -33,7 +33,7 @@ pub(super) struct Block<'n> {
     /// Entry and value.
     pub parameters: Vec<(&'n Entry, &'n Node)>,
     pub define: Vec<&'n Entry>,
-    /// What people are shown of definitions.
+    /// Displayed names of definitions.
     pub names: Vec<(&'n Entry, Bilingual)>,
     pub when: Vec<&'n Node>,
     pub require: Vec<&'n Node>,
@@ -45,7 +45,7 @@ pub(super) struct Block<'n> {
     pub broken: Vec<String>,
 }
 
-/// Reads a block. Without a `when` (there, and not null) nothing can match; that too is a fault.
+/// Reads a block. Without a `when` (present, and not null) nothing can match; that is an error too.
 pub(super) fn read<'n>(block: &'n Node, origin: &Origin<'_>, found: &mut Vec<Diagnostic>) -> Block<'n> {
     let mut reader = Reader { file: origin.file, found };
     let mut out = Block::default();
@@ -96,7 +96,7 @@ pub(super) fn read<'n>(block: &'n Node, origin: &Origin<'_>, found: &mut Vec<Dia
     out
 }
 
-/// Reports every key of a mapping that is written twice; whoever reads the mapping takes the first.
+/// Reports every key of a mapping that is written twice; readers of the mapping use the first.
 pub(super) fn duplicates(entries: &[Entry], file: SourceFile<'_>, found: &mut Vec<Diagnostic>) {
     for (i, e) in entries.iter().enumerate() {
         if let Some(first) = entries[..i].iter().find(|o| o.key == e.key) {
@@ -202,7 +202,7 @@ impl Reader<'_> {
         words
     }
 
-    /// The value of a parameter; one without a reason is reported, and used to find what else is wrong.
+    /// The value of a parameter; one without a reason is reported, but still used to find other errors.
     fn parameter<'n>(&mut self, entry: &'n Entry) -> Option<&'n Node> {
         let pointer = &entry.node.pointer;
         let Value::Map(fields) = &entry.node.value else {
@@ -236,7 +236,7 @@ fn is_null(node: &Node) -> bool {
     matches!(node.value, Value::Null)
 }
 
-/// What a value is, in Chinese and English.
+/// Type of a value, in Chinese and English.
 fn description(node: &Node) -> (&'static str, &'static str) {
     match node.value {
         Value::Null => ("空值", "nothing"),

@@ -1,5 +1,5 @@
-//! One file of rules, checked as it is being written: a `scenarios/<l1>/<l2>.yaml` in the place of the framework's
-//! own, with the cases beside it, or a bare rule (a `mining:` block and nothing else).
+//! One file of rules, checked while it is being edited: a `scenarios/<l1>/<l2>.yaml` instead of the framework's own,
+//! with its cases, or a bare rule (a `mining:` block and nothing else).
 
 use super::block::duplicates;
 use super::lint::lint;
@@ -13,7 +13,7 @@ use whyroad_model::yaml::{self, Node, SyntaxError};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId, Severity};
 use whyroad_signals::Catalog;
 
-/// What was checked, and what is wrong with it.
+/// What was checked, and the errors found.
 #[derive(Clone, Debug, Default)]
 pub struct Checked {
     /// Rules that could be made of the file.
@@ -88,7 +88,7 @@ fn scenarios(
             checked.found = tally.failures;
         }
     }
-    // Faults elsewhere in the framework are not this file's, unless they keep it from being checked at all.
+    // Faults elsewhere in the framework are not this file's, unless they prevent it from being checked at all.
     found.retain(|d| !usable || d.location.file.as_deref() == Some(own.as_str()));
     for d in found.iter_mut().filter(|d| d.location.file.as_deref() == Some(own.as_str())) {
         d.location.file = Some(file.name.to_owned());
@@ -97,8 +97,8 @@ fn scenarios(
     Checked { found, ..checked }
 }
 
-/// The rule of a file that holds a `mining:` block, or only the content of one: it belongs to no class, and its moments
-/// are those of the match.
+/// The rule of a file with a `mining:` block, or only the content of one: it belongs to no class, and its moments are
+/// those of the match.
 pub fn bare_rule(file: SourceFile<'_>, catalog: &Catalog) -> Result<Rule, Vec<Diagnostic>> {
     let yaml = yaml::parse(file.text).map_err(|e| vec![unreadable(file, &e)])?;
     rule_of(file, &yaml, catalog)

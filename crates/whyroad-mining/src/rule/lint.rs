@@ -1,4 +1,4 @@
-//! Everything of a framework that is written in the rule language, checked: rules, order of precedence, and the
+//! Checks everything in a framework that is written in the rule language: rules, order of precedence, and the
 //! moments of labeling specs, also of classes that have no rule yet. Mining needs only the rules ([`RuleSet`]).
 
 use super::RuleSet;
@@ -11,7 +11,7 @@ use whyroad_framework::{ExpressionSource, Framework};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 use whyroad_signals::Catalog;
 
-/// All that is wrong, in the order of the files.
+/// All errors, in the order of the files.
 pub fn lint(framework: &Framework, catalog: &Catalog) -> Vec<Diagnostic> {
     let (rules, mut found) = RuleSet::of_framework(framework, catalog);
     found.extend(unnamed(&rules, framework));
@@ -27,7 +27,7 @@ pub fn lint(framework: &Framework, catalog: &Catalog) -> Vec<Diagnostic> {
     found
 }
 
-/// A note for each definition without a name that people are shown at length: once where it is written.
+/// A note for each definition without a name that is displayed at length: once where it is written.
 fn unnamed(rules: &RuleSet, framework: &Framework) -> Vec<Diagnostic> {
     let mut found: Vec<Diagnostic> = Vec::new();
     for rule in &rules.rules {
@@ -74,7 +74,7 @@ fn moment(source: &ExpressionSource, framework: &Framework, catalog: &Catalog) -
     faults.into_iter().map(|fault| file.diagnose(&source.expression, fault)).collect()
 }
 
-/// A moment may use the parameters and definitions of the rule that it times. What is wrong with these is said of the
+/// A moment may use the parameters and definitions of the rule that it times. Errors in these are reported for the
 /// rule.
 fn names_of_the_rule(class: &ScenarioId, framework: &Framework, checker: &mut Checker<'_>) {
     let l2 = ScenarioId { l3: None, ..class.clone() };

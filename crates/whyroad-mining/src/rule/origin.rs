@@ -1,5 +1,5 @@
-//! From faults of the rule language to diagnostics at the position of what is wrong. The YAML tree knows where each
-//! text is, and a fault knows which part of the text is meant.
+//! From faults of the rule language to diagnostics at the position of the error. The YAML tree knows the position of
+//! each text, and a fault knows the wrong part of the text.
 
 use crate::language::Fault;
 use whyroad_framework::ExpressionSource;

@@ -1,7 +1,7 @@
-//! `other`: decision moments (changes of meta action with an effect) that no class explains. A growing `other` is what
-//! shows a framework's owner that a class is missing or a rule is blind (LABELING.md 1).
+//! `other`: decision moments (changes of meta action with an effect) that no class explains. A growing `other` shows a
+//! framework's owner that a class is missing or a rule misses episodes (LABELING.md 1).
 //!
-//! It is a rule like any other, run with the framework's; [`crate::episode::arbitrate`] drops what is explained.
+//! It is a rule like any other, run with the framework's; [`crate::episode::arbitrate`] drops explained moments.
 
 use super::{OTHER, Rule, RuleSet};
 use crate::episode::Episode;
@@ -10,20 +10,20 @@ use crate::rule::text::compile_text;
 use whyroad_model::{Bilingual, Nanos, ScenarioId};
 use whyroad_signals::Catalog;
 
-/// True at a decision moment, whatever made it one.
+/// True at a decision moment of any kind.
 const DECISION_MOMENT: &str = "ego.responds";
 
-/// The time range of a moment whose range no class defines: what led to it, and its effect (the effect that
-/// makes a moment one is seen within 3 s).
+/// The time range of a moment whose range no class defines: its cause and its effect (the effect that defines the
+/// moment occurs within 3 s).
 const BEFORE: Nanos = Nanos(-2_000_000_000);
 const AFTER: Nanos = Nanos(3_000_000_000);
 
-/// The class of what no class explains.
+/// The class of unexplained moments.
 pub fn other() -> ScenarioId {
     ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None }
 }
 
-/// True for an episode of the rule for decision moments (a question of the user's own is filed as `other`, too).
+/// True for an episode of the rule for decision moments (a custom question is filed as `other`, too).
 pub(crate) fn is_decision_moment(episode: &Episode) -> bool {
     episode.scenario.l1 == OTHER && episode.signals == [DECISION_MOMENT]
 }

@@ -38,10 +38,10 @@ pub fn parse_query(text: &str, file: &str, framework: &Framework) -> Result<Mini
     Err(vec![Diagnostic { code: "mine.query.scenario", ..problem }.at(location)])
 }
 
-/// All that is wrong with the form of a query, as the checker of messages reports it.
+/// All errors in the form of a query, as the checker of messages reports them.
 fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Error) -> Vec<Diagnostic> {
     let mut found = check_message(text, MessageKind::MiningQuery, &ClassIndex::new(framework));
-    // A class may be written by a short name here.
+    // A class may be given by a short name here.
     found.retain(|d| d.severity == Severity::Error && d.code != "label.scenario.unknown");
     for d in &mut found {
         d.location.file = Some(file.to_owned());
@@ -65,7 +65,7 @@ fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Err
     found
 }
 
-/// The rule that the conditions of a query make; `None` where it has none, and so asks for all of its class. All
+/// The rule that the conditions of a query make; `None` where it has none, and so matches all of its class. All
 /// conditions hold at once; how long is bounded by its time constraints; a
 /// break of a single frame ends a match.
 pub fn compile_query(
@@ -90,7 +90,7 @@ pub fn compile_query(
         });
         match whole {
             Ok(id) => conditions.push(id),
-            // Each part is sound by itself: what is wrong is how they go together.
+            // Each part is valid by itself: the combination is wrong.
             Err(fault) => reader.found.push(fault.at(source.location(&pointer))),
         }
     }

@@ -16,7 +16,7 @@ pub(super) struct Bound {
     pub second: Option<SecondRole>,
 }
 
-/// Words that mean something else in a rule. (`lead` is a role that rules want: there, `lead.` means the role.)
+/// Words with another meaning in a rule. (`lead` is allowed as a role: there, `lead.` means the role.)
 const TAKEN: &[&str] = &[
     "ego",
     "target",
@@ -74,7 +74,7 @@ impl Compiler<'_> {
                 "rule.target",
                 Span::default(),
                 "一条规则最多两个角色：目标与另一个对象",
-                "a rule has two roles at most: its target and one other object",
+                "a rule has at most two roles: its target and one other object",
             );
             self.report_key(surplus, fault);
         }

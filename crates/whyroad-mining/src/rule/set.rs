@@ -19,7 +19,7 @@ pub struct RuleSet {
     pub rules: Vec<Rule>,
     /// Which class is primary where several match.
     pub precedence: Precedence,
-    /// How often episodes of each class are right.
+    /// Accuracy of episodes of each class.
     pub calibration: Calibration,
 }
 
@@ -36,7 +36,7 @@ impl RuleSet {
                     let block = inherit(blocks.get(&l2).copied(), &source.rule);
                     (block, framework.specs.get(&source.leaf))
                 }
-                // A block without `when` only holds what the leaves share.
+                // A block without `when` only has the parts that the leaves share.
                 None if source.rule.get("when").is_none() => continue,
                 None => (source.rule.clone(), framework.l2_specs.get(&l2)),
             };
@@ -47,7 +47,7 @@ impl RuleSet {
                 Err(faults) => found.extend(faults),
             }
         }
-        // A fault in an L2's block shows up again in each leaf that inherits it.
+        // An error in an L2's block appears again in each leaf that inherits it.
         let mut unique: Vec<Diagnostic> = Vec::new();
         for d in found {
             if !unique.iter().any(|u| {
@@ -75,7 +75,7 @@ impl RuleSet {
 /// Order of classes (`schema/precedence.yaml`).
 #[derive(Clone, Debug)]
 pub struct Precedence {
-    /// Keyframes nearer together than this compete.
+    /// Keyframes closer than this compete.
     pub neighbourhood: Nanos,
     order: Vec<ScenarioId>,
 }
@@ -147,7 +147,7 @@ impl Precedence {
         (out, found)
     }
 
-    /// Place in the order, least first. A class that is not named comes last.
+    /// Position in the order, lowest first. A class that is not named comes last.
     pub fn rank(&self, id: &ScenarioId) -> usize {
         let named = self.order.iter().enumerate().filter(|(_, o)| id.is_within(o));
         // The most specific entry is the one with the most parts.

@@ -1,5 +1,5 @@
 //! A rule as written, for people to read: the texts of a `mining:` block after inheritance, with the reason of each
-//! parameter. Nothing is checked here; what is wrong with a rule, [`super::set`] reports.
+//! parameter. Nothing is checked here; [`super::set`] reports errors of a rule.
 
 use super::source::inherit;
 use whyroad_framework::Framework;
@@ -20,19 +20,19 @@ pub struct Parameter {
 /// The texts of a rule, those of its L2 first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RuleSheet {
-    /// What the target can be; absent in a rule about the ego alone.
+    /// Allowed kinds of the target; absent in a rule about the ego alone.
     pub target: Option<String>,
-    /// Names of the objects that the rule binds, with what each can be.
+    /// Names of the objects that the rule binds, with the allowed kinds of each.
     pub roles: Vec<(String, String)>,
     /// Numbers.
     pub parameters: Vec<Parameter>,
     /// Named conditions.
     pub define: Vec<(String, String)>,
-    /// What makes a match.
+    /// The condition for a match.
     pub when: Vec<String>,
-    /// What must hold at the keyframe.
+    /// Conditions at the keyframe.
     pub require: Vec<String>,
-    /// What counts as the ego's answer.
+    /// What counts as the ego's response.
     pub response: Vec<String>,
     /// `min_duration`, `max_duration` and `merge_gap`, where the rule states them.
     pub durations: Vec<(&'static str, String)>,

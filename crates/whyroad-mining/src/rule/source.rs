@@ -15,12 +15,12 @@ use whyroad_model::yaml::{Entry, Node, Value};
 use whyroad_model::{Bilingual, Diagnostic, Nanos, ScenarioId};
 use whyroad_signals::Catalog;
 
-/// Matches nearer together than this are one unless the block says otherwise: a signal that drops out for a
+/// Matches closer than this are merged unless the block states otherwise: a signal that drops out for a
 /// few frames does not make a second event.
 pub(super) const DEFAULT_MERGE_GAP: Nanos = Nanos(500_000_000);
 
-/// A leaf's block over that of its L2: `parameters` and `define` add up, `require` is appended, the rest of
-/// the L2's is replaced by what the leaf says. Every part keeps its position.
+/// A leaf's block over that of its L2: `parameters` and `define` are merged, `require` is appended, the rest of the
+/// L2's block is replaced by the leaf's fields. Every part keeps its position.
 pub fn inherit(l2: Option<&Node>, leaf: &Node) -> Node {
     let (Some(l2), Value::Map(own)) = (l2, &leaf.value) else { return leaf.clone() };
     if !matches!(l2.value, Value::Map(_)) {
@@ -40,7 +40,7 @@ pub fn inherit(l2: Option<&Node>, leaf: &Node) -> Node {
     Node { value: Value::Map(out), ..leaf.clone() }
 }
 
-/// What the L2 calls a definition is no name for what the leaf writes in its place.
+/// The L2's name of a definition is not used for the leaf's replacement of it.
 fn without_replaced_names(block: &mut [Entry], leaf: &Node) {
     let of = |key: &str| leaf.get(key).map_or(&[][..], Node::entries);
     let has = |entries: &[Entry], key: &str| entries.iter().any(|e| e.key == key);
@@ -71,7 +71,7 @@ fn items(node: &Node) -> &[Node] {
     }
 }
 
-/// The rule of a block, or everything that is wrong with it.
+/// The rule of a block, or all its errors.
 pub fn compile(
     scenario: &ScenarioId,
     block: &Node,
@@ -112,7 +112,7 @@ pub fn compile(
             "rule.target",
             Span::default(),
             "规则用到 target.* 信号，但没有写 target",
-            "the rule speaks of target.* but does not say what its target is",
+            "the rule uses target.* but does not state what its target is",
         );
         let fault = fault.hint("例如 target: vehicle", "as in `target: vehicle`");
         c.found.push(origin.file.at(origin.mark, pointer, fault));
@@ -157,7 +157,7 @@ pub(super) struct Compiler<'a> {
     scenario: &'a ScenarioId,
     origin: &'a Origin<'a>,
     found: Vec<Diagnostic>,
-    /// Parameters and definitions that have been reported: that they are missing elsewhere is not news.
+    /// Parameters and definitions that have been reported: their absence elsewhere is not reported again.
     broken: BTreeSet<String>,
 }
 
@@ -198,7 +198,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// What counts as the ego's answer. It is looked for in the time range, so it cannot speak of the match.
+    /// What counts as the ego's response. It is searched in the time range, so it cannot refer to the match.
     fn response(&mut self, node: &Node) -> Option<NodeId> {
         let text = node.text().unwrap_or_default();
         let expr = parse::parse(text).map_err(|fault| self.report(node, fault)).ok()?;
@@ -303,7 +303,7 @@ impl Compiler<'_> {
         free
     }
 
-    /// The moments of a labeling spec, whose expressions are checked here, with the rule that they serve.
+    /// The moments of a labeling spec, whose expressions are checked here, with their rule.
     fn timing(&mut self, spec: &ResolvedSpec, subject: Option<Subject>) -> Timing {
         let mut timing = Timing::of_match();
         timing.kind = spec.keyframe.kind;
@@ -333,7 +333,7 @@ impl Compiler<'_> {
         timing
     }
 
-    /// A moment of a spec. The default of an L1 speaks of the target; it has no meaning for a rule without one.
+    /// A moment of a spec. The default of an L1 refers to the target; it has no meaning for a rule without one.
     fn moment(&mut self, text: &str, subject: Option<Subject>) -> Option<Moment> {
         let checked = parse::parse(text).and_then(|expr| self.checker.moment(&expr));
         let moment = match checked {
@@ -351,7 +351,7 @@ impl Compiler<'_> {
     }
 }
 
-/// `when` decides what a match is: it cannot speak of one.
+/// `when` defines what a match is: it cannot refer to one.
 pub(super) fn needs_a_match(text: &str) -> Fault {
     let word =
         ["at keyframe", "least(", "greatest("].into_iter().find_map(|w| Some((text.find(w)?, w.len())));

@@ -1,4 +1,4 @@
-//! A rule in one line, as it is asked on the command line: a condition, and perhaps what its target is. It has no
+//! A rule in one line, as given on the command line: a condition, and optionally the kind of its target. It has no
 //! labeling spec: its moments are those of the match itself.
 
 use super::source::{DEFAULT_MERGE_GAP, needs_a_match};
@@ -8,8 +8,8 @@ use crate::language::{Checker, parse};
 use whyroad_model::{Diagnostic, Location, Nanos, ScenarioId};
 use whyroad_signals::Catalog;
 
-/// The rule of a text. Without a `target`, one that uses `target.*` is about any object. `name` stands for a
-/// file's name in diagnostics.
+/// The rule of a text. Without a `target`, one that uses `target.*` is about any object. `name` is used as a file's
+/// name in diagnostics.
 pub fn compile_text(
     text: &str,
     target: Option<Subject>,

@@ -1,4 +1,4 @@
-//! What margins need row by row: comparisons, agreement with the truth, moving extremes.
+//! Row operations for margins: comparisons, agreement with the truth, moving extremes.
 
 use crate::comparison::{MARGIN_LIMIT, compare};
 use crate::fast::numbers::Numbers;
@@ -16,7 +16,7 @@ pub fn compared(
     rows: Range<usize>,
 ) -> Vec<f64> {
     let (a, b) = (left.slice(rows.clone()), right.slice(rows));
-    // One loop per operator: no row has to look at it again.
+    // One loop per operator: so that rows need no check of it.
     match op {
         CompareOp::Less | CompareOp::LessOrEqual => each(&a, &b, |x, y| of_difference(x, y, y - x, scale)),
         CompareOp::Greater | CompareOp::GreaterOrEqual => {
@@ -40,7 +40,7 @@ fn each(a: &Numbers<'_>, b: &Numbers<'_>, f: impl Fn(f64, f64) -> f64) -> Vec<f6
     }
 }
 
-/// Brings margins to agree with the truth of as many rows from the first one on.
+/// Adjusts margins to agree with the truth of the same number of rows from the first one on.
 pub fn settle(margins: &mut [f64], truth: &Truth, first: usize) {
     for (k, margins) in margins.chunks_mut(64).enumerate() {
         let at = first + 64 * k;
@@ -52,7 +52,7 @@ pub fn settle(margins: &mut [f64], truth: &Truth, first: usize) {
     }
 }
 
-/// A margin brought to agree with its truth: NaN where unknown; `max` and `min` turn one that could not be
+/// A margin adjusted to agree with its truth: NaN where unknown; `max` and `min` turn one that could not be
 /// computed into 0.
 pub fn settled(truth: Tri, margin: f64) -> f64 {
     match truth {

@@ -1,5 +1,5 @@
-//! One match to its episode, as `crate::episode` defines it: keyframe, what must hold there, time range, score.
-//! What is looked for in time is found by bisection and in packed bits; margins are computed here only.
+//! One match to its episode, as `crate::episode` defines it: keyframe, the conditions there, time range, score. Times
+//! are searched by bisection and in packed bits; margins are computed only here.
 
 use crate::episode::moment::{REACH, Sought};
 use crate::episode::{Episode, Rank, deciding, response};
@@ -35,7 +35,7 @@ pub(super) fn episode(
     let (keyframe_time, keyframe_rule) = building.keyframe();
     let keyframe = clock.frame_at(keyframe_time);
     building.keyframe = Some(clock.time(keyframe));
-    // A keyframe may lie outside the match: the conditions are judged at the nearest frame of the match.
+    // A keyframe may lie outside the match: the conditions are evaluated at the nearest frame of the match.
     let judged = keyframe.clamp(matched.start, matched.end - 1);
     evaluation.set_episode(Some(Moments { keyframe: judged, matched }));
     let row = evaluation.layout.position(row_set, judged)?;
@@ -90,7 +90,7 @@ pub(super) fn episode(
     })
 }
 
-/// A match on its way to an episode.
+/// A match that is being turned into an episode.
 struct Building<'e, 'a> {
     evaluation: &'e Evaluation<'a>,
     of: &'e PlanRule<'e>,
@@ -115,7 +115,7 @@ impl<'e> Building<'e, '_> {
         self.truth(id).at(row)
     }
 
-    /// The first way that finds the keyframe, with its rule in words.
+    /// The first expression that finds the keyframe, with its rule in words.
     fn keyframe(&self) -> (Nanos, Bilingual) {
         let timing = &self.of.rule.timing;
         for (moment, words) in &timing.keyframe {
@@ -156,7 +156,7 @@ impl<'e> Building<'e, '_> {
         self.first..self.last + 1
     }
 
-    /// Rows in which a moment is looked for.
+    /// Rows in which a moment is searched.
     fn reach(&self, sought: Sought) -> Range<usize> {
         let (from, to) = match (sought, self.keyframe) {
             (Sought::Start, Some(keyframe)) => (keyframe - REACH, keyframe),
@@ -183,7 +183,7 @@ impl<'e> Building<'e, '_> {
         sum / f64::from(n)
     }
 
-    /// Whether the ego answered in these frames.
+    /// Whether the ego responded in these frames.
     fn answered(&self, range: FrameRange) -> EgoResponse {
         let Some(asked) = self.of.rule.response else { return EgoResponse::Observed };
         let rows = if asked.of_target { self.row_set } else { RowSet::Drive };
@@ -252,7 +252,7 @@ impl Clock<'_, '_> {
         let from = self.frame_at(start);
         let beyond =
             n.checked_sub(1).is_none_or(|l| (self.end(l).0 - end.0).abs() <= (self.time(l).0 - end.0).abs());
-        // A frame before a gap may be over and yet begin nearer to `end` than the next one.
+        // A frame before a gap may have ended although it begins nearer to `end` than the next one.
         let nearest = self.frame_at(end);
         let to = if beyond { n } else { nearest + usize::from(self.end(nearest) <= end) };
         FrameRange::new(from, to.max(from + 1))

@@ -1,5 +1,5 @@
-//! Random signal tables and random rules. A program is built by instructions that take their operands from what
-//! was built before, so that every kind of operation meets every other.
+//! Random signal tables and random rules. A program is built by instructions that take their operands from earlier
+//! results, so that all kinds of operations are combined.
 
 use crate::language::program::{Moment, NodeId, Op, PairSide, Program, Subject, ValueKind, ValueScope};
 use crate::language::syntax::CompareOp;
@@ -192,7 +192,7 @@ impl Pool {
                 (_, true) => Op::SecondSignal(name),
             }
         };
-        // A rule about one object speaks of others where it counts those near it.
+        // A rule about one object refers to others where it counts those near it.
         let all = [("ego", false), ("target", false), ("target", true), ("pair", false), ("pair", true)];
         for (prefix, second) in all.into_iter().take(if roles == 0 { 1 } else { 5 }) {
             for name in ["n", "x"] {
@@ -214,7 +214,7 @@ impl Pool {
     }
 
     fn condition(&self, i: usize) -> NodeId {
-        // What was built last is taken most often, so that trees grow deep.
+        // Recent results are used most often, so that trees become deep.
         self.conditions[self.conditions.len() - 1 - i % self.conditions.len()]
     }
 
@@ -282,7 +282,7 @@ impl Pool {
         }
     }
 
-    /// False for what speaks of a second object in a rule that has none.
+    /// False for a node about a second object in a rule that has none.
     fn is_usable(&self, id: NodeId) -> bool {
         self.roles == 2 || matches!(self.program.node(id).scope, ValueScope::Frame | ValueScope::Target)
     }
@@ -327,7 +327,7 @@ pub fn rule() -> impl Strategy<Value = Rule> {
         |(roles, instructions, (when, a, b, c, bounded), (least, merge_gap, offset))| {
             let mut pool = Pool::new(roles);
             instructions.into_iter().for_each(|i| pool.run(i));
-            // Until there is an episode, nothing can be asked of it.
+            // Before there is an episode, its moments cannot be used.
             let fallback = pool.conditions[0];
             let when = pool.last(when, |n| !n.needs_episode).unwrap_or(fallback);
             let require = pool.last(a, |_| true).into_iter().filter(|_| b % 3 == 0).collect();

@@ -13,7 +13,7 @@ type Cell = (Tri, f64);
 const OUTSIDE: Cell = (Tri::Unknown, f64::NAN);
 
 /// `a since b`: b at this row or an earlier one, and a at every row after that one, this one included. Before
-/// the first row nothing is known: while a has held since the beginning, b may have come before it.
+/// the first row nothing is known: while a has held since the beginning, b may have occurred before it.
 pub fn since(a: &Truths, b: &Truths) -> Truths {
     along(a, b, 0..a.value.len())
 }

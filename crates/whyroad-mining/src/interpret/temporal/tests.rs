@@ -1,5 +1,5 @@
-//! The operators against definitions written out naively, and against what must hold whatever the input:
-//! more knowledge never contradicts less, time has no origin, negation mirrors.
+//! The operators against definitions written out naively, and against properties that hold for every input: more
+//! knowledge never contradicts less, time has no origin, negation mirrors.
 
 use super::super::timeline::Timeline;
 use super::*;
@@ -10,7 +10,7 @@ fn tri() -> impl Strategy<Value = Tri> {
     prop_oneof![3 => Just(Tri::True), 3 => Just(Tri::False), 1 => Just(Tri::Unknown)]
 }
 
-/// Times in 10 ms ticks with lost frames and jitter, and a truth a frame.
+/// Times in 10 ms ticks with lost frames and jitter, and one truth per frame.
 fn log() -> impl Strategy<Value = (Vec<Nanos>, Vec<Tri>)> {
     prop::collection::vec((prop_oneof![8 => 98i64..=102, 1 => 200i64..700], tri()), 1..40).prop_map(|steps| {
         let mut now = 1_000_000;
@@ -27,7 +27,7 @@ fn log() -> impl Strategy<Value = (Vec<Nanos>, Vec<Tri>)> {
 
 fn duration() -> impl Strategy<Value = Nanos> {
     // Not near a multiple of a frame, so that the clock's tolerance decides nothing here.
-    // At least one frame and a half: a past window in which no frame can lie is unknown by decree.
+    // At least one frame and a half: a past window in which no frame can lie is unknown by definition.
     (1i64..12).prop_map(|k| Nanos(k * 100_000_000 + 50_000_000))
 }
 
@@ -35,7 +35,7 @@ fn on_rows(rows: &[Row], frames: &[Tri]) -> Truths {
     Truths::of_flags(rows.iter().map(|r| r.frame.map_or(Tri::Unknown, |f| frames[f])).collect())
 }
 
-/// Every way in which the unknown rows could have been.
+/// Every possible assignment of the unknown rows.
 fn worlds(value: &[Tri]) -> Vec<Vec<bool>> {
     let mut all = vec![vec![]];
     for t in value {
@@ -70,7 +70,7 @@ fn naive_previously(c: &[bool], rows: &[Row], d: Nanos, i: usize) -> bool {
     (0..i).any(|j| c[j] && (rows[i].time - rows[j].time <= d + CLOCK_TOLERANCE || reaches(j)))
 }
 
-/// What is known over all worlds.
+/// The result that is equal in all worlds.
 fn agreed(answers: impl Iterator<Item = bool>) -> Tri {
     let answers: Vec<bool> = answers.collect();
     match (answers.contains(&true), answers.contains(&false)) {

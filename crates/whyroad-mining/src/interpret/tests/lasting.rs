@@ -26,7 +26,7 @@ fn of(text: &str, a: &str, b: &str) -> String {
 #[test]
 fn since_needs_its_beginning_and_no_break_after_it() {
     let text = "ego.brake since ego.aeb";
-    // Before the first frame, b may have come; a break in a settles that it does not matter.
+    // Before the first frame, b may have occurred; after a break in a, it no longer matters.
     assert_eq!(of(text, "11111011", "00100001"), "??111001");
     assert_eq!(of(text, "001", "010"), "011", "at the frame of b itself, a is not asked for");
     assert_eq!(of(text, "1?1", "100"), "1??");
@@ -91,7 +91,7 @@ fn a_short_gap_in_the_log_is_bridged_like_a_break() {
 
 #[test]
 fn margins_of_chains_are_those_of_their_weakest_link() {
-    // STL: since is the best beginning, each with the worst of what had to hold after it.
+    // STL: since is the best beginning, each with the worst row after it.
     let mut checker = Checker::new(Catalog::bundled());
     let text = "ego.speed > 5 m/s since ego.speed > 20 m/s";
     let id = checker.condition(&parse::parse(text).unwrap()).unwrap();

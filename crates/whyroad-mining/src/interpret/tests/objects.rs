@@ -3,7 +3,7 @@
 use super::*;
 use crate::language::check::RoleNames;
 
-/// Seven frames; `a` is seen in frames 0 to 3, `b` in 2 to 5, nobody in the last one. A gap under 10 m is
+/// Seven frames; `a` is seen in frames 0 to 3, `b` in 2 to 5, no object in the last one. A gap under 10 m is
 ///
 /// ```text
 /// a  1 1 ? 0
@@ -35,7 +35,7 @@ fn a_count_is_unknown_only_where_an_unknown_object_decides() {
     assert_eq!(of("count(target.gap < 10 m) != 1"), "00??001");
     assert_eq!(of("count(target.gap < 10 m) <= 1"), "11?1111");
     assert_eq!(of("count(target.gap < 10 m) < 1"), "000?001");
-    // Of nobody, everything can be said; `exists` guards against it.
+    // A condition over no object is vacuously true; `exists` guards against it.
     assert_eq!(of("forall(target.gap < 10 m)"), "11?0111");
     assert_eq!(of("forall(target.gap < 10 m) == (not exists(not target.gap < 10 m))"), "11?1111");
 }
@@ -54,9 +54,9 @@ fn each_object_has_its_own_time() {
     // `for` inside: b was near at the frame 4 and 5, and perhaps from 2 on.
     let t = two_cars();
     assert_eq!(truths("exists(target.gap < 10 m for 0.2 s)", &t, None), "11??110");
-    // `for` outside: somebody was near all the time.
+    // `for` outside: some object was near all the time.
     assert_eq!(truths("exists(target.gap < 10 m) for 0.3 s", &t, None), "111???0");
-    // Seen from a target's rows, a count is still about everybody.
+    // On a target's rows, a count still includes all objects.
     assert_eq!(truths("exists(target.gap < 10 m) and target.gap < 20 m", &t, Some(0)), "11?0");
 }
 
@@ -91,10 +91,10 @@ fn a_pair_is_judged_while_both_are_seen() {
         "`target` names the first role too"
     );
     assert_eq!(of_pair("lead.gap > obstacle.gap"), "??");
-    // What speaks of one of them has its meaning over all the time in which that one is seen.
+    // A condition on one of them is evaluated over the whole time in which that one is observed.
     assert_eq!(of_pair("previously(lead.gap < 10 m, 0.2 s) and obstacle.gap > 1 m"), "1?");
     assert_eq!(of_pair("rises(obstacle.gap < 10 m) or lead.gap > 10 m"), "?1");
-    // What speaks of both is known only while both are seen: the frame before is not.
+    // A condition on both is known only while both are observed: the frame before is unknown.
     assert_eq!(of_pair("falls(lead.gap < 10 m or obstacle.gap > 10 m)"), "??");
     assert_eq!(of_pair("ego.speed > 5 m/s for 0.5 s"), "11");
 }

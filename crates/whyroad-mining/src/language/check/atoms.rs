@@ -1,4 +1,4 @@
-//! The parts of a condition that are shown to people: each comparison with what it measured. Parts of a
+//! The parts of a condition that are shown to people: each comparison with its measured value. Parts of a
 //! conjunction, a disjunction or a duration are listed one by one, anything else as a whole.
 
 use super::super::program::{Atom, NodeId, Op, ValueKind};
@@ -12,23 +12,23 @@ use whyroad_model::units::{UNITS, Unit};
 /// Longest condition in words, in characters (a Chinese one counts twice), that needs no name.
 const LENGTHY: usize = 140;
 
-/// A definition as long as this makes what it is used in lengthy.
+/// A definition of this length makes its users lengthy.
 const PART_OF_LENGTH: usize = 40;
 
-/// A part of a condition as people read it.
+/// A part of a condition as displayed.
 pub struct PartText {
-    /// As written, names replaced by what they stand for.
+    /// As written, names replaced by their definitions.
     pub text: String,
     /// In words.
     pub words: Bilingual,
     /// Its truth.
     pub condition: NodeId,
-    /// What it measures.
+    /// Its comparisons.
     pub atoms: Vec<Atom>,
 }
 
 impl Checker<'_> {
-    /// The conditions that must hold together for this one to hold, each with its text and its atoms: the members of
+    /// The conditions that must hold together for this one, each with its text and its atoms: the members of
     /// a conjunction, also where it is written as a definition.
     pub fn parts(&mut self, expr: &Expr, out: &mut Vec<PartText>) -> Result<(), Fault> {
         self.parts_of(expr, None, out)
@@ -90,8 +90,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Of a condition that is too long to be shown with all its names replaced: each definition that its text names,
-    /// and what these compare.
+    /// For a condition that is too long to be shown with all names replaced: each definition that its text names, and
+    /// their comparisons.
     fn named_atoms(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<(), Fault> {
         for name in self.definitions_in_text(expr, out)? {
             let definition = self.definitions[&name].expr.clone();
@@ -100,10 +100,10 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Each definition that the text of a condition names, as an atom: its name and what it means.
+    /// Each definition that the text of a condition names, as an atom: its name and meaning.
     fn definitions_in_text(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<Vec<String>, Fault> {
         let mut names = if self.is_short(expr) { Vec::new() } else { self.names_in_text(expr) };
-        // What holds of each object in turn has no one value to show.
+        // A condition on each object in turn has no single value to show.
         names.retain(|name| !self.speaks_of_nobody(self.definitions[name].node));
         for name in &names {
             let definition = self.definitions[name].expr.clone();
@@ -123,7 +123,7 @@ impl Checker<'_> {
         Ok(names)
     }
 
-    /// Comparisons that stand in a conjunction or disjunction, not those of what it is made of.
+    /// Comparisons directly in a conjunction or disjunction, not those inside its parts.
     fn comparisons(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<(), Fault> {
         match &expr.kind {
             ExprKind::And(all) | ExprKind::Or(all) => all.iter().try_for_each(|e| self.comparisons(e, out)),
@@ -163,11 +163,11 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// A condition in words: by the name of its definition where it has one and is more than a short comparison.
+    /// Text of a condition: the name of its definition where it has one and is more than a short comparison.
     fn words_of(&mut self, expr: &Expr, name: Option<&str>) -> Bilingual {
         let words = self.in_words(expr);
         let compares = matches!(expr.kind, ExprKind::Compare(..) | ExprKind::In(..));
-        // A comparison says more than its name, and has a value to go with it.
+        // A comparison is more informative than its name, and has a value.
         if let Some(named) = name.and_then(|n| self.name_of_definition(n))
             && (!compares || is_lengthy(&words))
         {
@@ -196,7 +196,7 @@ impl Checker<'_> {
         expr.parts().into_iter().for_each(|e| self.lengthy_definitions(e, out));
     }
 
-    /// The node of what was measured: the number, or, where the condition is about many, what sums it up.
+    /// The node of the measured value: the number, or its summary where the condition is about many objects.
     fn measure(&mut self, expr: &Expr, condition: NodeId) -> Result<NodeId, Fault> {
         if let Some((which, of)) = extreme_of(expr) {
             let of = self.lower(of)?;

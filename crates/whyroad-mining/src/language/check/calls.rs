@@ -70,8 +70,9 @@ impl Checker<'_> {
         }
     }
 
-    /// What is counted and among whom: `count(c)`, `count(c, vru)`. Inside, `target.` is each object in turn; where the
-    /// condition speaks of `pair.` or `other.`, these are of the rule's object and each object near it in turn.
+    /// The counted condition and the counted objects: `count(c)`, `count(c, vru)`. Inside, `target.` is each object in
+    /// turn; where the condition uses `pair.` or `other.`, these are for the rule's object and each object near it in
+    /// turn.
     pub(super) fn counted(
         &mut self,
         name: &str,
@@ -93,7 +94,7 @@ impl Checker<'_> {
                 span,
                 format!("{name} 说到 pair.* 或 other.* 时不能嵌套在另一个 exists、forall 或 count 之内"),
                 format!(
-                    "{name} speaks of pair.* or other.* and cannot be nested in another exists, forall or count"
+                    "{name} uses pair.* or other.* and cannot be nested in another exists, forall or count"
                 ),
             ));
         }
@@ -109,7 +110,7 @@ fn kind_of_object(word: &Expr) -> Result<Subject, Fault> {
     subject.ok_or_else(|| {
         Fault::new("rule.target", word.span, "此处应为目标种类", "expected a kind of target").hint(
             "可用：vehicle, large_vehicle, vru, any，或一个类别，如 bicycle",
-            "there are vehicle, large_vehicle, vru, any, and every class, such as bicycle",
+            "use vehicle, large_vehicle, vru, any, or a class, such as bicycle",
         )
     })
 }

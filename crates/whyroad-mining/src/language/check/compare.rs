@@ -1,5 +1,5 @@
-//! Comparisons: of numbers, categories and conditions; and of what is not one number but a bound on many (a count
-//! over objects, an extreme over the match), which become conditions that can answer unknown.
+//! Comparisons: of numbers, categories and conditions; and of bounds on many numbers (a count over objects, an extreme
+//! over the match), which become conditions that can be unknown.
 
 use super::super::Fault;
 use super::super::program::{NodeId, Op, ValueKind};
@@ -204,7 +204,7 @@ impl Checker<'_> {
     }
 }
 
-/// Which end of a range.
+/// End of a range.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Extreme {
     Least,

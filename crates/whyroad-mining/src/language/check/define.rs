@@ -1,16 +1,16 @@
 //! Names that a rule gives: to numbers (`parameters`) and to conditions or numbers made of others (`define`). A name
-//! means one thing in a rule, and a definition uses only what is defined before it; so reading one always ends.
+//! has one meaning in a rule, and a definition uses only earlier ones; so expansion always ends.
 
 use super::super::Fault;
 use super::super::parse;
 use super::super::syntax::{Expr, ExprKind, Extent, Span};
 use super::{Checker, Definition, names};
 
-/// Words that mean something in every rule.
+/// Words with a meaning in every rule.
 const TAKEN: &[&str] = &["true", "false", "keyframe", "match", "known", "unknown", "gaps"];
 
 impl Checker<'_> {
-    /// Gives a condition or a number a name that is free ([`Self::claim`]): from then on it can be used.
+    /// Gives a condition or a number an unused name ([`Self::claim`]); later expressions can use it.
     pub fn define(&mut self, name: &str, text: &str) -> Result<(), Fault> {
         let expr = parse::parse(text)?;
         if let Some(span) = mention(&expr, name) {
@@ -18,11 +18,11 @@ impl Checker<'_> {
                 "rule.name",
                 span,
                 format!("定义 '{name}' 里又用到了 '{name}'"),
-                format!("the definition of '{name}' speaks of '{name}'"),
+                format!("the definition of '{name}' refers to '{name}'"),
             )
             .hint(
                 "定义只能用到写在它前面的名称；若指的是类别的取值，请给定义换一个名称",
-                "a definition can use only those before it; if a value of a category is meant, call the definition otherwise",
+                "a definition can use only earlier ones; if a value of a category is meant, give the definition another name",
             ));
         }
         let extent = self.extent(&expr);
@@ -38,17 +38,17 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// How large an expression is when its names are replaced by what they stand for.
+    /// Size of an expression when its names are replaced by their definitions.
     pub fn extent(&self, expr: &Expr) -> Extent {
         expr.extent(&|name| self.definitions.get(name).map(|d| d.extent).unwrap_or_default())
     }
 
-    /// True for a name that the rule itself gives.
+    /// True for a name that the rule itself defines.
     pub(super) fn is_own(&self, name: &str) -> bool {
         self.parameters.contains_key(name) || self.definitions.contains_key(name)
     }
 
-    /// A name that means something already cannot be given; the span is that of the whole name.
+    /// A name that already has a meaning cannot be defined; the span is that of the whole name.
     pub fn claim(&self, name: &str) -> Result<(), Fault> {
         let span = Span { start: 0, end: name.len() };
         let taken = |zh: &str, en: &str| {

@@ -1,4 +1,4 @@
-//! Conditions as text for people.
+//! Conditions as displayed text.
 
 use super::super::program::ValueKind;
 use super::super::syntax::{ArithmeticOp, Expr, ExprKind};
@@ -11,12 +11,12 @@ const SHORT: usize = 90;
 /// In longer ones, the names of definitions that would be longer than this are kept.
 const LONG_NAME: usize = 36;
 
-/// What becomes of the names of definitions.
+/// Treatment of the names of definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Names {
-    /// They are replaced by what they mean.
+    /// They are replaced by their meaning.
     Replaced,
-    /// Those of longer conditions stay.
+    /// Names of longer conditions are kept.
     Kept,
 }
 
@@ -41,14 +41,14 @@ impl Checker<'_> {
         DefinitionText { whole: self.whole(expr), named, kept: length > longest }
     }
 
-    /// The expression in words, all names replaced by what they mean as far as that is short.
+    /// The expression as text, all names replaced by their meaning as far as that is short.
     #[cfg(test)]
     pub fn describe(&self, expr: &Expr) -> String {
         self.words(expr, Names::Replaced)
     }
 
-    /// The expression for a person: all names replaced by what they mean where that stays short, else with the
-    /// names of its conditions kept ([`Self::names_in_text`]).
+    /// The displayed expression: all names replaced by their meaning where that is short, else with the names of its
+    /// conditions kept ([`Self::names_in_text`]).
     pub fn text_for_people(&self, expr: &Expr) -> String {
         self.whole(expr).unwrap_or_else(|| self.text_by_names(expr))
     }
@@ -78,8 +78,8 @@ impl Checker<'_> {
         self.words(expr, Names::Kept)
     }
 
-    /// The conditions whose names are in [`Self::text_by_names`], and those that their own texts speak of: each once,
-    /// in the order in which one comes upon them.
+    /// The conditions whose names are in [`Self::text_by_names`], and those that their own texts use: each once, in
+    /// order of appearance.
     pub(super) fn names_in_text(&self, expr: &Expr) -> Vec<String> {
         let mut seen = Vec::new();
         self.collect_names(expr, &mut seen);
@@ -103,7 +103,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The expression in words: as written, in the spacing of DATA_FORMAT.md 5.2, parameters by value.
+    /// The expression as text: as written, in the spacing of DATA_FORMAT.md 5.2, parameters by value.
     fn words(&self, expr: &Expr, names: Names) -> String {
         if let Some(q) = self.quantity(expr) {
             return format!("{}{}", q.value, q.unit.symbol);

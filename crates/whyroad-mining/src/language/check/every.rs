@@ -1,11 +1,11 @@
-//! Every fault of an expression. Checking stops at the first one; here the parts of a faulty expression are checked one
-//! by one, so that a person sees all of them at once. A whole is reported only if its parts are sound.
+//! Every error of an expression. Checking stops at the first one; here the parts of a wrong expression are checked one
+//! by one, so that the user sees all errors at once. A whole is reported only if its parts are correct.
 
 use super::super::Fault;
 use super::super::syntax::{ArithmeticOp, CompareOp, Expr, ExprKind};
 use super::{Checker, Meaning};
 
-/// What an expression has to be.
+/// Required type of an expression.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Wanted {
     Condition,
@@ -112,7 +112,7 @@ impl Checker<'_> {
             ("min" | "max", 2) => vec![Number, Duration],
             ("share" | "previously", 2) => vec![Condition, Duration],
             ("rises" | "falls" | "previously" | "first" | "last", 1) => vec![Condition],
-            // The kind of object is a word of its own.
+            // The kind of object is a separate word.
             ("exists" | "forall" | "count", 1 | 2) => {
                 self.meaning = Meaning::Counted;
                 vec![Condition]
@@ -125,7 +125,7 @@ impl Checker<'_> {
         self.meaning = outer;
     }
 
-    /// Pair by pair; a name on the other side of a fault may be a value of what is wrong there.
+    /// Pair by pair; a name on the other side of an error may be a value of the wrong part.
     fn gather_comparison(&mut self, first: &Expr, rest: &[(CompareOp, Expr)], found: &mut Vec<Fault>) {
         let mut left = first;
         for (op, right) in rest {
@@ -146,7 +146,7 @@ impl Checker<'_> {
         }
     }
 
-    /// A side of a comparison: a count or an extreme is sound there and nowhere else.
+    /// A side of a comparison: a count or an extreme is valid there and nowhere else.
     fn gather_side(&mut self, side: &Expr, found: &mut Vec<Fault>) {
         match &side.kind {
             ExprKind::Call(name, arguments) if matches!(name.as_str(), "count" | "least" | "greatest") => {

@@ -1,4 +1,4 @@
-//! Names that are not there, and what was probably meant.
+//! Unknown names, and suggestions.
 
 use super::super::Fault;
 use super::super::syntax::Span;
@@ -129,7 +129,7 @@ pub(super) fn unknown_of_family(
     }
 }
 
-/// The candidate most like `written`, when one is alike enough to be what was meant. The first one wins a tie.
+/// The candidate most like `written`, when one is similar enough to be a suggestion. The first one wins a tie.
 pub fn nearest<'c>(written: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     let mut best: Option<(f64, &str)> = None;
     for c in candidates {
@@ -149,7 +149,7 @@ pub(super) fn no_other(name: &str, span: Span) -> Fault {
         "rule.target",
         span,
         format!("'{name}' 说的是两个对象，但此处只有一个"),
-        format!("'{name}' speaks of two objects, but there is only one here"),
+        format!("'{name}' refers to two objects, but there is only one here"),
     )
     .hint(
         "写在 exists、forall 或 count 之内，例如 exists(pair.sector == right, bicycle)，或给规则第二个角色",

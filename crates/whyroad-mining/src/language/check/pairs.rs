@@ -1,4 +1,4 @@
-//! Names that speak of any two objects: `object.` is the object that the rule is about, `other.` the second one (each
+//! Names that refer to any two objects: `object.` is the object that the rule is about, `other.` the second one (each
 //! object near it in turn, inside `exists`, `forall` and `count`), `pair.` the two seen from the first, `reverse.` the
 //! same seen from the second.
 
@@ -8,10 +8,10 @@ use super::super::syntax::{Expr, Span};
 use super::{Checker, Meaning, kind_of, names};
 use whyroad_model::signal::is_on_demand;
 
-/// What is counted: among all objects of the drive, or among those near the object that the rule is about.
+/// The counted objects: all objects of the drive, or among those near the object that the rule is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Among {
-    /// All that are seen.
+    /// All that are observed.
     All,
     /// Those near the rule's own object.
     Near,
@@ -46,7 +46,7 @@ impl Checker<'_> {
             && !self.defining
     }
 
-    /// Among whom a condition inside `name` counts, by whom it speaks of.
+    /// The objects that a condition inside `name` counts, by the names that it uses.
     pub(super) fn among(&self, name: &str, id: NodeId, of: &Expr) -> Result<Among, Fault> {
         let owns: Vec<String> = self.program.signals_of_first(id).into_iter().collect();
         match self.program.node(id).scope {
@@ -54,7 +54,7 @@ impl Checker<'_> {
                 "rule.target",
                 of.span,
                 format!("{name} 之内 object.* 仍指本规则的对象，条件没有说到别的对象"),
-                format!("inside {name}, object.* is the rule's own object: the condition speaks of no other"),
+                format!("inside {name}, object.* is the rule's own object: the condition refers to no other"),
             )
             .hint(
                 "另一对象写作 other.*，两者的关系写作 pair.*",
@@ -65,7 +65,7 @@ impl Checker<'_> {
                 "rule.target",
                 of.span,
                 format!("{name} 的条件没有说到 target.* 或 pair.*"),
-                format!("the condition in {name} says nothing of target.* or pair.*"),
+                format!("the condition in {name} does not use target.* or pair.*"),
             )
             .hint("例如 exists(target.gap < 20 m)", "as in exists(target.gap < 20 m)")),
             ValueScope::Second | ValueScope::Pair if self.program.reads_targets(id) => Err(Fault::new(

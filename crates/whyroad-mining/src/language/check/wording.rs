@@ -1,6 +1,6 @@
-//! Conditions in words, for people who do not know the rule language: signals by their titles, values of categories
-//! by their names, definitions by the names that the rule gives them (`names:`) or else by what they are made of.
-//! Numbers are compared with the signs of mathematics.
+//! Conditions as text for people who do not know the rule language: signals by their titles, values of categories by
+//! their names, definitions by the names that the rule gives them (`names:`) or else by their content. Numbers are
+//! compared with the signs of mathematics.
 
 mod idioms;
 
@@ -11,22 +11,22 @@ use super::Checker;
 use whyroad_model::units::Dimension;
 use whyroad_model::{Bilingual, Lang};
 
-/// What stands between conditions, in Chinese and English.
+/// Separators between conditions, in Chinese and English.
 const AND: (&str, &str) = ("且", "and");
 const OR: (&str, &str) = ("或", "or");
 
-/// How closely a text holds together: what is put into another is quoted where that could be misread.
+/// Precedence of a text: an embedded text is quoted where it could be misread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Bond {
     /// A noun or a plain clause.
     Single,
     /// A comparison.
     Comparison,
-    /// Several clauses, or a clause and when it holds.
+    /// Several clauses, or a clause with a time.
     Joined,
 }
 
-/// A text and how closely it holds together.
+/// A text and its precedence.
 struct Phrase {
     text: String,
     bond: Bond,
@@ -46,7 +46,7 @@ impl Phrase {
     }
 }
 
-/// Who is called "the target" by the title of a signal.
+/// The object that "the target" means in the title of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Whose {
     /// The rule's target.
@@ -56,13 +56,13 @@ enum Whose {
 }
 
 impl Checker<'_> {
-    /// A condition or number in words.
+    /// Text of a condition or number.
     pub fn in_words(&self, expr: &Expr) -> Bilingual {
         let said = |lang| Words { checker: self, lang }.phrase(expr, Whose::Target).text;
         Bilingual::new(said(Lang::Zh), capitalized(&said(Lang::En)))
     }
 
-    /// The words that the rule gives a definition.
+    /// The name that the rule gives a definition.
     pub(super) fn name_of_definition(&self, name: &str) -> Option<Bilingual> {
         let words = self.names.get(name)?;
         Some(Bilingual::new(words.zh.clone(), capitalized(&words.en)))
@@ -220,14 +220,14 @@ impl Words<'_, '_> {
         }
     }
 
-    /// `a until (a and c)` is until c: what b adds to a.
+    /// `a until (a and c)` means until c: the part that b adds to a.
     fn beside(&self, a: &Expr, b: &Expr, whose: Whose) -> String {
         let ExprKind::And(all) = &b.kind else { return self.quoted(b, whose) };
         let added: Vec<&Expr> = without_guards(all).into_iter().filter(|e| !same(e, a)).collect();
         if added.is_empty() { self.quoted(b, whose) } else { self.quote(self.joined(&added, whose, AND)) }
     }
 
-    /// One condition as it is, several with a word between them.
+    /// One condition unchanged, several with a word between them.
     fn joined(&self, all: &[&Expr], whose: Whose, (zh, en): (&str, &str)) -> Phrase {
         if let [one] = all {
             return self.phrase(one, whose);
@@ -251,7 +251,7 @@ impl Words<'_, '_> {
         Phrase::single(self.signal(name, whose))
     }
 
-    /// The title of a signal; `target.`, "the target" in titles, is whoever it is about here.
+    /// The title of a signal; `target.`, "the target" in titles, is the current object here.
     fn signal(&self, name: &str, whose: Whose) -> String {
         let catalog = self.checker.catalog;
         let roles = &self.checker.roles;
@@ -463,7 +463,7 @@ fn sign(op: CompareOp) -> &'static str {
     }
 }
 
-/// A number and its unit as people write them.
+/// A number and its unit as displayed.
 fn quantity(q: Quantity) -> String {
     q.unit.of(&q.value.to_string().replace('-', "−"))
 }

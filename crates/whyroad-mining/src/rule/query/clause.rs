@@ -42,7 +42,7 @@ impl Reader<'_, '_> {
     }
 
     fn clauses(&mut self, all: &[QueryClause], pointer: &str) -> Option<Vec<Expr>> {
-        // Every one is looked at, also after one that is wrong.
+        // Every one is checked, also after a wrong one.
         let each: Vec<Option<Expr>> =
             all.iter().enumerate().map(|(i, c)| self.clause(c, &format!("{pointer}/{i}"))).collect();
         if all.is_empty() {
@@ -130,7 +130,7 @@ fn seconds(value: f64) -> Expr {
     Expr { kind: ExprKind::Number(Quantity { value, unit }), span: Span::default() }
 }
 
-/// Which field of a condition a fault is about.
+/// Field of a condition that a fault refers to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ComparisonPart {
     Whole,

@@ -1,5 +1,5 @@
-//! The chains against definitions written out naively. All are monotone: with every unknown true (false), and all
-//! that lies outside the recording true (false), the answers bound those of every other world.
+//! The chains against definitions written out naively. All are monotone: with every unknown row and everything outside
+//! the recording true (false), the answers bound those of every other world.
 
 use super::super::{Row, Truths, previously, within};
 use super::*;
@@ -10,7 +10,7 @@ fn tri() -> impl Strategy<Value = Tri> {
     prop_oneof![4 => Just(Tri::True), 3 => Just(Tri::False), 1 => Just(Tri::Unknown)]
 }
 
-/// Rows at 10 Hz with lost frames, and two truths a row (unknown in the gaps).
+/// Rows at 10 Hz with lost frames, and two truths per row (unknown in the gaps).
 fn log() -> impl Strategy<Value = (Vec<Row>, Vec<Tri>, Vec<Tri>)> {
     let frame = (prop_oneof![9 => Just(100i64), 1 => (2i64..6).prop_map(|k| k * 100)], tri(), tri());
     prop::collection::vec(frame, 1..30).prop_map(|steps| {

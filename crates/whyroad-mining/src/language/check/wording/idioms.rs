@@ -1,9 +1,9 @@
-//! Ways of writing that rules have in common, which people are told in fewer words: guards against the unknown, one
-//! condition before or after now, something that happens in a stretch of time.
+//! Common patterns of rules that are displayed in fewer words: guards against unknown values, a condition before or
+//! after now, an event in a stretch of time.
 
 use crate::language::syntax::{Expr, ExprKind};
 
-/// The members of a conjunction without those that only say that what another one speaks of is known.
+/// The members of a conjunction without those that only require a value used by another one to be known.
 pub(super) fn without_guards(all: &[Expr]) -> Vec<&Expr> {
     let is_guard = |i: usize, e: &Expr| match &e.kind {
         ExprKind::Known(of) => all.iter().enumerate().any(|(j, other)| j != i && contains(other, of)),
@@ -54,7 +54,7 @@ fn contains(whole: &Expr, part: &Expr) -> bool {
     same(whole, part) || whole.parts().into_iter().any(|e| contains(e, part))
 }
 
-/// True for expressions that are written alike, wherever they are.
+/// True for expressions that are written alike, in any position.
 pub(super) fn same(a: &Expr, b: &Expr) -> bool {
     match (&a.kind, &b.kind) {
         (ExprKind::Name(x), ExprKind::Name(y)) => x == y,
