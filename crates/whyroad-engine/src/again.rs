@@ -2,15 +2,15 @@
 //! are opened, the lines of the others are copied. The files are the same byte for byte as those of a run without an
 //! earlier one.
 //!
-//! What this relies on, drive by drive:
+//! Criteria, drive by drive:
 //!
 //! - *Unchanged*: the drive is in the same place (its folder, or its row of a pack), and the identity of `drive.json`
-//!   (or the pack's `drives.parquet`) and of all its scene tables is the one that it had: length, time of change and
-//!   file number, or the hash of the content in an object store.
-//! - *Moved* (packed, or the lake was copied): the identity is another, and `drive.json` says the same to the byte,
-//!   with a hash of the drive's content. That hash is what stored signals and results go by, too.
-//! - *Changed in its place*: a table is another file while `drive.json` is untouched, so its hash of the content says
-//!   nothing. Signals and results that are stored beside the drive are made again.
+//!   (or the pack's `drives.parquet`) and of all its scene tables is unchanged: length, time of change and file number,
+//!   or the hash of the content in an object store.
+//! - *Moved* (packed, or the lake was copied): the identity differs, but `drive.json` is identical byte by byte and has
+//!   a hash of the drive's content. Stored signals and results use that hash, too.
+//! - *Changed in place*: a table is another file while `drive.json` is unchanged, so its hash of the content is not
+//!   valid. Signals and results that are stored beside the drive are made again.
 //! - Everything else, and a drive that could not be read, is opened as in a first run. A drive that is no longer in the
 //!   lake is not copied.
 
@@ -31,7 +31,7 @@ const CODE: &str = env!("WHYROAD_ENGINE_VERSION");
 /// calibration, classes, and the versions of the code.
 pub fn state(request: &Request, taxonomy: &Taxonomy, rules: &RuleSet) -> String {
     let mut request = request.clone();
-    // A limit leaves nothing out of the lines; results are made again from all of them.
+    // A limit removes none of the lines; results are made again from all of them.
     request.questions.iter_mut().for_each(|q| q.limit = None);
     let mut hasher = blake3::Hasher::new();
     let parts = [
@@ -47,12 +47,12 @@ pub fn state(request: &Request, taxonomy: &Taxonomy, rules: &RuleSet) -> String 
     hasher.finalize().to_hex()[..32].to_owned()
 }
 
-/// What an earlier run left in a folder; `None` where it cannot be relied on.
+/// Results of an earlier run in a folder; `None` where they cannot be reused.
 pub fn earlier(folder: &std::path::Path, state: &str) -> Option<Ledger> {
     Ledger::open(&MinedFolder::open(folder)?, state)
 }
 
-/// What a run into a folder did.
+/// Result of a run into a folder.
 #[derive(Debug, Default)]
 pub struct MinedAgain {
     /// Drives that were not opened, because they have not changed.
@@ -61,7 +61,7 @@ pub struct MinedAgain {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// What is done with a drive.
+/// Handling of a drive.
 enum Step {
     Same(SameDrive),
     Mined(MinedDrive, KnownDrive),
@@ -69,8 +69,8 @@ enum Step {
 }
 
 /// Mines every drive of the lake into a folder that keeps a ledger ([`FolderWriter::keep_ledger`]), in the order of
-/// their ids. `done` is called after each drive, from any thread; `answer` makes of a drive's results those that the
-/// question asks for.
+/// their ids. `done` is called after each drive, from any thread; `answer` reduces a drive's results to those that the
+/// question requests.
 ///
 /// # Errors
 /// Where the folder cannot be written.

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 use whyroad_lake::{Lake, LakeError};
 use whyroad_model::{Bilingual, Diagnostic, DriveId, SignalTable};
 
-/// Drives that are processed for each core before their results are handed on: what is held does not grow with the
-/// lake, and a core that is done early waits for the others once per this many drives.
+/// Drives that are processed for each core before their results are handed on: memory use does not grow with the lake,
+/// and a core that finishes early waits for the others once per this many drives.
 const DRIVES_PER_CORE: usize = 32;
 
-/// Calls `work` for each drive, from any thread, and hands the results to `each` in the order of the ids. An error of
-/// `each` ends it. `jobs` bounds the drives in work at once (`None`: all cores).
+/// Calls `work` for each drive, from any thread, and passes the results to `each` in the order of the ids. An error of
+/// `each` stops it. `jobs` bounds the drives in work at once (`None`: all cores).
 pub fn map_drives<T: Send, E>(
     ids: &[DriveId],
     jobs: Option<usize>,
@@ -20,7 +20,7 @@ pub fn map_drives<T: Send, E>(
     let pool = jobs.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
     let cores = pool.as_ref().map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
     for some in ids.chunks(cores.max(1) * DRIVES_PER_CORE) {
-        // Drives one by one: their sizes differ, and each is work enough.
+        // Drives one by one: their sizes differ, and each is enough work.
         let all = || -> Vec<T> { some.par_iter().with_max_len(1).map(&work).collect() };
         let results = match &pool {
             Some(pool) => pool.install(all),
@@ -40,7 +40,7 @@ pub fn signals_of(lake: &Lake, id: &DriveId) -> Result<SignalTable, LakeError> {
         return Ok(table);
     }
     let table = derived_signals(lake, id)?;
-    // A lake that cannot be written can be read all the same: the next command derives again.
+    // A lake that cannot be written can still be read: the next command derives again.
     let _ = lake.write_signals(id, whyroad_signals::VERSION, &table);
     Ok(table)
 }
@@ -51,7 +51,7 @@ pub(crate) fn derived_signals(lake: &Lake, id: &DriveId) -> Result<SignalTable, 
 }
 
 /// Derives and stores the signals of every drive that has none stored by this version, as `mine` does on the way.
-/// Gives the number of drives whose signals were derived, and an error for each drive that could not be.
+/// Returns the number of drives whose signals were derived, and an error for each drive that could not be.
 pub fn derive_signals(
     lake: &Lake,
     jobs: Option<usize>,

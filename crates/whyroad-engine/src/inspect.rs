@@ -1,4 +1,4 @@
-//! What a lake holds, counted: numbers of clips, objects, map features, and how much of each signal is known.
+//! Statistics of a lake: numbers of clips, objects, map features, and how much of each signal is known.
 
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -41,8 +41,8 @@ pub struct DriveSummary {
     pub missing: Vec<Need>,
     /// Signals that the log supports.
     pub signals: BTreeMap<String, SignalShare>,
-    /// Signals that it does not support, with what the log lacks of what they need; nothing where the log has a part of
-    /// each, and too little for this signal.
+    /// Signals that it does not support, with the needs that the log lacks; empty where the log has a part of each, but
+    /// too little for this signal.
     pub unavailable: BTreeMap<String, Vec<Need>>,
 }
 
@@ -79,7 +79,7 @@ pub struct NoiseOf {
     pub heading_deg: [f64; 2],
     /// Of a component of stated velocities, m/s, likewise.
     pub velocity_mps: [f64; 2],
-    /// True when all of it is too little to be smoothed away.
+    /// True when all of it is too small to need smoothing.
     pub exact: bool,
 }
 
@@ -116,7 +116,7 @@ pub struct ObjectCount {
     pub rows: usize,
 }
 
-/// How much of a signal is known.
+/// Coverage of a signal.
 #[derive(Clone, Debug, Serialize)]
 pub struct SignalShare {
     /// Rows with a known value.
@@ -205,7 +205,7 @@ impl LakeSummary {
     }
 }
 
-/// The needs that the log lacks: those of which no signal with a value shows that they are there.
+/// The needs that the log lacks: those that no signal with a value proves to be present.
 fn lacking(
     mut unavailable: BTreeMap<String, Vec<Need>>,
     signals: &BTreeMap<String, SignalShare>,
@@ -220,7 +220,7 @@ fn lacking(
     unavailable
 }
 
-/// How much of each signal is known, and what the log cannot support.
+/// Coverage of each signal, and the signals that the log cannot support.
 type Shares = (BTreeMap<String, SignalShare>, BTreeMap<String, Vec<Need>>);
 
 /// By the statistics of the stored columns; `None` where a file states none.

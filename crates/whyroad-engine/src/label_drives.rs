@@ -1,5 +1,5 @@
-//! Drives of a lake for the checks of labels: by clip id, with their signals and what the rules find in them; the last
-//! few stay in memory, because labels mostly come drive by drive.
+//! Drives of a lake for the checks of labels: by clip id, with their signals and the episodes that the rules find; the
+//! last few stay in memory, because labels are mostly ordered by drive.
 
 use crate::drives::signals_of;
 use crate::output::record::write_down;
@@ -25,7 +25,7 @@ pub struct LabelDrives {
 }
 
 impl LabelDrives {
-    /// Drives of `lake`, mined with the rules of `framework`. Rules with faults are left out; loading has reported
+    /// Drives of `lake`, mined with the rules of `framework`. Rules with errors are left out; loading has reported
     /// them.
     pub fn new(lake: Lake, framework: &Framework) -> Self {
         let (rules, _) = RuleSet::of_framework(framework, Catalog::bundled());

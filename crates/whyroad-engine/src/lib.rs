@@ -1,7 +1,7 @@
 //! One drive in, record batches out: the same calls for the binary, the service, Python, Ray and Spark.
 //!
-//! What a step computes is in the crate of that step (ingest, signals, mining); this crate reads what the step needs
-//! from the lake, runs it on all cores, keeps what can be used again, and gives results in the order of drive ids.
+//! What a step computes is in the crate of that step (ingest, signals, mining); this crate reads the inputs of the step
+//! from the lake, runs it on all cores, keeps reusable results, and returns results in the order of drive ids.
 
 pub mod again;
 pub mod drives;

@@ -21,7 +21,7 @@ pub struct AddImages {
     pub camera: String,
     /// Where the images are.
     pub source: ImageSource,
-    /// Copy them into the lake; otherwise the lake names where they are.
+    /// Copy them into the lake; otherwise the lake stores their paths.
     pub copy: bool,
 }
 
@@ -50,7 +50,7 @@ pub enum ImageStart {
     Offset(f64),
 }
 
-/// What was attached.
+/// Result of attaching images.
 #[derive(Clone, Debug)]
 pub struct AddedImages {
     /// Images that the drive now has of the camera.
@@ -59,12 +59,12 @@ pub struct AddedImages {
     pub replaced: usize,
     /// Images that cannot be shown, with the reason.
     pub rejected: Vec<(PathBuf, Bilingual)>,
-    /// The folder of images outside the lake, which the service has to be given.
+    /// The folder of images outside the lake, which must be given to the service.
     pub outside: Option<PathBuf>,
 }
 
-/// Attaches images to a drive. Those that it had of the same camera are replaced, other cameras stay. Images that
-/// cannot be shown are left out and reported; when all are, nothing is changed.
+/// Attaches images to a drive. Those that it had of the same camera are replaced, other cameras are kept. Images that
+/// cannot be shown are left out and reported; if no image can be shown, nothing is changed.
 pub fn add_images(lake: &Lake, id: &DriveId, request: &AddImages) -> Result<AddedImages, MediaError> {
     let times = lake.outline(id)?.times;
     let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
@@ -146,14 +146,14 @@ fn check(
     let path = path
         .canonicalize()
         .map_err(|e| Bilingual::new(format!("无法读取：{e}"), format!("cannot be read: {e}")))?;
-    // The service takes only names that are text.
+    // The service accepts only names that are text.
     if path.to_str().is_none() {
         return Err(Bilingual::new("路径不是 UTF-8", "its path is not UTF-8"));
     }
     if !seen.insert(time) {
         return Err(Bilingual::new(
             format!("时间 {time} 已有图片"),
-            format!("there is an image of {time} already"),
+            format!("an image of {time} already exists"),
         ));
     }
     Ok(Image { path, time, kind })

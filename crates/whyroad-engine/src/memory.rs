@@ -1,6 +1,6 @@
-//! What the allocator does with memory that was freed. A drive takes some 100 MB for a moment, in columns of a few
-//! hundred kilobytes each. The allocator of the GNU C library gives such memory back to the system at once, and a tenth
-//! of the time goes into getting it again, cleared page by page, for the next drive.
+//! Settings of the allocator for freed memory. A drive takes about 100 MB for a moment, in columns of a few hundred
+//! kilobytes each. The allocator of the GNU C library returns such memory to the system at once, and a tenth of the
+//! time is spent on getting it again, cleared page by page, for the next drive.
 
 use std::hint::black_box;
 use std::sync::Once;

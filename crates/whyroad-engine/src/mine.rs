@@ -1,6 +1,6 @@
 //! A lake: each drive's signals read from its store (derived and stored where there are none), its episodes found, on
 //! all cores. The only module that does I/O besides [`crate::output`]. The result depends neither on the number of
-//! threads nor on what was stored or kept from earlier runs; a run that was interrupted goes on where it was.
+//! threads nor on stored or kept results of earlier runs; an interrupted run continues where it stopped.
 
 mod kept;
 mod prefilter;
@@ -37,13 +37,13 @@ pub struct MinedDrive {
     pub drive_id: DriveId,
     /// Its clips, without pre-labels.
     pub clips: Vec<ClipMetadata>,
-    /// What was found, in order of keyframe, class, target.
+    /// Episodes, in order of keyframe, class, target.
     pub episodes: Vec<MinedEpisode>,
     /// For each rule, by its class: the signals for lack of which it could not be decided (none: it could).
     pub missing: BTreeMap<ScenarioId, Vec<String>>,
 }
 
-/// What a run over a lake gave.
+/// Results of a run over a lake.
 #[derive(Clone, Debug, Default)]
 pub struct MinedLake {
     /// Drives that could be read, by id.
@@ -55,26 +55,26 @@ pub struct MinedLake {
 /// Which evaluator runs the rules. Results are identical.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Evaluator {
-    /// The fast one, with all that is stored and kept.
+    /// The fast one, with all stored and kept results.
     #[default]
     Fast,
-    /// The plain interpreter, from signals that are derived again, keeping nothing: to compare.
+    /// The plain interpreter, from newly derived signals, keeping nothing: for comparison.
     Reference,
 }
 
 /// How to run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MineOptions {
-    /// Drives worked on at once, and so the bound of memory; `None` is all cores.
+    /// Maximum number of drives in work at once, which bounds memory; `None` means all cores.
     pub jobs: Option<usize>,
     /// Which evaluator.
     pub evaluator: Evaluator,
     /// Language of texts in messages.
     pub lang: Lang,
-    /// Which clips episodes belong to. Those of the division are always listed, so that lengths add up.
+    /// How clips are cut for episodes. The regular clips are always listed, so that lengths add up.
     pub clips: ClipCut,
-    /// Where no signals of a drive are stored, derive only what the rules ask for and store none: cheaper for one
-    /// question, and not for the next one.
+    /// Where no signals of a drive are stored, derive only those that the rules use and store none: cheaper for one
+    /// question, but not for the next one.
     pub once: bool,
 }
 
@@ -84,7 +84,7 @@ pub fn mine_lake(lake: &Lake, rules: &RuleSet, lang: Lang, done: impl Fn(&DriveI
     mine_lake_with(lake, rules, &MineOptions { lang, ..MineOptions::default() }, done)
 }
 
-/// Mines every drive of the lake as the options say, and keeps all of it.
+/// Mines every drive of the lake as the options say, and keeps all results in memory.
 pub fn mine_lake_with(
     lake: &Lake,
     rules: &RuleSet,
@@ -100,7 +100,7 @@ pub fn mine_lake_with(
     MinedLake { drives, diagnostics }
 }
 
-/// Mines these drives of the lake in this order, and keeps all of it.
+/// Mines these drives of the lake in this order, and keeps all results in memory.
 pub fn mine_drives(lake: &Lake, rules: &RuleSet, options: &MineOptions, ids: &[DriveId]) -> MinedLake {
     let miner = Miner::new(lake, rules, options);
     let mut out = MinedLake::default();
@@ -121,8 +121,8 @@ pub fn mine_drives(lake: &Lake, rules: &RuleSet, options: &MineOptions, ids: &[D
     out
 }
 
-/// Mines every drive of the lake as the options say, and hands its results to `each`, in the order of their ids; an
-/// error of `each` ends it. Gives an error for each drive that could not be read.
+/// Mines every drive of the lake as the options say, and passes its results to `each`, in the order of their ids; an
+/// error of `each` stops it. Returns an error for each drive that could not be read.
 pub fn mine_each<E: Send>(
     lake: &Lake,
     rules: &RuleSet,
@@ -149,14 +149,14 @@ pub fn mine_each<E: Send>(
     Ok(diagnostics)
 }
 
-/// The episodes of a drive that is in memory: derived, searched and arbitrated now; nothing is read or stored. `plan`
-/// is that of `rules`.
+/// The episodes of a drive in memory: derived, searched and arbitrated now; nothing is read or stored. `plan` is that
+/// of `rules`.
 pub fn episodes_of(drive: &Drive, rules: &RuleSet, plan: &Plan<'_>) -> DriveEpisodes {
     let table = whyroad_signals::derive(drive);
     arbitrated(rules, &drive.meta.drive_id, &drive.times, found_of(drive, &table, rules, plan))
 }
 
-/// What each rule finds in a drive with its signals.
+/// Results of each rule on a drive with its signals.
 fn found_of(drive: &Drive, table: &SignalTable, rules: &RuleSet, plan: &Plan<'_>) -> Vec<Found> {
     let ordinary: Vec<usize> =
         (0..rules.rules.len()).filter(|i| rules.rules[*i].on_demand().is_none()).collect();
@@ -172,16 +172,16 @@ fn found_of(drive: &Drive, table: &SignalTable, rules: &RuleSet, plan: &Plan<'_>
     found
 }
 
-/// What one rule finds in signals that are at hand, by the fast evaluator.
+/// Results of one rule on available signals, by the fast evaluator.
 fn found_in(rule: &Rule, table: &SignalTable) -> Found {
     find_all(&Plan::of_rules([rule]), &Signals::of_table(table)).pop().unwrap_or_default()
 }
 
-/// Finds what each rule finds in a drive.
+/// Runs each rule on a drive.
 type Find<'a> = fn(&Miner<'a>, &DriveId, &Outline) -> Result<Vec<Found>, LakeError>;
 
-/// Mines single drives; what all drives of one run share. [`mine_each`] is a loop around it, and so is every other
-/// engine that spreads drives over workers.
+/// Mines single drives; holds what all drives of one run share. [`mine_each`] is a loop around it, and so is every
+/// other engine that spreads drives over workers.
 pub struct Miner<'a> {
     lake: &'a Lake,
     rules: &'a RuleSet,
@@ -204,7 +204,7 @@ impl<'a> Miner<'a> {
         self.guarded(id, Self::found)
     }
 
-    /// [`Miner::drive`] of a drive whose tables were changed in their place: what is stored of it is made again.
+    /// [`Miner::drive`] of a drive whose tables were changed in place: its stored results are made again.
     pub fn drive_afresh(&self, id: &DriveId) -> Result<MinedDrive, Box<Diagnostic>> {
         self.guarded(id, Self::found_afresh)
     }
@@ -214,19 +214,19 @@ impl<'a> Miner<'a> {
         mined.unwrap_or_else(|_| Err(Box::new(crashed(id))))
     }
 
-    /// Publishes what the lake keeps of the results, where it is in an object store; a warning where that fails.
+    /// Publishes the kept results, where it is in an object store; a warning where that fails.
     pub fn published(&self) -> Option<Diagnostic> {
         let e = self.lake.publish().err()?;
         let of_lake = e.diagnostic();
         Some(Diagnostic { severity: whyroad_model::Severity::Warning, ..of_lake })
     }
 
-    /// A warning where the lake could not keep something.
+    /// A warning where the lake could not keep results.
     pub fn unwritable(&self) -> Option<Diagnostic> {
         self.unwritable.load(Ordering::Relaxed).then(|| unwritable(self.lake))
     }
 
-    /// `fast` finds what each rule finds where the fast evaluator is asked for.
+    /// `fast` runs each rule where the fast evaluator is requested.
     fn mine_one(&self, id: &DriveId, fast: Find<'a>) -> Result<MinedDrive, Box<Diagnostic>> {
         let unreadable = |e: LakeError| unreadable(id, &e);
         let outline = self.lake.outline(id).map_err(unreadable)?;
@@ -264,10 +264,10 @@ impl<'a> Miner<'a> {
         self.keys.get(at).map(|key| key.chars().take(12).collect())
     }
 
-    /// The results of each rule: kept from an earlier run, or found now and kept.
+    /// The results of each rule: kept from an earlier run, or computed now and kept.
     fn found(&self, id: &DriveId, outline: &Outline) -> Result<Vec<Found>, LakeError> {
         let hash = &outline.meta.content_hash;
-        // Without a hash nobody can say that the content is the same.
+        // Without a hash, equal content cannot be established.
         let content = self.lake.note(id, kept::FILE).filter(|_| !hash.is_empty());
         let mut kept = Kept::parse(content, &kept::state(hash));
         let mut found: Vec<Option<Found>> =
@@ -284,7 +284,7 @@ impl<'a> Miner<'a> {
         Ok(found.into_iter().map(Option::unwrap_or_default).collect())
     }
 
-    /// The results of each rule, found in signals that are derived now; signals and results are kept.
+    /// The results of each rule, computed from signals that are derived now; signals and results are kept.
     fn found_afresh(&self, id: &DriveId, outline: &Outline) -> Result<Vec<Found>, LakeError> {
         let drive = self.lake.read_drive(id)?;
         let table = whyroad_signals::derive(&drive);
@@ -315,8 +315,8 @@ impl<'a> Miner<'a> {
         rules.iter().map(one).collect()
     }
 
-    /// Runs these rules on the stored signals; where there are none, derives and stores them, or derives only what the
-    /// rules ask for ([`MineOptions::once`]) and stores nothing: a store has all.
+    /// Runs these rules on the stored signals; where there are none, derives and stores them, or derives only those
+    /// that the rules use ([`MineOptions::once`]) and stores nothing: a store has all signals.
     fn run_stored(&self, id: &DriveId, rules: &[usize]) -> Result<Vec<Found>, LakeError> {
         if let Some(file) = self.lake.signals(id, whyroad_signals::VERSION)?
             && let Ok(found) = find_stored(&self.plan, &file, 0, rules)
@@ -335,7 +335,7 @@ impl<'a> Miner<'a> {
         Ok(Search::new(&self.plan, &Signals::of_table(&table), rules.iter().copied()).found())
     }
 
-    /// A lake that cannot be written is mined all the same.
+    /// A lake that cannot be written is still mined.
     fn note(&self, written: Result<(), LakeError>) {
         if written.is_err() {
             self.unwritable.store(true, Ordering::Relaxed);
@@ -364,7 +364,7 @@ fn crashed(id: &DriveId) -> Diagnostic {
     );
     let hint = Bilingual::new(
         "这是程序缺陷：请附上标准错误中的 panic 信息报告",
-        "this is a defect of the program: report it with the panic message on stderr",
+        "this is a bug in the program: report it with the panic message on stderr",
     );
     Diagnostic::error("mine.drive.crashed", message).with_hint(hint)
 }
@@ -372,7 +372,7 @@ fn crashed(id: &DriveId) -> Diagnostic {
 fn unwritable(lake: &Lake) -> Diagnostic {
     let message = Bilingual::new(
         "数据湖不可写：信号与结果未保存，下次须重新计算",
-        "the lake cannot be written: signals and findings are not kept, and are worked out again next time",
+        "the lake cannot be written: signals and findings are not kept and will be computed again next time",
     );
     let hint =
         Bilingual::new("检查该文件夹的写权限与磁盘空间", "check the folder's permissions and free space");

@@ -1,5 +1,5 @@
-//! The signals of a rule about any object: derived for this rule alone, with those that every drive has beside them
-//! where the rule reads them too. Nothing of it is stored.
+//! The signals of a rule about any object: derived for this rule alone, together with those that every drive has where
+//! the rule reads them too. They are not stored.
 
 use whyroad_lake::LakeError;
 use whyroad_mining::language::Subject;
@@ -9,8 +9,8 @@ use whyroad_model::signal::is_of_object;
 use whyroad_model::{Drive, ObjectClass, SignalTable};
 use whyroad_signals::{Objects, PairClasses, WithPairs, derive_objects};
 
-/// The signals of a drive for one rule: all that every drive has (`whole`), or, for a rule that asks for signals of any
-/// object, those that it asks for.
+/// The signals of a drive for one rule: all that every drive has (`whole`), or, for a rule that uses signals of any
+/// object, those that it uses.
 ///
 /// The ego is one of the objects unless the rule reads `target.` signals as well: those are relative to it.
 pub fn signals_for(
@@ -24,7 +24,7 @@ pub fn signals_for(
     }
 }
 
-/// Classes of the objects that the rule is about, and of those that it looks for near them.
+/// Classes of the objects that the rule is about, and of those near them that it uses.
 fn pair_classes(rule: &Rule) -> PairClasses {
     let counted = rule.program.nodes.iter().filter_map(|n| match n.op {
         Op::AtLeastNear { subject, .. } => Some(subject),

@@ -1,4 +1,4 @@
-//! What a mining run leaves behind: the messages of DATA_FORMAT.md 3 and 5, `episodes.parquet`, coverage.
+//! Output of a mining run: the messages of DATA_FORMAT.md 3 and 5, `episodes.parquet`, coverage.
 //! `docs/reference/rules.md` lists the files.
 
 pub mod coverage;

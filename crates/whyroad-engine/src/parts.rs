@@ -1,8 +1,8 @@
 //! Mining a lake with several workers: a plan of work lists, a part folder for each worker, and one mined folder merged
 //! from the parts, the same byte for byte as that of one run over the whole lake.
 //!
-//! Whoever starts the workers (cron, SLURM, Kubernetes, Airflow, Ray, Spark) only passes files; nothing here schedules,
-//! and workers need not know of each other.
+//! The program that starts the workers (cron, SLURM, Kubernetes, Airflow, Ray, Spark) only passes files; nothing here
+//! schedules, and workers are independent of each other.
 
 mod folder;
 mod merge;
@@ -33,20 +33,20 @@ pub const CODES: &[&str] = &[
     "merge.expected.unknown",
 ];
 
-/// What a run asks for: everything besides drives and rules that its results depend on.
+/// The request of a run: everything besides drives and rules that affects its results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
-    /// What is recorded in the mined folder.
+    /// The question recorded in the mined folder.
     pub asked: MiningQuestion,
     /// A `mining_result` is written for each.
     pub questions: Vec<Question>,
     /// Classes for which a rule is run, in the order of the rules.
     pub classes: Vec<ScenarioId>,
-    /// Whose rules are run.
+    /// Source of the rules.
     pub searched: Searched,
     /// Language of texts in messages.
     pub lang: Lang,
-    /// Which clips episodes belong to.
+    /// How clips are cut for episodes.
     #[serde(default)]
     pub clips: ClipCut,
 }

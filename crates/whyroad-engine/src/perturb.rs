@@ -1,5 +1,6 @@
-//! A drive made worse on purpose: noise, lost rows, broken ids, a lower rate, no velocities. Pure and seeded: the same
-//! drive, perturbation and seed give the same result, whatever else is perturbed. What `whyroad robustness` compares.
+//! Deliberate degradation of a drive: noise, lost rows, broken ids, a lower rate, no velocities. Pure and seeded: the
+//! same drive, perturbation and seed give the same result, regardless of other perturbations. Used by `whyroad
+//! robustness`.
 
 mod random;
 mod rate;
@@ -9,7 +10,7 @@ use std::collections::BTreeMap;
 use whyroad_model::scene::{Motion, Track};
 use whyroad_model::{Bilingual, Drive, TrackId};
 
-/// A way in which a log can be worse than it is.
+/// A kind of degradation of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Perturbation {
     /// Noise of the objects, independent from frame to frame.
@@ -42,7 +43,7 @@ pub const VELOCITY_MPS: f64 = 0.3;
 pub const DROPPED: f64 = 0.1;
 /// Share of ids that break within a second.
 pub const BREAKS_PER_S: f64 = 0.1;
-/// Rows that are lost where an id breaks, at most.
+/// Maximum number of rows that are lost where an id breaks.
 const LOST_AT_BREAK: usize = 4;
 
 impl Perturbation {
@@ -79,7 +80,7 @@ impl Perturbation {
         Self::ALL.into_iter().find(|p| p.name() == name)
     }
 
-    /// What it does.
+    /// Its description.
     pub fn meaning(self) -> Bilingual {
         let noise = "0.2 m, 2 deg, 0.3 m/s";
         match self {
@@ -121,7 +122,7 @@ pub struct Perturbed {
 /// `drive` perturbed.
 pub fn perturb(drive: &Drive, how: Perturbation, seed: u64) -> Perturbed {
     let mut out = Perturbed { drive: drive.clone(), ..Perturbed::default() };
-    // The content is another one: nothing stored for the drive applies to it.
+    // The content differs: nothing stored for the drive applies to it.
     out.drive.meta.content_hash = String::new();
     let random = |of: &str| Random::new(seed, &[drive.meta.drive_id.as_str(), how.name(), of]);
     let tracks = &mut out.drive.tracks;
@@ -175,8 +176,8 @@ pub fn perturb(drive: &Drive, how: Perturbation, seed: u64) -> Perturbed {
     out
 }
 
-/// Adds noise to all that is measured of a motion. Accelerations and yaw rates that the log states would be exact
-/// still: they become unknown.
+/// Adds noise to all measurements of a motion. Stated accelerations and yaw rates would remain exact, so they become
+/// unknown.
 fn add_noise(m: &mut Motion, frames: &[u32], noise: Noise, random: &mut Random) {
     let n = m.len();
     let mut series = |sd: f64| noise.series(frames, sd, random);

@@ -1,5 +1,5 @@
-//! Drives, signals, mined folders and camera images of one lake, as a long-running service needs them: what comes while
-//! it runs is seen at once, and drives in use stay in memory. Knows no HTTP; the binary hands it to the service.
+//! Drives, signals, mined folders and camera images of one lake, as a long-running service needs them: additions during
+//! operation are visible at once, and drives in use stay in memory. Knows no HTTP; the binary passes it to the service.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
@@ -15,7 +15,7 @@ use whyroad_model::{Drive, DriveId, Nanos, SignalTable};
 /// Drives kept in memory: people who work at the same time mostly work on the same drives.
 const DRIVES_IN_MEMORY: usize = 12;
 
-/// A folder that was named as one of mining results is not one.
+/// A folder that was given as mining results is not one.
 #[derive(Debug, thiserror::Error)]
 pub enum MinedFolderError {
     /// No mining results in the folder or directly below it.
@@ -110,7 +110,7 @@ impl LakeRecordings {
         self.lake.ready()
     }
 
-    /// Differs whenever the drive on disk was changed; empty for a drive that cannot be read.
+    /// Changes whenever the drive on disk changes; empty for a drive that cannot be read.
     pub fn version(&self, id: &DriveId) -> String {
         self.lake.stamp(id).map_or_else(|_| String::new(), |stamp| format!("{stamp:?}"))
     }
@@ -121,13 +121,12 @@ impl LakeRecordings {
         whyroad_signals::derive(drive)
     }
 
-    /// Of [`LakeRecordings::signals`] the last frame: those of `whyroad_signals::derive_last_frame`.
+    /// The last frame of [`LakeRecordings::signals`]: those of `whyroad_signals::derive_last_frame`.
     pub fn last_frame(&self, drive: &Drive) -> SignalTable {
         whyroad_signals::derive_last_frame(drive)
     }
 
-    /// Signals of a whole drive of this lake, with its future: those that are stored of the drive's content, or derived
-    /// now.
+    /// Signals of a whole drive of this lake, with its future: those stored for the drive's content, or derived now.
     pub fn whole_signals(&self, drive: &Drive) -> SignalTable {
         self.stored_signals(drive).unwrap_or_else(|| whyroad_signals::derive(drive))
     }
@@ -139,7 +138,7 @@ impl LakeRecordings {
         if same { file.read_table(0).ok() } else { None }
     }
 
-    /// The drive with complete motion; it may be cut at a keyframe, and nothing later has an influence then.
+    /// The drive with complete motion; it may be cut at a keyframe, and then nothing later affects it.
     pub fn estimated(&self, drive: &Arc<Drive>) -> Arc<Drive> {
         match whyroad_signals::estimate(drive) {
             Cow::Owned(complete) => Arc::new(complete),
@@ -152,7 +151,7 @@ impl LakeRecordings {
         self.folders().into_keys().collect()
     }
 
-    /// Number of episodes of a mined folder that answer `filter`; `None` for an unknown name.
+    /// Number of episodes of a mined folder that match `filter`; `None` for an unknown name.
     pub fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, LakeError>> {
         let folder = self.folders().remove(name)?;
         Some(folder.index().and_then(|index| index.count(filter)))
@@ -170,7 +169,7 @@ impl LakeRecordings {
         Some(folder.index().and_then(|index| index.page(filter, after, limit)))
     }
 
-    /// The file of a camera image, where it is on this machine and within a folder that was opened to the service.
+    /// The file of a camera image, where it is on this machine and within a folder that the service may read.
     pub fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {
         crate::media::image_kind_by_extension(Path::new(&frame.uri))?;
         // As the log names it: from its own folder, or from the folder of all logs.
@@ -178,7 +177,7 @@ impl LakeRecordings {
         // Looked up each time: the lake's own folder comes with the first `whyroad media add --copy`.
         let roots: Vec<PathBuf> = self.media.iter().filter_map(|d| d.canonicalize().ok()).collect();
         let found = roots.iter().flat_map(|root| paths(root).map(|p| (root, p)));
-        // A name with `..` or a link must not lead out of the folder that was opened to the service.
+        // A name with `..` or a link must not lead out of the folder that the service may read.
         found
             .filter_map(|(root, path)| Some((root, path.canonicalize().ok()?)))
             .find(|(root, path)| path.starts_with(root) && path.is_file())
@@ -188,7 +187,7 @@ impl LakeRecordings {
     /// A camera image in one of the object stores: one image per object, never a video.
     ///
     /// # Errors
-    /// Where a store cannot be asked.
+    /// When a store cannot be reached.
     pub fn stored_image(
         &self,
         drive: &DriveId,
@@ -207,7 +206,7 @@ impl LakeRecordings {
         Ok(None)
     }
 
-    /// Where links to images in object stores lead: scheme, host and port.
+    /// Targets of links to images in object stores: scheme, host and port.
     ///
     /// # Errors
     /// Where credentials are missing.
@@ -219,12 +218,12 @@ impl LakeRecordings {
         Ok(origins)
     }
 
-    /// Mined folders by name, as they are now. One that cannot be read at the moment has none.
+    /// Mined folders by name, as they are now. One that cannot be read at the moment is left out.
     fn folders(&self) -> BTreeMap<String, MinedFolder> {
         self.mined.iter().filter_map(|dir| MinedFolder::find(dir).ok()).flatten().collect()
     }
 
-    /// The drives in memory. They stay whole even when a thread that held the lock has died.
+    /// The drives in memory. They stay consistent even when a thread that held the lock has panicked.
     fn cache(&self) -> MutexGuard<'_, VecDeque<CachedDrive>> {
         self.drives.lock().unwrap_or_else(PoisonError::into_inner)
     }

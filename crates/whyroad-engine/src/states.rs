@@ -1,15 +1,15 @@
-//! Motion and classes of a drive as they could be known at a moment: the one call through which consumers (data sets,
-//! Python, the service) take speeds, accelerations and classes. They are estimated from the drive cut at that moment.
+//! Motion and classes of a drive as known at a moment: the only call through which consumers (data sets, Python, the
+//! service) get speeds, accelerations and classes. They are estimated from the drive cut at that moment.
 
 use std::borrow::Cow;
 use whyroad_model::scene::Motion;
 use whyroad_model::{Drive, ObjectClass, TrackId};
 use whyroad_signals::estimate;
 
-/// What is known of the ego and the tracked objects from frames `0..frames` of a drive.
+/// The states of the ego and the tracked objects from frames `0..frames` of a drive.
 #[derive(Clone, Debug, Default)]
 pub struct States {
-    /// Number of frames that were seen.
+    /// Number of frames used.
     pub frames: usize,
     /// The ego's box center, one row per frame; `None` when the log has no ego.
     pub ego: Option<Motion>,
@@ -22,13 +22,13 @@ pub struct States {
 pub struct ObjectStates {
     /// Id within the drive.
     pub id: TrackId,
-    /// Class by what was seen.
+    /// Class by these frames.
     pub class: ObjectClass,
     /// Frame of each row, strictly ascending; may have gaps.
     pub frames: Vec<u32>,
-    /// Motion of the box center, a row per entry of `frames`; NaN is unknown.
+    /// Motion of the box center, one row per entry of `frames`; NaN is unknown.
     pub motion: Motion,
-    /// Box length in m, a row each; NaN is unknown.
+    /// Box length in m, one value per row; NaN is unknown.
     pub length_m: Vec<f64>,
     /// Box width in m.
     pub width_m: Vec<f64>,
@@ -44,9 +44,9 @@ impl ObjectStates {
     }
 }
 
-/// The states of `drive` from its frames before `until` (exclusive, clamped to the drive). Nothing of a later frame
-/// has any influence on the result: `states(drive, keyframe + 1)` is what Stage I or a model's input may contain, and
-/// `states(drive, drive.frame_count())` is the whole drive.
+/// The states of `drive` from its frames before `until` (exclusive, clamped to the drive). Later frames never affect
+/// the result: `states(drive, keyframe + 1)` is what Stage I or a model's input may contain, and `states(drive,
+/// drive.frame_count())` is the whole drive.
 pub fn states(drive: &Drive, until: usize) -> States {
     let frames = until.min(drive.frame_count());
     let whole = frames == drive.frame_count();
@@ -63,7 +63,7 @@ pub fn states(drive: &Drive, until: usize) -> States {
     States { frames, objects: objects.collect(), ego: seen.ego.map(|e| e.motion) }
 }
 
-/// The drive with complete motion, for what shows it: the lake holds measurements only.
+/// The drive with complete motion, for display: the lake holds only measurements.
 pub fn estimated(drive: Drive) -> Drive {
     match estimate(&drive) {
         Cow::Owned(complete) => complete,

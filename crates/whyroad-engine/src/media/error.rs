@@ -40,7 +40,7 @@ pub enum MediaError {
         /// The first after it.
         after: String,
     },
-    /// No image can be shown.
+    /// No image can be used.
     #[error(
         "none of the images can be used ({} rejected); the drive is from {first} to {last}; the lake is unchanged",
         .rejected.len()

@@ -1,5 +1,5 @@
-//! Which images there are and when each was taken, from a folder with a rate or from a list of times; and whether a
-//! file is an image that browsers show.
+//! Names and times of images, from a folder with a rate or from a list of times; and whether a file is an image that
+//! browsers can show.
 
 use super::error::MediaError;
 use std::fs::File;
@@ -10,7 +10,7 @@ use whyroad_model::{Bilingual, Nanos};
 /// Largest image that the service serves, bytes.
 const MAX_BYTES: u64 = 32 * 1024 * 1024;
 
-/// An image as it was named; the file is not read yet.
+/// A named image; the file is not read yet.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NamedImage {
     pub path: PathBuf,
@@ -62,7 +62,7 @@ fn moment(text: &str, zero: Nanos) -> Result<Nanos, String> {
     Nanos::parse_iso(text).map_err(|_| text.to_owned())
 }
 
-/// The extension of an image's kind, by content; why not where a browser cannot show the file.
+/// The extension of an image's type, by content; an error where a browser cannot show the file.
 pub(super) fn kind(path: &Path) -> Result<&'static str, Bilingual> {
     let unreadable =
         |e: std::io::Error| Bilingual::new(format!("无法读取：{e}"), format!("cannot be read: {e}"));
@@ -80,7 +80,7 @@ pub(super) fn kind(path: &Path) -> Result<&'static str, Bilingual> {
     if kind_by_extension(path) != Some(kind) {
         return Err(Bilingual::new(
             format!("内容是 {kind}，但扩展名不符"),
-            format!("is {kind} by content, its extension says otherwise"),
+            format!("is {kind} by content, but has another extension"),
         ));
     }
     Ok(kind)
@@ -95,7 +95,7 @@ fn kind_by_content(head: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// The kind of an image by the extension of its name; `None` for what browsers do not show.
+/// The type of an image by its extension; `None` for types that browsers do not show.
 pub(crate) fn kind_by_extension(path: &Path) -> Option<&'static str> {
     match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
         "jpg" | "jpeg" => Some("jpg"),
@@ -105,7 +105,7 @@ pub(crate) fn kind_by_extension(path: &Path) -> Option<&'static str> {
     }
 }
 
-/// A name as text and numbers in turn, so that 2 comes before 10.
+/// A name as alternating text and numbers, so that 2 comes before 10.
 fn natural(name: &str) -> Vec<(String, u128)> {
     let mut out = vec![(String::new(), 0_u128)];
     let mut digits = false;

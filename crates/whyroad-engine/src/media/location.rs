@@ -1,4 +1,4 @@
-//! Where the labeling service finds the images of a drive: in the lake's own folder, or where they are.
+//! Where the labeling service finds the images of a drive: in the lake's own folder, or at their original path.
 
 use super::{AddImages, Image, MediaError};
 use std::fs;
@@ -7,7 +7,7 @@ use whyroad_lake::Lake;
 use whyroad_model::DriveId;
 use whyroad_model::scene::MediaFrame;
 
-/// Where each image is; copies them into the lake first where that was asked for.
+/// The path of each image; copies them into the lake first where requested.
 pub(super) fn located(
     lake: &Lake,
     id: &DriveId,
@@ -24,7 +24,7 @@ pub(super) fn located(
     for image in images {
         let inside = below.as_ref().and_then(|own| image.path.strip_prefix(own).ok());
         let uri = match inside {
-            // What is there already needs no copy.
+            // Existing files need no copy.
             Some(inside) => inside.to_string_lossy().into_owned(),
             None if request.copy => {
                 // By its time and not by its name: a running service that still has an older table can then never show
@@ -40,7 +40,7 @@ pub(super) fn located(
     Ok(out)
 }
 
-/// Copies under another name and renames, so that nobody sees a part of an image.
+/// Copies under another name and renames, so that readers never see a partial image.
 fn copy(from: &Path, to: &Path) -> Result<(), MediaError> {
     let part = to.with_added_extension("part");
     fs::copy(from, &part).and_then(|_| fs::rename(&part, to)).map_err(MediaError::io(to))

@@ -1,5 +1,5 @@
-//! What each rule found in a drive, kept beside it in the lake: a rule that has not changed is not run again. A rule
-//! is known by a hash of all that it is made of, so no change of a text, a parameter or an inherited part is missed.
+//! Results of each rule on a drive, kept beside it in the lake: a rule that has not changed is not run again. A rule is
+//! identified by a hash of all its parts, so no change of a text, a parameter or an inherited part is missed.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -12,19 +12,20 @@ use whyroad_model::{Bilingual, FrameRange, ScenarioId, TrackId};
 /// Name of the file beside the drive.
 pub const FILE: &str = "found.json";
 
-/// Rules of former runs that are kept beside those of the present one (single questions come and go).
+/// Rules of former runs that are kept beside those of the present one (single questions vary).
 const FORMER: usize = 1000;
 
-/// What is kept of a drive.
+/// Kept results of a drive.
 #[derive(Debug, Default)]
 pub struct Kept {
-    /// Of what drive content, signals and judging code.
+    /// Hash of the drive's content, its signals and the evaluation code.
     of: String,
     /// By the hash of the rule.
     rules: BTreeMap<String, KeptFound>,
 }
 
-/// The file. In a short drive nearly all rules find nothing, many for lack of the same: they are listed together.
+/// The file. In a short drive nearly all rules find nothing, many for lack of the same signals: they are listed
+/// together.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct File {
     of: String,
@@ -41,7 +42,7 @@ struct KeptFound {
     missing: Vec<String>,
 }
 
-/// An episode as it is kept; numbers by their bits, so that what is read is what was written.
+/// A kept episode; numbers by their bits, so that reading returns exactly what was written.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct KeptEpisode {
     scenario: ScenarioId,
@@ -68,18 +69,18 @@ enum KeptValue {
 
 /// The hash of a rule.
 pub fn key(rule: &Rule) -> String {
-    // The derived text of a rule names every field of it; numbers have all their digits.
+    // The derived text of a rule contains every field; numbers have all their digits.
     let hash = blake3::hash(format!("{rule:?}").as_bytes());
     hash.to_hex()[..32].to_owned()
 }
 
-/// What results depend on besides the rule.
+/// Dependencies of results besides the rule.
 pub fn state(content_hash: &str) -> String {
     format!("{content_hash} {} {}", whyroad_signals::VERSION, whyroad_mining::VERSION)
 }
 
 impl Kept {
-    /// Reads what was kept; nothing where it is of another state or cannot be read.
+    /// Reads the kept results; nothing where they are outdated or unreadable.
     pub fn parse(content: Option<Vec<u8>>, state: &str) -> Self {
         let file = content.and_then(|c| serde_json::from_slice::<File>(&c).ok());
         let Some(file) = file.filter(|f| f.of == state) else {
@@ -93,20 +94,20 @@ impl Kept {
         Self { of: file.of, rules }
     }
 
-    /// What the rule of this key found; `None` where it has not been run.
+    /// Results of the rule with this key; `None` where it has not been run.
     pub fn get(&self, key: &str, rule: &Rule) -> Option<Found> {
         let kept = self.rules.get(key)?;
         let episodes = kept.episodes.iter().map(|e| e.read(rule)).collect();
         Some(Found { episodes, missing: kept.missing.iter().cloned().collect() })
     }
 
-    /// Keeps what a rule found.
+    /// Keeps the results of a rule.
     pub fn put(&mut self, key: String, found: &Found) {
         let episodes = found.episodes.iter().map(KeptEpisode::of).collect();
         self.rules.insert(key, KeptFound { episodes, missing: found.missing.iter().cloned().collect() });
     }
 
-    /// The file's content. Too many former rules are forgotten.
+    /// The file's content. Excess former rules are dropped.
     pub fn content(mut self, present: &[String]) -> Vec<u8> {
         if self.rules.len() > present.len() + FORMER {
             self.rules.retain(|key, _| present.contains(key));

@@ -1,5 +1,5 @@
-//! What the file's statistics settle before a value is read: a rule whose condition cannot hold. Never changes an
-//! answer: *not observable* follows from the same statistics, and where it does not, the rule is run.
+//! Decisions from the file's statistics before a value is read: a rule whose condition cannot hold. Never changes a
+//! result: *not observable* follows from the same statistics; otherwise the rule is run.
 
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_lake::signals::Range;
@@ -11,19 +11,19 @@ use whyroad_mining::language::syntax::CompareOp;
 /// Statistics of the signals that a drive has, by name; `None` where the file has none.
 pub type Ranges<'a> = BTreeMap<&'a str, Option<Range>>;
 
-/// What is known of a rule without reading values.
+/// Knowledge about a rule without reading values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It finds nothing; not observable for lack of these, if any.
     Settled(BTreeSet<String>),
-    /// It finds nothing, and could be decided if this signal is known for any object that the rule asks about.
+    /// It finds nothing, and could be decided if this signal is known for any object that the rule considers.
     SettledIfKnown(String),
     /// It has to be run.
     Open,
 }
 
 impl Verdict {
-    /// The signal on which it hangs.
+    /// The deciding signal.
     pub fn asks(&self) -> Option<&str> {
         match self {
             Self::SettledIfKnown(signal) => Some(signal),
@@ -32,7 +32,7 @@ impl Verdict {
     }
 }
 
-/// Judges one rule.
+/// Evaluates one rule.
 pub fn verdict(plan: &Plan<'_>, rule: &PlanRule<'_>, ranges: &Ranges<'_>) -> Verdict {
     let when = rule.node(rule.rule.when);
     let bounds = Bounds { plan, ranges };
@@ -40,7 +40,7 @@ pub fn verdict(plan: &Plan<'_>, rule: &PlanRule<'_>, ranges: &Ranges<'_>) -> Ver
         return Verdict::Open;
     }
     if rule.needs.iter().any(|s| !ranges.contains_key(s.as_str())) {
-        // Observable all the same if it is known to be false in every row, which statistics do not tell.
+        // Still observable if it is known to be false in every row, which statistics do not show.
         return Verdict::Open;
     }
     // A part that is known to be false somewhere makes the whole known there.
@@ -132,7 +132,7 @@ impl<'p> Bounds<'p, '_> {
     }
 }
 
-/// True when no value in the bounds compares so.
+/// True when the comparison holds for no value in the bounds.
 fn impossible(op: CompareOp, bounds: Option<(f64, f64)>, bound: f64) -> bool {
     let Some((least, greatest)) = bounds else { return false };
     match op {

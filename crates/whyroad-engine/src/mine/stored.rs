@@ -1,5 +1,5 @@
-//! Rules on the stored signals of one drive: what the file's statistics settle is not read, and of the rest only
-//! the columns that the rules' conditions read; those of moments and requirements where there is a match.
+//! Rules on the stored signals of one drive: rules decided by the file's statistics read no values, the others only the
+//! columns of their conditions; columns of moments and requirements are read where there is a match.
 
 use super::prefilter::{Verdict, verdict};
 use std::borrow::Cow;
@@ -14,14 +14,14 @@ use whyroad_mining::fast::truth::Truth;
 use whyroad_mining::fast::{Columns, Plan, Search, SignalColumn, Signals};
 use whyroad_model::signal::deviation_name;
 
-/// What comes of these rules of the plan, in their order, on one drive of a store.
+/// Results of these rules of the plan, in their order, on one drive of a store.
 pub fn find_stored(
     plan: &Plan<'_>,
     file: &SignalFile,
     drive: usize,
     rules: &[usize],
 ) -> Result<Vec<Found>, LakeError> {
-    // Of a drive's many signals, those of which these rules speak.
+    // The signals of a drive that these rules use.
     let spoken_of: BTreeSet<&str> = rules.iter().flat_map(|r| plan.rules[*r].names()).collect();
     let named = spoken_of.into_iter().filter(|n| file.has(drive, n));
     let ranges: BTreeMap<&str, _> = named.map(|n| (n, file.range(drive, n))).collect();
@@ -38,7 +38,7 @@ pub fn find_stored(
         let subject = plan.rules[*rule].rule.subject;
         out.push(match verdict {
             Verdict::Settled(missing) => Some(Found { episodes: vec![], missing }),
-            // It never holds; all that is open is whether that is known of any object that it asks about.
+            // It never holds; the only open question is whether that is known for any object that it considers.
             Verdict::SettledIfKnown(signal) => columns.get(&signal).and_then(|column| {
                 let of = targets.iter().filter(|t| subject.is_none_or(|s| s.admits(t.class)));
                 let rows = of.map(|t| t.first_row..t.first_row + t.frames.len());
@@ -62,7 +62,7 @@ pub fn find_stored(
     Ok(out.into_iter().map(|settled| settled.or_else(|| found.next()).unwrap_or_default()).collect())
 }
 
-/// These signals of a drive, as the evaluator reads them, with their standard deviations where they have some.
+/// These signals of a drive, in the evaluator's form, with their standard deviations where they have some.
 pub fn read(file: &SignalFile, drive: usize, signals: BTreeSet<&str>) -> Result<Columns<'static>, LakeError> {
     let mut out = Columns::new();
     let of = &file.contents().drives[drive];

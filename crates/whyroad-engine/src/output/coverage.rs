@@ -1,5 +1,5 @@
-//! `coverage.json`: what was searched for and what was found, for every leaf of the taxonomy. Counted drive by drive,
-//! so that no drive has to be kept.
+//! `coverage.json`: search results for every leaf of the taxonomy. Counted drive by drive, so that no drive has to stay
+//! in memory.
 
 use crate::mine::MinedDrive;
 use serde::{Deserialize, Serialize};
@@ -9,13 +9,13 @@ use whyroad_lake::mined::Gaps;
 use whyroad_model::messages::{Coverage, CoverageState, DriveGap, DriveList, LeafCoverage};
 use whyroad_model::{DriveId, ScenarioId};
 
-/// Whose rules were run.
+/// Source of the rules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Searched {
-    /// Those of the framework: a leaf without one is reported as that.
+    /// The framework: a leaf without a rule is reported as such.
     Framework,
-    /// A custom rule: nothing is known of other classes, and they are left out.
+    /// A custom rule: other classes are unknown and left out.
     Question,
 }
 
@@ -34,13 +34,13 @@ pub struct Counts {
     classes: Vec<(ScenarioId, Count)>,
     /// Positions in `classes`.
     positions: BTreeMap<ScenarioId, usize>,
-    /// What drives lack for each class; most drives of a lake lack the same. Numbers are positions in `lacking`.
+    /// Missing signals of drives by class; most drives of a lake lack the same. Numbers are indices into `lacking`.
     gaps: BTreeMap<Gaps, usize>,
     /// Positions in the list of drives, by the number of what they lack.
     lacking: Vec<Vec<u32>>,
 }
 
-/// What drives lack, by class; a class that could be decided on all of them is left out.
+/// Missing signals of drives, by class; a class that could be decided on all of them is left out.
 pub type ClassGaps = BTreeMap<ScenarioId, Vec<DriveGap>>;
 
 /// Lists of drives, by the numbers of what they lack.
@@ -50,7 +50,7 @@ type Lists = BTreeMap<Vec<usize>, DriveList>;
 pub type DriveCounts = Vec<(ScenarioId, u64, u64)>;
 
 impl Counts {
-    /// Nothing counted yet. `rules` are the classes for which a rule is run.
+    /// Empty counts. `rules` are the classes for which a rule is run.
     pub fn new(rules: &[ScenarioId]) -> Self {
         Self {
             drives: Vec::new(),
@@ -61,8 +61,8 @@ impl Counts {
         }
     }
 
-    /// Adds the results of a drive; drives come in the order of their ids. Gives the number of what it lacks, and its
-    /// episodes by class.
+    /// Adds the results of a drive; drives come in the order of their ids. Returns the number of its missing signals,
+    /// and its episodes by class.
     pub fn add(&mut self, drive: &MinedDrive) -> (usize, DriveCounts) {
         let mut counts = BTreeMap::<&ScenarioId, (u64, u64)>::new();
         for episode in &drive.episodes {
@@ -75,7 +75,7 @@ impl Counts {
         (number, counts)
     }
 
-    /// The number of what a drive lacks.
+    /// The number of a drive's missing signals.
     pub fn number(&mut self, gaps: &Gaps) -> usize {
         if let Some(number) = self.gaps.get(gaps) {
             return *number;
@@ -129,7 +129,7 @@ impl Counts {
         }
     }
 
-    /// The drives that lack something for a class, by what they lack. `lists` has those that were asked for before.
+    /// The drives that lack something for a class, by what they lack. `lists` has those that were requested before.
     fn named(&self, class: &ScenarioId, lists: &mut Lists) -> Vec<DriveGap> {
         let mut by_signals = BTreeMap::<&Vec<String>, Vec<usize>>::new();
         for (gaps, number) in &self.gaps {

@@ -21,20 +21,20 @@ use whyroad_model::messages::{
 };
 use whyroad_model::{ClipId, Nanos, ScenarioId};
 
-/// What was written.
+/// Summary of the written folder.
 #[derive(Clone, Debug)]
 pub struct Summary {
     /// Drives that were searched.
     pub drives: usize,
-    /// Episodes of the classes asked for.
+    /// Episodes of the requested classes.
     pub episodes: usize,
     /// Of these, the primary ones.
     pub primary_episodes: usize,
     /// All leaves.
     pub coverage: Coverage,
-    /// Where one question was asked: the best of what was found for it.
+    /// For a single question: the best results.
     pub best: Vec<MinedClip>,
-    /// Where one question was asked: how many matched.
+    /// For a single question: the number of matches.
     pub matched: u64,
     /// For each class that was found, the episode to look at first: a primary one if possible, then the highest score.
     pub examples: BTreeMap<ScenarioId, EpisodeExample>,
@@ -53,7 +53,7 @@ pub struct EpisodeExample {
     pub score: f64,
 }
 
-/// How many of the best a [`Summary`] names.
+/// Maximum number of best results in a [`Summary`].
 const BEST: usize = 10;
 
 /// Writes everything that is in memory. A single question's result is also `mining_result.json`.
@@ -73,8 +73,8 @@ pub fn write_folder(
     folder.finish(taxonomy, Searched::Framework)
 }
 
-/// Writes the folder drive by drive; what it holds in memory does not grow with what was found, except for about a
-/// hundred bytes per episode that a result without a limit has to put in order.
+/// Writes the folder drive by drive; memory does not grow with the results, except for about a hundred bytes per
+/// episode that a result without a limit has to sort.
 pub struct FolderWriter {
     files: MinedFolderWriter,
     answers: Vec<Answer>,
@@ -86,16 +86,16 @@ pub struct FolderWriter {
     numbers: Vec<Option<usize>>,
 }
 
-/// What a drive was before it was mined.
+/// State of a drive before it was mined.
 #[derive(Clone, Debug)]
 pub struct KnownDrive {
-    /// Where and what it was.
+    /// Its location and state.
     pub fingerprint: Fingerprint,
     /// Hash of what it stated about itself.
     pub stated: Option<String>,
 }
 
-/// A drive that has not changed, with its lines of the earlier run.
+/// A drive that has not changed, with its lines from the earlier run.
 pub struct SameDrive {
     at: usize,
     lines: DriveLines,
@@ -122,8 +122,8 @@ fn start_of(lines: &DriveLines) -> Option<Nanos> {
 }
 
 impl FolderWriter {
-    /// A folder that is begun. `asked` is recorded in it; `questions` each get a `mining_result`; `rules` are the
-    /// classes for which a rule is run.
+    /// A new folder. `asked` is recorded in it; `questions` each get a `mining_result`; `rules` are the classes for
+    /// which a rule is run.
     pub fn create(
         out: &Path,
         asked: MiningQuestion,
@@ -143,8 +143,8 @@ impl FolderWriter {
         })
     }
 
-    /// Adds the results of a drive; drives come in the order of their ids. Episodes that were not asked for are
-    /// counted, and not written.
+    /// Adds the results of a drive; drives come in the order of their ids. Episodes that were not requested are
+    /// counted, but not written.
     pub fn add(&mut self, drive: &MinedDrive) -> Result<(), MinedWriteError> {
         self.counts.add(drive);
         self.write(drive)
@@ -157,7 +157,7 @@ impl FolderWriter {
         self.files.keep_ledger(of)
     }
 
-    /// [`FolderWriter::add`], and enters into the ledger what the drive was before it was mined.
+    /// [`FolderWriter::add`], and records in the ledger the state of the drive before it was mined.
     pub fn add_known(&mut self, drive: &MinedDrive, known: KnownDrive) -> Result<(), MinedWriteError> {
         let (number, counts) = self.counts.add(drive);
         self.write(drive)?;
@@ -230,8 +230,8 @@ impl FolderWriter {
         Ok(())
     }
 
-    /// A clip's pre-label is its primary episode whose class comes first in the order of precedence, then the one with
-    /// the higher score, then the earlier.
+    /// A clip's pre-label is its primary episode whose class is first in the order of precedence, then the one with the
+    /// higher score, then the earlier.
     fn with_pre_labels(&self, clip: &ClipMetadata, episodes: &[MinedEpisode]) -> ClipMetadata {
         let of_clip = episodes
             .iter()
@@ -270,7 +270,7 @@ impl FolderWriter {
         self.examples.insert(record.scenario_id.clone(), example);
     }
 
-    /// Writes the results and the coverage, and puts everything in place of what an earlier run left.
+    /// Writes the results and the coverage, and moves everything into place over an earlier run's results.
     pub fn finish(mut self, taxonomy: &Taxonomy, searched: Searched) -> Result<Summary, MinedWriteError> {
         let written = self.files.episodes();
         let files = self.files.finish()?;
@@ -282,7 +282,7 @@ impl FolderWriter {
             let episodes = RefCell::new(files.open_episodes()?);
             files.result(&answer.question().scenario, &answer.message(&gaps, &episodes), alone)
         };
-        // Results repeat the lines of episodes and name drives: of a large lake they are the most that is written.
+        // Results repeat the lines of episodes and name drives: for a large lake they are the largest files.
         let answers = &mut self.answers;
         let results = || answers.par_iter_mut().with_max_len(1).try_for_each(result);
         let (written_coverage, results) = rayon::join(|| files.coverage(&coverage), results);

@@ -1,17 +1,17 @@
-//! What a query asks of a class (DATA_FORMAT.md 5.1): the episodes of the class's own rules in whose time range the
-//! query's conditions hold, of the same target. The conditions run beside the rules, as a rule of their own.
+//! The results of a query for a class (DATA_FORMAT.md 5.1): the episodes of the class's own rules in whose time range
+//! the query's conditions hold, of the same target. The conditions run beside the rules, as a separate rule.
 
 use super::record::MinedEpisode;
 use crate::mine::MinedDrive;
 use whyroad_model::ScenarioId;
 use whyroad_model::messages::EpisodeRecord;
 
-/// The class under which the conditions of a query run: none of the taxonomy.
+/// The class under which the conditions of a query run: not one of the taxonomy.
 pub fn conditions_class() -> ScenarioId {
     ScenarioId::custom("query")
 }
 
-/// True where both speak of one target, or one of them of the ego alone, and their time ranges overlap.
+/// True where both have the same target, or one of them is about the ego alone, and their time ranges overlap.
 fn holds_in(conditions: &EpisodeRecord, episode: &EpisodeRecord) -> bool {
     let (a, b) = (&conditions.time_range, &episode.time_range);
     let overlap = a.start_timestamp < b.end_timestamp && b.start_timestamp < a.end_timestamp;
@@ -20,7 +20,7 @@ fn holds_in(conditions: &EpisodeRecord, episode: &EpisodeRecord) -> bool {
 }
 
 /// The drive with the episodes of `class` for which the conditions hold, each with the conditions as they were met; all
-/// of them where the query has no conditions. Primary episodes stay named by those that are secondary to them.
+/// of them where the query has no conditions. Secondary episodes keep their references to primary ones.
 pub fn answer(drive: &MinedDrive, class: &ScenarioId, has_conditions: bool) -> MinedDrive {
     let of_query = conditions_class();
     let (met, found): (Vec<&MinedEpisode>, Vec<&MinedEpisode>) =
@@ -40,7 +40,7 @@ pub fn answer(drive: &MinedDrive, class: &ScenarioId, has_conditions: bool) -> M
         Some(e)
     };
     let mut missing = drive.missing.clone();
-    // What the conditions lack, the class lacks for this question.
+    // Signals missing for the conditions are missing for the class in this question.
     if let Some(lacking) = missing.remove(&of_query).filter(|m| !m.is_empty()) {
         for (_, signals) in missing.iter_mut().filter(|(c, _)| c.is_within(class)) {
             signals.extend(lacking.iter().cloned());

@@ -10,7 +10,7 @@ use whyroad_model::messages::{
 };
 use whyroad_model::{ClipCut, ClipId, DriveId, FrameRange, Lang, Nanos};
 
-/// An episode with everything that is written about it.
+/// An episode with all its messages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MinedEpisode {
     /// The episode.
@@ -82,7 +82,7 @@ pub fn write_down(
             keyframe_rule: e.keyframe_rule.clone(),
             conditions_matched: e.conditions.clone(),
             signals: e.signals.clone(),
-            // Who knows the rule says which.
+            // The caller, which knows the rule, states it.
             rule_version: None,
         };
         let context = e.context.intersect(clip);
@@ -91,7 +91,7 @@ pub fn write_down(
             suggested_timestamp: times[e.keyframe],
             suggested_frame_idx: frame_in(clip, e.keyframe),
             detection_rule: e.keyframe_rule.get(lang).to_owned(),
-            // What a labeler can open is the clip: here the times are clamped with the frames.
+            // A labeler can open only the clip, so here the times are clamped like the frames.
             context_range: TimeRange {
                 start_timestamp: times[context.start],
                 end_timestamp: end_time(times, context.end),
@@ -118,7 +118,7 @@ fn words(condition: &MatchedCondition, lang: Lang) -> String {
     described.map_or_else(|| condition.condition.clone(), |d| d.get(lang).to_owned())
 }
 
-/// `<clip>_<class>_<target or ego>_<frame>`: the same whenever the same thing is found again. Should two
+/// `<clip>_<class>_<target or ego>_<frame>`: the same whenever the same episode is found again. Should two
 /// matches of one rule share a keyframe, the later ones are numbered.
 fn ids(episodes: &[Episode], clips: &[(ClipId, FrameRange)]) -> Vec<String> {
     let mut out: Vec<String> = Vec::with_capacity(episodes.len());
@@ -190,7 +190,7 @@ mod tests {
         assert_eq!((record.time_range.start_frame_idx, record.time_range.end_frame_idx), (Some(0), Some(40)));
         assert_eq!(record.time_range.start_timestamp, Nanos(19_000_000_000));
         assert_eq!(record.time_range.end_timestamp, Nanos(24_000_000_000));
-        // What a labeler is shown is clamped in time too; 50 frames are the whole second clip.
+        // The context for a labeler is clamped in time too; 50 frames are the whole second clip.
         let context = mined(None, ClipCut::Fixed).suggestion.context_range;
         assert_eq!(
             (context.start_timestamp, context.end_timestamp),

@@ -1,9 +1,9 @@
-//! Taking drives out of a mined folder: the folder is written again without them and takes the place of the old one
-//! as a whole. What stays is copied as it is; results fill up from what was beyond their limit. For a folder that
-//! asked all rules, the bytes are those of mining a lake that never had the drives.
+//! Removing drives from a mined folder: the folder is written again without them and replaces the old one atomically.
+//! Remaining lines are copied unchanged; results are filled up with matches beyond their limit. For a folder that asked
+//! all rules, the bytes are those of mining a lake that never had the drives.
 //!
-//! Counts in `coverage.json` of classes that were not asked for include episodes of the removed drives: which these
-//! were is not in the folder.
+//! Counts in `coverage.json` of classes that were not requested still include episodes of the removed drives, which the
+//! folder does not list.
 
 use super::result::{Answer, Question};
 use std::cell::RefCell;
@@ -32,7 +32,7 @@ pub enum RemovalError {
         /// Why.
         reason: String,
     },
-    /// It states no question: an earlier program wrote it.
+    /// It states no question: an earlier version wrote it.
     #[error("{} does not record its question; mine it again", .0.display())]
     NoQuestion(PathBuf),
     /// The file system refused.
@@ -47,7 +47,7 @@ fn unreadable(path: &Path, reason: impl ToString) -> RemovalError {
     RemovalError::Unreadable { path: path.to_owned(), reason: reason.to_string() }
 }
 
-/// What a folder holds of some drives.
+/// Contents of a folder from some drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HeldDrives {
     /// Drives.
@@ -56,7 +56,7 @@ pub struct HeldDrives {
     pub episodes: usize,
 }
 
-/// What the folder holds of these drives.
+/// Contents of the folder from these drives.
 pub fn held(folder: &MinedFolder, drives: &BTreeSet<DriveId>) -> Result<HeldDrives, RemovalError> {
     let mut found: BTreeSet<DriveId> =
         coverage(folder)?.drives.into_iter().filter(|d| drives.contains(d)).collect();
@@ -72,7 +72,7 @@ pub fn held(folder: &MinedFolder, drives: &BTreeSet<DriveId>) -> Result<HeldDriv
     Ok(HeldDrives { drives: found.len(), episodes })
 }
 
-/// Takes the drives out of the folder. Nothing changes where it cannot be read completely.
+/// Removes the drives from the folder. Nothing changes where it cannot be read completely.
 pub fn remove(folder: &MinedFolder, drives: &BTreeSet<DriveId>) -> Result<HeldDrives, RemovalError> {
     let removed = held(folder, drives)?;
     if removed.drives == 0 {
@@ -131,7 +131,7 @@ fn coverage(folder: &MinedFolder) -> Result<Coverage, RemovalError> {
     folder.coverage().map_err(|d| unreadable(&folder.path(MinedFile::Coverage), &d.message.en))
 }
 
-/// Calls `each` for every line of a file, with the line as it is.
+/// Calls `each` for every line of a file, with the unchanged line.
 fn each<T: serde::de::DeserializeOwned>(
     folder: &MinedFolder,
     file: MinedFile,
@@ -165,7 +165,7 @@ fn results(folder: &MinedFolder) -> Result<Vec<(ScenarioId, MiningResultMessage)
     Ok(out)
 }
 
-/// The question of a result. Its limit is known where it left something out.
+/// The question of a result. Its limit is known where it omitted matches.
 fn question_of(message: &MiningResultMessage) -> Question {
     let r = &message.mining_result;
     let limit = (r.returned < r.total_matched).then(|| u32::try_from(r.returned).unwrap_or(u32::MAX));

@@ -1,6 +1,6 @@
-//! `mining_result` (DATA_FORMAT.md 5.2): what was found for one question, the best first, with figures over everything
-//! that matches. Of each match only its score, its id and its line in `episodes.jsonl` are kept; the rest is read from
-//! there when the result is written.
+//! `mining_result` (DATA_FORMAT.md 5.2): results of one question, the best first, with figures over all matches. Only
+//! the score, id and line in `episodes.jsonl` of each match are kept; the rest is read from there when the result is
+//! written.
 
 use super::coverage::ClassGaps;
 use serde::ser::{Error as _, SerializeSeq, Serializer};
@@ -15,12 +15,12 @@ use whyroad_model::messages::{
 };
 use whyroad_model::{DriveId, ScenarioId};
 
-/// A question that was asked: a `mining_result` is written for each.
+/// A question: a `mining_result` is written for each.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Question {
     /// Repeated in the result.
     pub query_id: String,
-    /// Class asked for.
+    /// Requested class.
     pub scenario: ScenarioId,
     /// Maximum number of clips.
     pub limit: Option<u32>,
@@ -34,7 +34,7 @@ struct Match {
     span: LineSpan,
 }
 
-/// What was found for one question so far.
+/// Results of one question so far.
 pub struct Answer {
     question: Question,
     matches: Vec<Match>,
@@ -42,17 +42,17 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// Nothing found yet.
+    /// Empty results.
     pub fn new(question: Question) -> Self {
         Self { question, matches: Vec::new(), total: 0 }
     }
 
-    /// What was asked.
+    /// The question.
     pub fn question(&self) -> &Question {
         &self.question
     }
 
-    /// Adds an episode that is of the class asked for, or below it; others are passed over.
+    /// Adds an episode of the requested class or below it; others are skipped.
     pub fn add(&mut self, record: &EpisodeRecord, span: LineSpan) {
         if !record.scenario_id.is_within(&self.question.scenario) {
             return;
@@ -65,7 +65,7 @@ impl Answer {
             episode_id: record.episode_id.clone(),
             span,
         });
-        // With a limit no more than twice as many are ever held.
+        // With a limit, at most twice that number is held.
         if let Some(limit) = self.limit()
             && self.matches.len() > 2 * limit + 1000
         {
@@ -86,7 +86,7 @@ impl Answer {
         });
     }
 
-    /// No more will come: the best first, and no more than asked for.
+    /// Closes the results: the best first, up to the limit.
     pub fn close(&mut self) {
         self.sort();
         if let Some(limit) = self.limit() {
@@ -94,7 +94,7 @@ impl Answer {
         }
     }
 
-    /// The best `n` of a closed answer, read from the episodes' file.
+    /// The best `n` of closed results, read from the episodes' file.
     pub fn best(&self, n: usize, episodes: &mut File) -> std::io::Result<Vec<MinedClip>> {
         self.matches.iter().take(n).map(|m| read(m.span, &self.question.scenario, episodes)).collect()
     }
@@ -113,12 +113,12 @@ impl Answer {
         MiningStatistics { score_distribution: self.distribution(), uncalibrated }
     }
 
-    /// Everything that matched, whatever the limit.
+    /// All matches, regardless of the limit.
     pub fn total(&self) -> u64 {
         self.total
     }
 
-    /// The message of a closed answer, to be written: its clips are read from the episodes' file one by one.
+    /// The message of closed results, to be written: its clips are read from the episodes' file one by one.
     pub fn message<'a>(&'a self, gaps: &ClassGaps, episodes: &'a RefCell<File>) -> impl Serialize + 'a {
         self.message_with(not_observable(gaps, &self.question.scenario), episodes)
     }

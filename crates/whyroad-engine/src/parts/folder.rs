@@ -1,4 +1,4 @@
-//! A part folder: what one worker found on its drives.
+//! A part folder: the results of one worker on its drives.
 //!
 //! | file | content |
 //! |---|---|
@@ -35,12 +35,12 @@ pub enum PartError {
         /// Its reason.
         source: std::io::Error,
     },
-    /// A file is not what it should be.
+    /// A file is not valid.
     #[error("{}: {reason}", .path.display())]
     Broken {
         /// File.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the error.
         reason: String,
     },
     /// The folder belongs to another list, question or version.
@@ -59,7 +59,7 @@ pub(super) fn broken(path: &Path, reason: impl ToString) -> PartError {
     PartError::Broken { path: path.to_owned(), reason: reason.to_string() }
 }
 
-/// What results depend on besides drives and question. Parts are only merged where all of it is equal.
+/// Dependencies of results besides drives and question. Parts are only merged where all of it is equal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Versions {
     /// The program.
@@ -104,9 +104,9 @@ pub struct Work {
     pub format: String,
     /// Versions.
     pub versions: Versions,
-    /// What is asked.
+    /// The question.
     pub request: Request,
-    /// On which drives.
+    /// The drives.
     pub list: WorkList,
 }
 
@@ -140,7 +140,7 @@ impl Failed {
         Self { drive_id: drive_id.clone(), code: d.code.to_owned(), message: d.message.clone() }
     }
 
-    /// The diagnostic again.
+    /// The original diagnostic.
     pub fn diagnostic(&self) -> Diagnostic {
         let known = ["mine.drive.crashed", "mine.drive.kills_worker", "mine.drive.unknown"];
         let code = known.into_iter().find(|c| *c == self.code).unwrap_or("mine.drive.unreadable");
@@ -166,13 +166,13 @@ pub(super) struct Span {
     pub len: usize,
 }
 
-/// What the lines of a part say so far.
+/// Contents of the lines of a part so far.
 #[derive(Debug, Default)]
 pub(super) struct Progress {
-    /// Finished drives: content and place.
+    /// Finished drives: content and position.
     pub done: BTreeMap<DriveId, (String, Span)>,
     pub failed: BTreeMap<DriveId, Failed>,
-    /// How often each drive was begun.
+    /// Number of starts of each drive.
     pub begun: BTreeMap<DriveId, usize>,
     /// Length of the complete lines, bytes.
     pub length: u64,
@@ -211,7 +211,7 @@ impl Progress {
 /// A complete part.
 pub struct Part {
     pub(super) dir: PathBuf,
-    /// What was done.
+    /// Its summary.
     pub work: Work,
     pub(super) progress: Progress,
     drives: File,
@@ -228,7 +228,7 @@ impl Part {
         }
         let seal: Seal = read_json(&seal)?;
         if hash(&path)? != seal.hash {
-            return Err(broken(&path, "its content is not what part.json states"));
+            return Err(broken(&path, "its content differs from part.json"));
         }
         let progress = Progress::read(&path)?;
         let drives = File::open(&path).map_err(io(&path))?;
@@ -282,7 +282,7 @@ pub(super) fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T
     serde_json::from_slice(&text).map_err(|e| broken(path, e))
 }
 
-/// Writes a file whole or not at all.
+/// Writes a file atomically.
 pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), PartError> {
     let aside = path.with_extension("json.new");
     let mut text = serde_json::to_vec_pretty(value).map_err(|e| broken(path, e))?;

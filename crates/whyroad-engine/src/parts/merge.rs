@@ -1,6 +1,6 @@
-//! One mined folder from parts. Nothing is published unless every drive is there exactly once, found by the same rules,
-//! framework and program; what is not so is named. The results of the drives go through the same writer, in the same
-//! order, as in one run over the whole lake, and so the files are equal byte for byte.
+//! One mined folder from parts. Nothing is published unless every drive is there exactly once, mined with the same
+//! rules, framework and program; exceptions are named. The results of the drives go through the same writer, in the
+//! same order, as in one run over the whole lake, so the files are equal byte for byte.
 
 use super::folder::{Failed, Part, PartError, Span, Versions};
 use super::plan::plan_id;
@@ -13,10 +13,10 @@ use whyroad_lake::mined::{Existing, MinedWriteError, Publication, PublishError};
 use whyroad_mining::rule::Precedence;
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
-/// Drives named in a message at most.
+/// Maximum number of drives named in a message.
 const NAMED: usize = 10;
 
-/// What determines which drives have to be there.
+/// Source of the expected drives.
 #[derive(Clone, Copy)]
 pub enum Expected<'a> {
     /// The plan to which the work lists belong.
@@ -31,7 +31,7 @@ pub enum MergeError {
     /// A part.
     #[error(transparent)]
     Part(#[from] PartError),
-    /// The place of the result.
+    /// The path of the result.
     #[error(transparent)]
     Publish(#[from] PublishError),
     /// The result.
@@ -39,9 +39,9 @@ pub enum MergeError {
     Write(#[from] MinedWriteError),
 }
 
-/// What a merge gave.
+/// Result of a merge.
 pub struct Merged {
-    /// What was written.
+    /// Summary of the written folder.
     pub summary: Summary,
     /// Whether questions, classes and the rest were those of this request.
     pub request: super::Request,
@@ -49,8 +49,8 @@ pub struct Merged {
     pub failed: Vec<Failed>,
 }
 
-/// Merges parts into the mined folder `out`. Diagnostics instead of a result: what is missing, doubled or different;
-/// nothing was written then. With `replace`, results of another question may be in `out`.
+/// Merges parts into the mined folder `out`. Returns diagnostics instead of a result if drives are missing, doubled or
+/// different; then nothing is written. With `replace`, results of another question may be in `out`.
 pub fn merge(
     parts: &[PathBuf],
     expected: Expected<'_>,
@@ -99,7 +99,7 @@ pub fn merge(
     Ok(Ok(Merged { summary, request, failed }))
 }
 
-/// A drive in a part; without a place it was set aside.
+/// A drive in a part; without a position it was set aside.
 struct InPart {
     part: usize,
     content_hash: String,
@@ -118,7 +118,7 @@ fn open(dirs: &[PathBuf]) -> (Vec<Part>, Vec<Diagnostic>) {
     (parts, found)
 }
 
-/// Every drive of the parts, and what is in two of them.
+/// Every drive of the parts, and drives that are in two of them.
 fn gather(parts: &[Part]) -> (BTreeMap<DriveId, InPart>, Vec<Diagnostic>) {
     let (mut drives, mut found) = (BTreeMap::<DriveId, InPart>::new(), Vec::new());
     for (part, opened) in parts.iter().enumerate() {
@@ -140,7 +140,7 @@ fn different(part: &Part, first: &Part, framework: &str) -> Option<Diagnostic> {
     let (a, b) = (&part.work, &first.work);
     let (va, vb) = (&a.versions, &b.versions);
     let (zh, en) = if va.framework != framework {
-        ("所用框架与当前框架不同", "was made with another framework than the one in force")
+        ("所用框架与当前框架不同", "was made with another framework than the current one")
     } else if va.whyroad != vb.whyroad || va.signals != vb.signals || va.mining != vb.mining {
         ("由不同版本的程序生成", "was made by another version of the program")
     } else if va.rules != vb.rules {

@@ -33,12 +33,12 @@ pub struct PlannedDrive {
     pub rows: u64,
 }
 
-/// What one worker mines.
+/// The drives for one worker.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WorkList {
     /// `whyroad-work-list`.
     pub format: String,
-    /// The plan; `None` for a list that some other program made.
+    /// The plan; `None` for a list made by another program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlannedLake>,
     /// Its number in the plan, from 1.
@@ -83,7 +83,7 @@ impl WorkList {
         self.drives.iter().map(|d| d.rows).sum()
     }
 
-    /// Reads a list: what [`plan`] gives as JSON, or one drive id per line.
+    /// Reads a list: JSON from [`plan`], or one drive id per line.
     pub fn parse(text: &str, path: &Path) -> Result<Self, WorkListError> {
         let mut list = if text.trim_start().starts_with('{') {
             let invalid = |reason: String| WorkListError::Invalid { path: path.to_owned(), reason };
@@ -113,7 +113,7 @@ impl WorkList {
 }
 
 /// Divides all drives of a lake into `lists` lists. A drive whose size cannot be read is in a list too: the worker
-/// names it. The same lake gives the same lists.
+/// reports it. The same lake gives the same lists.
 pub fn plan(lake: &Lake, lists: usize) -> Vec<WorkList> {
     let size = |drive_id: DriveId| match lake.size(&drive_id) {
         Ok(s) => {

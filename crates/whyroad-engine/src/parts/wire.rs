@@ -1,5 +1,5 @@
-//! A mined drive as one line of JSON that is read back bit by bit: `serde_json` reads the last digit of a number only
-//! nearly, so numbers travel beside the text, by their bits, in the order in which they occur.
+//! A mined drive as one line of JSON that is read back exactly: `serde_json` may round the last digit of a number, so
+//! numbers are stored beside the text, by their bits, in the order in which they occur.
 
 use crate::mine::MinedDrive;
 use serde::{Deserialize, Serialize};

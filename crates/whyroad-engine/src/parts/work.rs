@@ -1,8 +1,8 @@
-//! A worker: mines the drives of a list into a part folder, and goes on where an earlier worker was killed.
+//! A worker: mines the drives of a list into a part folder, and continues where an earlier worker was killed.
 //!
-//! A drive on which the program dies (out of memory, a signal) leaves a line that it was begun and none that it was
-//! finished. The next worker does such suspects last and one by one, so that a later death has one culprit; a drive
-//! that was in work at [`PartOptions::deaths`] deaths is set aside and named.
+//! A drive on which the program dies (out of memory, a signal) leaves a line for its start and none for its end. The
+//! next worker does such suspects last and one by one, so that a later crash has one possible cause; a drive that was
+//! in work at [`PartOptions::deaths`] crashes is set aside and reported.
 
 use super::folder::{DRIVES, FORMAT, Failed, LOCK, Line, PART, PartError, Progress, Seal, WORK, Work};
 use super::folder::{broken, hash, io, read_json, write_json};
@@ -23,13 +23,13 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId};
 pub struct PartOptions {
     /// How drives are mined.
     pub mine: MineOptions,
-    /// A drive that was in work at this many deaths of a worker is set aside.
+    /// A drive that was in work at this many crashes of a worker is set aside.
     pub deaths: usize,
-    /// Begin again, whatever is in the folder.
+    /// Start again, ignoring the contents of the folder.
     pub restart: bool,
 }
 
-/// What a worker did.
+/// Result of a worker.
 #[derive(Clone, Debug, Default)]
 pub struct Worked {
     /// Drives of the list with results.
@@ -38,12 +38,12 @@ pub struct Worked {
     pub resumed: usize,
     /// Drives set aside, by id.
     pub failed: Vec<Failed>,
-    /// What else was found.
+    /// Other diagnostics.
     pub diagnostics: Vec<Diagnostic>,
 }
 
 /// Mines the drives of `list` into the part folder `out`. `done` is called after each drive, from any thread; `answer`
-/// makes of a drive's results those that the question asks for.
+/// reduces a drive's results to those that the question requests.
 pub fn work(
     lake: &Lake,
     rules: &RuleSet,
@@ -71,7 +71,7 @@ pub fn work(
     let (guilty, mut suspects): (Vec<_>, Vec<_>) =
         suspects.into_iter().partition(|id| deaths(id) >= options.deaths.max(1));
 
-    // The one that was in work at most deaths comes last: the others are done before it kills again.
+    // The drive that was in work at most crashes is last: the others are finished before it can crash again.
     suspects.sort_by_key(|id| deaths(id));
     let miner = Miner::new(lake, rules, &options.mine);
     let one = |id: &DriveId| -> Result<(), PartError> {
@@ -107,7 +107,7 @@ pub fn work(
     })
 }
 
-/// Only one worker writes a part: a second one, started by a scheduler that thinks the first one dead, is refused.
+/// Only one worker writes a part: a second one, started by a scheduler that considers the first one dead, is refused.
 fn lock(out: &Path) -> Result<File, PartError> {
     let path = out.join(LOCK);
     let file = File::create(&path).map_err(io(&path))?;
@@ -118,7 +118,7 @@ fn lock(out: &Path) -> Result<File, PartError> {
     }
 }
 
-/// What an earlier worker left of the same work; a new folder otherwise.
+/// The results of an earlier worker for the same work; otherwise a new folder.
 fn begin(out: &Path, work: &Work, restart: bool) -> Result<Progress, PartError> {
     let (header, lines) = (out.join(WORK), out.join(DRIVES));
     if header.exists() && !restart {
@@ -151,7 +151,7 @@ impl<'a> Journal<'a> {
         Ok(Self { path, file: Mutex::new(file) })
     }
 
-    /// A line is written by one call, and so whole unless the machine fails.
+    /// A line is written by one call, so it is complete unless the machine fails.
     fn put(&self, line: &Line) -> Result<(), PartError> {
         let mut text = serde_json::to_vec(line).map_err(|e| broken(self.path, e))?;
         text.push(b'\n');
@@ -165,7 +165,7 @@ impl<'a> Journal<'a> {
     }
 }
 
-/// A drive that a list names and the lake does not hold is another fault than one that cannot be read.
+/// A drive that a list names and the lake does not hold is a different error from one that cannot be read.
 fn named(lake: &Lake, id: &DriveId, d: Diagnostic) -> Diagnostic {
     if !matches!(lake.size(id), Err(whyroad_lake::LakeError::DriveMissing(_))) {
         return d;
@@ -180,7 +180,7 @@ fn named(lake: &Lake, id: &DriveId, d: Diagnostic) -> Diagnostic {
 fn kills(id: &DriveId, deaths: usize) -> Diagnostic {
     let message = Bilingual::new(
         format!("处理行程 {id} 时工作进程 {deaths} 次异常终止，已搁置"),
-        format!("drive {id} is set aside: it was in work at {deaths} deaths of a worker"),
+        format!("drive {id} is set aside: a worker crashed {deaths} times while working on it"),
     );
     Diagnostic::error("mine.drive.kills_worker", message)
 }

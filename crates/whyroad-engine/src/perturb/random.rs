@@ -7,7 +7,7 @@ use whyroad_model::random::SplitMix64;
 pub(super) struct Random(SplitMix64);
 
 impl Random {
-    /// The stream of this seed and these names: what is drawn for one object does not depend on the others.
+    /// The stream of this seed and these names: the numbers for one object do not depend on the others.
     pub fn new(seed: u64, names: &[&str]) -> Self {
         // FNV-1a over the names, each ended by a byte that is in no UTF-8 text.
         let mut hash = 0xCBF2_9CE4_8422_2325_u64 ^ seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -28,7 +28,7 @@ impl Random {
     }
 }
 
-/// How noise depends on time.
+/// Correlation of noise over time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Noise {
     /// Over a second (first-order Gauss-Markov), else independent.

@@ -1,4 +1,4 @@
-//! A log at a lower rate, as ingest brings it to the frames of the lake: linearly between its samples.
+//! A log at a lower rate, as ingest resamples it to the frames of the lake: linearly between its samples.
 
 use whyroad_model::scene::Motion;
 use whyroad_model::{Drive, Nanos};
@@ -13,7 +13,7 @@ pub(super) fn lower(drive: &mut Drive, every: usize) {
         ego.known_at = known_at(&times, &frames, every);
     }
     for track in &mut drive.tracks {
-        // What is seen before the first or after the last sample is not in the log.
+        // Observations before the first or after the last sample are not in the log.
         let sampled = |f: &u32| (*f as usize).is_multiple_of(every);
         let first = track.frames.iter().copied().find(sampled);
         let last = track.frames.iter().copied().rev().find(sampled);
@@ -22,7 +22,7 @@ pub(super) fn lower(drive: &mut Drive, every: usize) {
         *track = super::rows_of(track, &rows);
         let frames = track.frames.clone();
         interpolate(&mut track.motion, &frames, every, &seconds);
-        // Where a sample is missing, an object is not there.
+        // Where a sample is missing, an object is absent.
         let there: Vec<usize> = (0..frames.len()).filter(|&r| track.motion.x[r].is_finite()).collect();
         *track = super::rows_of(track, &there);
         track.known_at = known_at(&times, &track.frames, every);
@@ -36,7 +36,7 @@ fn known_at(times: &[Nanos], frames: &[u32], every: usize) -> Vec<Nanos> {
     frames.iter().map(|f| *at(*f as usize)).collect()
 }
 
-/// Rows of frames between two samples lie on the line between them; where a sample is missing, they are unknown.
+/// Rows of frames between two samples are interpolated between them; where a sample is missing, they are unknown.
 fn interpolate(m: &mut Motion, frames: &[u32], every: usize, seconds: &impl Fn(usize) -> f64) {
     let of_frame = |f: usize| frames.binary_search(&(f as u32)).ok();
     let given = m.clone();

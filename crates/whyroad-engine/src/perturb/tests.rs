@@ -82,7 +82,7 @@ fn rows_are_lost_and_ids_break_at_the_stated_rates() {
     );
 
     let broken = perturb(&clean, Perturbation::IdBreaks, 1);
-    // Twenty objects for 100 s, 0.1 breaks a second: 200, but for what is lost at breaks.
+    // Twenty objects for 100 s, 0.1 breaks a second: 200, except for rows lost at breaks.
     let breaks = broken.drive.tracks.len() - 20;
     assert!((150..=230).contains(&breaks), "{breaks}");
     assert_eq!(broken.original.len(), breaks);
@@ -113,7 +113,7 @@ fn the_same_seed_gives_the_same_drive_and_another_seed_another() {
     }
     let text = |seed| format!("{:?}", perturb(&clean, Perturbation::White, seed).drive.tracks);
     assert_ne!(text(7), text(8));
-    // What is drawn for an object does not depend on which others there are.
+    // The numbers drawn for an object do not depend on the other objects.
     let mut alone = clean.clone();
     alone.tracks.truncate(1);
     let [a, b] =

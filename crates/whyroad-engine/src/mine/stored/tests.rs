@@ -1,4 +1,4 @@
-//! Stored signals against signals in memory: what the statistics of a file settle changes no answer.
+//! Stored signals against signals in memory: decisions from the statistics of a file change no result.
 
 #[path = "../../../../whyroad-mining/src/fast/tests/random.rs"]
 mod random;
@@ -31,7 +31,7 @@ proptest! {
         table in table(),
         rules in prop::collection::vec(rule(), 1..6),
     ) {
-        // Signals of pairs are derived when a rule asks for them, and never stored.
+        // Signals of pairs are derived when a rule uses them, and never stored.
         let table = SignalTable { pairs: None, ..table };
         let dir = tempfile::tempdir().expect("a folder");
         whyroad_lake::signals::write_signals(dir.path(), "v", &[("h".to_owned(), &table)]).expect("written");
@@ -70,7 +70,7 @@ fn what_cannot_hold_is_still_not_observable_where_nothing_is_known() {
         rule.subject = Some(subject);
         rule
     };
-    // A pedestrian whose gap is known, a car whose gap is not; no time to collision is known of anybody.
+    // A pedestrian whose gap is known, a car whose gap is not; no time to collision is known for any object.
     let span = |i: usize, class| TargetSpan {
         id: format!("t{i}").as_str().into(),
         class,
@@ -98,7 +98,7 @@ fn what_cannot_hold_is_still_not_observable_where_nothing_is_known() {
         .into_iter()
         .map(|f| f.missing.into_iter().collect())
         .collect();
-    // docs/reference/rules.md: not one row could be decided of a vehicle, for lack of what is never known; of the
+    // docs/reference/rules.md: for the vehicle no row could be decided, because its signal is never known; for the
     // pedestrian it is known that its gap is not below -5 m.
     assert_eq!(missing, [vec!["target.ttc".to_owned()], vec![], vec![]]);
 }
