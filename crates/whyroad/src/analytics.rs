@@ -1,4 +1,4 @@
-//! What the analytics are made from, read where it is: a mined folder, the store of the labeling service, releases.
+//! Inputs of the analytics, read from their sources: a mined folder, the store of the labeling service, releases.
 //! `whyroad report` and the page of the service share it.
 
 mod service;
@@ -18,7 +18,7 @@ use whyroad_model::{Diagnostic, Lang, Nanos, ScenarioId};
 use whyroad_report::analytics::{DriveFacts, MinedFacts, ReleaseFacts, SampleFacts};
 use whyroad_server::service::{facts, projects};
 
-/// A mined folder in short; weather from the lake, where one is given. Drives whose context cannot be read keep their
+/// Summary of a mined folder; weather from the lake, where one is given. Drives whose context cannot be read keep their
 /// weather unknown, and are named.
 pub(crate) fn mined(
     folder: &MinedFolder,
@@ -45,7 +45,7 @@ pub(crate) fn mined(
         };
         out.drives.insert(id, facts);
     }
-    // What was searched counts even without a clip.
+    // Searched drives count even without a clip.
     for id in &out.coverage.drives {
         out.drives.entry(id.clone()).or_default();
     }
@@ -53,7 +53,7 @@ pub(crate) fn mined(
     Ok((out, lost))
 }
 
-/// Tasks of the labeling service and what its projects want.
+/// Tasks of the labeling service and the targets of its projects.
 pub(crate) struct Labelling {
     pub tasks: Vec<TaskFacts>,
     pub wanted: BTreeMap<ScenarioId, u64>,
@@ -81,7 +81,7 @@ pub(crate) fn labelling(source: &str, project: Option<&str>, lang: Lang) -> anyh
     Ok(out)
 }
 
-/// Columns of a release that counts need.
+/// Columns of a release needed for the counts.
 const SAMPLE_COLUMNS: &[&str] = &[
     "sample_id",
     "scenario_id",
@@ -93,7 +93,7 @@ const SAMPLE_COLUMNS: &[&str] = &[
     "context",
 ];
 
-/// Releases in short, one row group at a time.
+/// Summaries of releases, one row group at a time.
 pub(crate) fn releases(dirs: &[PathBuf]) -> anyhow::Result<Vec<ReleaseFacts>> {
     dirs.iter().map(|dir| release(dir)).collect()
 }
@@ -127,7 +127,7 @@ fn release(dir: &Path) -> anyhow::Result<ReleaseFacts> {
     Ok(out)
 }
 
-/// The largest of several mined folders: the page shows one, and says which.
+/// The largest of several mined folders: the page shows one and names it.
 pub(crate) fn largest(dirs: &[PathBuf]) -> Option<MinedFolder> {
     let folders = dirs.iter().filter_map(|d| MinedFolder::find(d).ok()).flat_map(BTreeMap::into_values);
     folders.max_by_key(|f| f.coverage().map_or(0, |c| c.drives.len()))

@@ -1,4 +1,4 @@
-//! The framework in force: the built-in one, or the folder that `--framework` names.
+//! The current framework: the built-in one, or the folder that `--framework` names.
 
 use crate::Global;
 use crate::output::reason::{cannot_read, no_framework, stop};
@@ -9,7 +9,7 @@ use whyroad_framework::Framework;
 use whyroad_model::Diagnostic;
 use whyroad_signals::Catalog;
 
-/// The framework in force; what is wrong in it, its signal catalog included, is reported on stderr. An error when it
+/// The current framework; its errors, including those of its signal catalog, are reported on stderr. An error when it
 /// has no usable taxonomy.
 pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic>)> {
     let Some(dir) = &global.framework else { return Ok((Framework::bundled().clone(), Vec::new())) };
@@ -26,7 +26,7 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
     }
 }
 
-/// The framework of a folder and what is wrong in it. Every file is named as the user reaches it, `dir` included.
+/// The framework of a folder and its errors. Every file is named by the user's path, including `dir`.
 pub(crate) fn read(dir: &Path) -> anyhow::Result<(Option<Framework>, Vec<Diagnostic>)> {
     let (mut framework, found) = Framework::from_files(&read_folder(dir)?);
     let named = |file: &str| dir.join(file).display().to_string();

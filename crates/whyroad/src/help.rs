@@ -12,7 +12,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         "taxonomy lint",
         &[
             ("The built-in framework", "whyroad taxonomy lint"),
-            ("A framework folder of your own", "whyroad taxonomy lint --framework my-framework"),
+            ("Your own framework folder", "whyroad taxonomy lint --framework my-framework"),
         ],
     ),
     (
@@ -24,7 +24,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         &[
             ("A commented mapping to fill in", "whyroad taxonomy migrate mapping.yaml --init"),
             (
-                "Try it on the store of the labeling service",
+                "Dry run on the store of the labeling service",
                 "whyroad taxonomy migrate mapping.yaml --store whyroad-data --dry-run",
             ),
             (
@@ -281,7 +281,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
     (
         "rules check",
         &[(
-            "All faults of a rule file",
+            "All errors of a rule file",
             "whyroad rules check my-framework/scenarios/reactive_agent/cutin.yaml",
         )],
     ),
@@ -313,7 +313,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "whyroad compare mined mined-new --labels accepted.jsonl --examples",
             ),
             (
-                "What changed rules do, as a page",
+                "Effects of changed rules, as a page",
                 "whyroad compare bundled my-framework --lake lake --labels whyroad-data --out compare.html",
             ),
             ("Two releases", "whyroad compare release-1 release-2 --out compare.html"),
@@ -379,7 +379,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "whyroad report --lake lake --mined mined --labels whyroad-data --release release --tables tables",
             ),
             (
-                "What is short of 50 labels, and what a label costs",
+                "Leaves with fewer than 50 labels, and the cost of a label",
                 "whyroad report --lake lake --mined mined --labels whyroad-data --target 50 --rate 60 --summary",
             ),
         ],

@@ -33,7 +33,7 @@ pub(crate) struct ServiceModelArgs {
     /// Tasks that the model works on at once
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=64))]
     model_jobs: u16,
-    /// Share of the judged labels that people answer the same questions about, 0 to 1
+    /// Share of the judged labels for which people answer the same questions, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share)]
     people_share: f64,
     #[command(flatten)]
@@ -42,7 +42,7 @@ pub(crate) struct ServiceModelArgs {
 
 impl ServiceModelArgs {
     /// The model that the options name. An error where they cannot be used: the key's variable is unset, or the address
-    /// is no address. Answers are kept in `data`; images are blurred by `blur` before they are sent.
+    /// is invalid. Answers are kept in `data`; images are blurred by `blur` before they are sent.
     pub(crate) fn model(
         &self,
         framework: &'static Framework,
@@ -52,7 +52,7 @@ impl ServiceModelArgs {
     ) -> anyhow::Result<Option<Arc<dyn LanguageModel>>> {
         let Some(url) = &self.model else { return Ok(None) };
         let settings = self.how.settings(url, data.join("model-answers"), lang)?;
-        // What is wrong with the settings is said now, not when the first run begins.
+        // Errors in the settings are reported now, not when the first run begins.
         Client::new(settings.clone())
             .map_err(|e| anyhow::anyhow!("{}", e.diagnostic().message(lang).to_owned()))?;
         let checker =
@@ -71,7 +71,7 @@ impl ServiceModelArgs {
     }
 }
 
-/// What questions are made of.
+/// Inputs of questions.
 struct Source {
     framework: &'static Framework,
     checker: Checker<'static>,
@@ -177,8 +177,8 @@ fn no_drive(id: &DriveId) -> ModelFailure {
     }
 }
 
-/// Camera images as the service shows them: where faces and plates are made unreadable for people, they are for the
-/// model, too.
+/// Camera images as the service shows them: where faces and plates are made unreadable for people, they also are for
+/// the model, too.
 impl Images for Source {
     fn image(&self, drive: &Drive, frame: &MediaFrame) -> Option<(ImageKind, Vec<u8>)> {
         let id = &drive.meta.drive_id;
@@ -203,7 +203,7 @@ impl Images for Source {
     }
 }
 
-/// By the name's end; `None` for what is not sent to models.
+/// By the file extension; `None` for types that are not sent to models.
 pub(crate) fn image_kind(path: &Path) -> Option<ImageKind> {
     match path.extension()?.to_str()?.to_lowercase().as_str() {
         "png" => Some(ImageKind::Png),

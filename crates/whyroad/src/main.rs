@@ -66,11 +66,11 @@ enum Command {
     Ingest(cmd::ingest::Args),
     /// Show what a lake holds
     Inspect(cmd::inspect::Args),
-    /// Pack, list and upgrade a lake, or delete drives from it and from everything made of them
+    /// Pack, list and upgrade a lake, or delete drives from it and from everything derived from them
     Lake(cmd::lake::Args),
     /// Attach camera pictures to a drive of a lake
     Media(cmd::media::Args),
-    /// List and show the signals that rules can speak of
+    /// List and show the signals that rules can use
     Signals(cmd::signals::Args),
     /// Find episodes
     Mine(cmd::mine::Args),
@@ -78,17 +78,17 @@ enum Command {
     Merge(cmd::merge::Args),
     /// Show why a class was found in a clip, or why not
     Explain(cmd::explain::Args),
-    /// Group moments that no class explains, and name the classes that come nearest
+    /// Group moments that no class explains, and list the nearest classes
     Other(cmd::other::Args),
     /// Check mining rules while they are being written
     Rules(cmd::rules::Args),
-    /// Turn a question in words into a mining rule through a language model, and run it
+    /// Convert a question to a mining rule with a language model, and run it
     Ask(cmd::ask::Args),
-    /// Perturb a lake and report how far mining agrees with itself
+    /// Perturb a lake and report the agreement of mining with itself
     Robustness(cmd::robustness::Args),
-    /// Compare episodes with a truth: precision, recall, keyframe error by class
+    /// Evaluate episodes against ground truth: precision, recall, keyframe error by class
     Evaluate(cmd::evaluate::Args),
-    /// Make scores comparable: the share of episodes that is right, by class, from a truth or verdicts
+    /// Make scores comparable: the share of episodes that is right, by class, from ground truth or verdicts
     Calibrate(cmd::calibrate::Args),
     /// Compare two mined folders, two frameworks over one lake, or two releases
     Compare(cmd::compare::Args),
@@ -100,11 +100,11 @@ enum Command {
     Labels(cmd::labels::Args),
     /// Draft labels of mined episodes, by rule or by a language model
     Draft(cmd::draft::Args),
-    /// Put true/false questions about labels to a language model; a share of them goes to people
+    /// Ask a language model true/false questions about labels; people answer a share of them
     Judge(cmd::judge::Args),
     /// Agreement of annotators, or of a judge with people, beyond chance
     Agreement(cmd::agreement::Args),
-    /// Bring labels of older layouts to the current format, or back to 2.0
+    /// Convert labels of older layouts to the current format, or back to 2.0
     Migrate(cmd::migrate::Args),
     /// List the accounts of the labeling service, and give one a new password
     Accounts(cmd::accounts::Args),
@@ -116,7 +116,7 @@ enum Command {
     Dataset(cmd::dataset::Args),
     /// Train and evaluate a model from the history alone, which any other model should beat
     Baseline(cmd::baseline::Args),
-    /// Write the report: classes by stage, what is missing, quality, coverage, episodes
+    /// Write the report: classes by stage, shortfalls, quality, coverage, episodes
     Report(cmd::report::Args),
     /// Run everything on sample drives and write a report
     Demo(cmd::demo::Args),

@@ -1,4 +1,4 @@
-//! How to reach a language model: the options that `draft`, `judge` and `ask` share, and what is said of its cost.
+//! How to reach a language model: the options that `draft`, `judge` and `ask` share, and the text about its cost.
 
 use anyhow::bail;
 use std::path::PathBuf;
@@ -60,7 +60,7 @@ impl ModelArgs {
         }
     }
 
-    /// What that client is made with; an error where the key's variable is unset.
+    /// Settings of that client; an error where the key's variable is unset.
     pub(crate) fn settings(&self, url: &str, cache: PathBuf, lang: Lang) -> anyhow::Result<Settings> {
         let key = match self.key_env.as_deref().map(Key::from_environment).transpose() {
             Ok(key) => key,
@@ -89,7 +89,7 @@ pub(crate) fn cache_beside(out: &std::path::Path) -> PathBuf {
     out.with_extension("answers")
 }
 
-/// What was spent, as one line.
+/// The cost, as one line.
 pub(crate) fn cost(spent: &ModelSpent, lang: Lang) -> String {
     let ModelSpent { requests, cached, input_tokens, output_tokens, answers_without_count, cost } = *spent;
     let uncounted = match (answers_without_count, lang) {

@@ -16,14 +16,14 @@ macro_rules! tell {
     }};
 }
 
-/// Prints one message to stderr, as the log format says.
+/// Prints one message to stderr, in the log format.
 macro_rules! say {
     ($($text:tt)*) => {
         $crate::output::log::message(&format!($($text)*))
     };
 }
 
-/// How a command prints the data it was asked for.
+/// How a command prints the requested data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum DataFormat {
     /// For people
@@ -42,7 +42,7 @@ pub(crate) struct Print {
 }
 
 impl Print {
-    /// Prints `data` as JSON, or the text that `text` makes for people.
+    /// Prints `data` as JSON, or the text that `text` makes.
     pub fn put<T: Serialize + ?Sized>(self, data: &T, text: impl FnOnce() -> String) -> anyhow::Result<()> {
         match self.format {
             DataFormat::Json => put_json(data)?,
@@ -52,7 +52,7 @@ impl Print {
     }
 }
 
-/// How a command prints what it found wrong.
+/// How a command prints findings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum FindingFormat {
     /// For people
@@ -97,9 +97,9 @@ pub(crate) fn color_choice(text: &str) -> Result<anstream::ColorChoice, String> 
     }
 }
 
-/// All went well.
+/// Success.
 pub(crate) const FINE: ExitCode = ExitCode::SUCCESS;
-/// There are findings, or the command could not do it at all.
+/// There are findings, or the command failed.
 pub(crate) const FINDINGS: ExitCode = ExitCode::FAILURE;
 
 /// Done, but some input was lost.
@@ -107,7 +107,7 @@ pub(crate) fn lost_input() -> ExitCode {
     ExitCode::from(3)
 }
 
-/// Writes data to stdout. A reader that has heard enough (`| head`) ends the program quietly, as it would any other.
+/// Writes data to stdout. A reader that closes the pipe (`| head`) ends the program quietly.
 pub(crate) fn put(text: &str) {
     use std::io::Write as _;
     let mut out = anstream::stdout().lock();
@@ -116,8 +116,8 @@ pub(crate) fn put(text: &str) {
     }
 }
 
-/// A progress bar with this number of steps; drawn on stderr, and only on a terminal. In the log format JSON it is a
-/// line now and then.
+/// A progress bar with this number of steps; drawn on stderr, and only on a terminal. In the log format JSON it is an
+/// occasional line.
 pub(crate) fn progress(steps: usize) -> log::Progress {
     log::Progress::new(steps)
 }

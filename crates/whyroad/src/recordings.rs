@@ -1,4 +1,4 @@
-//! The engine's recordings, handed to the labeling service: each answer is one call.
+//! The engine's recordings for the labeling service: each method is one call.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ use whyroad_server::domain::scene::{SignalAbout, SignalKind};
 use whyroad_server::recordings::{Recordings, Similar, StoredImage, span_of};
 use whyroad_signals::{Catalog, SignalKind as Kind};
 
-/// What the service sees of a lake.
+/// The service's view of a lake.
 pub(crate) struct ServiceRecordings {
     lake: LakeRecordings,
     /// Whole drives, for checks after Stage I.
@@ -55,10 +55,10 @@ impl ServiceRecordings {
     }
 }
 
-/// Episodes that one is compared with; those of its L2 beyond are not. A descriptor takes about a millisecond once the
+/// Maximum number of episodes of the L2 that one is compared with. A descriptor takes about a millisecond once the
 /// drive is in memory.
 const MOST_COMPARED: usize = 2000;
-/// Descriptors that are kept.
+/// Maximum number of kept descriptors.
 const MOST_KEPT: usize = 20_000;
 
 impl ServiceRecordings {
@@ -79,7 +79,7 @@ impl ServiceRecordings {
         })?;
         let mut out = Similar::default();
         for (drive, episodes) in by_drive {
-            // A drive that is not in the lake any more is no reason to show nothing.
+            // The rest is shown even if a drive is no longer in the lake.
             let Ok(described) = self.described(&drive, &episodes) else { continue };
             for (e, descriptor) in episodes.into_iter().zip(described) {
                 if let Some(descriptor) = descriptor {
@@ -135,7 +135,7 @@ impl StoredImage for LinkableImage {
     }
 }
 
-/// What is wrong with the lake, for people of either language.
+/// Errors of the lake, in both languages.
 fn in_words(error: LakeError) -> Bilingual {
     error.diagnostic().message
 }
@@ -251,7 +251,7 @@ mod tests {
         let lake = Lake::create_or_open(dir.path()).unwrap();
         let recordings = ServiceRecordings::open(lake, Framework::bundled(), &[], &[]).unwrap();
         let unit = |name: &str| recordings.about(name).map(|a| (a.kind, a.unit));
-        // As schema/signals.yaml says; an angle written in degrees there is a column in radians.
+        // As in schema/signals.yaml; an angle written in degrees there is a column in radians.
         assert_eq!(unit("ego.accel"), Some((SignalKind::Number, Some("m/s2".into()))));
         assert_eq!(unit("map.sight_angle"), Some((SignalKind::Number, Some("rad".into()))));
         assert_eq!(unit("target.visible_share"), Some((SignalKind::Number, None)));

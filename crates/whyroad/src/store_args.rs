@@ -1,4 +1,4 @@
-//! Where the labeling service keeps its work: the options that `serve`, `tasks`, `accounts`, `backup` and `restore`
+//! Where the labeling service stores its data: the options that `serve`, `tasks`, `accounts`, `backup` and `restore`
 //! share.
 
 use crate::{Global, framework_folder};
@@ -13,7 +13,7 @@ use whyroad_server::secret;
 use whyroad_server::store::{Store, StoreLocation, key_file};
 
 /// The store that a `--labels` or `--store` argument names: a SQLite file, the folder with `labels.db`, or a PostgreSQL
-/// address. What belongs to it is looked for where the service keeps it: beside the file, or in the service's folder.
+/// address. Related files are searched where the service keeps them: beside the file, or in the service's folder.
 pub(crate) fn open_store(source: &str, lang: Lang) -> anyhow::Result<Store> {
     let below = Path::new(source).join("labels.db");
     let location = match StoreLocation::parse(source) {
@@ -37,23 +37,23 @@ pub(crate) fn open_store(source: &str, lang: Lang) -> anyhow::Result<Store> {
     Store::open_with_key(&location, &folder, &key).map_err(|p| error(&p, lang))
 }
 
-/// Options that say where the store is.
+/// Options for the location of the store.
 #[derive(clap::Args, Clone, Debug)]
 pub(crate) struct StoreArgs {
     /// Store of tasks and labels: a SQLite file, or postgres://user:password@host/database
     #[arg(long, value_name = "URL", env = "WHYROAD_STORE", hide_env_values = true)]
     store: Option<String>,
-    /// Folder for what the service keeps; the store is labels.db in it unless --store names another
+    /// Folder for the service's data; the store is labels.db in it unless --store names another
     #[arg(long, value_name = "DIR", default_value = "whyroad-data", env = "WHYROAD_DATA_DIR")]
     pub data: PathBuf,
-    /// File with the key that secrets in the store are sealed with; made when it does not exist [default: beside the
-    /// SQLite file, with .key at the end; for a database server labels.db.key in --data]
+    /// File with the key for secrets in the store; created when it does not exist [default: beside the SQLite file,
+    /// with .key at the end; for a database server labels.db.key in --data]
     #[arg(long, value_name = "FILE", env = "WHYROAD_KEY_FILE")]
     key_file: Option<PathBuf>,
 }
 
 impl StoreArgs {
-    /// Where the options say that the store is.
+    /// Location of the store by the options.
     pub(crate) fn location(&self) -> StoreLocation {
         match &self.store {
             Some(text) => StoreLocation::parse(text),
@@ -84,7 +84,7 @@ impl StoreArgs {
         Ok(store)
     }
 
-    /// Opens the store of a service that has run before: a mistyped path must not make an empty one.
+    /// Opens the store of a service that has run before: a mistyped path must not create an empty one.
     pub(crate) fn open_existing(&self, lang: Lang) -> anyhow::Result<Store> {
         if let StoreLocation::File(path) = self.location()
             && !path.is_file()
@@ -107,7 +107,7 @@ pub(crate) fn error(problem: &Problem, lang: Lang) -> anyhow::Error {
     anyhow!("{}: {}", problem.code, problem.text.get(lang))
 }
 
-/// The framework for as long as the program runs: the service's threads all read it.
+/// The framework for the lifetime of the program: all threads of the service read it.
 pub(crate) fn framework(global: &Global) -> anyhow::Result<&'static Framework> {
     if global.framework.is_none() {
         return Ok(Framework::bundled());

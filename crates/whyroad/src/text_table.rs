@@ -3,7 +3,7 @@
 /// Widest line of a table, in terminal cells.
 pub(crate) const MAX_WIDTH: usize = 120;
 
-/// Where the text of a column begins.
+/// Alignment of the text of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Align {
     /// Words.
@@ -62,7 +62,7 @@ pub(crate) fn wrapped(text: &str, indent: usize) -> String {
     out + line.trim_end() + "\n"
 }
 
-/// `text` in at most `cells` cells: its start and its end, which tell ids apart.
+/// `text` in at most `cells` cells: its start and its end, which distinguish ids.
 fn shortened(text: &str, cells: usize) -> String {
     if width(text) <= cells {
         return text.to_owned();

@@ -15,7 +15,7 @@ use whyroad_report::analytics::{Analytics, AnalyticsInputs, HourlyRate, MinedFac
 use whyroad_server::domain::project::Project;
 use whyroad_server::reports::Reports;
 
-/// A mined folder, the time of its last change, and what was read of it.
+/// A mined folder, the time of its last change, and the data read from it.
 type Held = (PathBuf, Option<SystemTime>, Arc<MinedFacts>);
 
 /// Makes the page.
@@ -24,7 +24,7 @@ pub(crate) struct ServiceReports {
     framework: &'static Framework,
     dirs: Vec<PathBuf>,
     queries: Queries,
-    /// What was read of a mined folder last, with the time at which its coverage was written.
+    /// The data last read from a mined folder, with the time at which its coverage was written.
     held: Mutex<Option<Held>>,
 }
 
@@ -43,7 +43,7 @@ impl ServiceReports {
         {
             return Ok(Arc::clone(facts));
         }
-        // Drives without a readable context stay without weather: the page says "not stated".
+        // Drives without a readable context have no weather: the page shows "not stated".
         let (facts, _) = mined(folder, Some(&self.lake)).map_err(|d| d.message)?;
         let facts = Arc::new(facts);
         *held = Some((path, written, Arc::clone(&facts)));

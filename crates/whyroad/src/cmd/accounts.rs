@@ -1,5 +1,5 @@
-//! `whyroad accounts`: who can sign in to the labeling service, and a new password for one who cannot any more. For
-//! whoever runs the service: they have the store, and need no account of their own.
+//! `whyroad accounts`: accounts that can sign in to the labeling service, and new passwords for those who lost theirs.
+//! For operators of the service: they have the store and need no account.
 
 use crate::output::Print;
 use crate::store_args::error;

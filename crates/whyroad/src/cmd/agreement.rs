@@ -1,4 +1,4 @@
-//! `whyroad agreement`: how far two annotators, or a judge and people, agree beyond chance, with intervals.
+//! `whyroad agreement`: agreement of two annotators, or of a judge and people, beyond chance, with intervals.
 
 use crate::output::Print;
 use crate::output::reason::{cannot_read, reason, stop};
@@ -41,7 +41,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             return of_judge(&args, first, second, lang);
         }
         ([(a, first), (b, second)], _) => {
-            // Two files of one name are two raters all the same.
+            // Two files with the same name are still two raters.
             let b = if a == b { format!("{b} (2)") } else { b.clone() };
             pair_files((a, first), (&b, second))
         }

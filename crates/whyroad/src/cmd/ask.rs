@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// Name of the rule; its matches are custom.NAME [default: rule]
     #[arg(long, value_name = "NAME", value_parser = rule_name)]
     name: Option<String>,
-    /// Times that faults of a rule are sent back to the model
+    /// Maximum number of times that errors of a rule are sent back to the model
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=10))]
     corrections: u32,
     #[command(flatten)]
@@ -111,7 +111,7 @@ fn shown(asked: &Asked, rule: &Rule, lang: Lang) -> String {
         ),
         Lang::En => writeln!(
             out,
-            "rule: {}\ntarget: {}\nthe model says: {}\nconditions:",
+            "rule: {}\ntarget: {}\nexplanation of the model: {}\nconditions:",
             last.rule,
             target.unwrap_or("none"),
             last.explanation
@@ -134,7 +134,7 @@ fn no_rule(asked: &Asked) -> Diagnostic {
     let text = asked.attempts.last().map(|a| a.rule.clone()).unwrap_or_default();
     let message = Bilingual::new(
         format!("模型给出的 {n} 条规则都有错误，最后一条：{text}"),
-        format!("all {n} rules of the model have faults, the last one is: {text}"),
+        format!("all {n} rules of the model have errors, the last one is: {text}"),
     );
     Diagnostic::error("ask.rule", message)
 }

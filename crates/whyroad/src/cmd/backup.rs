@@ -16,8 +16,8 @@ use whyroad_server::store::{backup_to, restore};
 pub(crate) struct BackupArgs {
     #[command(flatten)]
     store: store_args::StoreArgs,
-    /// File to write (JSON lines); it holds password hashes and must be kept as the store itself. Secrets in it are
-    /// sealed: restoring it needs the key file, too
+    /// File to write (JSON lines); it holds password hashes and must be protected like the store itself. Secrets in it
+    /// are sealed: restoring it needs the key file, too
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
@@ -27,12 +27,12 @@ pub(crate) struct BackupArgs {
 pub(crate) struct RestoreArgs {
     #[command(flatten)]
     store: store_args::StoreArgs,
-    /// File that `whyroad backup` wrote; the store that it goes into must be empty
+    /// File that `whyroad backup` wrote; the target store must be empty
     #[arg(long, value_name = "FILE")]
     from: PathBuf,
 }
 
-/// Never over an older one.
+/// Never overwrites an older one.
 pub(crate) fn run_backup(global: &Global, args: BackupArgs) -> anyhow::Result<ExitCode> {
     let store = args.store.open_existing(global.lang)?;
     if args.out.exists() {

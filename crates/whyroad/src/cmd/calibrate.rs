@@ -1,4 +1,4 @@
-//! `whyroad calibrate`: from episodes that a truth or people judged to the shares that mining uses as scores.
+//! `whyroad calibrate`: from episodes judged by ground truth or people to the shares that mining uses as scores.
 
 use crate::output::reason::{cannot_read, cannot_write};
 use crate::output::{Print, render_text};
@@ -25,17 +25,17 @@ pub(crate) struct Args {
     /// Folder that `whyroad mine` wrote; may be given several times
     #[arg(long, value_name = "DIR", required = true, num_args = 1..)]
     episodes: Vec<PathBuf>,
-    /// Truth, JSON Lines: episodes of classes and drives that it declares complete are judged
+    /// Ground truth, JSON Lines: episodes of classes and drives that it declares complete are judged
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "verdicts")]
     truth: Vec<PathBuf>,
     /// Verdicts on these episodes, as the labeling service exports them
     #[arg(long, value_name = "FILE", num_args = 1..)]
     verdicts: Vec<PathBuf>,
-    /// What is judged, for the readers of the table
+    /// Name of the judged data, for readers of the table
     #[arg(long, value_name = "TEXT", default_value = "")]
     name: String,
-    /// Use only what is judged now; the table in force otherwise counts as at most ten episodes per class, and stays
-    /// where nothing new is judged
+    /// Use only the newly judged episodes; by default the current table counts as at most ten episodes per class, and
+    /// is kept for classes without new ones
     #[arg(long)]
     fresh: bool,
     /// Write the table: schema/calibration.yaml of a framework folder
@@ -45,14 +45,14 @@ pub(crate) struct Args {
     print: Print,
 }
 
-/// What is printed.
+/// The printed result.
 #[derive(Serialize)]
 struct Printed<'a> {
     calibration: &'a Calibration,
     held_out: Option<HeldOut>,
 }
 
-/// Errors on drives that the shares were not made from.
+/// Errors on held-out drives.
 #[derive(Serialize)]
 struct HeldOut {
     shares: CalibrationError,
@@ -113,7 +113,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     Ok(if lost.is_empty() && unmatched.is_empty() { output::FINE } else { output::lost_input() })
 }
 
-/// The episodes of these folders that are of classes of the taxonomy.
+/// The episodes of these folders whose class is in the taxonomy.
 fn episodes(
     folders: &[PathBuf],
     is_class: &dyn Fn(&ScenarioId) -> bool,

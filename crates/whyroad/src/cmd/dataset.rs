@@ -73,7 +73,7 @@ fn init(a: &Init) -> anyhow::Result<ExitCode> {
     Ok(output::FINE)
 }
 
-/// Prints why a command could not be done.
+/// Prints why a command failed.
 fn refused(global: &Global, e: &DatasetError) -> ExitCode {
     print(global, &e.diagnostics());
     if matches!(e, DatasetError::Stopped) {
@@ -88,7 +88,7 @@ fn print(global: &Global, found: &[Diagnostic]) {
     }
 }
 
-/// The licenses of the framework in force: those of its folder, else the built-in ones.
+/// The licenses of the current framework: those of its folder, else the built-in ones.
 fn licences(global: &Global) -> anyhow::Result<LicenceTable> {
     let own = global.framework.as_ref().map(|dir| dir.join("schema/licences.yaml")).filter(|p| p.is_file());
     let (text, name) = match &own {

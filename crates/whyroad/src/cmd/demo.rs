@@ -28,7 +28,7 @@ use whyroad_signals::Catalog;
 /// Arguments of `whyroad demo`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Folder for everything that is made
+    /// Folder for all results
     #[arg(long, value_name = "DIR", default_value = "whyroad-demo")]
     out: PathBuf,
     /// Use this AV2 sensor log, or the logs below this folder, instead of the built-in simulated drives
@@ -36,7 +36,7 @@ pub(crate) struct Args {
     av2: Option<PathBuf>,
 }
 
-/// Tells each step on stderr, and remembers whether anything was lost.
+/// Reports each step on stderr, and records whether anything was lost.
 struct Steps {
     lang: Lang,
     lost: bool,
@@ -47,7 +47,7 @@ impl Steps {
         say!("{}", if self.lang == Lang::Zh { zh } else { en });
     }
 
-    /// Notes are left to `whyroad ingest`, where somebody asks about one log.
+    /// Notes are printed only by `whyroad ingest`.
     fn findings(&mut self, found: &[Diagnostic]) {
         for d in found.iter().filter(|d| d.severity != Severity::Note) {
             self.lost |= d.severity == Severity::Error;
@@ -76,7 +76,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (mined, result) = mine(&mut steps, &framework, &lake, &args.out)?;
     let episodes: Vec<EpisodeRecord> =
         mined.drives.iter().flat_map(|d| d.episodes.iter().map(|e| e.record.clone())).collect();
-    // What no class explains is for a person to classify: there is nothing to draft.
+    // A person classifies unexplained moments: there is nothing to draft.
     let classified: Vec<EpisodeRecord> =
         episodes.iter().filter(|e| e.scenario_id.l1 != OTHER).cloned().collect();
     let drafts = drafts::write(&framework, &lake, &mined, &classified, &args.out, global.lang)?;
@@ -117,7 +117,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
 /// The lake, with every drive that could be read in it; `None` when there is no drive at all.
 fn ingest(steps: &mut Steps, args: &Args) -> anyhow::Result<Option<Lake>> {
-    // Two lakes, so that a page never mixes what was shipped with what the user brought.
+    // Two lakes, so that a page never mixes bundled drives with the user's drives.
     let (format, path, folder) = match &args.av2 {
         Some(path) => (AdapterRef(&av2::Av2), path.clone(), "lake-av2"),
         None => (AdapterRef(&sumo::Sumo), drives::unpack(&args.out.join("drives"))?, "lake"),
@@ -147,8 +147,8 @@ fn ingest(steps: &mut Steps, args: &Args) -> anyhow::Result<Option<Lake>> {
     Ok((kept > 0).then_some(lake))
 }
 
-/// An empty lake. One that an earlier demo left, perhaps of another version, is replaced; any other folder is
-/// left alone, and refused by the lake.
+/// An empty lake. One that an earlier demo left, perhaps of another version, is replaced; any other folder is left
+/// alone, and rejected by the lake.
 fn fresh_lake(dir: &Path) -> anyhow::Result<Lake> {
     if dir.join("whyroad-lake.json").is_file() {
         std::fs::remove_dir_all(dir).with_context(|| {

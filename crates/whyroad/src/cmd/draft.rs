@@ -67,9 +67,9 @@ type Made = Result<(CocLabel, Vec<Diagnostic>), Left>;
 
 /// Why an episode has no draft.
 enum Left {
-    /// What is seen does not bear out what the class says.
+    /// The observations do not support the class.
     Doubt(Doubt),
-    /// It could not be read or asked for.
+    /// It could not be read or requested.
     Lost(Vec<Diagnostic>),
 }
 
@@ -136,7 +136,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// How many episodes have no draft because of what is seen, by reason; nothing where there are none.
+/// Number of episodes without a draft because of the observations, by reason; nothing where there are none.
 fn in_words(doubts: &BTreeMap<Doubt, usize>, lang: Lang) -> String {
     let all: usize = doubts.values().sum();
     let mut lines = match (all, lang) {
@@ -150,7 +150,7 @@ fn in_words(doubts: &BTreeMap<Doubt, usize>, lang: Lang) -> String {
     lines
 }
 
-/// The primary episodes that are asked for, in the order of drive and keyframe.
+/// The requested primary episodes, in the order of drive and keyframe.
 fn episodes(args: &Args, framework: &Framework) -> anyhow::Result<Vec<EpisodeRecord>> {
     let Some(folder) = MinedFolder::open(&args.from) else {
         return Err(stop(
@@ -200,7 +200,7 @@ fn by_model(
     let checker = Checker::new(framework).with_recordings(Arc::clone(drives) as Arc<_>);
     let images = LakeImages(LakeRecordings::open(lake.clone(), &[], &[])?);
     let drafter = Drafter { client, framework, checker: &checker, images: &images, lang: texts };
-    // After an error that ends the run the others are not tried: each would say the same.
+    // After an error that ends the run the others are not tried: each would fail in the same way.
     let ended = AtomicBool::new(false);
     let bar = output::progress(episodes.len());
     let one = |episode: &EpisodeRecord| -> Option<Made> {
@@ -232,7 +232,7 @@ fn by_model(
     Ok(made.into_iter().map(|m| m.unwrap_or_else(|| Err(Left::Lost(Vec::new())))).collect())
 }
 
-/// Findings that name no place are of the episode.
+/// Findings without a location belong to the episode.
 fn of_episode(why: NoDraft, episode: &EpisodeRecord) -> Vec<Diagnostic> {
     let place = |d: Diagnostic| match &d.location.file {
         Some(_) => d,

@@ -1,4 +1,4 @@
-//! `whyroad evaluate`: how good the episodes are against a truth that somebody else wrote down.
+//! `whyroad evaluate`: evaluates episodes against independent ground truth.
 
 mod scenario_mining;
 
@@ -19,10 +19,10 @@ use whyroad_report::verdicts;
 /// Arguments of `whyroad evaluate`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Truth, JSON Lines (docs/reference/evaluation.md); may be given several times
+    /// Ground truth, JSON Lines (docs/reference/evaluation.md); may be given several times
     #[arg(long, value_name = "FILE", required_unless_present = "verdicts", num_args = 1..)]
     truth: Vec<PathBuf>,
-    /// Verdicts on mined episodes in place of a truth: prints how often each class is right, and by score
+    /// Verdicts on mined episodes instead of ground truth: prints the share that is right, by class and by score
     #[arg(long, value_name = "FILE", conflicts_with_all = ["truth", "episodes", "predictions"])]
     verdicts: Option<PathBuf>,
     /// Folder that `whyroad mine` wrote
@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// Sequences to compare with the truth's sequences, instead of episodes (av2-scenario-mining)
     #[arg(long, value_name = "FILE", conflicts_with = "episodes")]
     predictions: Option<PathBuf>,
-    /// Lake that was mined: where everything was (av2-scenario-mining)
+    /// Lake that was mined: source of all positions (av2-scenario-mining)
     #[arg(long, value_name = "DIR")]
     lake: Option<PathBuf>,
     /// Write truth and predictions as sequences into this folder (av2-scenario-mining)
@@ -157,7 +157,7 @@ fn read(path: &Path) -> anyhow::Result<String> {
     std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))
 }
 
-/// What is worse than was asked for. A figure that has no value does not reach its threshold.
+/// Figures worse than their thresholds. A figure without a value does not reach its threshold.
 fn shortfalls(e: &Evaluation, args: &Args, lang: Lang) -> Vec<String> {
     let mut out = Vec::new();
     let zh = lang == Lang::Zh;

@@ -58,18 +58,18 @@ pub(crate) struct Args {
     print: Print,
 }
 
-/// What both forms of output show.
+/// Contents of both forms of output.
 struct Shown<'a> {
     class: &'a ScenarioId,
-    /// What the class is called.
+    /// Displayed name of the class.
     title: Bilingual,
     clip: &'a str,
     explanation: &'a Explanation,
-    /// What the signals are called for lack of which it cannot be decided.
+    /// Displayed names of the missing signals because of which it cannot be decided.
     missing: Vec<Bilingual>,
 }
 
-/// What a class is called; the id of what the taxonomy does not have.
+/// Displayed name of a class; its id if the taxonomy does not have it.
 fn named(framework: &Framework, id: &ScenarioId) -> Bilingual {
     if framework.taxonomy.contains(id) || id.l1 == OTHER {
         return class_title(&framework.taxonomy, id);
@@ -180,7 +180,7 @@ fn rule_of(class: &str, framework: &Framework, catalog: &Catalog) -> Result<Rule
             "请指明其下的某个叶子；`whyroad taxonomy list` 列出全部",
             "name one of the leaves below it; `whyroad taxonomy list` lists them",
         ))];
-        // A rule with a fault is left out: that is why it is not there.
+        // A rule with an error is left out: that is why it is missing.
         found.extend(faults);
         found
     })

@@ -47,11 +47,11 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         whyroad_ingest::ingest_each(batch, &args.options, &lake, &mut |report| {
             bar.suspend(|| print_diagnostics(global, &report.diagnostics));
             reports.push(report);
-            // A simulation has several drives; it is done when the last is.
+            // A simulation has several drives; it is finished with the last one.
             bar.set_position((bar.position() + 1).min(last - 1));
         });
         bar.set_position(last);
-        // What is published is not lost with the process. An error here is reported at the end, if it is still one.
+        // Published drives are not lost with the process. An error here is reported at the end if it persists.
         if published.elapsed() >= PUBLISH_EVERY {
             let conflict = lake.publish().err().filter(is_conflict).map(|e| e.diagnostic());
             bar.suspend(|| print_diagnostics(global, conflict.as_slice()));
@@ -96,7 +96,7 @@ fn print_diagnostics(global: &Global, diagnostics: &[Diagnostic]) {
     shown.for_each(|d| tell!("{}", render_text(d, global.lang)));
 }
 
-/// 1 when nothing came into the lake, 3 when something did and something was lost.
+/// 1 when nothing was written to the lake, 3 when something was written and some input was lost.
 fn exit_code(reports: &[SourceReport], problems: &[Diagnostic]) -> ExitCode {
     if reports.iter().all(|r| r.outcome.is_none()) {
         return output::FINDINGS;

@@ -1,4 +1,4 @@
-//! `whyroad inspect`: what a lake holds, drive by drive, or for one clip.
+//! `whyroad inspect`: contents of a lake, by drive, or for one clip.
 
 use crate::output::reason::stop;
 use crate::output::{Print, render_text};
@@ -15,7 +15,7 @@ use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Need, counted};
 /// Arguments of `whyroad inspect`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Lake to look into
+    /// Lake to inspect
     #[arg(long, value_name = "DIR")]
     lake: PathBuf,
     /// Only this clip, with the known share of every signal
@@ -86,8 +86,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// Publishes the signals that were derived on the way, where the lake is in an object store; without them, the next
-/// call derives them again.
+/// Publishes the signals that were derived for this, where the lake is in an object store; without them, the next call
+/// derives them again.
 pub(crate) fn keep(lake: &Lake, global: &Global) {
     if let Err(e) = lake.publish() {
         tell!("{}", render_text(&e.diagnostic(), global.lang));
@@ -256,7 +256,7 @@ fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
             out += &format!("    {name:<32} {percent:>5.1} %  {known} / {rows}\n");
         }
     }
-    // Signals that fail for one reason stand together: the reason is what can be changed.
+    // Signals are grouped by the reason why they are unavailable: the reason is what can be fixed.
     let mut by_need: BTreeMap<&[Need], Vec<&str>> = BTreeMap::new();
     for (name, needs) in &s.unavailable {
         by_need.entry(needs).or_default().push(name);

@@ -1,4 +1,5 @@
-//! `whyroad judge`: true/false questions about labels, answered by a model; a share of the labels goes to people.
+//! `whyroad judge`: true/false questions about labels, answered by a model; people answer them for a share of the
+//! labels.
 
 use super::draft::LakeImages;
 use crate::arguments::share;
@@ -41,7 +42,7 @@ pub(crate) struct Args {
     /// filled in with true or false, and `whyroad agreement` compares
     #[arg(long, value_name = "FILE")]
     people: Option<PathBuf>,
-    /// Share of the labels that goes to people, 0 to 1
+    /// Share of the labels for which people answer, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share)]
     people_share: f64,
     /// Seed of the choice of these labels
@@ -183,7 +184,7 @@ impl Summary<'_> {
         self.judged.iter().filter(|j| j.passed == Some(true)).count()
     }
 
-    /// By kind: statements, and those whose answer is not the one of a correct label.
+    /// By kind: statements, and those whose answer differs from that of a correct label.
     fn kinds(&self) -> BTreeMap<&'static str, serde_json::Value> {
         let count = |kind: QuestionKind| {
             let all = self.judged.iter().flat_map(|j| &j.questions).filter(|q| q.kind == kind);

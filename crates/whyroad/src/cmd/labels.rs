@@ -155,7 +155,7 @@ fn class(global: &Global, text: Option<&str>) -> anyhow::Result<ScenarioLabel> {
     Ok(ScenarioLabel { l2: id.l2.unwrap_or_default(), l1: id.l1, l3: id.l3, full_id })
 }
 
-/// Which drive a clip is.
+/// The drive of each clip.
 fn drive_names(file: &Path) -> anyhow::Result<BTreeMap<String, DriveId>> {
     let cannot = || cannot_read(file.display());
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(file).with_context(cannot)?;

@@ -26,7 +26,7 @@ enum What {
     List(list::Args),
     /// Pack drives into few large files: for lakes of many thousand drives
     Compact(compact::Args),
-    /// Check that every drive has the layout that this version reads; otherwise print what to do
+    /// Check that every drive has the layout that this version reads; otherwise print how to upgrade
     Upgrade(upgrade::Args),
     /// Delete drives: tables, signals, findings, images, mined episodes, tasks, caches. Releases and backups that hold
     /// them are listed and not changed
@@ -42,7 +42,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// The lake in a folder; `None` after saying why it cannot be opened.
+/// The lake in a folder; `None` after reporting why it cannot be opened.
 fn opened(dir: &Path, global: &Global) -> Option<Lake> {
     Lake::open(dir).map_err(|e| tell!("{}", render_text(&e.diagnostic(), global.lang))).ok()
 }

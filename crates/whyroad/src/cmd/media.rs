@@ -24,7 +24,7 @@ pub(crate) struct Args {
 
 #[derive(clap::Subcommand)]
 enum What {
-    /// Attach the images of one camera; those that it had before are replaced, other cameras stay
+    /// Attach the images of one camera; earlier ones of this camera are replaced, other cameras are kept
     Add(Add),
 }
 
@@ -102,7 +102,7 @@ fn add(lang: Lang, a: &Add) -> anyhow::Result<ExitCode> {
             ));
         }
     };
-    // What was extracted is only there for this call.
+    // Extracted frames exist only during this call.
     let copy = a.copy || extracted.is_some();
     let request = AddImages { camera: a.camera.clone(), source, copy };
     let done = match add_images(&lake, &id, &request) {
@@ -144,7 +144,7 @@ fn add(lang: Lang, a: &Add) -> anyhow::Result<ExitCode> {
 /// Images per second that are taken from a video.
 const VIDEO_RATE_HZ: f64 = 10.0;
 
-/// The frames of a video in a folder that goes when this does.
+/// The frames of a video in a folder that is removed when this is dropped.
 struct Extracted {
     dir: PathBuf,
 }
@@ -187,7 +187,7 @@ impl Extracted {
 
 impl Drop for Extracted {
     fn drop(&mut self) {
-        // A temporary folder that stays harms nobody.
+        // A leftover temporary folder is harmless.
         let _ = std::fs::remove_dir_all(&self.dir);
     }
 }

@@ -18,16 +18,16 @@ pub(crate) struct Args {
     /// Parts that `whyroad mine --drives` wrote, or folders of parts
     #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
-    /// Lake whose drives have to be there [default: those of the plan to which the parts belong]
+    /// Lake whose drives must all be in the parts [default: the drives of the plan of the parts]
     #[arg(long, value_name = "DIR")]
     lake: Option<PathBuf>,
-    /// Mined folder to write; appears or is replaced as a whole
+    /// Mined folder to write; created or replaced atomically
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Replace results of another question in that folder
     #[arg(long)]
     force: bool,
-    /// Also list the classes that some drives cannot answer, with the signals that these drives lack
+    /// Also list the classes that cannot be decided on some drives, with the missing signals
     #[arg(long)]
     missing: bool,
     #[command(flatten)]

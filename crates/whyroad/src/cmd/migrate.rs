@@ -1,4 +1,4 @@
-//! `whyroad migrate`: labels of older layouts brought to the current format, or back to 2.0.
+//! `whyroad migrate`: converts labels of older layouts to the current format, or back to 2.0.
 
 use crate::output::reason::{cannot_read, cannot_write, reason};
 use crate::{Global, framework_folder, output};

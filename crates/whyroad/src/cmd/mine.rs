@@ -1,4 +1,4 @@
-//! `whyroad mine`: episodes out of a lake, by the framework's rules, by a custom rule or by a JSON query.
+//! `whyroad mine`: finds episodes in a lake by the framework's rules, by a custom rule or by a JSON query.
 
 mod part;
 pub(super) mod plan;
@@ -25,7 +25,7 @@ use whyroad_mining::rule::Rule;
 use whyroad_model::{ClipCut, Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalog;
 
-/// Deaths of a worker after which a drive in work is set aside.
+/// Crashes of a worker after which a drive in work is set aside.
 const DEATHS: u16 = 3;
 
 /// Arguments of `whyroad mine`.
@@ -43,14 +43,14 @@ pub(crate) struct Args {
     /// Name of the custom rule; its matches are custom.NAME [default: the stem of its file, or rule]
     #[arg(long, value_name = "NAME", requires = "rule", value_parser = rule_name)]
     name: Option<String>,
-    /// What the target of --rule can be: vehicle, large_vehicle, vru, any, or a class such as bicycle [default: any]
+    /// Kind of the target of --rule: vehicle, large_vehicle, vru, any, or a class such as bicycle [default: any]
     #[arg(long, value_name = "KIND", requires = "rule", value_parser = plan::target_kind)]
     target: Option<String>,
-    /// Also write what --rule found as a result of the Argoverse 2 scenario-mining challenge: .pkl as its evaluator
-    /// loads it, or .jsonl
+    /// Also write the results of --rule in the format of the Argoverse 2 scenario-mining challenge: .pkl for its
+    /// evaluator, or .jsonl
     #[arg(long, value_name = "FILE", requires = "rule", conflicts_with = "drives")]
     sequences: Option<PathBuf>,
-    /// What --sequences names the question [default: the name of the rule]
+    /// Prompt to write with --sequences [default: the name of the rule]
     #[arg(long, value_name = "TEXT", requires = "sequences")]
     prompt: Option<String>,
     /// A mining_query (JSON) instead of the framework's rules
@@ -65,7 +65,7 @@ pub(crate) struct Args {
     /// Number of drives processed at once [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// fast, or the plain reference that it must equal (keeps nothing)
+    /// fast, or the plain reference with identical results (keeps nothing)
     #[arg(long, hide = true, default_value = "fast", value_parser = ["fast", "reference"])]
     evaluator: String,
     /// Divide the drives among N workers: print N work lists, or write them to --out; mines nothing
@@ -75,7 +75,7 @@ pub(crate) struct Args {
     /// write a part for `whyroad merge`
     #[arg(long, value_name = "FILE")]
     drives: Option<PathBuf>,
-    /// With --drives: set a drive aside that was in work at N deaths of a worker
+    /// With --drives: set a drive aside after N crashes of a worker that was working on it
     #[arg(long, value_name = "N", default_value_t = DEATHS, requires = "drives",
           value_parser = clap::value_parser!(u16).range(1..))]
     deaths: u16,
@@ -89,7 +89,7 @@ pub(crate) struct Args {
     /// signals
     #[arg(long)]
     once: bool,
-    /// Also list the classes that some drives cannot answer, with the signals that these drives lack
+    /// Also list the classes that cannot be decided on some drives, with the missing signals
     #[arg(long)]
     missing: bool,
     #[command(flatten)]
@@ -174,7 +174,7 @@ impl Args {
         }
     }
 
-    /// The same with what the target can be.
+    /// The same with the kinds of the target.
     pub(super) fn with_target(self, target: Option<String>) -> Self {
         Self { target, ..self }
     }
@@ -281,7 +281,7 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
     }
     let mined = mined?;
     let said = say(mined.diagnostics, global.lang);
-    // That the lake could not keep something loses nothing of the results.
+    // The results are complete even if the lake could not keep them.
     let lost = said.iter().any(|d| d.severity == Severity::Error);
     let summary = folder.finish(&framework.taxonomy, plan.searched)?;
     let results = Results {

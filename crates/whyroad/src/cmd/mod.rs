@@ -1,4 +1,4 @@
-//! One file per command: its arguments, and the calls that answer them.
+//! One file per command: its arguments, and its implementation.
 
 pub(crate) mod accounts;
 pub(crate) mod agreement;

@@ -1,4 +1,4 @@
-//! `whyroad other`: moments that no class explains, similar ones together, with the classes that come nearest.
+//! `whyroad other`: moments that no class explains, grouped by similarity, with the nearest classes.
 
 use crate::arguments::share;
 use crate::cmd::tasks::import_lines;
@@ -27,7 +27,7 @@ use whyroad_report::coverage::class_title;
 use whyroad_report::unexplained::{NearestClass, Unexplained, UnexplainedMoment, UnmetPart, page, render};
 use whyroad_signals::Catalog;
 
-/// Classes that are kept for each moment.
+/// Number of nearest classes kept for each moment.
 const NEAREST: usize = 5;
 
 /// Arguments of `whyroad other`.
@@ -39,7 +39,7 @@ pub(crate) struct Args {
     /// Lake that was mined
     #[arg(long, value_name = "DIR")]
     lake: PathBuf,
-    /// Least similarity of moments of one group with its example, 0 to 1 (docs/reference/release.md)
+    /// Minimum similarity of moments of one group with its example, 0 to 1 (docs/reference/release.md)
     #[arg(long, value_name = "SHARE", default_value_t = 0.6, value_parser = share)]
     similarity: f64,
     /// Maximum number of groups, the largest first
@@ -60,7 +60,7 @@ pub(crate) struct Args {
     print: Print,
 }
 
-/// A moment, what it was found from, and how it compares.
+/// A moment, its source, and its descriptor.
 struct Found {
     moment: UnexplainedMoment,
     record: EpisodeRecord,
@@ -81,7 +81,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
     };
     let (by_drive, mut lost) = unexplained(&args.episodes)?;
-    // What is derived on demand is not stored, and no rule of a class asks for it.
+    // Signals derived on demand are not stored, and no rule of a class uses them.
     let rules: Vec<Rule> = rules.rules.into_iter().filter(|r| r.on_demand().is_none()).collect();
     let ids: Vec<DriveId> = by_drive.keys().cloned().collect();
     let one = |id: &DriveId| of_drive(&lake, id, &by_drive[id], &rules, &framework);
@@ -120,7 +120,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 /// Episodes by drive.
 type ByDrive = BTreeMap<DriveId, Vec<EpisodeRecord>>;
 
-/// The episodes of `other` of a mined folder, and what could not be read.
+/// The episodes of `other` of a mined folder, and the unreadable lines.
 fn unexplained(dir: &Path) -> anyhow::Result<(ByDrive, Vec<Diagnostic>)> {
     let mined =
         MinedFolder::open(dir).with_context(|| cannot_read(MinedFile::Episodes.path(dir).display()))?;
@@ -211,7 +211,7 @@ fn scenes(lake: &Lake, of: &Unexplained) -> Vec<Markup> {
     of.groups.iter().map(one).collect()
 }
 
-/// A task for each group's example: an episode of the class that comes nearest, which the annotator may change.
+/// A task for each group's example: an episode of the nearest class, which the annotator may change.
 fn propose(
     global: &Global,
     args: &Args,

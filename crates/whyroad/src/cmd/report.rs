@@ -1,5 +1,5 @@
-//! `whyroad report`: what there is by class and stage, what is missing, and what mining found, as one self-contained
-//! page; the same numbers as text, JSON and tables.
+//! `whyroad report`: counts by class and stage, shortfalls, and mining results, as one self-contained page; the same
+//! numbers as text, JSON and tables.
 
 use crate::cmd::dataset::query::Queries;
 use crate::output::reason::{cannot_make, cannot_write, folders_only, stop};
@@ -45,7 +45,7 @@ pub(crate) struct Args {
     print: Print,
 }
 
-/// What the numbers are made from beside the mined folder, and where they go.
+/// Inputs of the numbers besides the mined folder, and their outputs.
 #[derive(clap::Args, Default)]
 pub(crate) struct Numbers {
     /// Store of the labeling service: labels.db, the folder with it, or postgres://...
@@ -57,7 +57,7 @@ pub(crate) struct Numbers {
     /// Release whose samples are counted; may be repeated
     #[arg(long, value_name = "DIR")]
     release: Vec<PathBuf>,
-    /// Accepted labels wanted of each leaf [default: the quota of the project]
+    /// Required accepted labels per leaf [default: the quota of the project]
     #[arg(long, value_name = "N")]
     target: Option<u64>,
     /// Cost of an hour of work [default: cost per label is unknown]
@@ -76,7 +76,7 @@ pub(crate) struct Numbers {
     /// Folder for the numbers as CSV and Parquet, and for the queries of shortfalls
     #[arg(long, value_name = "DIR")]
     tables: Option<PathBuf>,
-    /// Also print the numbers as text; `--format json` has them always
+    /// Also print the numbers as text; `--format json` always includes them
     #[arg(long)]
     summary: bool,
 }
@@ -86,7 +86,7 @@ fn day(text: &str) -> Result<Nanos, String> {
     Nanos::parse_iso(&format!("{text}T23:59:59Z")).map_err(|_| format!("'{text}' is not a day: YYYY-MM-DD"))
 }
 
-/// About 30 kB per episode: what a browser still scrolls smoothly.
+/// About 30 kB per episode: a size that a browser still scrolls smoothly.
 pub(crate) const MAX_CARDS: usize = 400;
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
@@ -110,7 +110,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let mut lost = Vec::new();
     let readable = mined.episodes()?.filter_map(|line| line.map_err(|d| lost.push(*d)).ok());
     let chosen = CardChoice::new(args.max_episodes).choose_all(readable);
-    // Without the numbers the page is still of use.
+    // Without the numbers the page is still useful.
     let (analytics, of_analytics) = match analyze(&framework, &mined, &lake, &args.numbers, global.lang)? {
         Ok((made, lost)) => (Some(made), lost),
         Err(d) => (None, vec![*d]),
@@ -155,7 +155,7 @@ fn refuse(d: &Diagnostic, lang: Lang) -> ExitCode {
     output::FINDINGS
 }
 
-/// The analytics with what could not be read for them, or why there are none.
+/// The analytics with the unreadable inputs, or why there are none.
 pub(crate) type Analyzed = Result<(Analytics, Vec<Diagnostic>), Box<Diagnostic>>;
 
 pub(crate) fn analyze(
@@ -194,7 +194,7 @@ pub(crate) fn analyze(
     Ok(Ok((Analytics::new(framework, &inputs), lost)))
 }
 
-/// Tables as CSV and Parquet, and `queries/<class>.json`. Queries of an earlier run that no longer hold are removed.
+/// Tables as CSV and Parquet, and `queries/<class>.json`. Outdated queries of an earlier run are removed.
 fn write_tables(analytics: &Analytics, dir: &Path) -> anyhow::Result<()> {
     for sheet in tables(analytics) {
         sheet.write(dir)?;
@@ -216,18 +216,18 @@ fn write_tables(analytics: &Analytics, dir: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What a page is made of.
+/// Inputs of a page.
 #[derive(Clone, Copy)]
 pub(crate) struct Found<'a> {
     pub framework: &'a Framework,
     pub lake: &'a Lake,
     pub coverage: &'a Coverage,
     pub chosen: &'a BTreeMap<DriveId, ChosenEpisodes>,
-    /// The numbers; without them the page has its coverage and episodes only.
+    /// The numbers; without them the page has only coverage and episodes.
     pub analytics: Option<&'a Analytics>,
 }
 
-/// Writes the page, drives on all cores; a drive that cannot be read is named, and is not in it.
+/// Writes the page, drives on all cores; a drive that cannot be read is reported and left out.
 pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::Result<Vec<Diagnostic>> {
     let (catalog, _) = Catalog::parse(&found.framework.signals_yaml);
     let signals: BTreeMap<String, SignalInfo> = catalog

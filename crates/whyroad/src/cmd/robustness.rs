@@ -1,4 +1,4 @@
-//! `whyroad robustness`: how far mining agrees with itself when the log is made worse.
+//! `whyroad robustness`: agreement of mining with itself when the log is perturbed.
 
 use crate::arguments::share;
 use crate::output::reason::cannot_write;
@@ -56,7 +56,7 @@ pub(crate) struct Args {
     format: DataFormat,
 }
 
-/// Classes below this agreement are listed where no floor is asked for.
+/// Classes below this agreement are listed where no floor is given.
 const LISTED_BELOW: f64 = 0.95;
 
 fn perturbation(name: &str) -> Result<Perturbation, String> {
@@ -64,7 +64,7 @@ fn perturbation(name: &str) -> Result<Perturbation, String> {
     Perturbation::from_name(name).ok_or_else(|| format!("possible values: {}", names()))
 }
 
-/// What one drive gave: its episodes as it is, and those of each perturbation.
+/// Results of one drive: its original episodes, and those of each perturbation.
 struct Compared {
     drive: DriveId,
     start: Nanos,
@@ -173,7 +173,7 @@ fn nothing(lang: Lang) -> &'static str {
     }
 }
 
-/// Becomes true on Ctrl-C: what is compared until then is reported. A second Ctrl-C ends the program.
+/// Becomes true on Ctrl-C: results until then are reported. A second Ctrl-C ends the program.
 fn interrupted() -> Arc<AtomicBool> {
     let stopped = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stopped);

@@ -1,4 +1,4 @@
-//! `whyroad rules`: checks of files that hold mining rules.
+//! `whyroad rules`: checks files with mining rules.
 
 use super::taxonomy::lint;
 use crate::output::PrintFindings;
@@ -25,8 +25,8 @@ pub(crate) struct Args {
 enum Command {
     /// Check rule files and run the cases beside them
     ///
-    /// A scenarios/<l1>/<l2>.yaml is checked in the place of the framework's own; `<l2>.cases.yaml` beside it is run.
-    /// A file that holds a `mining:` block alone is checked as one rule. Exit code 1 when anything is found.
+    /// A scenarios/<l1>/<l2>.yaml is checked instead of the framework's own; `<l2>.cases.yaml` beside it is run.
+    /// A file with only a `mining:` block is checked as one rule. Exit code 1 if there are findings.
     Check {
         /// Rule files (.yaml)
         #[arg(required = true, value_name = "FILE")]

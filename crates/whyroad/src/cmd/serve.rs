@@ -1,5 +1,5 @@
 //! `whyroad serve`: the labeling service on a lake, with its page. Without any argument it runs on the bundled drives,
-//! so that a newcomer sees clips at once.
+//! so that new users see clips at once.
 
 mod first_run;
 mod oidc;
@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// Folder that `whyroad mine` wrote, or a folder of such folders: tasks can be made from these; may be repeated
     #[arg(long, value_name = "DIR", requires = "lake")]
     mined: Vec<PathBuf>,
-    /// Folder or s3:// URL with the camera images that the lake names: where the recorded logs are; may be repeated
+    /// Folder or s3:// URL with the camera images that the lake names (the recorded logs); may be repeated
     #[arg(long, value_name = "DIR", requires = "lake")]
     media: Vec<PathBuf>,
     /// Seconds for which a link to an image in an object store works
@@ -72,7 +72,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let framework = store_args::framework(global)?;
-    // Before any work: an address in use is the commonest reason not to start.
+    // Before any work: an address in use is the most common reason for a failed start.
     let listener = TcpListener::bind(args.listen).with_context(|| cannot_listen(args.listen))?;
     let at = listener.local_addr()?;
     let bind_ops = |at: SocketAddr| TcpListener::bind(at).with_context(|| cannot_listen(at));
@@ -118,7 +118,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     app.reach = match args.webhook_to {
         hosts if !hosts.is_empty() => Reach::Only(hosts),
         _ if at.ip().is_loopback() && !args.https && !args.behind_proxy => Reach::OwnMachine,
-        // A proxy on this machine lets others in, although the service listens to this machine alone.
+        // A proxy on this machine admits other machines, although the service listens only to this machine.
         _ => Reach::Network,
     };
     app.log = Arc::new(output::log::warning);
@@ -140,7 +140,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 /// How long work that is still running may take after the last answer, when the service stops.
 const LAST_WAIT: Duration = Duration::from_secs(2);
 
-/// Serves until Ctrl-C or a request to terminate; then finishes what was begun.
+/// Serves until Ctrl-C or a request to terminate; then finishes running work.
 fn run_until_stopped(app: App, listener: TcpListener, ops: Option<TcpListener>) -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
@@ -150,7 +150,7 @@ fn run_until_stopped(app: App, listener: TcpListener, ops: Option<TcpListener>) 
         if let Some(ops) = ops {
             ops.set_nonblocking(true)?;
             let ops = tokio::net::TcpListener::from_std(ops)?;
-            // It ends with the runtime, after the last request: until then it says that the service is stopping.
+            // It ends with the runtime, after the last request: until then it reports that the service is stopping.
             tokio::spawn(whyroad_server::serve_ops(Arc::clone(&app), ops));
         }
         whyroad_server::serve(Arc::clone(&app), listener, stop_signal()).await
@@ -174,7 +174,7 @@ async fn stop_signal() {
     let terminate = async {
         match tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
             Ok(mut signal) => signal.recv().await,
-            // Without a handler the system's own way of ending stays.
+            // Without a handler the system's default applies.
             Err(_) => std::future::pending().await,
         }
     };

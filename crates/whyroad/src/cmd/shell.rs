@@ -1,4 +1,4 @@
-//! `whyroad completions` and `whyroad man`: what a shell and `man` need to know of the command line.
+//! `whyroad completions` and `whyroad man`: descriptions of the command line for shells and `man`.
 
 use crate::output::reason::{cannot_make, cannot_write};
 use crate::{command_line, output};

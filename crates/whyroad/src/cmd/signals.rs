@@ -1,4 +1,4 @@
-//! `whyroad signals`: the catalog of signals that rules can speak of.
+//! `whyroad signals`: the catalog of signals that rules can use.
 
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
@@ -32,7 +32,7 @@ enum SignalsCommand {
         #[command(flatten)]
         print: Print,
     },
-    /// Derive the signals of all drives of a lake and store them beside the drives, as `mine` does on the way
+    /// Derive the signals of all drives of a lake and store them beside the drives, as `mine` does
     Derive {
         /// The lake
         #[arg(long, value_name = "DIR")]

@@ -1,5 +1,5 @@
 //! `whyroad tasks`: labeling tasks from episodes, and tasks and labels out of and into the service's store, without
-//! the service running (or beside it: the store takes both).
+//! the service running (or beside it: the store supports both).
 
 use crate::output::Print;
 use crate::output::reason::{cannot_read, no_project, stop};

@@ -59,7 +59,7 @@ enum Command {
         #[command(flatten)]
         print: PrintFindings,
     },
-    /// Compare two frameworks or taxonomies, and say whether the step is major, minor or patch
+    /// Compare two frameworks or taxonomies, and print whether the step is major, minor or patch
     ///
     /// A and B are framework folders or the word `bundled`: classes, labeling specs and mining rules are compared.
     /// With a .yaml or .md file on either side only the classes are.
@@ -72,10 +72,11 @@ enum Command {
         #[command(flatten)]
         print: Print,
     },
-    /// Carry labels, tasks and releases along when classes are renamed, merged or split
+    /// Migrate labels, tasks and releases when classes are renamed, merged or split
     ///
-    /// A mapping file says what became of each class. What a label does not decide is never guessed: its task goes back
-    /// to its author, and it is listed. Originals stay: in the history of the task, and in the old files.
+    /// A mapping file states the change of each class. Nothing is guessed: if a label does not decide its class, it is
+    /// listed and its task is returned to its author. Originals are kept in the history of the task and in the old
+    /// files.
     Migrate(migrate::Args),
     /// Write the generated pages of docs/: classes, leaves, signals, labeling tables, diagnostics index
     ///

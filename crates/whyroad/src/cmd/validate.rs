@@ -1,4 +1,4 @@
-//! `whyroad validate`: reads files, folders and standard input piece by piece and prints what the checker says.
+//! `whyroad validate`: reads files, folders and standard input piece by piece and prints the checker's findings.
 
 mod input;
 mod printer;
@@ -28,10 +28,10 @@ pub(crate) struct Args {
     paths: Vec<PathBuf>,
     #[command(flatten)]
     print: PrintFindings,
-    /// Clip metadata (JSON or JSON Lines) to hold labels against: known clips, their length, rate and frames
+    /// Clip metadata (JSON or JSON Lines) to check labels against: known clips, their length, rate and frames
     #[arg(long, value_name = "FILE")]
     clips: Option<PathBuf>,
-    /// Lake with the drives that the labels speak of: compares them with the recording
+    /// Lake with the drives of the labels: compares them with the recording
     #[arg(long, value_name = "DIR")]
     lake: Option<PathBuf>,
     /// Fail on warnings too
@@ -46,7 +46,7 @@ pub(crate) struct Args {
     examples: usize,
 }
 
-/// What went through.
+/// Counts of checked documents.
 #[derive(Clone, Copy, Debug, Default)]
 struct Totals {
     documents: usize,
@@ -55,7 +55,7 @@ struct Totals {
     warnings: usize,
 }
 
-/// Everything that one run of the command carries along.
+/// State of one run of the command.
 struct Run<'o> {
     framework: &'o whyroad_framework::Framework,
     printer: Printer<'o>,
@@ -64,7 +64,7 @@ struct Run<'o> {
     foreign: Option<Foreign>,
 }
 
-/// A file that lay in a folder and holds, so far, nothing that is ours: how many documents, and the first.
+/// A file from a folder without any known document so far: number of documents, and the first.
 struct Foreign {
     documents: usize,
     first: Option<Diagnostic>,
@@ -83,7 +83,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let denied = args.deny_warnings;
     match check_all(&mut run, &framework, &args, global.lang) {
         Ok(()) => {}
-        // Whoever read our output has seen enough.
+        // The reader of the output has closed it.
         Err(e) if e.kind() == io::ErrorKind::BrokenPipe => return Ok(output::FINDINGS),
         Err(e) => return Err(e.into()),
     }
@@ -109,7 +109,7 @@ fn check_all(
         let clips = read_clips(run, &checker, path)?;
         checker = checker.with_clips(clips);
     }
-    // The clip list is not what was asked about: its findings count, its documents do not.
+    // The clip list is not itself checked: its findings count, its documents do not.
     run.totals = Totals { documents: 0, valid: 0, ..run.totals };
     for source in Sources::of(&args.paths) {
         match source {
@@ -195,7 +195,7 @@ fn read_clips(run: &mut Run<'_>, checker: &Checker<'_>, path: &std::path::Path) 
     Ok(clips)
 }
 
-/// What `whyroad mine --query` says of a query whose form is right: unknown signals, units that do not fit.
+/// Errors that `whyroad mine --query` reports for a query with a valid form: unknown signals, units that do not match.
 fn refused_by_mining(text: &str, name: &str, framework: &whyroad_framework::Framework) -> Vec<Diagnostic> {
     let (catalog, _) = Catalog::parse(&framework.signals_yaml);
     match parse_query(text, name, framework) {
@@ -216,7 +216,7 @@ impl Run<'_> {
                     return Ok(None);
                 }
                 let mut verdict = verdict;
-                // What mining would refuse is no valid query.
+                // A query that mining would reject is not valid.
                 if verdict.valid && verdict.kind == Some(MessageKind::MiningQuery) {
                     let text = String::from_utf8_lossy(document.bytes);
                     found.extend(refused_by_mining(&text, name, self.framework));
@@ -234,7 +234,7 @@ impl Run<'_> {
         }
     }
 
-    /// Holds back a document of no known kind while its file shows nothing else; lets go once it does.
+    /// Holds back a document of no known kind while its file shows nothing else; releases it once it does.
     fn is_foreign(&mut self, name: &str, verdict: Verdict, found: &mut Vec<Diagnostic>) -> io::Result<bool> {
         let Some(foreign) = &mut self.foreign else { return Ok(false) };
         if verdict.foreign {
@@ -243,7 +243,7 @@ impl Run<'_> {
             foreign.first = foreign.first.take().or(first);
             return Ok(true);
         }
-        // One of ours after all, so the others are mistakes, not foreign files.
+        // The file has a known document, so the others are mistakes, not foreign files.
         let Foreign { documents, first } =
             self.foreign.take().unwrap_or(Foreign { documents: 0, first: None });
         self.totals.documents += documents;
@@ -253,7 +253,7 @@ impl Run<'_> {
         Ok(false)
     }
 
-    /// The file has ended: says so when nothing in it was ours.
+    /// The file has ended: reports it when nothing in it was known.
     fn close_foreign(&mut self, name: &str) -> io::Result<bool> {
         let Some(Foreign { documents: n, first: Some(_) }) = self.foreign.take() else { return Ok(false) };
         let d = Diagnostic::note(

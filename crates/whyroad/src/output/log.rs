@@ -1,5 +1,5 @@
 //! Messages on stderr in the log format: text for people, or one JSON object per line for log collectors. Fields:
-//! `time`, `level` (`info`, `warning`, `error`), `event`, and what belongs to the event.
+//! `time`, `level` (`info`, `warning`, `error`), `event`, and the fields of the event.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
@@ -40,7 +40,7 @@ pub(crate) fn message(text: &str) {
     put(text, level, "message", json!({ "message": error.unwrap_or(text).trim_end() }));
 }
 
-/// What the service reports to its operator.
+/// A message of the service to its operator.
 pub(crate) fn warning(text: &str) {
     put(text, "warning", "service", json!({ "message": text }));
 }
@@ -113,7 +113,7 @@ impl Progress {
         Self { bar, steps, done: AtomicUsize::new(0), begun, reported: Mutex::new(begun) }
     }
 
-    /// What is being worked on.
+    /// The current item.
     pub(crate) fn set_message(&self, text: impl Into<std::borrow::Cow<'static, str>>) {
         self.bar.set_message(text);
     }
@@ -145,7 +145,7 @@ impl Progress {
         self.bar.suspend(print);
     }
 
-    /// All is done.
+    /// All steps are finished.
     pub(crate) fn finish_and_clear(&self) {
         self.bar.finish_and_clear();
         self.report(self.done.load(Ordering::Relaxed));

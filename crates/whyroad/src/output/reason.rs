@@ -1,5 +1,5 @@
-//! Why a command stopped, and what it was doing then, in both languages: errors of the binary's own that `anyhow` keeps
-//! and `main` prints. Findings about the user's data are diagnostics, not these.
+//! Why a command stopped, and its current step, in both languages: errors of the binary's own that `anyhow` keeps and
+//! `main` prints. Findings about the user's data are diagnostics, not these.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use whyroad_lake::storage::StorageUrl;
 use whyroad_model::{Bilingual, Lang};
 
-/// Set once, when the command line has been read: `anyhow` displays errors without asking in which language.
+/// Set once, when the command line has been read: `anyhow` displays errors without a language parameter.
 static ENGLISH: AtomicBool = AtomicBool::new(true);
 
 /// Sets the language of reasons for the whole run.
@@ -98,7 +98,7 @@ pub(crate) fn no_framework(what: impl fmt::Display) -> Reason {
     reason(format!("{what} 中没有可用的框架"), format!("{what} holds no usable framework"))
 }
 
-/// An address that cannot be listened on.
+/// An address on which the service cannot listen.
 pub(crate) fn cannot_listen(at: impl fmt::Display) -> Reason {
     reason(format!("无法在 {at} 监听"), format!("cannot listen on {at}"))
 }

@@ -15,7 +15,7 @@ use whyroad_model::messages::{EpisodeRecord, Keyframe, KeyframeType, TimeRange};
 use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Nanos, ScenarioId, TrackId};
 use whyroad_signals::Catalog;
 
-/// What a path is.
+/// Type of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A folder of `whyroad mine --out DIR`.
@@ -26,7 +26,7 @@ pub(super) enum Kind {
     Release,
 }
 
-/// The word for the built-in framework.
+/// The name of the built-in framework.
 const BUNDLED: &str = "bundled";
 
 impl Kind {
@@ -59,7 +59,7 @@ impl Kind {
 pub(super) struct Side {
     /// Drives that were searched.
     pub drives: Vec<DriveId>,
-    /// Episodes of the classes asked for.
+    /// Episodes of the requested classes.
     pub episodes: Vec<EpisodeRecord>,
     /// The taxonomy, of a framework.
     pub taxonomy: Option<Taxonomy>,
@@ -109,7 +109,7 @@ fn mined(dir: &Path, lang: Lang, wanted: impl Fn(&EpisodeRecord) -> bool) -> any
     Ok(Side { drives: coverage.drives, episodes, taxonomy: None, lost: false })
 }
 
-/// Runs all rules of a framework over the lake; what is wrong in it is said on stderr.
+/// Runs all rules of a framework over the lake; its errors are reported on stderr.
 fn run_rules(
     global: &Global,
     path: &Path,
@@ -154,7 +154,7 @@ fn run_rules(
     Ok(Side { drives, episodes, taxonomy: Some(framework.taxonomy), lost: !unread.is_empty() })
 }
 
-/// Columns of a release that moments need.
+/// Columns of a release needed for moments.
 const COLUMNS: &[&str] = &["sample_id", "scenario_id", "secondary_scenarios", "lineage", "label_json"];
 
 fn release(dir: &Path, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Result<Side> {
@@ -173,8 +173,8 @@ fn release(dir: &Path, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Resul
     Ok(out)
 }
 
-/// Gives each moment without a target the one that the other release knows at this moment of the drive: plain labels
-/// name no target, and would not be found again in a release of episodes.
+/// Adds the target from the other release to each moment without one: plain labels name no target and would not match a
+/// release of episodes.
 pub(super) fn name_targets(of: &mut [EpisodeRecord], other: &[EpisodeRecord]) {
     let known: BTreeMap<(&DriveId, Nanos), &TrackId> = other
         .iter()

@@ -45,7 +45,7 @@ pub(crate) struct Args {
     /// which it fails is not exported
     #[arg(long, value_name = "PROGRAM", env = "WHYROAD_BLUR")]
     blur: Option<PathBuf>,
-    /// Include unchecked drafts, marked, whatever the spec says
+    /// Include unchecked drafts, marked, regardless of the spec
     #[arg(long)]
     drafts: bool,
     /// Discard what an interrupted build with other inputs left
@@ -58,7 +58,7 @@ pub(crate) struct Args {
     print: Print,
 }
 
-/// `media` with camera images that go through `program`; what it makes is kept in `cache`.
+/// `media` with camera images that are processed by `program`; its output is kept in `cache`.
 fn blurring(media: Media, program: Option<&Path>, cache: &Path, lang: Lang) -> anyhow::Result<Media> {
     let Some(program) = program else { return Ok(media) };
     let blur = Blur::new(program.to_path_buf(), cache.to_path_buf())
@@ -102,7 +102,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
         streams.extend(open(source, a.project.as_deref(), global.lang)?);
     }
     let queries = query::Queries::new(&framework);
-    // Blurred images stay beside the release until the build ends well, so that an interrupted one goes on.
+    // Blurred images stay beside the release until the build succeeds, so that an interrupted one can continue.
     let blurred = PathBuf::from(format!("{}.blurred", a.out.display()));
     let media = blurring(Media::new(lake.dir(), &a.media), a.blur.as_deref(), &blurred, global.lang)?;
     let inputs = Inputs {
@@ -127,7 +127,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
     match built {
         Ok(built) => {
             if a.blur.is_some() {
-                // What is in the release is enough.
+                // The files in the release are enough.
                 let _ = std::fs::remove_dir_all(&blurred);
             }
             print(global, &built.diagnostics);

@@ -70,7 +70,7 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// The ffmpeg of the machine, where there is one.
+/// The machine's ffmpeg, where it is installed.
 fn ffmpeg() -> Option<PathBuf> {
     let program = PathBuf::from("ffmpeg");
     let found = Command::new(&program).arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();

@@ -1,5 +1,5 @@
-//! Mining queries for classes that a release is short of: the class's own rule, written out as the conditions of a
-//! `mining_query`. Only queries that compile are given.
+//! Mining queries for classes with too few samples in a release: the class's own rule, written out as the conditions of
+//! a `mining_query`. Only queries that compile are returned.
 
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
@@ -59,7 +59,7 @@ impl Queries {
             scenario_id: class.clone(),
             conditions: conditions.collect(),
             time_constraints: None,
-            // People reject some of what is mined, and duplicates go: twice as many are asked for.
+            // People reject some mined episodes, and duplicates are dropped: twice the number is requested.
             output_limit: u32::try_from(missing.saturating_mul(2)).ok(),
         };
         let message = MiningQueryMessage { mining_query: query };
@@ -110,7 +110,7 @@ fn read(node: &Node) -> Block {
     }
 }
 
-/// As the rules' own inheritance: names add up, `require` is appended, `when` is replaced.
+/// Same inheritance as for rules: names are merged, `require` is appended, `when` is replaced.
 fn inherit(l2: &Block, leaf: Block) -> Block {
     let mut names = l2.names.clone();
     names.extend(leaf.names);

@@ -1,4 +1,4 @@
-//! `whyroad dataset show` and `diff`: one sample with its lineage, and what differs between two releases.
+//! `whyroad dataset show` and `diff`: one sample with its lineage, and the differences of two releases.
 
 use super::refused;
 use crate::output::DataFormat;

@@ -1,5 +1,5 @@
-//! A label skeleton for each primary episode, written and checked by the label checker, so that the demo can
-//! report what is left for people to do.
+//! A label skeleton for each primary episode, written and checked by the label checker, so that the demo can report the
+//! remaining work for people.
 
 use crate::output::reason::cannot_write;
 use anyhow::Context as _;
@@ -15,7 +15,7 @@ use whyroad_lake::Lake;
 use whyroad_model::messages::{ClipMetadataMessage, EpisodeRecord};
 use whyroad_model::{Diagnostic, Lang, Severity};
 
-/// What was drafted, and what the checker says of it.
+/// The drafts, and the checker's results.
 pub(super) struct Drafts {
     path: PathBuf,
     count: usize,
@@ -27,8 +27,8 @@ pub(super) struct Drafts {
     pub lost: Vec<Diagnostic>,
 }
 
-/// Writes `draft_labels.jsonl` (labels in the exchange format) and `draft_notes.jsonl` (what was inferred, what
-/// is missing; a line each, in the same order).
+/// Writes `draft_labels.jsonl` (labels in the exchange format) and `draft_notes.jsonl` (inferred and missing parts; one
+/// line per label, in the same order).
 pub(super) fn write(
     framework: &Framework,
     lake: &Lake,
@@ -79,7 +79,7 @@ pub(super) fn write(
 }
 
 impl Drafts {
-    /// What was drafted and what the checker finds, in one paragraph.
+    /// Summary of the drafts and the checker's findings, in one paragraph.
     pub(super) fn summary(&self, lang: Lang) -> String {
         let (count, sound, path) = (self.count, self.sound, self.path.display());
         let rest = count - sound;

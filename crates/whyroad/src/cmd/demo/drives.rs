@@ -1,4 +1,4 @@
-//! The drives that are built into the program: `examples/drives`, simulated by us and ours to ship.
+//! The drives that are built into the program: `examples/drives`, simulated by us and free to distribute.
 
 use crate::output::reason::{cannot_make, cannot_write};
 use anyhow::Context as _;
@@ -26,7 +26,7 @@ const FILES: &[(&str, &[u8])] = drives![
     "back_street/net.xml.gz",
 ];
 
-/// Writes the drives into `dir`, as files that `whyroad ingest sumo` reads, and gives the folder back.
+/// Writes the drives into `dir`, as files that `whyroad ingest sumo` reads, and returns the folder.
 pub(super) fn unpack(dir: &Path) -> anyhow::Result<PathBuf> {
     for (name, content) in FILES {
         let path = dir.join(name);

@@ -15,10 +15,11 @@ use whyroad_lake::Lake;
 /// The folders in the demo's folder.
 pub(super) const RELEASE: &str = "release";
 pub(super) const EXPORT: &str = "export-ms-swift";
-/// The spec that the release was built from.
+/// The spec of the release.
 pub(super) const SPEC: &str = "dataset.yaml";
 
-/// What the demo changes in the commented spec. Three drives give three groups: with these shares each split has one.
+/// Changes that the demo makes to the commented spec. Three drives give three groups: with these shares each split has
+/// one.
 const CHANGES: [(&str, &str); 5] = [
     ("name: release ", "name: demo    "),
     ("images: none", "images: bev "),
@@ -27,7 +28,7 @@ const CHANGES: [(&str, &str); 5] = [
     ("test: 0.1", "test: 0.3"),
 ];
 
-/// Builds and exports; what could not be done is reported, and the demo goes on. True when both were written.
+/// Builds and exports; failures are reported, and the demo continues. True when both were written.
 pub(super) fn write(
     steps: &mut Steps,
     framework: &Framework,
@@ -100,7 +101,7 @@ fn exported(out: &Path, steps: &mut Steps) -> Result<(), DatasetError> {
     Ok(())
 }
 
-/// Removes what an earlier demo wrote; a folder without `mark` is left alone, and refused by what writes next.
+/// Removes what an earlier demo wrote; a folder without `mark` is left alone, and rejected by the next writer.
 fn clear(folder: &Path, mark: &str) -> Result<(), DatasetError> {
     if folder.join(mark).is_file() {
         std::fs::remove_dir_all(folder).map_err(DatasetError::io(folder))?;

@@ -12,7 +12,7 @@ use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{DriveId, Lang, Nanos};
 use whyroad_report::coverage::{class_title, counts, rows};
 
-/// Each class that was found, in both languages, with how often and where to look first.
+/// Each class that was found, in both languages, with its count and a first example.
 pub(super) fn table(
     taxonomy: &Taxonomy,
     coverage: &Coverage,
@@ -28,7 +28,7 @@ pub(super) fn table(
     let starts = starts(episodes, lake);
     for id in taxonomy.ids().into_iter().chain([other()]) {
         let of_class = || episodes.iter().filter(|e| e.scenario_id == id);
-        // The one to look at: primary, then the best score.
+        // The first example: primary, then the best score.
         let Some(example) =
             of_class().reduce(|a, b| if (b.is_primary, b.score) > (a.is_primary, a.score) { b } else { a })
         else {
@@ -85,7 +85,7 @@ fn starts(episodes: &[EpisodeRecord], lake: &Lake) -> BTreeMap<DriveId, Nanos> {
     out
 }
 
-/// Where everything is, and what to do next.
+/// Paths of the results, and the next steps.
 pub(super) fn where_to_look(page: &Path, lake: &Lake, out: &Path, released: bool, lang: Lang) -> String {
     let (lake, mined) = (lake.dir().display(), out.join("mined"));
     let serve = format!("whyroad serve --lake {lake} --mined {}", mined.display());

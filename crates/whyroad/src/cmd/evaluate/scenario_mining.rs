@@ -49,7 +49,7 @@ pub(super) fn from_lake(
     ))?;
     let lake =
         Lake::open(lake).map_err(|e| anyhow::anyhow!("{}", render_text(&e.diagnostic(), global.lang)))?;
-    // A class is asked of a drive where the truth is complete for it, or has an entry of it.
+    // A class is evaluated on a drive where the truth is complete for it, or has an entry of it.
     let mut asked: BTreeSet<(DriveId, ScenarioId)> =
         truth.entries.iter().map(|e| (e.drive_id.clone(), e.scenario_id.clone())).collect();
     for c in &truth.complete {

@@ -1,4 +1,4 @@
-//! An explanation as rows of a chart over time: the whole rule, each of its parts, and what a part is made of.
+//! An explanation as rows of a chart over time: the whole rule, each of its parts, and the components of each part.
 
 use super::Shown;
 use super::text::{actual, below, mark, single, text_of, verdict, whole};
@@ -6,10 +6,10 @@ use whyroad_mining::explain::{AtomCourse, Cell, Course};
 use whyroad_model::Lang;
 use whyroad_render::truths::{Curve, TruthChart, TruthRow};
 
-/// How far the conditions of a part are indented, px.
+/// Indentation of the conditions of a part, px.
 const INDENT: usize = 18;
 
-/// What [`whyroad_render::truths::render`] draws.
+/// Input for [`whyroad_render::truths::render`].
 pub(super) fn chart(shown: &Shown<'_>, lang: Lang) -> TruthChart {
     let e = shown.explanation;
     let (truth_words, note) = match lang {

@@ -52,7 +52,7 @@ fn part(p: &PartCourse) -> Value {
     })
 }
 
-/// `actual` is null where it is unknown or infinite; the truth beside it says which.
+/// `actual` is null where it is unknown or infinite; the truth beside it distinguishes the two.
 fn comparison(a: &AtomCourse) -> Value {
     json!({
         "text": a.text,

@@ -32,7 +32,7 @@ pub(super) fn render(shown: &Shown<'_>, lang: Lang) -> String {
     out
 }
 
-/// What became of the rule, in a sentence; also the title of the picture.
+/// The outcome of the rule, in a sentence; also the title of the image.
 pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
     let e = shown.explanation;
     let called = |name: &str| match (name, lang) {
@@ -83,16 +83,16 @@ fn outcome_en(e: &Explanation) -> String {
             format!("matches, keyframe at {at}{response}")
         }
         Outcome::NotAtKeyframe => {
-            format!("does not match: what is required at the keyframe, {at}, does not hold")
+            format!("does not match: the conditions required at the keyframe, {at}, do not hold")
         }
         Outcome::WrongDuration => {
-            format!("does not match: its conditions held together at {at}, but not as long as it asks")
+            format!("does not match: its conditions held together at {at}, but not for the required time")
         }
         Outcome::NotTogether => {
             format!("does not match: its conditions never held together, nearest at {at}")
         }
         Outcome::Undecided => "cannot be decided in this clip".to_owned(),
-        Outcome::NoCandidate => "nothing in this clip could be its target".to_owned(),
+        Outcome::NoCandidate => "no object in this clip can be its target".to_owned(),
     }
 }
 
@@ -127,7 +127,7 @@ pub(super) fn whole(lang: Lang) -> &'static str {
     }
 }
 
-/// A part in words, with where it must hold.
+/// Text of a part, with where it must hold.
 pub(super) fn text_of(part: &PartCourse, lang: Lang) -> String {
     let words = part.words.get(lang);
     match (part.place, lang) {
@@ -142,8 +142,8 @@ pub(super) fn single(part: &PartCourse) -> Option<&AtomCourse> {
     part.atoms.first().filter(|a| part.atoms.len() == 1 && a.text == part.text)
 }
 
-/// What is shown below a part: its definitions and comparisons, without the part itself again, nor a definition beside
-/// the comparison that it consists of.
+/// The lines below a part: its definitions and comparisons, without the part itself again, nor a definition beside the
+/// comparison that it consists of.
 pub(super) fn below(part: &PartCourse) -> impl Iterator<Item = &AtomCourse> {
     let said = |a: &AtomCourse| part.atoms.iter().any(|b| b.words == a.words && is_measured(b));
     part.atoms.iter().filter(move |a| a.text != part.text && (is_measured(a) || !said(a)))
@@ -153,7 +153,7 @@ fn is_measured(atom: &AtomCourse) -> bool {
     !atom.actual.is_boolean()
 }
 
-/// The measured value with its unit; nothing where the condition is its own measure.
+/// The measured value with its unit; nothing where the condition itself is the measure.
 pub(super) fn actual(atom: &AtomCourse, lang: Lang) -> Option<String> {
     let word = |zh: &str, en: &str| Some(if lang == Lang::Zh { zh } else { en }.to_owned());
     match &atom.actual {
@@ -180,7 +180,7 @@ fn line(out: &mut String, course: &Course, indent: usize, text: &str, atom: Opti
     let _ = writeln!(out, "{bar}  {:indent$}{mark} {text}{actual}", "");
 }
 
-/// A truth in a word; all of one language are equally wide.
+/// Text of a truth value; all texts of one language are equally wide.
 pub(super) fn mark(truth: Tri, lang: Lang) -> &'static str {
     match (truth, lang) {
         (Tri::True, Lang::En) => "yes",
@@ -224,7 +224,7 @@ fn legend(lang: Lang) -> &'static str {
             "一格 0.4 s：# 成立，+ 部分成立，. 不成立，? 未知，空白为目标不可见；是、否与 [实际值] 均指 ^ 所示时刻"
         }
         Lang::En => {
-            "a sign is 0.4 s: # true, + partly true, . false, ? unknown, blank where the target is not seen;\n\
+            "a sign is 0.4 s: # true, + partly true, . false, ? unknown, blank where the target is not observed;\n\
              yes, no and [values] are those at ^"
         }
     }

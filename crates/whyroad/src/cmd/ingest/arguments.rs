@@ -11,7 +11,7 @@ use whyroad_ingest::{
 };
 use whyroad_model::DriveId;
 
-/// What the user asked for.
+/// The user's request.
 pub(crate) struct Args {
     pub format: Option<AdapterRef>,
     pub paths: Vec<PathBuf>,
@@ -158,7 +158,7 @@ impl clap::FromArgMatches for Args {
     }
 }
 
-/// A first argument that is no path, but could be meant as a format, is a usage error: nothing is written.
+/// A first argument that is not a path, but looks like a format, is a usage error: nothing is written.
 fn refuse_unknown_format(paths: &[PathBuf]) -> Result<(), clap::Error> {
     let Some(first) = paths.first().filter(|p| !p.exists() && is_one_word(p)) else { return Ok(()) };
     let name = first.display().to_string();

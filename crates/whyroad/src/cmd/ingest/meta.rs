@@ -11,14 +11,14 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId};
 const COLUMNS: [&str; 8] =
     ["drive_id", "session", "vehicle", "latitude", "longitude", "datum", "place", "licence"];
 
-/// Facts by drive, and what is wrong with the file.
+/// Facts by drive, and errors in the file.
 pub(super) struct Facts {
     file: PathBuf,
     drives: Vec<(DriveId, DriveFacts)>,
     found: Vec<Diagnostic>,
 }
 
-/// Reads the CSV. A line that cannot be used is reported and does not stop the rest.
+/// Reads the CSV. An unusable line is reported and does not stop the rest.
 pub(super) fn read(file: &Path) -> anyhow::Result<Facts> {
     let mut reader = csv::Reader::from_path(file).with_context(|| cannot_read(file.display()))?;
     let headers = reader.headers().with_context(|| cannot_read(file.display()))?.clone();
@@ -68,7 +68,7 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Facts> {
             let place = format!("{}:{}", file.display(), i + 2);
             out.found.push(datum_unknown(datum.as_deref().unwrap_or_default()).in_file(place));
         }
-        // A datum that is not known is not guessed: the position stays as it is given.
+        // An unknown datum is not guessed: the position is used as given.
         let position = position.map(|p| known.map_or(p, |datum| in_wgs84(p, datum)));
         let facts = DriveFacts {
             session: cell("session"),
@@ -90,7 +90,7 @@ fn in_wgs84(p: GeoPosition, datum: Datum) -> GeoPosition {
 fn datum_unknown(name: &str) -> Diagnostic {
     let message = Bilingual::new(
         format!("未知的基准 '{name}'；位置按原值保留"),
-        format!("the datum '{name}' is not known; the position stays as it is given"),
+        format!("the datum '{name}' is not known; the position is used as given"),
     );
     Diagnostic::warning("ingest.meta.datum", message)
         .with_hint(Bilingual::new("可用 wgs84 与 gcj02", "the known ones are wgs84 and gcj02"))
@@ -108,11 +108,11 @@ fn position(latitude: Option<String>, longitude: Option<String>) -> Result<Optio
         (Some(a), Some(b)) => {
             Ok(Some(GeoPosition { latitude_deg: number(&a, 90.0)?, longitude_deg: number(&b, 180.0)? }))
         }
-        _ => Err("latitude and longitude go together".to_owned()),
+        _ => Err("latitude and longitude must be given together".to_owned()),
     }
 }
 
-/// States the facts; gives what is wrong.
+/// States the facts; returns the errors.
 pub(super) fn state(lake: &Lake, facts: Facts) -> anyhow::Result<Vec<Diagnostic>> {
     let mut found = facts.found;
     let present = lake.drive_ids();

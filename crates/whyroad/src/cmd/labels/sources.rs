@@ -1,4 +1,4 @@
-//! Files of causal texts: found, opened, and handed to the reader of their format.
+//! Files of causal texts: found, opened, and passed to the reader of their format.
 
 use super::SourceFormat;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ pub(super) fn name(format: SourceFormat) -> &'static str {
     }
 }
 
-/// Everything that the paths have.
+/// All texts in the paths.
 pub(super) fn read(format: SourceFormat, paths: &[PathBuf]) -> Reading {
     let mut out = Reading::default();
     for path in paths {
@@ -124,7 +124,7 @@ fn data_set(root: &Path) -> Reading {
             Err(reason) => out.append(failed(&file.display().to_string(), &reason)),
         }
     }
-    // Together: an episode may go on in the next file.
+    // Together: an episode may continue in the next file.
     out.append(lerobot::read(&root.join("data").display().to_string(), &rows, &tasks));
     out
 }

@@ -1,5 +1,4 @@
-//! The audit file of deletions: when, on which request, how much. No ids of drives: they can be personal data
-//! themselves, and are what was to be forgotten.
+//! The audit file of deletions: time, request and counts. No ids of drives: they can be personal data themselves.
 
 use crate::output::reason::cannot_write;
 use anyhow::Context as _;
@@ -10,10 +9,10 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 use whyroad_model::Nanos;
 
-/// What was deleted, as numbers; and who still holds it.
+/// Counts of deleted data, and the remaining copies.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Deleted {
-    /// Drives asked for.
+    /// Requested drives.
     pub drives: usize,
     /// Of these, drives that were in the lake.
     pub lake_drives: usize,
@@ -33,7 +32,7 @@ pub(super) struct Deleted {
     pub backups: Vec<String>,
     /// Parts of mining runs that hold a drive, by folder.
     pub parts: Vec<String>,
-    /// What could not be searched.
+    /// Places that could not be searched.
     pub unsearched: Vec<String>,
 }
 
@@ -60,14 +59,14 @@ pub(super) fn put(file: &Path, state: &str, request: Option<&str>, counts: &Dele
     out.write_all(line.as_bytes()).and_then(|()| out.sync_all()).with_context(cannot)
 }
 
-/// True where the last entry is of a deletion that began and did not end.
+/// True where the last entry belongs to a deletion that began and did not finish.
 pub(super) fn unfinished(file: &Path) -> bool {
     let text = std::fs::read_to_string(file).unwrap_or_default();
     let last = text.lines().last().and_then(|l| serde_json::from_str::<serde_json::Value>(l).ok());
     last.is_some_and(|entry| entry["state"] == "begun")
 }
 
-/// A reference such as a ticket's number; free text is refused.
+/// A reference such as a ticket's number; free text is rejected.
 pub(super) fn reference(text: &str) -> Result<String, String> {
     let fits = !text.is_empty()
         && text.len() <= 40

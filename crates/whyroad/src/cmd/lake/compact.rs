@@ -21,14 +21,14 @@ pub(super) struct Args {
     /// Maximum number of drives in a pack
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u64).range(1..=65_536))]
     drives: u64,
-    /// Leave out stored signals: they are derived again when a new rule asks for them
+    /// Leave out stored signals: they are derived again when a new rule needs them
     #[arg(long)]
     drop_signals: bool,
     #[command(flatten)]
     print: Print,
 }
 
-/// What was done, as JSON.
+/// The result, as JSON.
 #[derive(Serialize)]
 struct Done {
     packed: usize,

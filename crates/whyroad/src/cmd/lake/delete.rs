@@ -1,5 +1,5 @@
-//! `whyroad lake delete`: what a lake and everything made of it holds of some drives is removed. The lake comes last,
-//! so that a deletion that was killed finds its drives again; each step can be done twice.
+//! `whyroad lake delete`: removes drives from a lake and from everything derived from it. The lake is last, so that a
+//! repeated deletion after a kill still finds the drives; each step can be repeated.
 
 use super::audit::{self, Deleted};
 use super::holders;
@@ -52,7 +52,7 @@ pub(super) struct Args {
     /// Number of the request, for the audit file; no personal data
     #[arg(long, value_name = "REF", value_parser = audit::reference)]
     request: Option<String>,
-    /// Say what would be deleted, and delete nothing
+    /// Print what would be deleted, and delete nothing
     #[arg(long)]
     dry_run: bool,
     #[command(flatten)]
@@ -113,7 +113,7 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     unknown.retain(|id| !mined.contains(*id));
     let file = args.audit.clone().unwrap_or_else(|| lake.dir().join("deletions.jsonl"));
-    // After a kill behind the last step there is nothing left but to say so.
+    // After a kill following the last step, only the report is left.
     if !unknown.is_empty()
         && !audit::unfinished(&file)
         && args.older_than.is_none()
@@ -140,7 +140,7 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
     }
     for folder in &folders {
-        // A killed run may have left the folder as it was before beside it.
+        // A killed run may have left the previous version of the folder beside it.
         Publication::sweep(folder.dir())?;
         removal::remove(folder, &drives)?;
     }
@@ -154,7 +154,7 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     lake.remove_drives(&drives)?;
     lake.publish_removal()?;
-    // Otherwise the same command, run again, goes on with it.
+    // Otherwise the same command, run again, would continue with it.
     if purged {
         audit::put(&file, "done", args.request.as_deref(), &counts)?;
     }
@@ -163,7 +163,7 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     Ok(outcome(&counts))
 }
 
-/// The drives named, and those that ended before a time; and which drives state no time.
+/// The named drives, and those that ended before a time; also the drives without a time.
 fn selected(lake: &Lake, args: &Args) -> (BTreeSet<DriveId>, Vec<String>) {
     let mut drives: BTreeSet<DriveId> = args.drives.iter().map(|d| DriveId::from(d.as_str())).collect();
     let mut undated = Vec::new();
@@ -181,7 +181,7 @@ fn selected(lake: &Lake, args: &Args) -> (BTreeSet<DriveId>, Vec<String>) {
     (drives, undated)
 }
 
-/// The mined folders at or directly below each folder; parts are looked for apart.
+/// The mined folders at or directly below each folder; parts are searched separately.
 fn mined_folders(dirs: &[PathBuf]) -> anyhow::Result<Vec<MinedFolder>> {
     let mut out = Vec::new();
     for dir in dirs {
@@ -201,7 +201,7 @@ fn service_folder(store: &str) -> Option<PathBuf> {
     }
 }
 
-/// What an upgrade kept of the store from before.
+/// Copies of the previous store that an upgrade kept.
 fn kept_stores(dir: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
     entries.filter(|e| e.file_name().to_string_lossy().contains(".before-")).map(|e| e.path()).collect()
@@ -228,7 +228,7 @@ fn outside_images(
     Ok(out.into_iter().collect())
 }
 
-/// Removes the files of a cache: the key of an image does not follow from the drive.
+/// Removes the files of a cache: the key of an image cannot be derived from the drive.
 fn empty(cache: &Path) -> anyhow::Result<()> {
     for entry in std::fs::read_dir(cache).into_iter().flatten().flatten() {
         let path = entry.path();
@@ -241,7 +241,7 @@ fn empty(cache: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Others still hold a drive, or it is unknown whether they do: exit code 1, so that a script notices.
+/// Copies of a drive remain, or it is unknown whether they do: exit code 1, so that scripts can detect it.
 fn outcome(counts: &Deleted) -> ExitCode {
     let rest = [&counts.releases, &counts.backups, &counts.parts, &counts.unsearched];
     if rest.iter().all(|list| list.is_empty()) { output::FINE } else { output::FINDINGS }

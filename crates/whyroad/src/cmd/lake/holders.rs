@@ -1,5 +1,5 @@
-//! Who else holds a drive: releases, backups, parts of mining runs. They are found and named, never changed: a release
-//! is immutable, and a backup changed by hand could not be restored.
+//! Other copies of a drive: in releases, backups, parts of mining runs. They are found and listed, never changed: a
+//! release is immutable, and a backup changed by hand could not be restored.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -10,7 +10,7 @@ use whyroad_dataset::Release;
 use whyroad_engine::parts::Part;
 use whyroad_model::DriveId;
 
-/// What holds a drive, and what could not be searched.
+/// Copies of a drive, and places that could not be searched.
 #[derive(Debug, Default)]
 pub(super) struct Holders {
     pub found: Vec<String>,
@@ -34,7 +34,7 @@ pub(super) fn releases(dirs: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders 
         return out;
     }
     for manifest in files(dirs, &mut out.unsearched).iter().filter(|p| p.ends_with("manifest.json")) {
-        // Other tools call files so, too.
+        // Other tools use this file name, too.
         let text = fs::read(manifest).ok().and_then(|t| serde_json::from_slice::<Value>(&t).ok());
         let ours = text.is_some_and(|m| m["format"].as_str().is_some_and(|f| f.contains("whyroad")));
         if let Some(dir) = manifest.parent().filter(|_| ours) {
@@ -45,7 +45,7 @@ pub(super) fn releases(dirs: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders 
 }
 
 fn release_holds(dir: &Path, drives: &BTreeSet<DriveId>) -> anyhow::Result<bool> {
-    // What was dropped is named in the stages' files.
+    // Dropped samples are listed in the stages' files.
     let named = files(&[dir.to_owned()], &mut vec![]);
     for file in named.iter().filter(|f| f.extension().is_none_or(|e| e != "parquet")) {
         if occurs(file, drives)? {
@@ -73,7 +73,7 @@ pub(super) fn parts(dirs: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders {
 }
 
 /// Files at or below the paths in which the id of a drive occurs as a whole word: backups are plain text, copies of a
-/// SQLite file hold texts as they are. Compressed files are named as not searched.
+/// SQLite file contain texts unchanged. Compressed files are named as not searched.
 pub(super) fn backups(paths: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders {
     let mut out = Holders::default();
     if drives.is_empty() {
@@ -131,7 +131,7 @@ fn occurs(path: &Path, drives: &BTreeSet<DriveId>) -> std::io::Result<bool> {
     }
 }
 
-/// The id with something that no id has on both sides; a clip's id (`<drive>_000`) counts.
+/// The id between characters that no id contains; a clip's id (`<drive>_000`) counts.
 fn contains(text: &[u8], id: &[u8]) -> bool {
     let of_id = |b: &u8| b.is_ascii_alphanumeric() || *b == b'-' || *b == b'.';
     let mut from = 0;
@@ -159,7 +159,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("backup.jsonl");
         let drives = BTreeSet::from([DriveId::from("d1")]);
-        // At every place around the border of two pieces.
+        // At every position around the border of two pieces.
         for shift in 0..8 {
             let mut text = vec![b' '; PIECE - 5 + shift];
             text.extend(b"\"d1\" and more");

@@ -1,5 +1,5 @@
 //! `whyroad lake upgrade`: whether a lake has the layout that this version reads. Layouts with and without packs are
-//! read as they are. Version 1 cannot be converted: its derived speeds cannot be distinguished from measured ones; the
+//! both readable. Version 1 cannot be converted: its derived speeds cannot be distinguished from measured ones; the
 //! commands that ingest the sources again are printed.
 
 use crate::output::{Print, render_text};
@@ -21,7 +21,7 @@ pub(super) struct Args {
     print: Print,
 }
 
-/// What was found.
+/// The result.
 #[derive(Serialize)]
 struct Checked {
     current: usize,

@@ -57,7 +57,7 @@ pub(super) fn print_plan(global: &Global, args: &Args, lists: usize) -> anyhow::
     Ok(output::FINE)
 }
 
-/// What a worker needs.
+/// Inputs of a worker.
 pub(super) struct Work<'a> {
     pub list: &'a Path,
     pub out: &'a Path,

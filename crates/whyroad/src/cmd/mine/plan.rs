@@ -1,4 +1,4 @@
-//! Which rules a run of `whyroad mine` needs, and what it is to answer.
+//! The rules that a run of `whyroad mine` needs, and its questions.
 
 use crate::output::reason::{cannot_read, stop};
 use anyhow::Context as _;
@@ -18,12 +18,12 @@ use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{Bilingual, Diagnostic, ObjectClass, ScenarioId};
 use whyroad_signals::Catalog;
 
-/// What to run, and what to answer.
+/// The rules to run, and the questions.
 pub(super) struct Plan {
     pub rules: RuleSet,
     pub questions: Vec<Question>,
     pub searched: Searched,
-    /// What is recorded in the folder.
+    /// The question recorded in the folder.
     pub asked: MiningQuestion,
     /// Of a query: its class, and whether it has conditions.
     pub query: Option<(ScenarioId, bool)>,
@@ -31,7 +31,7 @@ pub(super) struct Plan {
 
 pub(super) type Planned = Result<(Plan, Vec<Diagnostic>), Vec<Diagnostic>>;
 
-/// All rules are run even when one class is asked for: which episode is primary depends on all of them.
+/// All rules are run even when one class is requested: which episode is primary depends on all of them.
 pub(super) fn of_rules(wanted: &[String], framework: &Framework, catalog: &Catalog) -> Planned {
     let (rules, mut found) = RuleSet::of_framework(framework, catalog);
     let rules = rules.with_decision_moments(catalog);
@@ -65,7 +65,7 @@ pub(super) fn of_rules(wanted: &[String], framework: &Framework, catalog: &Catal
     Ok((Plan { rules, questions, searched: Searched::Framework, asked, query: None }, found))
 }
 
-/// A custom rule, as the command line gives it.
+/// A custom rule from the command line.
 pub(in crate::cmd) struct CustomRule<'a> {
     /// A text, or the path of a file that holds a `mining:` block.
     pub rule: &'a str,
@@ -73,7 +73,7 @@ pub(in crate::cmd) struct CustomRule<'a> {
     pub target: Option<&'a str>,
 }
 
-/// A custom rule belongs to no class of the taxonomy: what it finds is `custom.<name>`.
+/// A custom rule belongs to no class of the taxonomy: its episodes have the class `custom.<name>`.
 pub(super) fn of_custom(
     custom: &CustomRule<'_>,
     framework: &Framework,
@@ -100,7 +100,7 @@ impl CustomRule<'_> {
         Path::new(self.rule).extension().is_some_and(|e| e == "yaml" || e == "yml")
     }
 
-    /// Its name: the one given, else the stem of its file, else `rule`.
+    /// Its name: the given one, else the stem of its file, else `rule`.
     fn name(&self) -> String {
         match (self.name, Path::new(self.rule).file_stem()) {
             (Some(name), _) => name.to_owned(),
@@ -165,8 +165,8 @@ pub(super) fn of_query(file: &Path, framework: &Framework, catalog: &Catalog) ->
         Ok(r) => r,
         Err(found) => return Ok(Err(found)),
     };
-    // The class's own rules say what its episodes are, all rules together which of them is primary; the conditions
-    // choose among them.
+    // The class's own rules define its episodes, all rules together decide which are primary; the conditions select
+    // among them.
     let (mut rules, mut found) = RuleSet::of_framework(framework, catalog);
     if !rules.rules.iter().any(|r| r.scenario.is_within(&query.scenario_id)) {
         let id = &query.scenario_id;

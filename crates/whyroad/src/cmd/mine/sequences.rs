@@ -1,4 +1,4 @@
-//! `whyroad mine --sequences FILE`: what a custom rule found, as the result of the Argoverse 2 scenario-mining
+//! `whyroad mine --sequences FILE`: the results of a custom rule, in the form of the Argoverse 2 scenario-mining
 //! challenge.
 
 use crate::output::reason::{Reason, cannot_write};
@@ -12,7 +12,7 @@ use whyroad_report::evaluation::scenario_mining::result::{MiningResult, to_pickl
 use whyroad_report::evaluation::scenario_mining::sequence;
 use whyroad_signals::estimate::estimated;
 
-/// Writes what was found on each of these drives: a pickle where the file ends in `.pkl`, else JSON Lines.
+/// Writes the results on each of these drives: a pickle where the file ends in `.pkl`, else JSON Lines.
 pub(super) fn write(
     file: &Path,
     lake: &Lake,
@@ -24,7 +24,7 @@ pub(super) fn write(
         let drive = lake.read_drive(id).map_err(|e| anyhow::anyhow!(Reason::from(e.diagnostic().message)))?;
         let joined = estimated(&drive).joined;
         let result = bridge::result(&drive, prompt, episodes, &joined);
-        // A drive without a pose of the ego has no place in the city.
+        // A drive without a pose of the ego has no position in the city.
         if !result.frames.is_empty() {
             results.push(result);
         }

@@ -1,4 +1,4 @@
-//! What `whyroad mine` prints: what was found by class, totals, what could not be observed, and the best matches of a
+//! Output of `whyroad mine`: results by class, totals, classes that are not observable, and the best matches of a
 //! single question. No line is wider than 120 columns.
 
 use crate::text_table::{Align, aligned, wrapped};
@@ -21,7 +21,7 @@ pub(in crate::cmd) struct Results<'a> {
 }
 
 impl Results<'_> {
-    /// For people. `missing`: with the classes that could not be decided everywhere.
+    /// The text. `missing`: with the classes that could not be decided everywhere.
     pub fn text(&self, missing: bool) -> String {
         let mut out = String::new();
         let found: Vec<&LeafCoverage> = self.rows(|l| l.state == CoverageState::Found);
@@ -70,7 +70,7 @@ impl Results<'_> {
         })
     }
 
-    /// Classes that were asked for, in the order of the taxonomy.
+    /// Requested classes, in the order of the taxonomy.
     fn rows(&self, wanted: impl Fn(&LeafCoverage) -> bool) -> Vec<&LeafCoverage> {
         let coverage = &self.summary.coverage;
         let all = coverage.unresolved.iter().chain(&coverage.leaves);
@@ -107,7 +107,7 @@ impl Results<'_> {
         aligned(columns, &lines)
     }
 
-    /// `l2.l3` where that names the class, as every command takes it.
+    /// `l2.l3` where that names the class, as every command accepts it.
     fn short_id(&self, id: &ScenarioId) -> String {
         let parts: Vec<&str> = [id.l2.as_deref(), id.l3.as_deref()].into_iter().flatten().collect();
         let short = parts.join(".");
@@ -171,7 +171,7 @@ impl Results<'_> {
         )
     }
 
-    /// Where to look for the answer to a single question.
+    /// Where to find the answer to a single question.
     fn best(&self, out: &mut String) {
         let (best, matched) = (&self.summary.best, self.summary.matched);
         let shown = best.len();

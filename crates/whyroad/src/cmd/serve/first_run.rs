@@ -1,5 +1,5 @@
-//! What a fresh machine is given: the bundled drives, a project to begin with, and a way to the first account that is
-//! nobody else's.
+//! Setup of a new machine: the bundled drives, an initial project, and a way to create the first account that is nobody
+//! else's.
 
 use crate::cmd::demo;
 use crate::output::reason::Reason;
@@ -18,24 +18,24 @@ use whyroad_server::service::create::Drafting;
 use whyroad_server::service::{create, people, projects};
 use whyroad_server::store::private;
 
-/// How the first account comes about.
+/// How the first account is created.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum FirstAccount {
     /// There are accounts.
     Made,
-    /// Whoever opens the page first makes it: only this machine can.
+    /// The first visitor of the page creates it: only this machine can reach it.
     Open,
-    /// Who knows this token makes it.
+    /// Anyone with this token creates it.
     ByToken(String),
 }
 
-/// The bundled drives as a lake below `data`, with what was mined from them; made when they are not there.
+/// The bundled drives as a lake below `data`, with their mined folder; created when missing.
 pub(super) fn bundled(
     global: &Global,
     framework: &Framework,
     data: &Path,
 ) -> anyhow::Result<(Lake, Vec<PathBuf>)> {
-    // The store comes into it later: from the beginning it is for its owner alone.
+    // The store is created in it later: from the beginning only its owner has access.
     private::folder(data)?;
     let dir = data.join("demo");
     let mined = dir.join("mined");
@@ -52,11 +52,11 @@ pub(super) fn bundled(
     Ok((lake, vec![mined]))
 }
 
-/// Most episodes of which tasks are made before the service answers.
+/// Maximum number of episodes for which tasks are made before the service answers.
 const MAX_OFFERED: u64 = 500;
 
-/// Gives a store without any project one, with tasks from the bundled drives, so that there is something to open. For a
-/// service without a lake of its own: who brings a lake makes the projects.
+/// Gives a store without any project one, with tasks from the bundled drives, so that there is something to open. Only
+/// for a service without a user's lake: users with a lake make their own projects.
 pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
     let problem = |p| store_args::error(&p, lang);
     let Some(mined) = app.recordings.mined().into_iter().next() else { return Ok(()) };
@@ -71,13 +71,13 @@ pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
                 say!("{mined} 有 {episodes} 个事件：用 `whyroad tasks create` 或在页面中选取并创建任务")
             }
             Lang::En => say!(
-                "{mined} has {episodes} episodes: make tasks from those you want with `whyroad tasks create` or in the page"
+                "{mined} has {episodes} episodes: make tasks from the ones you need with `whyroad tasks create` or in the page"
             ),
         }
         return Ok(());
     }
     let mut project = store_args::new_project("demo", lang)?;
-    // One person looks at few short drives here: whoever has seen one task of a drive would soon find the queue empty.
+    // A single person labels a few short drives here: with the usual limit per drive the queue would soon be empty.
     project.settings.history = HistoryRule::Episode;
     let (id, now) = (project.id.clone(), app.now());
     app.store.write(move |tx| projects::create(tx, &project, now)).map_err(problem)?;
@@ -90,7 +90,7 @@ pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// How the first account comes about on a service that is reached at `ip`.
+/// How the first account is created on a service that is reached at `ip`.
 pub(super) fn first_account(app: &mut App, ip: IpAddr, lang: Lang) -> anyhow::Result<FirstAccount> {
     let problem = |p| store_args::error(&p, lang);
     if !app.store.read(people::is_first_run).map_err(problem)? {

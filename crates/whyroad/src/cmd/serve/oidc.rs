@@ -17,7 +17,7 @@ const SECRET: &str = "WHYROAD_OIDC_CLIENT_SECRET";
 #[derive(clap::Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Signing in at an OpenID provider (docs/how-to/set-up-sign-in.md)")]
 pub(super) struct OidcArgs {
-    /// YAML file with all of this, and with what has no option: grants, conditions on claims
+    /// YAML file with all of this and with settings without an option: grants, conditions on claims
     #[arg(long, value_name = "FILE", env = "WHYROAD_OIDC_CONFIG")]
     oidc_config: Option<PathBuf>,
     /// Issuer, exactly as the provider writes it; people can then sign in there too
@@ -44,8 +44,8 @@ pub(super) struct OidcArgs {
 }
 
 impl OidcArgs {
-    /// The provider, where one is set up. `own` is where a service listens that only its own machine reaches, without a
-    /// proxy: then its address is known. Else only people know it.
+    /// The provider, where one is set up. `own` is the address of a service that only its own machine reaches, without
+    /// a proxy: then the address is known. Otherwise it must be stated.
     pub(super) fn provider(&self, own: Option<SocketAddr>, lang: Lang) -> anyhow::Result<Option<Provider>> {
         let mut written = self.written()?;
         if let (None, Some(at)) = (&written.public_url, own) {
@@ -101,7 +101,7 @@ impl OidcArgs {
     }
 }
 
-/// Reads a set-up file. Files that it names lie beside it.
+/// Reads a set-up file. Files that it names are relative to it.
 fn read(file: &Path) -> anyhow::Result<Written> {
     let text = std::fs::read_to_string(file).with_context(|| cannot_read(file.display()))?;
     // The reader's own message would repeat the line, and with it a secret.
@@ -117,7 +117,7 @@ fn read(file: &Path) -> anyhow::Result<Written> {
     Ok(written)
 }
 
-/// The kind of fault, without repeating what is written there.
+/// The kind of error, without quoting the file.
 fn kind(e: &yaml::DecodeError) -> String {
     match e.message.split_once("unknown field ") {
         Some((_, rest)) => format!("unknown field {}", rest),

@@ -32,7 +32,7 @@ pub(super) fn run(global: &Global, a: &Path, b: &Path, print: Print) -> anyhow::
     })
 }
 
-/// What an argument names.
+/// Type of an argument.
 enum Side {
     /// A framework folder, or the built-in framework: classes, labeling specs, mining rules.
     Framework(Box<Framework>),
@@ -49,7 +49,8 @@ impl Side {
     }
 }
 
-/// Reads what an argument names. Something with mistakes is compared as far as it can be read; they are said on stderr.
+/// Reads the file or folder that an argument names. Readable parts of an input with mistakes are compared; the mistakes
+/// are reported on stderr.
 fn side(path: &Path, lang: Lang) -> anyhow::Result<Side> {
     if path == Path::new("bundled") {
         return Ok(Side::Framework(Box::new(Framework::bundled().clone())));
@@ -133,7 +134,7 @@ fn change(c: &Change, lang: Lang, out: &mut String) {
         None => writeln!(out, "  {}  [{step}]", c.id),
     };
     if let (Some(before), Some(after)) = (&c.before, &c.after) {
-        // Where the reader's language did not change, or one side does not have it, the other one is shown.
+        // Where the text in the reader's language did not change, or one side lacks it, the other language is shown.
         let other = if lang == Lang::Zh { Lang::En } else { Lang::Zh };
         let (x, y) = (before.get(lang), after.get(lang));
         let shown = if x == y || x.is_empty() || y.is_empty() { other } else { lang };
@@ -141,7 +142,7 @@ fn change(c: &Change, lang: Lang, out: &mut String) {
     }
 }
 
-/// The step of all changes, then what each file's version says: the taxonomy's, and those of changed specs.
+/// The step of all changes, then the version check of each file: the taxonomy's, and those of changed specs.
 fn verdict(d: &TaxonomyDiff, lang: Lang) -> String {
     let mut out = match lang {
         Lang::Zh => format!("所需步级：{}", d.step),

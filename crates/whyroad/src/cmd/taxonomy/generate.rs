@@ -18,7 +18,7 @@ use whyroad_signals::Catalog;
 pub(super) enum Action {
     /// Write the file.
     Write,
-    /// Say whether the file is up to date.
+    /// Report whether the file is up to date.
     Check,
 }
 
@@ -123,7 +123,7 @@ fn list(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(out)
 }
 
-/// Deletes generated pages of classes that no longer exist; with `Check` reports them and answers true.
+/// Deletes generated pages of classes that no longer exist; with `Check` reports them and returns true.
 fn remove(global: &Global, action: Action, files: &[PathBuf]) -> anyhow::Result<bool> {
     for path in files {
         let name = path.display();
@@ -137,7 +137,7 @@ fn remove(global: &Global, action: Action, files: &[PathBuf]) -> anyhow::Result<
     Ok(action == Action::Check && !files.is_empty())
 }
 
-/// Reports a file that is not what the framework generates.
+/// Reports a file that differs from what the framework generates.
 fn stale(global: &Global, path: &Path, command: &str) {
     let name = path.display();
     let message = Bilingual::new(format!("{name} 不是最新的"), format!("{name} is not up to date"));
@@ -154,12 +154,12 @@ pub(super) fn schemas(global: &Global, action: Action, out: Option<&Path>) -> an
     finish(global, action, "whyroad taxonomy schemas", &files)
 }
 
-/// Where generated files go unless `--out` says: beside the framework that they are generated from.
+/// Default folder of generated files without `--out`: beside the framework that they are generated from.
 fn root(global: &Global) -> PathBuf {
     global.framework.clone().unwrap_or_default()
 }
 
-/// A text file. Git may check text out with CRLF; that is not staleness.
+/// A text file. Git may check text out with CRLF; that does not count as outdated.
 fn read(path: &Path) -> anyhow::Result<String> {
     let text = std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))?;
     Ok(text.replace("\r\n", "\n"))

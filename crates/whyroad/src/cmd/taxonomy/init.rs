@@ -1,4 +1,4 @@
-//! `whyroad taxonomy init`: the built-in framework as files, to be edited.
+//! `whyroad taxonomy init`: writes the built-in framework as editable files.
 
 use crate::Global;
 use crate::output;

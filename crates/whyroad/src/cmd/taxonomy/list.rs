@@ -29,7 +29,7 @@ pub(super) fn run(global: &Global, l1: Option<&str>, format: ListingFormat) -> a
     Ok(exit_code(&found))
 }
 
-/// 3 when the framework in force has errors: what is printed lacks what they hid.
+/// 3 when the current framework has errors: the output may be incomplete.
 pub(super) fn exit_code(found: &[Diagnostic]) -> ExitCode {
     let lost = found.iter().any(|d| d.severity == diagnostic::Severity::Error);
     if lost { output::lost_input() } else { output::FINE }

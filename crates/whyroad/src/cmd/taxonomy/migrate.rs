@@ -1,4 +1,4 @@
-//! `whyroad taxonomy migrate`: labels, tasks and releases carried along when classes are renamed, merged or split.
+//! `whyroad taxonomy migrate`: migrates labels, tasks and releases when classes are renamed, merged or split.
 
 use crate::output::reason::{cannot_make, cannot_read, cannot_write, exists, no_framework, reason, stop};
 use crate::output::{self, Print};
@@ -40,10 +40,10 @@ pub(super) struct Args {
     /// Release; may be repeated
     #[arg(long, value_name = "DIR")]
     release: Vec<PathBuf>,
-    /// Folder for new files and releases, by the names of the old ones; the old ones stay as they are
+    /// Folder for new files and releases, with the names of the old ones; the old ones are not changed
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Say what would be done, and write nothing
+    /// Print what would be done, and write nothing
     #[arg(long)]
     dry_run: bool,
     #[command(flatten)]
@@ -52,7 +52,7 @@ pub(super) struct Args {
 
 const TEMPLATE: &str = include_str!("mapping.yaml");
 
-/// What a file of labels gave.
+/// Results for a file of labels.
 #[derive(Default)]
 struct CarriedFile {
     lines: usize,
@@ -63,7 +63,7 @@ struct CarriedFile {
     lost: Vec<usize>,
 }
 
-/// Everything that was done.
+/// All results.
 #[derive(Default)]
 struct Done {
     store: Option<MigratedStore>,
@@ -91,7 +91,7 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
     if args.store.is_none() && args.labels.is_empty() && args.release.is_empty() {
         return Err(stop(
             "请指定要迁移的内容：--store、--labels 或 --release",
-            "name what is to be carried along: --store, --labels or --release",
+            "state what to migrate: --store, --labels or --release",
         ));
     }
     if args.out.is_none() && !args.dry_run && !(args.labels.is_empty() && args.release.is_empty()) {
@@ -116,7 +116,7 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
         done.releases.push((
             dir.clone(),
             carried.with_context(|| {
-                reason(format!("无法迁移 {}", dir.display()), format!("cannot carry {}", dir.display()))
+                reason(format!("无法迁移 {}", dir.display()), format!("cannot migrate {}", dir.display()))
             })?,
         ));
     }
@@ -154,7 +154,7 @@ fn taxonomy(path: &Path) -> anyhow::Result<Taxonomy> {
     Ok(framework.with_context(|| no_framework(path.display()))?.taxonomy)
 }
 
-/// Carries a file of JSON lines along. Lines of other kinds, and lines that cannot be read, are written as they are.
+/// Migrates a file of JSON lines. Lines of other kinds, and lines that cannot be read, are written unchanged.
 fn labels(file: &Path, mapping: &ClassMapping, out: Option<&Path>) -> anyhow::Result<CarriedFile> {
     let text = std::fs::read_to_string(file).with_context(|| cannot_read(file.display()))?;
     let mut done = CarriedFile::default();
@@ -246,7 +246,7 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
         }
         let _ = writeln!(out, "  {person}: {}", s.undecided.len());
         for u in &s.undecided {
-            let rework = if u.rework { t("，已退回返工", ", back at its author") } else { "" };
+            let rework = if u.rework { t("，已退回返工", ", returned to its author") } else { "" };
             let _ =
                 writeln!(out, "    {} ({}){rework}: {} -> {}", u.task, u.clip, u.from, u.parts.join(" | "));
         }
@@ -259,7 +259,7 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
             let _ = writeln!(out, "    {}:{line}: {from} -> {}", file.display(), parts.join(" | "));
         }
         for line in &f.lost {
-            let what = t("不是 JSON，原样保留", "not JSON, kept as it is");
+            let what = t("不是 JSON，原样保留", "not JSON, kept unchanged");
             let _ = writeln!(out, "    {}:{line}: {what}", file.display());
         }
     }
@@ -276,7 +276,7 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
                 writeln!(out, "    {} ({}): {} -> {}", u.sample_id, u.clip_id, u.from, u.parts.join(" | "));
         }
         if !r.repeated.is_empty() {
-            let what = t("与另一样本重复，已去除", "the same as another sample now, left out");
+            let what = t("与另一样本重复，已去除", "now a duplicate of another sample, left out");
             let _ = writeln!(out, "  {what}: {}", r.repeated.len());
         }
     }

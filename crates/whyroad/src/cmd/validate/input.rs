@@ -14,16 +14,16 @@ pub(super) enum Source {
     File { name: String, path: Option<PathBuf>, how: How },
     /// A folder without any JSON in it.
     Nothing { name: String },
-    /// What could not even be looked at.
+    /// An input that could not be opened.
     Unreadable { name: String, error: io::Error },
 }
 
-/// How a file came to be read.
+/// Why a file is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum How {
-    /// The user named it, so everything in it is meant to be checked.
+    /// The user named it, so everything in it is checked.
     Named,
-    /// It lay in a folder, where other programs' JSON may lie too.
+    /// It was found in a folder, which may contain JSON of other programs.
     InFolder,
 }
 
@@ -82,7 +82,7 @@ fn is_json(path: &Path) -> bool {
     ["json", "jsonl", "ndjson"].iter().any(|e| extension.eq_ignore_ascii_case(e))
 }
 
-/// Gives the pieces of a file (of standard input where there is no path) to `sink` until it says false.
+/// Passes the pieces of a file (of standard input where there is no path) to `sink` until it returns false.
 pub(super) fn pieces(path: Option<&Path>, sink: &mut dyn FnMut(Piece<'_>) -> bool) -> io::Result<()> {
     let mut reader: Box<dyn Read> = match path {
         Some(path) => Box::new(File::open(path)?),
@@ -102,7 +102,7 @@ pub(super) fn pieces(path: Option<&Path>, sink: &mut dyn FnMut(Piece<'_>) -> boo
     Ok(())
 }
 
-/// Reads until the buffer is full or the input ends; pipes give less than asked for.
+/// Reads until the buffer is full or the input ends; pipes return less than requested.
 fn fill(reader: &mut dyn Read, buffer: &mut [u8]) -> io::Result<usize> {
     let mut n = 0;
     while n < buffer.len() {

@@ -1,4 +1,4 @@
-//! `whyroad validate --quality`: one report of what is wrong with the causal texts of a file, by kind.
+//! `whyroad validate --quality`: one report of errors in the causal texts of a file, by kind.
 
 use super::input::{Source, Sources, pieces};
 use super::{Args, unreadable};
@@ -19,7 +19,7 @@ use whyroad_lake::Lake;
 use whyroad_model::messages::CocLabel;
 use whyroad_model::{Diagnostic, Lang};
 
-/// What was found of one kind.
+/// Findings of one kind.
 #[derive(Default)]
 struct OfKind {
     /// The texts, by their number.
@@ -28,7 +28,7 @@ struct OfKind {
     findings: Vec<(String, Diagnostic)>,
 }
 
-/// What was found in all texts.
+/// Findings in all texts.
 #[derive(Default)]
 struct Report {
     texts: usize,
@@ -37,7 +37,7 @@ struct Report {
     without_action: usize,
     clean: usize,
     kinds: BTreeMap<QualityKind, OfKind>,
-    /// Texts by what made them: `tool` of the provenance's `by`, and how many of them have a finding.
+    /// Texts by their origin: `tool` of the provenance's `by`, and how many of them have a finding.
     authors: BTreeMap<String, (usize, usize)>,
 }
 

@@ -1,4 +1,4 @@
-//! The cases of one class: which are drawn, and the table of all of them.
+//! The cases of one class: the drawn ones, and the table of all of them.
 
 use super::{cell, say};
 use std::collections::BTreeMap;
@@ -8,7 +8,7 @@ use whyroad_mining::cases::drawing::{DrawnCase, DrawnEpisode, DrawnTrace};
 use whyroad_model::{Lang, ScenarioId};
 use whyroad_render::traces::{Panel, Row, render};
 
-/// Signals of a drawn case; more would not be read.
+/// Maximum number of signals of a drawn case, to keep it readable.
 const MOST_ROWS: usize = 7;
 
 /// Cases in the order of the file; their numbers are those of the table and of the drawing.

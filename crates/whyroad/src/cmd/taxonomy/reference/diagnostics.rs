@@ -51,7 +51,7 @@ fn entry(code: &str, text: &str) -> Option<(&'static str, String, String)> {
                     first_paragraph(chinese, "").strip_prefix(zh)?.to_owned(),
                 ))
             })?;
-    // A dot inside a file name or id is no end: a sentence ends before a space, or with the paragraph.
+    // A dot inside a file name or id does not end a sentence: it ends before a space, or with the paragraph.
     let end = en
         .match_indices(". ")
         .find(|(i, _)| en[..*i].matches('`').count() % 2 == 0)

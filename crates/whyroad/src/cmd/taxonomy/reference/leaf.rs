@@ -244,7 +244,7 @@ impl Page<'_> {
         self.out.push('\n');
     }
 
-    /// Classes that overlap this one, whichever of the two states the rule.
+    /// Classes that overlap this one; either of the two may state the rule.
     fn confusable(&mut self) {
         let mut others: Vec<(&Bilingual, Vec<ScenarioId>)> = Vec::new();
         for l1 in &self.s.framework.taxonomy.l1 {

@@ -1,4 +1,4 @@
-//! What the pages of the leaves are made of.
+//! Sources of the pages of the leaves.
 
 use super::cases::ClassCases;
 use std::collections::BTreeMap;

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use whyroad_framework::Framework;
 
 /// `summary` with its lists brought up to date, from the texts of the pages of diagnostics and formats by name; the
-/// error says what is wrong. The lists and their markers are indented: they belong to the list item above them.
+/// error states what is wrong. The lists and their markers are indented: they belong to the list item above them.
 pub(in crate::cmd::taxonomy) fn fill(
     summary: &str,
     framework: &Framework,
