@@ -1,6 +1,7 @@
 // A form in a dialog: sent once, by button or Ctrl+Enter, not while it cannot be, and its error is shown in it.
-import { fireEvent, render, screen } from "@testing-library/svelte";
+import { fireEvent, render, screen, waitFor } from "@testing-library/svelte";
 import assert from "node:assert/strict";
+import { tick } from "svelte";
 import { beforeEach, test } from "vitest";
 import { ApiError } from "../api/client.ts";
 import { RequestState } from "../request_state.svelte.ts";
@@ -10,13 +11,23 @@ import NameForm from "../testing/NameForm.svelte";
 let sent: string[];
 let closed: number;
 let request: RequestState;
+/** Answers the request that the name "slow" makes. */
+let answer: () => void;
+
+/** The name "slow" is sent when a first step is over, as unsaved changes are saved before an action. */
+async function submit(name: string): Promise<void> {
+  sent.push(name);
+  if (name !== "slow") return;
+  await tick();
+  await request.run(() => new Promise<void>((done) => (answer = done)));
+}
 
 beforeEach(() => {
   setLanguage("en");
   sent = [];
   closed = 0;
   request = new RequestState();
-  render(NameForm, { request, submit: (name: string) => sent.push(name), close: () => closed++ });
+  render(NameForm, { request, submit, close: () => closed++ });
 });
 
 const field = (): HTMLElement => screen.getByLabelText("Name");
@@ -43,18 +54,35 @@ test("an empty required field is not sent", async () => {
   assert.deepEqual(sent, []);
 });
 
-test("it cannot be sent while it is disabled or being sent", async () => {
+test("Ctrl+Enter while another request runs sends when that has ended, once", async () => {
+  await fireEvent.input(field(), { target: { value: "anna" } });
+  let finish = (): void => {};
+  const running = request.run(() => new Promise<void>((done) => (finish = done)));
+  for (let n = 0; n < 2; n++) await fireEvent.keyDown(field(), { key: "Enter", ctrlKey: true });
+  assert.deepEqual(sent, []);
+  finish();
+  await running;
+  await tick();
+  assert.deepEqual(sent, ["anna"]);
+});
+
+test("its own request is not sent again by pressing again", async () => {
+  await fireEvent.input(field(), { target: { value: "slow" } });
+  for (let n = 0; n < 3; n++) await fireEvent.keyDown(field(), { key: "Enter", ctrlKey: true });
+  assert.deepEqual(sent, ["slow"]);
+  answer();
+  await waitFor(() => assert.ok(!request.busy));
+  assert.deepEqual(sent, ["slow"]);
+  await fireEvent.keyDown(field(), { key: "Enter", ctrlKey: true });
+  assert.deepEqual(sent, ["slow", "slow"], "what failed or was refused can be sent again");
+  answer();
+});
+
+test("it cannot be sent while it is disabled", async () => {
   await fireEvent.input(field(), { target: { value: "nobody" } });
   assert.ok(button().disabled);
   await fireEvent.input(field(), { target: { value: "anna" } });
   assert.ok(!button().disabled);
-  let finish = (): void => {};
-  const running = request.run(() => new Promise<void>((done) => (finish = done)));
-  await fireEvent.keyDown(field(), { key: "Enter", ctrlKey: true });
-  assert.ok(button().disabled);
-  assert.deepEqual(sent, []);
-  finish();
-  await running;
 });
 
 test("what the service refused is shown in the reader's language", async () => {
