@@ -9,6 +9,7 @@ use crate::oidc::provider::Provider;
 use crate::problem::Answer;
 use crate::recordings::{CheckedDrives, Recordings};
 use crate::reports::Reports;
+use crate::service::disagreement;
 use crate::service::facts::cache::FactsCache;
 use crate::service::model_runs::waiting::WaitingCounts;
 use crate::service::scene::cache::SceneCache;
@@ -144,6 +145,7 @@ impl App {
             row.map_or(Ok(String::new()), |r| r.text("value"))
         })?;
         store.write(move |tx| veil::set_all(tx, framework))?;
+        disagreement::note_all(&store)?;
         let csrf_key = vault.open_text(vault::CSRF, &csrf_key)?;
         let limits = Limits::of(&store);
         Ok(Self {

@@ -122,7 +122,7 @@ export const getProjectQueue = (p: string | number, query: { kind?: QueryValue }
   call<T["QueueState"]>("GET", `/projects/${encodeURIComponent(p)}/queue${queryString(query)}`, undefined, options);
 
 /** GET /projects/{p}/tasks */
-export const getProjectTasks = (p: string | number, query: { state?: QueryValue; scenario?: QueryValue; assignee?: QueryValue; mine?: QueryValue; q?: QueryValue; asks?: QueryValue; sort?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["Tasks"]> =>
+export const getProjectTasks = (p: string | number, query: { state?: QueryValue; scenario?: QueryValue; assignee?: QueryValue; mine?: QueryValue; q?: QueryValue; asks?: QueryValue; overlap?: QueryValue; sort?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["Tasks"]> =>
   call<T["Tasks"]>("GET", `/projects/${encodeURIComponent(p)}/tasks${queryString(query)}`, undefined, options);
 
 /** POST /projects/{p}/tasks:change */

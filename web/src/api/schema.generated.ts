@@ -655,6 +655,7 @@ export interface components {
             items: components["schemas"]["OverlapItem"][];
         };
         OverlapItem: {
+            findings: components["schemas"]["Finding"][];
             label: unknown;
             task: components["schemas"]["TaskSummary"];
         };
@@ -928,6 +929,7 @@ export interface components {
             author?: string | null;
             checker?: string | null;
             clip_id: string;
+            disagrees: boolean;
             drive_id: string;
             id: string;
             /** Format: int64 */
@@ -1062,6 +1064,8 @@ export interface components {
             by_state: {
                 [key: string]: number;
             };
+            /** Format: int64 */
+            disagreeing: number;
             mine: components["schemas"]["MyWork"];
             /** Format: int64 */
             pending: number;

@@ -183,6 +183,11 @@ export const screenTexts = {
   "tasks.bulk.keep": ["不变", "unchanged"],
   "tasks.bulk.changed": ["已更改 {n} 个任务。", "{n} {n:task|tasks} changed."],
   "tasks.bulk.refused": ["{n} 个任务未更改：", "{n} {n:task was|tasks were} not changed:"],
+  "tasks.filter.disagreeing": ["分歧", "Disagreeing"],
+  "tasks.filter.disagreeing.hint": [
+    "独立标注已全部提交、决策、关键帧或原因不一致，且尚未裁决",
+    "All independent labels are submitted; they differ in decision, keyframe or cause, and none was chosen yet",
+  ],
   "tasks.filter.asks": ["问负责人的", "With a question to the lead"],
   "tasks.col.picture": ["缩略图", "Picture"],
   "tasks.pending": ["后台正在生成 {n} 个任务的草稿；任务已可领取。", "Drafts of {n} {n:task are|tasks are} being made in the background; the tasks can be taken already."],

@@ -191,6 +191,7 @@ pub static ROUTES: &[Route] = &[
             ("mine", "`true`: only own tasks"),
             ("q", "part of the clip's or task's id"),
             ("asks", "`lead`: only tasks with an open question to the lead"),
+            ("overlap", "`disagreeing`: only tasks of overlap groups that are still to be adjudicated; for leads"),
             (
                 "sort",
                 "`priority` (default), `updated`, `created`, `scenario`, `clip` or `state`; `-` in front for descending",

@@ -110,6 +110,8 @@ pub struct Work {
     pub total: i64,
     /// Tasks with an open question to the lead; 0 for those who are not staff.
     pub asked: i64,
+    /// Tasks of overlap groups that are still to be adjudicated; 0 for those who do not lead.
+    pub disagreeing: i64,
     /// Tasks whose drafts are still being made in the background; 0 for those who are not staff.
     pub pending: i64,
     /// The caller's own.

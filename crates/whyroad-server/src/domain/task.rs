@@ -48,6 +48,8 @@ pub struct TaskSummary {
     pub updated: i64,
     /// Somebody asks the lead about it, and the lead has not answered.
     pub asks_lead: bool,
+    /// The labels of its overlap group disagree about the decision, and none was chosen yet; said to leads.
+    pub disagrees: bool,
     /// Address of a small picture of its keyframe, where the caller may see one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thumbnail: Option<String>,
@@ -459,4 +461,6 @@ pub struct OverlapItem {
     pub task: TaskSummary,
     /// Its label.
     pub label: Value,
+    /// What the checker finds in it.
+    pub findings: Vec<Finding>,
 }

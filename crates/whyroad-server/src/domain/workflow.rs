@@ -183,6 +183,19 @@ impl State {
         matches!(self, State::Stage1 | State::Stage2 | State::InCheck | State::Rework | State::InAudit)
     }
 
+    /// True where the label was handed in, and not left out since.
+    pub fn is_handed_in(self) -> bool {
+        matches!(
+            self,
+            State::Submitted
+                | State::InCheck
+                | State::Rework
+                | State::Checked
+                | State::InAudit
+                | State::Accepted
+        )
+    }
+
     /// True where the holder may change the draft.
     pub fn is_editable(self) -> bool {
         matches!(self, State::Stage1 | State::Stage2 | State::Rework)

@@ -10,7 +10,9 @@ use crate::problem::{Answer, Problem};
 use crate::secret;
 use crate::service::tasks::{self, Entry, LabelView, TaskRow};
 use crate::service::texts::{TEXT, is_long};
-use crate::service::{audits, dashboard, drafts, findings, gold, history, leases, safety, seen, texts};
+use crate::service::{
+    audits, dashboard, disagreement, drafts, findings, gold, history, leases, safety, seen, texts,
+};
 use crate::store::Tx;
 use crate::values;
 use serde_json::{Value, json};
@@ -169,6 +171,11 @@ pub fn act(
         self::comment(tx, &t, &actor.id, comment, now)?;
     }
     tasks::update(tx, &t)?;
+    if t.overlap_count > 1
+        && matches!(action, Action::Submit | Action::Skip | Action::Reject | Action::Reopen)
+    {
+        disagreement::note(tx, &t.project, &t.episode.episode_id)?;
+    }
     Ok(t)
 }
 
@@ -313,20 +320,13 @@ pub fn group(tx: &mut dyn Tx, t: &TaskRow) -> Answer<Vec<TaskRow>> {
 
 /// True when every label of the group has been handed in: until then nobody sees another's.
 pub fn group_is_ready(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
-    let handed_in = |s: State| {
-        matches!(
-            s,
-            State::Submitted
-                | State::InCheck
-                | State::Rework
-                | State::Checked
-                | State::InAudit
-                | State::Accepted
-        )
-    };
-    let group = group(tx, t)?;
+    Ok(is_ready(&group(tx, t)?))
+}
+
+/// The same of a group that was read.
+pub(super) fn is_ready(group: &[TaskRow]) -> bool {
     let left_out = |s: State| matches!(s, State::Skipped | State::Rejected);
-    Ok(group.iter().all(|o| handed_in(o.at.state) || left_out(o.at.state)))
+    group.iter().all(|o| o.at.state.is_handed_in() || left_out(o.at.state))
 }
 
 /// Chooses this label of its overlap group, or `merged` in its place. Who wrote one of them does not choose.

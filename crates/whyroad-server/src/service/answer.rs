@@ -1,8 +1,8 @@
 //! The whole answer about one task: what may be seen of it, what may be done with it, what the checker finds.
 
 use crate::app::App;
-use crate::domain::task::{Finding, Suggestion, Task};
-use crate::domain::workflow::{Actor, Stage, State};
+use crate::domain::task::{Finding, Suggestion, Task, TaskSummary};
+use crate::domain::workflow::{self, Actor, Role, Stage, State};
 use crate::problem::Answer;
 use crate::service::tasks::{self, LabelView, TaskRow};
 use crate::service::visible::{comments, label};
@@ -51,7 +51,7 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         take_refused: take_refused(app, tx, t, actor)?,
         permissions: permissions::of(tx, t, actor)?,
         changed_from_suggestion: changed(t),
-        task: tasks::summary(t, &names),
+        task: TaskSummary { disagrees: actor.is(Role::Lead) && t.disagrees, ..tasks::summary(t, &names) },
         draft: shown,
     })
 }

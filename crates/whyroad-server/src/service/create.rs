@@ -414,6 +414,7 @@ fn row(app: &App, project: &Project, episode: &EpisodeRecord, lang: String, star
         updated: now,
         lang,
         asks_lead: false,
+        disagrees: false,
         pictured: false,
         pending,
         veiled,

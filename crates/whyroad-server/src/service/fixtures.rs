@@ -177,6 +177,7 @@ pub fn task() -> TaskRow {
         updated: 0,
         lang: String::new(),
         asks_lead: false,
+        disagrees: false,
         pictured: false,
         pending: false,
         veiled: false,

@@ -11,25 +11,21 @@ use crate::domain::project::{HistoryRule, Project, Settings};
 use crate::domain::workflow::{Position, Role, Seen, State};
 use crate::problem::{Answer, Problem};
 use crate::secret;
+use crate::service::compared::compare;
 use crate::service::copies::{MARK, NOT_GOLD, episode_of};
 use crate::service::projects::{self, json, parse};
 use crate::service::tasks::{self, TaskRow};
 use crate::service::{create, people, seen, thumbnail};
 use crate::store::Tx;
 use crate::values;
-use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
-use whyroad_label::facts::Judgement;
+use std::collections::BTreeMap;
 use whyroad_model::Bilingual;
-use whyroad_model::label_fields::{name, pointer};
 
 /// Most accepted tasks, and annotators, of one request.
 const MOST_TASKS: usize = 200;
 const MOST_PEOPLE: usize = 50;
 /// Ordinary tasks among which a copy hides.
 const DONORS: i64 = 2000;
-/// Keyframes nearer than this agree, s.
-const KEYFRAME_S: f64 = 0.5;
 
 /// Makes copies of accepted tasks for annotators.
 pub fn make(app: &App, tx: &mut dyn Tx, project: &Project, request: &NewGold) -> Answer<MadeGold> {
@@ -149,40 +145,6 @@ fn copy(app: &App, tx: &mut dyn Tx, source: &TaskRow, user: &str, donors: &[Dono
     Ok(())
 }
 
-/// How a label stands to the known answer, field by field: true where it agrees.
-fn compare(answer: &Value, label: &Value) -> BTreeMap<&'static str, bool> {
-    let (a, b) = (Judgement::of(answer), Judgement::of(label));
-    let near = a.keyframe.zip(b.keyframe).is_some_and(|(a, b)| a.seconds_since(b).abs() <= KEYFRAME_S);
-    let mut out: BTreeMap<&'static str, bool> = [
-        ("scenario", a.scenario == b.scenario),
-        ("longitudinal", a.longitudinal == b.longitudinal),
-        ("lateral", (a.lateral, a.lateral_direction) == (b.lateral, b.lateral_direction)),
-        ("keyframe", near),
-    ]
-    .into();
-    let causes = causal_objects(answer);
-    // Where the answer names no object there is nothing to agree on.
-    if !causes.is_empty() {
-        out.insert("objects", causes.is_subset(&causal_objects(label)));
-    }
-    out
-}
-
-/// Objects of the components that are causes.
-fn causal_objects(label: &Value) -> BTreeSet<&str> {
-    let named = |at: &str| label.pointer(at).and_then(Value::as_array).into_iter().flatten();
-    let causes: BTreeSet<&str> = named(pointer::CAUSES_LONGITUDINAL_COMPONENTS)
-        .chain(named(pointer::CAUSES_LATERAL_COMPONENTS))
-        .filter_map(Value::as_str)
-        .collect();
-    let components = named(pointer::CRITICAL_COMPONENTS);
-    components
-        .filter(|c| c[name::ID].as_str().is_some_and(|id| causes.contains(id)))
-        .flat_map(|c| c[name::LINKED_OBJECTS].as_array().into_iter().flatten())
-        .filter_map(Value::as_str)
-        .collect()
-}
-
 /// A gold task as the store has it, with what it was compared to.
 struct Scored {
     task: String,
@@ -296,7 +258,7 @@ pub fn report(tx: &mut dyn Tx, project: &Project) -> Answer<GoldReport> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
+    use serde_json::{Value, json};
 
     fn label(keyframe: &str, longitudinal: &str, objects: Value) -> Value {
         json!({

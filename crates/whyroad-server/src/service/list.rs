@@ -4,7 +4,7 @@
 use crate::domain::task::{TaskSummary, Tasks};
 use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
-use crate::service::{people, seen, tasks, veil};
+use crate::service::{disagreement, people, seen, tasks, veil};
 use crate::store::{Tx, Value as Cell};
 
 /// Tasks on a page when nothing is said, and at most.
@@ -32,6 +32,8 @@ pub struct Filter<'a> {
     pub sort: Option<&'a str>,
     /// Only tasks with an open question to the lead.
     pub asks_lead: bool,
+    /// Only tasks of overlap groups that are still to be adjudicated.
+    pub disagreeing: bool,
     /// Only what is this user's (id): held, written or given.
     pub only_of: Option<&'a str>,
 }
@@ -43,6 +45,8 @@ pub struct Viewer<'a> {
     pub user: &'a str,
     /// May do Stage I: sees pictures only of what they have opened.
     pub labels: bool,
+    /// Leads: is told which overlap groups disagree.
+    pub leads: bool,
 }
 
 /// Orders beside that of the queue, with their column and whether it holds numbers.
@@ -152,6 +156,9 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
     if filter.asks_lead {
         query.and("id IN (SELECT task_id FROM comments WHERE to_lead = 1 AND resolved = 0)", &[]);
     }
+    if filter.disagreeing {
+        query.and(disagreement::TO_ADJUDICATE, &[]);
+    }
     let total = match filter.cursor {
         Some(_) => None,
         None => {
@@ -192,7 +199,8 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
         let pictured =
             t.pictured && !t.hides_leaf() && (!viewer.labels || seen::was_shown(tx, t, viewer.user)?);
         let thumbnail = pictured.then(|| format!("/api/v1/tasks/{}/thumbnail", t.id));
-        items.push(TaskSummary { thumbnail, ..tasks::summary(t, &names) });
+        let disagrees = viewer.leads && t.disagrees;
+        items.push(TaskSummary { thumbnail, disagrees, ..tasks::summary(t, &names) });
     }
     Ok(Tasks { items, total, next })
 }

@@ -67,6 +67,8 @@ pub struct TaskRow {
     pub lang: String,
     /// A comment asks the lead and is not resolved.
     pub asks_lead: bool,
+    /// It is of an overlap group whose labels disagree, of which none was chosen.
+    pub disagrees: bool,
     /// The store has a picture of it.
     pub pictured: bool,
     /// Its draft is still to be made.
@@ -120,7 +122,7 @@ const VEILED_HISTORY_NS: i64 = 2_000_000_000;
 
 const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id, keyframe_ns, from_ns, \
     to_ns, episode, initial, draft, version, priority, state, authors, checker, auditor, checked, audited, adjudication, \
-    assigned, holder, fence, lease_until, seq, created, updated, lang, pending, \
+    assigned, holder, fence, lease_until, seq, created, updated, lang, pending, coalesce(disagrees, 0) AS disagrees, \
     (SELECT count(*) FROM comments c WHERE c.task_id = tasks.id AND c.to_lead = 1 AND c.resolved = 0) AS asks, \
     (SELECT count(*) FROM thumbnails p WHERE p.task_id = tasks.id) AS pictured, \
     (SELECT v.veiled FROM projects v WHERE v.id = tasks.project_id) AS veiled";
@@ -129,7 +131,10 @@ fn task(row: &Row) -> Answer<TaskRow> {
     let state = row.text("state")?;
     let scenario = row.text("scenario_id")?;
     let veiled: Vec<String> = parse(&row.text("veiled")?)?;
+    let known = State::from_word(&state).ok_or_else(|| Problem::store(format!("state '{state}'")))?;
+    let adjudication = row.maybe_text("adjudication")?;
     Ok(TaskRow {
+        disagrees: row.flag("disagrees")? && adjudication.is_none() && known.is_handed_in(),
         veiled: veiled.iter().any(|l2| l2 == veil::l2(&scenario)),
         id: row.text("id")?,
         project: row.text("project_id")?,
@@ -147,7 +152,7 @@ fn task(row: &Row) -> Answer<TaskRow> {
         version: row.int("version")?,
         priority: row.int("priority")?,
         at: Position {
-            state: State::from_word(&state).ok_or_else(|| Problem::store(format!("state '{state}'")))?,
+            state: known,
             authors: parse(&row.text("authors")?)?,
             checker: row.maybe_text("checker")?,
             auditor: row.maybe_text("auditor")?,
@@ -155,7 +160,7 @@ fn task(row: &Row) -> Answer<TaskRow> {
             checked: row.flag("checked")?,
         },
         audited: row.flag("audited")?,
-        adjudication: row.maybe_text("adjudication")?,
+        adjudication,
         assigned: row.maybe_text("assigned")?,
         fence: row.int("fence")?,
         lease_until: row.maybe_int("lease_until")?,
@@ -279,7 +284,7 @@ pub fn names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
         .collect()
 }
 
-/// A task in short.
+/// A task in short, without what only some may know.
 pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
     let name = |id: Option<&str>| id.map(|id| names.get(id).cloned().unwrap_or_else(|| id.to_owned()));
     TaskSummary {
@@ -299,6 +304,7 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         adjudication: t.adjudication.clone(),
         updated: t.updated,
         asks_lead: t.asks_lead,
+        disagrees: false,
         thumbnail: None,
     }
 }

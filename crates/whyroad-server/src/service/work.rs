@@ -2,16 +2,19 @@
 //! caller's.
 
 use crate::domain::project::{MyWork, Work};
+use crate::domain::workflow::Role;
 use crate::problem::Answer;
-use crate::service::drafting;
+use crate::service::{disagreement, drafting};
 use crate::store::{Tx, Value as Cell};
 use crate::values;
 
 /// Milliseconds of a day.
 const DAY_MS: i64 = 86_400_000;
 
-/// The work of `user` in `project` at `now`, ms since 1970; tasks by state as well where `staff`.
-pub fn of(tx: &mut dyn Tx, project: &str, user: &str, staff: bool, now: i64) -> Answer<Work> {
+/// The work of `user` in `project` at `now`, ms since 1970; tasks by state as well for staff, and what is to be
+/// adjudicated for leads.
+pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) -> Answer<Work> {
+    let staff = roles.iter().any(|r| *r != Role::Annotator);
     let mut by_state = std::collections::BTreeMap::new();
     if staff {
         let rows = tx.rows(
@@ -52,7 +55,8 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, staff: bool, now: i64) -> 
         0
     };
     let pending = if staff { drafting::pending(tx, project)? } else { 0 };
+    let disagreeing = if roles.contains(&Role::Lead) { disagreement::count(tx, project)? } else { 0 };
     let total = by_state.values().sum();
     let mine = MyWork { returned, begun, assigned, waiting, accepted, submitted_today };
-    Ok(Work { by_state, total, asked, pending, mine })
+    Ok(Work { by_state, total, asked, disagreeing, pending, mine })
 }

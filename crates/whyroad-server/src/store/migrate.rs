@@ -19,6 +19,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0011_sign_in_failures.sql"),
     include_str!("../../migrations/0012_language_model.sql"),
     include_str!("../../migrations/0013_covering_indexes.sql"),
+    include_str!("../../migrations/0014_disagreement.sql"),
 ];
 
 /// The version of this program.

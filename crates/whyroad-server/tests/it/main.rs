@@ -130,6 +130,8 @@ suite! {
     page::a_picture_is_for_those_who_cannot_do_stage_one_or_have_opened_the_task,
     page::the_history_has_the_values_before_each_change,
     page::a_label_put_together_from_a_group_is_checked_again,
+    page::overlap_groups_that_disagree_are_listed_until_one_label_is_chosen,
+    page::findings_side_by_side_are_those_of_each_label_alone,
     page::why_a_task_cannot_be_taken_fits_the_case,
     page::tasks_are_there_at_once_and_their_drafts_follow,
     page::a_place_is_given_as_precisely_as_the_project_says,

@@ -224,6 +224,75 @@ pub fn a_label_put_together_from_a_group_is_checked_again(world: &World) {
     Work::take(&chen, &made[0]).act("accept", &json!({})).fine();
 }
 
+pub fn overlap_groups_that_disagree_are_listed_until_one_label_is_chosen(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let [ann, bob, chen] = [("ann", "annotator"), ("bob", "annotator"), ("chen", "checker")]
+        .map(|(name, role)| world.person(&admin, &project, name, &[role]));
+    let made = world.tasks(&admin, &project, &["drive1", "drive2", "drive3"], 2);
+    let listed = |who: &Person| list(who, &project, "overlap=disagreeing");
+    let count = |who: &Person| who.get(&format!("/projects/{project}/work")).fine()["disagreeing"].clone();
+    // Of the first episode both say the same, of the second not; of the third the other label is yet to come.
+    for task in [&made[0], &made[2], &made[4]] {
+        Work::label(&ann, task);
+    }
+    Work::label(&bob, &made[1]);
+    let mut other = Work::take(&bob, &made[3]);
+    let moment = "2026-01-15T10:30:08.800Z";
+    other.stage1_at(moment);
+    other.set(&[("/keyframe/timestamp", json!(moment)), ("/keyframe/frame_idx", json!(88))]).fine();
+    other.act("lock_stage1", &json!({})).fine();
+    other.stage2();
+    assert_eq!(count(&admin), 0, "a label is yet to come");
+    other.act("submit", &json!({})).fine();
+    let page = listed(&admin);
+    let mut found = ids(&page);
+    found.sort();
+    let mut wanted = [made[2].as_str(), &made[3]];
+    wanted.sort_unstable();
+    assert_eq!(
+        (found.iter().map(String::as_str).collect::<Vec<_>>(), &page["total"]),
+        (wanted.to_vec(), &json!(2))
+    );
+    assert!(page["items"].as_array().unwrap().iter().all(|t| t["disagrees"] == true));
+    assert_eq!(count(&admin), 2);
+    // Of no use to those who do not choose, and annotators are not told whether somebody disagrees with them.
+    for who in [&ann, &chen] {
+        assert_eq!(who.get(&format!("/projects/{project}/tasks?overlap=disagreeing")).status, 403);
+        assert_eq!(count(who), 0);
+    }
+    assert!(list(&chen, &project, "")["items"].as_array().unwrap().iter().all(|t| t["disagrees"] == false));
+    assert_eq!(ann.get(&format!("/tasks/{}", made[2])).fine()["task"]["disagrees"], false);
+    assert_eq!(admin.get(&format!("/tasks/{}", made[2])).fine()["task"]["disagrees"], true);
+    let choose = json!({ "action": "adjudicate" });
+    admin.post(&format!("/tasks/{}/actions", made[3]), &choose).fine();
+    assert_eq!((&listed(&admin)["total"], count(&admin)), (&json!(0), json!(0)));
+}
+
+pub fn findings_side_by_side_are_those_of_each_label_alone(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let bob = world.person(&admin, &project, "bob", &["annotator"]);
+    let made = world.tasks(&admin, &project, &["drive1"], 2);
+    Work::label(&ann, &made[0]);
+    Work::label(&bob, &made[1]);
+    let group = admin.get(&format!("/tasks/{}/overlap", made[0])).fine();
+    for item in group["items"].as_array().unwrap() {
+        let id = item["task"]["id"].as_str().unwrap();
+        let alone = admin.get(&format!("/tasks/{id}")).fine();
+        assert_eq!(item["findings"], alone["findings"]);
+        let body = json!({ "label": item["label"] });
+        assert_eq!(admin.post(&format!("/tasks/{id}/validate"), &body).fine()["findings"], alone["findings"]);
+        // As a label of nobody it still counts as drafted by the program.
+        let mut drafted = item["label"].clone();
+        drafted["coc_trace"] = json!("[DRAFT] a car cuts in.");
+        let found = admin.post(&format!("/tasks/{id}/validate"), &json!({ "label": drafted })).fine();
+        let codes: Vec<&Value> = found["findings"].as_array().unwrap().iter().map(|f| &f["code"]).collect();
+        assert!(codes.contains(&&json!("label.trace.draft")), "{codes:?}");
+    }
+}
+
 pub fn why_a_task_cannot_be_taken_fits_the_case(world: &World) {
     let Begin { admin, project, ann, task } = Begin::on(world);
     let why = |who: &Person| {

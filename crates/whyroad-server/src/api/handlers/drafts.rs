@@ -6,7 +6,7 @@ use crate::api::reply::Reply;
 use crate::domain::people::User;
 use crate::domain::safety::SafetyRequest;
 use crate::domain::task::{DraftChange, DraftSaved, Findings, TaskAction, Validate};
-use crate::domain::workflow::Actor;
+use crate::domain::workflow::{Actor, Stage};
 use crate::problem::{Answer, Problem};
 use crate::service::drafts::Merged;
 use crate::service::tasks::TaskRow;
@@ -83,10 +83,15 @@ fn actor_of(tx: &mut dyn Tx, id: &str, user: &User) -> Answer<Actor> {
 /// `POST /tasks/{t}/validate`
 pub fn validate(call: &Call<'_>) -> Answer<Reply> {
     // The gate has seen that the caller may read the task; the label is the caller's own text.
-    look(call)?;
+    let t = look(call)?;
     let Validate { label } = call.body()?;
     if label.to_string().len() > MAX_DRAFT {
         return Err(Problem::new(413, "draft.too_large", "草稿过大", "the draft is too large"));
     }
-    Reply::json(&Findings { findings: findings::check(call.app, &label) })
+    // In Stage I without the recording, which has the future.
+    let findings = match t.view().stage {
+        Stage::Stage1 => findings::check(call.app, &label),
+        Stage::Stage2 => findings::of(call.app, &t, &label, t.view()),
+    };
+    Reply::json(&Findings { findings })
 }

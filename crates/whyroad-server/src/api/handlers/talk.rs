@@ -5,7 +5,7 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::domain::task::{Comment, DraftAt, History, NewComment, Overlap, OverlapItem};
 use crate::problem::{Answer, Problem};
-use crate::service::{actions, drafts, tasks, visible};
+use crate::service::{actions, drafts, findings, tasks, visible};
 use crate::store::Tx;
 use crate::values;
 
@@ -47,7 +47,7 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
         return Err(Problem::forbidden());
     }
     let t = look(call)?;
-    let items = call.app.store.read(|tx| {
+    let (group, names) = call.app.store.read(|tx| {
         if t.overlap_count < 2 || !actions::group_is_ready(tx, &t)? {
             return Err(Problem::new(
                 409,
@@ -56,14 +56,15 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
                 "not all labels of the overlap group are submitted",
             ));
         }
-        let names = tasks::names(tx)?;
-        let item = |o: &tasks::TaskRow| OverlapItem {
-            task: tasks::summary(o, &names),
-            label: visible::label(&o.draft, o.view()),
-        };
-        Ok(actions::group(tx, &t)?.iter().map(item).collect())
+        Ok((actions::group(tx, &t)?, tasks::names(tx)?))
     })?;
-    Reply::json(&Overlap { items })
+    // Checking takes long: outside of the transaction.
+    let item = |o: &tasks::TaskRow| OverlapItem {
+        task: tasks::summary(o, &names),
+        label: visible::label(&o.draft, o.view()),
+        findings: findings::of(call.app, o, &o.draft, o.view()),
+    };
+    Reply::json(&Overlap { items: group.iter().map(item).collect() })
 }
 
 /// `POST /tasks/{t}/comments`

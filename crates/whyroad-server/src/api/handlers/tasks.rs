@@ -21,6 +21,11 @@ use whyroad_model::messages::EpisodeFilter;
 
 /// `GET /projects/{p}/tasks`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
+    let leads = call.grant.roles.contains(&Role::Lead);
+    let disagreeing = call.query("overlap") == Some("disagreeing");
+    if disagreeing && !leads {
+        return Err(Problem::forbidden());
+    }
     let filter = listing::Filter {
         states: call.query("state"),
         scenario: call.query("scenario"),
@@ -30,12 +35,13 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
         limit: call.query("limit"),
         sort: call.query("sort"),
         asks_lead: call.query("asks") == Some("lead"),
+        disagreeing,
         only_of: (!call.grant.is_staff() || call.query("mine") == Some("true"))
             .then_some(call.user()?.id.as_str()),
     };
     let project = call.grant.project()?;
     let (user, labels) = (call.user()?, call.grant.roles.contains(&Role::Annotator));
-    let viewer = listing::Viewer { user: &user.id, labels };
+    let viewer = listing::Viewer { user: &user.id, labels, leads };
     Reply::json(&call.app.store.read(|tx| listing::page(tx, project, &filter, viewer))?)
 }
 
@@ -187,8 +193,8 @@ pub fn change(call: &Call<'_>) -> Answer<Reply> {
 /// `GET /projects/{p}/work`
 pub fn work(call: &Call<'_>) -> Answer<Reply> {
     let (project, user, now) = (call.grant.project()?, call.user()?, call.app.now());
-    let staff = call.grant.is_staff();
-    Reply::json(&call.app.store.report(|tx| work::of(tx, project, &user.id, staff, now))?)
+    let roles = &call.grant.roles;
+    Reply::json(&call.app.store.report(|tx| work::of(tx, project, &user.id, roles, now))?)
 }
 
 /// `GET /tasks/{t}/thumbnail`

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::domain::task::CreateTasks;
+use crate::domain::workflow::Role;
 use crate::service::create::{Drafting, create};
 use crate::service::{fixtures, work};
 use serde_json::{Value, json};
@@ -37,7 +38,7 @@ fn drafts(app: &App) -> Vec<(String, Value, Option<String>)> {
 }
 
 fn left(app: &App) -> i64 {
-    app.store.read(|tx| work::of(tx, "p", "lead", true, 0)).unwrap().pending
+    app.store.read(|tx| work::of(tx, "p", "lead", &[Role::Lead], 0)).unwrap().pending
 }
 
 #[test]

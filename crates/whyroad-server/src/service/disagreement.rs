@@ -1,0 +1,61 @@
+//! Overlap groups whose labels disagree about the decision, which a lead adjudicates. Kept with each task of the group,
+//! so that lists filter and count without reading labels; worked out when a label is handed in or left out.
+
+use crate::domain::workflow::State;
+use crate::problem::Answer;
+use crate::service::{actions, compared, tasks};
+use crate::store::{Store, Tx, Value as Cell};
+use crate::values;
+
+/// SQL for what is still to be adjudicated; `tasks` is the table.
+pub(super) const TO_ADJUDICATE: &str =
+    "tasks.disagrees = 1 AND tasks.adjudication IS NULL AND tasks.state NOT IN ('skipped', 'rejected')";
+
+/// Groups compared in one transaction.
+const AT_ONCE: i64 = 100;
+
+/// Compares the labels of the overlap group of an episode. A group of which a label is yet to come does not disagree, and
+/// what was left out does not count.
+pub(super) fn note(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> {
+    let group = tasks::select(tx, "project_id = $1 AND episode_id = $2", values![project, episode])?;
+    let labels: Vec<_> = group.iter().filter(|t| t.at.state.is_handed_in()).map(|t| &t.draft).collect();
+    let differ =
+        || labels.iter().enumerate().any(|(n, a)| labels[n + 1..].iter().any(|b| compared::disagree(a, b)));
+    let disagrees = actions::is_ready(&group) && differ();
+    tx.run(
+        "UPDATE tasks SET disagrees = $1 WHERE project_id = $2 AND episode_id = $3",
+        values![i64::from(disagrees), project, episode],
+    )
+    .map(drop)
+}
+
+/// Compares what was handed in before this was kept.
+pub fn note_all(store: &Store) -> Answer<()> {
+    let handed_in: Vec<String> =
+        State::ALL.iter().filter(|s| s.is_handed_in()).map(|s| format!("'{}'", s.word())).collect();
+    let sql = format!(
+        "SELECT DISTINCT project_id, episode_id FROM tasks
+         WHERE overlap_count > 1 AND disagrees IS NULL AND state IN ({}) LIMIT {AT_ONCE}",
+        handed_in.join(", ")
+    );
+    loop {
+        let sql = sql.clone();
+        let compared = store.write(move |tx| {
+            let groups = tx.rows(&sql, &[])?;
+            for row in &groups {
+                note(tx, &row.text("project_id")?, &row.text("episode_id")?)?;
+            }
+            Ok(groups.len())
+        })?;
+        if compared == 0 {
+            return Ok(());
+        }
+    }
+}
+
+/// Tasks of a project that are still to be adjudicated.
+pub(super) fn count(tx: &mut dyn Tx, project: &str) -> Answer<i64> {
+    let sql = format!("SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND {TO_ADJUDICATE}");
+    let values: [Cell; 1] = [project.into()];
+    tx.row(&sql, &values)?.map_or(Ok(0), |r| r.int("n"))
+}
