@@ -355,9 +355,12 @@ fn audit_allowed(at: &Position, actor: &Actor) -> Result<(), Refusal> {
     Ok(())
 }
 
+/// Code of the refusal of who does not have the role.
+pub const ROLE_MISSING: &str = "task.role_missing";
+
 fn role_missing(role: Role) -> Refusal {
     Refusal {
-        code: "task.role_missing",
+        code: ROLE_MISSING,
         text: Bilingual::new(
             format!("需要{}角色", role.name().zh),
             format!("this needs the role {}", role.name().en),

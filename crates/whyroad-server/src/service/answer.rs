@@ -84,7 +84,25 @@ fn take_refused(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answe
     match leases::may_take(tx, t, actor, &settings, now) {
         Ok(_) => Ok(None),
         Err(p) if p.status >= 500 => Err(p),
+        Err(p) if p.code == workflow::ROLE_MISSING => Ok(Some(waits_for(t.at.state, actor))),
         Err(p) => Ok(Some(p.text)),
+    }
+}
+
+/// Whom a task waits for, for somebody who cannot be that; to a lead also what can be done about it.
+fn waits_for(state: State, actor: &Actor) -> Bilingual {
+    match state {
+        State::Stage1Locked | State::Stage2 | State::Rework => {
+            Bilingual::new("等待作者继续标注", "it waits for its author to go on")
+        }
+        State::Submitted | State::InCheck => Bilingual::new("等待质检", "it waits for a checker"),
+        State::Checked | State::InAudit => Bilingual::new("等待抽检", "it waits for an auditor"),
+        _ if actor.is(Role::Lead) => Bilingual::new(
+            "等待未看过关键帧之后内容的标注员从队列领取；如需指定人员，请在任务列表中指派",
+            "it waits in the queue for an annotator who has not seen what comes after its keyframe; to choose one, \
+             assign it in the task list",
+        ),
+        _ => Bilingual::new("等待标注员领取", "it waits for an annotator"),
     }
 }
 

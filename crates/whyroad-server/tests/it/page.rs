@@ -307,6 +307,17 @@ pub fn why_a_task_cannot_be_taken_fits_the_case(world: &World) {
     assert_eq!(why(&ann).unwrap(), "this is your label; it is being checked");
     assert_eq!(why(&dora).unwrap(), "somebody else holds this task");
     assert_eq!(why(&chen), None, "who holds it");
+    admin
+        .post(&format!("/projects/{project}/members"), &json!({ "user": "admin", "roles": ["lead"] }))
+        .fine();
+    // A lead who does not label is told what can be done, not which role is missing.
+    let queue = "it waits in the queue for an annotator who has not seen what comes after its keyframe; to choose one, \
+                 assign it in the task list";
+    let back = json!({ "action": "reopen", "reason": "wrong keyframe" });
+    admin.post(&format!("/tasks/{task}/actions"), &back).fine();
+    assert_eq!(why(&admin).unwrap(), queue);
+    assert_eq!(why(&chen).unwrap(), "it waits for an annotator");
+    assert!(why(&ann).unwrap().starts_with("you have seen what comes after"));
 }
 
 pub fn tasks_are_there_at_once_and_their_drafts_follow(world: &World) {
