@@ -1047,6 +1047,8 @@ export interface components {
             /** Format: int64 */
             failures: number;
             id: string;
+            /** Format: int64 */
+            last_delivery?: number | null;
             last_error?: components["schemas"]["Bilingual"] | null;
             /** Format: int64 */
             next_try?: number | null;

@@ -479,6 +479,8 @@ export const screenTexts = {
   "hooks.state": ["状态", "State"],
   "hooks.sending": ["正在发送", "sending"],
   "hooks.fine": ["正常", "ok"],
+  "hooks.last": ["最近一次发送：{at}", "last delivery {at}"],
+  "hooks.never": ["尚未发送", "not sent yet"],
   "hooks.retry": ["已失败 {n} 次，{at} 再试", "failed {n} {n:time|times}, next attempt {at}"],
   "hooks.secret": ["签名密钥", "Signing key"],
   "hooks.add": ["添加 Webhook", "Add webhook"],

@@ -346,6 +346,9 @@ pub struct Webhook {
     pub pending: i64,
     /// How often the message that was tried most was not taken.
     pub failures: i64,
+    /// When a message was last delivered, ms since 1970; absent when none was, 0 when this was not kept yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_delivery: Option<i64>,
     /// When the next message is due, ms since 1970.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub next_try: Option<i64>,

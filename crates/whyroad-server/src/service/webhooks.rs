@@ -81,7 +81,7 @@ pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> An
 /// Webhooks of a project, by URL.
 pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
     let rows = tx.rows(
-        "SELECT w.id, w.url, w.events, w.last_error, (SELECT count(*) FROM outbox o WHERE o.webhook_id = w.id) AS pending,
+        "SELECT w.id, w.url, w.events, w.last_error, w.delivered, (SELECT count(*) FROM outbox o WHERE o.webhook_id = w.id) AS pending,
            (SELECT max(o.tries) FROM outbox o WHERE o.webhook_id = w.id) AS tries,
            (SELECT min(o.due) FROM outbox o WHERE o.webhook_id = w.id) AS next_try
          FROM webhooks w WHERE w.project_id = $1 ORDER BY w.url, w.id",
@@ -96,6 +96,7 @@ pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
                 last_error: r.maybe_text("last_error")?.map(|text| parse(&text)).transpose()?,
                 pending: r.int("pending")?,
                 failures: r.maybe_int("tries")?.unwrap_or(0),
+                last_delivery: r.maybe_int("delivered")?,
                 next_try: r.maybe_int("next_try")?,
                 secret: None,
             })
@@ -152,6 +153,7 @@ pub fn create(
         events: events.to_vec(),
         pending: 0,
         failures: 0,
+        last_delivery: None,
         next_try: None,
         last_error: None,
         secret: Some(key),
@@ -266,8 +268,12 @@ fn settle(app: &App, message: Message, outcome: Result<(), Bilingual>, now: i64)
                 values![failures, now + wait_ms(failures), &message.id],
             )?;
         }
+        let delivered = outcome.is_ok().then_some(now);
         let error = error.map(|e| json(&e)).transpose()?;
-        tx.run("UPDATE webhooks SET last_error = $1 WHERE id = $2", values![error, &message.webhook])?;
+        tx.run(
+            "UPDATE webhooks SET last_error = $1, delivered = coalesce($2, delivered) WHERE id = $3",
+            values![error, delivered, &message.webhook],
+        )?;
         Ok(())
     })
 }

@@ -93,10 +93,12 @@ fn what_was_not_taken_is_sent_again_later_and_later() {
     hook(&s.app, &url, &["submit"]);
     tell(&s.app, "accept");
     tell(&s.app, "submit");
+    let delivered = || s.app.store.read(|tx| list(tx, "p")).unwrap()[0].last_delivery;
     let turn = |ms: i64| s.clock.fetch_add(ms, Ordering::SeqCst);
     assert_eq!(deliver_due(&s.app).unwrap(), 0);
     assert_eq!(pending(&s.app), (1, Some("the receiver answered with status 500".into())));
     let told_of = s.app.store.read(|tx| list(tx, "p")).unwrap().remove(0);
+    assert_eq!(delivered(), None, "nothing was delivered yet");
     assert_eq!((told_of.failures, told_of.next_try), (1, Some(s.app.now() + 5_000)));
     turn(4_999);
     assert_eq!((deliver_due(&s.app).unwrap(), told.try_iter().count()), (0, 1));
@@ -107,6 +109,7 @@ fn what_was_not_taken_is_sent_again_later_and_later() {
     turn(1);
     assert_eq!(deliver_due(&s.app).unwrap(), 1);
     assert_eq!(pending(&s.app), (0, None));
+    assert_eq!(delivered(), Some(s.app.now()));
 }
 
 #[test]
