@@ -72,6 +72,63 @@ pub fn draft_with_seed(
     lang: Lang,
     run: u64,
 ) -> Draft {
+    make(framework, drive, signals, episode, How { lang, run, listed: None })
+}
+
+/// The same where Stage I lists the components `listed`: of others than these nothing is said (LABELING.md 6, *Stage I
+/// components only, plus routing or rules*).
+pub fn draft_of_listed(
+    framework: &Framework,
+    drive: &Drive,
+    signals: &SignalTable,
+    episode: &EpisodeRecord,
+    lang: Lang,
+    listed: &[CriticalComponent],
+) -> Draft {
+    make(framework, drive, signals, episode, How { lang, run: 0, listed: Some(listed) })
+}
+
+/// How a skeleton is made.
+#[derive(Clone, Copy)]
+struct How<'a> {
+    lang: Lang,
+    /// Which phrasings.
+    run: u64,
+    /// Components that Stage I lists; unset where all may be named.
+    listed: Option<&'a [CriticalComponent]>,
+}
+
+impl How<'_> {
+    /// The object may be named beside what the class is about.
+    fn names(&self, object: &TrackId) -> bool {
+        let links = |c: &CriticalComponent| c.linked_objects.iter().any(|id| id == object.as_str());
+        self.listed.is_none_or(|listed| listed.iter().any(links))
+    }
+
+    /// Says of each component what Stage I says of it, which knew less of what the class is about.
+    fn reword(&self, components: &mut [CriticalComponent]) {
+        let mut left: Vec<&CriticalComponent> = self.listed.into_iter().flatten().collect();
+        for c in components {
+            if let Some(at) = left.iter().position(|of| is_same(of, c)) {
+                c.description.clone_from(&left.remove(at).description);
+            }
+        }
+    }
+}
+
+/// The two components are of the same thing.
+pub fn is_same(a: &CriticalComponent, b: &CriticalComponent) -> bool {
+    a.category == b.category && a.linked_objects == b.linked_objects
+}
+
+fn make(
+    framework: &Framework,
+    drive: &Drive,
+    signals: &SignalTable,
+    episode: &EpisodeRecord,
+    how: How<'_>,
+) -> Draft {
+    let How { lang, run, .. } = how;
     let mut notes = Vec::new();
     let keyframe = keyframe_of(drive, episode);
     let class = &episode.scenario_id;
@@ -134,7 +191,7 @@ pub fn draft_with_seed(
     }
     let fits_gap = decision.longitudinal == Some(Longitudinal::GapMatching);
     let moment = Moment::of(signals, keyframe, target_id, side).moving(motion, fits_gap);
-    let lead = lead.filter(|_| goes_on && lead_is == LeadIs::Nearer);
+    let lead = lead.filter(|lead| goes_on && lead_is == LeadIs::Nearer && how.names(lead.id));
     let goes_on_slowing = course.is_some_and(|course| {
         course.trend == Trend::Falls && course.first.is_some_and(|c| c.is_underway && c.trend == Trend::Falls)
     });
@@ -192,6 +249,7 @@ pub fn draft_with_seed(
         .seen(class)
         .is_some_and(|seen| seen.high || seen.category == Some(ComponentCategory::CriticalObjects));
     let kept = trace::why_kept(signals, keyframe, target_id, of_others, course.as_ref());
+    how.reword(&mut components);
     let facts = trace::DraftFacts {
         framework,
         class,

@@ -81,13 +81,21 @@ pub trait Recordings: Send + Sync {
     /// What the signal called `name` is; `None` for a name that no signal has.
     fn about(&self, name: &str) -> Option<SignalAbout>;
 
-    /// A label skeleton for an episode of `drive`.
-    fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel;
+    /// A label skeleton for an episode of `drive`; of other objects than those of the components that Stage I lists, where
+    /// these are given, its trace says nothing.
+    fn draft(
+        &self,
+        drive: &Drive,
+        signals: &SignalTable,
+        episode: &EpisodeRecord,
+        lang: Lang,
+        listed: Option<&[CriticalComponent]>,
+    ) -> CocLabel;
 
     /// Only the critical components of [`Recordings::draft`], for a drive that was cut at the keyframe; the result must
     /// depend on nothing but what is given, as that of [`Recordings::signals`].
     fn components(&self, drive: &Drive, episode: &EpisodeRecord, lang: Lang) -> Vec<CriticalComponent> {
-        self.draft(drive, &self.signals(drive), episode, lang).critical_components
+        self.draft(drive, &self.signals(drive), episode, lang, None).critical_components
     }
 
     /// The whole drive of a clip with its signals and what the rules find in it, for checks of labels whose Stage I is

@@ -181,8 +181,19 @@ impl Recordings for ServiceRecordings {
         Some(SignalAbout { kind, unit, title: def.title.clone(), meaning: def.meaning.clone() })
     }
 
-    fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel {
-        draft::draft(self.framework, drive, signals, episode, lang).label
+    fn draft(
+        &self,
+        drive: &Drive,
+        signals: &SignalTable,
+        episode: &EpisodeRecord,
+        lang: Lang,
+        listed: Option<&[CriticalComponent]>,
+    ) -> CocLabel {
+        let made = match listed {
+            Some(listed) => draft::draft_of_listed(self.framework, drive, signals, episode, lang, listed),
+            None => draft::draft(self.framework, drive, signals, episode, lang),
+        };
+        made.label
     }
 
     fn components(&self, drive: &Drive, episode: &EpisodeRecord, lang: Lang) -> Vec<CriticalComponent> {

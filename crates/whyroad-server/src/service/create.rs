@@ -16,9 +16,10 @@ use std::cell::OnceCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use whyroad_framework::spec::PackSpec;
+use whyroad_label::draft::is_same;
 use whyroad_model::label_fields::name;
 use whyroad_model::messages::{
-    Causes, CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodeRecord,
+    Cause, Causes, CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodeRecord,
 };
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
@@ -445,15 +446,18 @@ fn unanswered(mut draft: Value) -> Value {
 }
 
 fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang, hides_leaf: bool) -> Answer<Value> {
-    let whole = app.recordings.draft(&source.drive, source.signals(app), episode, lang);
+    let whole = |listed: Option<&[_]>| {
+        app.recordings.draft(&source.drive, source.signals(app), episode, lang, listed)
+    };
     let keyframe = episode.keyframe.timestamp;
     let label = if hides_leaf {
         // What the rule says of the history was said for the leaf; causes name it.
-        CocLabel { critical_components: vec![], causes: None, ..whole }
+        CocLabel { critical_components: vec![], causes: None, ..whole(None) }
     } else {
         // Of a draft that is refused for what comes later, too: Stage I must not tell that it is.
         let history = source.drive.until(keyframe);
-        join(whole, app.recordings.components(&history, &until(episode, keyframe), lang), keyframe)
+        let listed = app.recordings.components(&history, &until(episode, keyframe), lang);
+        join(whole(Some(&listed)), listed, keyframe)
     };
     serde_json::to_value(label).map_err(Problem::store)
 }
@@ -470,20 +474,27 @@ fn until(episode: &EpisodeRecord, keyframe: Nanos) -> EpisodeRecord {
     e
 }
 
-/// `whole` with the components `before` the keyframe; causes that name a component which is gone go with it.
-fn join(mut whole: CocLabel, before: Vec<CriticalComponent>, keyframe: Nanos) -> CocLabel {
-    whole.critical_components = before;
+/// `whole` with the components that Stage I lists. Causes name these; one that names something else is left out.
+fn join(mut whole: CocLabel, listed: Vec<CriticalComponent>, keyframe: Nanos) -> CocLabel {
+    let drafted = std::mem::replace(&mut whole.critical_components, listed);
+    let listed = &whole.critical_components;
+    let renamed = |id: &String| {
+        let of = drafted.iter().find(|c| c.id.as_ref() == Some(id))?;
+        let said_alike = listed.iter().find(|c| is_same(c, of) && c.description == of.description);
+        said_alike.or_else(|| listed.iter().find(|c| is_same(c, of)))?.id.clone()
+    };
+    let cause = |c: Cause| {
+        let components = c.components.iter().map(renamed).collect::<Option<Vec<_>>>()?;
+        Some(Cause { components, ..c })
+    };
+    whole.causes = whole
+        .causes
+        .map(|c| Causes { longitudinal: c.longitudinal.and_then(cause), lateral: c.lateral.and_then(cause) });
     for c in &mut whole.critical_components {
         for at in &mut c.evidence_times {
             *at = (*at).min(keyframe);
         }
     }
-    let ids: Vec<&str> = whole.critical_components.iter().filter_map(|c| c.id.as_deref()).collect();
-    let holds =
-        |cause: &whyroad_model::messages::Cause| cause.components.iter().all(|c| ids.contains(&c.as_str()));
-    whole.causes = whole
-        .causes
-        .map(|c| Causes { longitudinal: c.longitudinal.filter(holds), lateral: c.lateral.filter(holds) });
     whole
 }
 

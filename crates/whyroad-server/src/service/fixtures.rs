@@ -18,7 +18,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use whyroad_framework::Framework;
-use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
+use whyroad_model::messages::{
+    CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord,
+};
 use whyroad_model::scene::{Ego, MediaFrame, Motion};
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
@@ -59,7 +61,14 @@ impl Recordings for Counted {
     fn about(&self, _: &str) -> Option<SignalAbout> {
         None
     }
-    fn draft(&self, _: &Drive, _: &SignalTable, _: &EpisodeRecord, _: Lang) -> CocLabel {
+    fn draft(
+        &self,
+        _: &Drive,
+        _: &SignalTable,
+        _: &EpisodeRecord,
+        _: Lang,
+        _: Option<&[CriticalComponent]>,
+    ) -> CocLabel {
         assert!(self.some, "no drive was given");
         let draft = json!({
             "version": "2.1.0", "clip_id": "d_000",

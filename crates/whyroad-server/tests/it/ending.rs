@@ -9,7 +9,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use whyroad_framework::Framework;
-use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
+use whyroad_model::messages::{
+    CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord,
+};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, SignalTable};
 use whyroad_server::App;
@@ -105,8 +107,15 @@ impl Recordings for Endless {
     fn about(&self, name: &str) -> Option<SignalAbout> {
         self.0.about(name)
     }
-    fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel {
-        self.0.draft(drive, signals, episode, lang)
+    fn draft(
+        &self,
+        drive: &Drive,
+        signals: &SignalTable,
+        episode: &EpisodeRecord,
+        lang: Lang,
+        listed: Option<&[CriticalComponent]>,
+    ) -> CocLabel {
+        self.0.draft(drive, signals, episode, lang, listed)
     }
     fn mined(&self) -> Vec<String> {
         self.0.mined()

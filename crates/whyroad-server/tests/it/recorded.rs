@@ -267,7 +267,14 @@ impl Recordings for Recorded {
         Some(SignalAbout { kind: SignalKind::Number, unit: Some(unit.to_owned()), title, meaning })
     }
 
-    fn draft(&self, drive: &Drive, signals: &SignalTable, e: &EpisodeRecord, _: Lang) -> CocLabel {
+    fn draft(
+        &self,
+        drive: &Drive,
+        signals: &SignalTable,
+        e: &EpisodeRecord,
+        _: Lang,
+        _: Option<&[CriticalComponent]>,
+    ) -> CocLabel {
         let gap = signals.target_columns["target.gap"].number(0).unwrap();
         let seen = e.conditions_matched.len();
         CocLabel {

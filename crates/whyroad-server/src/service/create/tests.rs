@@ -59,3 +59,39 @@ fn an_episode_outside_its_drive_is_reported() {
     assert!(made.tasks.is_empty() && made.lost[0].text.zh.contains("不在行程内"), "{:?}", made.lost);
     assert_eq!(read(&recordings), 0);
 }
+
+/// Components of Stage I and of the whole drive, each with its id, and whom it is linked to.
+fn components(of: &[(&str, &str, &str)]) -> Vec<CriticalComponent> {
+    let one = |(id, category, object): &(&str, &str, &str)| {
+        let objects: Vec<&str> = Some(*object).filter(|o| !o.is_empty()).into_iter().collect();
+        let c = json!({ "id": id, "category": category, "description": id, "linked_objects": objects });
+        serde_json::from_value(c).unwrap()
+    };
+    of.iter().map(one).collect()
+}
+
+#[test]
+fn causes_name_the_components_of_stage_one() {
+    let mut whole: CocLabel =
+        serde_json::from_slice(include_bytes!("../../../../../examples/cutin_urgent_example.json")).unwrap();
+    whole.critical_components = components(&[
+        ("c1", "critical_objects", "lead"),
+        ("c2", "critical_objects", "walker"),
+        ("c3", "traffic_lights", ""),
+    ]);
+    let cause = |id: &str| Some(Cause { components: vec![id.to_owned()], unobserved: None });
+    whole.causes = Some(Causes { longitudinal: cause("c2"), lateral: cause("c1") });
+    let listed = components(&[("c1", "critical_objects", "walker"), ("c2", "traffic_lights", "")]);
+    let keyframe = whole.keyframe.timestamp;
+    let causes = |label: &CocLabel| {
+        let of = |c: &Option<Cause>| c.as_ref().map(|c| c.components.clone());
+        label.causes.as_ref().map(|c| (of(&c.longitudinal), of(&c.lateral))).unwrap()
+    };
+    let joined = join(whole.clone(), listed.clone(), keyframe);
+    assert_eq!(joined.critical_components.len(), 2);
+    // The walker is the first component there; the lead is not listed.
+    assert_eq!(causes(&joined), (Some(vec!["c1".to_owned()]), None));
+    // What has no object goes by its category.
+    whole.causes = Some(Causes { longitudinal: cause("c3"), lateral: None });
+    assert_eq!(causes(&join(whole, listed, keyframe)), (Some(vec!["c2".to_owned()]), None));
+}
