@@ -268,6 +268,22 @@ fn openings(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed
     of(&all.moving).into_iter().map(|text| text.replace("{speed}", &format!("{kmh:.0}"))).collect()
 }
 
+/// The part of the pattern `joined` that has something to say: without a state it begins with the reason, without a
+/// reason the decision follows the state.
+fn said(joined: &str, state: &str, why: &str) -> String {
+    let (state_at, why_at, action_at) = match (joined.find("}"), joined.find("{action}")) {
+        (Some(end), Some(action)) => (end + 1, joined[end..].find('{').map_or(action, |n| end + n), action),
+        _ => return joined.to_owned(),
+    };
+    let why_end = joined[why_at..].find('}').map_or(action_at, |n| why_at + n + 1);
+    match (state.is_empty(), why.is_empty()) {
+        (false, false) => joined.to_owned(),
+        (true, false) => joined[why_at..].to_owned(),
+        (false, true) => format!("{}{}", &joined[..state_at], &joined[why_end..]),
+        (true, true) => joined[action_at..].to_owned(),
+    }
+}
+
 impl<'a> DraftFacts<'a> {
     /// One way to say it.
     fn sentence(
@@ -298,6 +314,7 @@ impl<'a> DraftFacts<'a> {
         let mut state = state.join(comma);
         if let Some(opening) = opening {
             state = match self.lang {
+                _ if state.is_empty() => opening.to_owned(),
                 Lang::Zh => format!("{opening}，{state}"),
                 // What is a sentence stays one.
                 Lang::En if opening.starts_with(OF_EGO) => format!("{opening}. {}", capital(&state)),
@@ -305,6 +322,7 @@ impl<'a> DraftFacts<'a> {
             };
         }
         let why = if joined.contains("{Why}") { capital(why) } else { why.to_owned() };
+        let joined = said(joined, &state, &why);
         let text = joined.replace("{state}", &state).replace("{why}", &why).replace("{Why}", &why);
         capital(&text.replace("{action}", &action))
     }
@@ -609,5 +627,22 @@ fn component(
         id: None,
         evidence_times: Vec::new(),
         linked_objects: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::said;
+
+    #[test]
+    fn a_trace_without_state_or_reason_has_no_empty_part() {
+        let zh = "{state}；{why}，因此{action}。";
+        assert_eq!(said(zh, "a", "b"), zh);
+        assert_eq!(said(zh, "", "b"), "{why}，因此{action}。");
+        assert_eq!(said(zh, "a", ""), "{state}，因此{action}。");
+        assert_eq!(said(zh, "", ""), "{action}。");
+        let en = "{state}. {Why}, so {action}.";
+        assert_eq!(said(en, "", "b"), "{Why}, so {action}.");
+        assert_eq!(said(en, "a", ""), "{state}, so {action}.");
     }
 }
