@@ -131,6 +131,54 @@ async function listed(day) {
   for (const id of day.pair) assert.ok(out.includes(id), out);
 }
 
+/** Of four labels of one episode two are left out; the others set the keyframe 1 s apart, and the lead finds them. */
+async function disagreeing(day) {
+  const { page } = day.people.wang;
+  const four = (await ask(page, "GET", `/projects/${day.blind}/tasks?scenario=reactive_agent.vru_crossing.crosswalk&sort=clip&limit=4`)).items;
+  for (const task of four.slice(2)) await ask(page, "POST", `/tasks/${task.id}/actions`, { action: "skip", reason: "两人足够" });
+  for (const [n, who] of ["zhou", "wu"].entries()) {
+    const { page } = day.people[who];
+    const path = `/tasks/${four[n].id}`;
+    await ask(day.people.wang.page, "POST", `${path}/assign`, { user: who });
+    const { fence } = await ask(page, "POST", `${path}/lease`, { action: "take" });
+    const { draft, version } = await ask(page, "GET", path);
+    const moment = new Date(Date.parse(draft.keyframe.timestamp) - 1000 * n).toISOString();
+    const stage1 = [
+      { path: "/keyframe/timestamp", value: moment },
+      { path: "/keyframe/frame_idx", value: draft.keyframe.frame_idx - 10 * n },
+      ...draft.critical_components.map((_, c) => ({ path: `/critical_components/${c}/evidence_times`, value: [moment] })),
+    ];
+    if (n > 0) await ask(page, "PATCH", `${path}/draft`, { fence, base_version: version, changes: stage1 });
+    await ask(page, "POST", `${path}/actions`, { action: "lock_stage1", fence });
+    const open = await ask(page, "POST", `${path}/safety`, { fence, answer: "safe" });
+    const range = [
+      { path: "/time_range/start_timestamp", value: moment },
+      { path: "/time_range/start_frame_idx", value: draft.keyframe.frame_idx - 10 * n },
+    ];
+    // The drafted state and decision, with a reason of one's own.
+    const [state] = open.draft.coc_trace.replace("【草稿】", "").split(/[；。]/);
+    const trace = `${state}；对方的路线与自车相交，两者的距离不足以先过，因此${open.draft.coc_trace.split(/因此|所以/).at(-1)}`;
+    await ask(page, "PATCH", `${path}/draft`, { fence, base_version: open.version, changes: [...range, { path: "/coc_trace", value: trace }] });
+    await ask(page, "POST", `${path}/actions`, { action: "submit", fence });
+  }
+  await page.goto(`${day.service.url}/projects/${day.blind}/tasks`);
+  const box = page.getByLabel("分歧");
+  await box.check();
+  await page.getByText("已列出 2 个任务").waitFor();
+  assert.match(page.url(), /overlap=disagreeing/);
+  assert.equal(await page.locator("tbody .chip.warn", { hasText: "分歧" }).count(), 2);
+  await checkAccessibility(page, "disagreeing");
+  await shot(day, page, "disagreeing");
+  // It opens side by side.
+  await page.locator("tbody a").first().click();
+  const both = page.locator("section.adjudicate");
+  await both.getByText("周敏").waitFor();
+  await both.getByRole("button", { name: "采用这一份" }).first().click();
+  await both.waitFor({ state: "detached" });
+  await page.goto(`${day.service.url}/projects/${day.blind}/tasks?overlap=disagreeing`);
+  await page.getByText("没有符合条件的任务").waitFor();
+}
+
 export const overlap = [
   ["a project for blind overlap", prepare],
   ["a lead uploads an episode for two people", upload],
@@ -139,4 +187,5 @@ export const overlap = [
   ["the dashboard says how far they agree", agreement],
   ["the list comes in pages, each task once", pages],
   ["the command line lists the same tasks", listed],
+  ["a lead finds labels that disagree, and chooses one", disagreeing],
 ];
