@@ -1,0 +1,142 @@
+//! Leads and other road users: near or not, where they are, and whether they do what the class says.
+
+use super::*;
+
+#[test]
+fn a_lead_that_is_near_is_the_nearest_cause() {
+    // LABELING.md 6, proximate cause: the stopped lead before the junction behind it. From 8 m/s to a standstill.
+    let turn = |ahead: f64| {
+        behind_lead("proactive.turn.left_normal", ahead, |s| {
+            with_speed(s, |f| (8.0 - 0.15 * f.saturating_sub(44) as f64).max(0.0));
+            of_target(s, "target.speed", 0.0);
+            flag(s, "target.standstill", true);
+        })
+    };
+    // 2 s at 8 m/s are 16 m.
+    let near = turn(20.6);
+    assert_eq!(near.driving_decision.longitudinal, Some(Longitudinal::LeadFollowing));
+    assert!(near.coc_trace.contains("前车") && near.coc_trace.contains("轿车静止不动"), "{}", near.coc_trace);
+    let cause = near.causes.unwrap().longitudinal.unwrap().components;
+    let lead = near.critical_components.iter().find(|c| !c.linked_objects.is_empty()).unwrap();
+    assert_eq!(
+        (cause, lead.linked_objects.as_slice()),
+        (vec![lead.id.clone().unwrap()], &["d".to_owned()][..])
+    );
+    let far = turn(20.7);
+    assert_eq!(far.driving_decision.longitudinal, Some(Longitudinal::RoadSpeedAdaptation));
+    assert!(!far.coc_trace.contains("前车"), "{}", far.coc_trace);
+    // Who stands behind a lead that stands stays for that.
+    let stays = behind_lead("proactive.turn.straight", 8.0, |s| {
+        with_speed(s, |_| 0.0);
+        of_target(s, "target.speed", 0.0);
+        flag(s, "target.standstill", true);
+    });
+    assert_eq!(stays.driving_decision.longitudinal, None);
+    assert!(stays.coc_trace.contains("前车"), "{}", stays.coc_trace);
+    // And who speeds up behind one that drives on follows it.
+    let follows = behind_lead("proactive.turn.straight", 12.0, |s| {
+        with_speed(s, |f| 6.0 + 0.1 * f.saturating_sub(44) as f64);
+        of_target(s, "target.speed", 7.0);
+    });
+    assert_eq!(follows.driving_decision.longitudinal, Some(Longitudinal::LeadFollowing));
+}
+
+#[test]
+fn no_vehicle_is_made_up_for_a_lane_change() {
+    let change = |leaf: &str, ahead: f64| {
+        behind_lead(leaf, ahead, |s| {
+            of_target(s, "target.speed", 7.0);
+            of_target(s, "target.relative_speed", -3.0);
+        })
+    };
+    for leaf in ["proactive.lane_change", "proactive.lane_change.efficiency"] {
+        // A gap of 49.9 m, and of 50.1 m.
+        let (near, far) = (change(leaf, 54.55), change(leaf, 54.75));
+        assert_eq!(near.critical_components[0].linked_objects, ["d"], "{leaf}");
+        assert!(near.coc_trace.contains("轿车开得比自车慢"), "{}", near.coc_trace);
+        assert!(far.critical_components.iter().all(|c| c.linked_objects.is_empty()), "{leaf}");
+        assert_eq!(far.critical_components[0].uncertainty, Some(Uncertainty::High));
+        assert!(!far.coc_trace.contains('它') && !far.coc_trace.contains("慢"), "{}", far.coc_trace);
+    }
+    // Nobody is in the lane that the ego comes back from.
+    let abort = change("proactive.lane_change.abort", 100.0);
+    assert!(!abort.coc_trace.contains("对方") && abort.coc_trace.contains("没有"), "{}", abort.coc_trace);
+    assert_eq!(abort.critical_components[0].uncertainty, Some(Uncertainty::High));
+}
+
+#[test]
+fn a_junction_is_not_ahead_of_who_is_in_it() {
+    for (inside, said, unsaid) in [(true, "路口内", "前方为路口"), (false, "前方为路口", "路口内")]
+    {
+        let label = draft_of("proactive.turn.left_normal", |s| {
+            with_speed(s, |_| 6.0);
+            turns(s, "left");
+            flag(s, "ego.in_junction", inside);
+            s.frame_columns.insert("route.command".into(), category(&["left"], vec![0; fixture::FRAMES]));
+        })
+        .label;
+        let said = if inside { said } else { "前方路口" };
+        assert!(label.coc_trace.contains(said) && !label.coc_trace.contains(unsaid), "{}", label.coc_trace);
+        let straight = draft_of("proactive.turn.straight", |s| flag(s, "ego.in_junction", inside)).label;
+        assert_eq!(straight.coc_trace.contains("已经驶入路口"), inside, "{}", straight.coc_trace);
+        assert_eq!(straight.coc_trace.contains("前方不远处就是路口"), !inside, "{}", straight.coc_trace);
+    }
+}
+
+#[test]
+fn place_and_phase_are_those_of_the_boxes() {
+    let said = |ahead: f64, inside: bool| {
+        draft_of("reactive_agent.intersection_interaction.cross_conflict", |s| {
+            of_target(s, "target.longitudinal", ahead);
+            of_target(s, "target.lateral", 3.0);
+            of_target(s, "target.heading_difference", 0.0);
+            flag(s, "target.in_junction", inside);
+        })
+        .label
+        .critical_components[0]
+            .description
+            .clone()
+    };
+    // Boxes of 4.8 m and 4.5 m overlap up to 4.65 m.
+    assert!(said(4.6, false).starts_with("左侧的") && said(4.7, false).starts_with("左前方的"));
+    assert!(said(-4.6, true).starts_with("左侧的") && said(-4.7, true).starts_with("左后方的"));
+    assert!(said(9.0, false).contains("驶向路口") && said(9.0, true).contains("通过路口"));
+    assert!(!said(-6.0, false).contains("路口"));
+}
+
+#[test]
+fn whom_a_class_is_about_does_what_it_says_or_there_is_no_draft() {
+    // Who walks across gets onto the path 3 s after the keyframe, 10 m ahead of the ego, or 10 m behind it.
+    let crossing = |along: f64, way: &str| {
+        draft_of("reactive_agent.vru_crossing.horizontal", |s| {
+            with_speed(s, |f| 10.0 - 0.1 * f.saturating_sub(44) as f64);
+            of_target(s, "target.longitudinal", 20.0);
+            by_frame(s, "target.path_lateral", |f| 1.3 * (7.0 - 0.1 * f as f64));
+            by_frame(s, "target.path_longitudinal", |f| if f < 50 { 20.0 } else { along });
+            s.target_columns.insert("target.moves_along".into(), category(&[way], vec![0; fixture::FRAMES]));
+        })
+    };
+    let first = crossing(10.0, "across");
+    assert_eq!(
+        (first.doubt, first.label.driving_decision.longitudinal),
+        (None, Some(Longitudinal::YieldToAgent))
+    );
+    assert_eq!(crossing(-10.0, "across").doubt, Some(Doubt::EgoFirst));
+    // Who comes along the other way does not cross.
+    assert_eq!(crossing(10.0, "against").doubt, Some(Doubt::NotCrossing));
+    // Who has gone 12 m/s all along has not just started.
+    let starts = |speed: fn(usize) -> f64| {
+        draft_of("reactive_agent.cutin.from_stationary", |s| {
+            with_speed(s, |f| 10.0 - 0.1 * f.saturating_sub(44) as f64);
+            by_frame(s, "target.speed", speed);
+        })
+        .doubt
+    };
+    assert_eq!(starts(|_| 12.0), Some(Doubt::NotStarting));
+    assert_eq!(starts(|f| 0.1 * f.saturating_sub(20) as f64), None);
+    // Nobody gives way to nobody.
+    let nobody = behind_lead("proactive.merge_interaction.zipper_merge", 100.0, |s| {
+        with_speed(s, |f| 17.0 - 0.1 * f.saturating_sub(44) as f64);
+    });
+    assert_ne!(nobody.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+}
