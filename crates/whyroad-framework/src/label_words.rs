@@ -7,6 +7,7 @@ mod bearing;
 mod clauses;
 mod compared;
 mod compile;
+mod concepts;
 mod numbers;
 mod quantity;
 mod remote;
@@ -18,6 +19,7 @@ pub use apart::Apart;
 pub use bearing::{Bearing, Bears};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
+pub use concepts::{ConceptSet, Concepts};
 pub use numbers::Numbers;
 pub use quantity::{Quantities, Quantity};
 pub use remote::Remote;
@@ -310,6 +312,8 @@ pub struct LabelWords {
     pub remote: Remote,
     /// Numbers with a unit.
     pub quantities: Quantities,
+    /// Words that say nearly the same.
+    pub concepts: Concepts,
     /// Numbers of exits, in order.
     exits: Vec<Vec<String>>,
     /// Words to distinguish a clause without a decision from one that may decide.
@@ -529,6 +533,8 @@ struct File {
     undecided: undecided::RawUndecided,
     #[serde(default)]
     apart: apart::RawApart,
+    #[serde(default)]
+    concepts: BTreeMap<String, Words>,
     remote: remote::RawRemote,
     quantities: quantity::RawQuantities,
     exits: Vec<Words>,

@@ -172,6 +172,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         subjects: raw.subjects.compile(),
         unchanged_course: raw.unchanged_course.all().map(str::to_owned).collect(),
         apart: super::apart::compile(&raw.apart, &mut problems),
+        concepts: super::concepts::compile(&raw.concepts, &["unseen", "hides"], &mut problems),
         remote: raw.remote.compile(),
         quantities: raw.quantities.compile(),
         exits: raw.exits.iter().map(|w| w.all().map(str::to_owned).collect()).collect(),

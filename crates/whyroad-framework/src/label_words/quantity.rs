@@ -49,6 +49,61 @@ impl Quantities {
         self.of_unit(text, "m", true)
     }
 
+    /// Every number of `text` from two on, whatever it counts or measures. A single Chinese numeral needs a unit or one of
+    /// `counters` behind it.
+    pub fn all(&self, text: &str, counters: &CharSet) -> Vec<Quantity> {
+        const LEAST: f64 = 2.0;
+        let lower = text.to_ascii_lowercase();
+        let mut out = Vec::new();
+        let mut at = 0;
+        while let Some(c) = lower[at..].chars().next() {
+            let start = at;
+            let is_numeral =
+                |c: char| !c.is_ascii() && self.numbers.contains_key(c.encode_utf8(&mut [0; 4]) as &str);
+            let run = |holds: &dyn Fn(char) -> bool| {
+                lower[start..].find(|c: char| !holds(c)).map_or(lower.len(), |n| start + n)
+            };
+            let mut add = |value: Option<f64>, start: usize, end: usize| {
+                let is_rough = lower[end..].starts_with(['多', '来', '余', '几']);
+                out.extend(value.filter(|v| *v >= LEAST).map(|value| Quantity {
+                    value,
+                    start,
+                    end,
+                    is_rough,
+                }));
+            };
+            if c.is_ascii_alphanumeric() {
+                at = run(&|c| c.is_ascii_alphanumeric() || c == '-' || c == '.');
+                let word = lower[start..at].trim_end_matches(['.', '-']);
+                let digits = word.trim_end_matches(|c: char| c.is_ascii_alphabetic() || c == '-');
+                let is_number = |w: &str| self.numbers.contains_key(w);
+                if !digits.is_empty() {
+                    add(digits.parse().ok(), start, start + digits.len());
+                } else if word.rsplit('-').next().is_some_and(is_number) {
+                    // "Two hundred" ends with its last word.
+                    let next = lower[at..].trim_start().split(|c: char| !c.is_ascii_alphabetic()).next();
+                    let end = start + word.len();
+                    if let (Some((value, from)), false) =
+                        (self.number_before(&lower, end), next.is_some_and(is_number))
+                    {
+                        add(Some(value), from, end);
+                    }
+                }
+            } else if is_numeral(c) {
+                at = run(&is_numeral);
+                let behind = &lower[at..];
+                let counts = self.units.iter().any(|(_, word, _)| behind.starts_with(word.as_str()));
+                let single = lower[start..at].chars().count() == 1;
+                if !single || counts || behind.starts_with(|c| counters.contains(c)) {
+                    add(self.chinese(&lower[start..at]), start, at);
+                }
+            } else {
+                at += c.len_utf8();
+            }
+        }
+        out
+    }
+
     /// `away`: also distances to something.
     fn of_unit(&self, text: &str, unit: &str, away: bool) -> Vec<Quantity> {
         let lower = text.to_ascii_lowercase();

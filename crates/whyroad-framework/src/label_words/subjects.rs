@@ -69,6 +69,13 @@ pub struct Subjects {
     pub goes_to: [Vec<String>; 2],
     /// Words for another one of the same kind.
     pub another: Vec<String>,
+    /// Hold the name of a side and name none.
+    no_side: Vec<String>,
+    /// Stand before the name of a side, and behind it.
+    before_side: Vec<String>,
+    behind_side: Vec<String>,
+    /// Of `another`, those that say nothing else.
+    second: Vec<String>,
     /// Before an action that is not possible, in lower case.
     pub unable: Vec<String>,
     /// Another lane than the ego's, in lower case.
@@ -148,6 +155,48 @@ impl Subjects {
         self.writing.iter().any(|w| lower.contains(w.as_str()))
     }
 
+    /// Bytes of the first word for the left and for the right, where it says where something is: not "right away", "two
+    /// meters left" or "left turn".
+    pub fn sides(&self, text: &str) -> [Option<(usize, usize)>; 2] {
+        let mut lower = text.to_ascii_lowercase();
+        for word in &self.no_side {
+            if lower.contains(word.as_str()) {
+                lower = lower.replace(word.as_str(), &" ".repeat(word.len()));
+            }
+        }
+        [("左", "left"), ("右", "right")].map(|(chinese, latin)| {
+            let all = lower.match_indices(chinese).map(|(at, w)| (at, at + w.len()));
+            all.chain(self.latin_side(&lower, latin)).min()
+        })
+    }
+
+    /// Where `text`, in lower case, names the side `word`.
+    fn latin_side(&self, text: &str, word: &str) -> Option<(usize, usize)> {
+        let is_letter = |c: char| c.is_ascii_alphabetic();
+        text.match_indices(word).map(|(at, _)| (at, at + word.len())).find(|(start, end)| {
+            let (before, behind) = (&text[..*start], &text[*end..]);
+            let last =
+                before.trim_end().rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
+            let next = behind.trim_start_matches([' ', '-']);
+            let next = next.split(|c: char| !is_letter(c)).next().unwrap_or_default();
+            let leads = self.before_side.iter().any(|w| w == last);
+            let goes_on = self.behind_side.iter().any(|w| w == next);
+            !before.ends_with(is_letter)
+                && (!behind.starts_with(is_letter) || behind.starts_with("ward"))
+                && (leads || goes_on)
+        })
+    }
+
+    /// The text speaks of another one of a kind.
+    pub fn speaks_of_second(&self, text: &str) -> bool {
+        match text.is_ascii() {
+            true => text
+                .split(|c: char| !c.is_ascii_alphabetic())
+                .any(|w| self.second.iter().any(|s| w.eq_ignore_ascii_case(s))),
+            false => self.second.iter().any(|w| text.contains(w.as_str())),
+        }
+    }
+
     /// The text begins with a part that every vehicle has on the left and the right: "wheels".
     pub fn begins_with_own_part(&self, text: &str) -> bool {
         let text = text.trim_start();
@@ -225,6 +274,10 @@ pub(super) struct RawSubjects {
     goes_left: Words,
     goes_right: Words,
     another: Words,
+    second: Words,
+    no_side: Words,
+    before_side: Words,
+    behind_side: Words,
     unable: Words,
     beside_ego: Words,
     #[serde(default)]
@@ -283,6 +336,10 @@ impl RawSubjects {
             at: [all(&self.before_ego), all(&self.behind_ego)],
             goes_to: [all(&self.goes_left), all(&self.goes_right)],
             another: all(&self.another),
+            second: all(&self.second),
+            no_side: all(&self.no_side),
+            before_side: all(&self.before_side),
+            behind_side: all(&self.behind_side),
             unable: all(&self.unable),
             beside_ego: all(&self.beside_ego),
             earlier: all(&self.earlier),

@@ -1,5 +1,6 @@
 //! Causes (LABELING.md 6): each decision has one that was there to be seen.
 
+mod again;
 pub(super) mod circular;
 mod grounds;
 pub(super) mod links;

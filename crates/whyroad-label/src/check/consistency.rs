@@ -2,6 +2,7 @@
 
 mod attributes;
 pub(super) mod duplicates;
+mod meaning;
 pub(super) mod moment;
 pub(super) mod objects;
 pub(super) mod parts;

@@ -159,7 +159,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 });
                 clause.names += 1;
                 // What cannot be seen is not said to be there.
-                clause.supposed |= ["看", "cannot", "can't"].iter().any(|w| word.starts_with(w));
+                clause.supposed |= ["看不", "cannot", "can't"].iter().any(|w| word.starts_with(w));
             }
             // "Its left wheels": where a part of it is.
             WordRole::Side(_) if words.subjects.begins_with_own_part(&text[hit.end..]) => out.words += 1,

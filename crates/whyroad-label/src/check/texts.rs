@@ -1,6 +1,6 @@
 //! The texts of a label as read, for the rules that compare them.
 
-use super::reading::{self, TextFacts};
+use super::reading::{self, Named, TextFacts};
 use super::view::View;
 use whyroad_framework::label_words::GroupSet;
 use whyroad_framework::lexicon::units::Units;
@@ -52,7 +52,9 @@ impl Texts {
     pub fn components_there(&self, words: &LabelWords, beside: bool) -> GroupSet {
         let before = words.known.lead.with(words.known.queue);
         let all = self.components.iter().flat_map(TextFacts::there);
-        let all = all.filter(|n| !beside || !words.objects[n.group].own.meets(before));
+        // "The car ahead on the right" is no lead.
+        let is_beside = |n: &&Named| n.side.is_some() || !words.objects[n.group].own.meets(before);
+        let all = all.filter(|n| !beside || is_beside(n));
         all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
     }
 }

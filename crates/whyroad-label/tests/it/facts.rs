@@ -344,3 +344,22 @@ fn what_is_planned_next_is_no_hindsight() {
     let trace = "老人推着车横穿马路，和自车路线相交，自车减速让行，随后老人走远了。";
     assert!(yielding(CROSSING_ZH, trace).contains(&"label.text.hindsight"));
 }
+
+#[test]
+fn a_number_or_a_side_that_no_component_gives_differs() {
+    let code = "label.trace.object_differs";
+    let parts: &[&str] = &["一位老人从左侧横穿马路", "老人距自车20米，自车时速40公里"];
+    let told = |side: &str, speed: u32| {
+        format!("{side}一位老人横穿马路，只有20米，自车时速{speed}公里，因此自车减速让行。")
+    };
+    assert!(!yielding(parts, &told("左侧", 40)).contains(&code));
+    assert!(yielding(parts, &told("右侧", 40)).contains(&code));
+    assert!(yielding(parts, &told("左侧", 60)).contains(&code));
+    let parts: &[&str] = &["an old man is walking across from the left", "the ego drives at 40 km/h, 20 m from him"];
+    let told = |side: &str, speed: u32| {
+        format!("An old man walks across from the {side}, 20 m ahead at {speed} km/h, so the ego slows to yield to him.")
+    };
+    assert!(!yielding(parts, &told("left", 40)).contains(&code));
+    assert!(yielding(parts, &told("right", 40)).contains(&code));
+    assert!(yielding(parts, &told("left", 60)).contains(&code));
+}

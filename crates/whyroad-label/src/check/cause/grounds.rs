@@ -47,9 +47,14 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
     // Said not to do what its component says, and nowhere to do it.
     let before = |a: &&Act| !reading.marked || a.start < reading.decision_from;
     let acts = || trace.acts.iter().filter(before).filter(|a| a.doing.only(words.reaching).meets(given.does));
-    let asserted = acts().any(|a| !a.denied);
     let around =
         |a: &Act| words.clauses.around(&texts.units, a.start..a.end, text.len(), &|d| d != Divider::Aside);
+    // "Lets it back out first": where the decision is stated, nothing is said to be so.
+    let in_decision = |a: &Act| {
+        let (from, to) = around(a);
+        decided(from, to)
+    };
+    let asserted = acts().any(|a| !a.denied && !in_decision(a));
     if !asserted && let Some(a) = acts().find(|a| a.denied && by_somebody(a, trace, words)) {
         return Some(around(a));
     }

@@ -393,7 +393,16 @@ fn irrelevant(text: &str, texts: &Texts, words: &LabelWords, restricts: bool) ->
     });
     let of_first =
         own.iter().any(|n| is_cause(n) && first.is_some_and(|f| words.objects[n.group].near.meets(f)));
-    let of_first = of_first || own.is_empty() && words.subjects.has_pronoun(&text[from..end]);
+    // "..., which does not matter": said in Latin letters of what the sentence named before.
+    let (sentence, _) =
+        words.clauses.around(&texts.units, start..end, text.len(), &|d| d == Divider::Sentence);
+    let named_before = || {
+        let mut before = texts.trace.there().filter(|n| (sentence..from).contains(&n.start));
+        before.any(|n| first.is_some_and(|f| words.objects[n.group].near.meets(f)))
+    };
+    let of_first = of_first
+        || own.is_empty()
+            && (words.subjects.has_pronoun(&text[from..end]) || text.is_ascii() && named_before());
     let is_other = |n: &Named| if of_first { n.start >= end } else { is_other(n) };
     // What only the components of the same thing name is no other cause.
     let mut same = about;

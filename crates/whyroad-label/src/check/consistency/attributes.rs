@@ -1,8 +1,10 @@
-//! What a trace says of distances and of the sides of parts (wheels, indicators), against what the components say.
+//! What a trace says of distances, numbers and sides, also of parts (wheels, indicators), against what the components
+//! say.
 
 use crate::check::texts::TextScope;
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::Quantity;
+use whyroad_framework::label_words::{Divider, Quantity};
+use whyroad_model::decision::LateralDirection;
 
 /// Shorter lengths are margins and widths, which a trace may add.
 const LEAST_LENGTH_M: f64 = 3.0;
@@ -21,6 +23,50 @@ pub(super) fn other_length(scope: &TextScope<'_>) -> Option<(usize, usize)> {
         label.parts.iter().filter_map(|c| c.description.get()).flat_map(lengths).collect();
     let known = said.iter().any(|q| given.iter().any(|g| g.is_about(q)));
     (!given.is_empty() && !known).then_some((first.start, first.end))
+}
+
+/// Bytes of a number of the trace that no component gives, where the trace gives all other numbers of the components
+/// but one: the one stands for the other. A number that is more than three times the other one is of something else.
+pub(super) fn other_number(scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    const MOST_RATIO: f64 = 3.0;
+    let TextScope { label, words, .. } = *scope;
+    let all = |text: &str| words.quantities.all(text, &words.subjects.counters);
+    let said = all(label.trace.get()?);
+    let given: Vec<Quantity> = label.parts.iter().filter_map(|c| c.description.get()).flat_map(all).collect();
+    let unknown = |q: &&Quantity, all: &[Quantity]| !all.iter().any(|o| o.is_about(q));
+    let mut new = said.iter().filter(|q| unknown(q, &given));
+    let mut missing = given.iter().filter(|q| unknown(q, &said));
+    let (Some(n), None, Some(m), None) = (new.next(), new.next(), missing.next(), missing.next()) else {
+        return None;
+    };
+    let ratio = n.value.max(m.value) / n.value.min(m.value);
+    (said.len() > 1 && ratio < MOST_RATIO).then_some((n.start, n.end))
+}
+
+/// Bytes of a side in the trace, before its last clause, that no component names, where they name the other one and the
+/// trace does not. To the side of its own maneuver the ego goes. `until`: where the trace ends.
+pub(super) fn other_side_of_all(scope: &TextScope<'_>, until: usize) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, .. } = *scope;
+    let text = label.trace.get()?;
+    let end = until.min(text.len());
+    let (last, _) = words.clauses.around(&texts.units, end..end, text.len(), &|d| d != Divider::Item);
+    let [left, right] = words.subjects.sides(text.get(..last)?);
+    let own = match label.direction.get() {
+        Some(LateralDirection::Left) => Some(true),
+        Some(LateralDirection::Right) => Some(false),
+        _ => None,
+    };
+    let (is_left, at) = match (left, right) {
+        (Some(at), None) => (true, at),
+        (None, Some(at)) => (false, at),
+        _ => return None,
+    };
+    let given = label.parts.iter().filter_map(|c| c.description.get()).map(|text| words.subjects.sides(text));
+    let (own_side, other) = given.fold((false, false), |(own, other), [left, right]| {
+        let (a, b) = if is_left { (left, right) } else { (right, left) };
+        (own || a.is_some(), other || b.is_some())
+    });
+    (other && !own_side && own != Some(is_left)).then_some(at)
 }
 
 /// A part on a side: "left wheel", "右转向灯".

@@ -1,5 +1,6 @@
 //! Components that say the same, in the same words or nearly so.
 
+use super::meaning::Meaning;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
 use crate::check::texts::TextScope;
@@ -55,19 +56,20 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
         .filter_map(|c| Some(Outline::of(c.description.get()?, &words.compared)))
         .collect();
     let facts = &texts.components[..texts.components.len().min(COMPARED)];
+    let text = |k: usize| label.parts[k].description.get().unwrap_or_default();
+    // What the ego does is not what the other does.
+    let of_ego = |k: usize| {
+        text(k).split(['，', ',', '。', ';', '；']).any(|c| words.subjects.begins_with_ego(c.trim_start()))
+    };
+    let meanings: Vec<Meaning<'_>> =
+        (0..facts.len()).map(|k| Meaning::of(text(k), &facts[k], words, background)).collect();
     let same_facts = |i: usize, j: usize| {
-        let text = |k: usize| label.parts[k].description.get().unwrap_or_default();
-        // What the ego does is not what the other does.
-        let of_ego = |k: usize| {
-            text(k)
-                .split(['，', ',', '。', ';', '；'])
-                .any(|c| words.subjects.begins_with_ego(c.trim_start()))
-        };
         groups[i].meets(groups[j])
             && of_ego(i) == of_ego(j)
             && (introduced_twice((text(i), &facts[i]), (text(j), &facts[j]), words)
                 || adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words, background)
-                || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words, background))
+                || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words, background)
+                || meanings[i].is_same(&meanings[j], words))
     };
     let by_facts = (1..facts.len()).any(|i| (0..i).any(|j| same_facts(i, j)));
     let by_words =

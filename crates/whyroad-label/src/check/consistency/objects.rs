@@ -303,9 +303,9 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         |n: &&Named| differs(n) || other_count(n) || other_bend(n) || other_doing(n) || other_kind(n, scope);
     let other_thing = texts.trace.there().filter(|n| n.start < until).find(is_other);
     let other_thing = other_thing.or_else(|| other_light(scope, until)).map(|n| (n.start, n.end));
-    let other_side = || attributes::other_side(scope);
-    let Some((start, end)) = other_thing.or_else(|| attributes::other_length(scope)).or_else(other_side)
-    else {
+    let other_side = || attributes::other_side(scope).or_else(|| attributes::other_side_of_all(scope, until));
+    let other_number = || attributes::other_length(scope).or_else(|| attributes::other_number(scope));
+    let Some((start, end)) = other_thing.or_else(other_number).or_else(other_side) else {
         return;
     };
     sink.report(Finding::warning("label.trace.object_differs", pointer::COC_TRACE).part(start, end), &|| {

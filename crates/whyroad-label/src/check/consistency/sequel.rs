@@ -25,7 +25,10 @@ pub(super) fn second_action(
     let TextScope { label, lexicon, .. } = *scope;
     let Some(text) = label.trace.get() else { return false };
     let decides = |m: &&Mention| !m.later && matches!(m.force, Force::Asserted | Force::Doubtful) && says(m);
-    let Some(decided) = reading.mentions.iter().find(decides).map(|m| m.end) else {
+    // "Off the power first": by a stem, where no phrase says it.
+    let later = reading.mentions.iter().find(|m| m.later).map_or(0, |m| m.start);
+    let by_stem = || lexicon.stems.find(text.get(..later)?, label.longitudinal.get(), label.lateral.get());
+    let Some(decided) = reading.mentions.iter().find(decides).map(|m| m.end).or_else(by_stem) else {
         return beside_driving(scope, reading, sink);
     };
     let own = label.lateral.get();

@@ -118,6 +118,10 @@ pub(in crate::check) fn trace(
             },
         );
     }
+    if let Some(v) = refused_at_last(scope, reading) {
+        verdict(&v, text, names, false, sink);
+        return Said::Decision;
+    }
     let (longitudinal, lateral) = (label.longitudinal, label.lateral);
     let (mut none, mut found) = (false, false);
     judge(reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
@@ -274,6 +278,28 @@ fn denied_of_vehicle(text: &str, scope: &TextScope<'_>, reading: &Reading) -> Op
     let denied = |m: &&Mention| m.clause == reading.last_clause && m.by_other && m.denied;
     let m = reading.mentions.iter().filter(denied).find(|m| says_label(m, lexicon, label) && named(m))?;
     Some((m.start, m.end))
+}
+
+/// "By rule it has to let it go first, and it does not": what the ego, which is named, is at last said not to do is the
+/// label's decision, whatever it has to do by the clauses before.
+fn refused_at_last(scope: &TextScope<'_>, reading: &Reading) -> Option<TraceVerdict> {
+    let TextScope { label, lexicon, .. } = *scope;
+    let (start, _, clause) = reading.refused?;
+    let says = |m: &&Mention| !m.by_other && says_label(m, lexicon, label);
+    let own = || reading.mentions.iter().filter(says);
+    let asserted = |m: &Mention| matches!(m.force, Force::Asserted | Force::Doubtful);
+    if clause + 1 < reading.last_clause || own().any(|m| m.start >= start && asserted(m)) {
+        return None;
+    }
+    let denied =
+        |m: &&Mention| m.clause == clause && m.force == Force::Negated && m.by_ego && m.start >= start;
+    let m = own().find(denied)?;
+    let along = |d: &Longitudinal| lexicon.phrases[m.phrase].longitudinal.contains(d);
+    let label = match label.longitudinal.get().filter(along) {
+        Some(d) => d.id(),
+        None => label.lateral.get()?.id(),
+    };
+    Some(TraceVerdict::Denied { label, start: m.start, end: m.end })
 }
 
 /// What the last clause says that the ego, which it names, does not do, in whatever words: "we are not shifting over".
