@@ -70,6 +70,8 @@ struct Step<const N: usize> {
     covariance: Matrix<N>,
     /// Number of observations up to and with this row.
     taken: usize,
+    /// Of each component, in how many rows up to this one its measurements were far off.
+    rows_off: [usize; N],
 }
 
 /// An observation as the filter took it.
@@ -83,58 +85,86 @@ struct Taken<const N: usize> {
     variance: f64,
 }
 
-/// Smooths the rows at `times` (s, ascending). `observe` puts what was measured in a row into the list; a row without
-/// observations is bridged.
-pub fn smooth<const N: usize, M: Model<N>>(
-    model: &M,
-    times: &[f64],
+/// The way forward over some rows, and from there the way back.
+pub struct Filter<'a, const N: usize, M> {
+    model: &'a M,
+    /// s, ascending.
+    times: &'a [f64],
+    /// The state before the first row, and its covariance.
     first: ([f64; N], Matrix<N>),
-    mut observe: impl FnMut(usize, &mut Vec<Observation>),
-) -> Smoothed<N> {
-    let n = times.len();
-    let mut steps: Vec<Step<N>> = Vec::with_capacity(n);
-    let mut taken: Vec<Taken<N>> = Vec::with_capacity(3 * n);
-    let mut seen = Vec::with_capacity(8);
-    let (mut state, mut covariance) = first;
-    let mut rows_off = [0; N];
-    for row in 0..n {
-        let mut transition = [[0.0; N]; N];
-        if row > 0 {
-            let dt = times[row] - times[row - 1];
-            let noise = model.noise(&state, dt);
-            (state, transition) = model.predict(&state, dt);
-            // The transpose of F P F', with the mostly empty F on the left both times; what is made symmetric next
-            // need not be turned back.
-            let moved = M::moved(&transition, &transposed(&M::moved(&transition, &covariance)));
-            covariance = symmetric(&sum(&moved, &noise));
+    steps: Vec<Step<N>>,
+    taken: Vec<Taken<N>>,
+}
+
+impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
+    /// Filters the rows at `times`. `observe` puts what was measured in a row into the list; a row without observations
+    /// is bridged.
+    pub fn new(
+        model: &'a M,
+        times: &'a [f64],
+        first: ([f64; N], Matrix<N>),
+        observe: impl FnMut(usize, &mut Vec<Observation>),
+    ) -> Self {
+        let (steps, taken) = (Vec::with_capacity(times.len()), Vec::with_capacity(3 * times.len()));
+        let mut filter = Self { model, times, first, steps, taken };
+        filter.filter_from(0, observe);
+        filter
+    }
+
+    /// Filters the rows from `start` on, again where they were filtered before: something else was measured in them.
+    pub fn filter_from(&mut self, start: usize, mut observe: impl FnMut(usize, &mut Vec<Observation>)) {
+        self.steps.truncate(start);
+        self.taken.truncate(self.steps.last().map_or(0, |step| step.taken));
+        let mut seen = Vec::with_capacity(8);
+        let ((mut state, mut covariance), mut rows_off) = match self.steps.last() {
+            Some(step) => ((step.state, step.covariance), step.rows_off),
+            None => (self.first, [0; N]),
+        };
+        for row in start..self.times.len() {
+            let mut transition = [[0.0; N]; N];
+            if row > 0 {
+                let dt = self.times[row] - self.times[row - 1];
+                let noise = self.model.noise(&state, dt);
+                (state, transition) = self.model.predict(&state, dt);
+                // The transpose of F P F', with the mostly empty F on the left both times; what is made symmetric next
+                // need not be turned back.
+                let moved = M::moved(&transition, &transposed(&M::moved(&transition, &covariance)));
+                covariance = symmetric(&sum(&moved, &noise));
+            }
+            seen.clear();
+            observe(row, &mut seen);
+            for o in &seen {
+                let off = innovation(&state, o, M::ANGLE);
+                let beyond = off.abs() > GATE * (covariance[o.index][o.index] + o.variance).sqrt();
+                let turned_round = M::ANGLE == Some(o.index) && off.abs() > TURNED_ROUND_RAD;
+                rows_off[o.index] = if beyond && !turned_round { rows_off[o.index] + 1 } else { 0 };
+                if rows_off[o.index] >= PATIENCE {
+                    covariance[o.index][o.index] += off * off;
+                }
+            }
+            for o in &seen {
+                self.taken.push(update(&mut state, &mut covariance, o, M::ANGLE));
+            }
+            self.steps.push(Step { transition, state, covariance, taken: self.taken.len(), rows_off });
         }
-        seen.clear();
-        observe(row, &mut seen);
-        for o in &seen {
-            let off = innovation(&state, o, M::ANGLE);
-            let beyond = off.abs() > GATE * (covariance[o.index][o.index] + o.variance).sqrt();
-            let turned_round = M::ANGLE == Some(o.index) && off.abs() > TURNED_ROUND_RAD;
-            rows_off[o.index] = if beyond && !turned_round { rows_off[o.index] + 1 } else { 0 };
-            if rows_off[o.index] >= PATIENCE {
-                covariance[o.index][o.index] += off * off;
+    }
+
+    /// The states of all rows, given what was measured in all of them.
+    pub fn smoothed(&self) -> Smoothed<N> {
+        let (steps, n) = (&self.steps, self.steps.len());
+        let mut out = Smoothed { states: vec![[0.0; N]; n], variances: vec![[0.0; N]; n] };
+        let mut later = Later::nothing();
+        for row in (0..n).rev() {
+            let step = &steps[row];
+            (out.states[row], out.variances[row]) = later.applied(&step.state, &step.covariance);
+            if row > 0 {
+                let taken = &self.taken[steps[row - 1].taken..step.taken];
+                taken.iter().rev().for_each(|taken| later.take(taken));
+                later.step_back::<M>(&step.transition);
             }
         }
-        for o in &seen {
-            taken.push(update(&mut state, &mut covariance, o, M::ANGLE));
-        }
-        steps.push(Step { transition, state, covariance, taken: taken.len() });
+        out
     }
-    let mut out = Smoothed { states: vec![[0.0; N]; n], variances: vec![[0.0; N]; n] };
-    let mut later = Later::nothing();
-    for row in (0..n).rev() {
-        let step = &steps[row];
-        (out.states[row], out.variances[row]) = later.applied(&step.state, &step.covariance);
-        if row > 0 {
-            taken[steps[row - 1].taken..step.taken].iter().rev().for_each(|taken| later.take(taken));
-            later.step_back::<M>(&step.transition);
-        }
-    }
-    out
 }
 
 /// What later measurements say of a state that the filter estimates as `x` with covariance `P`: the smoothed state is

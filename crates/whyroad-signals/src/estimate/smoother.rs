@@ -3,7 +3,7 @@
 //! exactly is left as it is.
 
 use super::bicycle::{ACCEL, Bicycle, HEADING, SPEED, X, Y, YAW_RATE};
-use super::kalman::{self, Observation, Smoothed};
+use super::kalman::{Filter, Observation, Smoothed};
 use super::matrix::diagonal;
 use super::noise::{LogNoise, Rows};
 use super::standing::{mean, stands, stays};
@@ -225,32 +225,32 @@ fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances, of_mean: f6
         [rows.x[start], rows.y[start], heading, speed, 0.0, 0.0],
         diagonal([25.0, 25.0, 0.5, 25.0, 0.1, 4.0]),
     );
-    let pass = |held: &[Range<usize>]| {
-        kalman::smooth(&model, rows.times, first, |row, seen| {
-            let mut see = |index, value: f64, variance| {
-                if value.is_finite() {
-                    seen.push(Observation { index, value, variance });
-                }
-            };
-            see(X, rows.x[row], variances.position);
-            see(Y, rows.y[row], variances.position);
-            let h = rows.heading[row];
-            see(HEADING, h, direction);
-            see(SPEED, rows.forward_speed(row), variances.velocity);
-            if held.iter().any(|r| r.contains(&row)) {
-                see(SPEED, 0.0, 1e-4);
-                see(YAW_RATE, 0.0, 1e-5);
-                see(ACCEL, 0.0, 1e-2);
+    let see = |held: &[Range<usize>], row: usize, seen: &mut Vec<Observation>| {
+        let mut see = |index, value: f64, variance| {
+            if value.is_finite() {
+                seen.push(Observation { index, value, variance });
             }
-        })
+        };
+        see(X, rows.x[row], variances.position);
+        see(Y, rows.y[row], variances.position);
+        see(HEADING, rows.heading[row], direction);
+        see(SPEED, rows.forward_speed(row), variances.velocity);
+        if held.iter().any(|r| r.contains(&row)) {
+            see(SPEED, 0.0, 1e-4);
+            see(YAW_RATE, 0.0, 1e-5);
+            see(ACCEL, 0.0, 1e-2);
+        }
     };
+    let mut filter = Filter::new(&model, rows.times, first, |row, seen| see(&[], row, seen));
     let column = |s: &Smoothed<6>, k: usize| s.states.iter().map(|v| v[k]).collect::<Vec<_>>();
     let deviation = |s: &Smoothed<6>, k: usize| s.variances.iter().map(|v| v[k].sqrt()).collect::<Vec<_>>();
-    let mut smoothed = pass(&[]);
+    let mut smoothed = filter.smoothed();
     let (speed, sd) = (column(&smoothed, SPEED), deviation(&smoothed, SPEED));
     let stands = stands(rows.times, &speed, &sd, rows.x, rows.y, of_mean);
-    if !stands.is_empty() {
-        smoothed = pass(&stands.iter().map(|r| within(r, n)).collect::<Vec<_>>());
+    let held: Vec<Range<usize>> = stands.iter().map(|r| within(r, n)).collect();
+    if let Some(first) = held.first() {
+        filter.filter_from(first.start, |row, seen| see(&held, row, seen));
+        smoothed = filter.smoothed();
     }
     let mut out = States {
         x: column(&smoothed, X),
@@ -274,9 +274,7 @@ fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances, of_mean: f6
         out.vx.push(s[SPEED] * cos - aside * sin);
         out.vy.push(s[SPEED] * sin + aside * cos);
     }
-    for stand in &stands {
-        out.hold(within(stand, n));
-    }
+    held.into_iter().for_each(|stand| out.hold(stand));
     out
 }
 
@@ -291,9 +289,8 @@ fn as_walker(rows: Rows<'_>, variances: &Variances, of_mean: f64) -> States {
     let velocity = first_velocity(rows);
     let unknown = (f64::NAN, f64::NAN);
     let (vx, vy): (Vec<f64>, Vec<f64>) = (0..n).map(|i| rows.velocity(i).unwrap_or(unknown)).unzip();
-    let axis = |place: &[f64], rate: &[f64], v0: f64, held: &[Range<usize>]| {
-        let p0 = place.iter().copied().find(|p| p.is_finite()).unwrap_or(0.0);
-        kalman::smooth(&WALKER, rows.times, ([p0, v0], diagonal([25.0, 9.0])), |row, seen| {
+    let see =
+        |place: &[f64], rate: &[f64], held: &[Range<usize>], row: usize, seen: &mut Vec<Observation>| {
             let mut see = |index, value: f64, variance| {
                 if value.is_finite() {
                     seen.push(Observation { index, value, variance });
@@ -304,16 +301,22 @@ fn as_walker(rows: Rows<'_>, variances: &Variances, of_mean: f64) -> States {
             if held.iter().any(|r| r.contains(&row)) {
                 see(1, 0.0, 1e-4);
             }
-        })
+        };
+    let axis = |place: &[f64], rate: &[f64], v0: f64| {
+        let p0 = place.iter().copied().find(|p| p.is_finite()).unwrap_or(0.0);
+        let first = ([p0, v0], diagonal([25.0, 9.0]));
+        Filter::new(&WALKER, rows.times, first, |row, seen| see(place, rate, &[], row, seen))
     };
-    let both =
-        |held: &[Range<usize>]| (axis(rows.x, &vx, velocity.0, held), axis(rows.y, &vy, velocity.1, held));
-    let (mut sx, mut sy) = both(&[]);
+    let (mut along_x, mut along_y) = (axis(rows.x, &vx, velocity.0), axis(rows.y, &vy, velocity.1));
+    let (mut sx, mut sy) = (along_x.smoothed(), along_y.smoothed());
     let speed: Vec<f64> = (0..n).map(|i| sx.states[i][1].hypot(sy.states[i][1])).collect();
     let speed_sd: Vec<f64> = sx.variances.iter().map(|v| v[1].sqrt()).collect();
     let stands = stands(rows.times, &speed, &speed_sd, rows.x, rows.y, of_mean);
-    if !stands.is_empty() {
-        (sx, sy) = both(&stands.iter().map(|r| within(r, n)).collect::<Vec<_>>());
+    let held: Vec<Range<usize>> = stands.iter().map(|r| within(r, n)).collect();
+    if let Some(first) = held.first() {
+        along_x.filter_from(first.start, |row, seen| see(rows.x, &vx, &held, row, seen));
+        along_y.filter_from(first.start, |row, seen| see(rows.y, &vy, &held, row, seen));
+        (sx, sy) = (along_x.smoothed(), along_y.smoothed());
     }
     let (heading, yaw_rate, heading_sd, yaw_rate_sd) = turning(rows, variances);
     let vx: Vec<f64> = sx.states.iter().map(|s| s[1]).collect();
@@ -336,9 +339,7 @@ fn as_walker(rows: Rows<'_>, variances: &Variances, of_mean: f64) -> States {
             yaw_rate: yaw_rate_sd,
         },
     };
-    for stand in &stands {
-        out.hold(within(stand, n));
-    }
+    held.into_iter().for_each(|stand| out.hold(stand));
     out
 }
 
@@ -350,11 +351,12 @@ fn turning(rows: Rows<'_>, variances: &Variances) -> (Vec<f64>, Vec<f64>, Vec<f6
         return (nan(), nan(), nan(), nan());
     };
     let steady = unwrap(rows.heading);
-    let s = kalman::smooth(&TURN, rows.times, ([h0, 0.0], diagonal([1.0, 0.5])), |row, seen| {
+    let s = Filter::new(&TURN, rows.times, ([h0, 0.0], diagonal([1.0, 0.5])), |row, seen| {
         if steady[row].is_finite() {
             seen.push(Observation { index: 0, value: steady[row], variance: variances.heading });
         }
     });
+    let s = s.smoothed();
     (
         s.states.iter().map(|v| wrap(v[0])).collect(),
         s.states.iter().map(|v| v[1]).collect(),

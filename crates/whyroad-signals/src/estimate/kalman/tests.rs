@@ -102,7 +102,7 @@ fn a_walker_is_smoothed_as_by_the_joint_distribution() {
             _ => vec![place],
         }
     };
-    let smoothed = smooth(&WALKER, &times, first, |row, seen| seen.extend(measured(row)));
+    let smoothed = Filter::new(&WALKER, &times, first, |row, seen| seen.extend(measured(row))).smoothed();
     // The model is linear: it does not matter along which states.
     let joint = Normal::of_rows(&WALKER, &times, &[[0.0; 2]; 8], first);
     assert_is_joint(&smoothed, joint, measured);
@@ -126,15 +126,35 @@ fn a_vehicle_is_smoothed_as_by_the_joint_distribution() {
         let of = |index, variance| Observation { index, value: driven[row][index] + noise(index), variance };
         vec![of(X, 0.01), of(Y, 0.01), of(HEADING, 0.001)]
     };
-    let smoothed = smooth(&bicycle, &times, first, |row, seen| seen.extend(measured(row)));
+    let smoothed = Filter::new(&bicycle, &times, first, |row, seen| seen.extend(measured(row))).smoothed();
     // Derivatives are taken where the filter takes them: at what is known in each row from the rows up to it. For each
     // row these are the states of a smoother that ends there.
     let filtered: Vec<[f64; 6]> = (0..times.len())
         .map(|last| {
-            let part = smooth(&bicycle, &times[..=last], first, |row, seen| seen.extend(measured(row)));
-            part.states[last]
+            let part = Filter::new(&bicycle, &times[..=last], first, |row, seen| seen.extend(measured(row)));
+            part.smoothed().states[last]
         })
         .collect();
     let joint = Normal::of_rows(&bicycle, &times, &filtered, first);
     assert_is_joint(&smoothed, joint, measured);
+}
+
+#[test]
+fn rows_filtered_again_are_those_of_filtering_once() {
+    let times: Vec<f64> = (0..40).map(|i| 0.1 * f64::from(i)).collect();
+    let first = ([0.0, 0.0], diagonal([25.0, 9.0]));
+    // A jump that is far off for a few rows, before and after the row from which on the rate is measured too.
+    let measured = |row: usize, from: usize| {
+        let jump = if (17..24).contains(&row) { 4.0 } else { 0.0 };
+        let place = Observation { index: 0, value: 0.1 * row as f64 + jump, variance: 0.01 };
+        let rate = Observation { index: 1, value: 0.9, variance: 0.04 };
+        if row < from { vec![place] } else { vec![place, rate] }
+    };
+    for from in [0, 1, 18, 19, 20, 30, 40] {
+        let mut again = Filter::new(&WALKER, &times, first, |row, seen| seen.extend(measured(row, 40)));
+        again.filter_from(from, |row, seen| seen.extend(measured(row, from)));
+        let once = Filter::new(&WALKER, &times, first, |row, seen| seen.extend(measured(row, from)));
+        let (again, once) = (again.smoothed(), once.smoothed());
+        assert_eq!((again.states, again.variances), (once.states, once.variances), "{from}");
+    }
 }
