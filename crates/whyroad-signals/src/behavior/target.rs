@@ -103,12 +103,15 @@ fn reverses(is_vehicle: bool, times: &[f64], forward_speed: &[f64]) -> Vec<Tri> 
 
 /// By row, whether a long vehicle's box jumped along the road just before: it gained speed as no such vehicle does.
 fn box_jumps(is_large: bool, times: &[f64], speed: &[f64]) -> Vec<Tri> {
+    if !is_large {
+        return vec![Tri::False; speed.len()];
+    }
     let within = |i: usize, time: f64| (0..=i).rev().take_while(move |&j| times[i] - times[j] <= time + 1e-6);
     let gains = |i: usize| within(i, HEAVY_GAIN_S).any(|j| speed[i] - speed[j] > HEAVY_GAIN_MPS);
-    let gained: Vec<bool> = (0..speed.len()).map(|i| is_large && gains(i)).collect();
+    let gained: Vec<bool> = (0..speed.len()).map(gains).collect();
     let of = |i: usize| match within(i, JUMPS_AGAIN_S).any(|j| gained[j]) {
         true => Tri::True,
-        false if is_large && speed[i].is_nan() => Tri::Unknown,
+        false if speed[i].is_nan() => Tri::Unknown,
         false => Tri::False,
     };
     (0..speed.len()).map(of).collect()

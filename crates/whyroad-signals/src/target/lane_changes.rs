@@ -149,19 +149,25 @@ fn swings_often(
     time: impl Fn(usize) -> f64,
     least: &dyn Fn(usize) -> f64,
 ) -> Vec<bool> {
-    let mut first = 0;
-    (0..across.len())
-        .map(|r| {
-            if across[r].is_nan() {
-                first = r + 1;
-                return false;
-            }
+    let mut often = vec![false; across.len()];
+    let mut start = 0;
+    for stretch in across.split(|v| v.is_nan()) {
+        let rows = start..start + stretch.len();
+        start = rows.end + 1;
+        let narrowest = rows.clone().map(least).fold(f64::INFINITY, f64::min);
+        // No part of it has more swings than the whole.
+        if swings(&swinging[rows.clone()], narrowest) < SWINGS {
+            continue;
+        }
+        let mut first = rows.start;
+        for r in rows {
             while time(r) - time(first) > SWINGS_WITHIN_S {
                 first += 1;
             }
-            swings(&swinging[first..=r], least(r)) >= SWINGS
-        })
-        .collect()
+            often[r] = swings(&swinging[first..=r], least(r)) >= SWINGS;
+        }
+    }
+    often
 }
 
 fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times: &[f64]) -> Vec<Tri> {
