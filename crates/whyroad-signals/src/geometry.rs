@@ -13,7 +13,7 @@ pub use box_grid::BoxGrid;
 pub use last_place::LastPlace;
 pub use oriented_box::OrientedBox;
 pub use polygon::Polygon;
-pub use polyline::{Foot, Polyline, Projection, Ray, Window, interpolate};
+pub use polyline::{Foot, Nearby, Polyline, Projection, Ray, Window, interpolate};
 
 use std::ops::{Add, Mul, Sub};
 

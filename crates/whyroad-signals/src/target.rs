@@ -1,6 +1,7 @@
 //! The targets: their rows, their placement around the ego, its path and its lanes, and what each does by itself.
 
 pub mod approach;
+pub mod band;
 pub mod crosswalk;
 pub mod detour;
 pub mod free_width;

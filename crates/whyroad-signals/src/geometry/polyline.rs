@@ -5,7 +5,7 @@ mod nearest;
 
 use super::P2;
 use nearest::{BLOCK, Block, Segments};
-pub use nearest::{Foot, Projection, Window};
+pub use nearest::{Foot, Nearby, Projection, Window};
 use std::ops::Range;
 
 /// A polyline with the arc length at each point.
@@ -191,9 +191,25 @@ impl Polyline {
         self.foot(p, window, None).at
     }
 
-    /// [`Polyline::project_within`] of each of several places.
-    pub fn project_each<const N: usize>(&self, places: [P2; N], window: Window) -> [Projection; N] {
-        self.segments.feet(places, window)
+    /// The segments that touch arc lengths `from..=to`, to find several places on.
+    pub fn nearby(&self, from: f64, to: f64) -> Nearby {
+        self.segments.nearby(self.window(from, to))
+    }
+
+    /// Nearest foot point of `p` among these segments; the search begins at segment `near`. The result does not depend on
+    /// it.
+    pub fn project_nearby(&self, p: P2, nearby: &Nearby, near: usize) -> Projection {
+        self.segments.foot_nearby(p, nearby, near)
+    }
+
+    /// [`Polyline::project_nearby`] of each of several places, which are near each other.
+    pub fn project_each<const N: usize>(&self, places: [P2; N], nearby: &Nearby) -> [Projection; N] {
+        let mut near = nearby.middle();
+        places.map(|p| {
+            let at = self.project_nearby(p, nearby, near);
+            near = at.segment;
+            at
+        })
     }
 
     /// Nearest foot point of `p` among these segments; the search begins near `before`, the foot point of a place that

@@ -64,8 +64,8 @@ impl EgoLane {
 /// Lateral extent `(lowest, highest)` of a box on a corridor near `s`, left positive, m.
 pub fn lateral_extent(corridor: &Corridor, footprint: &OrientedBox, s: f64) -> (f64, f64) {
     let reach = footprint.radius() + 3.0;
-    let window = corridor.line.window(s - reach, s + reach);
-    let corners = corridor.line.project_each(footprint.corners(), window);
+    let nearby = corridor.line.nearby(s - reach, s + reach);
+    let corners = corridor.line.project_each(footprint.corners(), &nearby);
     corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), on| {
         (low.min(on.lateral), high.max(on.lateral))
     })

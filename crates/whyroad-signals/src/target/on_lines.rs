@@ -2,7 +2,7 @@
 //! then only those stretches of the lines are looked at that the ego has come near since, and what follows from the
 //! same foot point is not worked out again. The result is that of looking at all of it.
 
-use crate::geometry::{Foot, OrientedBox, P2, Polyline, Projection, Window};
+use crate::geometry::{Foot, Nearby, OrientedBox, P2, Polyline, Projection, Window};
 use crate::road::corridor::Corridor;
 use crate::road::ego_lane::{EgoLane, lateral_extent};
 use crate::road::path::DrivenPath;
@@ -49,9 +49,9 @@ fn foot_of(line: &Polyline, place: P2, window: Window, before: Option<(P2, &Foot
 }
 
 /// Where on the path a part of a footprint can be whose center is there.
-pub fn around_foot(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> Window {
+pub fn around_foot(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> Nearby {
     let reach = footprint.radius() + 3.0;
-    path.line.window(at.s - reach, at.s + reach)
+    path.line.nearby(at.s - reach, at.s + reach)
 }
 
 /// Extents of a footprint along and beside the path around its foot point: first and last arc length, and place.
@@ -59,8 +59,8 @@ pub fn extents(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> (
     let heading = path.heading_at(at.s);
     let mut beside = Beside { lateral: at.lateral, low: at.lateral, high: at.lateral, heading };
     let (mut near, mut far) = (at.s, at.s);
-    let window = around_foot(path, footprint, at);
-    for on in path.line.project_each(footprint.corners(), window) {
+    let nearby = around_foot(path, footprint, at);
+    for on in path.line.project_each(footprint.corners(), &nearby) {
         (near, far) = (near.min(on.s), far.max(on.s));
         (beside.low, beside.high) = (beside.low.min(on.lateral), beside.high.max(on.lateral));
     }
@@ -102,6 +102,11 @@ impl<'a> OnLines<'a> {
             OnLane { corridor: on.corridor, foot, beside }
         });
         OnLines { footprint, foot, extents, lane }
+    }
+
+    /// True where the same box was found in the same place on the path.
+    pub fn is_where(&self, other: &OnLines<'_>) -> bool {
+        self.footprint.has_bits_of(&other.footprint) && self.foot.at == other.foot.at
     }
 }
 

@@ -3,12 +3,13 @@
 
 use crate::ego::motion::{EgoMotion, STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS, given_or_slope};
 use crate::estimate::Deviations;
-use crate::geometry::{OrientedBox, P2, Projection, p2, wrap};
+use crate::geometry::{OrientedBox, P2, p2, wrap};
 use crate::road::ego_lane::EgoLane;
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
 use crate::road::path::DrivenPath;
 use crate::series::below_with_hysteresis;
-use crate::target::on_lines::{OnLines, around_foot, extents};
+use crate::target::band::{Band, Outline, PATH_MARGIN_M};
+use crate::target::on_lines::{OnLines, extents};
 use whyroad_model::Tri;
 use whyroad_model::scene::Track;
 
@@ -197,18 +198,19 @@ pub struct Surroundings<'a> {
     pub road: Option<&'a Road>,
 }
 
+/// What was found for a row, with which the next one begins.
+#[derive(Default)]
+struct Before<'a> {
+    on: Option<OnLines<'a>>,
+    outline: Outline,
+}
+
 /// A lane may be this much longer or shorter than the driven path that follows it, m, and times the distance: lines
 /// drawn with corners, lanes on the outside of bends.
 const MOST_DETOUR_M: f64 = 15.0;
 const MOST_DETOUR: f64 = 0.25;
 /// No car is narrower than twice this, m.
 const LEAST_HALF_WIDTH_M: f64 = 0.75;
-/// The band that the ego sweeps is this much wider than the ego on either side, m.
-const PATH_MARGIN_M: f64 = 0.3;
-/// Points around a footprint are this close, m.
-const BAND_STEP_M: f64 = 0.5;
-/// Room is made for no more of them at once, however long a box is said to be.
-const MOST_ROOM: usize = 1024;
 
 impl<'a> Surroundings<'a> {
     /// Places `track` in these of its rows, without gaps and closing speeds, which [`crate::target::approach::place`]
@@ -228,7 +230,7 @@ impl<'a> Surroundings<'a> {
     }
 
     fn all_rows(&self, track: &Track) -> Vec<Option<Placement>> {
-        let mut before = None;
+        let mut before = Before::default();
         let mut places: Vec<Option<Placement>> =
             (0..track.motion.len()).map(|row| self.at(track, row, &mut before)).collect();
         let mut was_in_way = false;
@@ -243,7 +245,7 @@ impl<'a> Surroundings<'a> {
     /// say whether the target was in the ego's way.
     fn last_row(&self, track: &Track) -> Vec<Option<Placement>> {
         let mut places = vec![None; track.motion.len()];
-        let mut before = None;
+        let mut before = Before::default();
         let mut rows = (0..places.len()).rev();
         let Some(mut last) = rows.next().and_then(|row| self.at(track, row, &mut before)) else {
             return places;
@@ -268,57 +270,9 @@ impl<'a> Surroundings<'a> {
         p.intrusion().is_some_and(|d| d > 0.0) && self.road.is_some_and(|r| r.in_junction(p.footprint.center))
     }
 
-    /// First and last arc length of the points around a footprint that are in the band swept by the ego while its
-    /// center is at `ego_s`. Points, not corners: where the path bends away, a car beside the ego can have corners
-    /// on either side of it and yet be clear. Beside the ego's own body the band has no margin.
-    fn in_band(
-        &self,
-        footprint: &OrientedBox,
-        ego_s: f64,
-        at: &Projection,
-        beside: &Beside,
-    ) -> Option<(f64, f64)> {
-        let half = self.ego.width / 2.0;
-        // A little more than the corners tell, for what bulges between them.
-        let widest = half + PATH_MARGIN_M + 1.0;
-        if beside.low > widest || beside.high < -widest {
-            return None;
-        }
-        let window = around_foot(self.path, footprint, at);
-        let corners = footprint.corners();
-        // Points around the footprint, from its last corner on.
-        let most = (2.0 * (footprint.length + footprint.width) / BAND_STEP_M) as usize;
-        let mut around = Vec::with_capacity(most.min(MOST_ROOM) + 9);
-        around.push(corners[3]);
-        for (i, &a) in corners.iter().enumerate() {
-            let from = corners[(i + 3) % 4];
-            let steps = ((a - from).norm() / BAND_STEP_M).ceil().max(1.0);
-            around.extend((1..=steps as usize).map(|k| from + (a - from) * (k as f64 / steps)));
-        }
-        // Arc length and how far inside the band (negative: outside).
-        let inside = |on: &Projection| {
-            let margin = if (on.s - ego_s).abs() <= self.ego.length / 2.0 { 0.0 } else { PATH_MARGIN_M };
-            (on.s, half + margin - on.lateral.abs())
-        };
-        let mut extent: Option<(f64, f64)> = None;
-        let mut include = |s: f64| {
-            let (low, high) = extent.unwrap_or((s, s));
-            extent = Some((low.min(s), high.max(s)));
-        };
-        let mut last: Option<(f64, f64)> = None;
-        for &place in &around {
-            let now = inside(&self.path.line.project_within(place, window));
-            if let Some(before) = last.replace(now) {
-                if now.1 >= 0.0 {
-                    include(now.0);
-                }
-                if (now.1 >= 0.0) != (before.1 >= 0.0) {
-                    // Where the side leaves the band, between two points.
-                    include(before.0 + (now.0 - before.0) * (before.1 / (before.1 - now.1)));
-                }
-            }
-        }
-        extent
+    /// The band that the ego sweeps while its center is at `ego_s`.
+    fn band(&self, ego_s: f64) -> Band<'_> {
+        Band { path: self.path, ego_s, ego_length: self.ego.length, ego_width: self.ego.width }
     }
 
     /// True when the target, keeping its velocity, is in the swept band where the ego is after `seconds`.
@@ -329,12 +283,13 @@ impl<'a> Surroundings<'a> {
         let (_, _, beside) = extents(self.path, &footprint, &at);
         let front = ego_s + self.ego.length / 2.0;
         // A meter of grace: the gap was closed along the path, which is not quite where the target moved.
-        self.in_band(&footprint, ego_s, &at, &beside)
+        self.band(ego_s)
+            .part_of(&footprint, &at, &beside, &mut Outline::default())
             .is_some_and(|(near, far)| near <= front + 1.0 && far >= ego_s - self.ego.length / 2.0)
     }
 
     /// `before` is what was found for the row before, and then for this one.
-    fn at(&self, track: &Track, row: usize, before: &mut Option<OnLines<'a>>) -> Option<Placement> {
+    fn at(&self, track: &Track, row: usize, before: &mut Before<'a>) -> Option<Placement> {
         let frame = track.frames[row] as usize;
         let m = &track.motion;
         let center = p2(m.x[row], m.y[row]);
@@ -345,11 +300,15 @@ impl<'a> Surroundings<'a> {
             OrientedBox::new(center, wrap(m.heading[row]), track.length_m[row], track.width_m[row]);
         let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
         let sized = sizes_known && footprint.heading.is_finite();
-        let found = OnLines::new(self.path, self.lanes, (footprint, sized), frame, before.as_ref());
-        let on = &*before.insert(found);
+        let found = OnLines::new(self.path, self.lanes, (footprint, sized), frame, before.on.as_ref());
+        if !before.on.as_ref().is_some_and(|before| before.is_where(&found)) {
+            before.outline.clear();
+        }
+        let on = &*before.on.insert(found);
         let (ego_s, on_path) = (self.path.ego_s[frame], on.foot.at);
         let (near, far, beside) = on.extents;
-        let band = if sized { self.in_band(&footprint, ego_s, &on_path, &beside) } else { None };
+        let part = || self.band(ego_s).part_of(&footprint, &on_path, &beside, &mut before.outline);
+        let band = sized.then(part).flatten();
         let lane = on.lane.as_ref().map(|lane| lane.beside);
         let lane_ahead = match (&on.lane, self.lanes.and_then(|l| l.at(frame))) {
             (Some(lane), Some(own)) => lane.foot.at.s - own.s,

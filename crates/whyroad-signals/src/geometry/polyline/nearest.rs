@@ -15,11 +15,35 @@ pub(super) const BLOCK: usize = 16;
 /// Up to this number of segments are looked at together.
 pub(super) const MOST: usize = 2 * BLOCK;
 
+/// From segment to segment the way to the nearest one is told only where none is shorter than this, m: then those that
+/// are left out are farther by more than rounding can do,
+const LEAST_LENGTH_M: f64 = 0.1;
+/// and only within this share of the radius of the line's bends: from their middle all of a bend is equally near.
+pub(super) const MOST_BENT: f64 = 0.25;
+/// Whose foot point is this far inside its segment has it on none beside it, m.
+const INSIDE_M: f64 = 0.02;
+
 /// Some segments of a polyline, one after another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     pub(super) first: usize,
     pub(super) end: usize,
+}
+
+/// Some segments of a polyline, to find several places on.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearby {
+    window: Window,
+    length: f64,
+    /// The sharpest bend between them.
+    bend: f64,
+}
+
+impl Nearby {
+    /// The segment in the middle.
+    pub fn middle(&self) -> usize {
+        (self.window.first + self.window.end) / 2
+    }
 }
 
 /// Where a point lies along and beside a polyline.
@@ -48,6 +72,8 @@ pub(super) struct Segments {
     along_y: Vec<f64>,
     /// One divided by its squared length.
     inverse: Vec<f64>,
+    /// How sharply the line bends where each begins; see [`bend`].
+    bends: Vec<f64>,
 }
 
 impl Segments {
@@ -64,6 +90,7 @@ impl Segments {
             out.along_y.push(along.y);
             out.inverse.push(1.0 / (length * length));
         }
+        out.bends = (0..last).map(|i| if i == 0 { 0.0 } else { bend(&points[i - 1..=i + 1]) }).collect();
         out
     }
 
@@ -92,6 +119,17 @@ impl Segments {
             }
         }
     }
+}
+
+/// By how much the direction changes at the middle one of three points, as the length of the difference of unit vectors,
+/// per meter of the shorter segment. Infinite where one is shorter than [`LEAST_LENGTH_M`].
+fn bend(points: &[P2]) -> f64 {
+    let (from, to) = (points[1] - points[0], points[2] - points[1]);
+    let shorter = from.norm().min(to.norm());
+    if shorter < LEAST_LENGTH_M {
+        return f64::INFINITY;
+    }
+    (to * (1.0 / to.norm()) - from * (1.0 / from.norm())).norm() / shorter
 }
 
 /// Squared distance, to within rounding, of a place `to` from the beginning of a segment; its foot point is at a share
@@ -240,13 +278,59 @@ impl Segments {
         }
     }
 
-    /// Nearest foot points of several places among these segments, as [`Segments::foot`] finds each.
-    pub fn feet<const N: usize>(&self, places: [P2; N], window: Window) -> [Projection; N] {
-        let mut feet = [Foot::none(window).at; N];
-        for k in 0..N {
-            feet[k] = self.foot(places[k], window, None).at;
+    /// These segments, to find several places on.
+    pub fn nearby(&self, window: Window) -> Nearby {
+        let Window { first, end } = window;
+        let bend = self.bends[first + 1..end].iter().fold(0.0, |most, b| if *b > most { *b } else { most });
+        Nearby { window, length: self.s[end] - self.s[first], bend }
+    }
+
+    /// Nearest foot point of `p` among these, as [`Segments::foot`] finds it; the search begins at segment `near`. Where
+    /// the line hardly bends as seen from `p`, it goes from segment to segment: along the line the distance first falls
+    /// and then grows, but for segments beside each other.
+    pub fn foot_nearby(&self, p: P2, nearby: &Nearby, near: usize) -> Projection {
+        let Window { first, end } = nearby.window;
+        let mut k = near.clamp(first, end - 1);
+        let bent = self.bent(p, nearby, k);
+        if bent.is_nan() || bent > MOST_BENT {
+            return self.foot(p, nearby.window, None).at;
         }
-        feet
+        let mut share = self.share(p, k);
+        while share > 1.0 && k + 1 < end {
+            k += 1;
+            share = self.share(p, k);
+        }
+        while share < 0.0 && k > first {
+            k -= 1;
+            share = self.share(p, k);
+            if share > 1.0 {
+                break;
+            }
+        }
+        let mut best = Foot::none(nearby.window);
+        let length = self.s[k + 1] - self.s[k];
+        if share.min(1.0 - share) * length > INSIDE_M + bent * length {
+            self.take_if_nearer(p, k, &mut best);
+        } else {
+            for i in k.saturating_sub(1).max(first)..(k + 2).min(end) {
+                self.take_if_nearer(p, i, &mut best);
+            }
+        }
+        best.at
+    }
+
+    /// Distance of `p` from the points of these segments, at most, as a share of the radius of its sharpest bend; `k` is a
+    /// one of them.
+    pub(super) fn bent(&self, p: P2, nearby: &Nearby, k: usize) -> f64 {
+        // Any distance will do that is not too short; the sum of both costs no root.
+        let away = (p.x - self.from_x[k]).abs() + (p.y - self.from_y[k]).abs();
+        (away + nearby.length) * nearby.bend
+    }
+
+    /// At which share of a segment the foot point of `p` on its line is, to within rounding.
+    fn share(&self, p: P2, i: usize) -> f64 {
+        let to = (p.x - self.from_x[i], p.y - self.from_y[i]);
+        (to.0 * self.along_x[i] + to.1 * self.along_y[i]) * self.inverse[i]
     }
 
     /// Between which shares of a segment a foot point on it can be: the first and the last go on straight.

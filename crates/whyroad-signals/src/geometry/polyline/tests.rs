@@ -1,6 +1,6 @@
 //! The search for the nearest segment against asking every one, and cases by hand.
 
-use super::nearest::MOST;
+use super::nearest::{MOST, MOST_BENT};
 use super::*;
 use crate::geometry::p2;
 
@@ -87,10 +87,11 @@ fn a_long_line_is_searched_as_a_short_one() {
             for (first, end) in [(0, n), (a.min(b), a.max(b) + 1), (a, (a + 1 + b % MOST).min(n))] {
                 let (window, nearest) = (Window { first, end }, one_by_one(line, p, first..end));
                 assert_eq!(line.project_within(p, window), nearest, "{p:?} {first}..{end}");
-                // Several places at once, the same one among them.
-                let places = [p, p + p2(0.3, -4.0), p, p * 0.5];
-                let each = places.map(|p| one_by_one(line, p, first..end));
-                assert_eq!(line.project_each(places, window), each, "{p:?} {first}..{end}");
+                // From segment to segment, wherever that begins.
+                for near in [first, end, (first + end) / 2, nearest.segment] {
+                    let found = line.project_nearby(p, &line.segments.nearby(window), near);
+                    assert_eq!(found, nearest, "{p:?} {first}..{end}");
+                }
                 // Whatever the search begins with.
                 let found = line.foot(p, window, before.as_ref());
                 assert_eq!(found.at, nearest, "{p:?} {first}..{end}");
@@ -104,6 +105,35 @@ fn a_long_line_is_searched_as_a_short_one() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn the_way_to_the_nearest_segment_finds_it() {
+    // A slight bend to both sides with unequal steps, and a corner; places on points, beside them and far off; in the
+    // coordinates of a country too.
+    let mut s = 0.0;
+    let at = |i: u32| {
+        s += [0.5, 0.9, 0.6, 1.1, 0.7][(i % 5) as usize];
+        p2(s, (0.04 * s).sin() + if s > 120.0 { 0.4 * (s - 120.0) } else { 0.0 })
+    };
+    let points: Vec<P2> = (0..300).map(at).collect();
+    for far in [p2(0.0, 0.0), p2(682_312.7, 3_412_990.3)] {
+        let line = Polyline::new(points.iter().map(|p| *p + far)).unwrap();
+        let mut told = 0;
+        for k in 0..4000_usize {
+            let (here, first) = (k * 7 % 280, (k * 7 % 280).saturating_sub(9));
+            let window = Window { first, end: here + 12 };
+            let (a, b) = (line.points[here], line.points[here + 1]);
+            let aside = [0.0, 1e-9, 0.01, 1.0, -3.5, 20.0, -60.0][k % 7];
+            let along = [0.0, 1e-7, 0.02, 0.5, 1.0, -0.3, 4.0][k / 7 % 7];
+            let p = a + (b - a) * along + (b - a).left() * (aside / (b - a).norm());
+            let nearby = line.segments.nearby(window);
+            let found = line.project_nearby(p, &nearby, here);
+            assert_eq!(found, one_by_one(&line, p, first..here + 12), "{k}");
+            told += u32::from(line.segments.bent(p, &nearby, here) <= MOST_BENT);
+        }
+        assert!(told > 2000, "{told}");
     }
 }
 
