@@ -1,6 +1,7 @@
 //! Room beside the ego and ahead of it: to the edge of the road and to tracked objects. Sideways is across the ego's
 //! box for the room beside it, across its driven path for the room ahead.
 
+use crate::ego::motion::EgoMotion;
 use crate::geometry::{OrientedBox, P2, Polygon};
 use crate::road::network::{LaneShape, Road};
 use crate::road::on_road::OnRoad;
@@ -21,7 +22,7 @@ const STATION_M: f64 = 1.0;
 const AHEAD_M: f64 = 40.0;
 
 /// Distances from the path to the road's edges, left then right, at stations along it; NaN where the path is off the
-/// road.
+/// road, and where the ego never comes near.
 struct Edges {
     stations: Vec<[f64; 2]>,
 }
@@ -66,13 +67,20 @@ fn edge(ground: &Ground<'_>, p: P2, across: P2, within: f64) -> f64 {
 }
 
 impl Edges {
-    fn new(road: &Road, path: &DrivenPath, half_width: f64) -> Self {
+    /// From the ego's rear in its first place on the path to [`AHEAD_M`] before its front bumper in the last one.
+    fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion) -> Self {
+        let (half_width, front) = (ego.width / 2.0, ego.front());
         let count = (path.line.length() / STATION_M) as usize + 1;
         let ground = Ground { road, last: Cell::new(None) };
+        let known = || path.ego_s.iter().copied().filter(|s| s.is_finite());
+        let from = known().fold(f64::INFINITY, f64::min) - front - STATION_M;
+        let to = known().fold(f64::NEG_INFINITY, f64::max) + front + AHEAD_M + STATION_M;
         let at = |k: usize| {
             let s = k as f64 * STATION_M;
+            // What is asked for beyond the ends is asked of the first and the last station.
+            let is_asked_for = (from..=to).contains(&s) || k == 0 || k + 1 == count;
             let p = path.line.point_at(s);
-            if !ground.is_road(p) {
+            if !is_asked_for || !ground.is_road(p) {
                 return [f64::NAN; 2];
             }
             let left = P2::from_heading(path.heading_at(s)).left();
@@ -220,7 +228,7 @@ pub fn write(on: &OnRoad<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'
     if !on.ego.length.is_finite() || !on.ego.width.is_finite() {
         return;
     }
-    let edges = Edges::new(on.road, on.path, on.ego.width / 2.0);
+    let edges = Edges::new(on.road, on.path, on.ego);
     let near = by_frame(targets, on.frames());
     let frames = || 0..on.frames();
     let beside =
