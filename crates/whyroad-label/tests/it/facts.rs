@@ -355,9 +355,12 @@ fn a_number_or_a_side_that_no_component_gives_differs() {
     assert!(!yielding(parts, &told("左侧", 40)).contains(&code));
     assert!(yielding(parts, &told("右侧", 40)).contains(&code));
     assert!(yielding(parts, &told("左侧", 60)).contains(&code));
-    let parts: &[&str] = &["an old man is walking across from the left", "the ego drives at 40 km/h, 20 m from him"];
+    let parts: &[&str] =
+        &["an old man is walking across from the left", "the ego drives at 40 km/h, 20 m from him"];
     let told = |side: &str, speed: u32| {
-        format!("An old man walks across from the {side}, 20 m ahead at {speed} km/h, so the ego slows to yield to him.")
+        format!(
+            "An old man walks across from the {side}, 20 m ahead at {speed} km/h, so the ego slows to yield to him."
+        )
     };
     assert!(!yielding(parts, &told("left", 40)).contains(&code));
     assert!(yielding(parts, &told("right", 40)).contains(&code));
