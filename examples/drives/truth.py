@@ -107,17 +107,24 @@ def intention(sim, t, indicator):
     return min(on, first)
 
 
+def is_passed(me, other):
+    """The ego's front is beyond the other's, beside it (TAXONOMY.md, lane_change.overtake); places are those of fronts."""
+    ahead, right = math.radians(me["angle"]), math.radians(me["angle"] + 90)
+    dx, dy = other["x"] - me["x"], other["y"] - me["y"]
+    return dx * math.sin(ahead) + dy * math.cos(ahead) < 0 and abs(dx * math.sin(right) + dy * math.cos(right)) < 8
+
+
 def lane_changes(sim):
     """The ego's own, and others' into its lane in front of it. On the straights of these networks y is lateral."""
     for c in read(sim.drive, "lanechange"):
         t, name = round(float(c.get("time")), 1), c.get("id")
         if name == "ego":
             start = intention(sim, t, 2 if c.get("dir") == "1" else 1)
-            # "strategic" is for the route. "speedGain" overtakes whom it left behind it, or else only gains speed.
+            # "strategic" is for the route. "speedGain" overtakes whom it passes, or else only gains speed.
             leaf = {"strategic": "navigation", "speedGain": "efficiency"}[c.get("reason").split("|")[0]]
             old, me = c.get("from"), sim.at[t, "ego"]
             ahead = [(o["x"] - me["x"], i) for i in sim.ids if (o := sim.at.get((t - 2, i))) and o["lane"] == old and o["x"] > me["x"]]
-            if leaf == "efficiency" and any((o := sim.at.get((u, min(ahead)[1]))) and o["lane"] == old and o["x"] < sim.at[u, "ego"]["x"]
+            if leaf == "efficiency" and any((o := sim.at.get((u, min(ahead)[1]))) and (u, "ego") in sim.at and is_passed(sim.at[u, "ego"], o)
                                             for u in sim.times if t < u < t + 20):
                 leaf = "overtake"
             yield sim.record(f"proactive.lane_change.{leaf}", start, start, t + 1.5)

@@ -81,8 +81,8 @@ pub trait Recordings: Send + Sync {
     /// What the signal called `name` is; `None` for a name that no signal has.
     fn about(&self, name: &str) -> Option<SignalAbout>;
 
-    /// A label skeleton for an episode of `drive`; of other objects than those of the components that Stage I lists, where
-    /// these are given, its trace says nothing.
+    /// A label skeleton for an episode of `drive`. Where the components of Stage I are given, its trace names no other
+    /// objects than theirs.
     fn draft(
         &self,
         drive: &Drive,

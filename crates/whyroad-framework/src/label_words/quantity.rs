@@ -49,7 +49,7 @@ impl Quantities {
         self.of_unit(text, "m", true)
     }
 
-    /// Every number of `text` from two on, whatever it counts or measures. A single Chinese numeral needs a unit or one of
+    /// Every number of `text` from two on, with or without a unit. A single Chinese numeral needs a unit or one of
     /// `counters` behind it.
     pub fn all(&self, text: &str, counters: &CharSet) -> Vec<Quantity> {
         const LEAST: f64 = 2.0;

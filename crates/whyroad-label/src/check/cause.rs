@@ -1,6 +1,5 @@
 //! Causes (LABELING.md 6): each decision has one that was there to be seen.
 
-mod again;
 pub(super) mod circular;
 mod grounds;
 pub(super) mod links;

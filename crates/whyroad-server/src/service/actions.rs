@@ -320,13 +320,7 @@ pub fn group(tx: &mut dyn Tx, t: &TaskRow) -> Answer<Vec<TaskRow>> {
 
 /// True when every label of the group has been handed in: until then nobody sees another's.
 pub fn group_is_ready(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
-    Ok(is_ready(&group(tx, t)?))
-}
-
-/// The same of a group that was read.
-pub(super) fn is_ready(group: &[TaskRow]) -> bool {
-    let left_out = |s: State| matches!(s, State::Skipped | State::Rejected);
-    group.iter().all(|o| o.at.state.is_handed_in() || left_out(o.at.state))
+    Ok(disagreement::is_ready(&group(tx, t)?))
 }
 
 /// Chooses this label of its overlap group, or `merged` in its place. Who wrote one of them does not choose.

@@ -3,7 +3,8 @@
 
 use crate::domain::workflow::State;
 use crate::problem::Answer;
-use crate::service::{actions, compared, tasks};
+use crate::service::tasks::TaskRow;
+use crate::service::{compared, tasks};
 use crate::store::{Store, Tx, Value as Cell};
 use crate::values;
 
@@ -14,14 +15,20 @@ pub(super) const TO_ADJUDICATE: &str =
 /// Groups compared in one transaction.
 const AT_ONCE: i64 = 100;
 
-/// Compares the labels of the overlap group of an episode. A group of which a label is yet to come does not disagree, and
-/// what was left out does not count.
+/// Every label of the group was handed in or left out.
+pub(super) fn is_ready(group: &[TaskRow]) -> bool {
+    let left_out = |s: State| matches!(s, State::Skipped | State::Rejected);
+    group.iter().all(|o| o.at.state.is_handed_in() || left_out(o.at.state))
+}
+
+/// Compares the labels of the overlap group of an episode. A group that still waits for a label does not disagree, and
+/// labels that were left out do not count.
 pub(super) fn note(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> {
     let group = tasks::select(tx, "project_id = $1 AND episode_id = $2", values![project, episode])?;
     let labels: Vec<_> = group.iter().filter(|t| t.at.state.is_handed_in()).map(|t| &t.draft).collect();
     let differ =
         || labels.iter().enumerate().any(|(n, a)| labels[n + 1..].iter().any(|b| compared::disagree(a, b)));
-    let disagrees = actions::is_ready(&group) && differ();
+    let disagrees = is_ready(&group) && differ();
     tx.run(
         "UPDATE tasks SET disagrees = $1 WHERE project_id = $2 AND episode_id = $3",
         values![i64::from(disagrees), project, episode],

@@ -196,8 +196,8 @@ impl Polyline {
         self.segments.nearby(self.window(from, to))
     }
 
-    /// Nearest foot point of `p` among these segments; the search begins at segment `near`. The result does not depend on
-    /// it.
+    /// Nearest foot point of `p` among these segments; the search begins at segment `near`, which does not change the
+    /// result.
     pub fn project_nearby(&self, p: P2, nearby: &Nearby, near: usize) -> Projection {
         self.segments.foot_nearby(p, nearby, near)
     }

@@ -1,7 +1,6 @@
 //! A trace that only states its decision again (LABELING.md 6): what is left of its reason without the decision,
 //! whoever the decision is about, and the words of deciding.
 
-use super::again;
 use crate::check::consistency::trace::{Mention, Reading};
 use crate::check::consistency::trace_rules::{self, Said};
 use crate::check::overlap;
@@ -32,8 +31,7 @@ pub(in crate::check) fn circular(
     let repeated = match said {
         Said::Unread => echoes(text, texts, words),
         _ => repeats(text, scope, reading) || echoes(text, texts, words),
-    } || empty_reason(text, scope, reading)
-        || again::repeats_itself(text, texts, words);
+    } || empty_reason(text, scope, reading);
     // A decision in words that no list knows may have a reason in such words.
     if !repeated
         && (said == Said::Unread

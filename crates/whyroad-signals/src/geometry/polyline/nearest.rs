@@ -121,8 +121,8 @@ impl Segments {
     }
 }
 
-/// By how much the direction changes at the middle one of three points, as the length of the difference of unit vectors,
-/// per meter of the shorter segment. Infinite where one is shorter than [`LEAST_LENGTH_M`].
+/// Change of direction at the middle one of three points: the length of the difference of unit vectors per meter of the
+/// shorter segment. Infinite where one is shorter than [`LEAST_LENGTH_M`].
 fn bend(points: &[P2]) -> f64 {
     let (from, to) = (points[1] - points[0], points[2] - points[1]);
     let shorter = from.norm().min(to.norm());
@@ -285,8 +285,8 @@ impl Segments {
         Nearby { window, length: self.s[end] - self.s[first], bend }
     }
 
-    /// Nearest foot point of `p` among these, as [`Segments::foot`] finds it; the search begins at segment `near`. Where
-    /// the line hardly bends as seen from `p`, it goes from segment to segment: along the line the distance first falls
+    /// Nearest foot point of `p` among these, as [`Segments::foot`] finds it; the search begins at segment `near`. If the
+    /// line hardly bends as seen from `p`, it goes from segment to segment: along the line the distance first falls
     /// and then grows, but for segments beside each other.
     pub fn foot_nearby(&self, p: P2, nearby: &Nearby, near: usize) -> Projection {
         let Window { first, end } = nearby.window;
@@ -319,7 +319,7 @@ impl Segments {
         best.at
     }
 
-    /// Distance of `p` from the points of these segments, at most, as a share of the radius of its sharpest bend; `k` is a
+    /// Greatest distance of `p` from the points of these segments, as a share of the radius of the sharpest bend; `k` is
     /// one of them.
     pub(super) fn bent(&self, p: P2, nearby: &Nearby, k: usize) -> f64 {
         // Any distance will do that is not too short; the sum of both costs no root.
