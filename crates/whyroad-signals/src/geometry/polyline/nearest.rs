@@ -285,8 +285,8 @@ impl Segments {
         Nearby { window, length: self.s[end] - self.s[first], bend }
     }
 
-    /// Nearest foot point of `p` among these, as [`Segments::foot`] finds it; the search begins at segment `near`. If the
-    /// line hardly bends as seen from `p`, it goes from segment to segment: along the line the distance first falls
+    /// Nearest foot point of `p` among these, as [`Segments::foot`] finds it; the search begins at segment `near`. If
+    /// the line hardly bends as seen from `p`, it goes from segment to segment: along the line the distance first falls
     /// and then grows, but for segments beside each other.
     pub fn foot_nearby(&self, p: P2, nearby: &Nearby, near: usize) -> Projection {
         let Window { first, end } = nearby.window;
@@ -319,8 +319,8 @@ impl Segments {
         best.at
     }
 
-    /// Greatest distance of `p` from the points of these segments, as a share of the radius of the sharpest bend; `k` is
-    /// one of them.
+    /// Greatest distance of `p` from the points of these segments, as a share of the radius of the sharpest bend; `k`
+    /// is one of them.
     pub(super) fn bent(&self, p: P2, nearby: &Nearby, k: usize) -> f64 {
         // Any distance will do that is not too short; the sum of both costs no root.
         let away = (p.x - self.from_x[k]).abs() + (p.y - self.from_y[k]).abs();
