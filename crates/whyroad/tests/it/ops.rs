@@ -123,9 +123,15 @@ fn figures_and_logs_of_a_service_name_nobody_and_its_port_has_no_api() {
     fs::rename(dir.path().join("marker"), lake.join("whyroad-lake.json")).unwrap();
     assert_eq!(service.ops("GET /readyz").0, 200);
 
+    // Lines are read by a thread of the test, which may be behind.
+    let is_request = |l: &&Value| l["event"] == "request";
+    let until = Instant::now() + Duration::from_secs(20);
+    while service.log.lock().unwrap().iter().filter(is_request).count() < 5 && Instant::now() < until {
+        std::thread::sleep(Duration::from_millis(20));
+    }
     let log = service.log.lock().unwrap().clone();
-    let requests: Vec<&Value> = log.iter().filter(|l| l["event"] == "request").collect();
-    assert!(requests.len() >= 4, "{log:?}");
+    let requests: Vec<&Value> = log.iter().filter(is_request).collect();
+    assert!(requests.len() >= 5, "{log:?}");
     for line in &log {
         assert!(line["time"].is_string() && line["level"].is_string(), "not a line of the log: {line}");
     }
