@@ -51,6 +51,8 @@ async function people(day) {
     await dialog.getByRole("button", { name: "新建用户" }).click();
     await page.getByText(`已创建用户 ${name}。`).waitFor();
   }
+  // The message comes before the list that is read anew.
+  await page.locator("tbody tr").nth(TEAM.length).waitFor();
   assert.equal(await page.locator("tbody tr").count(), TEAM.length + 1);
 }
 
