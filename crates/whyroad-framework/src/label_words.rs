@@ -443,10 +443,7 @@ impl LabelWords {
 
     /// The text distinguishes a thing from another one of its kind: "a second van", "另一辆".
     pub fn tells_another(&self, text: &str) -> bool {
-        if text.is_ascii() {
-            return has_word(text, |w| self.subjects.another.iter().any(|a| w.eq_ignore_ascii_case(a)));
-        }
-        self.subjects.another.iter().any(|w| text.contains(w.as_str()))
+        has_one_of(text, &self.subjects.another)
     }
 
     /// The last color of a light in `text`, as an index in the file's order: "from green to yellow".
@@ -611,6 +608,14 @@ struct Words {
 /// The text has a word of Latin letters that is one.
 fn has_word(text: &str, is_one: impl Fn(&str) -> bool) -> bool {
     text.split(|c: char| !c.is_ascii_alphabetic()).any(is_one)
+}
+
+/// The text has one of the words: in Latin letters as a word, else as a part of it.
+fn has_one_of(text: &str, words: &[String]) -> bool {
+    match text.is_ascii() {
+        true => has_word(text, |word| words.iter().any(|w| word.eq_ignore_ascii_case(w))),
+        false => words.iter().any(|w| text.contains(w.as_str())),
+    }
 }
 
 impl Words {

@@ -2,6 +2,7 @@
 //! `schema/label_words.yaml`). A name that may be of several kinds is listed under each of them.
 
 use super::Words;
+use super::compile::limit;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::Bilingual;
@@ -48,13 +49,8 @@ pub(super) struct RawFamily(BTreeMap<String, Words>);
 
 pub(super) fn compile(raw: &RawApart, problems: &mut Vec<Bilingual>) -> Apart {
     let families = raw.iter().map(|(id, RawFamily(kinds))| {
-        if kinds.len() > MAX_KINDS {
-            let n = kinds.len();
-            problems.push(Bilingual::new(
-                format!("apart 的 {id} 至多 {MAX_KINDS} 类，现有 {n} 类"),
-                format!("{id} of apart has {n} kinds, maximum {MAX_KINDS}"),
-            ));
-        }
+        let family = [&*format!("apart 的 {id}"), &*format!("{id} of apart")];
+        limit(family, ["类", "kinds"], kinds.len(), MAX_KINDS, problems);
         let mut names: BTreeMap<String, u64> = BTreeMap::new();
         for (i, words) in kinds.values().take(MAX_KINDS).enumerate() {
             for word in words.all() {

@@ -31,13 +31,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         let role = WordRole::State(state, doing(raw, state.doing(), &mut b));
         b.all(words.all(), role);
     }
-    if raw.doings.len() > MAX_DOINGS {
-        let n = raw.doings.len();
-        b.problems.push(Bilingual::new(
-            format!("doings 至多 {MAX_DOINGS} 项，现有 {n} 项"),
-            format!("doings has {n} entries, maximum {MAX_DOINGS}"),
-        ));
-    }
+    limit(["doings"; 2], ["项", "entries"], raw.doings.len(), MAX_DOINGS, &mut b.problems);
     for (id, words) in &raw.doings {
         let role = WordRole::Doing(doing(raw, id, &mut b));
         b.all(words.all(), role);
@@ -203,14 +197,24 @@ fn doing(raw: &File, id: &str, b: &mut Builder) -> Doings {
     }
 }
 
-fn groups(raw: &File, b: &mut Builder) -> Vec<ObjectGroup> {
-    if raw.objects.len() > MAX_GROUPS {
-        let n = raw.objects.len();
-        b.problems.push(Bilingual::new(
-            format!("objects 至多 {MAX_GROUPS} 组，现有 {n} 组"),
-            format!("objects has {n} groups, maximum {MAX_GROUPS}"),
+/// Reports a list of more than `maximum` entries; names of the list and of its entries in Chinese and English.
+pub(super) fn limit(
+    list: [&str; 2],
+    entries: [&str; 2],
+    n: usize,
+    maximum: usize,
+    problems: &mut Vec<Bilingual>,
+) {
+    if n > maximum {
+        problems.push(Bilingual::new(
+            format!("{} 至多 {maximum} {of}，现有 {n} {of}", list[0], of = entries[0]),
+            format!("{} has {n} {}, maximum {maximum}", list[1], entries[1]),
         ));
     }
+}
+
+fn groups(raw: &File, b: &mut Builder) -> Vec<ObjectGroup> {
+    limit(["objects"; 2], ["组", "groups"], raw.objects.len(), MAX_GROUPS, &mut b.problems);
     let own = |i: usize| GroupSet(1_u64.checked_shl(u32::try_from(i).unwrap_or(u32::MAX)).unwrap_or(0));
     let mut out: Vec<ObjectGroup> = raw
         .objects

@@ -2,7 +2,7 @@
 //! share several are compared by what they mean. A word may say more than one thing.
 
 use super::Words;
-use super::compile::{expanded, trie};
+use super::compile::{expanded, limit, trie};
 use crate::lexicon::trie::Trie;
 use crate::lexicon::units::Units;
 use std::collections::BTreeMap;
@@ -73,13 +73,7 @@ pub(super) fn compile(
     unseen: &[&str],
     problems: &mut Vec<Bilingual>,
 ) -> Concepts {
-    if raw.len() > MAX_CONCEPTS {
-        let n = raw.len();
-        problems.push(Bilingual::new(
-            format!("concepts 至多 {MAX_CONCEPTS} 项，现有 {n} 项"),
-            format!("concepts has {n} entries, maximum {MAX_CONCEPTS}"),
-        ));
-    }
+    limit(["concepts"; 2], ["项", "entries"], raw.len(), MAX_CONCEPTS, problems);
     let mut says: BTreeMap<String, ConceptSet> = BTreeMap::new();
     let mut hidden = ConceptSet::default();
     for (i, (id, words)) in raw.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! How to find the thing that a component describes (`subjects` of `schema/label_words.yaml`).
 
-use super::{CharSet, Words, has_word};
+use super::{CharSet, Words, has_one_of, has_word};
 use serde::Deserialize;
 use std::collections::HashSet;
 
@@ -74,7 +74,7 @@ pub struct Subjects {
     /// Stand before the name of a side, and behind it.
     before_side: Vec<String>,
     behind_side: Vec<String>,
-    /// Of `another`, those that say nothing else.
+    /// Words that only add another one of the same kind; those of `another` may also say where it is.
     second: Vec<String>,
     /// Before an action that is not possible, in lower case.
     pub unable: Vec<String>,
@@ -187,14 +187,9 @@ impl Subjects {
         })
     }
 
-    /// The text speaks of another one of a kind.
+    /// The text adds another one of a kind: "a second van", "another one too".
     pub fn speaks_of_second(&self, text: &str) -> bool {
-        match text.is_ascii() {
-            true => text
-                .split(|c: char| !c.is_ascii_alphabetic())
-                .any(|w| self.second.iter().any(|s| w.eq_ignore_ascii_case(s))),
-            false => self.second.iter().any(|w| text.contains(w.as_str())),
-        }
+        has_one_of(text, &self.second)
     }
 
     /// The text begins with a part that every vehicle has on the left and the right: "wheels".

@@ -312,15 +312,9 @@ fn restore(
     tasks::update(tx, t)
 }
 
-/// The tasks of the overlap group of `t`, in the order of making.
-pub fn group(tx: &mut dyn Tx, t: &TaskRow) -> Answer<Vec<TaskRow>> {
-    let values = values![&t.project, &t.episode.episode_id];
-    tasks::select(tx, "project_id = $1 AND episode_id = $2 ORDER BY overlap_index", values)
-}
-
 /// True when every label of the group has been handed in: until then nobody sees another's.
 pub fn group_is_ready(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
-    Ok(disagreement::is_ready(&group(tx, t)?))
+    Ok(disagreement::is_ready(&tasks::group(tx, &t.project, &t.episode.episode_id)?))
 }
 
 /// Chooses this label of its overlap group, or `merged` in its place. Who wrote one of them does not choose.
@@ -335,8 +329,8 @@ fn adjudicate(
     if !actor.is(Role::Lead) {
         return Err(Problem::forbidden());
     }
-    let group = group(tx, t)?;
-    if group.len() < 2 || !group_is_ready(tx, t)? || !t.at.state.shows_future() {
+    let group = tasks::group(tx, &t.project, &t.episode.episode_id)?;
+    if group.len() < 2 || !disagreement::is_ready(&group) || !t.at.state.shows_future() {
         return Err(Problem::new(
             409,
             "overlap.not_ready",

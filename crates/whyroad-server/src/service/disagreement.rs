@@ -16,7 +16,7 @@ pub(super) const TO_ADJUDICATE: &str =
 const AT_ONCE: i64 = 100;
 
 /// Every label of the group was handed in or left out.
-pub(super) fn is_ready(group: &[TaskRow]) -> bool {
+pub fn is_ready(group: &[TaskRow]) -> bool {
     let left_out = |s: State| matches!(s, State::Skipped | State::Rejected);
     group.iter().all(|o| o.at.state.is_handed_in() || left_out(o.at.state))
 }
@@ -24,7 +24,7 @@ pub(super) fn is_ready(group: &[TaskRow]) -> bool {
 /// Compares the labels of the overlap group of an episode. A group that still waits for a label does not disagree, and
 /// labels that were left out do not count.
 pub(super) fn note(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> {
-    let group = tasks::select(tx, "project_id = $1 AND episode_id = $2", values![project, episode])?;
+    let group = tasks::group(tx, project, episode)?;
     let labels: Vec<_> = group.iter().filter(|t| t.at.state.is_handed_in()).map(|t| &t.draft).collect();
     let differ =
         || labels.iter().enumerate().any(|(n, a)| labels[n + 1..].iter().any(|b| compared::disagree(a, b)));
@@ -36,15 +36,20 @@ pub(super) fn note(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> 
     .map(drop)
 }
 
-/// Compares what was handed in before this was kept.
-pub fn note_all(store: &Store) -> Answer<()> {
+/// SQL for some groups that were handed in before this was kept.
+pub(super) fn not_compared() -> String {
     let handed_in: Vec<String> =
         State::ALL.iter().filter(|s| s.is_handed_in()).map(|s| format!("'{}'", s.word())).collect();
-    let sql = format!(
+    format!(
         "SELECT DISTINCT project_id, episode_id FROM tasks
          WHERE overlap_count > 1 AND disagrees IS NULL AND state IN ({}) LIMIT {AT_ONCE}",
         handed_in.join(", ")
-    );
+    )
+}
+
+/// Compares what was handed in before this was kept.
+pub fn note_all(store: &Store) -> Answer<()> {
+    let sql = not_compared();
     loop {
         let sql = sql.clone();
         let compared = store.write(move |tx| {

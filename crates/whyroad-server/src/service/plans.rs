@@ -1,7 +1,7 @@
 //! What SQLite reads for queries that run often, by its own statement (<https://www.sqlite.org/eqp.html>). A row of a
 //! task is kilobytes long; of a hundred thousand of them only an index may be read.
 
-use crate::service::{dashboard, drafting, fixtures};
+use crate::service::{dashboard, disagreement, drafting, fixtures};
 use crate::store::Value;
 use crate::values;
 
@@ -42,4 +42,13 @@ fn audits_are_found_by_author() {
     for index in ["tasks_author (project_id=? AND author=?)", "history_audit (task_id=?)"] {
         assert!(lines.iter().any(|l| l.contains(index)), "{index}: {lines:?}");
     }
+}
+
+#[test]
+fn a_service_that_starts_reads_no_ordinary_task() {
+    let lines = read_for(&disagreement::not_compared(), &[]);
+    assert!(
+        matches!(&lines[..], [one] if one.contains("USING COVERING INDEX tasks_not_compared")),
+        "{lines:?}"
+    );
 }

@@ -222,6 +222,11 @@ pub fn select(tx: &mut dyn Tx, condition: &str, values: &[Cell]) -> Answer<Vec<T
     tx.rows(&format!("SELECT {COLUMNS} FROM tasks WHERE {condition}"), values)?.iter().map(task).collect()
 }
 
+/// The tasks of the overlap group of an episode, in the order of making.
+pub fn group(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<Vec<TaskRow>> {
+    select(tx, "project_id = $1 AND episode_id = $2 ORDER BY overlap_index", values![project, episode])
+}
+
 /// Stores a new task; false when its episode is there already.
 pub fn insert(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     let n = tx.run(

@@ -20,6 +20,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0012_language_model.sql"),
     include_str!("../../migrations/0013_covering_indexes.sql"),
     include_str!("../../migrations/0014_disagreement.sql"),
+    include_str!("../../migrations/0015_not_compared.sql"),
 ];
 
 /// The version of this program.

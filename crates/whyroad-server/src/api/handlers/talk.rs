@@ -5,7 +5,7 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::domain::task::{Comment, DraftAt, History, NewComment, Overlap, OverlapItem};
 use crate::problem::{Answer, Problem};
-use crate::service::{actions, drafts, findings, tasks, visible};
+use crate::service::{actions, disagreement, drafts, findings, tasks, visible};
 use crate::store::Tx;
 use crate::values;
 
@@ -48,7 +48,8 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
     }
     let t = look(call)?;
     let (group, names) = call.app.store.read(|tx| {
-        if t.overlap_count < 2 || !actions::group_is_ready(tx, &t)? {
+        let group = tasks::group(tx, &t.project, &t.episode.episode_id)?;
+        if t.overlap_count < 2 || !disagreement::is_ready(&group) {
             return Err(Problem::new(
                 409,
                 "overlap.not_ready",
@@ -56,7 +57,7 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
                 "not all labels of the overlap group are submitted",
             ));
         }
-        Ok((actions::group(tx, &t)?, tasks::names(tx)?))
+        Ok((group, tasks::names(tx)?))
     })?;
     // Checking takes long: outside of the transaction.
     let item = |o: &tasks::TaskRow| OverlapItem {

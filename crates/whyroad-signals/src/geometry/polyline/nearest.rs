@@ -15,12 +15,13 @@ pub(super) const BLOCK: usize = 16;
 /// Up to this number of segments are looked at together.
 pub(super) const MOST: usize = 2 * BLOCK;
 
-/// From segment to segment the way to the nearest one is told only where none is shorter than this, m: then those that
-/// are left out are farther by more than rounding can do,
+/// The search from segment to segment needs segments of at least this length, m: those that it leaves out are then
+/// farther by more than rounding.
 const LEAST_LENGTH_M: f64 = 0.1;
-/// and only within this share of the radius of the line's bends: from their middle all of a bend is equally near.
+/// That search finds the nearest segment up to this distance, as a share of the radius of the line's sharpest bend:
+/// from the center of a bend all of it is equally near.
 pub(super) const MOST_BENT: f64 = 0.25;
-/// Whose foot point is this far inside its segment has it on none beside it, m.
+/// A foot point that is this far inside its segment is on no other segment, m.
 const INSIDE_M: f64 = 0.02;
 
 /// Some segments of a polyline, one after another.
@@ -281,7 +282,7 @@ impl Segments {
     /// These segments, to find several places on.
     pub fn nearby(&self, window: Window) -> Nearby {
         let Window { first, end } = window;
-        let bend = self.bends[first + 1..end].iter().fold(0.0, |most, b| if *b > most { *b } else { most });
+        let bend = self.bends[first + 1..end].iter().copied().fold(0.0, f64::max);
         Nearby { window, length: self.s[end] - self.s[first], bend }
     }
 
