@@ -22,6 +22,8 @@ const FUTURE: &str = "afterwards";
 struct Model {
     /// Answers wait until this is true.
     open: Arc<(Mutex<bool>, Condvar)>,
+    /// Questions that came in, answered or not.
+    received: Arc<AtomicUsize>,
     asked: Arc<AtomicUsize>,
     /// Drives for which it gives nothing.
     fails: &'static [&'static str],
@@ -52,6 +54,7 @@ impl LanguageModel for Model {
 
 impl Session {
     fn ask(&self) -> Result<(), ModelFailure> {
+        self.model.received.fetch_add(1, Ordering::SeqCst);
         let (is_open, changed) = &*self.model.open;
         let guard = is_open.lock().unwrap();
         drop(changed.wait_while(guard, |open| !*open).unwrap());
@@ -217,16 +220,16 @@ pub fn begun_tasks_are_left_alone_and_runs_are_stopped(world: &World) {
     let drives = ["drive1", "drive2", "drive3", "drive4", "drive5"];
     let tasks = world.tasks(&admin, &project, &drives, 1);
     let model = Model { fails: &["drive2"], ..Model::default() };
-    let (gate, asked) = (Arc::clone(&model.open), Arc::clone(&model.asked));
+    let (gate, received, asked) =
+        (Arc::clone(&model.open), Arc::clone(&model.received), Arc::clone(&model.asked));
     let service = beside(world, model, false);
     let (admin, ann, lead) = (at(&admin, &service), at(&ann, &service), at(&lead, &service));
     let run = start(&admin, &project, &json!({ "kind": "draft" })).fine();
-    wait(&admin, &project, |r| r["state"] == "running");
+    wait(&admin, &project, |r| r["state"] == "running" && received.load(Ordering::SeqCst) == 2);
     assert_eq!(start(&lead, &project, &json!({ "kind": "draft" })).refusal(), (409, "model.running".into()));
     // Both that are asked about at first: one is begun meanwhile.
     let mut work = Work::take(&ann, &tasks[0]);
     let rules = work.view()["draft"]["critical_components"].clone();
-    std::thread::sleep(Duration::from_millis(300));
     // While it goes on, its own tasks are counted; afterwards those that nobody has begun.
     assert_eq!(runs(&admin, &project)["to_draft"], 5);
     admin.post(&format!("/projects/{project}/model-runs:stop"), &json!({ "run": run["id"] })).fine();
