@@ -27,6 +27,7 @@ from networks_everyday import artery, hill_road, quarter, works
 from networks_joined import dumbbell, herringbone, hexagons, plain_exits
 from networks_local import ring_motorway, school, suburb, two_banks
 from networks_mixed import lit_grid, parked, spokes, weaving
+from networks_outskirts import contraflow, crossings, hamlet, viaduct
 from networks_planned import arterial, collector, estate, one_way_blocks
 from networks_seaside import coast, docks, expressway, market
 from networks_shaped import ladder, oval, parting, river_town
@@ -119,6 +120,12 @@ SETS = {
         "docks": (docks, 12037, 300, 0.1, "EIDM6", 3.5, 0.46, 0),
         "coast": (coast, 12041, 280, 0.1, "ACC3+moto", 3, 0.5, 0.05),
     },
+    "held12": {
+        "viaduct": (viaduct, 13001, 260, 0.1, "KraussFirm+moto", 3.2, 1.05, 0),
+        "crossings": (crossings, 13003, 300, 0.1, "EIDM7+moto", "sublane", 0.55, 0),
+        "hamlet": (hamlet, 13007, 280, 0.05, "KraussLane+moto", 2.5, 0.45, 0),
+        "contraflow": (contraflow, 13009, 220, 0.2, "IDM9", 4.5, 1.5, 0),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -139,4 +146,6 @@ NOISE = {
     "held10/ringway": (0.15, 0.04, 0.2, 0.6, 0.07),
     "held11/docks": (0.08, 0.12, 0.18, 1.0, 0.06),
     "held11/coast": (0.05, 0.2, 0.3, 1.6, 0.04),
+    "held12/viaduct": (0.07, 0.16, 0.22, 1.3, 0.05),
+    "held12/crossings": (0.1, 0.07, 0.28, 0.7, 0.03),
 }
