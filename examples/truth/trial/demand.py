@@ -44,9 +44,9 @@ MODEL = {
     "ACC3": 'carFollowModel="ACC" tau="1.3" gapClosingControlGainSpeed="0.7" lcOpposite="2" lcSpeedGain="5" speedFactor="normc(1.08,0.1,0.9,1.35)"',
     "KraussSlow": 'carFollowModel="KraussPS" sigma="0.25" tau="1.2" startupDelay="0.5" speedFactor="normc(0.96,0.07,0.8,1.15)"',
     "KraussFirm": 'carFollowModel="Krauss" sigma="0.25" tau="0.95" decel="4.2" lcAssertive="1.6" lcSpeedGain="2.5" lcCooperative="0.7" speedFactor="normc(1.02,0.12,0.75,1.3)"',
-    "EIDM7": 'carFollowModel="EIDM" tau="1.15" accel="2.1" decel="3.2" treaction="0.35" tpreview="3.5" startupDelay="0.4" lcStrategic="1.5" lcSpeedGain="1.8" speedFactor="normc(1.05,0.09,0.85,1.3)"',
+    "EIDM7": 'carFollowModel="EIDM" tau="1.15" accel="2.1" decel="3.2" treaction="0.35" tpreview="3.5" startupDelay="0.4" lcStrategic="1.5" lcSpeedGain="1.8" lcMaxSpeedLatStanding="0" lcMaxSpeedLatFactor="0.25" speedFactor="normc(1.05,0.09,0.85,1.3)"',
     "KraussLane": 'carFollowModel="KraussPS" sigma="0.35" tau="1.05" decel="5.2" jmTimegapMinor="1.2" jmStoplineGap="0.8" impatience="0.1" speedFactor="normc(1.0,0.09,0.8,1.25)"',
-    "IDM9": 'carFollowModel="IDM" delta="3.5" tau="1.1" sigma="0" lcAssertive="3.5" lcSpeedGain="3" lcCooperative="0.5" actionStepLength="0.4" speedFactor="normc(0.99,0.15,0.72,1.3)"',
+    "IDM9": 'carFollowModel="IDM" delta="3.5" tau="1.1" sigma="0" lcAssertive="2" lcSpeedGain="3" lcCooperative="0.5" actionStepLength="0.4" speedFactor="normc(0.99,0.15,0.72,1.3)"',
 }
 
 # How many of car, quick, van and truck in the traffic of a model, where it is not as elsewhere.

@@ -123,7 +123,7 @@ SETS = {
     "held12": {
         "viaduct": (viaduct, 13001, 260, 0.1, "KraussFirm+moto", 3.2, 1.05, 0),
         "crossings": (crossings, 13003, 300, 0.1, "EIDM7+moto", "sublane", 0.55, 0),
-        "hamlet": (hamlet, 13007, 280, 0.05, "KraussLane+moto", 2.5, 0.45, 0),
+        "hamlet": (hamlet, 13013, 280, 0.05, "KraussLane+moto", 2.5, 0.45, 0),
         "contraflow": (contraflow, 13009, 220, 0.2, "IDM9", 4.5, 1.5, 0),
     },
 }

@@ -133,10 +133,12 @@ def junctions(w, ego, lead):
             waiting = [k for k in range(m.its - 15, m.its + 1) if k in rows and rows[k].v < 1.5 and (rows[k].lane.startswith(":") or net.lanes[rows[k].lane].length - rows[k].pos < 9
                        and rows[k].lane == p.link.lane) and (rows[k].lane.startswith(":") or w.letter(p.link, k) in (None, "G", "g", "s"))]
             waits = m.must and m.its < m.mine and len(waiting) > 5
+            # Behind who came by the same lane and stands first, that one is the nearest cause of the wait.
+            queued = [k for k in waiting if k in lead and lead[k][0] != m.name and lead[k][1] < 10 and any(q.link.lane == p.link.lane and q.node is p.node and q.last > k - 20 for q in w.passing.get(lead[k][0], []))]
             # A passage of the ring's other vehicles: each joint of a ring is a crossing of its own.
             # Whether who comes at 105 to 135 degrees towards a left turn is oncoming or crosses is open.
             aslant = p.turned > 45 and 105 < abs(bend(rows[p.first].angle, w.rows[m.name][m.q.first].angle)) <= 140
-            sure = waits and leaf and m.apart < 5 and p.whole and p.began and not (net.left_hand and abs(p.turned) > 45) and not aslant
+            sure = waits and leaf and m.apart < 5 and p.whole and p.began and not (net.left_hand and abs(p.turned) > 45) and not aslant and 2 * len(queued) < len(waiting)
             near |= m.apart < 8 or waits
             if sure:
                 yield w.entry(I + leaf, ego, p.first, p.first, out, m.name)

@@ -214,12 +214,14 @@ def cut_ins(w, ego):
             gap = (its[k].x - rows[k].x) * math.sin(a) + (its[k].y - rows[k].y) * math.cos(a) - w.length(name)
             if gap < -w.length(name) or gap > max(55, 2.2 * rows[k].v) or abs(bend(rows[k].angle, its[k].angle)) > 50:
                 continue
-            near = []
+            near, after = [], []
             for u in range(k - 30, k + 31):
                 if u in rows and u in its:
                     g = (its[u].x - rows[u].x) * math.sin(a) + (its[u].y - rows[u].y) * math.cos(a) - w.length(name)
                     closing = rows[u].v - its[u].v
                     near.append(min(g / closing if closing > 0.1 else 99, 2.5 * g / max(rows[u].v, 0.1)))
+                    # While it was beside the ego, or another was between, the gap obliged the ego to nothing.
+                    after += near[-1:] if u >= k - 2 else []
             if min(near, default=99) > 6.5:
                 continue
             between = [i for i in w.at[k] if i not in (ego, name) and w.rows[i][k].lane in drives and not w.rows[i][k].person and
@@ -227,7 +229,7 @@ def cut_ins(w, ego):
             closing = rows[k].v - its[k].v
             ttc = gap / closing if closing > 0 else math.inf
             own = any(abs(x - c.k) < 50 for x in own_changes)
-            sure = (not own and not between and 1.5 < gap < max(45, 1.8 * rows[k].v) and min(near) < 4.5 and rows[k].v > 3 and its[k].v > 2 and not c.b.startswith(":")
+            sure = (not own and not between and 1.5 < gap < max(45, 1.8 * rows[k].v) and min(after, default=99) < 4.5 and rows[k].v > 3 and its[k].v > 2 and not c.b.startswith(":")
                     and c.b == rows[k].lane and k - 20 in rows and k + 20 in rows and not any(abs(o.k - c.k) < 60 for o in made if o is not c))
             leaf = "urgent" if ttc < 3 else "slow"
             if 2.4 < ttc < 3.7:

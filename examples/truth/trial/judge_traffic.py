@@ -176,7 +176,8 @@ def people(w, ego):
     """vru_crossing: the track of a person (or rider) crosses the ego's own within 4 s, or the ego stands for it.
     Required only for people on a crossing, when the ego plainly slowed for them and no light held it.
     """
-    yield from braking(w, ego, leads(w, ego))
+    lead = leads(w, ego)
+    yield from braking(w, ego, lead)
     rows = w.rows[ego]
     mine = sorted(rows)
     for name in w.rows:
@@ -208,7 +209,9 @@ def people(w, ego):
             # From a speed that it had before: who starts from standstill has not slowed.
             slowed = any(fast - v > 2.5 for fast, v in zip(accumulate(before, max), before))
             green = w.letter(p.link, u) in (None, "G", "g")
-            sure = person and w.net.on_crossing(its[u].lane) and 8 < k - u < 35 and slowed and green
+            # Behind who waits for them first, that one is the nearest cause of the stop.
+            queued = u in lead and lead[u][1] + w.length(lead[u][0]) < math.hypot(rows[u].x - its[u].x, rows[u].y - its[u].y) if u in rows else False
+            sure = person and w.net.on_crossing(its[u].lane) and 8 < k - u < 35 and slowed and green and not queued
             for leaf in ("crosswalk",) if sure else ("crosswalk", "horizontal", "diagonal"):
                 yield w.entry(f"reactive_agent.vru_crossing.{leaf}", ego, band, band, u + 30, name, optional=not sure)
             break

@@ -18,6 +18,14 @@ def closed(row, *classes):
     return row.replace("<edge ", f'<edge disallow="{" ".join(classes)}" ', 1)
 
 
+def drawn(row, x, y, slope, before, behind, right, left):
+    """A node whose junction is a rectangle along a line of that slope, so far to both ends and sides (m)."""
+    far = math.hypot(1, slope)
+    ux, uy = 1 / far, slope / far
+    corners = ((-before, -right), (behind, -right), (behind, left), (-before, left))
+    return row.replace("/>", ' shape="' + " ".join(f"{x + ux * d - uy * s:.2f},{y + uy * d + ux * s:.2f}" for d, s in corners) + '"/>')
+
+
 def ahead(start, end, *pairs):
     return [link(start, end, a, b) for a, b in pairs]
 
@@ -40,7 +48,9 @@ def viaduct(work, draw):
     def along(tag, off, z, kind, parts):
         """One carriageway: stations (m) with node, lanes and limit from there on. Its left edge is a line at `off`."""
         for name, x, _, _, control in parts:
-            nodes.append(lifted(name, x, bow(x) + off, z, control))
+            row = lifted(name, x, bow(x) + off, z, control)
+            # By turns, over 40 m.
+            nodes.append(drawn(row, x, bow(x) + off, (bow(x + 5) - bow(x - 5)) / 10, 20, 20, 0.2, 9.8) if control == "zipper" else row)
         for i, ((a, xa, lanes, limit, _), (b, xb, *_)) in enumerate(zip(parts, parts[1:])):
             shape = [(x, y, z) for x, y in between(xa, xb, lambda x: bow(x) + off, max(2, int(abs(xb - xa) / 60)))]
             row = edge(f"{tag}{i}", a, b, lanes, limit, kind, 12 if z else 8, shape)
@@ -114,9 +124,8 @@ def crossings(work, draw):
     for n in ("w", "r", "p", "k1", "k2", "q"):
         row = node(n, at[n], y(at[n]), kinds.get(n, "priority"))
         nodes.append(row.replace("/>", ' tlLayout="incoming"/>') if n == "q" else row)
-    far, slope = at["s"], (y(at["s"] + 5) - y(at["s"] - 5)) / 10
-    corners = " ".join(f"{far + d - slope * side:.2f},{y(far) + side + slope * d:.2f}" for d, side in ((-3, -11), (3, -11), (3, 11), (-3, 11)))
-    nodes.append(node("s", far, y(far), "traffic_light").replace("/>", f' shape="{corners}"/>'))
+    far = at["s"]
+    nodes.append(drawn(node("s", far, y(far), "traffic_light"), far, y(far), (y(far + 5) - y(far - 5)) / 10, 3, 3, 11, 11))
     ring(edges, nodes, "c", 770, y(770), 29, 2, [5, 75, 130, 180, 262], 10.0)
     # The ring's nodes by angle: c0 at 5, c1 at 75, c2 at 130, c3 at 180, c4 at 262 degrees.
     at["c3"] = 741
@@ -209,10 +218,7 @@ def hamlet(work, draw):
         row = node(n, x, y(x), kinds.get(n, "priority"))
         if n[0] == "z":
             # Nothing but a crossing for people: the junction is drawn so that there is room for it.
-            slope = (y(x + 3) - y(x - 3)) / 6
-            far = math.hypot(1, slope)
-            ux, uy = 1 / far, slope / far
-            row = row.replace("/>", ' shape="' + " ".join(f"{x + ux * d - uy * s:.2f},{y(x) + uy * d + ux * s:.2f}" for d, s in ((-2.5, -6.2), (2.5, -6.2), (2.5, 6.2), (-2.5, 6.2))) + '"/>')
+            row = drawn(row, x, y(x), (y(x + 3) - y(x - 3)) / 6, 2.5, 2.5, 6.2, 6.2)
         nodes.append(row)
     names = list(line)
     for a, b in zip(names, names[1:]):
@@ -263,7 +269,9 @@ def contraflow(work, draw):
 
     def along(tag, off, parts):
         for name, _, _, control in parts:
-            nodes.append(node(name, x[name], bow(x[name]) + off, control))
+            row, at = node(name, x[name], bow(x[name]) + off, control), x[name]
+            # By turns, over 50 m.
+            nodes.append(drawn(row, at, bow(at) + off, (bow(at + 5) - bow(at - 5)) / 10, 25, 25, 0.2, 3.2 * 3 + 0.2) if control == "zipper" else row)
         for i, ((a, lanes, limit, _), (b, *_)) in enumerate(zip(parts, parts[1:])):
             edges.append(edge(f"{tag}{i}", a, b, lanes, limit, main, 13, between(x[a], x[b], lambda s: bow(s) + off, max(3, int(abs(x[b] - x[a]) / 60)))))
 
