@@ -24,6 +24,20 @@ def edge_of(lane):
     return lane.rsplit("_", 1)[0]
 
 
+def climbs(w, slip, road):
+    """Whether a ramp leads from `road` onto a faster one only: it is an entry of that one, and nobody leaves a main road by
+    it.
+    """
+    ends, seen, left = set(), set(), [slip]
+    while left and len(seen) < 12:
+        e = left.pop()
+        seen.add(e)
+        for b in {l.b for x in w.net.edges[e].lanes for l in w.net.out.get(x, [])} - seen:
+            (left.append if ramp(w, b) else ends.add)(b)
+    limit = lambda e: max(w.net.lanes[x].limit for x in w.net.edges[e].lanes)
+    return bool(ends) and min(limit(e) for e in ends) > 1.2 * limit(road)
+
+
 def from_ramp(w, lane):
     """A mainline lane that only a ramp feeds: acceleration or weaving lane, or one that joins for good."""
     feeds = [l for links in w.net.out.values() for l in links if l.to == lane]
@@ -175,6 +189,7 @@ def facilities(w, ego):
             long |= start < off and n > 0 and ramp(w, edge_of(roads[n - 1][0]))
             # Where it ends: a surface road that leads into ramps has no main road that goes on.
             ends = all(ramp(w, l.b) for x in w.net.edges[edge_of(was[0])].lanes for l in w.net.out.get(x, []))
+            ends |= climbs(w, edge_of(lane), edge_of(was[0]))
             yield w.entry(M + "split_exit", ego, start, start, done, optional=max(rows) < a + 10 or start not in rows or long or ends)
             if start < off - 50 or long:
                 yield w.entry(M + "split_exit", ego, off, off, done, optional=True)

@@ -208,7 +208,8 @@ def people(w, ego):
             before = [rows[t].v for t in range(u - 60, k + 1) if t in rows]
             # From a speed that it had before: who starts from standstill has not slowed.
             slowed = any(fast - v > 2.5 for fast, v in zip(accumulate(before, max), before))
-            green = w.letter(p.link, u) in (None, "G", "g")
+            # No light held it while it slowed, either.
+            green = all(w.letter(p.link, t) in (None, "G", "g") for t in range(u - 40, u + 1))
             # Behind who waits for them first, that one is the nearest cause of the stop.
             queued = u in lead and lead[u][1] + w.length(lead[u][0]) < math.hypot(rows[u].x - its[u].x, rows[u].y - its[u].y) if u in rows else False
             sure = person and w.net.on_crossing(its[u].lane) and 8 < k - u < 35 and slowed and green and not queued
