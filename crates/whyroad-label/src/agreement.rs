@@ -1,4 +1,4 @@
-//! How far people agree beyond chance. The coefficients are pure functions over categories and numbers; [`pairing`]
+//! Agreement of raters beyond chance. The coefficients are pure functions over categories and numbers; [`pairing`]
 //! finds the labels of one episode by several people, [`measure`] compares them part by part, with intervals.
 //!
 //! Sources: J. Cohen, "A coefficient of agreement for nominal scales", Educational and Psychological Measurement 20
@@ -18,8 +18,8 @@ pub use pairing::{Item, Judged, RatedLabel, pair_files, pair_tasks};
 
 use std::collections::BTreeMap;
 
-/// Cohen's kappa of pairs (first rater, second rater). `None` without pairs, and where chance alone would agree always
-/// (both raters gave everything one and the same category): agreement beyond chance then means nothing.
+/// Cohen's kappa of pairs (first rater, second rater). `None` without pairs, and where agreement by chance is certain
+/// (both raters used only one and the same category), because agreement beyond chance is not defined then.
 pub fn cohen<C: Ord>(pairs: &[(C, C)]) -> Option<f64> {
     let n = pairs.len() as f64;
     let mut margins: BTreeMap<&C, (f64, f64)> = BTreeMap::new();
@@ -57,7 +57,7 @@ fn beyond_chance(seen: f64, chance: f64) -> Option<f64> {
     (seen.is_finite() && room > 1e-12).then(|| (seen - chance) / room)
 }
 
-/// The middle value; between the two middle ones of an even number. `None` of nothing.
+/// The median; the mean of the two middle values of an even number. `None` of an empty list.
 pub fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;

@@ -1,5 +1,5 @@
-//! A label carried along when classes are renamed, merged or split ([`ClassMapping`]). What the label itself does not
-//! decide is left to a person, and never guessed.
+//! Updates a label when classes are renamed, merged or split ([`ClassMapping`]). What the label itself does not
+//! determine is left to a person, and never guessed.
 
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -7,34 +7,34 @@ use whyroad_framework::mapping::{ClassChange, ClassMapping, SplitPart};
 use whyroad_model::ScenarioId;
 use whyroad_model::label_fields::{name, pointer};
 
-/// What became of the class of a label.
+/// How the class of a label changes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Carried {
-    /// No class of it changes, or the mapping was applied to it before.
+    /// None of its classes changes, or the mapping was applied to it before.
     Same,
-    /// Its class, or one of its secondary classes, has another id.
+    /// Its class, or one of its secondary classes, has a new id.
     Moved {
         /// Class before.
         from: ScenarioId,
         /// Class after.
         to: ScenarioId,
     },
-    /// The class is split, and the label has what none or several of the parts ask for; or the class after requires a
-    /// record that the label does not have, then it is the only part.
+    /// The class is split, and the label meets the conditions of none or several of the parts; or the new class
+    /// requires a record that the label does not have, and is then the only part.
     Undecided {
         /// Class before.
         from: ScenarioId,
-        /// Class after: what the parts have in common, else that before.
+        /// Class after: the common L2 of the parts, else the class before.
         to: ScenarioId,
         /// The parts to choose from.
         parts: Vec<ScenarioId>,
     },
 }
 
-/// Name of the mapping's mark among the versions in a label's provenance.
+/// Name of the mapping's mark in the versions of a label's provenance.
 const MARK: &str = "class_mapping";
 
-/// Carries the label along, in place: class, secondary classes, versions in its provenance.
+/// Applies the mapping to the label, in place: class, secondary classes, versions in its provenance.
 pub fn carry(mapping: &ClassMapping, label: &mut Value) -> Carried {
     let versions = format!("{}/versions", pointer::PROVENANCE);
     if label.pointer(&versions).and_then(|v| v[MARK].as_str()) == Some(&mapping.mark) {
@@ -84,7 +84,7 @@ fn lacks_records(mapping: &ClassMapping, label: &Value, class: &ScenarioId) -> b
             .is_some_and(|ids| ids.iter().any(|id| filled.is_none_or(|f| f[id].is_null())))
 }
 
-/// The class that a label names, where it is one.
+/// The class of a label, if it is a valid id.
 pub fn class_of(label: &Value) -> Option<ScenarioId> {
     let part = |p: &str| label.pointer(&format!("{}/{p}", pointer::SCENARIO)).and_then(Value::as_str);
     Some(ScenarioId {
@@ -102,7 +102,7 @@ fn put_class(label: &mut Value, id: &ScenarioId) {
         scenario.insert("l3".into(), json!(id.l3));
     }
     if scenario.contains_key("full_id") {
-        // The full id is that of a leaf.
+        // The full id is that of an L3 class.
         match &id.l3 {
             Some(_) => drop(scenario.insert("full_id".into(), json!(id.to_string()))),
             None => drop(scenario.remove("full_id")),
@@ -110,7 +110,7 @@ fn put_class(label: &mut Value, id: &ScenarioId) {
     }
 }
 
-/// Renames secondary classes; true when one changed. One that is split is a person's to decide.
+/// Renames secondary classes; true when one changed. A person decides about one that is split.
 fn secondary(mapping: &ClassMapping, label: &mut Value, undecided: &mut Option<Vec<ScenarioId>>) -> bool {
     let list = label.get_mut(name::SECONDARY_SCENARIOS).and_then(Value::as_array_mut);
     let mut changed = false;
@@ -130,7 +130,7 @@ fn secondary(mapping: &ClassMapping, label: &mut Value, undecided: &mut Option<V
     changed
 }
 
-/// The only part whose conditions the label has; a part without conditions never decides.
+/// The only part whose conditions the label meets; a part without conditions is never chosen.
 fn decide(parts: &[SplitPart], label: &Value) -> Option<ScenarioId> {
     let fits = |p: &&SplitPart| !p.when.is_empty() && holds(&p.when, label);
     let mut fitting = parts.iter().filter(fits);
@@ -149,7 +149,7 @@ fn holds(when: &BTreeMap<String, Vec<Option<String>>>, label: &Value) -> bool {
     })
 }
 
-/// The L2 that all parts lie in.
+/// The L2 class that contains all parts.
 fn common(parts: &[ScenarioId]) -> Option<ScenarioId> {
     let first = ScenarioId { l3: None, ..parts.first()?.clone() };
     parts.iter().all(|p| p.is_within(&first)).then_some(first)
@@ -224,7 +224,7 @@ mod tests {
         let mut open = label("d", "lead_following");
         let Carried::Undecided { to, parts, .. } = carry(&mapping(), &mut open) else { panic!() };
         assert_eq!((to, parts.len()), (id("a.b"), 3));
-        // The L2 is known, the variant is not: never the first part, never the last.
+        // The L2 is known, the variant is not: neither the first nor the last part may be chosen.
         assert_eq!(open["scenario"], json!({"l1": "a", "l2": "b", "l3": null}));
     }
 

@@ -1,9 +1,11 @@
-//! The checker of labels (DATA_FORMAT.md 4.3): documents in, findings out, each with a code, a location and a hint.
+//! The checker of labels (DATA_FORMAT.md 4.3): takes documents and returns findings, each with a code, a location and a
+//! hint.
 //!
 //! A label takes the fast path first: one typed pass over its bytes ([`form::lean`]), and the rules ([`rulebook`]) with
-//! a sink that only notes whether there was a finding. If there is any doubt, the document is parsed again with spans
-//! (`whyroad_framework::check`), walked tolerantly ([`form::tolerant`]), and the same rules report in words. Other
-//! messages are checked by whyroad-framework. Nothing here opens a file: `Splitter` takes bytes and gives documents.
+//! a sink that only records whether there was a finding. If there was one, or the pass is not certain, the document is
+//! parsed again with spans (`whyroad_framework::check`), read tolerantly ([`form::tolerant`]), and the same rules write
+//! their messages. Other messages are checked by whyroad-framework. Nothing here opens a file: `Splitter` takes bytes
+//! and returns documents.
 
 mod business;
 mod cause;
@@ -46,7 +48,7 @@ pub struct Checker<'f> {
     recordings: Option<Arc<dyn Recordings>>,
 }
 
-/// Notes only whether there was a finding.
+/// Records only whether there was a finding.
 struct Silence {
     broken: bool,
 }
@@ -58,7 +60,7 @@ impl Sink for Silence {
 }
 
 impl<'f> Checker<'f> {
-    /// A checker that knows no clips.
+    /// A checker without a list of clips.
     pub fn new(framework: &'f Framework) -> Self {
         Self { framework, classes: ClassIndex::new(framework), clips: None, recordings: None }
     }
@@ -70,14 +72,14 @@ impl<'f> Checker<'f> {
         self
     }
 
-    /// The same, checking labels against the drives that are at hand.
+    /// The same, checking labels against the drives that are available.
     #[must_use]
     pub fn with_recordings(mut self, recordings: Arc<dyn Recordings>) -> Self {
         self.recordings = Some(recordings);
         self
     }
 
-    /// Every rule, and the recording where there is one.
+    /// Applies every rule, including those that compare with the recording if there is one.
     fn rules(&self, label: &View<'_>, sink: &mut dyn Sink) {
         self.rulebook().check(label, sink);
         let recorded = self.recordings.as_ref().zip(label.clip_id.get()).and_then(|(r, id)| r.of_clip(id));
@@ -111,7 +113,7 @@ impl<'f> Checker<'f> {
         out
     }
 
-    /// The fast path: true when `text` is a label without any finding. False says nothing yet.
+    /// The fast path: true when `text` is a label without any finding. False means only that the slow path must decide.
     pub fn is_clean_label(&self, text: &str) -> bool {
         lean::LeanCocLabel::read(text).is_some_and(|label| {
             let mut sink = Silence { broken: false };
@@ -120,7 +122,7 @@ impl<'f> Checker<'f> {
         })
     }
 
-    /// The slow path: everything that is wrong with `text`, whatever the fast path thinks.
+    /// The slow path: reports every finding in `text`, independent of the fast path.
     fn explain(&self, text: &str, origin: &Origin, out: &mut Vec<Diagnostic>) -> Verdict {
         check_document(text, origin, &self.classes, out, |walk| {
             let view = tolerant::read(walk, &self.framework.decisions);

@@ -1,9 +1,9 @@
-//! What would the ego have done without one object? The recorded scene is driven on from the keyframe by a
-//! car-following and yielding model that is fitted to the ego's own history; each object (and the light) is removed in
-//! turn, and the objects are ranked by how much farther the ego would have come.
+//! Estimates what the ego would have done without one object. The recorded scene is simulated from the keyframe on with
+//! a car-following and yielding model that is fitted to the ego's own history; each object (and the light) is removed
+//! in turn, and the objects are ranked by how much farther the ego would have driven.
 //!
-//! Pure functions of a drive and a frame. The model drives along the path that the ego then drove and speaks of speed
-//! only: it knows no lane change, no nudge and no turn, and other road users keep to their recorded tracks.
+//! Pure functions of a drive and a frame. The model follows the path that the ego really drove and predicts only its
+//! speed: it has no lane changes, nudges or turns, and other road users keep to their recorded tracks.
 
 mod idm;
 mod scene;
@@ -13,9 +13,9 @@ pub use scene::{Constraint, Scene};
 
 use whyroad_model::{Drive, SignalTable, TrackId};
 
-/// How far the scene is driven on, s.
+/// Duration of the simulation, s.
 pub const HORIZON_S: f64 = 8.0;
-/// Objects that are removed one by one: those that can reach the path first.
+/// Maximum number of objects that are removed one by one: those that can reach the path first.
 pub const MOST_RELEVANT: usize = 10;
 /// Step of the model, s.
 const STEP_S: f64 = 0.1;
@@ -29,24 +29,24 @@ pub enum Removed {
     Light,
 }
 
-/// What removing one thing changes.
+/// Effect of removing one thing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
-    /// What is removed.
+    /// The removed thing.
     pub removed: Removed,
-    /// How much farther the ego comes within the horizon, m; never negative.
+    /// Additional distance that the ego drives within the horizon, m; never negative.
     pub distance_m: f64,
-    /// How much less it has to brake at worst, m/s2; never negative.
+    /// Reduction of the strongest braking, m/s2; never negative.
     pub braking_mps2: f64,
 }
 
 impl Effect {
-    /// The ego drives as it would with the thing there.
+    /// The ego drives as it would with the thing present.
     pub fn is_none(&self) -> bool {
         self.distance_m < 1.0 && self.braking_mps2 < 0.3
     }
 
-    /// The ego would not have had to respond as it did.
+    /// The effect is large: the ego would not have had to respond as it did.
     pub fn is_plain(&self) -> bool {
         self.distance_m > 4.0 || self.braking_mps2 > 1.0
     }
@@ -57,13 +57,13 @@ impl Effect {
 pub struct Counterfactual {
     /// The fitted driver.
     pub driver: Driver,
-    /// How far the ego comes with everything there, m.
+    /// Distance that the ego drives with all things present, m.
     pub distance_m: f64,
     /// Effects, largest first; equal ones in the order of ids.
     pub effects: Vec<Effect>,
 }
 
-/// Drives the scene at `frame` on. `None` where the ego's poses or speed are unknown.
+/// Simulates the scene from `frame` on. `None` where the ego's poses or speed are unknown.
 pub fn counterfactual(drive: &Drive, signals: &SignalTable, frame: usize) -> Option<Counterfactual> {
     let scene = Scene::at(drive, signals, frame)?;
     let driver = Driver::fitted(drive, signals, frame)?;
@@ -89,7 +89,7 @@ pub fn counterfactual(drive: &Drive, signals: &SignalTable, frame: usize) -> Opt
     Some(Counterfactual { driver, distance_m: with.distance_m, effects })
 }
 
-/// One drive through the scene.
+/// One simulation of the scene.
 struct Run {
     distance_m: f64,
     least_accel: f64,

@@ -1,9 +1,9 @@
-//! Label skeletons: what mining and the ego's own motion already tell, filled in; the rest left for a person.
+//! Label skeletons: pre-filled with what mining and the ego's own motion show; the rest is left for a person.
 //!
-//! A skeleton is never a finished label. Its provenance is a rule, the label checks recognize its trace where a
-//! person hands it in unchanged, and its notes say what was inferred from what, and what the annotator still owes.
-//! Causes are taken only from what could be observed at or before the keyframe; decisions only from the motion
-//! after it (LABELING.md 6).
+//! A skeleton is never a finished label. Its provenance is a rule, the label checks recognize its trace when a person
+//! submits it unchanged, and its notes list what was inferred from what, and what the annotator must still add. Causes
+//! are taken only from what could be observed at or before the keyframe; decisions only from the motion after it
+//! (LABELING.md 6).
 
 mod clip;
 mod components;
@@ -37,7 +37,7 @@ use whyroad_model::messages::{
 use whyroad_model::time::frame_at;
 use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, Nanos, ScenarioId, SignalTable, TrackId};
 
-/// A skeleton and what is to be said of it.
+/// A skeleton and its notes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Draft {
     /// The episode that it was made from.
@@ -45,7 +45,7 @@ pub struct Draft {
     /// The skeleton, in the format of a finished label.
     #[serde(skip)]
     pub label: CocLabel,
-    /// Why the label has no components, decision and trace: what is seen does not bear out what the class says.
+    /// Why the label has no components, decision and trace: the recording does not support what the class states.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub doubt: Option<Doubt>,
     /// What was inferred and how, and what is missing.
@@ -63,7 +63,7 @@ pub fn draft(
     draft_with_seed(framework, drive, signals, episode, lang, 0)
 }
 
-/// The same with other phrasings: which are taken follows from the episode and `run`.
+/// The same with other phrasings: the episode and `run` determine which are used.
 pub fn draft_with_seed(
     framework: &Framework,
     drive: &Drive,
@@ -75,7 +75,7 @@ pub fn draft_with_seed(
     make(framework, drive, signals, episode, How { lang, run, listed: None })
 }
 
-/// The same where Stage I lists the components `listed`: of others than these nothing is said (LABELING.md 6, *Stage I
+/// The same where Stage I lists the components `listed`: the draft names no other components (LABELING.md 6, *Stage I
 /// components only, plus routing or rules*).
 pub fn draft_of_listed(
     framework: &Framework,
@@ -88,24 +88,24 @@ pub fn draft_of_listed(
     make(framework, drive, signals, episode, How { lang, run: 0, listed: Some(listed) })
 }
 
-/// How a skeleton is made.
+/// Settings of a skeleton.
 #[derive(Clone, Copy)]
 struct How<'a> {
     lang: Lang,
-    /// Which phrasings.
+    /// Seed of the phrasings.
     run: u64,
-    /// Components that Stage I lists; unset where all may be named.
+    /// Components that Stage I lists; `None` where all may be named.
     listed: Option<&'a [CriticalComponent]>,
 }
 
 impl How<'_> {
-    /// The object may be named beside what the class is about.
+    /// The object may be named in addition to the subject of the class.
     fn names(&self, object: &TrackId) -> bool {
         let links = |c: &CriticalComponent| c.linked_objects.iter().any(|id| id == object.as_str());
         self.listed.is_none_or(|listed| listed.iter().any(links))
     }
 
-    /// Says of each component what Stage I says of it, which knew less of what the class is about.
+    /// Gives each component the text that it has in Stage I, for which less was known about the subject of the class.
     fn reword(&self, components: &mut [CriticalComponent]) {
         let mut left: Vec<&CriticalComponent> = self.listed.into_iter().flatten().collect();
         for c in components {
@@ -116,7 +116,7 @@ impl How<'_> {
     }
 }
 
-/// The two components are of the same thing.
+/// True when both components describe the same thing.
 pub fn is_same(a: &CriticalComponent, b: &CriticalComponent) -> bool {
     a.category == b.category && a.linked_objects == b.linked_objects
 }
@@ -144,8 +144,8 @@ fn make(
     let (target_id, lead, lead_is) = target_and_lead(framework, drive, signals, episode, keyframe);
     let of_variants = class.l3.is_none().then(|| of_variants(framework, class)).flatten();
     let target = target_id.and_then(|id| drive.track(id)).map(|t| t.class);
-    // Of a drive that ends with the keyframe nothing is decided: it has no side (see `components`).
-    // Nor are the road's rules among the signals of its last frame.
+    // In a drive that ends at the keyframe nothing is decided: there is no side (see `components`). The signals of its
+    // last frame do not include the road's rules either.
     let goes_on = keyframe + 1 < drive.times.len();
     let driven =
         goes_on.then(|| Driven::after(drive, signals, keyframe, Some(episode.time_range.end_timestamp)));
@@ -196,7 +196,7 @@ fn make(
         course.trend == Trend::Falls && course.first.is_some_and(|c| c.is_underway && c.trend == Trend::Falls)
     });
     let by_lead = lead.filter(|lead| {
-        // Of a lead that the ego was slowing for before, what is seen at the keyframe is no more than another thing.
+        // If the ego was already slowing for a lead, what is seen at the keyframe is only an additional component.
         let slows = goes_on_slowing && lead.is_slower() && lead.is_cause_of(LongitudinalMotion::Slows);
         is_because_of(lead, &decision, motion) || (decision.longitudinal.is_none() && slows)
     });
@@ -225,7 +225,7 @@ fn make(
     let mut order = trace::StateOrder::FirstLast;
     let mut of_turn = None;
     if let Some(component) = by_lead.and_then(|lead| scene.lead(&lead, lang)) {
-        // What is nearest to the ego is said last: what follows refers to it.
+        // The component nearest to the ego comes last, because the text after it refers to it.
         order = trace::StateOrder::AsListed;
         components.insert(components.len().min(1), component);
         also = None;
@@ -234,12 +234,12 @@ fn make(
         of_turn = intent.is_some().then_some(components.len());
         components.extend(intent);
     }
-    // Where the class asks for another decision than to follow it, a lead that slows the ego is named all the same.
+    // If the class requires a decision other than following, a lead that slows the ego is still named.
     let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);
     let beside = lead.filter(|lead| by_lead.is_none() && slows && lead.is_cause_of(motion));
     let named = beside.filter(|_| decision.longitudinal.is_some() && target_id.is_none());
     also = also.or_else(|| named.and_then(|lead| scene.lead(&lead, lang)));
-    // What makes room for the decision is said after what calls for it.
+    // The component that makes room for the decision comes after the one that calls for it.
     if also.is_some() && components.len() < trace::MOST_IN_STATE {
         order = trace::StateOrder::AsListed;
     }
@@ -283,7 +283,7 @@ fn make(
     Draft { episode_id: episode.episode_id.clone(), label, doubt: None, notes }
 }
 
-/// What of a label is drafted.
+/// Drafted parts of a label.
 struct Parts {
     decision: DrivingDecision,
     components: Vec<CriticalComponent>,
@@ -292,7 +292,7 @@ struct Parts {
     causes: Option<Causes>,
 }
 
-/// The label of an episode with its range and keyframe inside the clip, and what is drafted of it.
+/// The label of an episode with its range and keyframe inside the clip, and its drafted parts.
 fn label_of(
     framework: &Framework,
     episode: &EpisodeRecord,
@@ -329,7 +329,7 @@ fn label_of(
     }
 }
 
-/// What the ego does after the keyframe is neither the decision nor, where nothing is decided, nothing.
+/// The ego's motion after the keyframe does not fit the decision or, where nothing is decided, is not constant.
 fn is_of_other_motion(
     w: &Driven<'_>,
     course: &along::Course,
@@ -344,21 +344,21 @@ fn is_of_other_motion(
     {
         return true;
     }
-    // Of a turn or a lane change the speed that goes with it need not be told.
+    // The speed change that accompanies a turn or a lane change need not be stated.
     if longitudinal.is_some() || lateral.is_some() {
         return false;
     }
     let slows = course.new.is_some_and(|c| c.trend == Trend::Falls);
     let moves_off = course.stands() && course.trend == Trend::Rises;
-    // It goes both ways within 3 s: something happens that the class does not tell of.
+    // The speed rises and falls within 3 s: something happens that the class does not cover.
     let both = course.trend == Trend::Unknown && !course.stands();
-    // Where the log does not tell of turns and lane changes, the ego may have done what the class says.
+    // If the log has no turns and lane changes, the ego may have done what the class states.
     let known = ["ego.movement", "ego.lane_change"].iter().all(|s| w.signals.frame_columns.contains_key(*s));
     slows || moves_off || both || (known && asked.decides())
 }
 
-/// Only the critical components of [`draft`], of a drive that ends with the keyframe. Of the signals it needs those of
-/// `whyroad_signals::derive_last_frame`, and asks for them only where anything of them is to be said.
+/// Only the critical components of [`draft`], for a drive that ends at the keyframe. It needs only the signals of
+/// `whyroad_signals::derive_last_frame`, and requests them only if they are used.
 pub fn components(
     framework: &Framework,
     drive: &Drive,
@@ -384,12 +384,12 @@ pub fn components(
     all
 }
 
-/// The frame of the keyframe, at most the last one.
+/// The frame of the keyframe, or the last frame if the keyframe is later.
 fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
     frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1))
 }
 
-/// With the component that every moment of the class has, first, where the signals do not tell it.
+/// Inserts the component that every episode of the class has as the first one, if the signals do not show it.
 fn with_cause(
     framework: &Framework,
     class: &ScenarioId,
@@ -400,7 +400,7 @@ fn with_cause(
     if let Some(seen) = trace::seen(framework, class, &observed, moment, lang) {
         observed.insert(0, seen);
     }
-    // LABELING.md 3: of who was hidden, at least one component is uncertain.
+    // LABELING.md 3: at least one component about a hidden road user is uncertain.
     let is_high = |c: &CriticalComponent| c.uncertainty == Some(Uncertainty::High);
     if framework.specs.get(class).is_some_and(|s| s.uncertainty_high)
         && !observed.iter().any(is_high)
@@ -419,8 +419,8 @@ fn number(components: &mut [CriticalComponent], at: Nanos) {
     }
 }
 
-/// The draft's first component is what the rule saw: it is proposed as the cause of both decisions, unless another one
-/// is nearer. `across` is unset where the log does not show why the ego goes across its path.
+/// The draft's first component is what the rule detected: it is proposed as the cause of both decisions, unless another
+/// one is nearer. `across` is unset where the log does not show the cause of the lateral decision.
 fn causes(
     decision: &DrivingDecision,
     components: &[CriticalComponent],
@@ -444,8 +444,8 @@ fn causes(
     })
 }
 
-/// Whom the class is about, the lead, and how it stands to the first. Of some classes the rule names no target, but
-/// they are about the lead.
+/// The subject of the class, the lead, and the relation of the lead to the subject. The rules of some classes name no
+/// target although the class is about the lead.
 fn target_and_lead<'a>(
     framework: &Framework,
     drive: &Drive,
@@ -472,14 +472,14 @@ fn target_and_lead<'a>(
     (target, lead, lead_is)
 }
 
-/// What any of the variants of an L2 allows.
+/// Decisions that any of the variants of an L2 class allows.
 fn of_variants(framework: &Framework, class: &ScenarioId) -> Option<ClassDecisions> {
     let leaves = &framework.decision_table().leaves;
     let own = leaves.iter().filter(|(leaf, _)| leaf.l1 == class.l1 && leaf.l2 == class.l2);
     own.map(|(_, decisions)| decisions.clone()).reduce(|all, one| all.or(&one))
 }
 
-/// The ego decides as it does, or stays where it stands, because of `lead`.
+/// The ego decides as it does, or remains stationary, because of `lead`.
 fn is_because_of(lead: &Lead<'_>, decision: &DrivingDecision, motion: LongitudinalMotion) -> bool {
     match decision.longitudinal {
         Some(Longitudinal::LeadFollowing | Longitudinal::Resume) => lead.is_cause_of(motion),
@@ -488,7 +488,7 @@ fn is_because_of(lead: &Lead<'_>, decision: &DrivingDecision, motion: Longitudin
     }
 }
 
-/// Those of the leaf, or of the L2 where the variant is not known.
+/// Typical decisions of the L3 class, or of the L2 class where the variant is not known.
 fn typical_decisions(taxonomy: &Taxonomy, class: &ScenarioId) -> TypicalDecisions {
     if let Some((_, _, l3)) = taxonomy.leaf(class) {
         return l3.typical_decisions.clone();

@@ -1,5 +1,5 @@
-//! What was driven after a keyframe: the 6 s that follow it (LABELING.md 6), longer where the label's own range is.
-//! Read here once for both who compare a label with its drive and who draft one.
+//! The ego's motion after a keyframe: the 6 s that follow it (LABELING.md 6), or longer where the label's own range is
+//! longer. Used by the checks, which compare a label with its drive, and by drafts.
 
 pub(crate) mod across;
 pub(crate) mod along;
@@ -8,28 +8,28 @@ pub(crate) mod other;
 use whyroad_model::time::frame_at;
 use whyroad_model::{Drive, Nanos, SignalTable, Tri};
 
-/// What follows the keyframe and is shown in Stage II, s.
+/// Duration after the keyframe that Stage II shows, s.
 const FUTURE_S: f64 = 6.0;
-/// A range that lasts longer is not followed to its end.
+/// A longer range is followed only up to this, s.
 const LONGEST_S: f64 = 15.0;
 /// Below this the ego is at standstill, m/s (schema/signals.yaml, standstill).
 pub(crate) const STANDSTILL_MPS: f64 = 0.3;
 
-/// Signals around a keyframe.
+/// The signals of a drive around a keyframe.
 #[derive(Clone, Copy)]
 pub(crate) struct Driven<'r> {
     pub drive: &'r Drive,
     pub signals: &'r SignalTable,
     /// Frame of the keyframe.
     pub keyframe: usize,
-    /// One past the 6 s after it.
+    /// One past the last frame of the 6 s after it.
     pub end: usize,
     /// One past the end of the label's range, at least `end`.
     pub range_end: usize,
 }
 
 impl<'r> Driven<'r> {
-    /// After the frame `keyframe` of a drive, followed to `range_end`.
+    /// The frames after `keyframe` of a drive, up to `range_end`.
     pub fn after(
         drive: &'r Drive,
         signals: &'r SignalTable,
@@ -43,13 +43,13 @@ impl<'r> Driven<'r> {
         Self { drive, signals, keyframe, end: at(FUTURE_S), range_end: at(range_s) }
     }
 
-    /// A frame's time after the keyframe, s.
+    /// Time of a frame after the keyframe, s.
     pub fn seconds(&self, frame: usize) -> f64 {
         let times = &self.drive.times;
         times.get(frame).map_or(0.0, |t| t.seconds_since(times[self.keyframe]))
     }
 
-    /// True when the recording goes on for `s` seconds after the keyframe.
+    /// True when the recording continues for `s` seconds after the keyframe.
     pub fn lasts(&self, s: f64) -> bool {
         self.seconds(self.drive.times.len() - 1) >= s - 0.15
     }
@@ -109,7 +109,7 @@ impl<'r> Driven<'r> {
     }
 }
 
-/// Speeds over a stretch, m/s.
+/// Speeds in a range of frames, m/s.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Speeds {
     pub min: f64,
@@ -119,7 +119,7 @@ pub(crate) struct Speeds {
     pub last: f64,
 }
 
-/// m/s to km/h, for people.
+/// m/s to km/h, for messages.
 pub(crate) fn kmh(mps: f64) -> f64 {
     mps * 3.6
 }

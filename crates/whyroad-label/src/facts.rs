@@ -1,6 +1,6 @@
-//! What is known of the work on one label: its class, what people changed of the draft, when it moved on, how long they
-//! worked. Made from a task and its history; the label itself is left out, so that a hundred thousand of them fit into
-//! memory. Knows no store.
+//! Facts about the work on one label: its class, what people changed of the draft, when its state changed, how long
+//! they worked. Computed from a task and its history; the label itself is left out, so that a hundred thousand of them
+//! fit into memory. This module does not access a store.
 
 mod revision;
 
@@ -11,12 +11,12 @@ use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::{DriveId, Nanos, ScenarioId};
 
-/// How far a label is.
+/// Progress of a label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LabelStage {
-    /// Not handed in yet.
+    /// Not submitted yet.
     Waiting,
-    /// Handed in: with a checker or auditor, or back at its author for rework.
+    /// Submitted: with a checker or auditor, or returned to its author for rework.
     Labelled,
     /// Accepted.
     Accepted,
@@ -24,23 +24,23 @@ pub enum LabelStage {
     LeftOut,
 }
 
-/// What somebody decided about an episode; `None` is "no change of decision".
+/// The judgement of a person about an episode; `None` is "no change of decision".
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Judgement {
     /// Class.
     pub scenario: Option<ScenarioId>,
-    /// Along the path.
+    /// Longitudinal decision.
     pub longitudinal: Option<Longitudinal>,
-    /// Across the path.
+    /// Lateral decision.
     pub lateral: Option<Lateral>,
-    /// Side, where the lateral decision has one.
+    /// Its side, where the lateral decision has one.
     pub lateral_direction: Option<LateralDirection>,
     /// Keyframe, nanoseconds since 1970.
     pub keyframe: Option<Nanos>,
 }
 
 impl Judgement {
-    /// That of a label which was handed in, and so was checked.
+    /// The judgement in a label that was submitted, and so was checked.
     pub fn of(label: &Value) -> Self {
         let word = |at: &str| label.pointer(at).and_then(Value::as_str);
         let part = |name: &str| word(&format!("{}/{name}", pointer::SCENARIO)).map(str::to_owned);
@@ -56,12 +56,12 @@ impl Judgement {
     }
 }
 
-/// One task of the labeling service in short.
+/// Summary of one task of the labeling service.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaskFacts {
     /// Id of the task.
     pub task: String,
-    /// Episode that it is about.
+    /// Id of its episode.
     pub episode: String,
     /// Drive.
     pub drive: DriveId,
@@ -69,31 +69,31 @@ pub struct TaskFacts {
     pub scenario: ScenarioId,
     /// Keyframe that mining gave.
     pub keyframe: Nanos,
-    /// How far it is.
+    /// Progress of the label.
     pub stage: LabelStage,
     /// Another label of its overlap group was chosen.
     pub superseded: bool,
     /// Display name of the author.
     pub author: Option<String>,
-    /// The label as it is now; from the moment it is handed in.
+    /// The current label; set once it is submitted.
     pub label: Option<Judgement>,
-    /// The label as first handed in, for the tasks that several people label.
+    /// The label as first submitted, for tasks that several people label.
     pub first: Option<Judgement>,
-    /// From the draft to the accepted label; only of accepted ones.
+    /// Changes from the draft to the accepted label; only of accepted ones.
     pub revision: Option<Revision>,
-    /// When it was made.
+    /// When it was created.
     pub created: Nanos,
-    /// When it was first handed in.
+    /// When it was first submitted.
     pub submitted: Option<Nanos>,
     /// When it was last accepted, of accepted ones.
     pub accepted: Option<Nanos>,
     /// How often a checker or auditor returned it.
     pub returned: u32,
-    /// Time that people worked on it, s ([`worked_s`]).
+    /// Time that people worked on it, s ([`worked_s()`]).
     pub worked_s: f64,
 }
 
-/// One entry of a task's history, in short.
+/// Summary of one entry of a task's history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Step {
     /// When, ms since 1970.
@@ -104,14 +104,14 @@ pub struct Step {
     pub action: String,
 }
 
-/// A longer pause between two entries counts as this long, s: who reads for a while saves nothing.
+/// Maximum time counted for a pause between two entries, s: reading without saving is work, up to this.
 pub const LONGEST_PAUSE_S: f64 = 300.0;
 
-/// Actions after which their actor goes on working on the task.
+/// Actions after which their actor continues to work on the task.
 const WORKING: [&str; 4] = ["take", "edit", "lock_stage1", "restore"];
 
-/// Time that people worked on a task, s: between entries of its history by one person in a row, from taking it to
-/// handing it on, where each pause counts [`LONGEST_PAUSE_S`] at most.
+/// Time that people worked on a task, s: between consecutive entries of its history by one person, from taking the task
+/// to passing it on, where each pause counts [`LONGEST_PAUSE_S`] at most.
 pub fn worked_s(steps: &[Step]) -> f64 {
     steps
         .windows(2)
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn work_is_between_taking_and_handing_on() {
-        // By hand: 40 s + 20 s of Ada; the hour until Ben takes it is nobody's; 30 s of Ben.
+        // Computed by hand: 40 s + 20 s of Ada; the hour until Ben takes it counts for nobody; 30 s of Ben.
         let steps = [
             step(0, "ada", "take"),
             step(40, "ada", "edit"),
@@ -151,7 +151,7 @@ mod tests {
         assert!((worked_s(&pause) - LONGEST_PAUSE_S).abs() < 1e-9);
         let released = [step(0, "ada", "take"), step(10, "ada", "release"), step(60, "ada", "take")];
         assert!((worked_s(&released) - 10.0).abs() < 1e-9);
-        // A clock that was set back takes nothing away.
+        // A clock that was set back does not reduce the time.
         assert!(worked_s(&[step(60, "ada", "take"), step(0, "ada", "edit")]).abs() < 1e-9);
         assert!(worked_s(&[]).abs() < 1e-9);
     }

@@ -1,9 +1,9 @@
-//! Causal texts that other tools wrote, as drafts of labels. One file per source format: content in, [`Reading`] out;
-//! [`draft`] places what was read in a drive. Nothing here opens a file: tables come as rows, texts as texts.
+//! Causal texts that other tools wrote, as drafts of labels. One file per source format: it takes the content and
+//! returns a [`Reading`]; [`draft`] assigns its texts to moments of a drive. Nothing here opens a file: tables come as
+//! rows, texts as strings.
 //!
-//! A text is all that these sources have. None states a decision of our closed sets (their meta actions say how the car
-//! moved, not what it decided), so the decisions of a draft are null, and what cannot be carried over is counted by
-//! field.
+//! These sources have only a text. None states a decision of our closed sets (their meta actions state how the car
+//! moved, not what it decided), so the decisions of a draft are null, and what cannot be converted is counted by field.
 
 pub mod alpamayo2;
 pub mod auto_labeler;
@@ -27,35 +27,35 @@ pub type Row = Map<String, Value>;
 /// One causal text with its moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reasoning {
-    /// Where it was read: file and row or event.
+    /// Source: file and row or event.
     pub origin: String,
-    /// Clip, in the source's words.
+    /// Clip, as named by the source.
     pub clip: String,
     /// Moment of the decision, us since the clip's time 0.
     pub at_us: i64,
-    /// End of what the text speaks of, us since the clip's time 0.
+    /// End of the described period, us since the clip's time 0.
     pub until_us: Option<i64>,
     /// The text.
     pub text: String,
-    /// Critical components, in words.
+    /// Descriptions of critical components.
     pub components: Vec<String>,
-    /// What it was made with: version of a prompt, name of a model.
+    /// Versions of what it was made with: prompt, name of the model.
     pub versions: BTreeMap<String, String>,
 }
 
-/// What a source has.
+/// Content of a source.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
     /// Texts, in the source's order.
     pub found: Vec<Reasoning>,
-    /// Values that a label has no place for, by field.
+    /// Number of values for which a label has no field, by field.
     pub left_out: BTreeMap<String, usize>,
-    /// Everything that somebody should know.
+    /// Everything to report.
     pub diagnostics: Vec<Diagnostic>,
 }
 
 impl Reading {
-    /// Adds what another file of the source has.
+    /// Adds the content of another file of the source.
     pub fn append(&mut self, other: Reading) {
         self.found.extend(other.found);
         self.diagnostics.extend(other.diagnostics);
@@ -68,7 +68,7 @@ impl Reading {
         *self.left_out.entry(field.into()).or_default() += 1;
     }
 
-    /// Counts the fields that are not in `known`; null and empty ones are nothing that could be lost.
+    /// Counts the fields that are not in `known`; null and empty ones contain no data.
     fn leave_out_others(&mut self, prefix: &str, fields: &Map<String, Value>, known: &[&str]) {
         for (name, value) in fields {
             let empty = match value {
@@ -90,7 +90,7 @@ fn text(value: Option<&Value>) -> Option<String> {
     value.and_then(Value::as_str).map(str::trim).filter(|s| !s.is_empty()).map(str::to_owned)
 }
 
-/// A whole number, also where it is written as a float.
+/// A whole number, also if it is written as a float.
 fn whole(value: Option<&Value>) -> Option<i64> {
     let value = value?;
     value.as_i64().or_else(|| value.as_f64().filter(|f| f.fract() == 0.0 && f.abs() < 9e15).map(|f| f as i64))
@@ -109,7 +109,7 @@ fn cot_or_coc(event: &Map<String, Value>, origin: &str, reading: &mut Reading) -
 
 /// Keys of the causal text.
 const TEXTS: [&str; 2] = ["coc", "cot"];
-/// Frames of the sources' own grids are 10 Hz, us.
+/// Frame period of the sources' own grids, us: 10 Hz.
 const FRAME_US: i64 = 100_000;
 
 /// Time 0 of a clip in a drive: `stated`, else `default` where the drive contains it, else the drive's first frame.

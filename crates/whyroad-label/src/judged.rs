@@ -1,5 +1,5 @@
-//! Answers of a judge to true/false questions about labels (LABELING.md 6): a model's or a person's. Which questions
-//! are put to a model, and how, is not known here.
+//! Answers of a judge (a model or a person) to true/false questions about labels (LABELING.md 6). Which questions are
+//! sent to a model, and how, is not defined here.
 
 mod people;
 
@@ -9,30 +9,30 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use whyroad_model::Nanos;
 
-/// What a statement is about.
+/// Subject of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum QuestionKind {
-    /// The decision is what the ego does first.
+    /// The decision is the first action of the ego.
     Decision,
     /// A component could be observed at or before the keyframe.
     Presence,
     /// A component causes the decision.
     CauseEffect,
-    /// Nothing nearer causes it.
+    /// There is no nearer cause.
     ProximateCause,
-    /// The trace says what the components and decisions say.
+    /// The trace agrees with the components and decisions.
     Consistency,
-    /// The trace rests on nothing that came later.
+    /// The trace uses nothing that happened later.
     Hindsight,
-    /// Legal and safe driving.
+    /// The driving is legal and safe.
     Safety,
-    /// Something that is not named causes the decision, too.
+    /// Something that is not named also causes the decision.
     Omission,
 }
 
 impl QuestionKind {
-    /// All, in the order of the report.
+    /// All kinds, in the order of the report.
     pub const ALL: [Self; 8] = [
         Self::Decision,
         Self::Presence,
@@ -44,7 +44,7 @@ impl QuestionKind {
         Self::Omission,
     ];
 
-    /// As messages have it.
+    /// Its id in messages.
     pub fn id(self) -> &'static str {
         match self {
             Self::Decision => "decision",
@@ -64,18 +64,18 @@ impl QuestionKind {
 pub struct Question {
     /// Unique within the label: `q1`, `q2`, ...
     pub id: String,
-    /// What it is about.
+    /// Its subject.
     pub kind: QuestionKind,
     /// The statement.
     pub text: String,
-    /// Track that it is about, where it names one that the label does not.
+    /// Track that the statement is about, if it is a track that the label does not name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub object: Option<String>,
-    /// Answer that a correct label has.
+    /// Answer for a correct label.
     pub expected: bool,
-    /// The judge's; `None` while it is missing.
+    /// The judge's answer; `None` while it is missing.
     pub answer: Option<bool>,
-    /// In words.
+    /// The judge's explanation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
@@ -96,13 +96,13 @@ pub struct JudgedLabel {
     pub keyframe: Nanos,
     /// Class.
     pub scenario: String,
-    /// Who answers: the model's name, or `person`.
+    /// The judge: the model's name, or `person`.
     pub judge: String,
-    /// Whether the label was chosen for people.
+    /// Whether the label was selected for people.
     pub for_people: bool,
-    /// True when every answer is the one that a correct label has; `None` while answers are missing.
+    /// True when every answer is the expected one; `None` while answers are missing.
     pub passed: Option<bool>,
-    /// In the order in which they were put.
+    /// In the order in which they were asked.
     pub questions: Vec<Question>,
 }
 
@@ -113,7 +113,7 @@ impl JudgedLabel {
         self.passed = answers.map(|all| all.iter().all(|p| *p));
     }
 
-    /// The same for a person to fill in: without the model's answers, which would not be independent then.
+    /// A copy for a person to fill in: without the model's answers, so that the person's answers are independent.
     #[must_use]
     pub fn blank(&self) -> Self {
         let questions = self.questions.iter().map(|q| Question { answer: None, reason: None, ..q.clone() });

@@ -1,17 +1,18 @@
-//! Fields of a draft by JSON pointer (RFC 6901): changing them, and merging two people's changes field by field.
-//! Knows no task, no person and no protocol.
+//! Fields of a draft by JSON pointer (RFC 6901): changing them, and merging two people's changes field by field. This
+//! module does not depend on tasks, users or the protocol.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use whyroad_model::Bilingual;
 
-/// Greatest size of a draft in bytes.
+/// Maximum size of a draft in bytes.
 pub const MAX_DRAFT: usize = 256 * 1024;
-/// Deepest nesting of a draft. A label needs five; what is nested beyond 128 could be stored but never be read again.
+/// Maximum nesting of a draft. A label needs five levels; a document nested beyond 128 could be stored but never be
+/// read again.
 pub const MAX_DEPTH: usize = 32;
-/// Maximum number of values in a draft, lists and objects included. A label has some hundred; checking takes a time
-/// that grows with them.
+/// Maximum number of values in a draft, lists and objects included. A label has several hundred; the time of checking
+/// grows with them.
 pub const MAX_VALUES: usize = 5_000;
 /// Maximum number of changes in one request.
 pub const MAX_CHANGES: usize = 100;
@@ -30,18 +31,18 @@ pub struct FieldChange {
     pub remove: bool,
 }
 
-/// A field that two changed.
+/// A field that two people changed.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FieldConflict {
     /// JSON pointer.
     pub path: String,
-    /// What the caller wanted.
+    /// The caller's value.
     pub mine: Value,
     /// The current value.
     pub theirs: Value,
 }
 
-/// Why a change or a draft is refused.
+/// Why a change or a draft is rejected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DraftError {
     /// The text is not the path of a field.
@@ -72,7 +73,7 @@ impl DraftError {
         }
     }
 
-    /// In words.
+    /// The message in both languages.
     pub fn text(&self) -> Bilingual {
         let zh = match self {
             Self::NotAPath(path) => format!("'{path}' 不是字段路径"),
@@ -85,7 +86,7 @@ impl DraftError {
     }
 }
 
-/// Makes one change. Objects on the way are made where they are missing; list elements must be there.
+/// Applies one change. Missing objects on the path are created; list elements must exist.
 pub fn apply(draft: &mut Value, change: &FieldChange) -> Result<(), DraftError> {
     let parts = parts(&change.path)?;
     let wrong = || DraftError::NoField(change.path.clone());
@@ -127,7 +128,7 @@ pub fn apply(draft: &mut Value, change: &FieldChange) -> Result<(), DraftError> 
     Ok(())
 }
 
-/// Refuses a draft that is larger or nested deeper than any label.
+/// Rejects a draft that is larger or nested deeper than any label.
 pub fn bounded(draft: &Value) -> Result<(), DraftError> {
     if draft.to_string().len() > MAX_DRAFT {
         return Err(DraftError::TooLarge);
@@ -141,8 +142,8 @@ pub fn bounded(draft: &Value) -> Result<(), DraftError> {
     Ok(())
 }
 
-/// How deep lists and objects are nested; 0 for a plain value. serde_json reads nothing deeper than 128, and a change
-/// adds at most eight, so the recursion is bounded.
+/// Depth of nested lists and objects; 0 for a plain value. serde_json reads nothing deeper than 128, and a change adds
+/// at most eight, so the recursion is bounded.
 fn depth(value: &Value) -> usize {
     match value {
         Value::Array(items) => 1 + items.iter().map(depth).max().unwrap_or(0),
@@ -160,9 +161,9 @@ fn values(value: &Value) -> usize {
     }
 }
 
-/// Refuses a path that is written in another way than the one under which conflicts are looked for: with empty parts,
-/// with numbers such as `00` or `+1`, with a `~` that escapes nothing. For changes that come in; those of an older
-/// history stay readable.
+/// Rejects a path that is not in its canonical form, under which conflicts are searched: with empty parts, with numbers
+/// such as `00` or `+1`, with a `~` that escapes nothing. Only for incoming changes; those of an older history stay
+/// readable.
 pub fn canonical(path: &str) -> Result<(), DraftError> {
     let number = |p: &str| {
         let digits = p.strip_prefix('+').unwrap_or(p);
@@ -195,16 +196,16 @@ pub fn top(path: &str) -> &str {
 /// How two changes relate to each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Meeting {
-    /// Both can be made.
+    /// Both can be applied.
     Apart,
-    /// One's field is the other's or lies in it.
+    /// They change the same field, or the field of one contains the other's.
     SameField,
-    /// One takes an element out of a list that the other counts on.
+    /// One removes an element from a list in which the other uses an index.
     Shifted,
 }
 
 fn meet(a: &FieldChange, b: &FieldChange) -> Meeting {
-    // Two that append do not meet.
+    // Two appends do not conflict.
     if a.path.ends_with("/-") && b.path.ends_with("/-") {
         return Meeting::Apart;
     }
@@ -223,8 +224,8 @@ fn meet(a: &FieldChange, b: &FieldChange) -> Meeting {
     }
 }
 
-/// What of `mine` clashes with `theirs`, which came between. Whoever wanted the current value has no conflict, unless
-/// elements have moved: then it is another element that happens to look like it.
+/// Conflicts of `mine` with `theirs`, which was applied in between. A change to the current value is no conflict,
+/// unless elements have moved: then another element happens to have this value.
 pub fn conflicts(now: &Value, mine: &[FieldChange], theirs: &[FieldChange]) -> Vec<FieldConflict> {
     let there = |path: &str| now.pointer(path).cloned().unwrap_or(Value::Null);
     let clash = |m: &FieldChange, t: &FieldChange| match meet(m, t) {
@@ -238,7 +239,7 @@ pub fn conflicts(now: &Value, mine: &[FieldChange], theirs: &[FieldChange]) -> V
         .collect()
 }
 
-/// Top fields in which two drafts differ, sorted.
+/// Top-level fields in which two drafts differ, sorted.
 pub fn differing(a: &Value, b: &Value) -> Vec<String> {
     let (Some(a), Some(b)) = (a.as_object(), b.as_object()) else { return vec![] };
     let mut names: Vec<&String> = a.keys().chain(b.keys()).collect();

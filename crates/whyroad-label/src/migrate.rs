@@ -1,9 +1,9 @@
-//! Labels of older layouts brought to the current one, and back to format 2.0. What cannot be carried over is reported;
+//! Converts labels of older layouts to the current one, and back to format 2.0. What cannot be converted is reported;
 //! nothing is guessed that the document does not state.
 //!
-//! Read are: format 2.0 and 2.1; the object layout of 1.0, with the same parts under the names in [`ALIASES`]; and the
-//! compact layout, in which the scenario, the decision, the keyframe and the range are single values and the components
-//! are the list `primary_factors`.
+//! Supported inputs: format 2.0 and 2.1; the object layout of 1.0, with the same parts under the names in [`ALIASES`];
+//! and the compact layout, in which the scenario, the decision, the keyframe and the range are single values and the
+//! components are the list `primary_factors`.
 
 mod loss;
 mod parts;
@@ -16,27 +16,27 @@ use whyroad_model::label_fields::{LABEL_FIELDS, name};
 use whyroad_model::messages::CocLabel;
 use whyroad_model::{Diagnostic, FORMAT_VERSION};
 
-/// Where to.
+/// Target format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// The newest format.
     Current,
-    /// Format 2.0.0: without everything that later versions added.
+    /// Format 2.0.0: without everything that later versions have added.
     V2_0,
 }
 
 /// A label in the target format.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Migrated {
-    /// The label; `None` where the document is not one.
+    /// The label; `None` where the document is not a label.
     pub label: Option<Value>,
-    /// Layout that it was in.
+    /// Layout of the input.
     pub from: &'static str,
     /// What was left out or is missing.
     pub report: Vec<Diagnostic>,
 }
 
-/// Older names of fields, and the current one.
+/// Older names of fields, and the current name.
 const ALIASES: &[(&str, &str)] = &[
     ("clip", name::CLIP_ID),
     ("clipId", name::CLIP_ID),
@@ -59,14 +59,14 @@ const ALIASES: &[(&str, &str)] = &[
 /// The list that marks the compact layout.
 const PRIMARY_FACTORS: &str = "primary_factors";
 
-/// Brings one document to `target`.
+/// Converts one document to `target`.
 pub fn migrate(framework: &Framework, document: &Value, target: Target) -> Migrated {
     let mut report = Vec::new();
     let Value::Object(fields) = document else {
         report.push(lost("", "不是 JSON 对象", "not a JSON object"));
         return Migrated { label: None, from: "unknown", report };
     };
-    // A message wraps its content in one key.
+    // A message contains its content under one key.
     let inner = fields
         .get("coc_label")
         .or_else(|| fields.get("coc_output"))
@@ -130,7 +130,7 @@ fn layout(fields: &Map<String, Value>) -> &'static str {
     }
 }
 
-/// The fields under their current names; those that no format has are reported and left out.
+/// The fields under their current names; fields that no format has are reported and left out.
 fn renamed(fields: &Map<String, Value>, report: &mut Vec<Diagnostic>) -> Map<String, Value> {
     let of_root = |p: &'static str| p.strip_prefix('/').filter(|p| !p.contains('/'));
     let known: Vec<&str> = LABEL_FIELDS.iter().filter_map(|f| of_root(f.pointer)).collect();
@@ -162,7 +162,7 @@ fn put(out: &mut Map<String, Value>, field: &str, value: Option<Value>) {
     }
 }
 
-/// Records in the form in which they are stored: without language.
+/// Records in their stored form: without language.
 fn records(framework: &Framework, out: &mut Map<String, Value>) {
     let Some(Value::Object(records)) = out.get_mut(name::RECORDS) else { return };
     for (id, value) in records.iter_mut() {
@@ -172,7 +172,7 @@ fn records(framework: &Framework, out: &mut Map<String, Value>) {
     }
 }
 
-/// Format 2.0, with what it cannot say reported.
+/// Converts to format 2.0 and reports what it cannot represent.
 fn back(out: Map<String, Value>, report: &mut Vec<Diagnostic>) -> Value {
     let whole = Value::Object(out);
     let Ok(label) = serde_json::from_value::<CocLabel>(whole.clone()) else {

@@ -1,12 +1,12 @@
-//! Krippendorff's alpha: agreement of any number of raters, some of whom may have left units out.
+//! Krippendorff's alpha: agreement of any number of raters; a rater may have no value for some units.
 //!
 //! Source: K. Krippendorff, "Computing Krippendorff's Alpha-Reliability" (2011): 1 - observed / expected disagreement,
 //! over the coincidences of pairable values.
 
 use std::collections::BTreeMap;
 
-/// Alpha of categories; each unit has the values that its raters gave. `None` where no unit has two values, or where
-/// all values are one and the same.
+/// Alpha of categories; each unit has the values of its raters. `None` where no unit has two values, or where all
+/// values are equal.
 pub fn alpha_nominal<C: Ord>(units: &[Vec<C>]) -> Option<f64> {
     let mut index: BTreeMap<&C, usize> = BTreeMap::new();
     for value in units.iter().flatten() {

@@ -1,13 +1,13 @@
-//! Which critical components of two labels are the same: those that speak of the same object, else those whose words
-//! are alike within one category.
+//! Matches the critical components of two labels: those that link the same object, else those of one category whose
+//! descriptions are similar.
 
 use std::collections::BTreeSet;
 use whyroad_model::messages::CriticalComponent;
 
-/// Descriptions at least this alike (share of common character pairs, Dice) say the same.
+/// Minimum similarity of matching descriptions (share of common character pairs, Dice).
 const ALIKE: f64 = 0.5;
 
-/// How many components of two labels are the same.
+/// Number of matching components of two labels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ComponentMatch {
     /// In both.
@@ -19,8 +19,8 @@ pub struct ComponentMatch {
 }
 
 impl ComponentMatch {
-    /// Both counts together; the harmonic mean of precision and recall, whichever of the two is taken for the truth.
-    /// `None` where neither has a component.
+    /// F1 over all items: the harmonic mean of precision and recall, which does not depend on which label is taken as
+    /// ground truth. `None` where neither has a component.
     pub fn f1(matches: &[Self]) -> Option<f64> {
         let sum = |of: fn(&Self) -> usize| matches.iter().map(of).sum::<usize>() as f64;
         let all = sum(|m| m.first) + sum(|m| m.second);
@@ -28,7 +28,7 @@ impl ComponentMatch {
     }
 }
 
-/// Pairs components one to one, the most alike first.
+/// Pairs components one to one, the most similar first.
 pub fn match_components(first: &[CriticalComponent], second: &[CriticalComponent]) -> ComponentMatch {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, a) in first.iter().enumerate() {
@@ -51,8 +51,8 @@ pub fn match_components(first: &[CriticalComponent], second: &[CriticalComponent
     ComponentMatch { common, first: first.len(), second: second.len() }
 }
 
-/// 2 where both speak of one object; 0 where they speak of different ones or are of different categories; else how
-/// alike their words are, 0 to 1.
+/// 2 where both link one object; 0 where they link different objects or are of different categories; else the
+/// similarity of their descriptions, 0 to 1.
 fn likeness(a: &CriticalComponent, b: &CriticalComponent) -> f64 {
     if !a.linked_objects.is_empty() && !b.linked_objects.is_empty() {
         return if a.linked_objects.iter().any(|o| b.linked_objects.contains(o)) { 2.0 } else { 0.0 };
@@ -61,7 +61,7 @@ fn likeness(a: &CriticalComponent, b: &CriticalComponent) -> f64 {
     if differ { 0.0 } else { dice(&a.description, &b.description) }
 }
 
-/// Share of common pairs of neighboring characters, punctuation and case aside.
+/// Share of common pairs of adjacent characters, without punctuation and case.
 fn dice(a: &str, b: &str) -> f64 {
     let pairs = |text: &str| -> BTreeSet<(char, char)> {
         let chars: Vec<char> =
@@ -95,7 +95,7 @@ mod tests {
         let m = match_components(&a, &b);
         assert_eq!(m, ComponentMatch { common: 2, first: 2, second: 2 });
         assert_eq!(ComponentMatch::f1(&[m]), Some(1.0));
-        // Another object with the same words is another component; so is another category.
+        // Another object with the same description is another component; so is another category.
         let other = [component("左前方的轿车正在并入", None, &["t2"])];
         assert_eq!(match_components(&a[..1], &other).common, 0);
         let (x, y) = (

@@ -1,5 +1,5 @@
-//! How sure a value is: percentile intervals of a seeded bootstrap over episodes (B. Efron, "Bootstrap methods: another
-//! look at the jackknife", The Annals of Statistics 7, 1979).
+//! Confidence intervals: percentile intervals of a seeded bootstrap over episodes (B. Efron, "Bootstrap methods:
+//! another look at the jackknife", The Annals of Statistics 7, 1979).
 
 use serde::Serialize;
 use whyroad_model::random::SplitMix64;
@@ -38,7 +38,7 @@ pub fn bootstrap<U: Clone>(units: &[U], seed: u64, value: impl Fn(&[U]) -> Optio
         })
         .collect();
     values.sort_by(f64::total_cmp);
-    // Samples in which the value is not defined say nothing; with few others there is no interval.
+    // Samples in which the value is not defined are left out; if few others remain, there is no interval.
     let at = |share: f64| {
         let last = values.len().checked_sub(1)?;
         (values.len() * 2 > SAMPLES).then(|| values[(share * last as f64).round() as usize])

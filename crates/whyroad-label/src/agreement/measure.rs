@@ -1,4 +1,4 @@
-//! How far the labels of the same episodes agree: class, decisions, keyframe, components, each with an interval.
+//! Agreement of the labels of the same episodes: class, decisions, keyframe, components, each with an interval.
 
 use super::pairing::{Item, moment, seconds_in_clip};
 use super::{ComponentMatch, Estimate, alpha_interval, alpha_nominal, bootstrap, cohen, median};
@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use whyroad_model::messages::CocLabel;
 
-/// Keyframes at most this far apart count as the same moment, s.
+/// Maximum distance of keyframes that count as the same moment, s.
 const SAME_MOMENT_S: f64 = 0.5;
 
 /// Agreement on one categorical part of a label.
@@ -14,9 +14,9 @@ const SAME_MOMENT_S: f64 = 0.5;
 pub struct NominalAgreement {
     /// Which part.
     pub part: &'static str,
-    /// Episodes.
+    /// Number of episodes.
     pub episodes: usize,
-    /// Share of pairs of raters who say the same.
+    /// Share of pairs of raters with the same value.
     pub same: Estimate,
     /// Cohen's kappa over pairs of raters.
     pub kappa: Estimate,
@@ -44,7 +44,7 @@ pub struct ComponentAgreement {
     pub f1: Estimate,
 }
 
-/// Everything.
+/// Agreement on all parts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Agreement {
     /// Episodes with two or more labels.
@@ -70,7 +70,7 @@ const PARTS: [(&str, Part); 5] = [
     ("lateral_direction", |l| l.driving_decision.lateral_direction.map_or("null", |d| d.id()).to_owned()),
 ];
 
-/// Compares the labels of each item. `seed` is that of the intervals.
+/// Compares the labels of each item. `seed` is the seed of the intervals.
 pub fn agreement(items: &[Item], seed: u64) -> Agreement {
     let raters: BTreeSet<&str> = items.iter().flat_map(|i| &i.labels).map(|l| l.rater.as_str()).collect();
     let parts = PARTS.iter().map(|(name, part)| nominal(name, *part, items, seed)).collect();
@@ -104,7 +104,7 @@ fn nominal(part: &'static str, of: Part, items: &[Item], seed: u64) -> NominalAg
     NominalAgreement { part, episodes: units.len(), ..nominal_agreement(part, &units, seed) }
 }
 
-/// Agreement of categories; each unit has the values of its raters, who are in the same order in every unit.
+/// Agreement on categories; each unit has the values of its raters, who are in the same order in every unit.
 pub(crate) fn nominal_agreement(part: &'static str, units: &[Vec<String>], seed: u64) -> NominalAgreement {
     let both = |units: &[Vec<String>]| -> Vec<(String, String)> {
         let all = units.iter().flat_map(|u| {
@@ -125,7 +125,7 @@ fn share<T>(all: &[T], which: impl Fn(&T) -> bool) -> Option<f64> {
     (!all.is_empty()).then(|| all.iter().filter(|t| which(t)).count() as f64 / all.len() as f64)
 }
 
-/// A value of each pair of raters of an item.
+/// One value per pair of raters of an item.
 fn pairs<V, R>(item: &Item, of: impl Fn(&CocLabel) -> V, value: impl Fn(&V, &V) -> R) -> Vec<R> {
     let all: Vec<V> = item.labels.iter().map(|l| of(&l.label)).collect();
     let mut out = Vec::new();

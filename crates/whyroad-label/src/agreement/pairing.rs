@@ -1,4 +1,4 @@
-//! The labels of one episode by several people: from two exports, by clip and nearest keyframe; or from tasks of the
+//! Finds the labels of one episode by several people: in two exports, by clip and nearest keyframe; or in tasks of the
 //! labeling service, by episode.
 
 use super::ComponentMatch;
@@ -11,16 +11,16 @@ use whyroad_model::messages::CocLabel;
 /// Keyframes of one clip farther apart than this are of different episodes, s.
 const SAME_EPISODE_S: f64 = 5.0;
 
-/// A label and who made it.
+/// A label and its rater.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RatedLabel {
-    /// The rater: a file, an annotator.
+    /// The rater: the name of a file or of an annotator.
     pub rater: String,
     /// The label.
     pub label: CocLabel,
 }
 
-/// An episode with the labels of two or more raters, in the order of their names.
+/// An episode with the labels of two or more raters, sorted by rater.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
     /// Episode, or clip and keyframe.
@@ -29,7 +29,7 @@ pub struct Item {
     pub labels: Vec<RatedLabel>,
 }
 
-/// What was paired.
+/// Result of pairing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Judged {
     /// Episodes with two or more labels.
@@ -41,7 +41,7 @@ pub struct Judged {
 }
 
 impl Item {
-    /// The first two labels' common components.
+    /// The matching components of the first two labels.
     pub(super) fn components(&self) -> Option<ComponentMatch> {
         let [a, b, ..] = self.labels.as_slice() else { return None };
         Some(match_components(&a.label.critical_components, &b.label.critical_components))
@@ -89,8 +89,8 @@ pub fn pair_files(first: (&str, &[Value]), second: (&str, &[Value])) -> Judged {
     out
 }
 
-/// Groups the lines of `tasks export --content tasks` by episode. Only labels that were handed in count, each as its
-/// author first handed it in: what a checker returned is no longer independent.
+/// Groups the lines of `tasks export --content tasks` by episode. Only submitted labels count, each as its author first
+/// submitted it: a label that a checker has returned is no longer independent.
 pub fn pair_tasks(lines: &[Value]) -> Judged {
     let mut out = Judged::default();
     let mut by_episode: BTreeMap<String, BTreeMap<String, CocLabel>> = BTreeMap::new();
@@ -119,7 +119,7 @@ pub fn pair_tasks(lines: &[Value]) -> Judged {
     out
 }
 
-/// The label as first handed in, where the history keeps it; else as it is.
+/// The label as first submitted, if the history has it; else the current label.
 fn first_label(task: &Value) -> Option<CocLabel> {
     let submitted = task.get("history").and_then(Value::as_array).into_iter().flatten().find(|e| {
         e.get("action").and_then(Value::as_str) == Some("submit")

@@ -1,16 +1,16 @@
-//! The Intelligent Driver Model (Treiber, Hennecke and Helbing 2000), with parameters read from the ego's own history.
+//! The Intelligent Driver Model (Treiber, Hennecke and Helbing 2000), with parameters fitted to the ego's own history.
 
 use whyroad_model::{Drive, SignalTable};
 
-/// History from which the driver is read, frames: a clip.
+/// Length of the history to which the driver is fitted, frames: one clip.
 const HISTORY_FRAMES: usize = 200;
 
 /// Parameters of one driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driver {
-    /// Speed that it wants, m/s.
+    /// Desired speed, m/s.
     pub wanted_mps: f64,
-    /// Time headway that it keeps, s.
+    /// Desired time headway, s.
     pub headway_s: f64,
     /// Gap at standstill, m.
     pub standstill_gap_m: f64,
@@ -23,7 +23,7 @@ pub struct Driver {
 }
 
 impl Default for Driver {
-    /// The values of the model's authors for town traffic, m/s and s.
+    /// The values of the model's authors for urban traffic, m/s and s.
     fn default() -> Self {
         Self {
             wanted_mps: 13.9,
@@ -37,8 +37,8 @@ impl Default for Driver {
 }
 
 impl Driver {
-    /// The driver of the ego up to `frame`: what it wanted is the fastest that it drove or is allowed to, its headway
-    /// the one that it kept while it followed somebody steadily. `None` where its speed is unknown.
+    /// The driver of the ego up to `frame`: its desired speed is the highest speed that it drove or is allowed to
+    /// drive, its headway the one that it kept while it followed somebody steadily. `None` where its speed is unknown.
     pub fn fitted(_: &Drive, signals: &SignalTable, frame: usize) -> Option<Self> {
         let speed = signals.frame_columns.get("ego.speed")?;
         let now = speed.number(frame)?;
@@ -46,7 +46,7 @@ impl Driver {
         let mut driver = Self::default();
         let fastest = (from..=frame).filter_map(|f| speed.number(f)).fold(now, f64::max);
         let number = |name: &str, f: usize| signals.frame_columns.get(name).and_then(|c| c.number(f));
-        // A limit that it plainly does not drive at is not what it wants; one that it stays under is.
+        // A speed limit far above the driven speed is not the desired speed; one slightly above it is.
         let limit = number("map.speed_limit", frame).filter(|l| *l >= fastest && *l < 2.0 * fastest.max(5.0));
         driver.wanted_mps = limit.unwrap_or(fastest).max(now).max(5.0);
         let mut headways: Vec<f64> = (from..=frame)
@@ -57,7 +57,7 @@ impl Driver {
             })
             .filter(|t| (0.3..4.0).contains(t))
             .collect();
-        // A second of it says how it drives.
+        // Headways of at least one second are enough for an estimate.
         if headways.len() >= 10 {
             headways.sort_by(f64::total_cmp);
             driver.headway_s = headways[headways.len() / 2].clamp(0.6, 3.0);
@@ -77,7 +77,7 @@ impl Driver {
         self.accel_mps2 * (1.0 - (v / self.wanted_mps).powi(4))
     }
 
-    /// Acceleration behind something at `gap_m` ahead that moves along the path at `speed_mps`, m/s2.
+    /// Acceleration behind something at a distance of `gap_m` that moves along the path at `speed_mps`, m/s2.
     pub fn behind(&self, v: f64, gap_m: f64, speed_mps: f64) -> f64 {
         let gap = gap_m.max(0.1);
         let closing = v * (v - speed_mps) / (2.0 * (self.accel_mps2 * self.braking_mps2).sqrt());

@@ -1,22 +1,22 @@
-//! The recorded scene along the ego's path: who is on it or will be, where and when, and the light.
+//! The recorded scene along the ego's path: which objects are or will be on it, where and when, and the light.
 
 use super::idm::Driver;
 use super::{HORIZON_S, MOST_RELEVANT, Removed, STEP_S};
 use whyroad_model::time::frame_at;
 use whyroad_model::{Drive, ObjectClass, SignalTable, TrackId};
 
-/// Beside the boxes this much is left free, m.
+/// Free space at each side of the boxes, m.
 const SIDE_MARGIN_M: f64 = 0.35;
-/// The path is driven on straight beyond its end, m.
+/// The path is extended straight beyond its end by this length, m.
 const BEYOND_M: f64 = 80.0;
-/// Who comes onto the path less than this after the ego would have been there is given way, s: drivers wait for
-/// people who are about to cross, and for cars that are about to come in.
+/// The ego yields to a road user that comes onto the path less than this after the ego would have been there, s:
+/// drivers wait for people who are about to cross, and for cars that are about to merge.
 const BEFORE_S: f64 = 3.0;
-/// Who leaves the path less than this before the ego would be there is given way, s.
+/// The ego yields to a road user that leaves the path less than this before the ego would be there, s.
 const AFTER_S: f64 = 1.5;
-/// Who will come onto the path later than this is not seen to yet, s.
+/// A road user that comes onto the path later than this is not considered yet, s.
 const FORESIGHT_S: f64 = 5.0;
-/// Objects farther off the path at all times are left out, m.
+/// Objects that are always farther from the path than this are left out, m.
 const NEAR_M: f64 = 15.0;
 
 /// A point of the ego's path.
@@ -28,18 +28,18 @@ struct PathPoint {
     heading: f64,
 }
 
-/// Segments of the path in one block, which is passed over as a whole where it is far away.
+/// Number of path segments in one block; blocks that are far away are skipped as a whole.
 const BLOCK: usize = 16;
 
-/// The path, to be searched for the point that is nearest to something.
+/// The path, indexed for searching the point that is nearest to something.
 struct Path {
     segments: Vec<Segment>,
-    /// Bounds of each [`BLOCK`] of segments: least x and y, greatest x and y. The first segment, which goes on behind
-    /// its beginning, is searched always.
+    /// Bounds of each [`BLOCK`] of segments: minimum x and y, maximum x and y. The first segment, which is extended
+    /// backwards, is always searched.
     bounds: Vec<[f64; 4]>,
 }
 
-/// A piece of the path from one point to the next.
+/// A segment of the path from one point to the next.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     from: PathPoint,
@@ -48,15 +48,15 @@ struct Segment {
     length: f64,
 }
 
-/// Where one object is along and beside the path, step by step.
+/// Position of one object along and beside the path, step by step.
 #[derive(Clone, Debug)]
 struct Course {
     id: TrackId,
-    /// A row a step: rear end along the path from the ego's front (m), speed along it (m/s), on the path.
+    /// One row per step: rear end along the path from the ego's front (m), speed along it (m/s), on the path.
     rows: Vec<Option<Row>>,
-    /// It comes from beside the path: its times on the path and where.
+    /// Its times and positions on the path when it comes from beside the path.
     visits: Vec<Visit>,
-    /// Least distance from the path, m.
+    /// Minimum distance from the path, m.
     nearest_m: f64,
 }
 
@@ -67,21 +67,21 @@ struct Row {
     on_path: bool,
 }
 
-/// A stretch of time on the path.
+/// A period on the path.
 #[derive(Clone, Copy, Debug)]
 struct Visit {
     from_s: f64,
     to_s: f64,
-    /// The nearest point that it takes, m from the ego's front.
+    /// The nearest point that it occupies, m from the ego's front.
     at_m: f64,
     /// It was beside the path before.
     from_beside: bool,
 }
 
-/// Something ahead that the ego has to regard.
+/// Something ahead to which the ego must respond.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
-    /// Who.
+    /// The object or the light.
     pub by: Removed,
     /// Free distance, m.
     pub gap_m: f64,
@@ -95,7 +95,7 @@ pub struct Scene {
     /// Speed of the ego at the start, m/s.
     pub speed_mps: f64,
     courses: Vec<Course>,
-    /// The stop line of a light that holds the ego: distance (m), and the steps in which it holds.
+    /// The stop line of a light that holds the ego: distance (m), and the state of the light in each step.
     light: Option<(f64, Vec<LightStep>)>,
 }
 
@@ -131,7 +131,7 @@ impl Scene {
             .filter_map(|t| course(t, &frames, &path, ego_size))
             .filter(|c| c.nearest_m < NEAR_M)
             .collect();
-        // Who is on the path first, and nearest, matters most.
+        // Objects that are on the path first, and nearest, matter most.
         let rank = |c: &Course| {
             c.visits
                 .first()
@@ -153,7 +153,7 @@ impl Scene {
         out
     }
 
-    /// What the ego has to regard `t` s after the start, when it has come `s` m and drives at `v` m/s.
+    /// What the ego must respond to `t` s after the start, when it has driven `s` m and drives at `v` m/s.
     pub(super) fn constraints<'s>(
         &'s self,
         t: f64,
@@ -168,7 +168,7 @@ impl Scene {
             if let Some(r) = row.filter(|r| r.on_path && r.rear_m > s - 2.0) {
                 return Some(Constraint { by: by(), gap_m: r.rear_m - s, speed_mps: r.speed_mps.max(0.0) });
             }
-            // Somebody who is about to come onto the path while the ego would be there.
+            // An object that is about to come onto the path while the ego would be there.
             let visit = c
                 .visits
                 .iter()
@@ -190,7 +190,7 @@ impl Scene {
     }
 }
 
-/// The path that the ego drives from `frame` on, and straight on beyond it.
+/// The path that the ego drives from `frame` on, extended straight beyond its end.
 fn path(drive: &Drive, frame: usize) -> Option<Vec<PathPoint>> {
     let motion = &drive.ego.as_ref()?.motion;
     let mut out: Vec<PathPoint> = Vec::new();
@@ -241,11 +241,12 @@ impl Path {
         Self { segments, bounds }
     }
 
-    /// Along and beside the path: (s, signed distance, heading there). `near`: index of a segment that is probably
-    /// near, such as the last one found; the nearest one is stored in it. The result does not depend on it.
+    /// Position along and beside the path: (s, signed distance, heading there). `near`: index of a segment that is
+    /// probably near, such as the last one found; the nearest one is stored in it. The result does not depend on it.
     fn place(&self, x: f64, y: f64, near: &mut usize) -> (f64, f64, f64) {
         let mut best = (f64::INFINITY, 0.0, 0.0, 0.0);
-        // Slightly more than the square of the least distance: most blocks and segments end here, without a root.
+        // Slightly more than the square of the minimum distance: most blocks and segments are rejected here, without a
+        // square root.
         let mut farthest = f64::INFINITY;
         if let Some(segment) = self.segments.get(*near) {
             farthest = segment.nearest(x, y).squared * (1.0 + 1e-9);
@@ -291,7 +292,7 @@ impl Segment {
     fn nearest(&self, x: f64, y: f64) -> Nearest {
         let Segment { from: a, dx, dy, length } = *self;
         let along = ((x - a.x) * dx + (y - a.y) * dy) / length;
-        // Behind the first point counts as behind.
+        // A position behind the first point has a negative s.
         let low = if a.s == 0.0 { f64::NEG_INFINITY } else { 0.0 };
         let k = along.clamp(low, length);
         let (px, py) = (a.x + dx * k / length, a.y + dy * k / length);
@@ -319,7 +320,7 @@ fn course(
             let (s, side, heading) = path.place(x, y, &mut near);
             let turn = or(m.heading[r], heading) - heading;
             let (length, width) = (or(track.length_m[r], 1.0), or(track.width_m[r], 0.8));
-            // The box as wide and as long as it is across and along the path.
+            // Extent of the box across and along the path.
             let across = (length * turn.sin()).abs() + (width * turn.cos()).abs();
             let along = (length * turn.cos()).abs() + (width * turn.sin()).abs();
             let speed_mps = {
@@ -357,7 +358,8 @@ fn course(
     Some(Course { id: track.id.clone(), rows, visits, nearest_m })
 }
 
-/// The stop line of the ego's light, and how the light is in each step; `None` where no light is known to hold it.
+/// The stop line of the ego's light, and the state of the light in each step; `None` where no light is known to hold
+/// the ego.
 fn light(signals: &SignalTable, frame: usize, frames: &[Option<usize>]) -> Option<(f64, Vec<LightStep>)> {
     let state = signals.frame_columns.get("light.state")?;
     let line = signals.frame_columns.get("light.distance_to_stop_line")?.number(frame)?;
@@ -369,7 +371,7 @@ fn light(signals: &SignalTable, frame: usize, frames: &[Option<usize>]) -> Optio
                 Some("red" | "red_yellow") => LightStep::Red,
                 Some("yellow") => LightStep::Yellow,
                 Some(state) if state.contains("green") => LightStep::Free,
-                // Past the line there is no light; what it showed last is kept.
+                // Past the line the signal has no light; the last state is kept.
                 _ => last,
             };
             last

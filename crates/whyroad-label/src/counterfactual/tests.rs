@@ -1,4 +1,4 @@
-//! Scenes made by hand on a straight road: who holds the ego is known by construction.
+//! Hand-made scenes on a straight road: which object holds the ego is known by construction.
 
 use super::*;
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ fn seconds(f: usize) -> f64 {
     f as f64 * 0.1
 }
 
-/// An object whose position (m, along and beside the road) at `s` seconds is `at`.
+/// An object with the position `at` (m, along and beside the road) by time in seconds.
 fn track(id: &str, class: ObjectClass, size: (f64, f64), at: impl Fn(f64) -> (f64, f64)) -> Track {
     let mut motion = Motion::unknown(FRAMES);
     for f in 0..FRAMES {
@@ -35,7 +35,7 @@ fn track(id: &str, class: ObjectClass, size: (f64, f64), at: impl Fn(f64) -> (f6
     }
 }
 
-/// The ego drives at 12 m/s, and after the start as `slows` says (m/s2).
+/// The ego drives at 12 m/s, and decelerates after the start by `slows` (m/s2).
 fn scene(tracks: Vec<Track>, slows: f64, light: Option<(f64, &str)>) -> (Drive, SignalTable) {
     let mut speed = vec![12.0; FRAMES];
     let mut x = vec![0.0; FRAMES];

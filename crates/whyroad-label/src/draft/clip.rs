@@ -1,10 +1,10 @@
-//! An episode may reach beyond the clip that its keyframe is in; a label may not. What lies outside is cut off.
+//! An episode may extend beyond the clip that contains its keyframe; a label may not. The part outside is cut off.
 
 use whyroad_model::messages::{EpisodeRecord, Keyframe, TimeRange};
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Bilingual, Drive, Nanos};
 
-/// Time range and keyframe inside the clip; a note where something was cut.
+/// Time range and keyframe inside the clip; a note if something was cut.
 pub(super) fn inside(
     drive: &Drive,
     episode: &EpisodeRecord,
@@ -14,7 +14,7 @@ pub(super) fn inside(
     let own = episode.clip_id.frames(&drive.meta.drive_id, drive.frame_count());
     let Some(frames) = own else { return (range, keyframe) };
     let first = drive.times[frames.start];
-    // The last frame lasts as long as a frame does (clip_metadata's duration says the same).
+    // The last frame lasts one nominal frame period (as in clip_metadata's duration).
     let end = drive.times[frames.end - 1].plus_secs(1.0 / FRAME_RATE_HZ);
 
     let mut cut = false;

@@ -1,5 +1,5 @@
-//! What could be observed at the keyframe, in words: the target, the light, the road, and the route as it was commanded
-//! or signaled by then. Nothing after it is read: the maneuver that follows is not the intention that caused it.
+//! Text of what could be observed at the keyframe: the target, the light, the road, and the route as it was commanded
+//! or signaled by then. Nothing after the keyframe is read: the later maneuver is not the intention that caused it.
 
 use super::lead::{self, Lead};
 use super::moment::Moment;
@@ -9,23 +9,23 @@ use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
 use whyroad_model::names::class_name;
 use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, SignalTable, TrackId};
 
-/// Nearer than this along the ego's path, others are beside it however short they are, m.
+/// Objects nearer than this along the ego's path are beside it, even if they are short, m.
 const BESIDE_M: f64 = 3.0;
-/// Farther than this from the ego's middle, others are on a side, m.
+/// Objects farther than this from the ego's center line are on a side, m.
 const ASIDE_M: f64 = 1.8;
-/// The same of those who come in, m.
+/// The same for road users that enter the ego's lane, m.
 const FROM_A_SIDE_M: f64 = 1.0;
 
-/// A difference of speeds that is seen, m/s.
+/// Minimum difference of speeds that is mentioned, m/s.
 const NOTABLY_MPS: f64 = 1.0;
 
-/// The L2 that is about lights.
+/// The L2 class about traffic lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
 
-/// The L1 that is about the road.
+/// The L1 class about the road.
 pub(super) const ROAD: &str = "reactive_road";
 
-/// Where nothing of this holds, [`observed`] finds nothing.
+/// If this is false, [`observed`] finds nothing without reading signals.
 pub(super) fn needs_signals(framework: &Framework, episode: &EpisodeRecord) -> bool {
     episode.target_id.is_some()
         || is_of_lights(episode)
@@ -39,7 +39,8 @@ fn is_of_lights(episode: &EpisodeRecord) -> bool {
     episode.scenario_id.l2.as_deref() == Some(TRAFFIC_LIGHT)
 }
 
-/// Rules about others read the bend of the road too, to tell who follows it; there it bears on nothing.
+/// Rules about other road users also read the bend of the road, to determine who follows it; the bend is not relevant
+/// there.
 fn is_of_bend(episode: &EpisodeRecord) -> bool {
     episode.scenario_id.l1 == ROAD && episode.signals.iter().any(|s| s.starts_with("map.curvature"))
 }
@@ -48,29 +49,29 @@ fn is_of_junction(episode: &EpisodeRecord) -> bool {
     episode.signals.iter().any(|s| s == "ego.movement")
 }
 
-/// How it is said where somebody is.
+/// How the position of a road user is described.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Named {
-    /// By the place relative to the ego.
+    /// By its position relative to the ego.
     ByPlace,
-    /// As who drives ahead of the ego.
+    /// As the vehicle ahead of the ego.
     AsLead,
 }
 
-/// What is looked at: an episode at its keyframe.
+/// The input: an episode at its keyframe.
 #[derive(Clone, Copy)]
 pub(super) struct Scene<'a> {
     pub framework: &'a Framework,
     pub drive: &'a Drive,
     pub signals: &'a SignalTable,
     pub episode: &'a EpisodeRecord,
-    /// Whom the class is about.
+    /// The subject of the class.
     pub target: Option<&'a TrackId>,
     pub keyframe: usize,
 }
 
 impl Scene<'_> {
-    /// What the class is about, as the signals tell it.
+    /// The subject of the class, as shown by the signals.
     pub(super) fn observed(&self, moment: &Moment<'_>, lang: Lang) -> Vec<CriticalComponent> {
         let Scene { framework, signals, episode, keyframe, .. } = *self;
         let mut found: Vec<CriticalComponent> = Vec::new();
@@ -81,7 +82,7 @@ impl Scene<'_> {
         let mut add = |category, text: Option<Bilingual>| {
             found.extend(text.map(|text| component(category, &text, lang)));
         };
-        // What bears on the decision: beside a lead or a crossing pedestrian, the light does not.
+        // Only what affects the decision: with a lead or a crossing pedestrian, the light does not.
         if is_of_lights(episode) {
             add(ComponentCategory::TrafficLights, light(signals, keyframe));
         }
@@ -90,7 +91,7 @@ impl Scene<'_> {
         }
         if framework.draft_texts.is_routed(&episode.scenario_id) {
             let intent = route(signals, keyframe).or_else(|| {
-                // An indicator that was left on, or is for a lane change before, says nothing of this turn.
+                // An indicator that was left on, or is for an earlier lane change, is no evidence of this turn.
                 let tells = is_of_junction(episode) && !moment.indicator_against();
                 tells.then(|| signaled_turn(signals, keyframe)).flatten()
             });
@@ -99,7 +100,8 @@ impl Scene<'_> {
         found
     }
 
-    /// Where the ego turns to, where the route or its indicator tells and the class is not about it.
+    /// The direction in which the ego intends to turn, if the route or its indicator shows it and the class is not
+    /// about it.
     pub(super) fn turn_intent(&self, moment: &Moment<'_>, lang: Lang) -> Option<CriticalComponent> {
         if self.framework.draft_texts.is_routed(&self.episode.scenario_id) {
             return None;
@@ -109,12 +111,12 @@ impl Scene<'_> {
         Some(component(ComponentCategory::RoutingIntent, &text, lang))
     }
 
-    /// The lead, where it is not what the class is about.
+    /// The lead, if it is not the subject of the class.
     pub(super) fn lead(&self, lead: &Lead<'_>, lang: Lang) -> Option<CriticalComponent> {
         self.object(lead.id, None, Named::AsLead, lang)
     }
 
-    /// Where somebody is and what it is doing: `doing`, where the class says it better than its motion.
+    /// Position and motion of a road user; `doing` replaces the motion where the class describes it better.
     fn object(
         &self,
         id: &TrackId,
@@ -143,7 +145,7 @@ fn component(category: ComponentCategory, text: &Bilingual, lang: Lang) -> Criti
 }
 
 impl Scene<'_> {
-    /// Where somebody is and what it is doing.
+    /// Position and motion of a road user.
     fn target_in_words(&self, id: &TrackId, doing: Option<(&str, &str)>, named: Named) -> Option<Bilingual> {
         let Scene { drive, signals, keyframe: frame, .. } = *self;
         let class = drive.track(id).map_or(ObjectClass::Unknown, |t| t.class);
@@ -162,10 +164,10 @@ impl Scene<'_> {
         let place = if is_lead && same_way && !crosses_a_line && ahead > BESIDE_M {
             Bilingual::new("本车道前方", "ahead in the ego's lane")
         } else if named == Named::AsLead {
-            // In a bend or a turn it is on the ego's way, whatever its side.
+            // In a bend or a turn it is on the ego's path, whatever its side.
             Bilingual::new("前方", "ahead")
         } else {
-            // Who comes in does so from a side.
+            // A road user that enters the lane does so from a side.
             place(ahead, aside, self.beside(id, turned), if crosses_a_line { FROM_A_SIDE_M } else { ASIDE_M })
         };
         let name = match class {
@@ -213,7 +215,7 @@ impl Scene<'_> {
         ))
     }
 
-    /// Nearer than this along the ego's path, the boxes of both overlap: one is beside the other, m.
+    /// Distance along the ego's path below which the boxes of both overlap, so one is beside the other, m.
     fn beside(&self, id: &TrackId, turned: Option<f64>) -> f64 {
         let ego = self.drive.ego.as_ref().map(|e| e.length_m);
         let (length, width) = lead::size_at(self.drive, id, self.keyframe).unwrap_or((f64::NAN, f64::NAN));
@@ -223,7 +225,8 @@ impl Scene<'_> {
     }
 }
 
-/// Ahead, behind or beside, from the ego's frame (m); beside within `beside_m`, on a side from `aside_m` on.
+/// Ahead, behind or beside, from the position in the ego's frame (m); beside within `beside_m`, on a side from
+/// `aside_m` on.
 fn place(longitudinal_m: f64, lateral_m: f64, beside_m: f64, aside_m: f64) -> Bilingual {
     let side = match lateral_m {
         y if y > aside_m => Some(("左", "left")),
@@ -260,12 +263,12 @@ fn bend(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
     let here = signals.frame_columns.get("map.curvature")?.number(frame)?;
     let ahead =
         signals.frame_columns.get("map.curvature_ahead").and_then(|c| c.number(frame)).unwrap_or(here);
-    // Under 100 m of radius a road is plainly bent; the class's own threshold decides about the class, not this.
+    // A radius below 100 m is clearly a bend; the class's own threshold decides about the class, this one does not.
     (here.abs().max(ahead.abs()) > 0.01)
         .then(|| Bilingual::new("前方道路为急弯", "the road ahead bends sharply"))
 }
 
-/// The ego is inside a junction: it lies ahead no more.
+/// The ego is inside a junction, so the junction is no longer ahead.
 fn is_inside(signals: &SignalTable, frame: usize) -> bool {
     signals.frame_columns.get("ego.in_junction").is_some_and(|c| c.flag(frame).is_true())
 }

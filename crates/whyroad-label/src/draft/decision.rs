@@ -1,5 +1,5 @@
-//! The first action after the keyframe, read from the ego's motion. Motion says *that* the ego slows, not why;
-//! the reason is taken from the class's typical decisions, and where they offer none, nothing is guessed.
+//! The first action after the keyframe, read from the ego's motion. Motion shows *that* the ego slows, not why; the
+//! reason is taken from the class's typical decisions, and if none of them fits, nothing is guessed.
 
 use super::lead::Lead;
 use super::moment::Moment;
@@ -14,75 +14,76 @@ use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Bilingual, Column, ObjectClass, SignalTable, Tri};
 
 /// Frames after the keyframe in which slowing that began within the horizon may come to a stop: from 50 km/h and more,
-/// braking gently takes longer than 6 s. As long as a label's range is followed by the checks of motion.
+/// gentle braking takes longer than 6 s. Equal to the maximum range that the checks of motion follow.
 const STOP_FRAMES: usize = 150;
-/// A meta action shorter than 0.5 s is not a decision.
+/// Minimum length of a meta action that is a decision: 0.5 s.
 const HELD_FRAMES: usize = 5;
 
-/// Less than this from its place in the lane is no nudge, m.
+/// Minimum lateral movement within the lane that is a nudge, m.
 const NUDGE_M: f64 = 0.25;
 /// A nudge may have begun this long before the keyframe.
 const NUDGE_BEFORE_FRAMES: usize = 30;
-/// More than this from one frame to the keyframe is another lane, m.
+/// A larger change of the lateral offset from one frame to the keyframe is a change to another lane, m.
 const LANE_JUMP_M: f64 = 2.0;
 
-/// Frames over which a change of speed is looked at.
+/// Frames over which a change of speed is measured.
 const CHANGE_FRAMES: usize = 30;
-/// A speed that goes on to change by this over them is decided, though it began to before the keyframe, m/s: 8 km/h.
+/// A speed that continues to change by this over those frames is a decision even if it began before the keyframe, m/s:
+/// 8 km/h.
 const CLEAR_MPS: f64 = 8.0 / 3.6;
-/// Who is not as fast as this and speeds up starts, m/s: walking pace.
+/// An ego slower than this that speeds up is starting, m/s: walking pace.
 const ROLLING_MPS: f64 = 1.0;
 /// Frames after the keyframe in which a turn or a lane change begins that is not typical of the class: 2 s.
 const SOON_FRAMES: usize = 20;
-/// Who is as fast as this and stands after them has decided to stop, m/s.
+/// An ego at least this fast at the keyframe that stands after those frames has decided to stop, m/s.
 const CLEAR_STOP_MPS: f64 = 2.5;
 /// Frames before the keyframe in which the ego has slowed, and a speed that is low, m/s: 15 km/h.
 const SLOWED_FRAMES: usize = 50;
 const SLOW_MPS: f64 = 15.0 / 3.6;
-/// Who does not get as fast as this has not moved off, m/s.
+/// An ego that does not reach this speed has not moved off, m/s.
 const MOVED_OFF_MPS: f64 = 1.0;
-/// What speeds up later than this is no return to the target speed that the keyframe calls for, s.
+/// Speeding up that begins later than this is not a return to the target speed that the keyframe calls for, s.
 const SOON_S: f64 = 2.0;
-/// Nor is what rises by less than this, m/s.
+/// Minimum rise of the speed for such a return, m/s.
 const RISE_MPS: f64 = 1.0;
-/// Who moves off later than this waits first, s.
+/// An ego that moves off later than this waits first, s.
 const WAITS_S: f64 = 1.5;
-/// Farther than this, nobody in the next lane makes a gap, m.
+/// Maximum distance at which a road user in the next lane makes a gap, m.
 const GAP_M: f64 = 40.0;
 
-/// What the class and the target say of the decision.
+/// What the class and the target determine about the decision.
 pub(super) struct Asked<'a> {
-    /// What decisions are called.
+    /// Names of the decisions.
     pub names: &'a DecisionSets,
     pub typical: &'a TypicalDecisions,
-    /// Which decisions go with the class; `None` where the framework has no table.
+    /// Decisions that the class allows; `None` where the framework has no table.
     pub allowed: Option<&'a ClassDecisions>,
     /// The lateral decision that the labeling spec prescribes.
     pub mandated: Option<Lateral>,
     pub target: Option<ObjectClass>,
     pub is_safety: bool,
-    /// The class is about what the ego does because of somebody else.
+    /// The class is about what the ego does because of another road user.
     pub of_others: bool,
-    /// What one of the variants allows, where the variant is not known.
+    /// Decisions that at least one variant allows, where the variant is not known.
     pub of_variants: Option<&'a ClassDecisions>,
     /// The lead.
     pub lead: Option<Lead<'a>>,
-    /// How the lead stands to whom the class is about.
+    /// Relation of the lead to the subject of the class.
     pub lead_is: LeadIs,
-    /// What the speed of the ego does, where it is known.
+    /// Course of the ego's speed, where it is known.
     pub course: Option<Course>,
     /// The class is about the road.
     pub of_road: bool,
 }
 
-/// How the lead stands to whom a class is about.
+/// Relation of the lead to the subject of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LeadIs {
-    /// The class is about the lead.
+    /// The lead is the subject of the class.
     Target,
-    /// The lead is nearer, or the class is about nobody.
+    /// The lead is nearer than the subject, or the class has no subject.
     Nearer,
-    /// Whom the class is about is nearer.
+    /// The subject of the class is nearer.
     Farther,
 }
 
@@ -130,12 +131,12 @@ pub(super) fn infer(
     let (lateral, lateral_direction) = lateral(signals, keyframe, asked, &mut of_lateral);
     let lateral = lateral.or_else(|| asked.only_lateral()).or_else(|| nudge(signals, keyframe, asked));
     let lateral_direction = lateral_direction.or_else(|| side_of(lateral?, signals, keyframe));
-    // Who turns goes into another road, not into a gap of the lane beside it.
+    // An ego that turns enters another road, not a gap of the lane beside it.
     let beside = lateral_direction.filter(|_| lateral != Some(Lateral::Turn));
     let gap = beside
         .or_else(|| side_without(lateral, signals, keyframe))
         .is_some_and(|side| is_near(signals, keyframe, side));
-    // What the class cannot do without is decided, whatever the motion of 6 s shows.
+    // A decision that the class requires is made whatever the motion in the 6 s shows.
     let chosen = |(motion, began)| {
         if follows_lead(motion, lateral, asked) {
             return Some(Longitudinal::LeadFollowing);
@@ -147,15 +148,15 @@ pub(super) fn infer(
                     && (!rises_soon(signals, keyframe, began)
                         || (asked.of_road && !had_slowed(signals, keyframe)))
             }
-            // It takes somebody to give way to.
+            // Yielding needs somebody to yield to.
             Longitudinal::YieldToAgent => asked.target.is_none(),
             Longitudinal::GapMatching => !gap,
-            // It takes a lead to follow one.
+            // Following needs a lead.
             Longitudinal::LeadFollowing => {
                 let behind = asked.lead.is_some_and(|l| l.is_cause_of(motion));
                 asked.target.is_none() && !asked.of_others && !behind
             }
-            // Nobody changes lanes to be slow.
+            // A lane change is not made to drive slowly.
             Longitudinal::RoadSpeedAdaptation => {
                 let lane_change =
                     lateral == Some(Lateral::LaneChange) && !asked.typical.longitudinal.contains(&d);
@@ -170,8 +171,9 @@ pub(super) fn infer(
     let course = asked.course.as_ref();
     let (mut motion, mut began) = longitudinal_motion(signals, keyframe, course, Before::IsNoAnswer);
     let mut longitudinal = chosen((motion, began));
-    // Where the class exists because the ego did something, it did it already; who brakes in danger has decided to; and
-    // so has whose speed goes on to change clearly. But what it did before is no answer to what somebody else does now.
+    // If the class exists because the ego did something, a change that began before the keyframe counts; so does hard
+    // braking in danger, and a speed that continues to change clearly. But an earlier change is no response to what
+    // another road user does now.
     let own = lateral.is_none() && (asked.decides() || asked.is_safety);
     let clearly = !asked.of_others && changes_clearly(signals, keyframe);
     if longitudinal.is_none() && (own || clearly) {
@@ -186,8 +188,8 @@ pub(super) fn infer(
     (DrivingDecision { longitudinal, lateral, lateral_direction }, motion)
 }
 
-/// The lead, and not what the class is about, sets the speed: it is nearer to the ego than the road and its rules
-/// (LABELING.md 6, *proximate cause*). Who goes past somebody or takes another lane speeds up for that.
+/// The lead, not the subject of the class, determines the speed: it is nearer to the ego than the road and its rules
+/// (LABELING.md 6, *proximate cause*). An ego that overtakes or changes lanes speeds up for that purpose.
 fn follows_lead(motion: LongitudinalMotion, lateral: Option<Lateral>, asked: &Asked<'_>) -> bool {
     let goes_past = motion == LongitudinalMotion::SpeedsUp
         && lateral.is_some_and(|l| !matches!(l, Lateral::Turn | Lateral::LaneKeeping));
@@ -197,7 +199,7 @@ fn follows_lead(motion: LongitudinalMotion, lateral: Option<Lateral>, asked: &As
     );
     let (Some(lead), false) = (asked.lead, asked.is_safety) else { return false };
     let because = match asked.lead_is {
-        // Who is typically followed is chosen below.
+        // A typical follow decision is chosen below.
         LeadIs::Target => !asked.of_others && motion != LongitudinalMotion::SpeedsUp && lead.is_slower(),
         LeadIs::Nearer if asked.of_others => {
             (lead.stands() || motion == LongitudinalMotion::SpeedsUp) && lead.is_cause_of(motion)
@@ -208,7 +210,7 @@ fn follows_lead(motion: LongitudinalMotion, lateral: Option<Lateral>, asked: &As
     follows && !goes_past && because && asked.allows(Longitudinal::LeadFollowing)
 }
 
-/// Leaving its place in the lane, where the class exists because the ego did something and that may be it.
+/// The lateral movement within the lane, if the class exists because the ego did something and this movement may be it.
 fn nudge(signals: &SignalTable, keyframe: usize, asked: &Asked<'_>) -> Option<Lateral> {
     if !asked.decides() || side_of(Lateral::InLaneNudge, signals, keyframe).is_none() {
         return None;
@@ -220,18 +222,18 @@ fn nudge(signals: &SignalTable, keyframe: usize, asked: &Asked<'_>) -> Option<La
     asked.typical.lateral.contains(&nudge).then_some(nudge)
 }
 
-/// The side of a decision that the class prescribes: of a nudge, where the ego leaves its place in the lane to; of a
-/// lane change that begins later, what the indicator says.
+/// The side of a decision that the class prescribes: for a nudge, the side to which the ego moves within its lane; for
+/// a lane change that begins later, the side of the indicator.
 fn side_of(lateral: Lateral, signals: &SignalTable, keyframe: usize) -> Option<LateralDirection> {
     match lateral {
         Lateral::InLaneNudge | Lateral::OutOfLaneNudge => {
             let offset = signals.frame_columns.get("ego.lane_offset")?;
-            // It may have begun before the keyframe, and then the way back comes first after it.
+            // It may have begun before the keyframe; then the return movement comes first after it.
             let begin = keyframe.saturating_sub(NUDGE_BEFORE_FRAMES);
             let here = offset.number(begin)?;
             let end = (keyframe + HORIZON_FRAMES + 1).min(offset.len());
             let moved = |f| offset.number(f).map(|o| o - here);
-            // Where the ego enters another lane, the offset jumps.
+            // The offset jumps when the ego enters another lane.
             let mut moves = (begin..end).map_while(moved).take_while(|m| m.abs() < LANE_JUMP_M);
             let aside = moves.find(|m| m.abs() > NUDGE_M)?;
             Some(if aside > 0.0 { LateralDirection::Left } else { LateralDirection::Right })
@@ -244,8 +246,8 @@ fn side_of(lateral: Lateral, signals: &SignalTable, keyframe: usize) -> Option<L
     }
 }
 
-/// The side of a decision that has no direction: that of the lane that who merges goes to, and of the one from which
-/// who gives up a change comes back.
+/// The side of a decision that has no direction: for a merge, that of the target lane; for an aborted change, that of
+/// the lane from which the ego returns.
 pub(super) fn side_without(
     lateral: Option<Lateral>,
     signals: &SignalTable,
@@ -265,14 +267,14 @@ pub(super) fn side_without(
     }
 }
 
-/// Somebody in the lane on `side` is near enough to make a gap with.
+/// Somebody in the lane on `side` is near enough to form a gap.
 fn is_near(signals: &SignalTable, keyframe: usize, side: LateralDirection) -> bool {
     let moment = Moment::of(signals, keyframe, None, Some(side));
     let room = |name: &str| moment.number(name).is_some_and(|d| d < GAP_M);
     room("around.room_ahead") || room("around.room_behind")
 }
 
-/// Speed at the keyframe and at the end of the frames over which its change is looked at, from `from` on, m/s.
+/// Speed at the keyframe and at the end of the frames over which its change is measured, starting at `from`, m/s.
 fn speeds(signals: &SignalTable, from: usize) -> Option<(f64, f64)> {
     let speed = signals.frame_columns.get("ego.speed")?;
     let to = (from + CHANGE_FRAMES).min(speed.len().checked_sub(1)?);
@@ -289,14 +291,14 @@ fn changes_clearly(signals: &SignalTable, keyframe: usize) -> bool {
     })
 }
 
-/// The speed really rises, and does so because of what is seen at the keyframe. What is not known is not doubted.
+/// The speed rises significantly and soon, so what is seen at the keyframe may be the cause. True where it is unknown.
 fn rises_soon(signals: &SignalTable, keyframe: usize, began_s: f64) -> bool {
     let frames = (began_s * FRAME_RATE_HZ).round() as usize;
     began_s <= SOON_S && speeds(signals, keyframe + frames).is_none_or(|(now, then)| then - now > RISE_MPS)
 }
 
-/// The ego is slow, or was clearly faster within the 5 s before: there is a speed to return to. What is not known is
-/// not doubted.
+/// The ego is slow, or was clearly faster within the 5 s before, so there is a speed to return to. True where it is
+/// unknown.
 fn had_slowed(signals: &SignalTable, keyframe: usize) -> bool {
     let Some(speed) = signals.frame_columns.get("ego.speed") else { return true };
     let Some(now) = speed.number(keyframe) else { return true };
@@ -304,7 +306,7 @@ fn had_slowed(signals: &SignalTable, keyframe: usize) -> bool {
     now < SLOW_MPS || before.fold(0.0, f64::max) > now + CLEAR_MPS
 }
 
-/// The ego is slower some time after the keyframe than at it. What is not known is not doubted.
+/// The ego is slower some time after the keyframe than at it. True where it is unknown.
 fn gets_slower(signals: &SignalTable, keyframe: usize) -> bool {
     let Some(speed) = signals.frame_columns.get("ego.speed") else { return true };
     let end = (keyframe + HORIZON_FRAMES + 1).min(speed.len());
@@ -319,7 +321,7 @@ enum Before {
     Counts,
 }
 
-/// The motion, and how long after the keyframe it begins, s: by the speed, or by the meta actions where no speed is
+/// The motion, and how long after the keyframe it begins, s: from the speed, or from the meta actions where no speed is
 /// known.
 fn longitudinal_motion(
     signals: &SignalTable,
@@ -376,7 +378,7 @@ fn longitudinal_motion(
     let stands = (began..stop_end)
         .take_while(|&f| speed_change(meta, f) != Some(SpeedChange::Rises))
         .any(|f| standstill.flag(f).is_true());
-    // Who is not half as fast after 6 s is not about to stop.
+    // An ego that has not lost half of its speed after 6 s is not about to stop.
     let at_end = course.and(speed).and_then(|c| c.number(end - 1));
     let soon = at_end.zip(course).is_none_or(|(v, course)| v < course.now_mps / 2.0);
     let stops = course.is_some_and(|c| c.nearly_stands) || (stands && soon);
@@ -398,8 +400,8 @@ fn speed_change(meta: &Column, frame: usize) -> Option<SpeedChange> {
     }
 }
 
-/// First held stretch of speeding up or slowing after the keyframe. What was already held for 0.5 s at the keyframe is
-/// not a response to it, and is skipped unless it counts.
+/// First sustained period of speeding up or slowing after the keyframe. One that was already sustained for 0.5 s at the
+/// keyframe is not a response to it, and is skipped unless `before` says that it counts.
 fn first_change(meta: &Column, keyframe: usize, end: usize, before: Before) -> Option<(usize, SpeedChange)> {
     let held = |from: usize, to: usize, change: SpeedChange| {
         to <= end && (from..to).all(|f| speed_change(meta, f) == Some(change))
@@ -418,7 +420,7 @@ fn first_change(meta: &Column, keyframe: usize, end: usize, before: Before) -> O
     })
 }
 
-/// Decisions that a motion can be the carrying out of.
+/// Decisions that the motion can implement.
 fn candidates(motion: LongitudinalMotion) -> &'static [Longitudinal] {
     use Longitudinal as D;
     match motion {
@@ -441,14 +443,14 @@ fn candidates(motion: LongitudinalMotion) -> &'static [Longitudinal] {
     }
 }
 
-/// The decision that the motion is the carrying out of; one that is `out` is not.
+/// The decision that the motion implements, except those in `out`.
 fn choose(
     motion: LongitudinalMotion,
     asked: &Asked<'_>,
     out: impl Fn(Longitudinal) -> bool,
 ) -> Option<Longitudinal> {
     let possible = candidates(motion);
-    // Nobody follows a person who crosses, an animal, or whom the emergency brake is for.
+    // A crossing person, an animal, or an object that causes emergency braking is not followed.
     let follows =
         !asked.is_safety && asked.target.is_none_or(|t| t.is_vehicle() || t == ObjectClass::Bicycle);
     let fits = |d: &&Longitudinal| {
@@ -457,8 +459,8 @@ fn choose(
     asked.typical.longitudinal.iter().find(fits).copied().or_else(|| choose_allowed(motion, asked, out))
 }
 
-/// What the class allows although it is not typical. Slowing for a lower limit is one; who stands because of somebody
-/// else and moves off may do so for any reason, and who speeds up too.
+/// Decisions that the class allows although they are not typical. Slowing for a lower limit is one; an ego that stands
+/// because of another road user and moves off, or that speeds up, may do so for any reason.
 fn choose_allowed(
     motion: LongitudinalMotion,
     asked: &Asked<'_>,
@@ -470,7 +472,7 @@ fn choose_allowed(
         LongitudinalMotion::Slows | LongitudinalMotion::Stops => &[D::RoadSpeedAdaptation],
         _ => return None,
     };
-    // Of a class whose variant is not known, nothing is known to be impossible.
+    // If the variant of a class is not known, no decision is known to be impossible.
     let Some(allowed) = asked.allowed else {
         let of_others = asked.of_others || asked.is_safety;
         return of_the_road.first().copied().filter(|d| *d == D::Resume || !of_others);
@@ -479,8 +481,8 @@ fn choose_allowed(
     fits.find(|d| of_the_road.contains(d) && !out(*d))
 }
 
-/// What the class allows where the speed changes clearly and nothing typical explains it: behind a lead it follows,
-/// and who speeds up for no such reason goes at the speed that the road lets it.
+/// Decisions that the class allows where the speed changes clearly and no typical decision explains it: behind a lead
+/// the ego follows it, and an ego that speeds up without such a reason adapts to the road.
 fn choose_clear(motion: LongitudinalMotion, rises: bool, asked: &Asked<'_>) -> Option<Longitudinal> {
     use Longitudinal as D;
     match motion {
@@ -560,7 +562,7 @@ fn lateral(
         (Lateral::LaneChange, ahead("ego.lane_change", &["none"])),
         (Lateral::Turn, ahead("ego.movement", &["straight"])),
     ];
-    // Who goes over to the side that it turns to, turns.
+    // An ego that moves to the side to which it turns is turning.
     let side = |n: usize| found[n].1.map(|(side, _)| side);
     if side(0) == side(1) {
         found.reverse();
@@ -569,7 +571,7 @@ fn lateral(
         let Some((direction, after)) = direction.filter(|(d, _)| lateral.directions().contains(d)) else {
             continue;
         };
-        // What is not typical of the class is decided where it follows at once.
+        // A decision that is not typical of the class counts only where it follows at once.
         let usual = asked.typical.lateral.contains(&lateral)
             || (after <= SOON_FRAMES && asked.allows_lateral(lateral, direction));
         let way = match (lateral, direction) {

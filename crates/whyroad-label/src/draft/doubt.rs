@@ -1,6 +1,6 @@
-//! What a class says of somebody else, or of the ego, against what they do around the keyframe. Where it is not borne
-//! out there is no draft: a person is better helped by none than by a false one. What the recording does not tell is
-//! not doubted. Rules and their thresholds decide about the class; this does not.
+//! Compares what a class states about another road user, or about the ego, with their motion around the keyframe. If
+//! the motion contradicts it, there is no draft: no draft is better for the annotator than a false one. What the
+//! recording does not show is not doubted. The class itself is determined by the rules and their thresholds, not here.
 
 use super::motion::LongitudinalMotion;
 use crate::driven::Driven;
@@ -9,21 +9,21 @@ use whyroad_model::decision::Longitudinal;
 use whyroad_model::messages::DrivingDecision;
 use whyroad_model::{Bilingual, Drive, ObjectClass, ScenarioId, TrackId, Tri};
 
-/// Nearer than this to the path, somebody takes up part of the ego's lane, m.
+/// Maximum distance from the path at which an object occupies part of the ego's lane, m.
 const IN_LANE_M: f64 = 2.2;
-/// The middle of who is in the ego's lane may be this far from its center, and half its own width, m.
+/// Maximum distance of an object's center from the ego's lane center, plus half its own width, m.
 const LANE_SIDE_M: f64 = 1.7;
-/// Who comes nearer to the path by less than this does not come in, m.
+/// Minimum approach to the path of an object that enters it, m.
 const COMES_IN_M: f64 = 0.3;
-/// Nearer than this to the path within 8 s, who comes out from behind something bears on it, m.
+/// An object that comes out of an occlusion matters if it comes nearer to the path than this within 8 s, m.
 const NEAR_PATH_M: f64 = 3.0;
-/// Braking that is sudden, m/s2; the rule asks for more of it at one moment.
+/// Sudden braking, m/s2; the rule requires stronger braking at one moment.
 const BRAKES_MPS2: f64 = -2.0;
-/// Faster than this nobody has just started, m/s.
+/// An object faster than this has not just started, m/s.
 const JUST_STARTED_MPS: f64 = 4.0;
-/// Slower than this somebody stood, m/s.
+/// An object slower than this was stationary, m/s.
 const STOOD_MPS: f64 = 0.6;
-/// By this much a vehicle is slower which the ego passes, m/s, and nearer than this, m.
+/// Minimum speed difference to a vehicle that the ego passes, m/s, and its maximum distance, m.
 const PASSED_MPS: f64 = 3.0;
 const PASSED_M: f64 = 40.0;
 
@@ -31,11 +31,11 @@ const PASSED_M: f64 = 40.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Doubt {
-    /// Whom the class is about is not ahead of the ego.
+    /// The subject of the class is not ahead of the ego.
     NotAhead,
     /// It is not in the ego's lane.
     NotInLane,
-    /// It goes another way than the class says.
+    /// It moves in another direction than the class states.
     OtherWay,
     /// It does not come towards the ego's path.
     NotComing,
@@ -45,21 +45,21 @@ pub enum Doubt {
     NotStarting,
     /// It does not brake hard.
     NotBraking,
-    /// It changes lanes, and does not weave.
+    /// It changes lanes instead of weaving.
     ChangesLane,
-    /// What is ahead of who leaves is the queue at a light.
+    /// What is ahead of the leaving road user is the queue at a light.
     NoObstacle,
     /// The ego gets there first: it does not give way.
     EgoFirst,
-    /// The ego is not in the roundabout yet.
+    /// The ego is not yet in the roundabout.
     NotInRoundabout,
-    /// Nobody is beside the ego who hides the view.
+    /// No vehicle beside the ego hides the view.
     NobodyBeside,
     /// The ego slows for its turn at the junction.
     TurnsThere,
     /// The ego passes a slower vehicle.
     Passes,
-    /// The motion of the ego is not that of the class.
+    /// The ego's motion is not that of the class.
     Motion,
 }
 
@@ -92,7 +92,7 @@ impl Doubt {
     }
 }
 
-/// What the class says of its target is not borne out.
+/// The motion of the target contradicts the class.
 pub(super) fn of_target(
     class: &ScenarioId,
     w: &Driven<'_>,
@@ -153,7 +153,7 @@ pub(super) fn of_target(
             (l3 == "follow_start" && !just_started(&other), Doubt::NotStarting),
         ]),
         ("reactive_agent", "intersection_interaction") => {
-            // Who was let through first may have left the path of a turn as it begins.
+            // A road user that the ego lets pass may have left the path of a turn when the turn begins.
             let near = other.nearest_aside(other.frames(40, 120)).is_none_or(|m| m < NEAR_PATH_M);
             let through = l3 != "unprotected_left" && other.is_through();
             let way = match l3 {
@@ -189,7 +189,7 @@ fn first_of(all: &[(bool, Doubt)]) -> Option<Doubt> {
 /// It goes across the path and gets onto it, or is on it already.
 fn crosses(other: &Other<'_>) -> bool {
     let k = other.keyframe();
-    // Who walks along the road first may turn onto it only after the keyframe.
+    // A road user that first walks along the road may turn onto it only after the keyframe.
     let ways = other.frames(5, 80).filter_map(|f| other.moves(f)).collect::<Vec<_>>();
     let goes = ways.is_empty() || ways.contains(&Moves::Across);
     let gets_there = other.first().is_none_or(|f| f != First::Neither);
@@ -208,7 +208,7 @@ fn brakes(other: &Other<'_>) -> bool {
     other.least("target.accel", other.frames(5, 10)).is_none_or(|a| a < BRAKES_MPS2)
 }
 
-/// It is the lead at the keyframe or a second before or after it.
+/// It is the lead at the keyframe, or one second before or after it.
 fn is_lead(other: &Other<'_>) -> bool {
     other.ever("target.is_lead", other.frames(10, 10)) != Tri::False
 }
@@ -244,7 +244,7 @@ fn abnormal(other: &Other<'_>, w: &Driven<'_>, l3: &str, ahead: bool) -> Option<
     }
 }
 
-/// What the class says of the ego is not borne out, or something nearer explains what it does.
+/// The ego's motion contradicts the class, or something nearer explains it.
 pub(super) fn of_ego(
     class: &ScenarioId,
     w: &Driven<'_>,
@@ -283,7 +283,7 @@ pub(super) fn of_ego(
     }
 }
 
-/// A vehicle is beside the ego or a little ahead of it, in another lane.
+/// A vehicle is beside the ego or slightly ahead of it, in another lane.
 fn is_somebody_beside(w: &Driven<'_>, drive: &Drive) -> bool {
     if w.signals.targets.is_empty() || !w.signals.target_columns.contains_key("target.lateral") {
         return true;
@@ -298,7 +298,7 @@ fn is_somebody_beside(w: &Driven<'_>, drive: &Drive) -> bool {
     })
 }
 
-/// The ego goes past a much slower vehicle: one is close ahead of its path or beside it, outside of its lane by then.
+/// The ego passes a much slower vehicle: one is close ahead of its path or beside it, and outside of its lane by then.
 fn is_passing(w: &Driven<'_>) -> bool {
     let Some(speed) = w.speed(w.keyframe) else { return false };
     w.signals.targets.iter().any(|t| {

@@ -1,26 +1,26 @@
-//! The lead where it, and not what the class is about, is the nearest cause of what the ego does (LABELING.md 6,
+//! The lead where it, and not the subject of the class, is the nearest cause of the ego's motion (LABELING.md 6,
 //! *proximate cause*), and where the class itself is about a lead that the rule does not name as a target.
 
 use super::motion::LongitudinalMotion;
 use whyroad_model::{Drive, SignalTable, TrackId};
 
-/// Nearer than this many seconds of driving, the lead bears on the speed of the ego.
+/// Maximum time gap at which the lead affects the ego's speed, s.
 const NEAR_S: f64 = 2.0;
-/// Nearer than this it does so at any speed, m.
+/// Maximum distance at which it does so at any speed, m.
 const NEAR_M: f64 = 8.0;
-/// Nearer than this many seconds, it does so even where it is no slower.
+/// Maximum time gap at which it does so even if it is not slower, s.
 const CLOSE_S: f64 = 1.0;
-/// Who stands this near behind a lead waits for it, m.
+/// An ego that stands within this distance behind a lead waits for it, m.
 const QUEUE_M: f64 = 12.0;
-/// Farther than this, a lead is no reason to change lanes, m.
+/// Maximum distance at which a lead is a reason to change lanes, m.
 const REASON_M: f64 = 50.0;
-/// Below this speed somebody stands, m/s.
+/// A road user slower than this is stationary, m/s.
 const STANDING_MPS: f64 = 0.5;
-/// A difference of speeds that is a reason to slow down, m/s.
+/// Minimum speed difference that is a reason to slow down, m/s.
 const SLOWER_MPS: f64 = 0.5;
-/// Below this acceleration somebody brakes, m/s2; as for a target.
+/// A road user with an acceleration below this is braking, m/s2; as for a target.
 const BRAKING_MPS2: f64 = -0.5;
-/// Half the length of a vehicle whose size the log does not tell, m.
+/// Half the length of a vehicle whose size is not in the log, m.
 const HALF_LENGTH_M: f64 = 2.3;
 
 /// The lead at one frame.
@@ -29,16 +29,16 @@ pub(super) struct Lead<'a> {
     pub id: &'a TrackId,
     /// Its row in the target columns.
     pub row: usize,
-    /// From bumper to bumper, m.
+    /// Bumper to bumper, m.
     gap_m: f64,
     speed_mps: f64,
     accel_mps2: Option<f64>,
-    /// Of the ego, m/s.
+    /// Speed of the ego, m/s.
     ego_mps: f64,
 }
 
 impl<'a> Lead<'a> {
-    /// The lead that is seen at `frame`. It is read from the targets, which are known in the last frame of a drive too.
+    /// The lead at `frame`. It is read from the targets, which are known in the last frame of a drive too.
     pub(super) fn at(drive: &Drive, signals: &'a SignalTable, frame: usize) -> Option<Self> {
         let is_lead = signals.target_columns.get("target.is_lead")?;
         let number = |name: &str, row: usize| signals.target_columns.get(name).and_then(|c| c.number(row));
@@ -53,7 +53,8 @@ impl<'a> Lead<'a> {
         Some(Self {
             id,
             row,
-            // In a turn the lead is to a side of the ego, and far though it is hardly ahead.
+            // In a turn the lead is on a side of the ego, and its longitudinal distance is small even if it is far
+            // away.
             gap_m: number("target.longitudinal", row)?.hypot(number("target.lateral", row).unwrap_or(0.0))
                 - halves,
             speed_mps: number("target.speed", row)?,
@@ -62,7 +63,7 @@ impl<'a> Lead<'a> {
         })
     }
 
-    /// The lead may be why the ego changes lanes.
+    /// The lead may be the reason for a lane change.
     pub(super) fn is_reason(&self) -> bool {
         self.gap_m < REASON_M
     }
@@ -76,7 +77,7 @@ impl<'a> Lead<'a> {
         self.speed_mps < self.ego_mps - SLOWER_MPS
     }
 
-    /// What the ego does by `motion` is because of the lead.
+    /// The lead is the cause of the ego's `motion`.
     pub(super) fn is_cause_of(&self, motion: LongitudinalMotion) -> bool {
         if self.ego_mps < STANDING_MPS {
             return self.gap_m < QUEUE_M;

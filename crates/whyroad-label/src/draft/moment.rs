@@ -1,13 +1,13 @@
-//! The keyframe as the conditions of `schema/draft_texts.yaml` see it: signals of the frame and of the episode's
-//! target, and `around.*`, which say who is near. Nothing after the keyframe is read, but for `decided.*` and the
-//! decision's side.
+//! The keyframe as seen by the conditions of `schema/draft_texts.yaml`: signals of the frame and of the episode's
+//! target, and `around.*`, which describe the road users near the ego. Nothing after the keyframe is read, except for
+//! `decided.*` and the side of the decision.
 
 use super::motion::{LongitudinalMotion, changes_lane};
 use whyroad_framework::draft_texts::SignalCondition;
 use whyroad_model::decision::LateralDirection;
 use whyroad_model::{SignalTable, TrackId, Tri};
 
-/// Nearer than this, who is ahead or crosses is in the way, m.
+/// Objects ahead or crossing that are nearer than this block the way, m.
 const IN_THE_WAY_M: f64 = 40.0;
 
 /// One frame, one target.
@@ -17,11 +17,11 @@ pub(super) struct Moment<'a> {
     frame: usize,
     /// Row of the target.
     row: Option<usize>,
-    /// Where the ego goes by its decision.
+    /// Side of the ego's decision.
     side: Option<LateralDirection>,
-    /// What it does along its path by its decision.
+    /// Longitudinal motion of the ego's decision.
     motion: LongitudinalMotion,
-    /// It fits its speed to a gap by its decision.
+    /// The decision adapts the speed to a gap.
     fits_gap: bool,
 }
 
@@ -47,12 +47,12 @@ impl<'a> Moment<'a> {
         Self { motion, fits_gap, ..self }
     }
 
-    /// The same, with the target whose row this is.
+    /// The same, with the target in this row.
     pub(super) fn of_row(self, row: usize) -> Self {
         Self { row: Some(row), ..self }
     }
 
-    /// Where the ego goes by its decision.
+    /// Side of the ego's decision.
     pub(super) fn side(&self) -> Option<LateralDirection> {
         self.side
     }
@@ -72,14 +72,14 @@ impl<'a> Moment<'a> {
         if least.is_none() && most.is_none() {
             return self.flag(signal) == Tri::from(!isnt);
         }
-        // What is asked for and is not known does not hold.
+        // A condition on an unknown signal does not hold.
         self.number(signal).is_some_and(|v| {
             least.is_none_or(|least| least.is_some_and(|l| v > l))
                 && most.is_none_or(|most| most.is_some_and(|m| v < m))
         })
     }
 
-    /// A number that is known; it may be infinite.
+    /// A known number; it may be infinite.
     pub(super) fn number(&self, name: &str) -> Option<f64> {
         let value = match name {
             "around.room_ahead" => self.room(|longitudinal| longitudinal >= 0.0),
@@ -120,7 +120,7 @@ impl<'a> Moment<'a> {
         }
     }
 
-    /// Nobody ahead in the ego's lane or across its path is near.
+    /// No object near the ego is ahead in its lane or crosses its path.
     fn clear(&self) -> Tri {
         let column = |name: &str| self.signals.target_columns.get(name);
         let (Some(relation), Some(along), Some(across)) =
@@ -128,7 +128,7 @@ impl<'a> Moment<'a> {
         else {
             return Tri::Unknown;
         };
-        // Middle to middle: places are known in the last frame of a drive too, distances of boxes are not.
+        // Center to center: positions are known in the last frame of a drive too, distances of boxes are not.
         let distance = |row: usize| Some(along.number(row)?.hypot(across.number(row)?));
         let in_the_way = |row: usize| {
             matches!(relation.category(row), Some("lead" | "crossing" | "ahead"))
@@ -137,7 +137,7 @@ impl<'a> Moment<'a> {
         Tri::from(!self.rows().any(in_the_way))
     }
 
-    /// Distance to the nearest in the lane that the ego goes to, m; infinite without one.
+    /// Distance to the nearest object in the lane that the ego enters, m; infinite without one.
     fn room(&self, is_there: impl Fn(f64) -> bool) -> Option<f64> {
         let columns = &self.signals.target_columns;
         let side = self.side.filter(|s| *s != LateralDirection::Uturn)?.id();
@@ -152,7 +152,7 @@ impl<'a> Moment<'a> {
         Some(near.fold(f64::INFINITY, f64::min))
     }
 
-    /// The indicator is on for the other side.
+    /// The indicator is on for the opposite side.
     pub(super) fn indicator_against(&self) -> bool {
         let on = self.category("ego.turn_signal");
         match self.side {
@@ -162,7 +162,7 @@ impl<'a> Moment<'a> {
         }
     }
 
-    /// Rows of who is seen in the frame.
+    /// Rows of the objects in the frame.
     fn rows(&self) -> impl Iterator<Item = usize> {
         self.signals.targets.iter().filter_map(|span| span.row(self.frame))
     }

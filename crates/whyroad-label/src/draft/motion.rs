@@ -1,36 +1,36 @@
-//! What the ego does after the keyframe: what is read of it by the decision and by the conditions on the moment.
+//! The ego's motion after the keyframe, as used by the decision and by the conditions on the moment.
 
 use whyroad_model::SignalTable;
 use whyroad_model::decision::LateralDirection;
 
-/// Frames after the keyframe in which the first action is looked for: the 6 s of a sample's future (LABELING.md 4).
+/// Frames after the keyframe in which the first action is searched: the 6 s of a sample's future (LABELING.md 4).
 pub(super) const HORIZON_FRAMES: usize = 60;
 
-/// What the ego does along its path first after the keyframe.
+/// The first longitudinal motion of the ego after the keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LongitudinalMotion {
-    /// No change: holds its speed, or is stationary.
+    /// No change: keeps its speed, or is stationary.
     Keeps,
-    /// Slows without standing still.
+    /// Slows without stopping.
     Slows,
-    /// Slows and comes to stand.
+    /// Slows and stops.
     Stops,
     /// Moves off from standstill.
     Starts,
-    /// Waits, and moves off later or when the light lets it.
+    /// Waits, and moves off later or when the light allows it.
     Waits,
     /// Speeds up while moving.
     SpeedsUp,
-    /// The signals do not tell.
+    /// Not known from the signals.
     Unknown,
 }
 
 impl LongitudinalMotion {
-    /// All of them.
+    /// All values.
     pub const ALL: [Self; 7] =
         [Self::Keeps, Self::Slows, Self::Stops, Self::Starts, Self::Waits, Self::SpeedsUp, Self::Unknown];
 
-    /// What it is called in `schema/draft_texts.yaml`; empty where no text speaks of it.
+    /// Its id in `schema/draft_texts.yaml`; empty where no text refers to it.
     pub fn id(self) -> &'static str {
         match self {
             Self::Slows => "slows",

@@ -1,5 +1,5 @@
-//! Required records (TAXONOMY.md last column) that a signal measures. The others are left null, so that the
-//! label checker names them.
+//! Required records (last column in TAXONOMY.md) that a signal measures. The others are left null, so that the label
+//! checker reports them.
 
 use std::collections::BTreeMap;
 use whyroad_framework::spec::RecordSpec;
@@ -60,7 +60,7 @@ fn measured(
     spec.choices.iter().any(|c| c.id == word).then(|| word.into())
 }
 
-/// Three significant digits: more than a map or an estimate is good for.
+/// Three significant digits: maps and estimates are not more accurate.
 fn significant(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }

@@ -1,4 +1,4 @@
-//! Motions made by hand; expected decisions from LABELING.md 2 and the classes' typical decisions.
+//! Hand-made motions; expected decisions from LABELING.md 2 and the classes' typical decisions.
 
 mod maneuver;
 mod motion;
@@ -13,8 +13,8 @@ use whyroad_model::{Column, Tri};
 
 const META: [&str; 4] = ["stop", "gentle_decelerate", "maintain_speed", "gentle_accelerate"];
 
-/// A meta action for each frame, by index into [`META`]; standing still wherever it is `stop`. The speed goes with it:
-/// from 10 m/s on by 1.5 m/s2, to a walk at least.
+/// One meta action per frame, by index into [`META`]; the ego is stationary wherever it is `stop`. The speed follows:
+/// from 10 m/s on it changes by 1.5 m/s2, down to walking pace at minimum.
 fn with_motion(signals: &mut SignalTable, meta: impl Fn(usize) -> u16) {
     let codes: Vec<u16> = (0..fixture::FRAMES).map(meta).collect();
     let speed = codes.iter().scan(10.0_f64, |v, code| {
@@ -37,7 +37,7 @@ fn category(names: &[&str], codes: Vec<u16>) -> Column {
     Column::Category { codes, names: names.iter().map(|s| (*s).to_owned()).collect() }
 }
 
-/// Where the ego turns by its movement, its heading turns by 0.3 rad/s, a quarter of a circle at most.
+/// Where the ego turns by its movement, its heading changes by 0.3 rad/s, by a quarter of a circle at most.
 fn turn_with(drive: &mut Drive, signals: &SignalTable) {
     let Some(column) = signals.frame_columns.get("ego.movement") else { return };
     let rate = |f: usize| match column.category(f) {
@@ -69,7 +69,7 @@ fn draft_of(leaf: &str, change: impl FnOnce(&mut SignalTable)) -> Draft {
     draft(Framework::bundled(), &drive, &signals, &episode, Lang::Zh)
 }
 
-/// Speeds by frame, m/s, the acceleration between them, and the meta action that goes with it.
+/// Speeds by frame, m/s, the accelerations between them, and the matching meta actions.
 fn with_speed(signals: &mut SignalTable, speed: impl Fn(usize) -> f64) {
     let speeds: Vec<f64> = (0..fixture::FRAMES).map(speed).collect();
     let accel = |f: usize| (speeds[(f + 1).min(fixture::FRAMES - 1)] - speeds[f]) * 10.0;
@@ -98,8 +98,8 @@ fn flag(signals: &mut SignalTable, name: &str, value: bool) {
     columns.insert(name.into(), column);
 }
 
-/// The label of an episode of `leaf` whose rule names no target; the only track is the lead, its middle `ahead` m in
-/// front of that of the ego. The ego is 4.8 m long, the lead 4.5 m: the gap is 4.65 m less.
+/// The label of an episode of `leaf` whose rule names no target; the only track is the lead, its center `ahead` m in
+/// front of the center of the ego. The ego is 4.8 m long, the lead 4.5 m: the gap is 4.65 m less.
 fn behind_lead(leaf: &str, ahead: f64, change: impl FnOnce(&mut SignalTable)) -> CocLabel {
     let mut drive = fixture::drive("d");
     let mut signals = fixture::signals(&drive);
@@ -115,7 +115,7 @@ fn behind_lead(leaf: &str, ahead: f64, change: impl FnOnce(&mut SignalTable)) ->
     draft(Framework::bundled(), &drive, &signals, &episode, Lang::Zh).label
 }
 
-/// Numbers in a text: runs of digits.
+/// Number of numbers in a text: runs of digits.
 fn numbers(text: &str) -> usize {
     text.split(|c: char| !c.is_ascii_digit()).filter(|run| !run.is_empty()).count()
 }

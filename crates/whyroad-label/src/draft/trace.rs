@@ -1,6 +1,5 @@
-//! The draft of the trace: the state, why it calls for a decision, the decision (LABELING.md 7), in words of
-//! `schema/draft_texts.yaml`. Which phrasings are taken follows from a seed, so that the same episode gives the same
-//! text.
+//! The draft of the trace: the state, the reason for the decision, the decision (LABELING.md 7), in phrasings of
+//! `schema/draft_texts.yaml`. A seed selects the phrasings, so that the same episode always gets the same text.
 
 use super::moment::Moment;
 use super::motion::LongitudinalMotion;
@@ -14,61 +13,61 @@ use whyroad_model::messages::{CriticalComponent, DrivingDecision, Uncertainty};
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable, TrackId};
 
-/// Things in the state: two are enough for a person to see what matters.
+/// Maximum number of components in the state: a reader needs no more than two.
 pub(super) const MOST_IN_STATE: usize = 2;
 /// Below this speed the ego is at standstill, m/s.
 const STANDING_MPS: f64 = 0.3;
-/// Below this acceleration the speed falls, and above its opposite it rises, m/s2; as for a target.
+/// Below this acceleration the speed falls, and above its negative it rises, m/s2; as for a target.
 const SLOWING_MPS2: f64 = -0.5;
-/// Whose middle is not farther ahead than this is beside the ego, or behind it, m.
+/// An object whose center is not farther ahead than this is beside the ego, or behind it, m.
 const BESIDE_M: f64 = 0.0;
 /// Below this speed the ego is slow, m/s: it stops within its own length.
 const SLOW_MPS: f64 = 15.0 / 3.6;
-/// Braking that nobody calls hard, m/s2.
+/// Braking up to this is not hard, m/s2.
 const COMFORTABLE_MPS2: f64 = 2.0;
-/// Farther than this from the band that the ego sweeps, others are not in its way, m.
+/// Objects farther than this from the area that the ego sweeps do not block it, m.
 const BESIDE_PATH_M: f64 = 0.5;
-/// Before a driver brakes, s.
+/// Reaction time of a driver before braking, s.
 const REACTION_S: f64 = 1.5;
-/// Frames over which a distance shrinks or does not.
+/// Frames over which a change of a distance is measured.
 const BEFORE_FRAMES: usize = 5;
-/// What a distance may shrink by over them, m: noise.
+/// A decrease of a distance up to this is noise, m.
 const NOISE_M: f64 = 0.1;
-/// Who comes onto the path within this time is not beside it, s.
+/// An object that comes onto the path within this time is not beside it, s.
 const SOON_S: f64 = 1.5;
-/// Braking above this is not smooth, m/s2.
+/// Braking harder than this is not smooth, m/s2.
 pub(super) const SMOOTH_MPS2: f64 = 3.0;
 /// Words for smooth driving.
 const SMOOTH: [&str; 3] = ["平稳", "smooth", "gently"];
-/// More of these in an English trace are one sentence too long.
+/// An English trace with more of these words needs one sentence less.
 const MOST_ANDS: usize = 2;
 /// Speeds are given in steps of this, km/h.
 const SPEED_STEP_KMH: f64 = 5.0;
 
-/// How an English clause about the ego begins.
+/// Beginning of an English clause about the ego.
 const OF_EGO: &str = "the ego ";
 
-/// What a trace is about.
+/// Facts for a trace.
 pub(super) struct DraftFacts<'a> {
     pub framework: &'a Framework,
     pub class: &'a ScenarioId,
     pub components: &'a [CriticalComponent],
     pub decision: &'a DrivingDecision,
-    /// What the ego does along its path after the keyframe.
+    /// The ego's longitudinal motion after the keyframe.
     pub motion: LongitudinalMotion,
-    /// Why nothing new is decided, where nothing is.
+    /// Why there is no new decision, if there is none.
     pub kept: WhyKept,
-    /// How the speed goes on.
+    /// Trend of the speed.
     pub trend: Trend,
     /// The ego brakes harder than smoothly.
     pub brakes_hard: bool,
-    /// The keyframe with the lead as the target, where the lead and not what the class is about is the nearest cause.
+    /// The keyframe with the lead as the target, where the lead and not the subject of the class is the nearest cause.
     pub lead: Option<Moment<'a>>,
     pub lang: Lang,
 }
 
-/// Why nothing new is decided at `frame` about `target`; `of_others`: it is about others where no target is known, or
-/// about who may be hidden.
+/// Why there is no new decision at `frame` about `target`; `of_others`: the class is about other road users although no
+/// target is known, or about a road user that may be hidden.
 pub(super) fn why_kept(
     signals: &SignalTable,
     frame: usize,
@@ -81,7 +80,7 @@ pub(super) fn why_kept(
     if speed.is_some_and(|v| v < STANDING_MPS) {
         return WhyKept::Standing;
     }
-    // What it does already is a reason only where it goes on with it.
+    // The current motion is a reason only if the ego continues it.
     let goes_on = |trend: Trend| course.is_none_or(|c| c.trend == trend);
     let underway =
         |trend: Trend| course.and_then(|c| c.first).is_some_and(|c| c.is_underway && c.trend == trend);
@@ -132,7 +131,7 @@ fn stays_beside(distance: impl Fn(usize) -> Option<f64>, frame: usize) -> bool {
     now > closing_mps * SOON_S
 }
 
-/// Which phrasings are taken.
+/// Numbers that select the phrasings.
 #[derive(Clone, Copy)]
 struct Choice {
     why: u64,
@@ -152,16 +151,16 @@ impl Choice {
     }
 }
 
-/// In which order the components of a state are said.
+/// Order of the components of a state in the text.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum StateOrder {
-    /// The first one last: what follows refers to it.
+    /// The first one last: the text after it refers to it.
     FirstLast,
-    /// As they are: a later one says what makes room for the decision.
+    /// In the order of the list: a later one makes room for the decision.
     AsListed,
 }
 
-/// Wanted length in characters (LABELING.md 7: 50 to 100 in Chinese; in English some 25 to 60 words).
+/// Preferred length in characters (LABELING.md 7: 50 to 100 in Chinese; in English about 25 to 60 words).
 fn wanted(lang: Lang) -> RangeInclusive<usize> {
     match lang {
         Lang::Zh => 50..=100,
@@ -169,7 +168,7 @@ fn wanted(lang: Lang) -> RangeInclusive<usize> {
     }
 }
 
-/// Words of an English trace at most.
+/// Maximum number of words of an English trace.
 const MOST_WORDS: usize = 60;
 
 fn fits(text: &str, lang: Lang) -> bool {
@@ -177,8 +176,8 @@ fn fits(text: &str, lang: Lang) -> bool {
         && (lang == Lang::Zh || text.split_whitespace().count() <= MOST_WORDS)
 }
 
-/// The trace with the phrasings that `seed` chooses, as long as a trace should be: with what the ego does at the
-/// keyframe where there is room, and with fewer things in the state where there is not.
+/// The trace with the phrasings that `seed` selects, of the preferred length: with the ego's motion at the keyframe if
+/// there is room, and with fewer components in the state if there is not.
 pub(super) fn trace(
     facts: &DraftFacts<'_>,
     order: StateOrder,
@@ -190,10 +189,10 @@ pub(super) fn trace(
     let choice = Choice::of(seed);
     let reasons = facts.reason(moment);
     let openings = openings(facts, signals, keyframe, choice.opening);
-    // A speed is said of few: it bears on few decisions.
+    // The speed is mentioned in few traces, because it affects few decisions.
     let opens = (choice.opening / 8).is_multiple_of(4)
         && openings.first().is_some_and(|o| o.contains(|c: char| c.is_ascii_digit()));
-    // The other openings are for where the first makes it too short or too long.
+    // The other openings are used where the first makes it too short or too long.
     let with = |things| openings.iter().map(move |o| (things, Some(o.as_str())));
     let without = |things| std::iter::once((things, None));
     let variants: Vec<(usize, Option<&str>)> = if opens {
@@ -201,7 +200,7 @@ pub(super) fn trace(
     } else {
         [MOST_IN_STATE, 1].into_iter().flat_map(|n| without(n).chain(with(n))).collect()
     };
-    // The other phrasings of reason and decision are for where none of the openings helps.
+    // The other phrasings of reason and decision are used where no opening gives a fitting length.
     let others = reasons.map_or(1, |p| p.all(facts.lang).len().max(1) as u64);
     let choices = (0..others).flat_map(|why| {
         (0..2).map(move |action| Choice { why: choice.why + why, action: choice.action + action, ..choice })
@@ -215,7 +214,7 @@ pub(super) fn trace(
             variants.iter().map(of).collect::<Vec<_>>()
         })
         .collect();
-    // Words that the numbers do not bear out, and long chains, are left out where there are others.
+    // Texts with words that contradict the numbers, or with long chains of clauses, are left out if there are others.
     let smooth = |t: &String| facts.brakes_hard && SMOOTH.iter().any(|w| t.contains(w));
     let chained = |t: &String| t.matches(" and ").count() > MOST_ANDS;
     let mut texts = texts;
@@ -226,7 +225,7 @@ pub(super) fn trace(
     }
     let length = |t: &&String| t.chars().count();
     let found = texts.iter().find(|t| fits(t, facts.lang));
-    // None fits: the one that is least too long, or else the longest.
+    // None fits: the one that exceeds the length least, or else the longest.
     let wanted = wanted(facts.lang);
     let nearest = || {
         texts.iter().min_by_key(|t| {
@@ -237,7 +236,7 @@ pub(super) fn trace(
     found.or_else(nearest).cloned().unwrap_or_default()
 }
 
-/// Ways to say what the ego does at the keyframe, that of `seed` first.
+/// Phrasings of the ego's motion at the keyframe, that of `seed` first.
 fn openings(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> Vec<String> {
     let speed = signals.frame_columns.get("ego.speed").and_then(|c| c.number(keyframe));
     let Some(speed) = speed else { return Vec::new() };
@@ -247,14 +246,14 @@ fn openings(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed
         (0..n).map(|i| p.pick(facts.lang, (seed % n.max(1)) + i).to_owned()).collect()
     };
     if speed < STANDING_MPS {
-        // Where nothing is decided, the rest says so.
+        // If nothing is decided, the rest of the text states it.
         return if facts.decides() { of(&all.standing) } else { Vec::new() };
     }
-    // Who still rolls at the keyframe and then moves off has no speed worth telling.
+    // The speed of an ego that still rolls at the keyframe and then moves off is not worth mentioning.
     if facts.decision.longitudinal == Some(Longitudinal::Resume) {
         return Vec::new();
     }
-    // Nor is there room for it before what says already where the ego drives.
+    // An opening does not fit before a text that already states where the ego drives.
     let of_ego = if facts.lang == Lang::Zh { "自车" } else { OF_EGO };
     let state = || facts.components.iter().take(MOST_IN_STATE).map(|c| c.description.as_str());
     if state().any(|text| text.starts_with(of_ego)) {
@@ -268,8 +267,8 @@ fn openings(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed
     of(&all.moving).into_iter().map(|text| text.replace("{speed}", &format!("{kmh:.0}"))).collect()
 }
 
-/// The part of the pattern `joined` that has something to say: without a state it begins with the reason, without a
-/// reason the decision follows the state.
+/// The pattern `joined` without its empty parts: without a state the text begins with the reason, without a reason the
+/// decision follows the state.
 fn said(joined: &str, state: &str, why: &str) -> String {
     let (state_at, why_at, action_at) = match (joined.find("}"), joined.find("{action}")) {
         (Some(end), Some(action)) => (end + 1, joined[end..].find('{').map_or(action, |n| end + n), action),
@@ -285,7 +284,7 @@ fn said(joined: &str, state: &str, why: &str) -> String {
 }
 
 impl<'a> DraftFacts<'a> {
-    /// One way to say it.
+    /// One sentence from the parts.
     fn sentence(
         &self,
         opening: Option<&str>,
@@ -303,7 +302,7 @@ impl<'a> DraftFacts<'a> {
             state.reverse();
         }
         let mut action = self.action(choice.action);
-        // Who is the subject of the reason is not named again.
+        // A subject that the reason already names is not repeated.
         if why.starts_with(OF_EGO)
             && let Some(rest) = action.strip_prefix(OF_EGO)
         {
@@ -316,7 +315,7 @@ impl<'a> DraftFacts<'a> {
             state = match self.lang {
                 _ if state.is_empty() => opening.to_owned(),
                 Lang::Zh => format!("{opening}，{state}"),
-                // What is a sentence stays one.
+                // A complete sentence remains a sentence of its own.
                 Lang::En if opening.starts_with(OF_EGO) => format!("{opening}. {}", capital(&state)),
                 Lang::En => format!("{opening}, {state}"),
             };
@@ -327,14 +326,14 @@ impl<'a> DraftFacts<'a> {
         capital(&text.replace("{action}", &action))
     }
 
-    /// Why the ego goes on with what it does, and that it does, where nothing new is decided.
+    /// Why the ego continues its motion, and that it does, where there is no new decision.
     fn kept(&self) -> (Option<&'a Phrasings>, Option<&'a Phrasings>) {
-        // Whom the ego has passed does not bear on where it turns to.
+        // A road user that the ego has passed does not affect the turn.
         let turns = self.decision.lateral.is_some() && self.kept != WhyKept::Beside;
         let kept = if turns { WhyKept::Turning } else { self.kept };
         let texts = &self.framework.draft_texts;
         let (why, none) = texts.kept(self.class, kept);
-        // That a speed goes on to change is said whatever the reason.
+        // A continuing change of speed is stated whatever the reason.
         let says_so = matches!(self.kept, WhyKept::Slowing | WhyKept::Speeding | WhyKept::Standing);
         let goes_on = match self.trend {
             Trend::Rises if !says_so => texts.goes_on("rises"),
@@ -344,7 +343,7 @@ impl<'a> DraftFacts<'a> {
         (why, goes_on.or(none))
     }
 
-    /// The reason for the decision that the signals of `moment` allow.
+    /// The reason for the decision, as far as the signals of `moment` support it.
     fn reason(&self, moment: &Moment<'_>) -> Option<&'a Phrasings> {
         let texts = &self.framework.draft_texts;
         let of_lead = self.lead.and_then(|lead| {
@@ -362,7 +361,7 @@ impl<'a> DraftFacts<'a> {
         reasons.into_iter().find(|r| moment.all(r.when)).map(|r| r.texts)
     }
 
-    /// Every reason that a draft may have given.
+    /// Every reason that a draft may contain.
     fn whys(&self) -> Vec<&'a str> {
         let of = |p: &'a Phrasings| p.all(self.lang).iter().map(String::as_str);
         let texts = &self.framework.draft_texts;
@@ -409,7 +408,7 @@ impl<'a> DraftFacts<'a> {
         }
     }
 
-    /// Numbers of phrasings: of the decision (whose parts are chosen by one number), and of the joints.
+    /// Numbers of phrasings: of the decision (one number selects all its parts), and of the joints.
     fn phrasings(&self) -> (u64, u64) {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let count = |p: &Phrasings| p.all(lang).len().max(1) as u64;
@@ -424,8 +423,8 @@ impl<'a> DraftFacts<'a> {
         (action, count(texts.traces()))
     }
 
-    /// The trace has the beginning of a reason in it that a draft may have given: cheap, and rare where a person has
-    /// written it.
+    /// The trace contains the beginning of a reason that a draft may contain: cheap, and rarely true for text by a
+    /// person.
     fn may_be(&self, trace: &str) -> bool {
         self.whys().into_iter().any(|why| has_beginning(trace, why))
     }
@@ -436,7 +435,7 @@ fn common(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { common(b, a % b) }
 }
 
-/// An action whose side is not known yet: a person states it.
+/// The text of an action whose side is not known yet; a person adds it.
 fn without_side(text: &str) -> String {
     let parts = [
         ("向{side}偏移", "向一侧偏移"),
@@ -455,8 +454,8 @@ fn capital(text: &str) -> String {
     chars.next().map_or_else(String::new, |c| c.to_uppercase().chain(chars).collect())
 }
 
-/// A number from an id and a run's seed, the same on every machine (FNV-1a, and the last step of SplitMix64, without
-/// which the high bits of ids that differ in a digit are alike).
+/// A number from an id and a run's seed, equal on every machine (FNV-1a with the last step of SplitMix64, without which
+/// ids that differ in one digit have similar high bits).
 pub(super) fn seed(id: &str, run: u64) -> u64 {
     let h = id
         .bytes()
@@ -466,7 +465,7 @@ pub(super) fn seed(id: &str, run: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// In both languages, whatever keeps the ego from deciding; however it moves, of which the reasons say nothing.
+/// The facts in both languages for every reason without a new decision; the reasons do not depend on the motion.
 fn all_facts<'a>(
     framework: &'a Framework,
     class: &'a ScenarioId,
@@ -479,13 +478,13 @@ fn all_facts<'a>(
         DraftFacts { framework, class, components, decision, motion, kept, trend, brakes_hard, lead, lang }
     };
     [Lang::Zh, Lang::En].into_iter().flat_map(move |lang| {
-        // It is said only where nothing new is decided.
+        // These are used only where nothing new is decided.
         let count = if of(lang, WhyKept::Driving).decides() { 1 } else { WhyKept::ALL.len() };
         WhyKept::ALL.into_iter().take(count).map(move |kept| of(lang, kept))
     })
 }
 
-/// `trace` has the beginning of `text` in it; the first letter may be a capital there and is left out.
+/// `trace` contains the beginning of `text`; the first letter may be a capital there and is not compared.
 pub(crate) fn has_beginning(trace: &str, text: &str) -> bool {
     let mut ends = text.char_indices().map(|(at, _)| at).chain([text.len()]);
     let from = ends.nth(1).unwrap_or(text.len());
@@ -503,8 +502,8 @@ pub(crate) fn may_be_draft(
     all_facts(framework, class, &[], decision).any(|facts| facts.may_be(trace))
 }
 
-/// True when `trace` ends with what a draft of these parts says, in any of its phrasings: nobody has written it. What a
-/// draft says of the ego before that is not compared: it depends on the recording.
+/// True when `trace` ends as a draft with these parts does, in any phrasing, so no person has written it. The part of a
+/// draft about the ego before that is not compared: it depends on the recording.
 pub(crate) fn is_draft(
     framework: &Framework,
     class: &ScenarioId,
@@ -520,12 +519,12 @@ pub(crate) fn is_draft(
         return false;
     }
     let trace = bare(trace);
-    // How the ego moves is in the words of a decision along its path.
+    // The ego's motion occurs in the texts of longitudinal decisions.
     let motions = match decision.longitudinal {
         Some(_) => &LongitudinalMotion::ALL[..],
         None => &[LongitudinalMotion::Unknown],
     };
-    // So is how its speed goes on where nothing is decided.
+    // So does the trend of its speed where nothing is decided.
     let mut moving = likely.iter().flat_map(|of| {
         let trends =
             if of.decides() { &[Trend::Holds][..] } else { &[Trend::Holds, Trend::Rises, Trend::Falls] };
@@ -548,7 +547,7 @@ pub(crate) fn is_draft(
     })
 }
 
-/// The component that says what the class is about, where the recording shows none that does.
+/// The component that describes the subject of the class, if the recording shows none that does.
 pub(super) fn seen(
     framework: &Framework,
     class: &ScenarioId,
@@ -558,7 +557,7 @@ pub(super) fn seen(
 ) -> Option<CriticalComponent> {
     let words = framework.label_words();
     let about = framework.decision_table().leaves.get(class).map(|c| c.about);
-    // A light says what a class is about only where the class is about nothing else.
+    // A light is the subject only of classes that have no other subject.
     let light = words.kinds.get("light").copied().unwrap_or_default();
     let only_light = about == Some(light);
     let is_light =
@@ -573,7 +572,8 @@ pub(super) fn seen(
         });
         any
     };
-    // Where nothing is known of the class, what was found has to do; a light alone says little of other classes.
+    // If nothing is known about the class, the found components are used; a light alone is not enough for other
+    // classes.
     if found.iter().any(speaks) || (about.is_none() && !found.iter().all(is_light)) {
         return None;
     }
@@ -584,7 +584,7 @@ pub(super) fn seen(
     Some(component(category.or(seen.category), description, seen.high.then_some(Uncertainty::High)))
 }
 
-/// The further component that the signals show: what the reason speaks of.
+/// The further component that the signals show and that the reason refers to.
 pub(super) fn also(
     framework: &Framework,
     class: &ScenarioId,

@@ -1,16 +1,16 @@
-//! What the ego does across its path after a keyframe, and which lateral decisions that bears out (LABELING.md 2).
+//! The ego's lateral motion after a keyframe, and which lateral decisions it supports (LABELING.md 2).
 
 use super::Driven;
 use whyroad_model::TrackId;
 use whyroad_model::decision::{Lateral, LateralDirection};
 
-/// Sideways movement that is no noise, m.
+/// Minimum sideways movement that is not noise, m.
 const OFFSET_M: f64 = 0.35;
 
-/// How a decision does not fit what was driven.
+/// How a decision contradicts the recorded motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Conflict {
-    /// It changes lanes to that side.
+    /// The ego changes lanes to that side.
     ChangesLane { frame: usize, left: bool },
     /// It does not change lanes.
     NoLaneChange,
@@ -18,16 +18,16 @@ pub(crate) enum Conflict {
     TurnsOther { degrees: f64 },
     /// Its heading hardly changes, degrees.
     NoTurn { degrees: f64 },
-    /// It does not drive backwards.
+    /// It does not reverse.
     NoReverse,
     /// It moves to the other side within its lane, m.
     MovesOther { away_m: f64 },
-    /// What is linked is on the side that it would move to, m from the path.
+    /// The linked object is on the side to which it would move, m from the path.
     ThingThere { lateral_m: f64 },
 }
 
-/// Where `decision` does not fit what was driven; `objects` are those that the components link. Of a drive that ends
-/// within 3 s nothing is said.
+/// The contradiction between `decision` and the recorded motion; `objects` are those that the components link. A drive
+/// that ends within 3 s is not judged.
 pub(crate) fn conflict(
     w: &Driven<'_>,
     decision: Lateral,
@@ -89,12 +89,12 @@ fn turn(w: &Driven<'_>, direction: Option<LateralDirection>) -> Option<Conflict>
     if against {
         return Some(Conflict::TurnsOther { degrees });
     }
-    // Who waits first may turn after the window.
+    // An ego that waits first may turn after the window.
     let moves = w.speeds(w.keyframe..w.range_end).is_some_and(|s| s.min > 2.0);
     (degrees.abs() < 12.0 && moves && w.lasts(6.0)).then_some(Conflict::NoTurn { degrees })
 }
 
-/// Moves to the decided side, and away from what it is decided to avoid.
+/// Checks for movement to the decided side, and away from the object that is avoided.
 fn nudge(w: &Driven<'_>, direction: LateralDirection, objects: &[&str]) -> Option<Conflict> {
     let left = direction == LateralDirection::Left;
     let offset = |f: usize| w.number("ego.lane_offset", f);
@@ -108,7 +108,7 @@ fn nudge(w: &Driven<'_>, direction: LateralDirection, objects: &[&str]) -> Optio
             return Some(Conflict::MovesOther { away_m });
         }
     }
-    // The thing that is avoided, where one is linked, stands on the other side.
+    // The avoided object, if one is linked, is on the other side.
     let [id] = objects else { return None };
     let row = w.signals.target(&TrackId::from(*id)).and_then(|t| t.row(w.keyframe));
     let lateral_m = w.signals.target_columns.get("target.path_lateral")?.number(row?)?;

@@ -1,47 +1,48 @@
-//! What the ego's speed does after a keyframe, and which decisions along its path that bears out (LABELING.md 2).
+//! The course of the ego's speed after a keyframe, and which longitudinal decisions it supports (LABELING.md 2).
 
 use super::{Driven, STANDSTILL_MPS, Speeds};
 use whyroad_model::Tri;
 use whyroad_model::decision::Longitudinal;
 
-/// A change of speed that is no noise, m/s.
+/// Minimum change of speed that is not noise, m/s.
 pub(crate) const PLAIN_MPS: f64 = 1.5;
-/// A change that a labeler cannot have overlooked, m/s.
+/// Minimum change of speed that an annotator cannot overlook, m/s.
 pub(crate) const LARGE_MPS: f64 = 3.0;
-/// What a car that keeps its speed varies by, m/s.
+/// Variation of a car that keeps its speed, m/s.
 pub(crate) const STEADY_MPS: f64 = 0.5;
-/// A share of the speed at the keyframe: below it the car is about to stop.
+/// Share of the speed at the keyframe: a car below it is about to stop.
 pub(crate) const NEARLY_STOPPED: f64 = 0.5;
 
-/// A change of speed that is an action: this share of the speed, at least this, m/s, ...
+/// Minimum change of speed that is an action: this share of the speed, at least this, m/s, ...
 const ACTION_SHARE: f64 = 0.06;
 const ACTION_MPS: f64 = 0.8;
-/// ... and at least this of who hardly moves, m/s.
+/// ... and at least this where the ego hardly moves, m/s.
 const ACTION_SLOW_MPS: f64 = 0.4;
-/// Who is slower than this hardly moves, m/s.
+/// Below this speed the ego hardly moves, m/s.
 const HARDLY_MOVES_MPS: f64 = 2.0;
-/// An action shows by this long after the keyframe, frames.
+/// An action is visible within this many frames after the keyframe.
 const ACTION_FRAMES: usize = 35;
-/// A speed that stays within this share is held, and within this, m/s.
+/// A speed is held if it stays within this share, and within this, m/s.
 const HELD_SHARE: f64 = 0.1;
 const HELD_MPS: f64 = 0.8;
-/// Frames over which it is told whether a speed is held: 3 s.
+/// Frames over which a speed must be held: 3 s.
 const HELD_FRAMES: usize = 30;
-/// Frames before the keyframe over which a speed changes already, and by how much, m/s.
+/// Frames before the keyframe over which a change of speed is under way, and its minimum, m/s.
 const BEFORE_FRAMES: usize = 10;
 const UNDERWAY_MPS: f64 = 0.6;
-/// The same, where it is told from an answer to what is seen at the keyframe.
+/// The same minimum, for separating it from a response to what is seen at the keyframe.
 const ANSWER_MPS: f64 = 0.45;
-/// What goes on after the keyframe and gets stronger by this is an answer to it, m/s2.
+/// A change that continues after the keyframe and gets stronger by this is a response to it, m/s2.
 const STRONGER_MPS2: f64 = 1.2;
 /// Frames after the keyframe over which its strength is measured.
 const STRENGTH_FRAMES: usize = 15;
-/// What was under way ends by this long after the keyframe, frames, where what comes then is the first new action.
+/// Maximum number of frames after the keyframe at which an earlier change ends, if the next change is the first new
+/// action.
 const ENDS_FRAMES: usize = 10;
-/// Who comes below this nearly stands, m/s.
+/// Below this speed the ego nearly stands, m/s.
 const NEARLY_STANDS_MPS: f64 = 0.6;
 
-/// How a decision does not fit what was driven: speeds in m/s, and their frames.
+/// How a decision contradicts the recorded motion: speeds in m/s, and their frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Conflict {
     /// It only gets faster.
@@ -54,22 +55,22 @@ pub(crate) enum Conflict {
     Stops { frame: usize },
     /// There is no lead.
     NoLead,
-    /// It does not stand at the keyframe.
+    /// It is not stationary at the keyframe.
     Moves,
     /// It does not move off.
     Stays,
     /// It keeps its speed.
     Unchanged { min: f64, max: f64 },
-    /// It plainly does something where nothing is decided.
+    /// It clearly acts although nothing is decided.
     Changes { to: f64, frame: usize },
 }
 
-/// The speed at the keyframe and those of the 6 s after it; `None` where they are not known for 2 s.
+/// The speed at the keyframe and the speeds in the 6 s after it; `None` where they are not known for 2 s.
 pub(crate) fn known_speeds(w: &Driven<'_>) -> Option<(f64, Speeds)> {
     w.speed(w.keyframe).zip(w.speeds(w.keyframe..w.end).filter(|_| w.lasts(2.0)))
 }
 
-/// Where `decision` does not fit what was driven; where speeds are not known for 2 s nothing is said.
+/// The contradiction between `decision` and the recorded motion; `None` where speeds are not known for 2 s.
 pub(crate) fn conflict(w: &Driven<'_>, decision: Option<Longitudinal>) -> Option<Conflict> {
     let (v0, all) = known_speeds(w)?;
     let Some(decision) = decision else { return undecided(w, v0) };
@@ -113,10 +114,10 @@ pub(crate) fn conflict(w: &Driven<'_>, decision: Option<Longitudinal>) -> Option
     }
 }
 
-/// Nothing is decided, although the ego plainly changes its speed at once.
+/// Nothing is decided, although the ego clearly changes its speed at once.
 fn undecided(w: &Driven<'_>, v0: f64) -> Option<Conflict> {
     let soon = w.speeds(w.keyframe..(w.keyframe + 31).min(w.end))?;
-    // What was under way at the keyframe is no new decision.
+    // A change that was under way at the keyframe is not a new decision.
     let before = w.speed(w.keyframe.saturating_sub(BEFORE_FRAMES)).unwrap_or(v0);
     let underway = (v0 - before).abs() > UNDERWAY_MPS;
     // Gaining speed after a turn or a stop is ordinary; starting from standstill is not.
@@ -125,7 +126,7 @@ fn undecided(w: &Driven<'_>, v0: f64) -> Option<Conflict> {
     (!underway && (to - v0).abs() >= LARGE_MPS).then_some(Conflict::Changes { to, frame })
 }
 
-/// Which way a speed goes.
+/// Direction in which a speed changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trend {
     Falls,
@@ -141,11 +142,11 @@ pub(crate) struct Change {
     pub trend: Trend,
     /// The frame from which on the speed changes.
     pub from: usize,
-    /// It went on at the keyframe already and does not get stronger: no answer to what is seen there.
+    /// It was under way at the keyframe and does not get stronger: not a response to what is seen there.
     pub is_underway: bool,
 }
 
-/// What the ego's speed does in the seconds after the keyframe.
+/// The course of the ego's speed in the seconds after the keyframe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Course {
     /// At the keyframe, m/s.
@@ -154,7 +155,7 @@ pub(crate) struct Course {
     pub first: Option<Change>,
     /// The first clear change that is not under way at the keyframe.
     pub new: Option<Change>,
-    /// How it goes over the next 3 s.
+    /// Direction over the next 3 s.
     pub trend: Trend,
     /// It comes to a stop, or nearly, within 6 s.
     pub nearly_stands: bool,
@@ -163,7 +164,7 @@ pub(crate) struct Course {
 }
 
 impl Course {
-    /// The ego stands at the keyframe.
+    /// The ego is stationary at the keyframe.
     pub(crate) fn stands(&self) -> bool {
         self.now_mps < STANDSTILL_MPS
     }
@@ -194,7 +195,7 @@ pub(crate) fn course(w: &Driven<'_>) -> Option<Course> {
     })
 }
 
-/// The speed comes down to nearly nothing before it rises again.
+/// The speed falls to nearly zero before it rises again.
 fn nearly_stands(w: &Driven<'_>) -> bool {
     let mut low = f64::INFINITY;
     for v in (w.keyframe..w.end).filter_map(|f| steady_speed(w, f)) {
@@ -206,12 +207,12 @@ fn nearly_stands(w: &Driven<'_>) -> bool {
     low < NEARLY_STANDS_MPS
 }
 
-/// What a speed has to change by to be an action, m/s.
+/// Minimum change of a speed that is an action, m/s.
 fn action(mps: f64) -> f64 {
     if mps < HARDLY_MOVES_MPS { ACTION_SLOW_MPS } else { (ACTION_SHARE * mps).max(ACTION_MPS) }
 }
 
-/// The first change from `from` on by as much as an action.
+/// The first change from `from` on that is as large as an action.
 fn first_change(w: &Driven<'_>, from: usize) -> Option<Change> {
     let v0 = steady_speed(w, from)?;
     let threshold = action(v0);
@@ -239,7 +240,7 @@ fn first_change(w: &Driven<'_>, from: usize) -> Option<Change> {
     None
 }
 
-/// It went on so before the keyframe, and not much less.
+/// The speed changed in the same direction before the keyframe, and not much less.
 fn is_underway(w: &Driven<'_>, trend: Trend) -> bool {
     let sign = if trend == Trend::Falls { -1.0 } else { 1.0 };
     let of =
@@ -247,14 +248,14 @@ fn is_underway(w: &Driven<'_>, trend: Trend) -> bool {
     let Some(before) = w.keyframe.checked_sub(BEFORE_FRAMES).and_then(|f| of(f, w.keyframe)) else {
         return false;
     };
-    // What began within that second may be the answer, a little early.
+    // A change that began within that second may be the response, slightly early.
     let (begin, middle) = (w.keyframe - BEFORE_FRAMES, w.keyframe - BEFORE_FRAMES / 2);
     let all_along = of(begin, middle).is_none_or(|v| v > ANSWER_MPS / 2.0);
     let after = of(w.keyframe, w.keyframe + STRENGTH_FRAMES).unwrap_or(before);
     before > ANSWER_MPS && all_along && after < before + STRONGER_MPS2
 }
 
-/// Where a change that is under way ends: its extreme.
+/// The frame in which a change that is under way ends: its extreme.
 fn turning_point(w: &Driven<'_>, change: Change) -> usize {
     let mut extreme = (steady_speed(w, change.from).unwrap_or(f64::NAN), change.from);
     for f in change.from..w.end {
@@ -269,7 +270,7 @@ fn turning_point(w: &Driven<'_>, change: Change) -> usize {
     extreme.1
 }
 
-/// The speed without what is seen in one frame only: the middle of three.
+/// The speed without outliers of a single frame: the median of three.
 fn steady_speed(w: &Driven<'_>, frame: usize) -> Option<f64> {
     let here = w.speed(frame)?;
     let (Some(a), Some(b)) = (frame.checked_sub(1).and_then(|f| w.speed(f)), w.speed(frame + 1)) else {
@@ -278,8 +279,8 @@ fn steady_speed(w: &Driven<'_>, frame: usize) -> Option<f64> {
     Some(here.clamp(a.min(b), a.max(b)))
 }
 
-/// How the speed goes over the next 3 s: by which side it leaves a tenth of itself, about 1 s and 2.5 s after the
-/// keyframe; not known where these differ.
+/// The direction of the speed over the next 3 s: by which side it leaves a tenth of itself, about 1 s and 2.5 s after
+/// the keyframe; unknown where these differ.
 fn trend(w: &Driven<'_>, now: f64) -> Trend {
     let held = (HELD_SHARE * now).max(if now < HARDLY_MOVES_MPS { ACTION_SLOW_MPS } else { HELD_MPS });
     let goes = |from: usize, to: usize| {

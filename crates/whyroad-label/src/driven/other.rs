@@ -1,24 +1,25 @@
-//! What somebody else does relative to the ego's path, around a keyframe. Distances are from the path that the ego
-//! drives, along it from the ego on (`target.path_longitudinal`) and across it, left positive (`target.path_lateral`).
+//! The motion of another road user relative to the ego's path, around a keyframe. Distances are from the path that the
+//! ego drives: along it from the ego on (`target.path_longitudinal`) and across it, left positive
+//! (`target.path_lateral`).
 
 use super::Driven;
 use std::ops::RangeInclusive;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{TrackId, Tri};
 
-/// Nearer than this to the path, somebody's middle is on it, m.
+/// Maximum distance from the path at which an object's center is on it, m.
 const ON_PATH_M: f64 = 1.8;
-/// How long who crosses is waited for, frames: 12 s.
+/// Frames in which a crossing is searched: 12 s.
 const CROSSES_FRAMES: usize = 120;
 
-/// Somebody else, around the keyframe.
+/// Another road user, around the keyframe.
 #[derive(Clone, Copy)]
 pub(crate) struct Other<'r> {
     w: Driven<'r>,
     span: &'r TargetSpan,
 }
 
-/// Who of two gets first to where their paths meet.
+/// Which of two gets first to the point where their paths meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum First {
     Other,
@@ -27,7 +28,7 @@ pub(crate) enum First {
     Neither,
 }
 
-/// Which way somebody moves along the path.
+/// Direction in which an object moves along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moves {
     Still,
@@ -61,13 +62,13 @@ impl<'r> Other<'r> {
         self.w.keyframe
     }
 
-    /// Frames from `before` the keyframe to `after` it.
+    /// Frames from `before` frames before the keyframe to `after` frames after it.
     pub(crate) fn frames(&self, before: usize, after: usize) -> RangeInclusive<usize> {
         let last = self.w.drive.times.len().saturating_sub(1);
         self.w.keyframe.saturating_sub(before)..=(self.w.keyframe + after).min(last)
     }
 
-    /// A flag is true somewhere in `frames`; unknown where it is known nowhere.
+    /// A flag is true in some frame of `frames`; unknown where it is known in none.
     pub(crate) fn ever(&self, signal: &str, frames: RangeInclusive<usize>) -> Tri {
         let all: Vec<Tri> = frames.map(|f| self.flag(signal, f)).collect();
         if all.iter().any(|t| t.is_true()) {
@@ -79,7 +80,7 @@ impl<'r> Other<'r> {
         }
     }
 
-    /// The least of a number in `frames`.
+    /// The minimum of a number in `frames`.
     pub(crate) fn least(&self, signal: &str, frames: RangeInclusive<usize>) -> Option<f64> {
         frames.filter_map(|f| self.number(signal, f)).min_by(f64::total_cmp)
     }
@@ -99,12 +100,12 @@ impl<'r> Other<'r> {
         self.number("target.path_lateral", frame).map(f64::abs)
     }
 
-    /// The least distance across the path in `frames`, m.
+    /// The minimum distance across the path in `frames`, m.
     pub(crate) fn nearest_aside(&self, frames: RangeInclusive<usize>) -> Option<f64> {
         frames.filter_map(|f| self.aside(f)).min_by(f64::total_cmp)
     }
 
-    /// By how much it comes nearer to the path from 1 s before the keyframe to 2 s after it, m.
+    /// Decrease of its distance from the path from 1 s before the keyframe to 2 s after it, m.
     pub(crate) fn comes_nearer(&self) -> Option<f64> {
         let frames = self.frames(10, 20);
         let mut known = frames.filter_map(|f| self.aside(f));
@@ -112,7 +113,7 @@ impl<'r> Other<'r> {
         Some(before - known.next_back().unwrap_or(before))
     }
 
-    /// Who gets first to where the two paths meet after the keyframe, as recorded; `None` where it is not known.
+    /// Which one gets first to where the two paths meet after the keyframe, as recorded; `None` where it is not known.
     pub(crate) fn first(&self) -> Option<First> {
         let mut known = false;
         for f in self.frames(0, CROSSES_FRAMES) {

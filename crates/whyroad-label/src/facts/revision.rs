@@ -1,10 +1,10 @@
-//! What people changed of a draft until its label was accepted, field by field of the label's table of fields.
+//! What people changed in a draft until its label was accepted, field by field of the label's table of fields.
 
 use serde_json::Value;
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::{LABEL_FIELDS, LabelField, pointer};
 
-/// From a draft to the accepted label.
+/// Differences between a draft and the accepted label.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Revision {
     /// Pointers of the fields that differ, in the order of the table. A list (components, records) is one field.
@@ -13,7 +13,7 @@ pub struct Revision {
     pub keyframe_shift_s: Option<f64>,
 }
 
-/// What the service writes into every label.
+/// Fields that the service writes into every label.
 const WRITTEN_BY_THE_SERVICE: [&str; 4] = ["/version", "/clip_id", "/safety_filter", "/provenance"];
 
 impl Revision {
@@ -27,14 +27,14 @@ impl Revision {
             let own = WRITTEN_BY_THE_SERVICE
                 .iter()
                 .any(|p| f.pointer == *p || f.pointer.strip_prefix(p).is_some_and(|r| r.starts_with('/')));
-            // Frames follow from times, the full id from its parts.
+            // Frames are derived from times, the full id from its parts.
             let derived = f.pointer.ends_with("frame_idx") || f.pointer.ends_with("full_id");
             !f.pointer.contains('*') && !own && !derived && !LABEL_FIELDS.iter().any(|o| inner(&o))
         })
     }
 }
 
-/// Compares a draft with the label that came of it.
+/// Compares a draft with the label made from it.
 pub fn revision(draft: &Value, label: &Value) -> Revision {
     let at = |of: &Value| {
         let text = of.pointer(pointer::KEYFRAME_TIMESTAMP).and_then(Value::as_str)?;
@@ -47,7 +47,7 @@ pub fn revision(draft: &Value, label: &Value) -> Revision {
     }
 }
 
-/// Null, an absent field and an empty list say the same; times are compared as moments.
+/// Null, an absent field and an empty list are equal; times are compared as moments.
 fn same(a: Option<&Value>, b: Option<&Value>) -> bool {
     let stated = |v: &&Value| match v {
         Value::Null => false,

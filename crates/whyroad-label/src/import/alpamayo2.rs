@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 
 const TEXTS: [&str; 3] = ["chain_of_causation", "coc", "cot"];
 const CLIP: [&str; 2] = ["clip_id", "clip"];
-/// Keys of the moment, us since the clip's start; the tools around the model name it differently.
+/// Keys of the moment, us since the clip's start; the tools around the model use different names.
 const TIMES: [&str; 5] = ["event_start_timestamp", "t0_us", "t0_relative", "t0", "timestamp"];
 const COMPONENTS: &str = "critical_components_analysis";
 
-/// Reads one file; `stem`, its name without the ending, is the clip where the content names none.
+/// Reads one file; `stem`, its name without the extension, is the clip where the content names none.
 pub fn read(file: &str, stem: &str, content: &str) -> Reading {
     let mut out = Reading::default();
     let objects: Vec<(String, Value)> = match serde_json::from_str(content) {
@@ -23,7 +23,7 @@ pub fn read(file: &str, stem: &str, content: &str) -> Reading {
                 let origin = format!("{file}#{}", i + 1);
                 match serde_json::from_str(line) {
                     Ok(value) => lines.push((origin, value)),
-                    // The first line is not JSON by itself: a JSON document that is broken, not JSON Lines.
+                    // The first line alone is not JSON, so this is a broken JSON document, not JSON Lines.
                     Err(_) if lines.is_empty() => {
                         out.diagnostics.push(findings::unreadable(file, &whole_file.to_string()));
                         return out;

@@ -4,13 +4,13 @@ use super::{FRAME_US, Reading, Reasoning, findings, text, whole};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
-/// Where the causal text is in `final_content`.
+/// Pointer to the causal text in `final_content`.
 const TEXT: &str = "/ego_behavior_schema/effect_on_ego_behavior";
-/// What is known of `results`; `prompt` and `model_usage` say how the text was made, not what it is.
+/// Known fields of `results`; `prompt` and `model_usage` describe how the text was made, not its content.
 const RESULTS: [&str; 4] =
     ["event_start_frame", "event_start_timestamp", "coc_prompt_version", "final_content"];
 
-/// Reads one `cot_<us>.yaml`; `stem` is its name without the ending, `clip` the name of its folder.
+/// Reads one `cot_<us>.yaml`; `stem` is its name without the extension, `clip` the name of its folder.
 pub fn read_text(file: &str, clip: &str, stem: &str, yaml: &str) -> Reading {
     let mut out = Reading::default();
     let root: Value = match whyroad_model::yaml::from_str(yaml) {
@@ -30,7 +30,7 @@ pub fn read_text(file: &str, clip: &str, stem: &str, yaml: &str) -> Reading {
     if let Some(content) = results.get("final_content") {
         others_of_content(&mut out, content);
     }
-    // The file's name has the time too, should the content have none.
+    // The file's name states the time too, if the content does not.
     let named = stem.strip_prefix("cot_").and_then(|us| us.parse().ok());
     let frame = whole(results.get("event_start_frame")).and_then(|f| f.checked_mul(FRAME_US));
     let Some(at_us) = whole(results.get("event_start_timestamp")).or(named).or(frame) else {
@@ -72,7 +72,7 @@ fn others_of_content(out: &mut Reading, content: &Value) {
     }
 }
 
-/// Counts the meta actions of a clip: how the car moved, for which a label has no field. A line that is not a meta
+/// Counts the meta actions of a clip: the motion of the car, for which a label has no field. A line that is not a meta
 /// action is reported.
 pub fn read_meta_actions(file: &str, lines: &str) -> Reading {
     let mut out = Reading::default();

@@ -1,4 +1,4 @@
-//! A causal text placed in a drive: the draft of a label.
+//! The draft of a label from a causal text and its moment in a drive.
 
 use super::{Reasoning, findings};
 use std::collections::BTreeMap;
@@ -10,13 +10,13 @@ use whyroad_model::scene::{CLIP_FRAMES, FRAME_RATE_HZ};
 use whyroad_model::time::frame_at;
 use whyroad_model::{ClipId, Diagnostic, DriveId, Nanos};
 
-/// Frames of history and future that a label speaks of where the source has no range: 2 s and 6 s (LABELING.md 4, 6).
+/// Frames of history and future in the range of a label where the source has no range: 2 s and 6 s (LABELING.md 4, 6).
 const HISTORY_FRAMES: usize = 20;
 const FUTURE_FRAMES: usize = 60;
-/// A moment may be this far from the nearest frame, s.
+/// Maximum distance of a moment from the nearest frame, s.
 const MAX_OFFSET_S: f64 = 0.1;
 
-/// Where a text belongs.
+/// The drive and the metadata for a text.
 pub struct Place<'a> {
     /// The drive.
     pub drive: &'a DriveId,
@@ -26,12 +26,12 @@ pub struct Place<'a> {
     pub zero: Nanos,
     /// Class of the labels.
     pub scenario: &'a ScenarioLabel,
-    /// The author: a model or data set.
+    /// The author: a model or dataset.
     pub by: &'a str,
 }
 
-/// The draft of one text, with the moment at the nearest frame. An error, as a diagnostic, when the drive does not have
-/// the moment.
+/// The draft of one text, with the moment at the nearest frame. Returns an error, as a diagnostic, when the drive does
+/// not contain the moment.
 pub fn draft(reasoning: &Reasoning, place: &Place<'_>) -> Result<CocLabel, Box<Diagnostic>> {
     let times = place.times;
     let at_s = reasoning.at_us as f64 / 1e6;
@@ -47,7 +47,7 @@ pub fn draft(reasoning: &Reasoning, place: &Place<'_>) -> Result<CocLabel, Box<D
     let start = frame.saturating_sub(HISTORY_FRAMES).max(first);
     let until = reasoning.until_us.and_then(absolute).map(|t| frame_at(times, t));
     let end = until.unwrap_or(frame + FUTURE_FRAMES).clamp(frame + 1, last);
-    // One past the last frame is a nominal period after it where the drive ends.
+    // At the end of the drive, one past the last frame is one nominal period after it.
     let end_time = times.get(end).copied().unwrap_or_else(|| times[end - 1].plus_secs(1.0 / FRAME_RATE_HZ));
     let in_clip = |frame: usize| u32::try_from(frame - first).unwrap_or(u32::MAX);
     let component = |(i, words): (usize, &String)| CriticalComponent {

@@ -1,4 +1,4 @@
-//! What an import of labels reports, one function per code. Texts only.
+//! Diagnostics of an import of labels, one function per code. Texts only.
 
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, Diagnostic};
@@ -14,7 +14,7 @@ pub const CODES: &[&str] = &[
     "import.field.left_out",
 ];
 
-/// A file that cannot be read, or is not of the format.
+/// A file that cannot be read, or is not in the format.
 pub fn unreadable(file: &str, reason: &str) -> Diagnostic {
     let message =
         Bilingual::new(format!("文件无法读取：{reason}"), format!("the file cannot be read: {reason}"));
@@ -75,7 +75,7 @@ pub(super) fn outside(origin: &str, at_s: f64, drive: &str) -> Diagnostic {
     Diagnostic::error("import.time.outside", message).with_hint(hint).in_file(origin)
 }
 
-/// What a label has no place for, one diagnostic per field.
+/// Data for which a label has no field, one diagnostic per field.
 pub fn fields(source: &str, left_out: &BTreeMap<String, usize>) -> Vec<Diagnostic> {
     let one = |(field, n): (&String, &usize)| {
         let message = Bilingual::new(

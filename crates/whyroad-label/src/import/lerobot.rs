@@ -1,5 +1,5 @@
-//! LeRobot v3 data sets: the language columns (`language_persistent`, `language_events`) and, for sets that have only
-//! these, the texts of tasks (L2D: what the driver was asked to do). An episode is the clip `episode_NNNNNN`.
+//! LeRobot v3 data sets: the language columns (`language_persistent`, `language_events`) and, for data sets that have
+//! only these, the texts of tasks (L2D: what the driver was asked to do). An episode is the clip `episode_NNNNNN`.
 
 use super::{Reading, Reasoning, Row, findings, text, whole};
 use serde_json::Value;
@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Columns of the data that are read.
 pub const DATA_COLUMNS: [&str; 5] =
     ["episode_index", "timestamp", "task_index", "language_persistent", "language_events"];
-/// Styles of rows that say why; the others (motion, questions and answers, ...) are counted.
+/// Styles of rows that state a reason; the others (motion, questions and answers, ...) are counted.
 const CAUSAL_STYLES: [&str; 4] = ["plan", "coc", "reasoning", "trace"];
 
 /// Name of an episode.
@@ -16,7 +16,7 @@ pub fn clip_of(episode: i64) -> String {
     format!("episode_{episode:06}")
 }
 
-/// Reads rows of the data, and texts of tasks by their index. A text that many frames repeat is one text.
+/// Reads rows of the data, and texts of tasks by their index. A text that is repeated over many frames is one text.
 pub fn read(file: &str, rows: &[Row], tasks: &BTreeMap<i64, String>) -> Reading {
     let mut out = Reading::default();
     let mut seen = BTreeSet::new();
@@ -48,7 +48,7 @@ pub fn read(file: &str, rows: &[Row], tasks: &BTreeMap<i64, String>) -> Reading 
 }
 
 fn seconds(value: Option<&Value>) -> Option<f64> {
-    // A float32 written as a double: to the microsecond it is what was meant.
+    // A float32 written as a double: rounding to the microsecond restores the intended value.
     value.and_then(Value::as_f64).filter(|s| s.is_finite() && s.abs() < 1e6)
 }
 
@@ -75,7 +75,7 @@ fn add(
 ) -> bool {
     let style = text(entry.get("style")).unwrap_or_default();
     let Some(words) = text(entry.get("content")) else { return false };
-    // Persistent rows have their own time: that of their beginning.
+    // Persistent rows have their own time: the time of their beginning.
     let at_s = seconds(entry.get("timestamp")).unwrap_or(frame_s);
     let one = reasoning(origin, episode, at_s, &words);
     if !seen.insert((episode, style.clone(), words, one.at_us)) {

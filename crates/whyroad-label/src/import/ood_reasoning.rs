@@ -1,11 +1,11 @@
-//! `reasoning/ood_reasoning.parquet` of PhysicalAI-AV and of trees in its layout: one row per clip, `events` as JSON
-//! text or as a list. Every event becomes a label, not only the first.
+//! `reasoning/ood_reasoning.parquet` of PhysicalAI-AV and of folders with its layout: one row per clip, `events` as
+//! JSON text or as a list. Every event becomes a label, not only the first.
 
 use super::{FRAME_US, Reading, Reasoning, Row, TEXTS, cot_or_coc, findings, text, whole};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Columns that are read: the index under the names that pandas gives it, and the events.
+/// Columns that are read: the index under the names that pandas gives to it, and the events.
 const INDEX: [&str; 2] = ["clip_id", "__index_level_0__"];
 
 /// Reads the rows of a file.
@@ -49,7 +49,7 @@ fn events(cell: Option<&Value>) -> Result<Vec<Value>, String> {
 }
 
 fn add(out: &mut Reading, origin: &str, clip: &str, event: &Value) {
-    // A list of JSON texts is in use as well.
+    // Lists of JSON texts also occur.
     let parsed = event.as_str().and_then(|json| serde_json::from_str(json).ok());
     let Some(fields) = parsed.as_ref().unwrap_or(event).as_object() else {
         out.diagnostics.push(findings::invalid(origin, "事件不是对象", "the event is not an object"));

@@ -1,4 +1,4 @@
-//! Entries written by hand as the sources' code writes and reads them.
+//! Hand-written entries in the format that the sources' code writes and reads.
 
 use super::*;
 use serde_json::json;
@@ -72,7 +72,7 @@ fn auto_labeler_text_and_meta_actions() {
     assert_eq!(one.versions["coc_prompt_version"], "v3");
     let left: Vec<_> = r.left_out.keys().map(String::as_str).collect();
     assert_eq!(left, ["results.final_content.ego_behavior_schema.visibility", "results.prompt"]);
-    // Without its own time, the file's name has it.
+    // If it has no time of its own, the file's name has it.
     let bare = "results:\n  final_content:\n    ego_behavior_schema:\n      effect_on_ego_behavior: x\n";
     assert_eq!(auto_labeler::read_text("f", "c", "cot_700000", bare).found[0].at_us, 700_000);
     assert_eq!(codes(&auto_labeler::read_text("f", "c", "cot_7", "a: [")), ["import.file.unreadable"]);

@@ -1,5 +1,5 @@
-//! How far a judge agrees with people: question by question with the answers of a file, or label by label with what
-//! checkers of the labeling service did.
+//! Agreement of a judge with people: question by question with the answers of a file, or label by label with the
+//! actions of checkers in the labeling service.
 
 use super::{JudgedLabel, QuestionKind};
 use crate::agreement::{Estimate, bootstrap, cohen};
@@ -15,11 +15,11 @@ pub struct QuestionAgreement {
     pub kind: &'static str,
     /// Pairs of answers.
     pub answers: usize,
-    /// Share that is the same.
+    /// Share of equal answers.
     pub same: Estimate,
     /// Cohen's kappa.
     pub kappa: Estimate,
-    /// Judge and people find a fault; only the judge; only people; neither.
+    /// Number of cases in which both find an error; only the judge; only the people; neither.
     pub counts: [usize; 4],
 }
 
@@ -28,13 +28,13 @@ pub struct QuestionAgreement {
 pub struct PeopleAgreement {
     /// Labels that both judged.
     pub labels: usize,
-    /// Labels of the people that the judge has not, or that have no answer yet.
+    /// Labels of the people that the judge has not judged, or that have no answer yet.
     pub unmatched: usize,
-    /// By kind, then all.
+    /// By kind, then over all kinds.
     pub kinds: Vec<QuestionAgreement>,
 }
 
-/// Whether each side finds no fault.
+/// Whether each side finds no error.
 type Pair = (bool, bool);
 
 /// Compares answer by answer. An answer that a person left open does not count.
@@ -62,8 +62,8 @@ pub fn agreement_with_people(judged: &[JudgedLabel], people: &[JudgedLabel], see
     PeopleAgreement { labels, unmatched: people.len() - labels, kinds }
 }
 
-/// Compares whole labels with tasks of the labeling service (`tasks export --content tasks`): people find no fault in
-/// a label that was accepted without being returned.
+/// Compares whole labels with tasks of the labeling service (`tasks export --content tasks`): people find no error in a
+/// label that was accepted without being returned.
 pub fn agreement_with_tasks(judged: &[JudgedLabel], tasks: &[Value], seed: u64) -> PeopleAgreement {
     let index: BTreeMap<(&str, Nanos), bool> =
         judged.iter().filter_map(|j| Some(((j.clip_id.as_str(), j.keyframe), j.passed?))).collect();
@@ -79,7 +79,7 @@ pub fn agreement_with_tasks(judged: &[JudgedLabel], tasks: &[Value], seed: u64) 
     PeopleAgreement { labels: pairs.len(), unmatched, kinds: vec![of("label", &pairs, seed)] }
 }
 
-/// Clip and keyframe of the label that was checked first, and whether it was accepted as it was. `None` where nobody
+/// Clip and keyframe of the label that was checked first, and whether it was accepted unchanged. `None` where nobody
 /// has decided.
 fn verdict(task: &Value) -> Option<(String, Nanos, bool)> {
     let history: Vec<&Value> = task.get("history")?.as_array()?.iter().collect();

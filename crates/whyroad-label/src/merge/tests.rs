@@ -1,4 +1,4 @@
-//! Changes by JSON pointer: examples, and on random drafts that merging does not depend on who was first.
+//! Changes by JSON pointer: examples, and a property test on random drafts: merging does not depend on the order.
 
 use super::*;
 use proptest::prelude::*;
@@ -43,11 +43,11 @@ fn an_element_that_moved_and_looks_like_the_wanted_one_is_another() {
     let mut now = json!({"l": ["p", "q", "r"]});
     theirs.iter().for_each(|c| apply(&mut now, c).unwrap());
     assert_eq!(now, json!({"l": ["q", "r", "n"]}));
-    // Mine was about r, which is elsewhere now.
+    // Mine was about r, which is at another index now.
     assert_eq!(conflicts(&now, &[set("/l/2", json!("n"))], &theirs).len(), 1);
 }
 
-/// A place in the draft of the property below; some lie in others.
+/// A path in the draft of the property below; some contain others.
 fn places() -> impl Strategy<Value = String> {
     let list = prop_oneof![Just("-".to_owned()), (0..3usize).prop_map(|i| i.to_string())];
     prop_oneof![
@@ -61,7 +61,7 @@ fn changes() -> impl Strategy<Value = FieldChange> {
     let value =
         prop_oneof![Just(json!(null)), Just(json!("text")), Just(json!(7)), Just(json!({"name": "n"}))];
     (places(), value, proptest::bool::weighted(0.2)).prop_map(|(path, value, remove)| FieldChange {
-        // Nothing is taken away behind the last element.
+        // There is nothing to remove behind the last element.
         remove: remove && !path.ends_with("/-"),
         path,
         value,
@@ -78,8 +78,8 @@ fn all(draft: &Value, lists: [&[FieldChange]; 2]) -> Option<Value> {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
-    /// Where no conflict is reported, mine on theirs equals theirs on mine: nothing of either is lost. (Two that
-    /// append are distinguished by order alone, so they are left out.)
+    /// Where no conflict is reported, mine on theirs equals theirs on mine: no change is lost. (Two appends differ only
+    /// in order, so they are left out.)
     #[test]
     fn what_does_not_conflict_merges_the_same_both_ways(
         mine in proptest::collection::vec(changes(), 1..4),

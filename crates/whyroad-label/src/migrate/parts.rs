@@ -1,4 +1,4 @@
-//! The parts of an older label, each to its current form.
+//! Converts each part of an older label to its current form.
 
 use super::loss::lost;
 use serde_json::{Map, Value, json};
@@ -9,7 +9,7 @@ use whyroad_model::messages::KeyframeType;
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Diagnostic, Nanos};
 
-/// What ties frames to times: a frame whose time the document states.
+/// Conversion between frames and times: a frame whose time the document states.
 pub(super) struct Times {
     anchor: Option<(Nanos, f64)>,
 }
@@ -38,7 +38,7 @@ impl Times {
     }
 }
 
-/// A class: an object, a full id, or a part of one that is unique.
+/// A class: an object, a full id, or a unique part of one.
 pub(super) fn scenario(framework: &Framework, value: Value, report: &mut Vec<Diagnostic>) -> Option<Value> {
     let text = match &value {
         Value::String(s) => s.clone(),
@@ -234,7 +234,7 @@ pub(super) fn moment(
     Some(Value::Object(fields))
 }
 
-/// A time with its frame, from either.
+/// A time with its frame, from either of them.
 fn instant(value: &Value, times: &Times) -> Option<(String, Option<u64>)> {
     match value {
         Value::String(s) if Nanos::parse_iso(s).is_ok() => Some((s.clone(), times.frame(s))),

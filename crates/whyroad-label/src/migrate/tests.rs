@@ -1,4 +1,4 @@
-//! Older labels as their authors wrote them, and the same label back.
+//! Older labels as their authors wrote them, and their conversion back.
 
 use super::*;
 use crate::check::Checker;

@@ -27,7 +27,7 @@ fn a_turn_has_its_side_and_a_lane_change_is_no_decision_of_a_cut_in() {
     assert_eq!(open.label.driving_decision.lateral, Some(Lateral::LaneChange));
     assert_eq!(open.label.scenario.l3, None);
     assert!(open.notes.iter().any(|n| n.en.contains("variant (L3)")));
-    // Of a cut-in it is no usual decision (scenarios/decisions.yaml): it is one only where it begins within 2 s.
+    // Not a typical decision for a cut-in (scenarios/decisions.yaml): it is a decision only if it begins within 2 s.
     let cutin = |from: usize| {
         draft_of("reactive_agent.cutin.urgent", |s| {
             let codes = (0..fixture::FRAMES).map(|f| u16::from(f >= from)).collect();
@@ -42,7 +42,7 @@ fn a_turn_has_its_side_and_a_lane_change_is_no_decision_of_a_cut_in() {
         (Some(Lateral::LaneChange), Some(LateralDirection::Right))
     );
     assert_eq!((late.lateral, late.lateral_direction), (None, None));
-    // Nor does it go with an animal at all.
+    // It is not allowed for an animal at all.
     let animal = draft_of("reactive_agent.animal.crossing", change).label.driving_decision;
     assert_eq!((animal.lateral, animal.lateral_direction), (None, None));
 }

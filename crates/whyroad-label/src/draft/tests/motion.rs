@@ -1,4 +1,4 @@
-//! What a draft decides from the speed of the ego.
+//! Decisions that a draft derives from the ego's speed.
 
 use super::*;
 
@@ -56,10 +56,11 @@ fn a_twitch_of_four_frames_is_no_action_and_what_comes_after_six_seconds_is_too_
 
 #[test]
 fn what_the_ego_was_already_doing_is_no_answer_to_the_keyframe() {
-    // Speeding up long before and until 1 s after, then slowing: the answer is the slowing.
+    // Speeding up long before and until 1 s after, then slowing: the slowing is the response.
     let after = draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 50 { 3 } else { 1 }));
     assert_eq!(after.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
-    // Slowing for 2 s before and all the while: no new decision. Begun 0.3 s before: the answer, early.
+    // Slowing from 2 s before and all the time: no new decision. If it begins 0.3 s before, it is the response,
+    // slightly early.
     let all_along =
         draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 20 { 2 } else { 1 }));
     assert_eq!(all_along.label.driving_decision.longitudinal, None);
@@ -69,7 +70,7 @@ fn what_the_ego_was_already_doing_is_no_answer_to_the_keyframe() {
 
 #[test]
 fn a_class_that_exists_because_the_ego_slows_has_a_decision_though_it_slowed_before() {
-    // scenarios/decisions.yaml: follow_stop decides. Its keyframe is the lead's stop, which the ego sees coming.
+    // scenarios/decisions.yaml: follow_stop is a decision. Its keyframe is the lead's stop, which the ego expects.
     let slowing = |f: usize| u16::from(f < 70);
     let d = draft_of("reactive_agent.following.follow_stop", |s| with_motion(s, slowing));
     assert_eq!(d.label.driving_decision.longitudinal, Some(Longitudinal::LeadFollowing));
@@ -84,7 +85,7 @@ fn slowing_that_ends_at_standstill_after_the_six_seconds_is_a_stop() {
     let motion = |stands: usize| move |f: usize| if f < 45 { 2 } else { u16::from(f < stands) };
     let stops = draft_of(red, |s| with_motion(s, motion(110)));
     assert_eq!(stops.label.driving_decision.longitudinal, Some(Longitudinal::StopForRegulation));
-    // Who speeds up again and stops later has not stopped for it.
+    // An ego that speeds up again and stops later has not stopped for it.
     let goes = |f: usize| if (60..80).contains(&f) { 3 } else { motion(110)(f) };
     let later = draft_of(red, |s| with_motion(s, goes));
     assert_eq!(later.label.driving_decision.longitudinal, None);
@@ -100,8 +101,8 @@ fn a_clear_change_of_speed_is_a_decision_though_it_began_before() {
     let rises = |f: usize| (4.0 + 0.14 * f.saturating_sub(20) as f64).min(11.7);
     let crosswalk = draft_of("reactive_rule.speed_limit.crosswalk_limit", |s| with_speed(s, rises));
     assert_eq!(crosswalk.label.driving_decision.longitudinal, Some(Longitudinal::SetSpeedTracking));
-    // Nobody has slowed for who appears only now: braking by 2 m/s2 since 1.5 s is no answer to it (LABELING.md 2, the
-    // first action *after* the keyframe).
+    // Nobody has slowed for an object that appears only now: braking by 2 m/s2 since 1.5 s is no response to it
+    // (LABELING.md 2, the first action *after* the keyframe).
     let stops = |by: f64| {
         move |f: usize| {
             let late = if f > 40 { (f - 40) as f64 * by } else { 0.0 };
@@ -112,10 +113,10 @@ fn a_clear_change_of_speed_is_a_decision_though_it_began_before() {
     let emerges = draft_of(emergence, |s| with_speed(s, stops(0.0)));
     assert_eq!(emerges.label.driving_decision.longitudinal, None);
     assert!(emerges.label.coc_trace.contains("继续下降"), "{}", emerges.label.coc_trace);
-    // From 2 to 4 m/s2 it is one.
+    // An increase from 2 to 4 m/s2 is a response.
     let harder = draft_of(emergence, |s| with_speed(s, stops(0.2)));
     assert_eq!(harder.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
-    // 1 m/s in 3 s is no change that has to be told again.
+    // 1 m/s in 3 s is not a change that must be stated again.
     let eases = |f: usize| 12.0 - 0.06 * f.saturating_sub(20) as f64;
     let slight = draft_of("reactive_agent.vru_emergence.dynamic_occlusion", |s| with_speed(s, eases));
     assert_eq!(slight.label.driving_decision.longitudinal, None);
@@ -144,13 +145,13 @@ fn what_the_ego_plainly_does_is_a_decision() {
     };
     let crossing = "reactive_agent.intersection_interaction.cross_conflict";
     let narrow = "reactive_road.geometry_adaptation.narrow";
-    // It rolls at 0.9 m/s and moves off; at 1.1 m/s it drives.
+    // At 0.9 m/s it rolls and moves off; at 1.1 m/s it is already driving.
     assert_eq!(along(crossing, |f| 0.9 + 0.1 * f.saturating_sub(44) as f64), Some(Longitudinal::Resume));
     assert_eq!(
         along(narrow, |f| 1.1 + 0.1 * f.saturating_sub(44) as f64),
         Some(Longitudinal::SetSpeedTracking)
     );
-    // 8 km/h are 2.22 m/s: 2.25 m/s and 2.1 m/s within 3 s, begun 2 s before the keyframe.
+    // 8 km/h are 2.22 m/s: changes of 2.25 m/s and 2.1 m/s within 3 s, begun 2 s before the keyframe.
     assert_eq!(
         along(narrow, |f| 5.0 + 0.075 * f.saturating_sub(20) as f64),
         Some(Longitudinal::SetSpeedTracking)
@@ -167,12 +168,12 @@ fn what_the_ego_plainly_does_is_a_decision() {
 fn a_change_of_speed_is_told_by_its_sign_and_not_held() {
     let cut_in =
         |speed: fn(usize) -> f64| draft_of("reactive_agent.cutin.slow", |s| with_speed(s, speed)).label;
-    // From 4.8 to 7.5 m/s in 3 s: more than a tenth, and no class of cut-ins decides to speed up.
+    // From 4.8 to 7.5 m/s in 3 s: more than a tenth, and no class of cut-ins has the decision to speed up.
     let rises = cut_in(|f| 4.8 + 0.09 * f.saturating_sub(40) as f64);
     assert_eq!(rises.driving_decision.longitudinal, None);
     assert!(rises.coc_trace.contains("提速") || rises.coc_trace.contains("上升"), "{}", rises.coc_trace);
     assert!(!rises.coc_trace.contains("保持") && !rises.coc_trace.contains("不变"), "{}", rises.coc_trace);
-    // From 24.0 to 23.4 m/s, a fortieth, is held.
+    // From 24.0 to 23.4 m/s, a fortieth: the speed is constant.
     let holds = cut_in(|f| 24.0 - 0.02 * f.saturating_sub(40) as f64);
     assert_eq!(holds.driving_decision.longitudinal, None);
     assert!(
@@ -180,14 +181,14 @@ fn a_change_of_speed_is_told_by_its_sign_and_not_held() {
         "{}",
         holds.coc_trace
     );
-    // From 3.1 to 1.2 m/s in the first second, and back: the first action is to slow down.
+    // From 3.1 to 1.2 m/s in the first second, and back: the first action is slowing down.
     let dips = cut_in(|f| match f {
         0..=40 => 3.1,
         41..=50 => 3.1 - 0.19 * (f - 40) as f64,
         _ => (1.2 + 0.1 * (f - 50) as f64).min(6.0),
     });
     assert_eq!(dips.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
-    // At 20 m/s, 0.6 m/s in 3 s is no slowing for a slope; 3 m/s is.
+    // At 20 m/s, 0.6 m/s in 3 s is not slowing for a slope; 3 m/s is.
     let slope = |by: f64| {
         let speed = move |f: usize| 20.0 - by * f.saturating_sub(44) as f64;
         let made = draft_of("reactive_road.geometry_adaptation.slope_down", |s| with_speed(s, speed));

@@ -1,4 +1,4 @@
-//! Leads and other road users: near or not, where they are, and whether they do what the class says.
+//! Leads and other road users: near or far, their positions, and whether they do what the class states.
 
 use super::*;
 
@@ -25,7 +25,7 @@ fn a_lead_that_is_near_is_the_nearest_cause() {
     let far = turn(20.7);
     assert_eq!(far.driving_decision.longitudinal, Some(Longitudinal::RoadSpeedAdaptation));
     assert!(!far.coc_trace.contains("前车"), "{}", far.coc_trace);
-    // Who stands behind a lead that stands stays for that.
+    // An ego that stands behind a stationary lead remains stationary because of it.
     let stays = behind_lead("proactive.turn.straight", 8.0, |s| {
         with_speed(s, |_| 0.0);
         of_target(s, "target.speed", 0.0);
@@ -33,7 +33,7 @@ fn a_lead_that_is_near_is_the_nearest_cause() {
     });
     assert_eq!(stays.driving_decision.longitudinal, None);
     assert!(stays.coc_trace.contains("前车"), "{}", stays.coc_trace);
-    // And who speeds up behind one that drives on follows it.
+    // An ego that speeds up behind a lead that drives on follows it.
     let follows = behind_lead("proactive.turn.straight", 12.0, |s| {
         with_speed(s, |f| 6.0 + 0.1 * f.saturating_sub(44) as f64);
         of_target(s, "target.speed", 7.0);
@@ -58,7 +58,7 @@ fn no_vehicle_is_made_up_for_a_lane_change() {
         assert_eq!(far.critical_components[0].uncertainty, Some(Uncertainty::High));
         assert!(!far.coc_trace.contains('它') && !far.coc_trace.contains("慢"), "{}", far.coc_trace);
     }
-    // Nobody is in the lane that the ego comes back from.
+    // Nobody is in the lane from which the ego returns.
     let abort = change("proactive.lane_change.abort", 100.0);
     assert!(!abort.coc_trace.contains("对方") && abort.coc_trace.contains("没有"), "{}", abort.coc_trace);
     assert_eq!(abort.critical_components[0].uncertainty, Some(Uncertainty::High));
@@ -106,7 +106,7 @@ fn place_and_phase_are_those_of_the_boxes() {
 
 #[test]
 fn whom_a_class_is_about_does_what_it_says_or_there_is_no_draft() {
-    // Who walks across gets onto the path 3 s after the keyframe, 10 m ahead of the ego, or 10 m behind it.
+    // A pedestrian walking across gets onto the path 3 s after the keyframe, 10 m ahead of the ego, or 10 m behind it.
     let crossing = |along: f64, way: &str| {
         draft_of("reactive_agent.vru_crossing.horizontal", |s| {
             with_speed(s, |f| 10.0 - 0.1 * f.saturating_sub(44) as f64);
@@ -122,9 +122,9 @@ fn whom_a_class_is_about_does_what_it_says_or_there_is_no_draft() {
         (None, Some(Longitudinal::YieldToAgent))
     );
     assert_eq!(crossing(-10.0, "across").doubt, Some(Doubt::EgoFirst));
-    // Who comes along the other way does not cross.
+    // An oncoming road user does not cross.
     assert_eq!(crossing(10.0, "against").doubt, Some(Doubt::NotCrossing));
-    // Who has gone 12 m/s all along has not just started.
+    // A road user that drove at 12 m/s all the time has not just started.
     let starts = |speed: fn(usize) -> f64| {
         draft_of("reactive_agent.cutin.from_stationary", |s| {
             with_speed(s, |f| 10.0 - 0.1 * f.saturating_sub(44) as f64);
@@ -134,7 +134,7 @@ fn whom_a_class_is_about_does_what_it_says_or_there_is_no_draft() {
     };
     assert_eq!(starts(|_| 12.0), Some(Doubt::NotStarting));
     assert_eq!(starts(|f| 0.1 * f.saturating_sub(20) as f64), None);
-    // Nobody gives way to nobody.
+    // The ego cannot yield if nobody is there.
     let nobody = behind_lead("proactive.merge_interaction.zipper_merge", 100.0, |s| {
         with_speed(s, |f| 17.0 - 0.1 * f.saturating_sub(44) as f64);
     });

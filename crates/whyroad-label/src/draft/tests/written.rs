@@ -1,4 +1,4 @@
-//! What a draft writes: components, trace, records and notes.
+//! The content of a draft: components, trace, records and notes.
 
 use super::*;
 use std::collections::BTreeSet;
@@ -28,7 +28,7 @@ fn a_draft_names_the_route_only_where_the_recording_has_commands() {
         let (component, _) = descriptions(class, Some(command));
         assert!(component.contains("导航") && component.contains(said), "{class}: {component}");
     }
-    // Who avoids an obstacle does not do it for the route.
+    // The route is not the reason for avoiding an obstacle.
     let (component, _) = descriptions("proactive.obstacle_avoidance.in_lane", Some("left"));
     assert!(!component.contains("导航"), "{component}");
 }
@@ -58,7 +58,7 @@ fn a_draft_says_what_the_ego_goes_on_with_where_nothing_is_decided() {
 
 #[test]
 fn what_is_owed_is_null_in_the_label_and_named_in_the_notes() {
-    // TAXONOMY.md: high_curvature must record the curvature, lane_change.overtake the vehicle that is overtaken.
+    // TAXONOMY.md: high_curvature must record the curvature, lane_change.overtake the overtaken vehicle.
     let bend = draft_of("reactive_road.geometry_adaptation.high_curvature", |s| {
         s.frame_columns.insert("map.curvature_ahead".into(), Column::Number(vec![0.04; fixture::FRAMES]));
     });
@@ -69,7 +69,8 @@ fn what_is_owed_is_null_in_the_label_and_named_in_the_notes() {
     let name = &spec.records.iter().find(|r| r.id == "overtaken_vehicle").unwrap().name.en;
     assert!(overtake.notes.iter().any(|n| n.en.contains(name)));
     // LABELING.md 3: mandatory for blind spots.
-    // LABELING.md 3: mandatory for blind spots, of who comes out from behind something, and of what a lead reveals.
+    // LABELING.md 3: mandatory for blind spots, for road users that come out of an occlusion, and for what a lead
+    // reveals.
     for leaf in [
         "reactive_road.blind_spot_slowdown.gap",
         "reactive_road.blind_spot_slowdown.vehicle",
@@ -94,7 +95,7 @@ fn few_english_traces_open_with_the_speed() {
         let trace = draft_with_seed(framework, &drive, &signals, &episode, Lang::En, run).label.coc_trace;
         trace.contains("km/h")
     };
-    // One of four, but where the rest is too short without.
+    // One in four, except where the rest would be too short without it.
     let count = (0..200).filter(|run| opens(*run)).count();
     assert!((1..100).contains(&count), "{count}");
 }
@@ -117,7 +118,7 @@ fn causes_are_what_was_seen_at_the_keyframe_and_an_unchanged_trace_is_found() {
     // LABELING.md 7: 50 to 100 characters; issue 13: at most one number, no Latin word.
     assert!((50..=100).contains(&trace.chars().count()), "{trace}");
     assert!(!trace.chars().any(|c| c.is_ascii_alphabetic()) && numbers(trace) <= 1, "{trace}");
-    // Handed in unchanged by a person it is found, with the words changed it is not.
+    // A person who submits it unchanged is detected; with changed words, not.
     let mut label = serde_json::to_value(&d.label).unwrap();
     let codes = |label: &serde_json::Value| {
         let checker = crate::check::Checker::new(Framework::bundled());
@@ -205,13 +206,13 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
                 }
                 let found = text_findings(&checker, &CocLabel { coc_trace: trace.clone(), ..label.clone() });
                 wrong.extend(found.iter().map(|d| format!("{leaf}: {}: {}: {trace}", d.code, d.message.en)));
-                // Whatever the phrasing, it is known for a draft where a person hands it in.
+                // Whatever the phrasing, it is recognized as a draft when a person submits it.
                 let own =
                     is_draft(framework, leaf, &label.critical_components, &label.driving_decision, &trace);
                 assert!(own, "{leaf}: {trace}");
                 traces.insert(trace);
             }
-            // What a person must still do is not what the checks of text find.
+            // What a person must still fill in is not reported by the checks of text.
             let text = text_findings(&checker, label);
             wrong.extend(text.iter().map(|d| format!("{leaf}: {}: {}: {trace}", d.code, d.message.en)));
         }
@@ -219,14 +220,14 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
     wrong.sort();
     wrong.dedup();
     assert!(wrong.is_empty(), "{} of them\n{}", wrong.len(), wrong.join("\n"));
-    // Some motion is that of each class.
+    // Each class has a motion with which it is drafted.
     let without: Vec<_> = framework.specs.keys().filter(|leaf| !drafted.contains(leaf)).collect();
     assert!(without.is_empty(), "{without:?}");
-    // 122 leaves, two languages, at least six phrasings each.
+    // 122 L3 classes, two languages, at least six phrasings each.
     assert!(traces.len() > 122 * 2 * 6, "{}", traces.len());
 }
 
-/// Findings about what is said, not about what a person must still fill in.
+/// Findings about the text, not about what a person must still fill in.
 fn text_findings(checker: &crate::check::Checker<'_>, label: &CocLabel) -> Vec<whyroad_model::Diagnostic> {
     let mut found = checker.check_text(&serde_json::to_value(label).unwrap().to_string());
     let about_text = ["label.text", "label.trace", "label.cause"];
