@@ -1,5 +1,5 @@
 //! Generates the structs of the fast reader from `schema/label_fields.yaml`: a label whose texts are borrowed from the
-//! document, with the fields, the presence and the blank texts of the table.
+//! document, with the fields, the required keys and the blank texts of the table.
 #![allow(clippy::unwrap_used)] // writing to a `String` cannot fail
 
 #[allow(dead_code)]
@@ -27,7 +27,7 @@ fn find<'o>(name: &str, objects: &'o [Object]) -> &'o Object {
     objects.iter().find(|o| o.name == name).expect("a named object")
 }
 
-/// One struct for each object, with whether a text in it is blank that must not be.
+/// One struct for each object, and whether a required text in it is blank.
 fn code(objects: &[Object]) -> String {
     let mut out = String::new();
     for o in objects {
@@ -35,7 +35,7 @@ fn code(objects: &[Object]) -> String {
         writeln!(
             out,
             "/// {}\n#[derive(Deserialize)]\n#[serde(deny_unknown_fields)]\n\
-             #[allow(dead_code)] // every field must have its form; rules do not ask for each\n\
+             #[allow(dead_code)] // every field must have its form; rules do not use each\n\
              pub(in crate::check) struct Lean{}{life} {{",
             o.doc, o.name
         )
@@ -60,7 +60,7 @@ fn code(objects: &[Object]) -> String {
     out
 }
 
-/// Whether a value of this type holds text of the document.
+/// Whether a value of this type contains text of the document.
 fn borrows(kind: &FieldType, objects: &[Object]) -> bool {
     match kind {
         FieldType::Text | FieldType::Records | FieldType::TextsByName => true,
@@ -80,7 +80,7 @@ fn plain_type(kind: &FieldType, objects: &[Object]) -> String {
         FieldType::Closed(name) => format!("Id<{name}>"),
         FieldType::Object(name) if borrows(kind, objects) => format!("Lean{name}<'t>"),
         FieldType::Object(name) => format!("Lean{name}"),
-        // Not kept one by one: `form/lean/fields.rs` says what is kept.
+        // Components are not kept one by one: see `form/lean/fields.rs`.
         FieldType::List(of) => match &**of {
             FieldType::Object(name) => format!("Folded{name}s<'t>"),
             of => format!("Vec<{}>", plain_type(of, objects)),
@@ -109,7 +109,7 @@ fn attributes(f: &Field, objects: &[Object]) -> String {
     if of.is_empty() { String::new() } else { format!("    #[serde({})]\n", of.join(", ")) }
 }
 
-/// The condition under which a field holds a blank text; `None` if it holds no text or may be blank.
+/// The condition under which a field contains a blank text; `None` if it contains no text or may be blank.
 fn blank(f: &Field, objects: &[Object]) -> Option<String> {
     if f.blank {
         return None;
@@ -122,7 +122,7 @@ fn blank(f: &Field, objects: &[Object]) -> Option<String> {
             ("has_blank", "")
         }
         FieldType::List(of) if **of == FieldType::Text => ("is_blank", ".flatten()"),
-        // Folded objects are asked one by one, while they are read.
+        // Folded objects are checked one by one, while they are read.
         _ => return None,
     };
     let at = format!("self.{}", f.rust);

@@ -1,6 +1,6 @@
-//! What the checks of a label against its drive cost, with the drive loaded:
-//! `cargo bench -p whyroad-label --bench motion`. The drive is made here: an ego behind a lead, with cars beside it and
-//! people who cross, so that the ten most relevant objects are among many.
+//! Time of the checks of a label against its drive, with the drive loaded: `cargo bench -p whyroad-label --bench
+//! motion`. The drive is generated here: an ego behind a lead, with cars beside it and crossing people, so that the ten
+//! most relevant objects are among many.
 #![allow(clippy::print_stdout)] // printing is what a bench is for
 
 use std::collections::BTreeMap;
@@ -23,12 +23,12 @@ const HZ: f64 = 10.0;
 const FRAMES: usize = 1200;
 const KEYFRAME: usize = 600;
 
-/// Straight on along x at `speed`, `y` to the left; a crossing one moves along y instead.
+/// Straight on along x at `speed`, `y` to the left; a crossing object moves along y instead.
 fn motion(x: f64, y: f64, speed: f64, crosses: bool) -> Motion {
     let mut m = Motion::unknown(FRAMES);
     for f in 0..FRAMES {
         let t = (f as f64 - KEYFRAME as f64) / HZ;
-        // Drivers vary their speed a little, which the model is fitted to.
+        // Drivers vary their speed slightly; the model is fitted to this.
         let way = speed * t + 0.4 * (0.5 * t).sin();
         (m.x[f], m.y[f]) = if crosses { (x, y + way) } else { (x + way, y) };
         (m.vx[f], m.vy[f]) = if crosses { (0.0, speed) } else { (speed + 0.2 * (0.5 * t).cos(), 0.0) };

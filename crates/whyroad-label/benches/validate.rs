@@ -1,6 +1,6 @@
-//! How fast a label is checked, as ratios to a bare serde_json parse measured in the same run:
-//! `cargo bench -p whyroad-label --bench validate`. No harness: the numbers wanted are ratios, of the
-//! fastest rounds, because on a shared machine everything else measures the neighbors.
+//! Time of checking a label, as ratios to a bare serde_json parse measured in the same run: `cargo bench -p
+//! whyroad-label --bench validate`. It has no harness: the result is a ratio of the fastest rounds, because on a shared
+//! machine other measures include the load of other processes.
 #![allow(clippy::print_stdout)] // printing is what a bench is for
 
 use std::hint::black_box;
@@ -18,7 +18,7 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("zh/blind_spot", include_str!("../../../examples/blind_spot_example.json")),
 ];
 
-/// Microseconds a call; the rounds of what is compared are interleaved by the caller's loop.
+/// Microseconds per call; the caller's loop interleaves the rounds that are compared.
 fn round(calls: usize, f: &mut dyn FnMut()) -> f64 {
     let start = Instant::now();
     for _ in 0..calls {
@@ -32,7 +32,7 @@ fn fastest(v: &[f64]) -> f64 {
 }
 
 fn main() {
-    // `cargo test --benches` runs this too; then once is enough to see that it works.
+    // `cargo test --benches` also runs this; one round is enough for a test.
     let quick = std::env::args().any(|a| a == "--test");
     let (rounds, calls) = if quick { (1, 10) } else { (101, 500) };
     let checker = Checker::new(Framework::bundled());
@@ -73,9 +73,9 @@ fn main() {
     many_faults(quick);
 }
 
-/// 100,000 documents in one go, valid and with one faulty in ten, as ratios to a bare typed parse of the same texts:
-/// what a file of labels costs, findings and their words included. `WHYROAD_BENCH_DOCUMENTS=FOLDER` writes the
-/// documents as JSON Lines, for `peers.py` beside this file.
+/// 100,000 documents in one run, all valid and with one invalid in ten, as ratios to a bare typed parse of the same
+/// texts: the time for a file of labels, including findings and their messages. `WHYROAD_BENCH_DOCUMENTS=FOLDER` writes
+/// the documents as JSON Lines, for `peers.py` in this folder.
 fn documents(quick: bool) {
     let n = if quick { 50 } else { 100_000 };
     let checker = Checker::new(Framework::bundled());
@@ -128,7 +128,7 @@ fn documents(quick: bool) {
     }
 }
 
-/// One fault of form, of a value or of a text, by turns.
+/// One error of form, of a value or of a text, in rotation.
 fn break_one(label: &mut serde_json::Value, turn: usize) {
     match turn % 4 {
         0 => label["keyframe"]["timestamp"] = "yesterday".into(),
@@ -140,7 +140,8 @@ fn break_one(label: &mut serde_json::Value, turn: usize) {
     }
 }
 
-/// A document with a fault in each of many components, on one line: time per fault must not grow with their number.
+/// A document with an error in each of many components, on one line: the time per error must not grow with their
+/// number.
 fn many_faults(quick: bool) {
     let checker = Checker::new(Framework::bundled());
     let mut last = f64::NAN;

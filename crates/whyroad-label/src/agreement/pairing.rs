@@ -23,7 +23,7 @@ pub struct RatedLabel {
 /// An episode with the labels of two or more raters, sorted by rater.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
-    /// Episode, or clip and keyframe.
+    /// Id of the episode, or clip and keyframe.
     pub id: String,
     /// One label per rater.
     pub labels: Vec<RatedLabel>,

@@ -1,4 +1,4 @@
-//! Business rules (DATA_FORMAT.md 4.3): what the class prescribes, and which decisions go together.
+//! Business rules (DATA_FORMAT.md 4.3): requirements of the class, and which decisions can be combined.
 
 pub(super) mod class;
 pub(super) mod combination;

@@ -1,4 +1,4 @@
-//! Causes (LABELING.md 6): each decision has one that was there to be seen.
+//! Causes (LABELING.md 6): each decision has one that could be observed.
 
 pub(super) mod circular;
 mod grounds;

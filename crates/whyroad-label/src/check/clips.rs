@@ -1,4 +1,4 @@
-//! What is known of the clips that labels speak of: the facts of `clip_metadata` messages that rules use.
+//! Facts about the clips that labels refer to: the fields of `clip_metadata` messages that rules use.
 
 use std::collections::HashMap;
 use whyroad_framework::taxonomy::did_you_mean;
@@ -12,21 +12,21 @@ pub struct ClipFacts {
     pub capture_time: Nanos,
     /// Length, s.
     pub duration_s: f64,
-    /// Nominal frames a second; more than 0.
+    /// Nominal frames per second; greater than 0.
     pub frame_rate_hz: f64,
     /// Number of frames.
     pub total_frames: u32,
 }
 
-/// The clips that labels may speak of.
+/// The clips that labels may refer to.
 #[derive(Clone, Debug, Default)]
 pub struct ClipIndex {
     clips: HashMap<String, ClipFacts>,
 }
 
 impl ClipIndex {
-    /// Takes a `clip_metadata` document. False if it is not one, or has no usable frame rate; checking it with
-    /// [`super::Checker`] says why. Of two with the same id the later counts.
+    /// Adds a `clip_metadata` document. Returns false if it is not one, or has no usable frame rate; checking it with
+    /// [`super::Checker`] gives the reason. Of two with the same id the later one counts.
     pub fn add(&mut self, document: &[u8]) -> bool {
         let Ok(message) = serde_json::from_slice::<ClipMetadataMessage>(document) else { return false };
         let clip = message.clip_metadata;
@@ -58,9 +58,9 @@ impl ClipIndex {
         self.clips.is_empty()
     }
 
-    /// The known id most like `id`, where one is alike enough.
+    /// The known id most similar to `id`, if one is similar enough.
     pub(super) fn nearest(&self, id: &str) -> Option<&str> {
-        // A long list has some id like anything; and comparing with all of it would take a while.
+        // In a long list some id is similar to any text, and comparing with all of them is slow.
         if self.clips.len() > 10_000 {
             return None;
         }

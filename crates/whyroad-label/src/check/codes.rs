@@ -1,4 +1,4 @@
-//! Every code of the checks that only labels have. Each has a page `docs/diagnostics/<code>.md`.
+//! All codes of the checks that only labels have. Each has a page `docs/diagnostics/<code>.md`.
 
 /// In the order of DATA_FORMAT.md 4.3: basic, business, causal, consistency. Those of form are in
 /// `whyroad_framework::check::CODES`.
@@ -88,9 +88,9 @@ pub const CODES: &[&str] = &[
     "label.keyframe.moment",
     "label.class.rule",
     "label.cause.no_effect",
-    // Of `migrate`.
+    // From `migrate`.
     "label.migrate.lost",
 ];
 
-/// Codes of the quality report of imported texts (`validate --quality`); each has a page, too.
+/// Codes of the quality report of imported texts (`validate --quality`); each has a page as well.
 pub const QUALITY_CODES: &[&str] = &["label.quality.motion", "label.quality.omission", "label.quality.route"];

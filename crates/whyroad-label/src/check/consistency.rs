@@ -1,4 +1,4 @@
-//! Consistency (DATA_FORMAT.md 4.3): times with one another, and the trace with the decisions.
+//! Consistency (DATA_FORMAT.md 4.3): times with each other, and the trace with the decisions.
 
 mod attributes;
 pub(super) mod duplicates;

@@ -1,4 +1,4 @@
-//! Form (DATA_FORMAT.md 4.3, basic): two readers of a label that give the same view of it, and the format version.
+//! Form (DATA_FORMAT.md 4.3, basic): two readers of a label that produce the same view of it, and the format version.
 
 pub(super) mod lean;
 pub(super) mod placeholder;

@@ -1,5 +1,6 @@
-//! The label against the recording: what the ego did after the keyframe, where the objects were that the texts name,
-//! and what the rules found. Each finding states time, signal and value, and is only made where the signals are known.
+//! The label against the recording: the ego's motion after the keyframe, the positions of the objects that the texts
+//! name, and the episodes that the rules found. Each finding states time, signal and value, and is only made where the
+//! signals are known.
 
 mod decision;
 mod effect;
@@ -19,7 +20,7 @@ use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::time::frame_at;
 
-/// How far a keyframe may be from the nearest frame, s.
+/// Maximum distance of a keyframe from the nearest frame, s.
 const FRAME_SLACK_S: f64 = 0.15;
 
 /// Runs every check against the recording.
@@ -53,7 +54,7 @@ pub(super) fn check(
     moment::check(label, recorded, classes, sink);
 }
 
-/// What was driven after the keyframe of a label.
+/// The recorded motion after the keyframe of a label.
 fn driven<'r>(label: &View<'_>, recorded: &'r Recorded, keyframe: usize) -> Driven<'r> {
     Driven::after(&recorded.drive, &recorded.signals, keyframe, label.end.get())
 }

@@ -1,14 +1,14 @@
-//! Words that a trace shares with the components, whatever they name. Only asked before a finding is made.
+//! Words that a trace shares with the components, whatever they name. Used only before a finding is reported.
 
 use super::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::Compared;
 
-/// Units of a trace that are compared: a longer one is reported for its length.
+/// Maximum number of units of a trace that are compared: a longer one is reported for its length.
 const MOST_UNITS: usize = 200;
 
-/// Distinct pairs of Chinese characters, or words of four letters and more, that the parts `inside` of the trace share
-/// with the components.
+/// Number of distinct pairs of Chinese characters, or words of four and more letters, in the ranges `inside` of the
+/// trace that are also in the components.
 pub(super) fn shared(
     label: &View<'_>,
     text: &str,
@@ -50,7 +50,7 @@ fn shared_of<'t>(
     ours.iter().filter(|u| theirs.binary_search(u).is_ok()).count()
 }
 
-/// Most of the trace's telling Chinese characters are in the components: "红的。第一辆。线就在前头。停。".
+/// Most content characters of a Chinese trace are in the components: "红的。第一辆。线就在前头。停。".
 pub(super) fn shares_characters(label: &View<'_>, text: &str, words: &LabelWords) -> bool {
     const ENOUGH: usize = 3;
     let telling = |c: &char| {
@@ -66,7 +66,7 @@ pub(super) fn shares_characters(label: &View<'_>, text: &str, words: &LabelWords
     shared >= ENOUGH && 2 * shared >= all.len()
 }
 
-/// The component has a word of the name of a thing; in Chinese two characters, or, unless it `acts`, the last one:
+/// The component contains a word of the name of a thing; in Chinese two characters, or, unless it `acts`, the last one:
 /// "红牌" and "牌子".
 pub(super) fn has_word_of(component: &str, name: &str, acts: bool, words: &LabelWords) -> bool {
     if name.is_ascii() {
@@ -82,7 +82,7 @@ pub(super) fn has_word_of(component: &str, name: &str, acts: bool, words: &Label
         let theirs = of(component);
         return of(name).iter().any(|w| theirs.iter().any(|t| same(w, t)));
     }
-    // The last character says what kind of thing it is, unless it is in the names of many.
+    // The last character is the kind of the thing, unless it is in the names of many.
     let head = name.trim_end_matches(['子', '儿']).chars().next_back();
     let chars: Vec<char> = name.chars().collect();
     let telling = |c: &char| !words.subjects.common.contains(*c) && !c.is_ascii();
@@ -97,7 +97,7 @@ pub(super) fn has_word_of(component: &str, name: &str, acts: bool, words: &Label
             .any(|w| component.contains(&String::from_iter(w)))
 }
 
-/// The parts `inside` hold so much that they are no mere repetition: characters or words of their own.
+/// The ranges `inside` have content of their own and are no mere repetition.
 pub(super) fn says_more(text: &str, words: &Compared, inside: &dyn Fn(usize) -> bool) -> bool {
     if text.is_ascii() {
         let mut all = Vec::new();

@@ -1,10 +1,10 @@
-//! Quality of causal texts that other tools wrote: what a text says the ego does against what it did (motion, route),
-//! what it could not have known (late evidence), what held the ego and is not in it (omission), and what is said of
-//! objects.
+//! Quality of causal texts that other tools wrote: the stated action of the ego against its recorded one (motion,
+//! route), facts that could not be known (late evidence), a cause that is missing in the text (omission), and
+//! statements about objects.
 //!
-//! Such texts come without decisions of the closed sets (`import`). What the text says is read with the lexicon of
-//! traces, and compared as if it were the label's decision; a phrase that may mean several decisions contradicts the
-//! motion only where each of them does.
+//! Such texts have no decisions of the closed sets (`import`). The text is read with the lexicon of traces, and
+//! compared as if it were the label's decision; a phrase that may mean several decisions contradicts the motion only if
+//! each of them does.
 
 use super::consistency::trace::{Force, read};
 use super::motion::said_speed;
@@ -21,30 +21,30 @@ use whyroad_model::names::class_name;
 use whyroad_model::time::frame_at;
 use whyroad_model::{Bilingual, Diagnostic, Location};
 
-/// What is wrong with a text.
+/// Kind of a problem in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum QualityKind {
-    /// It says that the ego does what it does not do.
+    /// It states an action of the ego that the recording contradicts.
     Motion,
-    /// It says another turn or exit than the ego's route.
+    /// It states another turn or exit than the ego's route.
     Route,
-    /// It rests on what was not known, or not visible, at the keyframe.
+    /// It uses facts that were not known, or not visible, at the keyframe.
     LateEvidence,
-    /// It does not name what held the ego.
+    /// It does not name the cause that held the ego.
     Omission,
-    /// It says of objects or lights what they are not.
+    /// Its statements about objects or lights contradict the recording.
     Scene,
     /// Its form: empty, too short or long, circular, without a decision.
     Text,
 }
 
 impl QualityKind {
-    /// All, in the order of the report.
+    /// All kinds, in the order of the report.
     pub const ALL: [Self; 6] =
         [Self::Motion, Self::Route, Self::LateEvidence, Self::Omission, Self::Scene, Self::Text];
 
-    /// As messages have it.
+    /// Its id in messages.
     pub fn id(self) -> &'static str {
         match self {
             Self::Motion => "motion",
@@ -56,7 +56,7 @@ impl QualityKind {
         }
     }
 
-    /// For people.
+    /// Its name for people.
     pub fn name(self) -> Bilingual {
         match self {
             Self::Motion => Bilingual::new("与自车运动矛盾", "contradicts the motion"),
@@ -68,7 +68,7 @@ impl QualityKind {
         }
     }
 
-    /// The kind of a finding; `None` for those that say nothing of the text.
+    /// The kind of a finding; `None` for findings that are not about the text.
     fn of(code: &str, turn: bool) -> Option<Self> {
         let starts = |p: &[&str]| p.iter().any(|p| code.starts_with(p));
         match code {
@@ -91,12 +91,12 @@ impl QualityKind {
     }
 }
 
-/// What was found about one text.
+/// Findings about one text.
 #[derive(Clone, Debug, Default)]
 pub struct Quality {
     /// The text states an action of the ego that could be compared.
     pub states_action: bool,
-    /// The recording was at hand.
+    /// The recording was available.
     pub compared: bool,
     /// By kind.
     pub findings: Vec<(QualityKind, Diagnostic)>,
@@ -133,7 +133,7 @@ impl Checker<'_> {
                 out.findings.extend(against_command(label, recorded, &phrase));
             }
         }
-        // Where the decision that it may mean does not contradict the motion, what it says of the speed still can.
+        // Even if the possible decisions do not contradict the motion, the statements about the speed may.
         if let Some(recorded) = recorded.as_ref().filter(|_| !out.is(QualityKind::Motion)) {
             out.findings.extend(self.against_speed(&bare, recorded));
         }
@@ -141,13 +141,13 @@ impl Checker<'_> {
             out.findings.extend(self.omission(&bare, recorded));
         }
         out.findings.sort_by(|a, b| (a.0, a.1.code).cmp(&(b.0, b.1.code)));
-        // One fault of a text is one finding, however many words repeat it.
+        // One error in a text is one finding, however many words repeat it.
         out.findings.dedup_by(|a, b| a.0 == b.0 && a.1.code == b.1.code && a.1.message == b.1.message);
         out
     }
 
-    /// The label without decisions; a text without components is its own component, so that what it says of objects is
-    /// compared.
+    /// The label without decisions; a text without components becomes its own component, so that its statements about
+    /// objects are compared.
     fn bare(&self, label: &CocLabel) -> CocLabel {
         let mut bare = label.clone();
         bare.driving_decision =
@@ -174,7 +174,7 @@ impl Checker<'_> {
         found
     }
 
-    /// For each phrase that says what the ego does, the decisions that it may mean.
+    /// For each phrase about an action of the ego, the decisions that it may mean.
     fn said(&self, label: &CocLabel) -> Vec<Vec<Said>> {
         let lexicon = self.framework.lexicon();
         let reading = read(&label.coc_trace, &Units::of(&label.coc_trace), lexicon);
@@ -188,7 +188,7 @@ impl Checker<'_> {
                 along.chain(across).collect()
             })
             .collect();
-        // A label that has decisions, as one of our own, is taken at its word.
+        // If a label has decisions, as our own labels do, these are used.
         let own = &label.driving_decision;
         out.extend(own.longitudinal.map(|d| vec![Said::Along(d)]));
         out.extend(own.lateral.map(|d| vec![Said::Across(d, own.lateral_direction)]));
@@ -196,7 +196,7 @@ impl Checker<'_> {
         out
     }
 
-    /// A finding where every meaning of a phrase contradicts the recording.
+    /// A finding if every meaning of a phrase contradicts the recording.
     fn contradiction(&self, bare: &CocLabel, phrase: &[Said]) -> Option<(QualityKind, Diagnostic)> {
         let mut first = None;
         for said in phrase {
@@ -223,7 +223,7 @@ impl Checker<'_> {
         first
     }
 
-    /// What the text says of the ego's speed ("accelerates", "comes to a stop") against what it did.
+    /// The ego's speed as stated in the text ("accelerates", "comes to a stop") against the recorded one.
     fn against_speed(&self, label: &CocLabel, recorded: &Recorded) -> Option<(QualityKind, Diagnostic)> {
         let lexicon = self.framework.lexicon();
         let text = &label.coc_trace;
@@ -248,7 +248,7 @@ impl Checker<'_> {
         Some((QualityKind::Motion, Diagnostic::warning("label.quality.motion", message).at(location)))
     }
 
-    /// The thing whose removal changes most, where no word of the text is of its kind.
+    /// The thing whose removal has the largest effect, if no word of the text is of its kind.
     fn omission(&self, label: &CocLabel, recorded: &Recorded) -> Option<(QualityKind, Diagnostic)> {
         let times = &recorded.drive.times;
         let keyframe = frame_at(times, label.keyframe.timestamp).min(times.len().checked_sub(1)?);
@@ -286,7 +286,7 @@ impl Checker<'_> {
     }
 }
 
-/// A turn that the text states against the command of the navigation.
+/// A turn in the text against the command of the navigation.
 fn against_command(
     label: &CocLabel,
     recorded: &Recorded,

@@ -1,5 +1,5 @@
-//! What a text of a label names: things with their side, color and state, clause by clause. Not a parser of language;
-//! what is said under an "if" or denied is marked as such, and the checks leave it alone.
+//! The things that a text of a label names, with their side, color and state, clause by clause. This is not a language
+//! parser; conditional or negated statements are marked as such, and the checks ignore them.
 
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{
@@ -15,7 +15,7 @@ pub(super) struct Named {
     /// True is left.
     pub side: Option<bool>,
     pub color: Option<usize>,
-    /// What is said of it in its clause.
+    /// Its state in its clause.
     pub state: Option<SaidState>,
     /// "No pedestrian": it is not there.
     pub absent: bool,
@@ -30,75 +30,75 @@ pub(super) struct Named {
     pub end: usize,
 }
 
-/// A text as read.
+/// A text after reading.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct TextFacts {
     pub named: Vec<Named>,
-    /// Groups of all things named, absent ones too.
+    /// Groups of all named things, including absent ones.
     pub groups: GroupSet,
     /// Bytes of the first phrase of hindsight.
     pub hindsight: Option<(usize, usize)>,
-    /// Bytes of the first phrase that follows from the ego's response: hindsight in a component.
+    /// Bytes of the first phrase about a consequence of the ego's response: hindsight in a component.
     pub after_response: Option<(usize, usize)>,
-    /// Bytes of what says that somebody is out of the way.
+    /// Bytes of statements that a road user is out of the way.
     pub resolved: Vec<(usize, usize)>,
-    /// Words of any list.
+    /// Number of words that are in any list.
     pub words: usize,
-    /// States said of nothing that is named, in order.
+    /// States without a named thing, in order.
     pub states: Vec<SaidState>,
-    /// Bytes of the last phrase that says that the ego goes on as before.
+    /// Bytes of the last phrase that states that the ego continues as before.
     pub unchanged: Option<(usize, usize)>,
-    /// What is said of whatever is named, as a fact.
+    /// Actions and states of the named things that are stated as facts.
     pub does: Doings,
-    /// It is still to be written.
+    /// The text is still to be written.
     pub unfinished: bool,
-    /// Bytes of what says in a text of any length that something is still to be written.
+    /// Bytes of the words, in a text of any length, that state that something is still to be written.
     pub unwritten: Option<(usize, usize)>,
-    /// Bytes of what says that there is no reason.
+    /// Bytes of the statement that there is no reason.
     pub no_reason: Option<(usize, usize)>,
-    /// Bytes of what says that something has no part in the decision.
+    /// Bytes of the statement that something is irrelevant for the decision.
     pub irrelevant: Option<(usize, usize)>,
-    /// Bytes of what says that nothing hides or hinders.
+    /// Bytes of statements that nothing hides or hinders.
     pub clear: Vec<(usize, usize)>,
-    /// Bytes of what says that there is nothing to respond to.
+    /// Bytes of statements that there is nothing to respond to.
     pub harmless: Vec<(usize, usize)>,
-    /// What is said of whatever is named, in order: also what is denied of it.
+    /// Statements about the named things, in order, including negated ones.
     pub acts: Vec<Act>,
-    /// Bytes of the first word that has nothing to do with roads and traffic.
+    /// Bytes of the first word that is unrelated to roads and traffic.
     pub idle: Option<(usize, usize)>,
     /// Bytes of the first place that is off the road.
     pub apart: Option<(usize, usize)>,
-    /// Bytes of what puts a time after the ego's response, or after whoever it responds to is done.
+    /// Bytes of times after the ego's response, or after the road user to which it responds has finished.
     pub done: Vec<(usize, usize)>,
-    /// Bytes of what says that the cause was not observed.
+    /// Bytes of the statement that the cause was not observed.
     pub unobserved: Option<(usize, usize)>,
-    /// Bytes of what puts the thing far away, or beyond somebody who is named.
+    /// Bytes of the words that place the thing far away, or beyond a named road user.
     pub distant: Option<(usize, usize)>,
 }
 
-/// What is said of something.
+/// A statement about something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Act {
     pub doing: Doings,
-    /// It is not so.
+    /// It is negated.
     pub denied: bool,
     /// Bytes of the text.
     pub start: usize,
     pub end: usize,
 }
 
-/// Characters that may stand between a word that denies and what it denies: "no other", "没有任何".
+/// Maximum number of characters between a negating word and what it negates: "no other", "没有任何".
 const BETWEEN_CHINESE: usize = 2;
 const BETWEEN_LATIN: usize = 12;
 
-/// Reads `text`, cut into `units`, with `words`, in one pass.
+/// Reads `text`, split into `units`, with `words`, in one pass.
 pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
     let mut out = TextFacts::default();
     let mut clause = Clause::default();
     let mut last_end = 0;
     let mut marks = units.marks().iter().peekable();
     words.hits_in(units, 0..text.len(), |hit| {
-        // What a word has in it divides nothing.
+        // A separator inside a word separates nothing.
         let (mut divides, mut ends, mut from) = (false, false, 0);
         while let Some(mark) = marks.next_if(|m| m.start < hit.start) {
             if mark.start >= last_end
@@ -158,14 +158,14 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                     end: hit.end,
                 });
                 clause.names += 1;
-                // What cannot be seen is not said to be there.
+                // Something that cannot be seen is not said to be present.
                 clause.supposed |= ["看不", "cannot", "can't"].iter().any(|w| word.starts_with(w));
             }
-            // "Its left wheels": where a part of it is.
+            // "Its left wheels": the location of a part.
             WordRole::Side(_) if words.subjects.begins_with_own_part(&text[hit.end..]) => out.words += 1,
             WordRole::Side(left) => {
                 out.words += 1;
-                // "An old man comes from the left": behind the name in Chinese, too.
+                // "An old man comes from the left": after the name in Chinese, too.
                 let from = out.named.last().is_some_and(|n| n.clause == clause.number && !n.absent)
                     && text[..hit.start].ends_with(['从', '自', '由', '打']);
                 clause.say_side(left, word.is_ascii() || from, words, &mut out);
@@ -183,12 +183,12 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                 }
             }
             WordRole::Unobserved => drop(out.unobserved.get_or_insert((hit.start, hit.end))),
-            // "Like a bull": not said to be there.
+            // "Like a bull": not said to be present.
             WordRole::Likened => {
                 clause.likened = Some(Denial { end: hit.end, is_latin: word.is_ascii() });
             }
             WordRole::NoReason => {
-                // "The sedan brakes for no apparent reason": it is somebody else who has none.
+                // "The sedan brakes for no apparent reason": another road user has none.
                 let acts = |n: &Named| n.clause == clause.number && is_actor(n, words);
                 if !out.named.iter().any(acts) {
                     out.no_reason.get_or_insert((hit.start, hit.end));
@@ -205,7 +205,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             WordRole::State(state, doing) => {
                 out.words += 1;
                 if !clause.act(doing, text, (hit.start, hit.end), &mut out) {
-                    // "The car has stopped at the line": who acts, rather than a place.
+                    // "The car has stopped at the line": an actor, rather than a place.
                     let open = |n: &&mut Named| n.clause == clause.number && n.state.is_none();
                     let acts = |n: &&mut Named| words.objects[n.group].named;
                     let own = out.named.iter_mut().rev().filter(open).find(acts);
@@ -238,9 +238,9 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
                     out.resolved.push((hit.start, hit.end));
                 }
             }
-            // Behind a name in English, before it in Chinese.
+            // After a name in English, before it in Chinese.
             WordRole::Ahead if word.is_ascii() => {
-                // Of whoever acts rather than of a place: "has pulled up at the line ahead of us".
+                // Of an actor rather than a place: "has pulled up at the line ahead of us".
                 let own = || (0..out.named.len()).rev().take_while(|i| out.named[*i].clause == clause.number);
                 let acts = |i: &usize| words.objects[out.named[*i].group].own.meets(words.known.actor);
                 if let Some(i) = own().find(acts).or_else(|| own().next()) {
@@ -277,7 +277,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             WordRole::Denied => clause.denied = Some(Denial { end: hit.end, is_latin: word.is_ascii() }),
             WordRole::Supposed => {
                 clause.supposed = true;
-                // "A person could step out": nobody is said to be there.
+                // "A person could step out": nobody is said to be present.
                 let last = out.named.last_mut().filter(|n| n.clause == clause.number && word.is_ascii());
                 if let Some(n) = last.filter(|n| words.objects[n.group].named) {
                     n.supposed |= is_indefinite(&text[..n.start], words);
@@ -305,7 +305,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
 }
 
 /// "Otherwise it hits us", "at this speed it hits us in two seconds", "the paths cross two seconds later": what would
-/// happen, not what did. `at`: bytes of the words that say so.
+/// happen, not what did. `at`: bytes of the words that state it.
 fn is_imagined(text: &str, at: (usize, usize), units: &Units, words: &LabelWords) -> bool {
     let around = |ends| words.clauses.around(units, at.0..at.1, text.len(), ends);
     let (clause, clause_end) = around(&|d| d != Divider::Aside);
@@ -314,24 +314,24 @@ fn is_imagined(text: &str, at: (usize, usize), units: &Units, words: &LabelWords
         let part = part.to_lowercase();
         all.iter().any(|w| part.contains(w.as_str()))
     };
-    // "At this speed, two seconds later": said in the sentence before it, or in the clause behind it.
+    // "At this speed, two seconds later": in the sentence before it, or in the clause after it.
     has(&text[clause..at.0], &words.imagined)
         || has(&text[sentence..at.0], &words.predicted)
         || has(&text[at.1..clause_end], &words.predicted)
 }
 
-/// Whoever is named may act.
+/// The named thing is a road user, which may act.
 fn is_actor(n: &Named, words: &LabelWords) -> bool {
     !n.absent && words.objects[n.group].own.meets(words.known.actor)
 }
 
-/// Stands in Chinese between a name and what says that it is not there: "ice, a bit of it there is not". With anything
-/// else between them, something else is not there: "the car, its lights are not on".
+/// The text in Chinese between a name and the words for its absence: "ice, a bit of it there is not". With any other
+/// text between them, something else is absent: "the car, its lights are not on".
 fn is_of_absence(between: &str) -> bool {
     between.chars().all(|c| "一点个辆人根本半丝压毫都也全些儿种，, ".contains(c))
 }
 
-/// What a text of Latin letters names next is any of its kind: no article or pronoun within three words before it.
+/// The next name in a Latin text means any of its kind: no article or pronoun within three words before it.
 fn is_indefinite(before: &str, words: &LabelWords) -> bool {
     let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).take(3);
     !last.into_iter().any(|w| words.subjects.definite.iter().any(|d| w.eq_ignore_ascii_case(d)))
@@ -343,7 +343,7 @@ fn color_before(text: &str, start: usize, words: &LabelWords) -> Option<usize> {
     words.color_chars.iter().find(|(own, _)| *own == c).map(|(_, i)| *i)
 }
 
-/// The word at `at`, "before" in Chinese, follows the name of somebody and is followed by a long distance.
+/// The word at `at`, "before" in Chinese, follows the name of a road user and is followed by a long distance.
 fn is_beyond(text: &str, (start, end): (usize, usize), out: &TextFacts, words: &LabelWords) -> bool {
     let follows =
         |n: &Named| n.end == start && !n.absent && words.objects[n.group].own.meets(words.known.actor);
@@ -355,8 +355,8 @@ fn starts_with(text: &str, word: &str) -> bool {
     text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word))
 }
 
-/// The side of a lane that says where somebody is or comes from: "the car in the left lane", "右侧车道的轿车". Not that
-/// of a lane to which somebody goes.
+/// The side of a lane that describes the location or origin of a road user: "the car in the left lane",
+/// "右侧车道的轿车". Not the side of a lane to which a road user goes.
 fn lane_side(text: &str, start: usize, end: usize) -> Option<bool> {
     let word = &text[start..end];
     if word.is_ascii() {
@@ -380,7 +380,7 @@ fn lane_side(text: &str, start: usize, end: usize) -> Option<bool> {
     (word.ends_with("车道") && of && !goes).then_some(left)
 }
 
-/// A word that denies what follows.
+/// A word that negates the text after it.
 #[derive(Clone, Copy)]
 struct Denial {
     end: usize,
@@ -388,7 +388,7 @@ struct Denial {
 }
 
 impl Denial {
-    /// True when what starts at `at` is close enough to be denied.
+    /// True when the text at `at` is close enough to be negated.
     fn reaches(self, text: &str, at: usize) -> bool {
         let reach = if self.is_latin { BETWEEN_LATIN } else { BETWEEN_CHINESE };
         // "Without a signal it comes out": 不打灯就……
@@ -397,7 +397,7 @@ impl Denial {
     }
 }
 
-/// Since the last end of a clause.
+/// State since the last end of a clause.
 #[derive(Default)]
 struct Clause {
     number: usize,
@@ -411,7 +411,7 @@ struct Clause {
     likened: Option<Denial>,
     supposed: bool,
     ahead: bool,
-    /// First byte of a distance beyond whatever is named next.
+    /// First byte of a distance beyond the thing that is named next.
     beyond: Option<usize>,
     names: usize,
     /// Things named before this sentence.
@@ -419,7 +419,7 @@ struct Clause {
 }
 
 impl Clause {
-    /// Something is said of whatever is named. True when it is denied.
+    /// Adds a statement about the named things. Returns true when it is negated.
     fn act(&self, doing: Doings, text: &str, (start, end): (usize, usize), out: &mut TextFacts) -> bool {
         let denied = self.denied.is_some_and(|d| d.reaches(text, start));
         if !self.supposed {
@@ -428,7 +428,7 @@ impl Clause {
         denied
     }
 
-    /// "The car on the left": said behind it, of whoever acts rather than of a place. In Chinese the side comes first.
+    /// "The car on the left": after the name, of an actor rather than a place. In Chinese the side comes first.
     fn say_side(&mut self, left: bool, is_behind: bool, words: &LabelWords, out: &mut TextFacts) {
         let number = self.number;
         let own = out.named.iter_mut().rev().take_while(|n| n.clause == number);
@@ -455,7 +455,7 @@ impl Clause {
     }
 
     fn close(&self, out: &mut TextFacts) {
-        // "A lorry, blue,": said behind it, in a clause of its own.
+        // "A lorry, blue,": after the name, in a clause of its own.
         if let (Some(color), 0) = (self.color, self.names)
             && let Some(n) = out.named.last_mut().filter(|n| n.color.is_none() && n.clause + 1 == self.number)
         {
@@ -470,7 +470,7 @@ impl Clause {
 }
 
 impl TextFacts {
-    /// Things that are said to be there.
+    /// Things that are said to be present.
     pub fn there(&self) -> impl Iterator<Item = &Named> {
         self.named.iter().filter(|n| !n.absent && !n.supposed)
     }

@@ -1,6 +1,5 @@
-//! The rules of DATA_FORMAT.md 4.3 and LABELING.md 6 over a [`View`], in order. Each rule is next to its
-//! wording; the wording is only made when it is read, so that the fast path pays for the
-//! question alone.
+//! The rules of DATA_FORMAT.md 4.3 and LABELING.md 6 over a [`View`], in order. Each rule contains its message; the
+//! message is only built when it is read, so that the fast path pays only for the condition.
 
 use super::business::{class, combination, decision, records};
 use super::cause::{circular, links, remote, side, text as cause_text, unused};
@@ -17,7 +16,7 @@ use whyroad_framework::check::class_index::{ClassIndex, Found, Prescribed};
 use whyroad_framework::check::{Finding, Sink, Words, scenario};
 use whyroad_model::label_fields::pointer;
 
-/// What the rules know besides the label.
+/// Data that the rules need besides the label.
 pub(super) struct Rulebook<'f> {
     pub classes: &'f ClassIndex,
     pub framework: &'f Framework,
@@ -25,7 +24,7 @@ pub(super) struct Rulebook<'f> {
 }
 
 impl Rulebook<'_> {
-    /// Runs every rule.
+    /// Applies every rule.
     pub fn check(&self, label: &View<'_>, sink: &mut dyn Sink) {
         version::version(label, sink);
         let prescribed = match scenario::check(&label.scenario, self.classes, pointer::SCENARIO, sink) {
@@ -64,7 +63,7 @@ impl Rulebook<'_> {
         self.texts(label, prescribed, impossible, sink);
     }
 
-    /// The texts: one finding for one fault, so the coarse ones come first and end it.
+    /// Rules about the texts: one finding per error, so the general rules come first and end the check.
     /// `impossible`: the decision contradicts the class, so what the texts say about it is the same fault.
     fn texts(&self, label: &View<'_>, class: Option<&Prescribed>, impossible: bool, sink: &mut dyn Sink) {
         let (words, lexicon) = (self.framework.label_words(), self.framework.lexicon());
@@ -111,7 +110,7 @@ impl Rulebook<'_> {
         }
         let Some(reading) = reading else { return };
         let said = trace_rules::trace(scope, decisions, &self.framework.decisions, &reading, sink);
-        // A trace too short, or without a decision, cannot give a reason for one.
+        // A trace that is too short, or has no decision, cannot give a reason for one.
         let circular = said != Said::TooLittle && circular::circular(scope, &reading, said, sink);
         let decides_at = if reading.marked { reading.decision_from } else { 0 };
         if said != Said::TooLittle

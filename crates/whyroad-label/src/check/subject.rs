@@ -1,16 +1,16 @@
-//! Whether the thing that a component speaks of has been read. Where it stands in words that no list knows, what the
-//! component names is not known, however many other words of it are. Only asked before a finding is made.
+//! Whether the subject of a component has been read. If it is in words that are in no list, it is not known what the
+//! component names, even if many of its other words are known. Used only before a finding is reported.
 
 use super::reading::{Named, TextFacts};
 use whyroad_framework::LabelWords;
 
-/// The component's own thing is in words that no list knows.
+/// The component's subject is in words that are in no list.
 pub(super) fn is_unread(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
     if text.is_ascii() { is_unread_latin(text, facts, words) } else { is_unread_chinese(text, facts, words) }
 }
 
-/// "A horsebox stands half on the verge": no thing is named up to the verb. Of a road and the like anything may be
-/// said.
+/// "A horsebox stands half on the verge": no thing is named up to the verb. A text about a road and the like may have
+/// any words.
 fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
     let mut end = text.len();
     let mut is_first = true;
@@ -26,7 +26,7 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
         {
             return false;
         }
-        // "Automatic braking has come on": what is done is no thing.
+        // "Automatic braking has come on": an action is no thing.
         let next = text.get(at..).unwrap_or_default();
         if !is_first
             && lower.ends_with("ing")
@@ -34,7 +34,7 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
         {
             return false;
         }
-        // A second article or pronoun begins what the thing does something to.
+        // A second article or pronoun begins the object of the action.
         let divides = (words.subjects.is_determiner(&lower) && !text[..start].ends_with("of "))
             || start > 0 && text[..start].trim_end().ends_with([',', ';', '.', ':']);
         if !is_first && (divides || words.subjects.ends(&lower) || is_participle(&lower)) {
@@ -43,7 +43,7 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
         }
         is_first = false;
     }
-    // Its last word says what it is: a "hay wagon" is no hay. A verb may follow.
+    // The last word is the kind of the thing: a "hay wagon" is no hay. A verb may follow.
     let is_last = |n: &Named| {
         let next = text.get(n.end..end).unwrap_or_default();
         let next = next.split(|c: char| !c.is_ascii_alphanumeric()).find(|w| !w.is_empty());
@@ -52,7 +52,7 @@ fn is_unread_latin(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
     !facts.named.iter().any(|n| n.start < end && is_last(n))
 }
 
-/// The name at `start` is of one: "a beige estate". Latin letters, with at most three words between.
+/// The name at `start` is of a single thing: "a beige estate". Latin letters, with at most three words between.
 pub(super) fn is_single(text: &str, start: usize) -> bool {
     let before = text.get(..start).unwrap_or_default();
     let words = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
@@ -60,21 +60,21 @@ pub(super) fn is_single(text: &str, start: usize) -> bool {
     text.is_ascii() && all.any(|w| w.eq_ignore_ascii_case("a") || w.eq_ignore_ascii_case("an"))
 }
 
-/// Stands before the words for a thing that is not introduced.
+/// Precedes the words for a thing that is not introduced.
 fn is_break(word: &str, words: &LabelWords) -> bool {
     words.subjects.ends(word) || words.subjects.is_determiner(word)
 }
 
-/// What a thing does, or what kind of thing it is: "a car waiting", "a wobbling cyclist".
+/// Action or kind of a thing: "a car waiting", "a wobbling cyclist".
 fn is_participle(word: &str) -> bool {
     word.len() > 5 && word.ends_with("ing")
 }
 
-/// "胡同里来了一台小货": nothing is named behind the word that counts; or nothing at all but a place.
+/// "胡同里来了一台小货": nothing is named after the counting word; or nothing at all except a place.
 fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
     let subjects = &words.subjects;
     let chars: Vec<(usize, char)> = text.char_indices().collect();
-    // "The first car" counts nothing.
+    // "The first car" is no count.
     let is_ordinal = |at: usize| text[..at].ends_with(|c| subjects.ordinals.contains(c));
     let counted = chars.windows(2).filter(|w| {
         subjects.counts.contains(w[0].1) && subjects.counters.contains(w[1].1) && !is_ordinal(w[0].0)
@@ -83,9 +83,9 @@ fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool 
     let clause_end = |from: usize| {
         text[from..].find(['，', '。', '；', '、', '：', '！']).map_or(text.len(), |i| from + i)
     };
-    // "从公交车前": where somebody comes from.
+    // "从公交车前": the origin of a road user.
     let is_origin = |n: &Named| text[..n.start].ends_with(|c| subjects.origins.contains(c));
-    // Behind "of", which what it is follows: "a man who climbs the fence". What is near may be a place.
+    // After "of", which is followed by the thing: "a man who climbs the fence". A near name may be a place.
     const NEAR: usize = 12;
     let within = |from: usize, to: usize| {
         let of = text[from..to].find('的').filter(|at| *at <= 2 * NEAR).map_or(from, |at| from + at);
@@ -103,7 +103,7 @@ fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool 
     if subjects.own.iter().filter_map(rest).any(|r| !r.starts_with(|c| subjects.behind_own.contains(c))) {
         return false;
     }
-    // A measure, and nothing of anybody.
+    // A measure, and nothing about a road user.
     let first = clause_end(0);
     if facts.named.iter().any(|n| n.start < first && words.objects[n.group].own.meets(words.known.gap)) {
         return false;
@@ -114,8 +114,7 @@ fn is_unread_chinese(text: &str, facts: &TextFacts, words: &LabelWords) -> bool 
     !facts.named.iter().any(|n| is_thing(&n))
 }
 
-/// The text says of the thing at `start` that there is one, rather than speaking of one that is known: "a cyclist",
-/// "还有个骑手".
+/// The text introduces the thing at `start`, rather than referring to a known one: "a cyclist", "还有个骑手".
 pub(super) fn is_introduced(text: &str, start: usize, words: &LabelWords) -> bool {
     const NEAR: usize = 4;
     let is_article = |w: &str| words.subjects.introduces.iter().any(|i| i == w);
@@ -134,7 +133,7 @@ pub(super) fn is_introduced(text: &str, start: usize, words: &LabelWords) -> boo
     }) || near.first().is_some_and(|c| *c == '有')
 }
 
-/// What follows `before` in Latin letters belongs to somebody who was named: "its trailer".
+/// The Latin text after `before` belongs to a named road user: "its trailer".
 pub(super) fn is_owned(before: &str, words: &LabelWords) -> bool {
     let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
     words.subjects.owners.iter().any(|w| last.eq_ignore_ascii_case(w))
@@ -152,7 +151,7 @@ mod tests {
         let words = Framework::bundled().label_words();
         let unread = |text: &str| {
             let mut facts = reading::read(text, &Units::of(text), words);
-            // As if no list had the thing.
+            // As if the thing were in no list.
             facts.named.retain(|n| !["coupe", "小货"].contains(&&text[n.start..n.end]));
             is_unread(text, &facts, words)
         };

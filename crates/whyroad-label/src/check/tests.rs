@@ -1,4 +1,4 @@
-//! The two paths agree, what passes can be read by everybody else, and every code has its page.
+//! The two paths agree, every accepted document can be read with the shared types, and every code has its page.
 
 use super::*;
 use proptest::prelude::*;
@@ -23,7 +23,7 @@ fn known(code: &str) -> bool {
     CODES.iter().chain(whyroad_framework::check::CODES).any(|c| *c == code)
 }
 
-/// What the slow path alone says.
+/// Findings of the slow path alone.
 fn slowly(text: &str) -> (Verdict, Vec<Diagnostic>) {
     let mut out = Vec::new();
     let verdict = checker().explain(text, &Origin::start(), &mut out);
@@ -38,7 +38,7 @@ fn the_examples_take_the_fast_path() {
     }
 }
 
-/// All pointers of a value, its own left out.
+/// All pointers of a value, except its own.
 fn pointers(v: &Value, at: &str, out: &mut Vec<String>) {
     match v {
         Value::Object(o) => {
@@ -57,7 +57,7 @@ fn pointers(v: &Value, at: &str, out: &mut Vec<String>) {
     }
 }
 
-/// Values that labels hold, and values that they must not.
+/// Values that labels have, and values that they must not have.
 fn values() -> Vec<Value> {
     let mut all: Vec<Value> = serde_json::from_value(json!([
         null, true, 0, -1, 94, 94.5, 200, 4_294_967_296_u64, 1e300, "", " ", "x", "left", "right", "uturn", "high", "low",
@@ -165,7 +165,7 @@ proptest! {
         let text = apply(base, &edits);
         let fast = checker().is_clean_label(&text);
         let (verdict, found) = slowly(&text);
-        // The fast path may leave records with structure to the slow one; never the other way round.
+        // The fast path may leave records with structure to the slow path; never the other way round.
         let nested = serde_json::from_str::<Value>(&text).is_ok_and(|v| {
             v["records"].as_object().is_some_and(|r| r.values().any(|v| v.is_array() || v.is_object()))
         });
@@ -175,7 +175,7 @@ proptest! {
             prop_assert!(known(d.code), "{}", d.code);
             prop_assert!(d.location.line.is_some() && d.location.column.is_some() && d.location.snippet.is_some());
         }
-        // What passes, everybody can read.
+        // An accepted document can be read with the shared types.
         if verdict.valid {
             let label = serde_json::from_str::<typed::CocLabel>(&text);
             prop_assert!(label.is_ok(), "{:?}\n{text}", label.err());
@@ -185,7 +185,7 @@ proptest! {
 
 #[test]
 fn null_is_no_list_for_every_reader() {
-    // Found by `the_paths_agree`: what the checker passes, the typed reader must read.
+    // Found by `the_paths_agree`: what the checker accepts, the typed reader must read.
     for pointer in [
         "/critical_components/1/evidence_times",
         "/critical_components/0/linked_objects",
@@ -269,7 +269,7 @@ fn a_query_of_clauses_passes_and_what_is_wrong_with_one_is_told() {
     }
 }
 
-/// Whether the shared types take a message of this kind.
+/// Whether the shared types accept a message of this kind.
 fn typed_reads(kind: MessageKind, text: &str) -> bool {
     match kind {
         MessageKind::CocLabel => serde_json::from_str::<typed::CocLabel>(text).is_ok(),
@@ -311,7 +311,7 @@ proptest! {
 
 #[test]
 fn other_is_a_class_everywhere() {
-    // LABELING.md 1: what fits nowhere goes to `other` under its L2 or L1.
+    // LABELING.md 1: an episode that fits no class gets `other` under its L2 or L1.
     for (l2, l3, good) in [
         ("cutin", "other", true),
         ("other", "other", true),
@@ -321,15 +321,15 @@ fn other_is_a_class_everywhere() {
         let text = format!(r#"{{"scenario_label":{{"l1":"reactive_agent","l2":"{l2}","l3":"{l3}"}}}}"#);
         assert_eq!(checker().check_text(&text).is_empty(), good, "{l2}.{l3}");
     }
-    // A result of mining may be about what no L1 explains (`every_message_is_valid` of the binary's tests has one); a
-    // label has to say under which L1 it belongs.
+    // A mining result may have no L1 (`every_message_is_valid` of the binary's tests has one); a label must state its
+    // L1.
     let bare = r#"{"scenario_label":{"l1":"other","l2":"other","l3":"other"}}"#;
     assert!(!checker().check_text(bare).is_empty());
 }
 
 #[test]
 fn a_class_without_leaf_keeps_what_all_its_leaves_prescribe() {
-    // All of blind_spot_slowdown must mark uncertainty (LABELING.md 3), so the L2 alone must too.
+    // All classes of blind_spot_slowdown must mark uncertainty (LABELING.md 3), so the L2 alone must too.
     let mut v: Value = serde_json::from_str(EXAMPLES[4]).unwrap();
     v["scenario"] = json!({ "l1": "reactive_road", "l2": "blind_spot_slowdown" });
     assert_eq!(checker().check_text(&v.to_string()), []);

@@ -1,4 +1,4 @@
-//! The texts of a label as read, for the rules that compare them.
+//! The texts of a label after reading, for the rules that compare them.
 
 use super::reading::{self, Named, TextFacts};
 use super::view::View;
@@ -6,25 +6,25 @@ use whyroad_framework::label_words::GroupSet;
 use whyroad_framework::lexicon::units::Units;
 use whyroad_framework::{LabelWords, Lexicon};
 
-/// What the rules about the texts look at.
+/// Input of the rules about the texts.
 #[derive(Clone, Copy)]
 pub(super) struct TextScope<'a> {
     pub label: &'a View<'a>,
     pub texts: &'a Texts,
     pub words: &'a LabelWords,
     pub lexicon: &'a Lexicon,
-    /// What only says where something is.
+    /// Groups that only describe the location of something.
     pub background: GroupSet,
-    /// What the class is about.
+    /// Groups that the class is about.
     pub about: GroupSet,
 }
 
-/// The texts of a label as read, once for all rules.
+/// The texts of a label after reading, shared by all rules.
 pub(super) struct Texts {
     /// In the order of the label's parts.
     pub components: Vec<TextFacts>,
     pub trace: TextFacts,
-    /// The trace in units.
+    /// The trace, split into units.
     pub units: Units,
 }
 
@@ -41,14 +41,14 @@ impl Texts {
         Self { components, trace, units }
     }
 
-    /// Groups that answer for what the components name, absent things too.
+    /// Groups that contain the things of the components, including absent ones.
     pub fn all_components(&self, words: &LabelWords) -> GroupSet {
         let all = self.components.iter().flat_map(|f| &f.named);
         all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
     }
 
-    /// Groups that answer for what the components say is there. `beside`: for somebody on one side of the ego, who is
-    /// not the lead.
+    /// Groups that contain the things that the components say are present. `beside`: for a road user on one side of the
+    /// ego, which is not the lead.
     pub fn components_there(&self, words: &LabelWords, beside: bool) -> GroupSet {
         let before = words.known.lead.with(words.known.queue);
         let all = self.components.iter().flat_map(TextFacts::there);

@@ -1,5 +1,5 @@
-//! A label as the rules see it, whether it came by the fast path (typed, everything there) or by the slow one
-//! (tolerant, holes where something was already reported).
+//! A label as seen by the rules, from the fast path (typed, complete) or from the slow one (tolerant, with gaps where
+//! something was already reported).
 
 use std::borrow::Cow;
 use whyroad_framework::check::Slot;
@@ -20,14 +20,14 @@ pub(super) struct View<'a> {
     pub start_frame: Slot<u32>,
     pub end_frame: Slot<u32>,
     pub keyframe: KeyframeView,
-    /// Absent is null.
+    /// Absent means null.
     pub longitudinal: Slot<Longitudinal>,
-    /// Absent is null.
+    /// Absent means null.
     pub lateral: Slot<Lateral>,
     pub direction: Slot<LateralDirection>,
     pub components: Slot<Components>,
     pub trace: Slot<&'a str>,
-    /// The records that hold something.
+    /// The records that have a value.
     pub records: Slot<Vec<(&'a str, RecordValue<'a>)>>,
     /// The components one by one.
     pub parts: Vec<ComponentView<'a>>,
@@ -38,7 +38,7 @@ pub(super) struct View<'a> {
 }
 
 impl View<'_> {
-    /// The class, where it can be read.
+    /// The class, if it can be read.
     pub fn class_id(&self) -> Option<ScenarioId> {
         let s = &self.scenario;
         let l3 = s.l3.get().filter(|l3| *l3 != whyroad_framework::check::class_index::OTHER);
@@ -58,7 +58,7 @@ pub(super) struct ComponentView<'a> {
     pub description: Slot<&'a str>,
     pub id: Slot<&'a str>,
     pub evidence: Cow<'a, [Slot<Nanos>]>,
-    /// Track ids of the objects that it speaks of.
+    /// Track ids of the objects that it links.
     pub objects: Vec<&'a str>,
 }
 
@@ -86,10 +86,10 @@ pub(super) struct KeyframeView {
     pub range_end: Slot<Nanos>,
 }
 
-/// The critical components, as far as rules ask.
+/// The properties of the critical components that rules use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Components {
     pub count: usize,
-    /// At least one says `uncertainty: high`, or says something unreadable there.
+    /// At least one has `uncertainty: high`, or an unreadable value there.
     pub any_high: bool,
 }

@@ -1,5 +1,5 @@
 //! The counterfactual model against ground truth from SUMO (`examples/counterfactual`): whether removing a thing
-//! changes how far the ego comes.
+//! changes how far the ego drives.
 #![allow(clippy::print_stdout)] // the table is what a reader wants to see
 
 use serde::Deserialize;
@@ -9,10 +9,10 @@ use whyroad_label::counterfactual::{Removed, counterfactual};
 use whyroad_model::scene::{Ego, Motion, Track};
 use whyroad_model::{Column, Drive, Nanos, ObjectClass, SignalTable, Tri};
 
-/// Rows a second of the file, and of a drive.
+/// Rows per second of the file, and of a drive.
 const FILE_HZ: f64 = 2.0;
 const HZ: f64 = 10.0;
-/// The ego comes this much farther in 8 s: it was affected, m. Between the two nobody can say.
+/// Additional distance in 8 s from which the ego was affected, m. Values between the two are undecided.
 const AFFECTED_M: f64 = 4.0;
 const UNAFFECTED_M: f64 = 1.0;
 

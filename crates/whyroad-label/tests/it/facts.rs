@@ -1,12 +1,12 @@
-//! What texts say of things, compared: components that say the same in other words, a cause beyond the near one, a
-//! decision denied with any verb, a move to the other side, a reason that is none. The sentences are written for this
-//! test; beside each fault stands what looks like it and is true.
+//! Statements of texts about things, compared: components with the same meaning in other words, a cause beyond the near
+//! one, a decision denied with any verb, a move to the other side, an empty reason. The sentences are written for this
+//! test; next to each fault there is a similar true sentence.
 
 use serde_json::{Value, json};
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
 
-/// Codes of the findings, but for notes, of a label of this class with these components, all of them its cause.
+/// Codes of the findings, except notes, of a label of this class with these components, all of them its cause.
 fn codes(class: [&str; 3], decision: Value, parts: &[&str], trace: &str) -> Vec<&'static str> {
     let times = ["2026-01-15T10:30:09.500Z"];
     let part = |(i, text): (usize, &&str)| json!({ "id": format!("c{i}"), "description": text, "evidence_times": times });
@@ -28,7 +28,7 @@ fn codes(class: [&str; 3], decision: Value, parts: &[&str], trace: &str) -> Vec<
     found.iter().filter(|d| d.severity != whyroad_model::Severity::Note).map(|d| d.code).collect()
 }
 
-/// Somebody crosses or comes into the lane, and the ego yields.
+/// A road user crosses or enters the lane, and the ego yields.
 fn yielding(parts: &[&str], trace: &str) -> Vec<&'static str> {
     let decision = json!({ "longitudinal": "yield_to_agent", "lateral": null });
     codes(["reactive_agent", "vru_crossing", "horizontal"], decision, parts, trace)
@@ -89,7 +89,7 @@ fn a_cause_that_is_denied_needs_another() {
     }
     let denied = "老人从左侧横穿马路，可他跟本车毫无关系，自车减速让行。";
     assert_eq!(yielding(CROSSING_ZH, denied), [code]);
-    // Somebody else is none.
+    // Another road user is no cause.
     let parts = ["An old man is walking across from the left", "A van is parked on the right"];
     let other = "The van parked on the right is no hazard; the old man walking across from the left is in our way, so \
                  the ego slows down and yields to him.";
@@ -114,7 +114,7 @@ fn a_cause_is_denied_in_other_words() {
     ] {
         assert_eq!(yielding(CROSSING_ZH, trace), [code], "{trace}");
     }
-    // Beside something that calls for the decision it is only what is around.
+    // Next to a component that calls for the decision it is only surroundings.
     let trace =
         "The oncoming lane is empty, but an old man is walking across from the left, so the ego slows down.";
     assert_eq!(yielding(CROSSING_EN, trace), [""; 0]);
@@ -132,7 +132,7 @@ fn a_component_bears_on_the_decision() {
     for idle in ["A poster by the road announces a summer sale", "Two anglers are fishing from the bank"] {
         assert_eq!(yielding(&[CROSSING_EN[0], idle], YIELD_EN), [code], "{idle}");
     }
-    // Somebody comes out of it, it hides something, or the trace makes something of it.
+    // A road user comes out of it, it hides something, or the trace uses it.
     for part in ["公园里跑出来一个小孩", "广告牌挡住了右侧的视线"] {
         assert_eq!(yielding(&[CROSSING_ZH[0], part], YIELD_ZH), [""; 0], "{part}");
     }
@@ -153,7 +153,7 @@ fn a_time_after_the_response_is_hindsight() {
     }
     let trace = "老人从左侧横穿马路，他走到对面以后冲我们挥了挥手，所以自车减速让行。";
     assert_eq!(yielding(CROSSING_ZH, trace), [code]);
-    // What is to be waited for, and the last of several.
+    // What the ego waits for, and the last of several.
     for trace in [
         "老人从左侧横穿马路，和自车路线相交，自车减速让行，等他过去以后再走。",
         "老人从左侧横穿马路，他走在最后面，还没过完，自车减速让行。",
@@ -237,7 +237,7 @@ fn a_cause_beyond_the_near_one_is_distant() {
     assert!(missed.is_empty() && flagged.is_empty(), "missed {missed:#?}, flagged {flagged:#?}");
 }
 
-/// The verbs are of no list.
+/// The verbs are in no list.
 #[test]
 fn a_decision_is_denied_with_any_verb() {
     let (zh, en) = (["一位老人从左侧横穿马路"], ["An old man is walking across from the left"]);
@@ -272,8 +272,8 @@ fn a_reason_that_is_none_is_reported() {
     assert!(!none(&zh, YIELD_ZH) && !none(&en, YIELD_EN));
 }
 
-/// Whoever is brought in as a cause needs a component; the ego, what belongs to somebody and what only happens often
-/// do not.
+/// A road user that is introduced as a cause needs a component; the ego, things that belong to somebody and events that
+/// only happen often do not.
 #[test]
 fn what_is_no_cause_needs_no_component() {
     let unnamed =

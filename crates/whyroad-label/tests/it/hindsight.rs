@@ -1,4 +1,4 @@
-//! Hindsight by grammar, not by phrase: clauses behind the decision that report an event, and clauses in the same place
+//! Hindsight by grammar, not by phrase: clauses after the decision that report an event, and clauses in the same place
 //! that give a reason, a purpose, a condition or a plan. The sentences are written for this test and quote no list.
 
 #![allow(clippy::print_stdout)] // the sentences are what a reader wants to see
@@ -23,7 +23,7 @@ fn label(decision: Value, part: &str, trace: &str) -> Value {
     })
 }
 
-/// A label of a pedestrian who crosses, for whom the ego yields, with this trace, has a finding of hindsight.
+/// A label of a crossing pedestrian to whom the ego yields, with this trace, has a hindsight finding.
 fn found(trace: &str) -> bool {
     let part = if trace.is_ascii() {
         "A pedestrian steps into our lane from the right, close to us"
@@ -129,7 +129,7 @@ const WITH: [&str; 44] = [
     "A pedestrian steps into our lane, so we ease off and let him finish crossing.",
 ];
 
-/// Before the decision, whoever is responded to is out of the way.
+/// Before the decision, the road user to which the ego responds is out of the way.
 const RESOLVED: [&str; 8] = [
     "行人走到一半退回了路边，因此自车减速让行。",
     "行人改了主意不过了，所以自车减速让行。",
@@ -141,7 +141,7 @@ const RESOLVED: [&str; 8] = [
     "The man got out of our way, hence the ego brakes for him.",
 ];
 
-/// The same words, where he is not out of the way, or somebody else comes.
+/// The same words, where that road user is not out of the way, or another one comes.
 const NOT_RESOLVED: [&str; 6] = [
     "行人停在路边没有退回去，正要继续走，因此自车减速让行。",
     "上一个行人退回了路边，又有一个小孩走上车道，因此减速让行。",
@@ -180,8 +180,8 @@ fn what_follows_the_decision_is_an_event_or_is_not() {
     assert!(missed.len() <= 2 && flagged.is_empty());
 }
 
-/// What happened later is reported in the first sentence, and the last one states no decision: every combination of
-/// decisions is checked to its end.
+/// A later event is reported in the first sentence, and the last one states no decision: every combination of decisions
+/// is checked to its end.
 #[test]
 fn hindsight_may_precede_the_last_sentence() {
     let checker = Checker::new(Framework::bundled());

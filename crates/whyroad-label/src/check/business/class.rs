@@ -1,4 +1,4 @@
-//! Rules of the class: what it prescribes (TAXONOMY.md, LABELING.md 4).
+//! Requirements of the class (TAXONOMY.md, LABELING.md 4).
 
 use crate::check::view::View;
 use whyroad_framework::DecisionSets;
@@ -7,7 +7,7 @@ use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::KeyframeType;
 
-/// What the class prescribes.
+/// Requirements of the class.
 pub(in crate::check) fn prescribed(
     label: &View<'_>,
     class: &Prescribed,

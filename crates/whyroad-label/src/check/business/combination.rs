@@ -1,4 +1,4 @@
-//! Decisions against the class and against one another, by the table `scenarios/decisions.yaml`.
+//! Checks decisions against the class and against each other, with the table `scenarios/decisions.yaml`.
 
 use crate::check::view::View;
 use whyroad_framework::check::class_index::Prescribed;
@@ -11,8 +11,8 @@ use whyroad_model::label_fields::pointer;
 
 const CODE: &str = "label.decision.impossible";
 
-/// Reports at most one impossible part: the channel that contradicts the class, then the pair. True
-/// when there is one.
+/// Reports at most one impossible part: the channel that contradicts the class, then the pair. Returns true when there
+/// is one.
 pub(in crate::check) fn decisions(
     label: &View<'_>,
     prescribed: &Prescribed,
@@ -55,7 +55,7 @@ pub(in crate::check) fn decisions(
     if class.longitudinal_fit(along) == Fit::Impossible {
         return impossible(sink, pointer::DRIVING_DECISION_LONGITUDINAL, &along_name(along), usual_along());
     }
-    // A prescribed lateral decision has a rule of its own.
+    // There is a separate rule for a prescribed lateral decision.
     if prescribed.lateral.is_none() && class.lateral_fit(across) == Fit::Impossible {
         return impossible(sink, pointer::DRIVING_DECISION_LATERAL, &across_name(across), usual_across());
     }
@@ -95,7 +95,7 @@ pub(in crate::check) fn decisions(
     false
 }
 
-/// A channel's decision, null included; `None` where it could not be read.
+/// A channel's decision, which may be null; `None` where it could not be read.
 fn given<T>(slot: Slot<T>) -> Option<Option<T>> {
     match slot {
         Slot::Is(d) => Some(Some(d)),

@@ -7,7 +7,7 @@ use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_model::Bilingual;
 use whyroad_model::label_fields::pointer;
 
-/// A direction where one belongs, none where none does, and one that the decision can have.
+/// The direction is present if the decision needs one, absent if not, and one that the decision can have.
 pub(in crate::check) fn direction(label: &View<'_>, names: &DecisionSets, sink: &mut dyn Sink) {
     const AT: &str = pointer::DRIVING_DECISION_LATERAL_DIRECTION;
     let allowed = match label.lateral {
@@ -62,7 +62,7 @@ pub(in crate::check) fn direction(label: &View<'_>, names: &DecisionSets, sink: 
     }
 }
 
-/// Something caused the decision.
+/// The decision has at least one component.
 pub(in crate::check) fn components(label: &View<'_>, sink: &mut dyn Sink) {
     if label.components.get().is_some_and(|c| c.count == 0) {
         sink.report(Finding::error("label.components.empty", pointer::CRITICAL_COMPONENTS), &|| {

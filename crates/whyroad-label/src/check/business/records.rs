@@ -1,4 +1,4 @@
-//! Required records (TAXONOMY.md last column): each is there, and holds what its type allows.
+//! Required records (last column in TAXONOMY.md): each is present, and its value fits its type.
 
 use crate::check::view::View;
 use whyroad_framework::RecordTypes;
@@ -7,7 +7,7 @@ use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::record_types::RecordVerdict;
 use whyroad_model::label_fields::pointer;
 
-/// Records that the class owes.
+/// Records that the class requires.
 pub(in crate::check) fn missing(label: &View<'_>, class: &Prescribed, sink: &mut dyn Sink) {
     let filled: &[_] = match &label.records {
         Slot::Is(filled) => filled,
@@ -32,7 +32,7 @@ pub(in crate::check) fn missing(label: &View<'_>, class: &Prescribed, sink: &mut
     }
 }
 
-/// What a record holds is of its type and plausible.
+/// The value of a record is of its type and plausible.
 pub(in crate::check) fn types(
     label: &View<'_>,
     class: Option<&Prescribed>,

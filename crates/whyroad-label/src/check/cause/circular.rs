@@ -1,5 +1,5 @@
-//! A trace that only states its decision again (LABELING.md 6): what is left of its reason without the decision,
-//! whoever the decision is about, and the words of deciding.
+//! A trace that only repeats its decision (LABELING.md 6): checks what remains of its reason without the decision, the
+//! road users that the decision is about, and words for deciding.
 
 use crate::check::consistency::trace::{Mention, Reading};
 use crate::check::consistency::trace_rules::{self, Said};
@@ -12,7 +12,7 @@ use whyroad_framework::label_words::{Clauses, Divider};
 use whyroad_framework::lexicon::Role;
 use whyroad_model::label_fields::pointer;
 
-/// The trace gives a reason that is not the decision again.
+/// The trace gives a reason other than the decision itself.
 pub(in crate::check) fn circular(
     scope: &TextScope<'_>,
     reading: &Reading,
@@ -32,7 +32,7 @@ pub(in crate::check) fn circular(
         Said::Unread => echoes(text, texts, words),
         _ => repeats(text, scope, reading) || echoes(text, texts, words),
     } || empty_reason(text, scope, reading);
-    // A decision in words that no list knows may have a reason in such words.
+    // A decision in words that are in no list may also have a reason in such words.
     if !repeated
         && (said == Said::Unread
             || begins_with_cause(text, texts, words, reading)
@@ -51,9 +51,9 @@ pub(in crate::check) fn circular(
     true
 }
 
-/// "Braking by the car in front": what the part says is done by somebody who is named behind it.
+/// "Braking by the car in front": the action in the part is by a road user named after it.
 fn is_done_by_other(text: &str, from: usize, to: usize, texts: &Texts, words: &LabelWords) -> bool {
-    /// Bytes of "by" and of what may stand between it and the name.
+    /// Maximum bytes of "by" and of the words between it and the name.
     const NEAR: usize = 16;
     texts.trace.there().filter(|n| (from..to).contains(&n.start)).any(|n| {
         let acts = words.objects[n.group].own.meets(words.known.actor);
@@ -64,8 +64,8 @@ fn is_done_by_other(text: &str, from: usize, to: usize, texts: &Texts, words: &L
     })
 }
 
-/// What a component names stands before whatever is said of the ego: "the stop sign requires a halt". Behind it, it may
-/// be what the decision is about.
+/// A thing that a component names is before everything about the ego: "the stop sign requires a halt". After it, the
+/// thing may be the object of the decision.
 fn begins_with_cause(text: &str, texts: &Texts, words: &LabelWords, reading: &Reading) -> bool {
     let components = texts.all_components(words);
     let decided = reading.mentions.iter().map(|m| m.start).min().unwrap_or(text.len());
@@ -90,7 +90,7 @@ fn gives_cause(
         let names = texts.trace.named.iter().any(|n| {
             (from..to).contains(&n.start) && !words.objects[n.group].own.meets(words.known.no_cause)
         });
-        // "A collision blocks our lane": in whatever words the thing is.
+        // "A collision blocks our lane": whatever the words for the thing.
         let acts = texts
             .trace
             .acts
@@ -103,12 +103,13 @@ fn gives_cause(
     if ends().any(|to| part_gives(std::mem::replace(&mut from, to), to)) {
         return true;
     }
-    // Most traces end here. Otherwise the reason may stand in one part with the decision: "slows because of the bend".
+    // Most traces need no further check. Otherwise the reason may be in one part with the decision: "slows because of
+    // the bend".
     let bounds = part_bounds(text, texts, &words.clauses);
     bounds.windows(2).any(|w| part_gives(w[0], w[1]))
 }
 
-/// A part that says what the ego has to do or wants.
+/// A part about what the ego must do or wants.
 fn is_own_duty(part: &str, clauses: &Clauses) -> bool {
     let begins =
         |text: &str, word: &str| text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
@@ -118,7 +119,7 @@ fn is_own_duty(part: &str, clauses: &Clauses) -> bool {
     clauses.own_duty.iter().any(|w| begins(part, w))
 }
 
-/// What no list knows may still be a cause: words that the components have, apart from those of the decision.
+/// A cause may be in words that are in no list: words that are also in a component, apart from those of the decision.
 fn has_other_words(text: &str, scope: &TextScope<'_>, decision_in: &dyn Fn(usize, usize) -> bool) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     let is_name = |at: usize| texts.trace.named.iter().any(|n| (n.start..n.end).contains(&at));
@@ -127,11 +128,11 @@ fn has_other_words(text: &str, scope: &TextScope<'_>, decision_in: &dyn Fn(usize
         || overlap::says_more(text, &words.compared, &apart)
 }
 
-/// The parts of the trace before and behind its last decision say nothing but that decision: no thing, no state or
-/// number, and no word that the decision does not have, too. Whoever it is about counts for nothing.
+/// The parts of the trace before and after its last decision contain only that decision: no thing, no state or number,
+/// and no word that is not in the decision. The road user that the decision is about is ignored.
 fn repeats(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
-    /// A longer trace says more than its decision.
+    /// A longer trace contains more than its decision.
     const LONGEST: usize = 160;
     if text.len() > LONGEST {
         return false;
@@ -150,7 +151,7 @@ fn repeats(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
         |(from, to): &(usize, usize)| trace_rules::states_decision(reading, lexicon, label, *from, *to);
     let Some(last) = parts.iter().rposition(states) else { return false };
     let (from, to) = parts[last];
-    // What somebody else does is a reason, unless the decision is about it.
+    // An action of another road user is a reason, unless the decision is about it.
     let phrase = |m: &Mention| text[m.start..m.end].to_lowercase();
     let decided: Vec<String> =
         reading.mentions.iter().filter(|m| (from..to).contains(&m.start)).map(phrase).collect();
@@ -171,8 +172,8 @@ fn repeats(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     parts.len() > 1 && others.iter().all(|w| own.contains(w)) && own.iter().all(|w| others.contains(w))
 }
 
-/// A decision in words that no list knows is said again as its own reason: what follows "because" has the words of what
-/// precedes it, but for one. Nothing is named but whoever acts.
+/// A decision in words that are in no list is repeated as its own reason: the text after "because" has the words of the
+/// text before it, except for one. It names only the acting road user.
 fn echoes(text: &str, texts: &Texts, words: &LabelWords) -> bool {
     let lower = text.to_ascii_lowercase();
     let because = words.clauses.because.iter().chain(&words.clauses.again);
@@ -193,12 +194,13 @@ fn echoes(text: &str, texts: &Texts, words: &LabelWords) -> bool {
     let same =
         |a: &str, b: &str| a == b || a.is_ascii() && a.get(..4).is_some_and(|stem| b.starts_with(stem));
     let new = second.iter().filter(|w| !first.iter().any(|f| same(f, w))).count();
-    // In Chinese a word has two characters.
+    // A Chinese word has two characters.
     if text.is_ascii() { second.len() > new && new <= 1 } else { second.len() >= 2 + 2 * new && new <= 2 }
 }
 
-/// What the trace itself calls the reason adds nothing to its decision, whatever was told before: "because giving way
-/// is what we are doing". No thing but places of the decision, no number, nothing said of anybody else, no other word.
+/// The reason that the trace marks as such adds nothing to its decision, whatever comes before: "because giving way is
+/// what we are doing". It has no thing except places of the decision, no number, nothing about another road user, and
+/// no other word.
 fn empty_reason(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     let lower = text.to_ascii_lowercase();
@@ -215,7 +217,7 @@ fn empty_reason(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     if texts.trace.named.iter().any(is_reason) || part.contains(|c: char| c.is_ascii_digit()) {
         return false;
     }
-    // "Because it is slowing down", where somebody may be meant.
+    // "Because it is slowing down", where "it" may be another road user.
     let acts = |n: &Named| words.objects[n.group].own.meets(words.known.actor);
     let somebody = || texts.trace.named.iter().any(|n| n.start < from && acts(n));
     let is_pronoun = |w: &str| w.eq_ignore_ascii_case("it") || w.eq_ignore_ascii_case("its");
@@ -230,21 +232,21 @@ fn empty_reason(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     let mut spoken: Vec<(usize, usize)> =
         reading.mentions.iter().map(|m| (m.start, m.end)).filter(|m| inside(m.0)).collect();
     spoken.extend(texts.trace.named.iter().map(|n| (n.start, n.end)));
-    // "As it is to slow here": where and when the ego is, is no cause.
+    // "As it is to slow here": the place and time of the ego are no cause.
     let lower_part = part.to_ascii_lowercase();
     let here = words.subjects.here.iter().flat_map(|w| lower_part.match_indices(w.as_str()));
     spoken.extend(here.map(|(at, w)| (from + at, from + at + w.len())));
     let before = content(text, 0, from, &[], words);
     let left = content(text, from, to, &spoken, words);
     let same = |a: &str, b: &str| a == b || a.is_ascii() && a.get(..4).is_some_and(|s| b.starts_with(s));
-    // A word that a component has, too, is of the scene.
+    // A word that is also in a component belongs to the scene.
     let given: Vec<String> =
         label.parts.iter().filter_map(|c| c.description.get()).map(str::to_ascii_lowercase).collect();
     let of_scene = |w: &String| given.iter().any(|text| text.contains(w.as_str()));
     decides && left.iter().all(|w| before.iter().any(|b| same(b, w)) && !of_scene(w))
 }
 
-/// Bounds of the parts of a trace: at marks, and before words that join or give a reason.
+/// Bounds of the parts of a trace: at punctuation marks, and before words that join parts or introduce a reason.
 fn part_bounds(text: &str, texts: &Texts, clauses: &Clauses) -> Vec<usize> {
     let lower = text.to_ascii_lowercase();
     let ends = clauses.ends(&texts.units, &[Divider::Sentence, Divider::Clause], text.len());
@@ -256,7 +258,7 @@ fn part_bounds(text: &str, texts: &Texts, clauses: &Clauses) -> Vec<usize> {
     bounds
 }
 
-/// Words of Latin letters and Chinese characters of a part that say something, apart from what is at `spoken`.
+/// Content words (Latin words and Chinese characters) of a part, without those in the ranges `spoken`.
 fn content(text: &str, from: usize, to: usize, spoken: &[(usize, usize)], words: &LabelWords) -> Vec<String> {
     let hidden = |at: usize| spoken.iter().any(|(a, b)| (*a..*b).contains(&at));
     let (compared, common) = (&words.compared, &words.subjects.common);
@@ -265,7 +267,7 @@ fn content(text: &str, from: usize, to: usize, spoken: &[(usize, usize)], words:
     for word in text[from..to].split(|c: char| !c.is_ascii_alphabetic()) {
         let lower = word.to_ascii_lowercase();
         let start = at;
-        // What divides is one character, of any length.
+        // A separator is one character, of any length in bytes.
         at += word.len();
         at += text[at..].chars().next().map_or(0, char::len_utf8);
         if lower.len() >= 3 && !hidden(start) && !compared.is_plain(&lower) && !compared.is_deciding(&lower) {

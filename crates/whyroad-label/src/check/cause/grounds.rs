@@ -1,5 +1,5 @@
-//! What a trace says for its decision, clause by clause: a clause may speak for it, against it, or state it. A trace
-//! that has clauses against its decision and none for it denies its own cause, in whatever words.
+//! Reads a trace clause by clause: a clause may support its decision, contradict it, or state it. A trace that has
+//! clauses against its decision and none for it denies its own cause, whatever its words.
 
 use crate::check::consistency::trace::Reading;
 use crate::check::consistency::trace_rules;
@@ -11,19 +11,19 @@ use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{Divider, Doings, GroupSet};
 
-/// Clauses that are read.
+/// Maximum number of clauses that are read.
 const MOST_CLAUSES: usize = 24;
 
-/// What the components say is there and what it does.
+/// The things and actions in the components.
 struct Given<'t> {
     facts: &'t [TextFacts],
     things: GroupSet,
     does: Doings,
 }
 
-/// Bytes of the first clause that speaks against the decision of a trace which says nothing for it.
+/// Bytes of the first clause that contradicts the decision of a trace in which no clause supports it.
 ///
-/// `background`: groups that say where something is. `about`: the triggers of the class.
+/// `background`: groups that describe the location of something. `about`: the triggers of the class.
 pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, lexicon, background, about } = *scope;
     let text = label.trace.get()?;
@@ -44,12 +44,12 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
         true => from >= reading.decision_from,
         false => trace_rules::states_decision(reading, lexicon, label, from, to),
     };
-    // Said not to do what its component says, and nowhere to do it.
+    // It is said not to do what its component states, and nowhere to do it.
     let before = |a: &&Act| !reading.marked || a.start < reading.decision_from;
     let acts = || trace.acts.iter().filter(before).filter(|a| a.doing.only(words.reaching).meets(given.does));
     let around =
         |a: &Act| words.clauses.around(&texts.units, a.start..a.end, text.len(), &|d| d != Divider::Aside);
-    // "Lets it back out first": where the decision is stated, nothing is said to be so.
+    // "Lets it back out first": a clause that states the decision states no fact.
     let in_decision = |a: &Act| {
         let (from, to) = around(a);
         decided(from, to)
@@ -58,7 +58,7 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
     if !asserted && let Some(a) = acts().find(|a| a.denied && by_somebody(a, trace, words)) {
         return Some(around(a));
     }
-    // The same, said by what he does instead: "shows no sign of backing out".
+    // The same, expressed by what it does instead: "shows no sign of backing out".
     let instead = words.opposite_of(given.does.only(words.reaching)).only(words.calm);
     // "Cannot be trusted to stay put".
     let unable = |a: &Act| {
@@ -91,7 +91,7 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
         if is_last {
             break;
         }
-        // Whoever is named must be said to be harmless in the same sentence.
+        // Every named road user must be said to be harmless in the same sentence.
         if named && first.is_none() && text[end..].starts_with(['.', ';', '!', '?', '。', '；', '！', '？'])
         {
             return None;
@@ -105,8 +105,8 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
     })
 }
 
-/// Bytes of what says that nothing hides or hinders, in a class about what does: said of all that the trace says of it,
-/// or said twice.
+/// Bytes of the statement that nothing hides or hinders, in a class about something that does: stated for everything in
+/// the trace, or stated twice.
 fn hinders_nothing(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, about, .. } = *scope;
     let text = label.trace.get()?;
@@ -130,7 +130,7 @@ fn hinders_nothing(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, u
     (alone || twice).then_some(first)
 }
 
-/// Bytes of a sign that is not there in the trace, and is in a component: "there is no speed limit sign".
+/// Bytes of a sign that the trace says is missing although a component has it: "there is no speed limit sign".
 pub(super) fn sign_is_missing(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, .. } = *scope;
     let text = label.trace.get()?;
@@ -152,8 +152,8 @@ pub(super) fn sign_is_missing(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     texts.trace.named.iter().find(is_missing).map(|n| (n.start, n.end))
 }
 
-/// Bytes of what says that the route does not ask for the maneuver whose cause it is: "the navigation does not want
-/// this exit". Not where a sign or a marking forbids to go on, which the route is against.
+/// Bytes of the statement that the route does not require the maneuver whose cause it is: "the navigation does not want
+/// this exit". Not where a sign or a marking forbids going on, which contradicts the route.
 pub(super) fn route_denied(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, about, .. } = *scope;
     let text = label.trace.get()?;
@@ -175,16 +175,16 @@ pub(super) fn route_denied(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     named.all(denies).then(|| clause(&first))
 }
 
-/// Somebody who acts is named before it.
+/// A road user that acts is named before it.
 fn by_somebody(act: &Act, trace: &TextFacts, words: &LabelWords) -> bool {
     let acts = |n: &Named| words.objects[n.group].own.meets(words.known.actor);
     trace.named.iter().any(|n| n.end <= act.start && acts(n))
 }
 
-/// What a clause says for the decision.
+/// Relation of a clause to the decision.
 enum Speaks {
     For,
-    /// For it, but only by a name, perhaps of somebody who was not named before.
+    /// It supports the decision, but only by a name, perhaps of a road user that was not named before.
     Names {
         new: bool,
     },
@@ -203,13 +203,13 @@ fn speaks(
     let inside = |at: usize| (from..to).contains(&at);
     let own = || trace.named.iter().filter(|n| inside(n.start));
     let acts = || trace.acts.iter().filter(|a| inside(a.start));
-    // Somebody does what his component says.
+    // A road user does what its component states.
     if acts().any(|a| !a.denied && a.doing.meets(given.does)) {
         return Speaks::For;
     }
     let carries = |n: &Named| !n.absent && words.objects[n.group].own.meets(given.things);
     let acting = |n: &Named| carries(n) && words.objects[n.group].own.meets(words.known.actor);
-    // Of the ego it says nothing that it stays where it is.
+    // Words for standing still are no statement about the ego.
     let calm = if own().any(acting) { words.calm } else { Doings::default() };
     let opposite = words.opposite_of(given.does).with(calm).without(given.does);
     let any = |all: &[(usize, usize)]| all.iter().any(|(start, _)| inside(*start));
@@ -218,7 +218,7 @@ fn speaks(
     let harmless = any(&trace.harmless) || irrelevant || hindered && any(&trace.clear);
     let contradicts =
         acts().any(|a| if a.denied { a.doing.meets(given.does) } else { a.doing.meets(opposite) });
-    // By the same name: "no cars" says nothing of the truck.
+    // With the same name: "no cars" is no statement about the truck.
     let parts = || label.parts.iter().zip(given.facts).filter_map(|(c, f)| Some((c.description.get()?, f)));
     let there = |name: &str| {
         parts().any(|(t, f)| f.there().any(|n| t.get(n.start..n.end).is_some_and(|w| w.contains(name))))
@@ -229,7 +229,7 @@ fn speaks(
     };
     // "A hole or no hole".
     let doubted = |n: &Named| trace.there().any(|m| m.group == n.group);
-    // "A junction without lights": what kind it is.
+    // "A junction without lights": the kind of the thing.
     let is_kind = |n: &Named| text[n.end..].starts_with('的');
     let missing =
         |n: &Named| n.absent && !is_kind(n) && !doubted(n) && (adverse(n) || there(&text[n.start..n.end]));
@@ -247,7 +247,7 @@ fn speaks(
     if says || !denies && shared() >= enough {
         return Speaks::For;
     }
-    // Rain and bends are reasons by themselves, road users by what they do.
+    // Rain and bends are reasons by themselves, road users only by their actions.
     let by_itself = |n: &Named| !words.objects[n.group].own.meets(words.known.actor);
     match own().find(|n| carries(n)) {
         Some(_) if !denies && own().filter(|n| carries(n)).any(by_itself) => Speaks::For,

@@ -1,5 +1,5 @@
-//! Causal rules (LABELING.md 6): each decision has a cause that was there to be seen, or says why not. They speak only
-//! of what a document of format 2.1 may say; one of 2.0 says none of it.
+//! Causal rules (LABELING.md 6): each decision has a cause that could be observed, or states why not. They apply only
+//! to fields that a document of format 2.1 may have; format 2.0 has none of them.
 
 use crate::check::view::{CauseView, View};
 use std::collections::HashMap;
@@ -11,7 +11,7 @@ use whyroad_framework::taxonomy::did_you_mean;
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::{name, pointer};
 
-/// Component ids are unique: each names one component.
+/// Component ids are unique.
 pub(in crate::check) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
     // Most labels have a few components, all with different ids.
     let few = label.parts.len() <= 8;
@@ -45,7 +45,8 @@ pub(in crate::check) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
     }
 }
 
-/// What was only to be seen after the keyframe caused nothing. Of two keyframes the later one counts.
+/// Something that became visible only after the keyframe caused nothing. If there are two keyframes, the later one
+/// counts.
 pub(in crate::check) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
     let second = label.second.get().and_then(|k| k.timestamp.get());
     let Some(keyframe) = label.keyframe.timestamp.get().max(second) else { return };
@@ -67,7 +68,7 @@ pub(in crate::check) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
     }
 }
 
-/// Where the cause of a channel's decision is.
+/// Location of the cause of a channel's decision.
 struct CauseChannel {
     name: &'static str,
     at: &'static str,
@@ -88,7 +89,7 @@ const LATERAL: CauseChannel = CauseChannel {
     component: pointer::causes_lateral_components_item,
 };
 
-/// Each decision names a component, or is UNOBSERVED with a reason.
+/// Each decision refers to a component, or is UNOBSERVED with a reason.
 pub(in crate::check) fn causes(label: &View<'_>, names: &DecisionSets, sink: &mut dyn Sink) {
     let Slot::Is(causes) = &label.causes else { return };
     let known: Vec<&str> = label.parts.iter().filter_map(|c| c.id.get()).collect();
@@ -107,7 +108,7 @@ pub(in crate::check) fn causes(label: &View<'_>, names: &DecisionSets, sink: &mu
             (None, Slot::Is(_)) if is_null => without_decision(channel, sink),
             _ => {}
         }
-        // Where there are no components at all, that has been said.
+        // If there are no components at all, that has already been reported.
         if let Slot::Is(cause) = cause
             && label.components.get().is_some_and(|c| c.count > 0)
         {
@@ -168,7 +169,7 @@ fn components(channel: &CauseChannel, cause: &CauseView<'_>, known: &[&str], sin
     }
 }
 
-/// The second keyframe: there where the class has two, not before the first, in the time range.
+/// The second keyframe: present where the class has two, not before the first, in the time range.
 pub(in crate::check) fn second_keyframe(label: &View<'_>, class: Option<&Prescribed>, sink: &mut dyn Sink) {
     let second = match &label.second {
         Slot::Is(k) => k,
@@ -213,7 +214,7 @@ pub(in crate::check) fn second_keyframe(label: &View<'_>, class: Option<&Prescri
     }
 }
 
-/// Secondary triggers are classes, and others than the primary one.
+/// Secondary triggers are valid classes, and differ from the primary one.
 pub(in crate::check) fn secondary(label: &View<'_>, classes: &ClassIndex, sink: &mut dyn Sink) {
     if label.secondary.is_empty() {
         return;

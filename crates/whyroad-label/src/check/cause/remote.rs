@@ -1,15 +1,15 @@
-//! A cause that is far from the moment of the decision: a date, a span of days or years, kilometers, the junction after
-//! the next. The ego responds to what is near (LABELING.md 6, proximate cause).
+//! A cause that is far from the decision in time or space: a date, a number of days or years, kilometers, the junction
+//! after the next. The ego responds to what is near (LABELING.md 6, proximate cause).
 
 use crate::check::texts::TextScope;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_model::decision::Lateral;
 use whyroad_model::label_fields::pointer;
 
-/// No text speaks of a time or a place far away; of a route it may. True when one does.
+/// No text refers to a distant time or place, except for a route. Returns true when one does.
 pub(in crate::check) fn remote(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
-    // A lane is changed and a turn prepared for what the route shows far ahead.
+    // A lane change or a turn may be prepared because of a route far ahead.
     let by_route =
         label.lateral.get().is_some_and(|l| !matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
     let parts = label

@@ -1,5 +1,5 @@
-//! A maneuver to a side that no component speaks of: a change of lane or a turn beside a response to somebody or to the
-//! road has a cause of its own, a free lane, a gap or the route, and that is on the side to which the ego goes.
+//! A maneuver to a side that no component mentions: a lane change or a turn in addition to a response to a road user or
+//! the road has a cause of its own (a free lane, a gap or the route), which is on the side to which the ego goes.
 
 use crate::check::texts::TextScope;
 use whyroad_framework::Framework;
@@ -7,11 +7,11 @@ use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
-/// Some component speaks of the side to which the ego changes lane or turns, beside another decision.
+/// Some component mentions the side of the lane change or turn, if there is another decision besides it.
 pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework, sink: &mut dyn Sink) {
     let TextScope { label, words, .. } = *scope;
     let Some(lateral @ (Lateral::LaneChange | Lateral::Turn)) = label.lateral.get() else { return };
-    // To pass somebody or to fit a gap is to change lane.
+    // Passing somebody or matching a gap implies a lane change.
     let by_itself = [Longitudinal::AccelerationForPassing, Longitudinal::GapMatching];
     if label.longitudinal.get().is_none_or(|d| by_itself.contains(&d)) || words.is_empty() {
         return;

@@ -1,5 +1,5 @@
-//! Texts against what could be known (LABELING.md 3, 6 and 7): no hindsight, no circle, a reason for UNOBSERVED, the
-//! proximate cause, and a cause of the kind that the decision has.
+//! Texts against what could be known (LABELING.md 3, 6 and 7): no hindsight, no circular reason, a reason for
+//! UNOBSERVED, the proximate cause, and a cause of a kind that the decision can have.
 
 use super::grounds;
 use crate::check::consistency::trace::Reading;
@@ -15,10 +15,10 @@ use whyroad_framework::{Framework, LabelWords, Lexicon};
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
-/// Words of Latin letters before somebody who says only where something is: "way past the".
+/// Maximum number of Latin words before a road user that is only mentioned as a location: "way past the".
 const MOST_WORDS_BEFORE: usize = 4;
 
-/// What was only known after the keyframe. `after`: bytes of what the trace tells after its decision.
+/// Facts that became known only after the keyframe. `after`: bytes of the trace's text after its decision.
 pub(in crate::check) fn hindsight(scope: &TextScope<'_>, after: Option<(usize, usize)>, sink: &mut dyn Sink) {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     let report = |sink: &mut dyn Sink, at: String, text: &str, (start, end): (usize, usize)| {
@@ -50,8 +50,8 @@ pub(in crate::check) fn hindsight(scope: &TextScope<'_>, after: Option<(usize, u
     }
 }
 
-/// Bytes of a component that tells in the past tense what came later: "then drove on", "after 200 m it turned off".
-/// What is seen stands in the present or the perfect.
+/// Bytes of a component that describes a later event in the past tense: "then drove on", "after 200 m it turned off".
+/// Observations are in the present or the perfect.
 fn told_later(text: &str, words: &LabelWords) -> Option<(usize, usize)> {
     let lower = text.to_ascii_lowercase();
     let find =
@@ -74,8 +74,8 @@ fn told_later(text: &str, words: &LabelWords) -> Option<(usize, usize)> {
     told.then_some((start, end))
 }
 
-/// Bytes of a component that say what comes after the label's own decision: "after merging" in whatever words, where
-/// nobody else is named before it.
+/// Bytes of a component about what comes after the label's own decision: "after merging" in any words, where no other
+/// road user is named before it.
 fn after_decision(
     text: &str,
     facts: &TextFacts,
@@ -87,7 +87,7 @@ fn after_decision(
         lexicon.behind_decision.iter().filter_map(|w| Some((text.find(w.as_str())?, w.len()))).min()?;
     let (at, length) = behind;
     let from = text[..at].rfind(['，', '。', '；']).map_or(0, |i| i + '，'.len_utf8());
-    // "Off the throttle, the speed still rises": why the ego decides.
+    // "Off the throttle, the speed still rises": the reason of the ego's decision.
     let is_measure = words.subjects.measures.iter().any(|w| text[at + length..].starts_with(w.as_str()));
     if is_measure && !text[at..].contains('了') {
         return None;
@@ -97,7 +97,7 @@ fn after_decision(
     (!other && decided.is_some()).then_some((from, at + length))
 }
 
-/// UNOBSERVED says why.
+/// UNOBSERVED has a reason.
 pub(in crate::check) fn unobserved(label: &View<'_>, words: &LabelWords, sink: &mut dyn Sink) {
     let Slot::Is(causes) = &label.causes else { return };
     let channels = [
@@ -125,11 +125,12 @@ pub(in crate::check) fn unobserved(label: &View<'_>, words: &LabelWords, sink: &
     }
 }
 
-/// A trace that says that the cause was not observed says in the same sentence why. True when it does not.
+/// A trace that states that the cause was not observed states the reason in the same sentence. Returns true when it
+/// does not.
 pub(in crate::check) fn unobserved_in_trace(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     let (Some((start, end)), Some(text)) = (texts.trace.unobserved, label.trace.get()) else { return false };
-    // Behind it, or in the clause before it: "outside the field of view, hence UNOBSERVED".
+    // After it, or in the clause before it: "outside the field of view, hence UNOBSERVED".
     let (_, to) = words.clauses.around(&texts.units, start..end, text.len(), &|d| d == Divider::Sentence);
     let (from, _) = words.clauses.around(&texts.units, start..end, text.len(), &|d| d != Divider::Aside);
     let (before, _) = match text[..from].trim_end().len() {
@@ -154,7 +155,7 @@ pub(in crate::check) fn unobserved_in_trace(scope: &TextScope<'_>, sink: &mut dy
     true
 }
 
-/// A stopped lead stands between the ego and the light (LABELING.md 6, proximate cause).
+/// A stopped lead is between the ego and the light (LABELING.md 6, proximate cause).
 pub(in crate::check) fn proximate(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let TextScope { label, texts, words, .. } = *scope;
     if label.longitudinal != Slot::Is(Longitudinal::StopForRegulation) {
@@ -191,7 +192,7 @@ pub(in crate::check) fn proximate(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     });
 }
 
-/// A component that is far away, or beyond somebody whom it names, causes no response to somebody who is nearer: "the
+/// A component that is far away, or beyond a road user that it names, causes no response to a nearer road user: "the
 /// light two hundred meters beyond the van" (LABELING.md 6, proximate cause).
 pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, about, .. } = *scope;
@@ -200,7 +201,7 @@ pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> b
             words.known.actor
         }
         Some(Longitudinal::StopForRegulation) => words.known.sign.with(words.known.light),
-        // Whoever moves off lets the ego go.
+        // A road user that moves off lets the ego go.
         Some(Longitudinal::Resume) if !about.is_empty() && about.without(words.known.actor).is_empty() => {
             words.known.actor
         }
@@ -216,7 +217,7 @@ pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> b
     let acts = |n: &&Named| words.objects[n.group].own.meets(wanted);
     let near = |f: &&TextFacts| f.distant.is_none() && f.there().any(|n| acts(&n));
     let parts = || label.parts.iter().zip(&texts.components);
-    // A lead stops for what is beyond him, and moves off for reasons of his own.
+    // A lead stops because of what is beyond it, and moves off for its own reasons.
     let moves = !matches!(
         label.longitudinal.get(),
         Some(Longitudinal::YieldToAgent | Longitudinal::LeadFollowing | Longitudinal::StopForObstacle)
@@ -246,8 +247,9 @@ pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> b
     true
 }
 
-/// Bytes of what puts something beyond somebody whom the component names first, only to say where it is: "past the
-/// truck, the light is red", "the bus, farther on from it". Not what he hides, nor who comes from there.
+/// Bytes of the words that place something beyond a road user that the component names first, only as a location: "past
+/// the truck, the light is red", "the bus, farther on from it". Not what the road user hides, nor somebody who comes
+/// from there.
 fn beyond_somebody(text: &str, facts: &TextFacts, words: &LabelWords) -> Option<(usize, usize)> {
     let first = facts.named.first()?;
     let own = |n: &Named| words.objects[n.group].own;
@@ -267,20 +269,21 @@ fn beyond_somebody(text: &str, facts: &TextFacts, words: &LabelWords) -> Option<
     (own(first).meets(words.known.actor) && begins && !reaches && !hides).then_some((0, first.end))
 }
 
-/// A trace whose reason is only what is around whoever the ego responds to, and not him: the school, and not the child
-/// that runs out of it. Where he is in words that no list knows, or stands for a pronoun, the trace is left alone.
+/// A trace whose reason is only the surroundings of the road user to which the ego responds, not the road user itself:
+/// the school, and not the child that runs out of it. The trace is not judged where the road user is in words that are
+/// in no list, or is a pronoun.
 pub(in crate::check) fn around(scope: &TextScope<'_>, decision_from: usize, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, about, .. } = *scope;
     let main = match label.longitudinal.get() {
         Some(Longitudinal::LeadFollowing) => words.known.vehicle,
-        // The class is about nobody but road users, so that it is one of them who lets the ego go.
+        // The class is about road users only, so one of them lets the ego go.
         Some(Longitudinal::Resume) if !about.is_empty() && about.without(words.known.actor).is_empty() => {
             words.known.vehicle.without(words.known.queue)
         }
         Some(Longitudinal::YieldToAgent | Longitudinal::StopForObstacle) => words.known.actor,
         _ => return false,
     };
-    // Whom the class is about, where it says so.
+    // The road users that the class is about, where it states them.
     let main = match main.only(about) {
         own if own.is_empty() => main,
         own => own,
@@ -299,7 +302,7 @@ pub(in crate::check) fn around(scope: &TextScope<'_>, decision_from: usize, sink
     };
     let is_common = |at: usize| words.subjects.is_common(text, at);
     let inside = |at: usize| at < decision_from && !is_common(at);
-    // By a word, or by a thing beside whoever acts.
+    // By a word, or by a thing beside the acting road user.
     let beside = texts.trace.there().filter(|n| n.start < decision_from && !is_main(n));
     let beside = beside.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].own));
     let beside = beside.without(words.known.no_cause).without(words.known.road);
@@ -321,8 +324,8 @@ pub(in crate::check) fn around(scope: &TextScope<'_>, decision_from: usize, sink
     true
 }
 
-/// A trace that says of whatever it names that it has no part in the decision, and names nothing else; or that says
-/// otherwise of it than the components do, or that it is harmless, and nothing for its decision.
+/// A trace that says of everything it names that it is irrelevant for the decision; or that contradicts the components
+/// about it, or calls it harmless, and gives no reason for its decision.
 pub(in crate::check) fn denied(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     let restricts = matches!(
@@ -337,7 +340,7 @@ pub(in crate::check) fn denied(scope: &TextScope<'_>, reading: &Reading, sink: &
     );
     let Some(text) = label.trace.get() else { return false };
     let by_itself = || irrelevant(text, texts, words, restricts);
-    // A change of lane or a turn has its own cause, which may be the route or the road.
+    // A lane change or a turn has its own cause, which may be the route or the road.
     let stays = label.lateral.get().is_none_or(|l| matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
     let clauses = || (stays && restricts).then(|| grounds::against(scope, reading)).flatten();
     let route = || (!stays).then(|| grounds::route_denied(scope)).flatten();
@@ -359,9 +362,9 @@ pub(in crate::check) fn denied(scope: &TextScope<'_>, reading: &Reading, sink: &
     true
 }
 
-/// Bytes of what says that everything the trace names has no part in the decision.
+/// Bytes of the statement that everything the trace names is irrelevant for the decision.
 ///
-/// `restricts`: the decision responds to something; another one may have its reason in what is not there.
+/// `restricts`: the decision responds to something; the reason for another decision may be the absence of something.
 fn irrelevant(text: &str, texts: &Texts, words: &LabelWords, restricts: bool) -> Option<(usize, usize)> {
     let (start, end) = texts.trace.irrelevant?;
     // "No threat, but the road is wet".
@@ -376,24 +379,24 @@ fn irrelevant(text: &str, texts: &Texts, words: &LabelWords, restricts: bool) ->
     };
     let own: Vec<&Named> = texts.trace.there().filter(|n| (from..start).contains(&n.start)).collect();
     let said = own.iter().fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near));
-    // What a component says beside it is of the same thing, but for road users.
+    // Other things in the same component belong together, except for road users.
     let beside = texts.components.iter().filter(|f| !own.is_empty() && f.groups.meets(said));
     let beside = beside.flat_map(TextFacts::there);
     let about = beside
         .filter(|n| !words.objects[n.group].own.meets(words.known.actor))
         .fold(said, |set, n| set.with(words.objects[n.group].near));
-    // Without a name in its clause it is said of all before.
+    // Without a name in its clause, the statement applies to everything before.
     let is_other = |n: &Named| {
         if own.is_empty() { n.start >= end } else { !words.objects[n.group].own.meets(about) }
     };
-    // Said of what the first component names, it leaves nothing but what is named behind it.
+    // If it applies to the thing of the first component, only the things named after it remain.
     let first = texts.components.first().map(|f| {
         let there = f.there().filter(is_cause);
         there.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].own))
     });
     let of_first =
         own.iter().any(|n| is_cause(n) && first.is_some_and(|f| words.objects[n.group].near.meets(f)));
-    // "..., which does not matter": said in Latin letters of what the sentence named before.
+    // "..., which does not matter": in Latin text this refers to what the sentence named before.
     let (sentence, _) =
         words.clauses.around(&texts.units, start..end, text.len(), &|d| d == Divider::Sentence);
     let named_before = || {
@@ -404,7 +407,7 @@ fn irrelevant(text: &str, texts: &Texts, words: &LabelWords, restricts: bool) ->
         || own.is_empty()
             && (words.subjects.has_pronoun(&text[from..end]) || text.is_ascii() && named_before());
     let is_other = |n: &Named| if of_first { n.start >= end } else { is_other(n) };
-    // What only the components of the same thing name is no other cause.
+    // Components about the same thing are no other cause.
     let mut same = about;
     for f in texts.components.iter().filter(|f| f.groups.meets(about)) {
         same = f.there().fold(same, |set, n| set.with(words.objects[n.group].near));
@@ -422,8 +425,9 @@ fn irrelevant(text: &str, texts: &Texts, words: &LabelWords, restricts: bool) ->
     (!another && (of_first || restricts)).then_some((start, end))
 }
 
-/// The components that are named as the cause of a decision speak of something that can bring it about: by the table of
-/// causes, or because the class is about it. Only where every one of them has been read. True when one is not.
+/// The components that are linked as the cause of a decision are about something that can cause it: by the table of
+/// causes, or because the class is about it. Checked only if every one of them has been read. Returns true when one
+/// cannot.
 pub(in crate::check) fn kind(
     label: &View<'_>,
     class: Option<&ClassDecisions>,
@@ -450,7 +454,7 @@ pub(in crate::check) fn kind(
             };
             facts.groups.meets(wanted.kinds) || facts.groups.meets(about) || facts.there().any(in_state)
         };
-        // What is done by somebody whom no list knows may be the cause.
+        // The action of a road user in words that are in no list may be the cause.
         let read = |facts: &TextFacts| {
             !facts.groups.without(table.causes.background).is_empty() && facts.states.is_empty()
         };

@@ -1,4 +1,4 @@
-//! A component that bears on nothing: of no road and no traffic, or off the road, and the trace makes nothing of it.
+//! An irrelevant component: it is not about road or traffic, or is off the road, and the trace does not use it.
 
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
@@ -8,7 +8,7 @@ use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::GroupSet;
 use whyroad_model::label_fields::pointer;
 
-/// Every component bears on the decision.
+/// Every component is relevant for the decision.
 ///
 /// `about`: the triggers of the class.
 pub(in crate::check) fn unused(scope: &TextScope<'_>, sink: &mut dyn Sink) {
@@ -33,11 +33,11 @@ pub(in crate::check) fn unused(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     });
 }
 
-/// What the component speaks of is of no traffic, or off the road, and does nothing that reaches the road.
+/// The component is not about traffic, or is off the road, and describes nothing that reaches the road.
 fn bears_on_nothing(text: &str, facts: &TextFacts, words: &LabelWords, about: GroupSet) -> bool {
     let off = facts.apart.is_some() || facts.distant.is_some();
     let idle = facts.idle.is_some();
-    // Most components end here.
+    // Most components need no further check.
     if !idle && !off && facts.words > 0 {
         return false;
     }
@@ -45,7 +45,7 @@ fn bears_on_nothing(text: &str, facts: &TextFacts, words: &LabelWords, about: Gr
     if facts.named.iter().any(|n| named(n).meets(words.known.sight)) || words.subjects.speaks_of_ego(text) {
         return false;
     }
-    // Somebody comes out of it, or is in the way.
+    // A road user comes out of it, or blocks the way.
     if facts.acts.iter().any(|a| !a.denied && a.doing.meets(words.reaching)) {
         return false;
     }
@@ -57,7 +57,7 @@ fn bears_on_nothing(text: &str, facts: &TextFacts, words: &LabelWords, about: Gr
     idle || off && !facts.groups.without(words.known.actor).meets(about) || empty()
 }
 
-/// The trace speaks of it: by a thing of its own, or in other words.
+/// The trace mentions it: by a name of its own, or in other words.
 fn is_told(text: &str, facts: &TextFacts, trace: &str, texts: &Texts, words: &LabelWords) -> bool {
     let acts = |f: &TextFacts| {
         let own = f.there().map(|n| words.objects[n.group].own).filter(|g| !g.meets(words.known.no_cause));
@@ -73,7 +73,7 @@ fn is_told(text: &str, facts: &TextFacts, trace: &str, texts: &Texts, words: &La
     }
     let is_name = |at: usize| texts.trace.named.iter().any(|n| (n.start..n.end).contains(&at));
     let is_common = |at: usize| words.subjects.is_common(trace, at);
-    // Where it is says nothing of what it is.
+    // The location of a thing does not describe the thing.
     let (from, to) = facts.apart.unwrap_or_default();
     [&text[..from], &text[to..]].iter().any(|part| {
         overlap::shared_with(part, trace, &words.compared, &|at| !is_name(at) && !is_common(at)) > 0

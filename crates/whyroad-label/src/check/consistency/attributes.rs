@@ -1,15 +1,15 @@
-//! What a trace says of distances, numbers and sides, also of parts (wheels, indicators), against what the components
-//! say.
+//! Compares distances, numbers and sides in a trace, also of parts (wheels, indicators), with those in the components.
 
 use crate::check::texts::TextScope;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{Divider, Quantity};
 use whyroad_model::decision::LateralDirection;
 
-/// Shorter lengths are margins and widths, which a trace may add.
+/// Minimum length that is compared; shorter ones are margins and widths, which a trace may add.
 const LEAST_LENGTH_M: f64 = 3.0;
 
-/// Bytes of a distance of the trace, where none that it gives is in any component, though the components give some.
+/// Bytes of a distance in the trace, if none of the trace's distances is in any component, although the components have
+/// some.
 pub(super) fn other_length(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, .. } = *scope;
     let text = label.trace.get()?;
@@ -25,8 +25,8 @@ pub(super) fn other_length(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     (!given.is_empty() && !known).then_some((first.start, first.end))
 }
 
-/// Bytes of a number of the trace that no component gives, where the trace gives all other numbers of the components
-/// but one: the one stands for the other. A number that is more than three times the other one is of something else.
+/// Bytes of a number in the trace that is in no component, if the trace has all other numbers of the components except
+/// one: the one replaces the other. A number that is more than three times the other one describes something else.
 pub(super) fn other_number(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     const MOST_RATIO: f64 = 3.0;
     let TextScope { label, words, .. } = *scope;
@@ -43,8 +43,8 @@ pub(super) fn other_number(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     (said.len() > 1 && ratio < MOST_RATIO).then_some((n.start, n.end))
 }
 
-/// Bytes of a side in the trace, before its last clause, that no component names, where they name the other one and the
-/// trace does not. To the side of its own maneuver the ego goes. `until`: where the trace ends.
+/// Bytes of a side in the trace, before its last clause, that no component names, if they name the other side and the
+/// trace does not. The side of the ego's own maneuver is left out. `until`: end of the text that is read.
 pub(super) fn other_side_of_all(scope: &TextScope<'_>, until: usize) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, .. } = *scope;
     let text = label.trace.get()?;
@@ -78,7 +78,7 @@ struct SidedPart {
     end: usize,
 }
 
-/// Bytes of a part that is on the other side in the components: the trace never names the side that they give.
+/// Bytes of a part that is on the other side in the components: the trace never names their side.
 pub(super) fn other_side(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, .. } = *scope;
     let said = sided_parts(label.trace.get()?, words);
@@ -96,7 +96,7 @@ pub(super) fn other_side(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     said.iter().find(is_other).map(|s| (s.start, s.end))
 }
 
-/// All parts of a text that are said to be on a side.
+/// All parts in a text that have a side.
 fn sided_parts(text: &str, words: &LabelWords) -> Vec<SidedPart> {
     let lower = text.to_ascii_lowercase();
     let mut out = Vec::new();

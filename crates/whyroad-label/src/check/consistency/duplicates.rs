@@ -1,4 +1,4 @@
-//! Components that say the same, in the same words or nearly so.
+//! Components with the same meaning, in equal or similar words.
 
 use super::meaning::Meaning;
 use crate::check::reading::{Named, TextFacts};
@@ -9,35 +9,36 @@ use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Compared, GroupSet, hashed};
 use whyroad_model::label_fields::pointer;
 
-/// Components beyond this are not compared with one another: people name two to five.
+/// Maximum number of components that are compared with each other; people usually name two to five.
 const COMPARED: usize = 40;
-/// Share of the shorter text that the longer one holds, in pairs and in words.
+/// Minimum share of the shorter text that the longer one contains, in pairs and in words.
 const ALIKE: f64 = 0.8;
 const ALIKE_WORDS: f64 = 0.88;
-/// Fewer words, or characters, may be the same by chance.
+/// Minimum number of words, or characters; fewer may be equal by chance.
 const LEAST_WORDS: usize = 6;
 const LEAST_CHARACTERS: usize = 9;
-/// Fewer, where nearly all are the same.
+/// A lower minimum, where nearly all are equal.
 const FEW_CHARACTERS: usize = 7;
-/// No pair of texts is compared that shares less.
+/// Pairs of texts with a smaller common share are not compared.
 const FEWEST_CONTENT: f64 = 0.5;
-/// Words and things, and the share of the shorter text that the longer one holds: of Latin letters, and Chinese.
+/// Minimum number of words and things, and share of the shorter text that the longer one contains: in Latin letters,
+/// and in Chinese.
 const CONCEPTS_LATIN: (usize, f64) = (5, 0.7);
 const CONCEPTS_CHINESE: (usize, f64) = (12, 0.62);
-/// Shorter lengths are widths and margins, which things of a kind may share.
+/// Shorter lengths are widths and margins, which things of one kind may have in common.
 const LEAST_DISTANCE_M: f64 = 5.0;
-/// Words without articles, pronouns and auxiliaries.
+/// Minimum number of words without articles, pronouns and auxiliaries.
 const LEAST_CONTENT: usize = 4;
 
-/// No component is said twice.
+/// No component is a duplicate of another one.
 ///
-/// `background`: what no text is about.
+/// `background`: things that are not the subject of a text.
 pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let TextScope { label, texts, words, background, .. } = *scope;
     if label.parts.len() < 2 {
         return;
     }
-    // Texts that name nothing in common are not taken apart.
+    // Texts that name nothing in common are not compared in detail.
     let near = |f: &TextFacts| {
         f.named.iter().fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
     };
@@ -57,7 +58,7 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
         .collect();
     let facts = &texts.components[..texts.components.len().min(COMPARED)];
     let text = |k: usize| label.parts[k].description.get().unwrap_or_default();
-    // What the ego does is not what the other does.
+    // An action of the ego differs from an action of another road user.
     let of_ego = |k: usize| {
         text(k).split(['，', ',', '。', ';', '；']).any(|c| words.subjects.begins_with_ego(c.trim_start()))
     };
@@ -99,8 +100,8 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     }
 }
 
-/// The first text says nothing of its things that the second does not say: no thing, side, color or number that the
-/// second does not have, and the same of whatever both are about.
+/// The first text adds nothing about its things: no thing, side, color or number that the second does not have, and
+/// both describe the same road users.
 fn adds_nothing(
     a: (&str, &TextFacts),
     b: (&str, &TextFacts),
@@ -108,7 +109,7 @@ fn adds_nothing(
     background: GroupSet,
 ) -> bool {
     let own = |n: &Named| words.objects[n.group].own;
-    // A vehicle on the same side, or of the same color, may be called anything.
+    // A vehicle on the same side, or of the same color, may have any name.
     let alike = |n: &Named, m: &Named| {
         let marked = (n.side.is_some() && n.side == m.side) || (n.color.is_some() && n.color == m.color);
         own(n).meets(words.known.vehicle) && own(m).meets(words.known.vehicle) && marked
@@ -130,7 +131,7 @@ fn adds_nothing(
     if !a.1.named.iter().all(is_known) {
         return false;
     }
-    // What both say is there, but for places.
+    // Things that both say are present, except for places.
     let things = |f: &'_ TextFacts| {
         let there = f.there().filter(|n| !own(n).meets(background));
         there.fold(GroupSet::default(), |set, n| set.with(own(n)))
@@ -162,8 +163,8 @@ fn adds_nothing(
     same && (!words.numbers.any(a.0) || words.numbers.any(b.0))
 }
 
-/// Both introduce a road user of a kind, as if he had not been named, and tell nothing by which there would be two: no
-/// other side, color, number or distance, and nothing that one does not do with what the other does.
+/// Both introduce a road user of one kind as if it had not been named, and nothing shows that there are two: no other
+/// side, color, number or distance, and no action of one that excludes the action of the other.
 fn introduced_twice(a: (&str, &TextFacts), b: (&str, &TextFacts), words: &LabelWords) -> bool {
     let acts = |n: &&Named| words.objects[n.group].own.meets(words.known.actor);
     let head = |(t, f): (&str, &TextFacts)| {
@@ -184,8 +185,8 @@ fn introduced_twice(a: (&str, &TextFacts), b: (&str, &TextFacts), words: &LabelW
     same && !other && !apart && doing
 }
 
-/// Both speak of one road user of a kind at the same distance, and neither says that there is another: nobody names
-/// two that are as far away as one another without telling them apart.
+/// Both describe a road user of one kind at the same distance, and neither says that there is another: two at the same
+/// distance would be distinguished.
 fn same_place(
     a: (&str, &TextFacts),
     b: (&str, &TextFacts),
@@ -206,26 +207,26 @@ fn same_place(
     }
 }
 
-/// A text taken apart.
+/// A text in its parts.
 struct Pieces {
-    /// Characters, or words in Latin letters; hashed, sorted, each once.
+    /// Characters, or words in Latin letters; hashed, sorted, without repetitions.
     units: Vec<u64>,
-    /// Pairs of them.
+    /// Pairs of adjacent units.
     pairs: Vec<u64>,
-    /// Units that are not empty words.
+    /// Units that are not function words.
     content: Vec<u64>,
     is_latin: bool,
-    /// Groups that it names, with side and color: texts that differ in these differ.
+    /// Groups that it names, with side and color: texts with different ones differ.
     named: Vec<Mentioned>,
 }
 
-/// Which units and pairs of units a text has, as bits: a bit that is missing is a unit that is missing. Most components
-/// are told apart by it.
+/// Units and pairs of units of a text, as bits: a missing bit means a missing unit. Most pairs of components are
+/// distinguished by this alone.
 #[derive(Clone, Copy, Default)]
 struct Outline {
     units: [u64; 2],
     pairs: [u64; 4],
-    /// Units that are surely not empty words.
+    /// Units that are surely not function words.
     content: [u64; 2],
     /// With repetitions.
     count: usize,
@@ -251,13 +252,13 @@ impl Outline {
         out
     }
 
-    /// False where [`is_alike`] is false, whatever the texts name.
+    /// False only where [`is_alike`] is false, whatever the texts name.
     fn may_be_alike(&self, other: &Self) -> bool {
         let missing = |a: &[u64], b: &[u64]| -> usize {
             a.iter().zip(b).map(|(a, b)| (a & !b).count_ones() as usize).sum()
         };
-        // Of the shorter list at most this share is missing in the other. Which one is shorter is not known here, nor
-        // how often a unit is repeated.
+        // Of the shorter list at most this share may be missing in the other. It is not known here which one is
+        // shorter, nor how often a unit is repeated.
         let few =
             |a: &[u64], b: &[u64], count: usize| missing(a, b) as f64 <= (1.0 - ALIKE) * count as f64 + 1e-6;
         few(&self.units, &other.units, self.count)
@@ -287,7 +288,7 @@ fn pieces(text: &str, facts: &TextFacts, words: &Compared) -> Pieces {
     Pieces { units, pairs, content, is_latin: text.is_ascii(), named }
 }
 
-/// Gives each word of Latin letters and each character that is not a particle to `take`, hashed.
+/// Calls `take` with the hash of each Latin word and of each character that is not a particle.
 fn each_unit(text: &str, words: &Compared, mut take: impl FnMut(u64)) {
     let mut word = 0_u64;
     for c in text.chars() {
@@ -318,7 +319,7 @@ fn is_alike(a: &Pieces, b: &Pieces) -> bool {
     if a.units == b.units && a.pairs == b.pairs {
         return !a.units.is_empty();
     }
-    // What one text leaves open is no difference.
+    // Something that one text does not state is no difference.
     let differ = |n: &Mentioned, m: &Mentioned| {
         n.1.zip(m.1).is_some_and(|(x, y)| x != y) || n.2.zip(m.2).is_some_and(|(x, y)| x != y)
     };
@@ -334,7 +335,7 @@ fn is_alike(a: &Pieces, b: &Pieces) -> bool {
         let common = a.iter().filter(|p| b.binary_search(p).is_ok()).count();
         shorter >= least && common as f64 >= part * shorter as f64
     };
-    // The same words in another order: few words of Latin letters, or many Chinese characters.
+    // The same words in another order: a few Latin words, or many Chinese characters.
     let (least, part) = if a.is_latin { (LEAST_WORDS, ALIKE_WORDS) } else { (LEAST_CHARACTERS, ALIKE) };
     // The same things, sides and colors, in mostly the same words.
     let concepts = |p: &Pieces| {

@@ -1,48 +1,48 @@
-//! Two components that say the same in other words: what they speak of is compared as things, places, sides, colors,
-//! doings, distances and concepts. What one of them leaves out makes no difference, what it adds does.
+//! Two components with the same meaning in other words: compares their things, places, sides, colors, actions,
+//! distances and concepts. What one of them leaves out makes no difference, what it adds does.
 
 use crate::check::reading::{Named, TextFacts};
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{ConceptSet, Doings, GroupSet, Quantity};
 use whyroad_framework::lexicon::units::Units;
 
-/// Evidence, in halves: what both speak of counts as 2, a place as 1, a distance as 3.
+/// Minimum evidence, in halves: a common subject counts as 2, a place as 1, a distance as 3.
 const LEAST_EVIDENCE: u32 = 8;
-/// Whoever is named by the same word twice may be spoken of again.
+/// The same, where a road user is named by the same word twice, so the second may be another statement about it.
 const LEAST_OF_SAME_NAME: u32 = 10;
-/// No two components share more distances.
+/// Maximum number of distances that two components have in common.
 const MOST_LENGTHS: u32 = 2;
-/// Share of what the shorter component speaks of that the other one speaks of, too.
+/// Minimum share of the shorter component's content that the other one has, too.
 const LEAST_SHARE: f64 = 0.6;
-/// Shorter lengths are widths and margins, which things of a kind may share.
+/// Shorter lengths are widths and margins, which things of one kind may have in common.
 const LEAST_LENGTH_M: f64 = 3.0;
 
-/// What a component speaks of.
+/// Content of a component.
 pub(super) struct Meaning<'t> {
     text: &'t str,
     concepts: ConceptSet,
-    /// Things that are no mere place, and groups that answer for them.
+    /// Things other than places, and the groups that contain them.
     things: GroupSet,
     near: GroupSet,
     places: GroupSet,
     /// Bits: left, right.
     sides: u32,
-    /// A bit each.
+    /// One bit per color.
     colors: u32,
     does: Doings,
-    /// Something cannot be seen, or may be there.
+    /// Something cannot be seen, or may be present.
     leaves_open: bool,
     /// Something is not there.
     denies: bool,
-    /// The name of the first road user, who may only say where something else is.
+    /// The name of the first road user, which may only be a location.
     actor: &'t str,
     begins_with_landmark: bool,
-    /// It speaks of another one of a kind.
+    /// It describes another one of the same kind.
     of_another: bool,
 }
 
 impl<'t> Meaning<'t> {
-    /// `background`: groups that only say where something is.
+    /// `background`: groups that only describe the location of something.
     pub fn of(text: &'t str, facts: &TextFacts, words: &LabelWords, background: GroupSet) -> Self {
         let place = background.with(words.known.no_cause).with(words.known.road);
         let own = |n: &Named| words.objects[n.group].own;
@@ -71,7 +71,7 @@ impl<'t> Meaning<'t> {
         }
     }
 
-    /// Both say the same, but for what one of them leaves out.
+    /// Both have the same meaning, except for what one of them leaves out.
     pub fn is_same(&self, other: &Self, words: &LabelWords) -> bool {
         let apart = |a: u32, b: u32| a != 0 && b != 0 && a & b == 0;
         if apart(self.sides, other.sides)
@@ -115,7 +115,7 @@ impl<'t> Meaning<'t> {
             && numbers(shorter).iter().all(|q| given(&longer, q))
     }
 
-    /// How much it speaks of, apart from places and distances.
+    /// Amount of content, apart from places and distances.
     fn size(&self) -> u32 {
         self.concepts.count()
             + self.colors.count_ones()

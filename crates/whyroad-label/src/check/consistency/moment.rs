@@ -1,5 +1,5 @@
-//! Rules of time: ranges, keyframe, frames against timestamps, and the clip (DATA_FORMAT.md 4.3, LABELING.md 4).
-//! Frame ranges and `time_range` are half open; the keyframe's own range includes both ends.
+//! Rules for times: ranges, keyframe, frames against timestamps, and the clip (DATA_FORMAT.md 4.3, LABELING.md 4).
+//! Frame ranges and `time_range` are half-open; the keyframe's own range includes both ends.
 
 use crate::check::clips::ClipFacts;
 use crate::check::view::View;
@@ -8,12 +8,12 @@ use whyroad_model::Nanos;
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::KeyframeType;
 
-/// Frames a second where nothing says otherwise (LABELING.md 4).
+/// Default frame rate (LABELING.md 4).
 const DEFAULT_RATE_HZ: f64 = 10.0;
-/// Timestamps are written to the millisecond or finer; this much is rounding.
+/// Timestamps are written to the millisecond or finer; a difference up to this is rounding.
 const ROUNDING_S: f64 = 0.001;
 
-/// `time_range`: in order, in the clip, frames where the timestamps are.
+/// `time_range`: in order, in the clip, frames that match the timestamps.
 pub(in crate::check) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dyn Sink) {
     if let (Some(start), Some(end)) = (label.start.get(), label.end.get())
         && start >= end
@@ -59,12 +59,12 @@ pub(in crate::check) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, s
     mismatch(pointer::TIME_RANGE_END_FRAME_IDX, label.end, label.end_frame, anchor, sink);
 }
 
-/// The keyframe: its type's range, in `time_range` and in the clip, its frame where its timestamp is.
+/// The keyframe: its type's range, in `time_range` and in the clip, a frame that matches its timestamp.
 pub(in crate::check) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dyn Sink) {
     let k = &label.keyframe;
     keyframe_range(label, sink);
     if let (Some(t), Some(start), Some(end)) = (k.timestamp.get(), label.start.get(), label.end.get()) {
-        // Where the range itself is upside down, that is the finding.
+        // If the range itself is reversed, that is the finding.
         if start < end && !(start <= t && t < end) {
             sink.report(
                 Finding::error("label.keyframe.outside_time_range", pointer::KEYFRAME_TIMESTAMP),
@@ -98,7 +98,7 @@ pub(in crate::check) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sin
             let anchor = Anchor { time: clip.capture_time, frame: 0, rate_hz: clip.frame_rate_hz };
             mismatch(pointer::KEYFRAME_FRAME_IDX, k.timestamp, k.frame, anchor, sink);
         }
-        // Without the clip, the label can still be checked against itself.
+        // Without the clip, the label is still checked for consistency with itself.
         None => {
             if let (Some(time), Some(frame)) = (label.start.get(), label.start_frame.get()) {
                 let anchor = Anchor { time, frame, rate_hz: DEFAULT_RATE_HZ };
@@ -176,7 +176,8 @@ struct Anchor {
 fn mismatch(pointer: &'static str, time: Slot<Nanos>, frame: Slot<u32>, anchor: Anchor, sink: &mut dyn Sink) {
     let (Some(time), Some(frame)) = (time.get(), frame.get()) else { return };
     let due_s = (f64::from(frame) - f64::from(anchor.frame)) / anchor.rate_hz;
-    // In whole nanoseconds first: two times of today differ exactly, as f64 seconds since 1970 they do not.
+    // In whole nanoseconds first: differences of present-day times are exact then; as f64 seconds since 1970 they are
+    // not.
     let off_s = time.seconds_since(anchor.time) - due_s;
     if off_s.abs() <= 0.5 / anchor.rate_hz + ROUNDING_S {
         return;

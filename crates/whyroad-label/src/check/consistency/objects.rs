@@ -1,5 +1,5 @@
-//! Things of the trace that no component names, or that are elsewhere or of another color there. A component in words
-//! that no list knows may name anything.
+//! Things in the trace that no component names, or that have another location or color there. A component in words that
+//! are in no list may name anything.
 
 use crate::check::consistency::attributes;
 use crate::check::consistency::trace_rules::Said;
@@ -13,11 +13,11 @@ use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::GroupSet;
 use whyroad_model::label_fields::pointer;
 
-/// Each thing in the trace, as far as `until`, is in a component.
+/// Each thing in the trace, up to `until`, is in a component.
 pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink) {
     let TextScope { label, texts, words, background, about, .. } = *scope;
     let Some(text) = label.trace.get() else { return };
-    // What a component that cannot be read names is not known: that of a broken field.
+    // The things of a component that cannot be read, such as a malformed field, are not known.
     let unread = label.parts.iter().any(|c| c.description.get().is_none());
     if unread || texts.all_components(words).is_empty() {
         return;
@@ -27,13 +27,13 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
         let group = &words.objects[n.group];
         group.named && !group.own.meets(if n.side.is_some() { beside } else { any })
     };
-    // "The vehicle" may be the ego where the trace decides in words that no list knows.
+    // "The vehicle" may be the ego if the trace states its decision in words that are in no list.
     let may_be_ego = |n: &Named| {
         said == Said::Unread
             && (words.subjects.is_general(&text[n.start..n.end])
                 || !subject::is_introduced(text, n.start, words))
     };
-    // So is "the car", where no component speaks of one; and a "light" may be a vehicle's.
+    // So may "the car", where no component mentions one; and a "light" may be a vehicle's.
     let says_little = |n: &Named| {
         let name = &text[n.start..n.end];
         let is_given = || !subject::is_introduced(text, n.start, words);
@@ -47,13 +47,12 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
     // "Traffic or no traffic".
     let either =
         |n: &Named| texts.trace.named.iter().any(|m| m.absent && m.group == n.group && m.clause == n.clause);
-    // Where the class is about the road or the view, what it is like may be said in other words: "a crater of a
-    // pothole".
+    // If the class is about the road or the view, other words may describe their condition: "a crater of a pothole".
     let describes = |n: &Named| {
         about.meets(words.known.condition) && words.objects[n.group].own.meets(words.known.condition)
     };
-    // "Its trailer" comes with whoever is named; "cars either side" are any: in English, whoever is brought in as a
-    // cause at the beginning of a sentence has an article.
+    // "Its trailer" belongs to the named road user; "cars either side" are any cars: in English, a road user that is
+    // introduced as a cause at the beginning of a sentence has an article.
     let is_beside = |n: &Named| {
         let before = text[..n.start].trim_end();
         let begins = before.is_empty() || before.ends_with(['.', '!', '?', ';']);
@@ -63,7 +62,7 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
         is_new(n) && !may_be_ego(n) && !says_little(n) && !either(n) && !describes(n) && !is_beside(n)
     };
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
-    // In other words, or one that a component has in words that no list knows: most labels do not come to this.
+    // In other words, or in a component's words that are in no list: few labels reach this check.
     let unread = new.peek().map(|_| Unread::of(label, texts, words, background));
     let Some(n) = new.find(|n| unread.as_ref().is_some_and(|u| !u.may_name(text, n, texts, words))) else {
         return differs(scope, until, said, sink);
@@ -87,13 +86,13 @@ fn ends_with(text: &str, word: &str) -> bool {
     end.is_some_and(|end| end.eq_ignore_ascii_case(word))
 }
 
-/// What components speak of in words that no list knows.
+/// Content of components in words that are in no list.
 struct Unread<'a> {
     /// All components.
     all: Vec<&'a str>,
-    /// Those whose thing was not read.
+    /// Components whose thing was not read.
     things: Vec<&'a str>,
-    /// Without more than a place, so that any sign or surface may be meant.
+    /// Components with only a place, so that any sign or surface may be meant.
     place_only: bool,
 }
 
@@ -114,8 +113,8 @@ impl<'a> Unread<'a> {
         }
     }
 
-    /// A component may speak of the thing `n` of the trace `text`: it has a word of its name; or its own thing was not
-    /// read, and the clause of `n` has words of the component, or no clause has.
+    /// A component may be about the thing `n` of the trace `text`: it contains a word of its name; or its own thing was
+    /// not read, and the clause of `n` has words of the component, or no clause has.
     fn may_name(&self, text: &str, n: &Named, texts: &Texts, words: &LabelWords) -> bool {
         let compared = &words.compared;
         let acts = words.objects[n.group].own.meets(words.known.actor);
@@ -125,7 +124,7 @@ impl<'a> Unread<'a> {
         if self.all.iter().any(|c| overlap::has_word_of(c, &text[n.start..n.end], acts, words)) {
             return true;
         }
-        // "The vehicle": whatever it is called in the component.
+        // "The vehicle": whatever its name in the component.
         if !self.things.is_empty() && words.subjects.is_general(&text[n.start..n.end]) {
             return true;
         }
@@ -148,7 +147,7 @@ impl<'a> Unread<'a> {
     }
 }
 
-/// What the trace says of a thing's side and color is what its component says.
+/// The side and color of a thing in the trace are those in its component.
 fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink) {
     let TextScope { label, texts, words, .. } = *scope;
     let Some(text) = label.trace.get() else { return };
@@ -156,7 +155,7 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
     let meant = |n: &Named| -> Vec<&Named> {
         let group = &words.objects[n.group];
         let all = || texts.components.iter().flat_map(|f| f.there()).filter(|c| words.objects[c.group].named);
-        // Whoever is called by the same name, otherwise whoever may be meant.
+        // Things with the same name, otherwise all that may be meant.
         let same: Vec<&Named> = all().filter(|c| words.objects[c.group].own == group.own).collect();
         if same.is_empty() {
             all().filter(|c| words.objects[c.group].own.meets(group.near)).collect()
@@ -177,7 +176,7 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
     let other_car = |n: &Named| {
         painted(Some(text), n).is_some_and(|c| given().next().is_some() && !given().any(|g| g == c))
     };
-    // "From the right" of whoever comes the other way in his component.
+    // "From the right" of a road user that is oncoming in its component.
     let says_opposite = |text: &str| {
         let lower = text.to_ascii_lowercase();
         words.subjects.opposite.iter().any(|w| lower.contains(w.as_str()))
@@ -193,7 +192,7 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
             !sided && parts().any(|(c, f)| same(f) && c.description.get().is_some_and(says_opposite))
         }
     };
-    // "Behind us" of whoever is before the ego in his component, where nobody else may be meant.
+    // "Behind us" of a road user that is ahead of the ego in its component, where no other can be meant.
     let at_end = |text: &str, n: &Named| {
         let marks = |c: char| "，。；！？,;!?".contains(c);
         let from = text[..n.start].rfind(marks).map_or(0, |i| i + 1);
@@ -218,7 +217,7 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         let given = c.description.get().and_then(|t| at_end(t, other));
         given.is_some_and(|g| at_end(text, n).is_some_and(|said| said != g))
     };
-    // The components' names for the same thing, with the text that each is in.
+    // The components' names for the same thing, with their texts.
     let same_in_parts = |n: &Named| {
         let own = words.objects[n.group].own;
         let parts = label.parts.iter().zip(&texts.components);
@@ -227,7 +226,7 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
             f.there().filter(move |m| words.objects[m.group].own == own).map(move |m| (t, m))
         })
     };
-    // "Three cows" for two of them.
+    // "Three cows" where the component has two.
     let other_count = |n: &Named| {
         let count = |t: &str, n: &Named| words.quantities.count_before(t, n.start, &words.subjects.counters);
         let Some(said) = count(text, n) else { return false };
@@ -240,7 +239,7 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         }
         words.objects[n.group].own.meets(words.known.actor) && !given.is_empty() && !given.contains(&said)
     };
-    // A bend or a wall on the other side: by itself, or as a part of its name.
+    // A bend or a wall on the other side: as a word of its own, or as a part of its name.
     let turned = |t: &str, n: &Named| {
         let word = t.get(n.start..n.end).unwrap_or_default();
         match word.chars().next() {
@@ -258,7 +257,7 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         let given: Vec<bool> = same_in_parts(n).filter_map(|(t, m)| turned(t, m)).collect();
         !given.is_empty() && !given.contains(&side)
     };
-    // It stands, where its component says that it moves off.
+    // It stands, although its component states that it moves off.
     let other_doing = |n: &Named| {
         let own = words.objects[n.group].own;
         if !own.meets(words.known.actor) {
@@ -289,7 +288,7 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         if is_part(n, Some(text)) || !words.objects[n.group].named || (said == Said::Unread && general(n)) {
             return false;
         }
-        // Most are said without either.
+        // Most things are mentioned without either.
         let same = if n.side.is_some() || n.color.is_some() { meant(n) } else { Vec::new() };
         let side = n.side.is_some_and(|s| {
             same.iter().any(|c| c.side == Some(!s)) && !same.iter().any(|c| c.side == Some(s))
@@ -320,8 +319,8 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
     });
 }
 
-/// A pickup in the trace for the hatchback of the components: its kind is none of theirs, where each of those that may
-/// be meant has a kind, too, and was read.
+/// A pickup in the trace for the hatchback of the components: its kind is none of theirs, and each component that may
+/// be meant was read and has a kind.
 fn other_kind(n: &Named, scope: &TextScope<'_>) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     let Some(name) = label.trace.get().and_then(|t| t.get(n.start..n.end)) else { return false };
@@ -346,13 +345,13 @@ fn other_kind(n: &Named, scope: &TextScope<'_>) -> bool {
     })
 }
 
-/// The light of the trace, where it has a color that no component gives a light.
+/// The light in the trace, if its color is that of no light in the components.
 fn other_light<'t>(scope: &TextScope<'t>, until: usize) -> Option<&'t Named> {
     let TextScope { label, texts, words, .. } = *scope;
     if !texts.trace.groups.meets(words.known.light) {
         return None;
     }
-    // "The light has just dropped to red": behind the name, in the clause.
+    // "The light has just dropped to red": after the name, in the same clause.
     let color = |text: Option<&str>, n: &Named| {
         let text = text?;
         let own = words.light_color(text.get(n.start..n.end)?);
@@ -360,7 +359,7 @@ fn other_light<'t>(scope: &TextScope<'t>, until: usize) -> Option<&'t Named> {
         let end = rest.find(|c| "，。；,;.".contains(c)).unwrap_or(rest.len());
         own.or_else(|| words.light_color(&rest[..end]))
     };
-    // Whoever jumps a red light has one of his own.
+    // A road user that runs a red light has a light of its own.
     let jumped = |t: Option<&str>, n: &Named| t.is_some_and(|t| t[..n.start].ends_with(['闯', '抢']));
     let is_light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
     let given: Vec<usize> = label

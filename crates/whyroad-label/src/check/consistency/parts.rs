@@ -1,5 +1,6 @@
-//! Components that speak against the decision: the ego does the opposite in them or not what is decided, the way that
-//! it stops for is free, or the side to which it goes is not. What somebody else does is the reason, and is left alone.
+//! Components that contradict the decision: in them the ego does the opposite or not what is decided, the path for
+//! which it stops is free, or the side to which it goes is not. The actions of other road users are the reason, and are
+//! not judged.
 
 use crate::check::consistency::trace::{self, Force};
 use crate::check::consistency::trace_rules;
@@ -11,7 +12,7 @@ use whyroad_framework::lexicon::units::Units;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
-/// No component speaks against the decision.
+/// No component contradicts the decision.
 pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     if words.is_empty() {
@@ -39,8 +40,8 @@ pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn S
     true
 }
 
-/// Bytes of what the ego is said to do against the decision: it speeds up or goes on where it is to slow, or it does
-/// not do what is decided. That it cannot is a reason.
+/// Bytes of an action of the ego that contradicts the decision: it speeds up or continues where it should slow, or it
+/// does not do what is decided. That it cannot do something is a reason.
 fn ego_acts(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, lexicon, .. } = *scope;
     if !words.subjects.begins_with_ego(text) {
@@ -78,7 +79,7 @@ fn ego_acts(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     denied.or_else(|| lexicon.stems.speeds(text, along, across))
 }
 
-/// Bytes of what says that the ego's way is free, where it stops or gives way: not of another lane or side.
+/// Bytes of the statement that the ego's path is free, where it stops or yields: not about another lane or side.
 fn way_is_free(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, about, .. } = *scope;
     let responds =
@@ -86,7 +87,7 @@ fn way_is_free(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(
     if !responds || label.lateral.get().is_some() {
         return None;
     }
-    // Not "out of our path": who knows when.
+    // Not "out of our path": the time of this is unknown.
     let free = |at: &&(usize, usize)| {
         let phrase = text[at.0..at.1].to_ascii_lowercase();
         words.subjects.free.iter().any(|w| phrase.contains(w.as_str()))
@@ -105,7 +106,7 @@ fn way_is_free(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(
     (!sided && !opposite).then_some(first)
 }
 
-/// Bytes of what says that there is no room on the side to which the ego goes.
+/// Bytes of the statement that there is no room on the side to which the ego goes.
 fn no_room(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, .. } = *scope;
     let goes = matches!(
@@ -130,8 +131,8 @@ fn no_room(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usiz
     (has(side) && !has(other)).then(|| none.or_else(full)).flatten()
 }
 
-/// Bytes of what says that nobody is there, where the ego calls its maneuver off: on a side, and the component names
-/// nobody. Of the lane to which the ego goes back it may be said.
+/// Bytes of the statement that nobody is there, where the ego aborts its maneuver: on a side, in a component that names
+/// no road user. It may be about the lane to which the ego returns.
 fn room_for_aborted(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, .. } = *scope;
     let acts = |n: &Named| words.objects[n.group].own.meets(words.known.actor);
@@ -147,8 +148,8 @@ fn room_for_aborted(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Opt
     facts.named.iter().find(|n| n.absent && acts(n)).map(|n| (n.start, n.end))
 }
 
-/// Bytes of what a component says that another one denies: that there is none of what is there, that it hides or
-/// hinders nothing, or that whoever the ego responds to is out of the way.
+/// Bytes of the statement of a component that another one denies: that something present is absent, that it hides or
+/// hinders nothing, or that the road user to which the ego responds is out of the way.
 fn against_another(
     index: usize,
     text: &str,
@@ -163,14 +164,14 @@ fn against_another(
     };
     let own = |n: &Named| words.objects[n.group].own;
     let bad = adverse.with(sight).without(actor).only(about);
-    // Who may come, and what may be: nothing is denied. Nor is it where the ego has been.
+    // Statements about what may come or may exist deny nothing. Nor do those about where the ego has been.
     let lower = text.to_ascii_lowercase();
     let is_earlier = words.subjects.earlier.iter().any(|w| lower.contains(w.as_str()));
     if facts.named.iter().any(|n| n.supposed) || text.contains("会不会") || is_earlier {
         return None;
     }
     let is_there = |n: &Named| facts.there().any(|m| m.group == n.group);
-    // "A junction without lights": what kind it is.
+    // "A junction without lights": the kind of the thing.
     let is_kind = |n: &Named| text[n.end..].starts_with('的');
     let missing = |n: &&Named| {
         n.absent && own(n).meets(bad) && !is_kind(n) && !is_there(n) && others().any(|m| m.group == n.group)

@@ -1,5 +1,5 @@
-//! Times that are in order but cannot be right: evidence from before the history, a range of hours, a start that is not
-//! where the labeling spec puts it.
+//! Times that are in order but not plausible: evidence from before the history, a range of hours, a start that differs
+//! from the labeling spec.
 
 use crate::check::clips::ClipFacts;
 use crate::check::view::View;
@@ -8,20 +8,20 @@ use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::pointer;
 
-/// A clip is 20 s (LABELING.md 4); an episode that is labeled over several clips is longer.
+/// A clip has 20 s (LABELING.md 4); an episode that is labeled over several clips is longer.
 const LONGEST_S: f64 = 120.0;
-/// The shortest response that a label can speak of.
+/// Minimum duration of a response in a label.
 const SHORTEST_S: f64 = 0.2;
 /// History before the keyframe that Stage I shows (LABELING.md 6), s.
 const HISTORY_S: f64 = 2.0;
-/// How far a start may be from where the spec puts it, s.
+/// Maximum difference of a start from the labeling spec, s.
 const START_SLACK_S: f64 = 0.55;
 
-/// `time_range` has a length that a label can have.
+/// `time_range` has a plausible length.
 pub(in crate::check) fn length(label: &View<'_>, sink: &mut dyn Sink) {
     let (Some(start), Some(end)) = (label.start.get(), label.end.get()) else { return };
     let seconds = end.seconds_since(start);
-    // Upside down is a finding of its own.
+    // A reversed range is a separate finding.
     if seconds <= 0.0 || (SHORTEST_S..=LONGEST_S).contains(&seconds) {
         return;
     }
@@ -57,7 +57,7 @@ pub(in crate::check) fn range_inside(label: &View<'_>, sink: &mut dyn Sink) {
     });
 }
 
-/// Evidence is from the history that the annotator was shown.
+/// Evidence lies in the history that the annotator was shown.
 pub(in crate::check) fn evidence(label: &View<'_>, class: Option<&Prescribed>, sink: &mut dyn Sink) {
     let Some(keyframe) = label.keyframe.timestamp.get() else { return };
     let before_s = class.map_or(0.0, |c| c.pack_before_s);
@@ -89,12 +89,12 @@ pub(in crate::check) fn start(
     let (Some(keyframe), Some(start)) = (label.keyframe.timestamp.get(), label.start.get()) else { return };
     let Some(wanted_s) = class.start_offset_s else { return };
     let found_s = start.seconds_since(keyframe);
-    // A keyframe outside of the range is a finding of its own.
+    // A keyframe outside of the range is a separate finding.
     let inside = found_s <= 0.0 && label.end.get().is_none_or(|e| keyframe < e);
     if (found_s - wanted_s).abs() <= START_SLACK_S || !inside {
         return;
     }
-    // A clip that begins later cuts the range off.
+    // If the clip begins later, the range is cut off there.
     let at_clip_start = clip.is_some_and(|c| start.seconds_since(c.capture_time).abs() < START_SLACK_S)
         || label.start_frame.get() == Some(0);
     if found_s > wanted_s && at_clip_start {

@@ -1,4 +1,4 @@
-//! Records with the texts: a number that the texts state otherwise, a vehicle that no component names, "none" where a
+//! Records against the texts: a number that differs in the texts, a vehicle that no component names, "none" where a
 //! component has it. What the texts do not state is not judged.
 
 use crate::check::reading::{self, Named, TextFacts};
@@ -15,7 +15,7 @@ use whyroad_model::label_fields::pointer;
 /// Numbers that differ by less than this share are the same.
 const SAME: f64 = 0.15;
 
-/// What the records hold is what the texts say.
+/// The values of the records agree with the texts.
 pub(in crate::check) fn against_texts(
     scope: &TextScope<'_>,
     class: Option<&Prescribed>,
@@ -54,7 +54,7 @@ fn all_texts<'a>(label: &View<'a>) -> impl Iterator<Item = &'a str> {
     parts.into_iter().chain(label.trace.get())
 }
 
-/// What the texts say where they state the record's number, and none of them as the record has it.
+/// The number in the texts where they state the record's quantity, and none of them has the record's value.
 fn other_number(label: &View<'_>, id: &str, value: f64, unit: &str, words: &LabelWords) -> Option<String> {
     let beside = words.quantities.beside.get(id)?;
     let value = value.abs();
@@ -62,7 +62,7 @@ fn other_number(label: &View<'_>, id: &str, value: f64, unit: &str, words: &Labe
     let all: Vec<(&str, f64, usize)> = all_texts(label)
         .flat_map(|t| words.quantities.find(t, unit).into_iter().map(move |q| (t, q.value, q.start)))
         .collect();
-    // A difference may be stated by its two sides.
+    // A difference may be stated by its two operands.
     let differs_by = |(_, a, _): &(&str, f64, usize)| all.iter().any(|(_, b, _)| same((a - b).abs(), value));
     if all.iter().any(|q| same(q.1, value) || differs_by(q)) {
         return None;
@@ -78,12 +78,12 @@ fn other_number(label: &View<'_>, id: &str, value: f64, unit: &str, words: &Labe
         let part = clause(text, at).to_lowercase();
         beside.is_empty() || beside.iter().any(|w| part.contains(w.as_str()))
     };
-    // "At 20 m": where something is.
+    // "At 20 m": the location of something.
     let is_place = |text: &str, at: usize| text[..at].ends_with(" at ");
     all.iter().find(|(t, _, at)| states(t, *at) && !is_place(t, *at)).map(|(t, _, at)| clause(t, *at))
 }
 
-/// A light that the texts say is not there.
+/// A light that the texts say is absent.
 fn denied_light(scope: &TextScope<'_>) -> Option<String> {
     let TextScope { label, texts, words, .. } = *scope;
     let light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
@@ -96,7 +96,7 @@ fn denied_light(scope: &TextScope<'_>) -> Option<String> {
     at.and_then(|i| label.parts.get(i)?.description.get()).or(label.trace.get()).map(str::to_owned)
 }
 
-/// The exit that the texts number otherwise.
+/// The exit, if its number in the texts differs.
 fn other_ordinal(label: &View<'_>, record: &str, words: &LabelWords) -> Option<String> {
     let ordinal = |text: &str| words.ordinal_of_exit(text);
     let own = words.ordinal(record)?;
@@ -105,7 +105,7 @@ fn other_ordinal(label: &View<'_>, record: &str, words: &LabelWords) -> Option<S
     (!said.iter().any(|(n, _)| *n == own)).then(|| (*text).to_owned())
 }
 
-/// Before or behind the ego, where the texts put it on the other side.
+/// Ahead of or behind the ego, if the texts have the opposite.
 fn other_place(label: &View<'_>, record: &str, words: &LabelWords) -> Option<String> {
     let is = |text: &str, i: usize| {
         let lower = text.to_ascii_lowercase();
@@ -122,8 +122,8 @@ fn other_place(label: &View<'_>, record: &str, words: &LabelWords) -> Option<Str
     all.find(|t| is(t, other)).map(str::to_owned)
 }
 
-/// Somebody or something that the record names and no text does; or on the other side; or "none", where a component
-/// says what hides the view or comes towards the ego.
+/// A road user or thing that the record names and no text does; or that is on the other side; or "none", where a
+/// component states what hides the view or is oncoming.
 fn other_thing(scope: &TextScope<'_>, record: &str) -> Option<String> {
     let TextScope { label, texts, words, .. } = *scope;
     let facts = reading::read(record, &Units::of(record), words);
@@ -143,7 +143,7 @@ fn other_thing(scope: &TextScope<'_>, record: &str) -> Option<String> {
                     && c.description.get().is_some_and(opposite)
             })
         };
-        // "None" alone, or of traffic; of the light or the view another thing is meant.
+        // "None" alone, or about traffic; if it is about the light or the view, another thing is meant.
         let at = hidden.or_else(comes)?;
         return label.parts.get(at)?.description.get().map(str::to_owned);
     }

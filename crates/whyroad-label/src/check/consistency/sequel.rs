@@ -1,5 +1,5 @@
-//! A second action of the ego behind its decision: "gives way, then reverses". The decision is the first action after
-//! the keyframe (LABELING.md 2), so that a trace ends with it.
+//! A second action of the ego after its decision: "gives way, then reverses". The decision is the first action after
+//! the keyframe (LABELING.md 2), so a trace ends with it.
 
 use crate::check::consistency::trace::{Force, Mention, Reading};
 use crate::check::reading::Named;
@@ -11,9 +11,8 @@ use whyroad_framework::label_words::Divider;
 use whyroad_model::decision::Lateral;
 use whyroad_model::label_fields::pointer;
 
-/// Nothing stands behind the decision that the ego does next and that no part of the class is: a maneuver of another
-/// kind. To go back to one's lane, or on with the turn of the class, is part of what was decided. True when there is
-/// one.
+/// No further action of the ego follows the decision, unless it is part of the class: a maneuver of another kind.
+/// Returning to the lane, or continuing the turn of the class, is part of the decision. Returns true when there is one.
 pub(super) fn second_action(
     scope: &TextScope<'_>,
     reading: &Reading,
@@ -25,7 +24,7 @@ pub(super) fn second_action(
     let TextScope { label, lexicon, .. } = *scope;
     let Some(text) = label.trace.get() else { return false };
     let decides = |m: &&Mention| !m.later && matches!(m.force, Force::Asserted | Force::Doubtful) && says(m);
-    // "Off the power first": by a stem, where no phrase says it.
+    // "Off the power first": by a stem, if no phrase matches.
     let later = reading.mentions.iter().find(|m| m.later).map_or(0, |m| m.start);
     let by_stem = || lexicon.stems.find(text.get(..later)?, label.longitudinal.get(), label.lateral.get());
     let Some(decided) = reading.mentions.iter().find(decides).map(|m| m.end).or_else(by_stem) else {
@@ -64,8 +63,8 @@ pub(super) fn second_action(
     true
 }
 
-/// The trace says that the ego sounds its horn, flashes its lights or switches its engine off: in its last clause, or
-/// one that names nobody else.
+/// The trace states that the ego sounds its horn, flashes its lights or switches its engine off: in its last clause, or
+/// in one that names no other road user.
 fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     let Some(text) = label.trace.get() else { return false };

@@ -1,5 +1,5 @@
-//! Texts with one another and with the class: a trace that has nothing to do with its components, a decision that goes
-//! on as before, and words that belong to another class.
+//! Texts against each other and against the class: a trace that is unrelated to its components, a decision that
+//! continues as before, and words that belong to another class.
 
 use crate::check::consistency::trace::{Force, Reading};
 use crate::check::consistency::trace_rules;
@@ -15,18 +15,18 @@ use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
-/// Where the parts of a trace are.
+/// Positions of the parts of a trace.
 pub(in crate::check) struct TraceParts {
-    /// It names the ego, or something that a driver does.
+    /// It names the ego, or an action of a driver.
     pub acts: bool,
-    /// First byte of its reason, where a word introduces one.
+    /// First byte of its reason, if a word introduces one.
     pub because: Option<usize>,
     /// First byte of its decision.
     pub decides: usize,
 }
 
 impl TraceParts {
-    /// Without a trace there is nothing.
+    /// Without a trace all fields are empty.
     pub fn of(reading: Option<&Reading>) -> Self {
         let Some(r) = reading else { return Self { acts: false, because: None, decides: 0 } };
         let own = r.mentions.iter().filter(|m| !m.by_other && m.force == Force::Asserted);
@@ -39,7 +39,7 @@ impl TraceParts {
     }
 }
 
-/// The trace speaks of what the components speak of. True when it has nothing to do with them.
+/// The trace is about the subjects of the components. Returns true when it is unrelated to them.
 pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sink: &mut dyn Sink) -> bool {
     let TraceParts { acts, because, decides } = *parts;
     let TextScope { label, texts, words, background, .. } = *scope;
@@ -65,7 +65,7 @@ pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sin
     if !nothing && (components.is_empty() || speaks_of.is_empty() || texts.trace.groups.meets(components)) {
         return false;
     }
-    // Other words may still be shared, fewer of them where a component is in words that no list knows.
+    // Other words may still be shared, fewer where a component is in words that are in no list.
     let enough = |t: &str| if t.is_ascii() || any_unread(scope) { 1 } else { 2 };
     if label.trace.get().is_some_and(|t| {
         overlap::shared(label, t, &words.compared, &|_| true) >= enough(t)
@@ -83,8 +83,8 @@ pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sin
     true
 }
 
-/// Bytes of the reason that the trace gives, where it names nothing, has no word of driving, and shares none with the
-/// components, though it has several: "because the battery is down to nine per cent". `from`: its first byte.
+/// Bytes of the reason in the trace, if it names nothing, has no word about driving, and shares none with the
+/// components although it has several: "because the battery is down to nine per cent". `from`: its first byte.
 fn reason_elsewhere(scope: &TextScope<'_>, from: usize) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, .. } = *scope;
     let text = label.trace.get()?;
@@ -98,9 +98,9 @@ fn reason_elsewhere(scope: &TextScope<'_>, from: usize) -> Option<(usize, usize)
     elsewhere.then_some((from, to))
 }
 
-/// Bytes of a reason that names things, none of which is near what a component names, and has no word of any: the
-/// toll plaza, where the components have sheep. Only where all components have been read. A reason that speaks of the
-/// route alone is none for a response to somebody. `to`: one past its last byte.
+/// Bytes of a reason that names things, none of which is close to a thing of the components, and that has no word of
+/// any component: the toll plaza, where the components have sheep. Checked only if all components have been read. The
+/// route alone is no reason for a response to a road user. `to`: one past its last byte.
 fn reason_of_others(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, background, about, .. } = *scope;
     let text = label.trace.get()?;
@@ -109,7 +109,7 @@ fn reason_of_others(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)> 
     let things = all().filter(|n| !n.supposed).fold(GroupSet::default(), |set, n| set.with(named(n)));
     let components = texts.all_components(words).without(background);
     let own = things.without(background);
-    // For a road or its condition it says nothing who else is there.
+    // A reason about a road or its condition does not state who else is there.
     let adverse = about.meets(words.known.adverse) && !about.meets(words.known.actor);
     let components = if adverse { components.without(words.known.actor) } else { components };
     let by_route = || {
@@ -130,8 +130,8 @@ fn reason_of_others(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)> 
     (shared == 0 && !any_unread(scope)).then_some((0, to))
 }
 
-/// Bytes of what stands before the decision, where it names nothing that the components name or the class is about, and
-/// has several words, of which the components have none: "oil prices have gone up again".
+/// Bytes of the text before the decision, if it names nothing that the components name or the class is about, and has
+/// several words, none of which is in the components: "oil prices have gone up again".
 fn reason_of_no_road(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, background, about, .. } = *scope;
     let text = label.trace.get()?;
@@ -139,21 +139,21 @@ fn reason_of_no_road(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)>
     let components = texts.all_components(words).with(about);
     let own = |n: &Named| words.objects[n.group].own;
     let inside = |at: usize| at < to;
-    // "My sister" is not in the ego's way.
+    // "My sister" is not an obstacle for the ego.
     let of_ego = |part: &str| match part.is_ascii() {
         true => part
             .split(|c: char| !c.is_ascii_alphabetic())
             .any(|w| ["ego", "we", "us", "our"].iter().any(|own| w.eq_ignore_ascii_case(own))),
         false => words.subjects.speaks_of_ego(part),
     };
-    // Where the ego is, is of the scene, too.
+    // The location of the ego belongs to the scene, too.
     let known = texts
         .trace
         .named
         .iter()
         .filter(|n| inside(n.start))
         .any(|n| own(n).meets(components) || own(n).meets(background) && !own(n).meets(words.known.gap));
-    // Of a meal or a football match, whatever words it shares.
+    // About a meal or a football match, whatever words it shares.
     if !known && texts.trace.idle.is_some_and(|(at, _)| inside(at)) {
         return Some((0, to));
     }
@@ -173,7 +173,7 @@ fn reason_of_no_road(scope: &TextScope<'_>, to: usize) -> Option<(usize, usize)>
     (!shares && !any_unread(scope)).then_some((0, to))
 }
 
-/// `none`: the trace says so.
+/// `none`: the trace states this itself.
 fn without_reason(label: &View<'_>, (start, end): (usize, usize), none: bool, sink: &mut dyn Sink) {
     let Some(text) = label.trace.get() else { return };
     sink.report(Finding::warning("label.text.unrelated", pointer::COC_TRACE).part(start, end), &|| {
@@ -192,14 +192,15 @@ fn without_reason(label: &View<'_>, (start, end): (usize, usize), none: bool, si
     });
 }
 
-/// Some component speaks of a thing in words that no list knows.
+/// Some component mentions a thing in words that are in no list.
 fn any_unread(scope: &TextScope<'_>) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     let mut parts = label.parts.iter().zip(&texts.components);
     parts.any(|(c, f)| c.description.get().is_none_or(|t| subject::is_unread(t, f, words)))
 }
 
-/// A stop is decided once: whoever stands already and goes on standing decides nothing (LABELING.md 6, minimality).
+/// A stop is decided once: an ego that is already stationary and remains so decides nothing (LABELING.md 6,
+/// minimality).
 pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let TextScope { label, texts, words, .. } = *scope;
     let stops = matches!(
@@ -211,7 +212,7 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
                 | Longitudinal::LeadFollowing
         )
     );
-    // To keep the lane or the speed is a decision by itself, and none beside another.
+    // Keeping the lane or the speed is a decision by itself, but not in addition to another one.
     let beside = match (label.longitudinal.get(), label.lateral.get()) {
         (Some(along), Some(Lateral::LaneKeeping)) => along != Longitudinal::SetSpeedTracking,
         (Some(Longitudinal::SetSpeedTracking), Some(_)) => true,
@@ -244,8 +245,8 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     );
 }
 
-/// The texts speak of what the class is about. Reported only where they speak of something else, and of nothing and
-/// nobody whom no list knows. `background`: what no text is about.
+/// The texts are about the subject of the class. Reported only where they are about something else, and about no thing
+/// or road user in words that are in no list. `background`: things that are not the subject of a text.
 pub(in crate::check) fn class(scope: &TextScope<'_>, prescribed: &Prescribed, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, background, .. } = *scope;
     let Some(class) = &prescribed.decisions else { return false };
@@ -253,19 +254,19 @@ pub(in crate::check) fn class(scope: &TextScope<'_>, prescribed: &Prescribed, si
         return false;
     }
     let all = texts.components.iter().fold(texts.trace.groups, |set, f| set.with(f.groups));
-    // Somebody whom no list knows, or who may be there or not.
+    // A road user in words that are in no list, or one that may or may not be present.
     let supposes = |f: &TextFacts| f.named.iter().any(|n| n.supposed);
     let unknown_actor = texts.components.iter().any(|f| !f.states.is_empty() || supposes(f));
     if all.meets(class.about) || all.without(background).is_empty() || unknown_actor {
         return false;
     }
-    // What hides the rest of the road may be the road itself: "nothing past the brow can be seen".
+    // The road itself may hide the rest of the road: "nothing past the brow can be seen".
     let hides = class.about.meets(words.known.sight) && label.components.get().is_some_and(|c| c.any_high);
     let written = class.about.meets(words.known.sign) && {
         let mut texts = label.parts.iter().filter_map(|c| c.description.get());
         texts.any(|t| words.subjects.speaks_of_writing(t))
     };
-    // A place may be called anything; who is not there is not.
+    // A place may have any name; a road user that is absent cannot.
     let facility = words.kinds.get("facility").copied().unwrap_or_default();
     let something = words.known.actor.with(words.known.adverse).with(facility);
     let by_place = !class.about.meets(words.known.actor) && !all.meets(something);

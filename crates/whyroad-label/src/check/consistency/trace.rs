@@ -1,8 +1,8 @@
-//! What a trace says about the ego's decision, and whether that goes with the label (LABELING.md 7).
+//! The statements of a trace about the ego's decision, and whether they agree with the label (LABELING.md 7).
 //!
-//! [`mention`] finds every span where a decision is named and how firmly it is said of the ego; [`judge`]
-//! compares that with the label. Not a parser of language: clause by clause, with the words of the lexicon,
-//! and silent wherever it is not sure.
+//! [`mention`] finds every span that names a decision and how certainly it is attributed to the ego; [`judge`] compares
+//! that with the label. This is not a language parser: it reads clause by clause with the words of the lexicon, and
+//! reports nothing where it is not certain.
 
 pub(super) mod aftermath;
 mod form;

@@ -1,4 +1,4 @@
-//! Rules of the trace text (LABELING.md 7): its form, and what it says against the decisions.
+//! Rules of the trace text (LABELING.md 7): its form, and its agreement with the decisions.
 
 use crate::check::consistency::sequel;
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
@@ -16,7 +16,7 @@ use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::{name, pointer};
 
-/// What the trace tells of what came later, as bytes. What stands behind the decision is taken out of `reading`.
+/// Text of the trace about later events, as bytes. Mentions after the decision are removed from `reading`.
 pub(in crate::check) fn aftermath(
     text: &str,
     scope: &TextScope<'_>,
@@ -43,7 +43,7 @@ pub(in crate::check) fn aftermath(
     Some(found)
 }
 
-/// The decision responds to somebody in the way, so that it has no cause once he is out of it.
+/// The decision responds to a road user that blocks the way, so it has no cause once that road user is out of the way.
 pub(in crate::check) fn responds(label: &View<'_>) -> bool {
     match label.longitudinal.get() {
         Some(d) => matches!(d, Longitudinal::YieldToAgent | Longitudinal::StopForObstacle),
@@ -51,18 +51,18 @@ pub(in crate::check) fn responds(label: &View<'_>) -> bool {
     }
 }
 
-/// What a trace says of the label's decision.
+/// What a trace states about the label's decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::check) enum Said {
-    /// It states it, or another one.
+    /// It states this decision, or another one.
     Decision,
-    /// Words that are not understood.
+    /// It has words that are not in any list.
     Unread,
-    /// It is too short to hold a reason.
+    /// It is too short to contain a reason.
     TooLittle,
 }
 
-/// Form of the trace, and what it says against the decisions.
+/// Form of the trace, and its agreement with the decisions.
 pub(in crate::check) fn trace(
     scope: &TextScope<'_>,
     class: Option<&ClassDecisions>,
@@ -143,7 +143,7 @@ pub(in crate::check) fn trace(
         if !unreadable {
             let mut v = v;
             let by_stem = |decision: &str, other: Option<Lateral>, apart: Option<(usize, usize)>| {
-                // Which channel is not stated is known: the other one's stems say nothing of it.
+                // It is known which channel is not stated: the stems of the other one do not matter.
                 let across = lateral.get().filter(|d| d.id() == decision);
                 let both = match across {
                     Some(_) => (None, across),
@@ -176,7 +176,7 @@ pub(in crate::check) fn trace(
                         }
                     }
                 }
-                // Words that no phrase holds may state it after all: "take some speed off".
+                // Words that are in no phrase may still state it: "take some speed off".
                 TraceVerdict::OtherDecision { label: decision, ref says, start, end }
                     if says.len() > 1
                         && matches!(
@@ -191,7 +191,7 @@ pub(in crate::check) fn trace(
             let not_stated = matches!(v, TraceVerdict::NotStated { .. });
             none |= not_stated;
             found = true;
-            // A trace that is too short is reported as such.
+            // A trace that is too short is reported for its length.
             if !(not_stated && seen.length < limits.too_short_below / 2) {
                 let read =
                     not_stated && undecided::is_undecided(text, reading, texts, words, undecided::Strict::No);
@@ -199,7 +199,7 @@ pub(in crate::check) fn trace(
             }
         }
     });
-    // Stated in nothing but words of what others do, or of what is.
+    // Stated only in words about other road users' actions, or about the state.
     let decision = || {
         let along = longitudinal.get().filter(|d| *d != Longitudinal::SetSpeedTracking).map(|d| d.id());
         along.or_else(|| lateral.get().filter(|d| *d != Lateral::LaneKeeping).map(|d| d.id()))
@@ -241,7 +241,7 @@ pub(in crate::check) fn trace(
             verdict(&TraceVerdict::Denied { label: along.id(), start, end }, text, names, false, sink);
         }
     }
-    // A short one may still hold all three: "yellow, far away, stopping".
+    // A short trace may still contain all three: "yellow, far away, stopping".
     let too_short = short
         && (none && seen.length < limits.too_short_below / 2
             || !found && (seen.length < limits.too_short_below / 3 || texts.trace.words == 0));
@@ -264,7 +264,7 @@ pub(in crate::check) fn trace(
     }
 }
 
-/// "The vehicle does not stop", where no component speaks of a vehicle: the ego. Bytes of what is denied.
+/// "The vehicle does not stop", where no component mentions a vehicle: the ego. Bytes of what is denied.
 fn denied_of_vehicle(text: &str, scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     if texts.components.iter().any(|f| f.groups.meets(words.known.vehicle)) {
@@ -280,8 +280,8 @@ fn denied_of_vehicle(text: &str, scope: &TextScope<'_>, reading: &Reading) -> Op
     Some((m.start, m.end))
 }
 
-/// "By rule it has to let it go first, and it does not": what the ego, which is named, is at last said not to do is the
-/// label's decision, whatever it has to do by the clauses before.
+/// "By rule it has to let it go first, and it does not": the ego is named, and the last action that it is said not to
+/// do is the label's decision, whatever it has to do according to the clauses before.
 fn refused_at_last(scope: &TextScope<'_>, reading: &Reading) -> Option<TraceVerdict> {
     let TextScope { label, lexicon, .. } = *scope;
     let (start, _, clause) = reading.refused?;
@@ -302,8 +302,8 @@ fn refused_at_last(scope: &TextScope<'_>, reading: &Reading) -> Option<TraceVerd
     Some(TraceVerdict::Denied { label, start: m.start, end: m.end })
 }
 
-/// What the last clause says that the ego, which it names, does not do, in whatever words: "we are not shifting over".
-/// Bytes from the word that denies to the end.
+/// The action in the last clause that the ego, named there, does not do, in any words: "we are not shifting over".
+/// Bytes from the negating word to the end.
 fn refused(text: &str, reading: &Reading) -> Option<(usize, usize)> {
     let (start, _, clause) = reading.refused?;
     let end = reading.end.min(text.len());
@@ -312,8 +312,8 @@ fn refused(text: &str, reading: &Reading) -> Option<(usize, usize)> {
         .then_some((start, end))
 }
 
-/// The side to which the trace moves in words that no list knows, where it is not the label's: "and over leftwards we
-/// go". Not where the label's side is named in what decides, too, or somebody is there.
+/// The side of a movement that the trace states in words that are in no list, if it is not the label's: "and over
+/// leftwards we go". Not where the deciding part also names the label's side, or a road user is there.
 fn goes_to_other_side(text: &str, scope: &TextScope<'_>, reading: &Reading) -> Option<TraceVerdict> {
     let TextScope { label, texts, words, .. } = *scope;
     let direction = label.direction.get()?;
@@ -344,8 +344,8 @@ fn goes_to_other_side(text: &str, scope: &TextScope<'_>, reading: &Reading) -> O
     })
 }
 
-/// The side to which the trace moves, where it is said apart from the verb: "moves over to the lane on the right". Not
-/// where it is that of somebody, or where the label's side is named, too.
+/// The side of a movement in the trace, if it is separate from the verb: "moves over to the lane on the right". Not
+/// where it is the side of a road user, or where the label's side is named, too.
 fn side_beside(text: &str, scope: &TextScope<'_>, reading: &Reading) -> Option<TraceVerdict> {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     let (lateral, direction) = (label.lateral.get()?, label.direction.get()?);
@@ -386,7 +386,7 @@ fn side_beside(text: &str, scope: &TextScope<'_>, reading: &Reading) -> Option<T
     Some(TraceVerdict::OtherSide { label: direction, says, start: m.start, end })
 }
 
-/// The part `from..to` of the trace states the label's decision, as the ego's.
+/// The part `from..to` of the trace states the label's decision, for the ego.
 pub(in crate::check) fn states_decision(
     reading: &Reading,
     lexicon: &Lexicon,
@@ -398,14 +398,14 @@ pub(in crate::check) fn states_decision(
     reading.mentions.iter().filter(inside).any(|m| says_label(m, lexicon, label))
 }
 
-/// The mention goes with a decision of the label.
+/// The mention agrees with a decision of the label.
 pub(super) fn says_label(m: &Mention, lexicon: &Lexicon, label: &View<'_>) -> bool {
     let says = &lexicon.phrases[m.phrase];
     label.longitudinal.get().is_some_and(|d| says.longitudinal.contains(&d))
         || label.lateral.get().is_some_and(|d| says.lateral.contains(&d))
 }
 
-/// A side for people.
+/// A side, for messages.
 pub(in crate::check) fn direction_name(direction: LateralDirection) -> Bilingual {
     match direction {
         LateralDirection::Left => Bilingual::new("左", "left"),
@@ -414,7 +414,7 @@ pub(in crate::check) fn direction_name(direction: LateralDirection) -> Bilingual
     }
 }
 
-/// `read`: nothing in the trace may be a decision in words that no list knows.
+/// `read`: no part of the trace can be a decision in words that are in no list.
 fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink: &mut dyn Sink) {
     let name = |id: &str| names.name(id);
     let check_end = |words: Words| {
@@ -510,7 +510,7 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
     }
 }
 
-/// The beginning of a text that is quoted.
+/// The beginning of a quoted text.
 fn excerpt(text: &str) -> String {
     const LONGEST: usize = 60;
     let text = text.trim().trim_start_matches(['，', ',', ' ']);

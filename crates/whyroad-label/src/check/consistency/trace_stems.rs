@@ -1,5 +1,5 @@
-//! What a trace decides in words that no phrase holds: by their stems it may still state the label's decision, deny it,
-//! or say of the ego what contradicts it. Asked only where no phrase states the decision.
+//! The decision of a trace in words that match no phrase: by their stems they may still state the label's decision,
+//! deny it, or contradict it for the ego. Used only where no phrase states the decision.
 
 use crate::check::consistency::trace::{Force, Reading};
 use crate::check::reading::Named;
@@ -9,23 +9,23 @@ use whyroad_framework::label_words::{Divider, GroupSet};
 use whyroad_framework::lexicon::{Lexicon, Role};
 use whyroad_model::decision::{Lateral, Longitudinal};
 
-/// Clauses that are read.
+/// Maximum number of clauses that are read.
 const MOST_CLAUSES: usize = 24;
 
-/// What the words that decide say of the label's decision.
+/// Relation of the deciding words to the label's decision.
 pub(super) enum ByStem {
     /// They state it. `contested`: words of the ego in the same clause contradict it.
     Stated { contested: bool },
     /// They deny it: bytes of the trace.
     Denied(usize, usize),
-    /// They say something that contradicts it.
+    /// They contradict it.
     Against(usize, usize),
-    /// Nothing that is understood.
+    /// They are not recognized.
     Unread,
 }
 
-/// Reads the clauses in which the trace decides, for these decisions of the label. What is at `apart`, bytes of the
-/// trace, is left out.
+/// Reads the deciding clauses of the trace for these decisions of the label. The byte ranges `apart` of the trace are
+/// left out.
 pub(super) fn read(
     text: &str,
     reading: &Reading,
@@ -35,7 +35,7 @@ pub(super) fn read(
     words: &LabelWords,
     apart: Option<(usize, usize)>,
 ) -> ByStem {
-    // To keep speed or lane is nothing that "does not" would deny.
+    // Keeping the speed or the lane is nothing that "does not" would deny.
     let changes = along.filter(|d| *d != Longitudinal::SetSpeedTracking);
     let moves = across.filter(|d| *d != Lateral::LaneKeeping);
     let end = reading.end.min(text.len());
@@ -49,12 +49,12 @@ pub(super) fn read(
         let (ego, other, mut hidden) = subjects(text, lexicon, texts, words, from, to);
         hidden.extend(apart);
         let clause = without(clause, from, &hidden);
-        // Behind "therefore" whoever is named is the object.
+        // After "therefore" a named road user is the object.
         let marked = reading.marked && from == begin;
         let can_act = |n: &&Named| words.objects[n.group].named && (from..to).contains(&n.start);
         let named = texts.trace.there().filter(can_act).map(|n| n.start).min();
         let acts = |at: usize| !marked && named.is_some_and(|n| n < from + at);
-        // "Slower than us" is no slowing.
+        // "Slower than us" is a comparison, not slowing.
         let compares = |at: usize| clause[..at].contains('比');
         let stem = lexicon
             .stems
@@ -66,7 +66,7 @@ pub(super) fn read(
             let contested = lexicon.stems.against(&clause, along, across).is_some();
             return ByStem::Stated { contested };
         }
-        // The ego acts on until somebody else does.
+        // The ego is the actor until another road user is.
         let other = other.into_iter().chain(named).min();
         is_ego = marked || (is_ego && other.is_none()) || ego.is_some();
         let by_ego = |(at, _): &(usize, usize)| {
@@ -88,15 +88,15 @@ pub(super) fn read(
     found
 }
 
-/// A word of Latin letters in the past tense behind an article says what kind of thing it is: "the followed van".
+/// A Latin word in the past tense after an article is an attribute: "the followed van".
 fn describes(before: &str, from: &str, words: &LabelWords) -> bool {
     let word = from.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
     let last = before.trim_end().rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
     word.ends_with("ed") && words.subjects.articles.iter().any(|a| a.eq_ignore_ascii_case(last))
 }
 
-/// Where a part of the trace first names the ego, and where somebody else; and what in it is the name of something:
-/// "the stop line" says no stop.
+/// Position in a part of the trace where it first names the ego, and where another road user; and ranges in it that are
+/// names of things: "the stop line" is no stop.
 fn subjects(
     text: &str,
     lexicon: &Lexicon,
@@ -107,7 +107,7 @@ fn subjects(
 ) -> (Option<usize>, Option<usize>, Vec<(usize, usize)>) {
     let (mut ego, mut other, mut hidden) = (None, None, Vec::new());
     lexicon.hits(&texts.units, from..to, |hit| match hit.role {
-        // "Far slower than us" is where or how somebody else is.
+        // "Far slower than us" describes the location or manner of another road user.
         Role::Ego if lexicon.is_place_of_ego(text, hit.start, hit.end) => {}
         // "So the ego" is one word.
         Role::Ego | Role::DecisionMarker => drop(ego.get_or_insert(hit.start)),
@@ -116,7 +116,7 @@ fn subjects(
         _ => {}
     });
     let things = texts.trace.named.iter().filter(|n| (from..to).contains(&n.start));
-    // "With a headway of a second": a measure is the ego's decision only where the ego acts, or at last.
+    // "With a headway of a second": a measure is the ego's decision only where the ego acts, or in the last clause.
     let is_last = to >= texts.units.all().last().map_or(0, |u| u.start);
     let measure = if ego.is_some() || is_last { GroupSet::default() } else { words.known.gap };
     let named = words.known.sign.with(words.known.actor).with(measure);
@@ -125,7 +125,7 @@ fn subjects(
     (ego, other, hidden)
 }
 
-/// `clause`, which starts at `from`, with spaces for what is hidden.
+/// `clause`, which starts at `from`, with the ranges `hidden` replaced by spaces.
 fn without(clause: &str, from: usize, hidden: &[(usize, usize)]) -> String {
     let is_hidden = |at: usize| hidden.iter().any(|(a, b)| (*a..*b).contains(&(from + at)));
     let mut out = String::with_capacity(clause.len());

@@ -1,5 +1,5 @@
-//! A trace that was read to its end and states no decision: every clause says what is, of something that is not the
-//! ego, or what would be. Where a clause may be what the ego does, in words that no list knows, nothing is said.
+//! A trace that was completely read and states no decision: every clause describes a fact about something other than
+//! the ego, or a hypothesis. If a clause may be an action of the ego in words that are in no list, nothing is reported.
 
 use crate::check::consistency::trace::Reading;
 use crate::check::reading::Named;
@@ -7,7 +7,7 @@ use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{ClauseMood, Divider};
 
-/// Clauses that are read.
+/// Maximum number of clauses that are read.
 const MOST_CLAUSES: usize = 24;
 
 /// Whether the ego may act in Chinese before the last clause.
@@ -19,7 +19,7 @@ pub(super) enum Strict {
     No,
 }
 
-/// Nothing in the trace is what the ego does.
+/// No part of the trace is an action of the ego.
 pub(super) fn is_undecided(
     text: &str,
     reading: &Reading,
@@ -27,7 +27,7 @@ pub(super) fn is_undecided(
     words: &LabelWords,
     strict: Strict,
 ) -> bool {
-    // What a "therefore" marks is a decision, in whatever words; in English, unless it says what is.
+    // A part marked by "therefore" is a decision, whatever its words; in English, unless it describes a fact.
     if reading.marked && (!text.is_ascii() || acts_when_marked(text, reading)) {
         return false;
     }
@@ -67,7 +67,7 @@ pub(super) fn is_undecided(
     })
 }
 
-/// Behind "so" and the like "it" is the ego, unless something is only said to be: "so it leaves the road".
+/// After "so" and similar words "it" is the ego, unless the clause describes a fact: "so it leaves the road".
 fn acts_when_marked(text: &str, reading: &Reading) -> bool {
     let part = text.get(reading.decision_from..).unwrap_or_default().to_ascii_lowercase();
     let all: Vec<&str> = part.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty()).collect();

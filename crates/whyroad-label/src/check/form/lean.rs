@@ -1,5 +1,5 @@
-//! The fast path: one typed pass over a label's bytes, nothing copied, that takes a document only when it is
-//! beyond doubt at the basic level. What it refuses is not yet wrong; the slow path decides and explains.
+//! The fast path: one typed pass over a label's bytes, without copies, that accepts only a document that is certainly
+//! valid at the basic level. A rejected document may still be valid; the slow path decides and reports.
 
 mod fields;
 mod values;
@@ -13,7 +13,7 @@ use whyroad_framework::check::Slot;
 use whyroad_framework::check::scenario::ScenarioView;
 
 impl<'t> LeanCocLabel<'t> {
-    /// The label in `text`, or `None` where there is any doubt about it.
+    /// The label in `text`, or `None` where it is not certainly valid.
     pub fn read(text: &'t str) -> Option<Self> {
         let label: Self = serde_json::from_str(text).ok()?;
         (!label.has_blank()).then_some(label)

@@ -1,4 +1,4 @@
-//! Texts that say nothing: placeholders, and words that have to do with no road.
+//! Texts without content: placeholders, and words that are unrelated to the road.
 
 use crate::check::overlap;
 use crate::check::reading::TextFacts;
@@ -12,17 +12,17 @@ use whyroad_model::ScenarioId;
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::{CriticalComponent, DrivingDecision, ProvenanceSource};
 
-/// Marks with which the drafts of this program opened up to version 0.1; a trace that has one was not written by a
+/// Marks at the beginning of the drafts of this program up to version 0.1; a trace that has one was not written by a
 /// person.
 const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
 
-/// A trace without the mark of a draft before it.
+/// The trace without a draft mark at its beginning.
 pub fn without_draft_mark(trace: &str) -> &str {
     let text = trace.trim_start();
     DRAFT_MARKS.iter().find_map(|m| text.strip_prefix(m)).map_or(trace, str::trim_start)
 }
 
-/// Each component says something. True when one does not.
+/// Each component has content. Returns true when one does not.
 pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     if words.is_empty() {
@@ -44,21 +44,21 @@ pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
                 .hint("写看到了什么、在哪里、在做什么", "write what was seen, where, and what it does")
             });
         } else if facts.words == 0 && !says_something(text, lexicon) && !words.is_of_driving(text) {
-            // In a few words this says nothing; in more, something that no list knows.
+            // In a few words this is empty; in more, it may be something in words that are in no list.
             let is_told = || {
                 label
                     .trace
                     .get()
                     .is_some_and(|t| overlap::shared_with(text, t, &words.compared, &|_| true) > 0)
             };
-            // What speaks of something that was named before, or counts, may say it in any words.
+            // A text that refers to something named before, or counts, may use any words.
             let speaks_on = || {
                 let first = text.split(' ').next().unwrap_or_default().to_ascii_lowercase();
                 words.subjects.has_pronoun(text)
                     || words.subjects.is_pronoun(&first)
                     || text.is_ascii() && words.numbers.any(text)
             };
-            // What is idle is found by its use.
+            // An irrelevant component is found by the check of its use.
             let is_idle = facts.idle.is_some() || facts.apart.is_some();
             let finding = match is_short(text) || !is_idle && !speaks_on() && !is_told() {
                 true => Finding::warning("label.text.unrelated", at),
@@ -80,7 +80,7 @@ fn says_nothing(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
     facts.unfinished || words.is_placeholder(text) || words.is_unfinished(text)
 }
 
-/// One Latin word, or at most two Chinese characters: a name, and nothing said of it.
+/// One Latin word, or at most two Chinese characters: a name without a statement about it.
 fn is_one_word(text: &str) -> bool {
     let mut letters = text.chars().filter(|c| c.is_alphanumeric());
     if text.is_ascii() { text.split_whitespace().nth(1).is_none() } else { letters.nth(2).is_none() }
@@ -101,7 +101,7 @@ fn says_something(text: &str, lexicon: &Lexicon) -> bool {
     any
 }
 
-/// The trace is no placeholder. True when it is one.
+/// The trace is not a placeholder. Returns true when it is one.
 pub(in crate::check) fn trace(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     let Some(text) = label.trace.get().filter(|t| !t.trim().is_empty()) else { return false };
@@ -113,14 +113,14 @@ pub(in crate::check) fn trace(scope: &TextScope<'_>, sink: &mut dyn Sink) -> boo
         placeholder(at, text, sink);
         return true;
     }
-    // Without anything besides, the trace is about something else.
+    // If it has no other content, the trace is about something else.
     let says = texts.trace.words > 0 || words.is_of_driving(text);
     let Some(open) = left_open(text, &texts.trace, words).filter(|_| says) else { return false };
     unfinished(at, text, open, sink);
     true
 }
 
-/// Bytes of what is still to be written in a text that says something besides.
+/// Bytes of a part that is still to be written, in a text that has other content.
 fn left_open(text: &str, facts: &TextFacts, words: &LabelWords) -> Option<(usize, usize)> {
     facts.unwritten.or_else(|| words.left_open(text))
 }
@@ -143,10 +143,10 @@ fn placeholder(at: String, text: &str, sink: &mut dyn Sink) {
     });
 }
 
-/// The trace is still what the program wrote.
+/// The trace is still the text of the program.
 pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mut dyn Sink) -> bool {
     let Some(text) = label.trace.get() else { return false };
-    // A draft that is marked as one is not a fault.
+    // A draft that is marked as one is not an error.
     if matches!(label.source, Slot::Is(ProvenanceSource::Rule | ProvenanceSource::Model)) {
         return false;
     }
@@ -162,10 +162,10 @@ pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mu
     marked
 }
 
-/// What a draft of the same components and decisions would say.
+/// Equal to a draft for the same components and decisions.
 fn is_unchanged(label: &View<'_>, trace: &str, framework: &Framework) -> bool {
     let Some(first) = label.parts.first().and_then(|c| c.description.get()) else { return false };
-    // A draft says its first component; a capital may have been made of the first letter.
+    // A draft contains its first component; the first letter may have been made a capital.
     if !has_beginning(trace, first) {
         return false;
     }

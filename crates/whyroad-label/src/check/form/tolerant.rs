@@ -13,7 +13,7 @@ use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::{ProvenanceSource, SafetyAnswer, Uncertainty};
 
-/// Reads a label. What is missing or of the wrong form is reported and becomes a hole in the view.
+/// Reads a label. A value that is missing or malformed is reported and left empty in the view.
 pub(in crate::check) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) -> View<'d> {
     let mut v = View::default();
     let Some(mut o) = walk.object(walk.root, String::new()) else { return v };
@@ -30,7 +30,7 @@ pub(in crate::check) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) 
         Some(n) => components(walk, n, &mut v.parts),
         None => Slot::Broken,
     };
-    // A blank trace has a rule of its own.
+    // A blank trace has a separate rule.
     v.trace = needed(walk, &mut o, name::COC_TRACE, Walk::any_text);
     v.records = records(walk, &mut o);
     v.causes = causes(walk, &mut o);
@@ -51,7 +51,7 @@ pub(in crate::check) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) 
 /// Reads a value at its pointer: [`Walk::text`], [`Walk::time`], ...
 type Read<'d, T> = fn(&mut Walk<'d>, Option<&'d Node<'d>>, &str) -> Slot<T>;
 
-/// A field that must be there.
+/// A field that must be present.
 fn needed<'d, T>(walk: &mut Walk<'d>, o: &mut Object<'d>, name: &'static str, read: Read<'d, T>) -> Slot<T> {
     let at = o.at(name);
     walk.need(o, name).map_or(Slot::Broken, |n| read(walk, Some(n), &at))
@@ -150,7 +150,7 @@ fn decision<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, decisions: &Decisi
         .map(|(n, id)| (n.to_owned(), id))
         .to_vec(),
     };
-    // The key must be written even when its value is null: null is a decision too (LABELING.md 2).
+    // The key must be present even when its value is null: null is a decision, too (LABELING.md 2).
     v.longitudinal = nullable(walk, &mut o, name::LONGITUDINAL, &longitudinal);
     v.lateral = nullable(walk, &mut o, name::LATERAL, &lateral);
     let at = o.at(name::LATERAL_DIRECTION);
@@ -158,7 +158,7 @@ fn decision<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, decisions: &Decisi
     walk.close(o, Severity::Warning);
 }
 
-/// A member of a closed set whose key must be there; null is absent.
+/// A member of a closed set whose key must be present; null means absent.
 fn nullable<'d, T: Copy>(
     walk: &mut Walk<'d>,
     o: &mut Object<'d>,
@@ -269,7 +269,7 @@ fn cause<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, base: &str) -> Slot<CauseV
     Slot::Is(view)
 }
 
-/// No rule reads it: only its form is checked.
+/// No rule uses it: only its form is checked.
 fn safety_filter<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) {
     let Some(node) = parent.get(name::SAFETY_FILTER) else { return };
     let Some(mut o) = walk.object(node, pointer::SAFETY_FILTER.into()) else { return };

@@ -5,10 +5,10 @@ use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_model::FORMAT_VERSION;
 use whyroad_model::label_fields::pointer;
 
-/// The newest label format that these rules know (DESIGN.md "Labels").
+/// The newest label format that these rules support (DESIGN.md "Labels").
 const NEWEST: (u32, u32) = (2, 1);
 
-/// `major.minor.patch`, of a major version that we read.
+/// `major.minor.patch`, of a supported major version.
 pub(in crate::check) fn version(label: &View<'_>, sink: &mut dyn Sink) {
     let Some(text) = label.version.get() else { return };
     let mut parts = text.split('.').map(|p| {

@@ -28,7 +28,7 @@ pub(super) fn check(label: &View<'_>, w: &Driven<'_>, names: &DecisionSets, sink
     }
 }
 
-/// Says how a decision does not fit what was driven.
+/// Reports the contradiction between a decision and the recorded motion.
 fn report(
     w: &Driven<'_>,
     decision: Option<Longitudinal>,
@@ -79,7 +79,7 @@ fn report(
     });
 }
 
-/// What was driven instead. Chinese and English.
+/// The recorded motion as text. Chinese and English.
 fn in_words(w: &Driven<'_>, conflict: Conflict) -> Bilingual {
     let from = kmh(w.speed(w.keyframe).unwrap_or(f64::NAN));
     match conflict {
@@ -129,7 +129,7 @@ fn in_words(w: &Driven<'_>, conflict: Conflict) -> Bilingual {
     }
 }
 
-/// What a text says of the ego's speed, against its speed in the 6 s after the keyframe. Chinese and English.
+/// The ego's speed as stated in a text, against its speed in the 6 s after the keyframe. Chinese and English.
 pub(in crate::check) fn said_speed(
     said: SaidSpeed,
     label: &View<'_>,
@@ -150,7 +150,7 @@ pub(in crate::check) fn said_speed(
     match said {
         SaidSpeed::Faster if all.max < v0 + STEADY_MPS && all.min < v0 - PLAIN_MPS => Some(lowest),
         SaidSpeed::Slower if all.min > v0 - STEADY_MPS && all.max > v0 + PLAIN_MPS => Some(highest),
-        // Who stops later has begun to slow by then.
+        // An ego that stops later has begun to slow by then.
         SaidSpeed::Stops if w.lasts(6.0) && all.min > LARGE_MPS && all.last > NEARLY_STOPPED * v0 => {
             Some(lowest)
         }
@@ -158,7 +158,7 @@ pub(in crate::check) fn said_speed(
     }
 }
 
-/// Who stops behind a stopped lead stops for the lead, not for the line beyond it.
+/// An ego that stops behind a stopped lead stops because of the lead, not because of the line beyond it.
 fn lead_before_line(w: &Driven<'_>, sink: &mut dyn Sink) {
     let f = w.keyframe;
     let (Some(gap), Some(speed)) = (w.number("lead.gap", f), w.number("lead.speed", f)) else { return };

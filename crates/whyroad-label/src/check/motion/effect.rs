@@ -1,4 +1,4 @@
-//! The named cause against its counterfactual: a cause whose removal changes nothing is not a cause where removing
+//! The named cause against its counterfactual: a cause whose removal changes nothing is not a cause if the removal of
 //! something that the label does not name would have let the ego drive on.
 
 use crate::check::texts::Texts;
@@ -40,7 +40,7 @@ pub(super) fn check(
             named.push(Removed::Light);
         }
     }
-    // A cause that is in words only cannot be removed.
+    // A cause that is only text cannot be removed.
     if named.is_empty() {
         return;
     }

@@ -49,7 +49,7 @@ fn side_words(left: bool) -> Bilingual {
     if left { Bilingual::new("左", "left") } else { Bilingual::new("右", "right") }
 }
 
-/// What was driven instead. Chinese and English.
+/// The recorded motion as text. Chinese and English.
 fn in_words(w: &Driven<'_>, direction: Option<LateralDirection>, conflict: Conflict) -> Bilingual {
     let last = w.seconds(w.range_end - 1);
     match conflict {

@@ -1,5 +1,5 @@
-//! Keyframe and class against what the rules found: the moment that the labeling spec prescribes, and another class at
-//! the same moment.
+//! Keyframe and class against the episodes that the rules found: the moment that the labeling spec prescribes, and
+//! another class at the same moment.
 
 use crate::check::recording::Recorded;
 use crate::check::view::View;
@@ -9,11 +9,12 @@ use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::{EpisodeRecord, KeyframeType, MatchedCondition};
 use whyroad_model::{Bilingual, Lang};
 
-/// An episode this far away is another one, s.
+/// An episode at least this far away is another one, s.
 const OTHER_EPISODE_S: f64 = 6.0;
-/// How far a moment may be from the spec's, s; of a range's start, which people judge less exactly, twice as much.
+/// Maximum difference of a moment from the spec's, s; twice as much for the start of a range, which people judge less
+/// exactly.
 const MOMENT_S: f64 = 1.2;
-/// Two classes at the same moment, s.
+/// Maximum distance of two classes at the same moment, s.
 const SAME_MOMENT_S: f64 = 1.0;
 
 pub(super) fn check(label: &View<'_>, recorded: &Recorded, classes: &ClassIndex, sink: &mut dyn Sink) {
@@ -56,7 +57,7 @@ pub(super) fn check(label: &View<'_>, recorded: &Recorded, classes: &ClassIndex,
     }
     let other = |e: &EpisodeRecord| e.is_primary && off(e).abs() <= SAME_MOMENT_S;
     let Some(e) = nearest(&other) else { return };
-    // A secondary trigger that the label names is known.
+    // A secondary trigger that the label names is already covered.
     let id = e.scenario_id.to_string();
     if label.secondary.iter().any(|s| s.get().is_some_and(|s| id.starts_with(s))) {
         return;

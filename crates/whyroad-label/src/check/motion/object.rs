@@ -1,5 +1,5 @@
-//! The objects of the components against the tracks: they exist, could be seen at their evidence times, and are where
-//! and do what the text says.
+//! The objects of the components against the tracks: they exist, could be seen at their evidence times, and have the
+//! position and motion that the text states.
 
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
@@ -13,11 +13,11 @@ use whyroad_model::names::class_name;
 use whyroad_model::time::frame_at;
 use whyroad_model::{Nanos, ObjectClass, TrackId};
 
-/// Somebody this far away can be meant by a text, m.
+/// Maximum distance of an object that a text can mean, m.
 const NEAR_M: f64 = 80.0;
-/// Sideways distance from which a side is beyond doubt, m.
+/// Minimum lateral distance at which the side is certain, m.
 const SIDE_M: f64 = 1.5;
-/// History in which it can have been seen, frames.
+/// History in which it may have been visible, frames.
 const HISTORY_FRAMES: usize = 20;
 
 pub(super) fn check(
@@ -69,7 +69,8 @@ fn is_tracked(words: &LabelWords, n: &Named) -> bool {
     own.meets(tracked) && !own.meets(kind(words, "queue"))
 }
 
-/// Frames in which the component says that it was seen: its evidence times, or the history of the keyframe.
+/// Frames in which the component was visible according to the label: its evidence times, or the history of the
+/// keyframe.
 fn frames_of(c: &ComponentView<'_>, w: &Driven<'_>) -> Vec<usize> {
     let times = &w.drive.times;
     let given: Vec<Nanos> = c.evidence.iter().filter_map(|t| t.get()).collect();
@@ -185,7 +186,7 @@ fn class_fits(words: &LabelWords, n: &Named, class: ObjectClass) -> bool {
     }
 }
 
-/// Somebody of the kind, on the side that the text names, was near in the history.
+/// An object of the kind was near in the history, on the side that the text names.
 fn anybody(c: &ComponentView<'_>, n: &Named, words: &LabelWords, w: &Driven<'_>, sink: &mut dyn Sink) {
     let signals = w.signals;
     let from = w.keyframe.saturating_sub(HISTORY_FRAMES);
@@ -207,7 +208,7 @@ fn anybody(c: &ComponentView<'_>, n: &Named, words: &LabelWords, w: &Driven<'_>,
             }
         }
     }
-    // A log that tracks nobody of the kind anywhere may not track them at all.
+    // A log that never tracks this kind of object may not support it at all.
     let tracked = signals.targets.iter().any(|t| class_fits(words, n, t.class));
     if !tracked || signals.targets.is_empty() {
         return;
@@ -230,8 +231,7 @@ fn anybody(c: &ComponentView<'_>, n: &Named, words: &LabelWords, w: &Driven<'_>,
     });
 }
 
-/// The light has the color that the text gives it, at one of the evidence times or within the second before the
-/// keyframe.
+/// The light has the color that the text states, at one of the evidence times or within the second before the keyframe.
 fn light<'n>(
     c: &ComponentView<'_>,
     named: impl Iterator<Item = &'n Named>,
@@ -261,13 +261,13 @@ fn light<'n>(
             }
         })
         .collect();
-    // "From red to green" names both: then nothing is compared but the last.
+    // "From red to green" names both: then only the last one is compared.
     let Some(said) = colors.last() else { return };
     let mut frames = frames_of(c, w);
     if frames.is_empty() {
         frames.extend(w.keyframe.saturating_sub(10)..=(w.keyframe + 3).min(w.end.saturating_sub(1)));
     } else {
-        // A change is seen a moment before or after.
+        // A change may be visible slightly before or after.
         frames = frames.iter().flat_map(|f| f.saturating_sub(3)..=f + 3).collect();
     }
     let states: Vec<&str> = frames.iter().filter_map(|f| w.category("light.state", *f)).collect();

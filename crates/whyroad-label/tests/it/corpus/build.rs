@@ -1,4 +1,4 @@
-//! From the compact form of the corpus to labels.
+//! Converts the compact form of the corpus to labels.
 
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -7,11 +7,11 @@ use whyroad_framework::Framework;
 use whyroad_model::messages::KeyframeType;
 use whyroad_model::{Nanos, ScenarioId, yaml};
 
-/// A true label, and what makes it false.
+/// A true label, and its faulty variants.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Base {
-    /// Full id of the leaf.
+    /// Full id of the L3 class.
     pub class: String,
     /// `longitudinal/lateral/direction`; `-` is null.
     pub decision: String,
@@ -32,10 +32,10 @@ pub(super) struct Base {
     /// Faulty decisions by kind.
     #[serde(default)]
     pub decision_faults: BTreeMap<String, Vec<String>>,
-    /// Faulty decisions by kind, with traces that say the same.
+    /// Faulty decisions by kind, with matching traces.
     #[serde(default)]
     pub whole_faults: BTreeMap<String, Vec<Whole>>,
-    /// Faulty records by kind, each in the place of the one of its name.
+    /// Faulty records by kind, each replacing the record of its name.
     #[serde(default)]
     pub record_faults: BTreeMap<String, Vec<BTreeMap<String, Value>>>,
     /// Faulty moments of evidence by kind.
@@ -43,7 +43,7 @@ pub(super) struct Base {
     pub evidence_faults: BTreeMap<String, Vec<Evidence>>,
 }
 
-/// A decision and the trace that says it, with other components where it has some.
+/// A decision and a matching trace, with other components where it has some.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Whole {
@@ -190,7 +190,7 @@ pub(super) fn label(base: &Base) -> Value {
     label
 }
 
-/// Sets the decision, and all components as its cause.
+/// Sets the decision, with all components as its cause.
 pub(super) fn decide(label: &mut Value, decision: &str, causes: &[String]) {
     let mut parts = decision.split('/').map(|p| if p == "-" { Value::Null } else { json!(p) });
     let (along, across) = (parts.next().unwrap(), parts.next().unwrap());

@@ -1,4 +1,4 @@
-//! One fault in one label: those written in the corpus, and those of structure.
+//! One fault per label: those written in the corpus, and structural ones.
 
 use super::build::{self, Base, at, component, decide, keyframe, label, start_s};
 use serde_json::{Value, json};
@@ -8,11 +8,11 @@ use whyroad_model::messages::KeyframeType;
 pub(super) struct Fault {
     pub kind: &'static str,
     pub label: Value,
-    /// What was changed, for the reader of the table.
+    /// The change, for the reader of the table.
     pub what: String,
 }
 
-/// Kinds, and the codes (or their beginnings) that name the fault.
+/// Kinds, and the codes (or their prefixes) that name the fault.
 const KINDS: &[(&str, &[&str])] = &[
     ("hindsight_trace", &["label.text.hindsight"]),
     ("hindsight_component", &["label.text.hindsight"]),
@@ -39,9 +39,9 @@ const KINDS: &[(&str, &[&str])] = &[
     ("placeholder", &["label.text.placeholder", "label.text.unrelated", "label.component.too_short"]),
     ("other_class", &["label.text.class", "label.cause.kind", "label.text.unrelated"]),
     ("proximate", &["label.cause.proximate"]),
-    // A far cause in the place of the near one is a reason that has nothing to do with the components, too.
+    // A far cause instead of the near one is also a reason unrelated to the components.
     ("distant", &["label.cause.proximate", "label.text.unrelated"]),
-    // A second maneuver that nothing calls for: by the text, by the class, or by the causes.
+    // A second maneuver without a cause: by the text, by the class, or by the causes.
     (
         "minimality",
         &[
@@ -67,9 +67,9 @@ const KINDS: &[(&str, &[&str])] = &[
     ("draft", &["label.trace.draft"]),
     ("cause_missing", &["label.cause.missing"]),
     ("unobserved", &["label.cause.unobserved"]),
-    // What the ego does beside its decision.
+    // An additional action of the ego.
     ("unstated_action", &["label.trace.unlabelled", "label.trace.contradicts"]),
-    // A component that speaks against the decision.
+    // A component that contradicts the decision.
     ("part_contradicts", &["label.trace.contradicts"]),
     ("trace_placeholder", &["label.text.placeholder", "label.trace.too_short", "label.text.unrelated"]),
     ("uncertainty", &["label.uncertainty.missing"]),
@@ -84,7 +84,7 @@ fn known(kind: &str) -> &'static str {
     KINDS.iter().find(|(k, _)| *k == kind).unwrap_or_else(|| panic!("{kind} is not a kind")).0
 }
 
-/// All faulty labels of a base: the written ones and those of structure.
+/// All faulty labels of a base: the written and the structural ones.
 pub(super) fn of(base: &Base, language: &str) -> Vec<Fault> {
     let mut out = written(base, language);
     structure(base, language, &mut |kind, what, change| out.push(fault(base, kind, what, change)));
@@ -97,7 +97,7 @@ fn fault(base: &Base, kind: &str, what: &str, change: &dyn Fn(&mut Value)) -> Fa
     Fault { kind: known(kind), label, what: what.to_owned() }
 }
 
-/// The faulty labels that the corpus states.
+/// The faulty labels in the corpus.
 pub(super) fn written(base: &Base, language: &str) -> Vec<Fault> {
     let mut out = Vec::new();
     let ids: Vec<String> = (0..base.parts.len()).map(|i| format!("c{}", i + 1)).collect();
@@ -112,7 +112,7 @@ pub(super) fn written(base: &Base, language: &str) -> Vec<Fault> {
         for part in parts {
             add(kind, part, &|l| {
                 let list = l["critical_components"].as_array_mut().unwrap();
-                // What belongs to another class takes the place of all; the rest is added or takes the last place.
+                // A component of another class replaces all; others are added or replace the last one.
                 match kind.as_str() {
                     "other_class" => *list = vec![component(0, part)],
                     "near_duplicate" | "distant" | "part_contradicts" => {
@@ -174,7 +174,7 @@ pub(super) fn written(base: &Base, language: &str) -> Vec<Fault> {
     out
 }
 
-/// Adds a faulty label: kind, text of what is wrong, and the change to a true label.
+/// Adds a faulty label: kind, text of the fault, and the change to a true label.
 type Add<'a> = dyn FnMut(&str, &str, &dyn Fn(&mut Value)) + 'a;
 
 fn structure(base: &Base, language: &str, add: &mut Add<'_>) {
@@ -239,9 +239,9 @@ fn structure(base: &Base, language: &str, add: &mut Add<'_>) {
             }
         });
     }
-    // To keep a speed or a lead is no change that a null decision would deny.
+    // Keeping a speed or following a lead is no change that a null decision would deny.
     if first && !base.decision.starts_with("set_speed") && !base.decision.starts_with("lead_following") {
-        // The trace still says it.
+        // The trace still states it.
         let rest = base.decision.split_once('/').unwrap().1;
         add("null_channel", rest, &|l| decide(l, &format!("-/{rest}"), &["c1".to_owned()]));
     }

@@ -1,5 +1,4 @@
-//! The word lists with a part of their words taken out, as if nobody had thought of those: what texts with words that
-//! no list knows come to.
+//! The word lists without a part of their words, to test how the checks treat texts with words that are in no list.
 
 use serde_json::Value;
 use whyroad_framework::{Framework, LabelWords, Lexicon};
@@ -8,7 +7,7 @@ use whyroad_model::yaml;
 const LABEL_WORDS: &str = include_str!("../../../../../schema/label_words.yaml");
 const DECISIONS: &str = include_str!("../../../../../schema/decision_lexicon.yaml");
 
-/// One word in so many is taken out.
+/// One word in this many is removed.
 pub(super) const PARTS: u64 = 5;
 
 /// The bundled framework without part `part` of the words for things, states and decisions.
@@ -31,7 +30,7 @@ pub(super) fn without(part: u64) -> Framework {
     }
     let (words, problems) = LabelWords::parse("label_words.yaml", &words.to_string());
     assert!(problems.is_empty(), "{problems:?}");
-    // Words for road users that no list of agents has are agents, too.
+    // Words for road users that are in no list of agents are agents, too.
     let (lexicon, problems) =
         Lexicon::parse("decision_lexicon.yaml", &decisions.to_string(), &words.road_users);
     assert!(problems.is_empty(), "{problems:?}");
@@ -41,7 +40,7 @@ pub(super) fn without(part: u64) -> Framework {
     })
 }
 
-/// Takes out part `part` of the words of both languages, and leaves at least one.
+/// Removes part `part` of the words of both languages, and keeps at least one.
 fn thin(lists: &mut Value, part: u64) {
     for language in ["zh", "en"] {
         let Some(list) = lists.get_mut(language).and_then(Value::as_array_mut) else { continue };
@@ -55,7 +54,7 @@ fn thin(lists: &mut Value, part: u64) {
     }
 }
 
-/// The words of a pattern that is nothing but a choice; another pattern is one word.
+/// The words of a pattern that is only a choice; another pattern is one word.
 fn alternatives(pattern: &str) -> Vec<String> {
     let choice = pattern.strip_prefix('(').and_then(|p| p.strip_suffix(')'));
     match choice.filter(|c| !c.contains(['(', ')'])) {

@@ -1,7 +1,7 @@
-//! What a trace tells after its decision. LABELING.md 7 asks for state, reason, decision: a clause behind the decision
-//! that reports an event reports what was only known afterwards, in whatever words. One that gives a reason, a purpose
-//! or a plan does not. Not a parser of language: tense in English, aspect in Chinese, from lists of
-//! `schema/label_words.yaml`.
+//! Text of a trace after its decision. LABELING.md 7 requires state, reason, decision: a clause after the decision that
+//! reports an event reports what became known only afterwards, whatever its words. A clause that gives a reason, a
+//! purpose or a plan does not. This is not a language parser: it uses tense in English and aspect in Chinese, from
+//! lists of `schema/label_words.yaml`.
 
 use super::{Force, Mention, Reading};
 use crate::check::reading::{Named, TextFacts};
@@ -9,13 +9,14 @@ use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::TellWord;
 
-/// Clauses behind the decision that are read, and bytes of one.
+/// Maximum number of clauses after the decision that are read, and of bytes of one.
 const MOST_CLAUSES: usize = 24;
 const LONGEST_CLAUSE: usize = 1000;
 
-/// The first words behind the decision that report an event, as bytes of `text`.
+/// The first words after the decision that report an event, as bytes of `text`.
 ///
-/// `decides`: the mention states the label's decision. `resumes`: it says to go on again, or to stop or slow.
+/// `decides`: the mention states the label's decision. `resumes`: true if it means to start again, false if to stop or
+/// slow.
 pub(in crate::check::consistency) fn find(
     text: &str,
     texts: &Texts,
@@ -27,15 +28,15 @@ pub(in crate::check::consistency) fn find(
     if words.is_empty() {
         return None;
     }
-    // Where the trace marks its decision, that; otherwise the first clause that states one, or the last one without a
-    // subject of its own.
+    // The marked decision, if the trace marks one; otherwise the first clause that states one, or the last one without
+    // a subject of its own.
     let deciding = || {
         let all = reading.mentions.iter().filter(|m| !reading.marked || m.start >= reading.decision_from);
         all.filter(|m| decides(m))
     };
     // "The ego is to turn left" is its route.
     let meant = |m: &Mention| !reading.marked && text[..m.start].ends_with(['要', '想', '需', '得']);
-    // What a sign, a light or the route says is not the decision, where another clause states it.
+    // An instruction by a sign, a light or the route is not the decision, if another clause states it.
     let shown = |m: &Mention| {
         let (from, _) = words.clauses.around(&texts.units, m.start..m.end, text.len(), &|_| true);
         let shows = words.known.sign.with(words.known.route);
@@ -51,7 +52,7 @@ pub(in crate::check::consistency) fn find(
     };
     let own = |m: &&Mention| !m.by_other && m.force == Force::Asserted && !meant(m) && !is_there(m);
     let stated = deciding().filter(own).find(|m| !shown(m)).or_else(|| deciding().find(own));
-    // A topic at the head of the trace: "turning right there is no arrow; ... we turn right".
+    // A topic at the beginning of the trace: "turning right there is no arrow; ... we turn right".
     let head = words.clauses.clause_end(&texts.units, 0, text.len());
     let stated = match stated {
         Some(m) if !reading.marked && m.start < head && !m.by_ego => {
@@ -68,14 +69,14 @@ pub(in crate::check::consistency) fn find(
         }
         None => return None,
     };
-    // A trace in the past tense tells its decision in it, too.
+    // A trace in the past tense has its decision in the past tense, too.
     let in_past = stated.is_some_and(|m| is_past(&text[m.start..m.end], words));
     let stops = stated.is_some_and(|m| resumes(m) == Some(false));
     let clause_end = |from: usize| words.clauses.clause_end(&texts.units, from, text.len());
     let mut start = clause_end(decided);
-    // "Because ..." goes on to the end of its sentence.
+    // "Because ..." continues to the end of its sentence.
     let mut because = false;
-    // A few clauses: a trace that goes on for longer is reported for that.
+    // A limited number of clauses: a longer trace is reported for its length.
     for _ in 0..MOST_CLAUSES {
         if start >= text.len() {
             break;
@@ -85,7 +86,7 @@ pub(in crate::check::consistency) fn find(
         because &= !clause.starts_with(['.', ';', '!', '?', '。', '；', '！', '？']);
         let own = reading.mentions.iter().filter(|m| (start..end).contains(&m.start) && !m.by_other);
         let own_decision = own.clone().any(decides);
-        // To go on again is what comes after the stop.
+        // Starting again comes after the stop.
         if let Some(m) = own.clone().find(|m| stops && m.force == Force::Asserted && resumes(m) == Some(true))
             && !because
         {
@@ -104,8 +105,9 @@ pub(in crate::check::consistency) fn find(
     None
 }
 
-/// Words before the decision that say that whoever it responds to is out of the way already, as bytes of `text`: "she
-/// changed her mind and went back, so the ego yields". Not where somebody else comes into it before the decision.
+/// Words before the decision that state that the road user to which it responds is already out of the way, as bytes of
+/// `text`: "she changed her mind and went back, so the ego yields". Not where another road user appears before the
+/// decision.
 pub(in crate::check::consistency) fn resolved(
     text: &str,
     texts: &Texts,
@@ -128,8 +130,8 @@ pub(in crate::check::consistency) fn resolved(
     texts.trace.resolved.iter().copied().find(is_over)
 }
 
-/// Words of a time at which the ego has responded already, or whoever it responds to is done, as bytes of `text`:
-/// "after it had merged". Not where the clause says what is to be waited for.
+/// Words for a time when the ego has already responded, or the road user to which it responds has finished, as bytes of
+/// `text`: "after it had merged". Not where the clause states what the ego waits for.
 pub(in crate::check::consistency) fn done(
     text: &str,
     texts: &Texts,
@@ -157,7 +159,7 @@ pub(in crate::check::consistency) fn done(
     texts.trace.done.iter().copied().find(is_told)
 }
 
-/// What a clause tells.
+/// Content of a clause.
 enum Told {
     Nothing,
     Exempt,
@@ -196,7 +198,7 @@ fn told(
             TellWord::Exempt => Told::Exempt,
             TellWord::Outcome => Told::Event(start, end),
             TellWord::Past if !(own_decision && in_past) => Told::Event(start, end),
-            // What the ego itself means to do next is its plan: "then goes back to its lane".
+            // The next action that the ego intends is its plan: "then goes back to its lane".
             TellWord::Event if !own_decision && (!is_sequel(&clause[start..end]) || others_act(clause)) => {
                 Told::Event(start, end)
             }
@@ -234,7 +236,7 @@ fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts, wor
     let before = clause[..start].trim_end();
     let end = offset + before.len();
     // The ego itself changes a measure: "speed adjusted".
-    // A road does nothing: "one lane left".
+    // A road does not act: "one lane left".
     let acts_not = words.known.gap.with(words.known.road).with(words.known.no_cause);
     let is_measure = |n: &Named| words.objects[n.group].own.meets(acts_not);
     if facts.named.iter().any(|n| n.end == end && !is_measure(n)) {
@@ -249,8 +251,8 @@ fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts, wor
     words.aftermath.subjects.iter().any(|s| last.eq_ignore_ascii_case(s))
 }
 
-/// What stands in the clause before the word `start..end` is a noun phrase, and what follows makes it a verb: "and two
-/// potatoes rolled out of her basket".
+/// The text in the clause before the word `start..end` is a noun phrase, and the text after it makes the word a verb:
+/// "and two potatoes rolled out of her basket".
 fn is_new_subject(clause: &str, start: usize, end: usize, words: &LabelWords) -> bool {
     const LONGEST: usize = 7;
     let lists = &words.aftermath.new_subject;

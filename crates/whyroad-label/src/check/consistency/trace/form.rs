@@ -2,7 +2,7 @@
 
 use whyroad_framework::lexicon::Limits;
 
-/// What a trace looks like from afar.
+/// Measures of a trace.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::check) struct Form {
     /// In Chinese characters; a Latin word counts as several (lexicon file, `limits`).
@@ -11,8 +11,8 @@ pub(in crate::check) struct Form {
     pub numbers: usize,
 }
 
-/// A character of Chinese writing: what is counted one by one. Ranges, because Unicode's own tables cost more
-/// than all the rest of this pass.
+/// A Chinese character, which is counted individually. Uses ranges, because Unicode's own tables take longer than all
+/// the rest of this pass.
 fn is_ideograph(c: char) -> bool {
     matches!(c, '\u{3400}'..='\u{4DBF}' | '\u{4E00}'..='\u{9FFF}' | '\u{F900}'..='\u{FAFF}' | '\u{20000}'..='\u{3FFFF}')
 }
@@ -43,7 +43,7 @@ pub(in crate::check) fn form(text: &str, limits: &Limits) -> Form {
             }
             (in_word, in_number) = (true, false);
         } else {
-            // `12.5` and `don't` go on.
+            // `12.5` and `don't` continue.
             in_number &= matches!(c, '.' | ':' | ',');
             in_word &= matches!(c, '\'' | '’' | '-');
         }

@@ -1,24 +1,24 @@
-//! Whether what a trace says goes with the decisions of its label, channel by channel.
+//! Whether a trace agrees with the decisions of its label, channel by channel.
 
 use super::{Force, Mention, Reading};
 use whyroad_framework::lexicon::Lexicon;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::name;
 
-/// What is wrong between a trace and its label. Spans are bytes of the trace.
+/// A contradiction between a trace and its label. Spans are bytes of the trace.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::check) enum TraceVerdict {
-    /// The trace decides for something else in a channel.
+    /// The trace states another decision in a channel.
     OtherDecision { label: &'static str, says: Vec<&'static str>, start: usize, end: usize },
-    /// The trace says that the label's decision is not taken.
+    /// The trace states that the label's decision is not taken.
     Denied { label: &'static str, start: usize, end: usize },
-    /// What the trace says of the ego contradicts the label's decision, in words that name no decision.
+    /// A statement of the trace about the ego contradicts the label's decision, in words that name no decision.
     Against { label: &'static str, start: usize, end: usize },
-    /// The trace goes to the other side.
+    /// The trace states the other side.
     OtherSide { label: LateralDirection, says: LateralDirection, start: usize, end: usize },
-    /// The trace decides for something in a channel that the label leaves null.
+    /// The trace states a decision in a channel that the label leaves null.
     Unlabelled { channel: &'static str, says: &'static str, start: usize, end: usize },
-    /// What the trace decides says nothing of the label's decision.
+    /// The deciding part of the trace does not state the label's decision.
     NotStated { label: &'static str, start: usize, end: usize },
 }
 
@@ -31,7 +31,7 @@ struct Channel<'l, D: 'static> {
     id: fn(D) -> &'static str,
 }
 
-/// Everything that is wrong, in channel order.
+/// All contradictions, in channel order.
 pub(in crate::check) fn judge(
     reading: &Reading,
     lexicon: &Lexicon,
@@ -56,7 +56,7 @@ pub(in crate::check) fn judge(
         says: |s| &s.longitudinal,
         id: Longitudinal::id,
     };
-    // To pull over is to slow down and stop, too.
+    // Pulling over includes slowing down and stopping.
     let pulls_over = lateral == Some(Lateral::PullOver) && longitudinal.is_none();
     if !pulls_over {
         along.judge(reading, lexicon, sink);
@@ -76,7 +76,7 @@ pub(in crate::check) fn judge(
         return;
     }
     let not_stated = match (along.stated(reading, lexicon), across.stated(reading, lexicon)) {
-        // To keep the lane is what a car does that says nothing of it.
+        // A car keeps its lane also without a statement about it.
         (_, Stated::Nowhere) if lateral != Some(Lateral::LaneKeeping) => lateral.map(Lateral::id),
         (Stated::Nowhere | Stated::Before, Stated::Nowhere | Stated::Before | Stated::Null) => {
             longitudinal.map(Longitudinal::id)
@@ -85,25 +85,25 @@ pub(in crate::check) fn judge(
         _ => None,
     };
     if let Some(label) = not_stated {
-        // What is told afterwards may begin before the mark.
+        // The text about later events may begin before the mark.
         let start = reading.decision_from.min(reading.end);
         sink(TraceVerdict::NotStated { label, start, end: reading.end });
     }
 }
 
-/// Where a trace states the decision of a channel.
+/// Part of a trace that states the decision of a channel.
 enum Stated {
     /// The channel has no decision.
     Null,
-    /// Where the trace decides.
+    /// The part that states the decision.
     Deciding,
-    /// Only in what comes before.
+    /// Only the text before it.
     Before,
     Nowhere,
 }
 
 impl<D: Copy + PartialEq> Channel<'_, D> {
-    /// Where the trace says of the ego what the label decides. What is only meant or comes later counts.
+    /// The part of the trace that states the label's decision for the ego. Intended and later actions count.
     fn stated(&self, reading: &Reading, lexicon: &Lexicon) -> Stated {
         let Some(label) = self.label else { return Stated::Null };
         let says = |m: &&Mention| (self.says)(&lexicon.phrases[m.phrase]).contains(&label);
@@ -118,12 +118,12 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         stated
     }
 
-    /// True when nothing was found.
+    /// Returns true when nothing was found.
     fn judge(&self, reading: &Reading, lexicon: &Lexicon, sink: &mut dyn FnMut(TraceVerdict)) -> bool {
         let says = |m: &Mention| (self.says)(&lexicon.phrases[m.phrase]);
-        // Somebody whom no list knows may act in a clause that names nobody, unless it is the last one.
+        // A road user in words that are in no list may act in a clause that names nobody, unless it is the last one.
         let of_ego = |m: &&Mention| m.by_ego || m.clause == reading.last_clause;
-        // "We are to turn left here": its route, where another clause decides.
+        // "We are to turn left here": the route, if another clause decides.
         let decides = |m: &&Mention| reading.marked || !m.meant || m.clause == reading.last_clause;
         let firm = |m: &&Mention| {
             m.force == Force::Asserted && !lexicon.phrases[m.phrase].supports_only && of_ego(m)
@@ -144,14 +144,15 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         };
 
         let supports = |m: &&Mention| says(m).contains(&label);
-        // "Not slowing down" denies no particular decision; a phrase for one or two does, and one for a side.
+        // "Not slowing down" denies no particular decision; a phrase for one or two decisions does, and one for a side.
         let denies = |m: &&Mention| {
             let ids = lexicon.phrases[m.phrase].denies.iter().any(|d| d.id() == (self.id)(label));
             m.force == Force::Negated && (says(m).len() <= 2 || ids || m.side.is_some())
         };
-        // "Holds its speed and does not keep the gap": what is denied says more than what may go with the label.
+        // "Holds its speed and does not keep the gap": what is denied is more specific than what may agree with the
+        // label.
         let exact = |m: &&Mention| says(m).len() <= 2 || m.side.is_some();
-        // Denied at last, of the ego: what the clauses before it say of nobody in particular is not the decision.
+        // Denied at last, for the ego: statements without a subject in the clauses before are not the decision.
         let at_last = |m: &Mention| m.clause == reading.last_clause;
         let is_refused = |m: &&Mention| m.force == Force::Negated && m.by_ego && at_last(m);
         let refused = deciding().filter(supports).find(is_refused);
@@ -164,8 +165,8 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         let plainly = deciding().filter(supports).filter(exact).filter(|m| refused.is_none() || by_ego(m));
         let denied_only = deciding().filter(supports).filter(exact).any(|m| denies(&m))
             && !plainly.clone().any(|m| matches!(m.force, Force::Asserted | Force::Doubtful));
-        // "It requires a halt, and we sail straight through": what the ego does at last is another thing, and the
-        // label's decision is only said of what it has to do.
+        // "It requires a halt, and we sail straight through": the ego's last action is another one, and the label's
+        // decision is only what it has to do.
         let at_last_other =
             relevant().filter(firm).find(|m| m.by_ego && at_last(m) && !says(m).contains(&label));
         let own_support =
@@ -177,7 +178,7 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         {
             return true;
         }
-        // Without a "therefore" the decision may well precede the last sentence.
+        // Without a "therefore" the decision may be before the last sentence.
         if overruled.is_none()
             && !denied_only
             && !reading.marked
@@ -223,7 +224,7 @@ fn side(
     if sided.iter().any(|m| m.side == Some(label)) {
         return;
     }
-    // A U-turn may be described as a left turn, or the other way round in left-hand traffic.
+    // A U-turn may be described as a left turn, or as a right turn in left-hand traffic.
     let other = sided.iter().find_map(|m| match (m.side, label) {
         (Some(s), LateralDirection::Left | LateralDirection::Right) => Some((s, m)),
         _ => None,

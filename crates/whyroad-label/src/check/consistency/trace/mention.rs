@@ -1,19 +1,20 @@
-//! Where a trace names decisions, and how firmly it says them of the ego.
+//! Finds decisions that a trace names, and how certainly it attributes them to the ego.
 
 use whyroad_framework::lexicon::units::Units;
 use whyroad_framework::lexicon::{Hit, Lexicon, Role};
 use whyroad_model::decision::LateralDirection;
 
-/// How a decision is named.
+/// How a decision is attributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::check) enum Force {
     /// The ego does it.
     Asserted,
-    /// Perhaps the ego, perhaps not first, perhaps only meant. Supports a label, never contradicts one.
+    /// The actor may not be the ego, or the action not the first one, or only intended. Supports a label, never
+    /// contradicts one.
     Doubtful,
     /// The ego does not do it.
     Negated,
-    /// Said of another road user, under an "if", or as part of the cause.
+    /// About another road user, in a condition, or part of the cause.
     Unsaid,
 }
 
@@ -34,15 +35,15 @@ pub(in crate::check) struct Mention {
     pub by_ego: bool,
     /// It is denied.
     pub denied: bool,
-    /// Behind "we are to": what the ego is about, where another clause decides.
+    /// After "we are to": what the ego is going to do, where another clause decides.
     pub meant: bool,
-    /// Its subject is taken over from an earlier clause, where another road user acts.
+    /// Its subject is inherited from an earlier clause, in which another road user acts.
     pub carried: bool,
-    /// Behind "then": what the ego does when its decision is done.
+    /// After "then": what the ego does after its decision.
     pub later: bool,
 }
 
-/// A trace as read.
+/// A trace after reading.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(in crate::check) struct Reading {
     pub mentions: Vec<Mention>,
@@ -50,7 +51,7 @@ pub(in crate::check) struct Reading {
     pub decision_from: usize,
     /// A word such as "therefore" marks it; otherwise it is the last sentence.
     pub marked: bool,
-    /// One past the last byte that was read: final punctuation is left out.
+    /// One past the last byte that was read: final punctuation is excluded.
     pub end: usize,
     /// It names the ego.
     pub names_ego: bool,
@@ -58,14 +59,14 @@ pub(in crate::check) struct Reading {
     pub last_clause: usize,
     /// One past the first word that introduces a reason.
     pub because: Option<usize>,
-    /// Bytes of the last words that say of the ego, named in the same clause, that it does not do something; and the
-    /// number of that clause.
+    /// Bytes of the last words that state that the ego, named in the same clause, does not do something; and the number
+    /// of that clause.
     pub refused: Option<(usize, usize, usize)>,
     /// Bytes of the first decision identifier.
     pub decision_id: Option<(usize, usize)>,
 }
 
-/// Who acts in a clause.
+/// The actor of a clause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Actor {
     Unknown,
@@ -82,7 +83,7 @@ struct Negation {
     used: bool,
 }
 
-/// The state of reading, from left to right.
+/// State of the reader, which goes from left to right.
 struct Reader<'l> {
     lexicon: &'l Lexicon,
     text: &'l str,
@@ -99,19 +100,19 @@ struct Reader<'l> {
     actor: Actor,
     /// The ego is named in it.
     names_ego: bool,
-    /// It says what the ego is about: "we are to".
+    /// It states what the ego is going to do: "we are to".
     meant: bool,
     hypothesis: bool,
     intention: bool,
     reason: bool,
     negation: Option<Negation>,
-    /// A negation right behind this mention, unless another phrase follows it.
+    /// A negation right after this mention, unless another phrase follows it.
     back_negation: Option<usize>,
-    /// The last word was one that makes the next noun an object.
+    /// The last word makes the next noun an object.
     governs: bool,
 }
 
-/// Reads `text`, cut into `units`, with the words of `lexicon`.
+/// Reads `text`, split into `units`, with the words of `lexicon`.
 pub(in crate::check) fn read(text: &str, units: &Units, lexicon: &Lexicon) -> Reading {
     let mut r = Reader {
         lexicon,
@@ -137,7 +138,7 @@ pub(in crate::check) fn read(text: &str, units: &Units, lexicon: &Lexicon) -> Re
     r.out.end = text_end;
     lexicon.hits(units, 0..text_end, |hit| r.take(hit));
     r.end_clause();
-    // The last clause states the decision (LABELING.md 7): without a subject of its own, it is the ego's.
+    // The last clause states the decision (LABELING.md 7): if it has no subject of its own, its subject is the ego.
     let last = r.clause;
     r.out.last_clause = last;
     for m in &mut r.out.mentions {
@@ -189,7 +190,7 @@ impl Reader<'_> {
             }
             Role::Reason => {
                 self.out.because.get_or_insert(hit.end);
-                // "Because A, B" and "B because A, and A": only the second goes on to the end.
+                // "Because A, B" and "B because A, and A": only the second continues to the end.
                 if self.anything_in_sentence {
                     self.reason_until_sentence_end = true;
                 } else {
@@ -214,7 +215,7 @@ impl Reader<'_> {
                 // "Braking is surely too late", in Chinese without a word between the two.
                 let is_latin = self.text[hit.start..].starts_with(|c: char| c.is_ascii());
                 let behind = if is_latin { limits.adjacent_reach } else { limits.behind_reach };
-                // "Eases left without leaving it": in Latin letters only a predicate takes back what precedes it.
+                // "Eases left without leaving it": in Latin text only a predicate negates the text before it.
                 let adjacent = adjacent || is_latin && !self.text[hit.start..].starts_with("is");
                 if !adjacent && last.is_some_and(|m| m.clause == self.clause && hit.start - m.end <= behind) {
                     self.back_negation = Some(self.out.mentions.len() - 1);
@@ -227,7 +228,7 @@ impl Reader<'_> {
                 }
             }
             Role::NegationEnd => self.negation = None,
-            // "Towards our lane", "behind the ego": said of where something is or goes.
+            // "Towards our lane", "behind the ego": the location or direction of something.
             Role::Ego if self.is_place_of_ego(hit) => self.out.names_ego = true,
             Role::Ego => {
                 self.actor = Actor::Ego;
@@ -238,7 +239,7 @@ impl Reader<'_> {
             Role::Agent => match (self.governs, self.actor) {
                 (true, Actor::Unknown) => self.actor = Actor::Object,
                 (true, _) => {}
-                // "So it stops": whoever decides is still meant.
+                // "So it stops": the subject is still the deciding ego.
                 (false, Actor::Ego) if self.is_pronoun(hit) => {}
                 (false, _) => self.actor = Actor::Other,
             },
@@ -246,7 +247,7 @@ impl Reader<'_> {
             Role::DecisionId => {
                 self.out.decision_id.get_or_insert((hit.start, hit.end));
             }
-            // Whoever is named next does what follows.
+            // The road user named next does the following action.
             Role::Permits => self.actor = Actor::Other,
             Role::ObjectOf | Role::Neutral => {}
         }
@@ -256,7 +257,7 @@ impl Reader<'_> {
         self.anything_in_sentence = true;
     }
 
-    /// The name of the ego at `hit` says where something else is or goes, not who acts.
+    /// The name of the ego at `hit` describes a location or direction of something else, not an actor.
     fn is_place_of_ego(&self, hit: Hit) -> bool {
         self.lexicon.is_place_of_ego(self.text, hit.start, hit.end)
     }
@@ -269,7 +270,7 @@ impl Reader<'_> {
     fn mention(&mut self, hit: Hit, phrase: usize) {
         self.back_negation = None;
         let (before, behind) = (&self.text[..hit.start], &self.text[hit.end..]);
-        // "Only left turns", "it can be stopped": a noun, and what could be done.
+        // "Only left turns", "it can be stopped": a noun, and a possible action.
         let is_noun = behind.is_ascii() && before.ends_with("left ") || before.ends_with("right ");
         let is_noun = is_noun && self.text[hit.start..hit.end].eq_ignore_ascii_case("turns");
         if is_noun || self.lexicon.can.iter().any(|w| behind.starts_with(w.as_str())) {
@@ -278,7 +279,7 @@ impl Reader<'_> {
         let actor = if self.actor == Actor::Unknown { self.inherited } else { self.actor };
         let carried = self.actor == Actor::Unknown && self.inherited == Actor::Other;
         let negated = match &mut self.negation {
-            // "Without leaving the lane and brakes": a finite verb goes on with what was said before.
+            // "Without leaving the lane and brakes": a finite verb continues the clause before it.
             Some(n)
                 if self.text[..n.end].to_ascii_lowercase().ends_with("without")
                     && self.text[n.end..hit.start].contains(" and ")
@@ -290,7 +291,7 @@ impl Reader<'_> {
                 n.used = true;
                 Force::Negated
             }
-            // A second phrase after "no need to": negated too where they are joined, otherwise perhaps not.
+            // A second phrase after "no need to": negated too if they are joined, otherwise uncertain.
             Some(n) if n.used => {
                 let last = self.out.mentions.last().map_or(hit.start, |m| m.end);
                 let between = self.text[last..hit.start].trim().to_ascii_lowercase();
@@ -299,7 +300,7 @@ impl Reader<'_> {
             }
             _ => Force::Asserted,
         };
-        // "Pushing on would be to hit it": in Chinese right behind what is not done.
+        // "Pushing on would be to hit it": in Chinese right after the action that is not done.
         let follows = &self.text[hit.end..];
         let imagined = self.lexicon.consequence.iter().any(|w| follows.starts_with(w.as_str()));
         let unsaid = self.hypothesis || self.reason || self.reason_until_sentence_end || imagined;
@@ -311,7 +312,7 @@ impl Reader<'_> {
             }
             f => f,
         };
-        // "Let him go first": the rest of the clause is his.
+        // "Let him go first": the rest of the clause is the other road user's.
         let word = &self.text[hit.start..hit.end];
         let begins = |text: &str, words: &[String]| words.iter().any(|w| text.starts_with(w.as_str()));
         let lexicon = self.lexicon;
@@ -322,7 +323,7 @@ impl Reader<'_> {
         if given.any(|to| begins(to, &lexicon.given_way)) || ends() && behind() {
             self.actor = Actor::Other;
         }
-        // What stays doubtful for another reason does not become the ego's by standing last.
+        // A mention that is uncertain for another reason does not become the ego's by being the last.
         let denied = negated == Force::Negated && !unsaid;
         let carried = carried && !self.intention && !self.sequel && negated != Force::Doubtful;
         let own_clause = !matches!(self.actor, Actor::Other | Actor::Object);

@@ -1,5 +1,5 @@
-//! Sentences and what they say. Every expected value is a person's reading of the sentence against the
-//! decision: "ok" where a fair checker of labels would let it pass, and a verdict only where he would not.
+//! Sentences and their verdicts. Every expected value is a person's reading of the sentence against the decision: "ok"
+//! where a fair checker of labels would accept it, and a verdict only where they would not.
 
 use super::*;
 use whyroad_framework::lexicon::Lexicon;
@@ -10,7 +10,7 @@ fn lexicon() -> Lexicon {
     Lexicon::parse("lexicon", include_str!("../../../../../../schema/decision_lexicon.yaml"), &[]).0
 }
 
-/// The verdicts on `text` for `longitudinal/lateral[/direction]` (`-` is null), as words.
+/// The verdicts on `text` for `longitudinal/lateral[/direction]` (`-` is null), as text.
 fn verdicts(lexicon: &Lexicon, decision: &str, text: &str) -> String {
     let mut parts = decision.split('/');
     let along = parts.next().and_then(Longitudinal::from_id);
@@ -237,7 +237,7 @@ const SENTENCES: &[(&str, &str, &str)] = &[
         "The lead is slow and the road is clear, therefore do not accelerate, and keep following the lead.",
         "other acceleration_for_passing: keep following",
     ),
-    // Written after the lexicon was finished, as annotators might, to see how it fares on what it was not made for.
+    // Written after the lexicon was finished, as annotators might write, to test sentences for which it was not made.
     (
         "yield_to_agent/-",
         "右前方一辆外卖电动车突然从路边停放的车辆间窜出，横在自车前方，距离很近，需立即制动避免碰撞。",

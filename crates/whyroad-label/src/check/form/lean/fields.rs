@@ -1,5 +1,5 @@
-//! The fields of a label for the fast reader. The structs are generated from `schema/label_fields.yaml` by the build
-//! script; written by hand is only what is kept of the critical components.
+//! The fields of a label for the fast reader. The build script generates the structs from `schema/label_fields.yaml`;
+//! only the fold of the critical components is written by hand.
 
 use super::values::{Id, Records, Text, Texts, present};
 use crate::check::view::{ComponentView, Components};
@@ -13,7 +13,7 @@ use whyroad_model::messages::{KeyframeType, ProvenanceSource, SafetyAnswer, Unce
 
 include!(concat!(env!("OUT_DIR"), "/lean_label.rs"));
 
-/// The components, with what rules ask of all of them.
+/// The components, with the values that rules need from all of them.
 pub(in crate::check) struct FoldedCriticalComponents<'t> {
     pub folded: Components,
     pub items: Vec<LeanCriticalComponent<'t>>,

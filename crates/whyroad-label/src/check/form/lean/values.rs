@@ -1,5 +1,5 @@
 //! Values of the fast reader: texts borrowed from the document, members of closed sets, records. Each accepts only what
-//! is beyond doubt; anything else is an error, and the slow path decides.
+//! is certainly valid; anything else is an error, and the slow path decides.
 
 use serde::de::{Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -10,7 +10,7 @@ use whyroad_framework::record_types::RecordValue;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::{KeyframeType, ProvenanceSource, SafetyAnswer, Uncertainty};
 
-/// An `Option` whose key must be there.
+/// An `Option` whose key must be present.
 pub(super) fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(d: D) -> Result<Option<T>, D::Error> {
     Option::<T>::deserialize(d)
 }
@@ -19,7 +19,7 @@ pub(super) fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(d: D) -> R
 pub(in crate::check) struct Text<'t>(pub Cow<'t, str>);
 
 impl Text<'_> {
-    /// White space or nothing.
+    /// White space or empty.
     pub fn is_blank(&self) -> bool {
         self.0.trim().is_empty()
     }
@@ -44,7 +44,7 @@ impl<'de: 't, 't> Deserialize<'de> for Text<'t> {
     }
 }
 
-/// A member of a closed set, written as text and nothing else: serde's own enums also take `{"id": null}`.
+/// A member of a closed set, written as a string only: serde's own enums also accept `{"id": null}`.
 pub(in crate::check) struct Id<T>(pub T);
 
 /// The closed sets of a label.
@@ -73,7 +73,7 @@ impl<'de, T: Closed> Deserialize<'de> for Id<T> {
     }
 }
 
-/// The records that hold something. Nested values are left to the slow path.
+/// The records that have a value. Nested values are left to the slow path.
 pub(in crate::check) struct Records<'t>(pub Vec<(Cow<'t, str>, LeanRecord<'t>)>);
 
 /// A record's value.
@@ -158,7 +158,7 @@ fn text(t: Cow<'_, str>) -> LeanRecord<'_> {
     if t.trim().is_empty() { LeanRecord::Nothing } else { LeanRecord::Text(t) }
 }
 
-/// Texts by name, no name twice.
+/// Texts by name, without duplicate names.
 pub(in crate::check) struct Texts<'t>(Vec<(Cow<'t, str>, Text<'t>)>);
 
 impl Texts<'_> {
