@@ -1,4 +1,4 @@
-//! HTTP: what goes over the wire, who may call what, and the server. Nothing here decides about labels: handlers read a
+//! HTTP: request and response formats, access rules, and the server. Nothing here decides about labels: handlers read a
 //! request, call `service`, and answer.
 
 pub mod access;

@@ -1,4 +1,4 @@
-//! The service as one value: what handlers and commands work with.
+//! The state of the service, shared by handlers and commands.
 
 use crate::blur::Blur;
 use crate::domain::project::Dashboard;
@@ -24,84 +24,84 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
 
-/// Milliseconds since 1970, as the service takes them; tests turn it.
+/// The service's clock, milliseconds since 1970; tests set it.
 pub type Clock = Arc<dyn Fn() -> i64 + Send + Sync>;
 
-/// Takes one line for the operator.
+/// Receives one line for the operator.
 pub type Log = Arc<dyn Fn(&str) + Send + Sync>;
 
-/// Takes each request that was answered.
+/// Receives each answered request.
 pub type AccessLog = Arc<dyn Fn(&Served<'_>) + Send + Sync>;
 
 /// The service.
 pub struct App {
-    /// Where everything is kept.
+    /// The store.
     pub store: Store,
     /// Classes, decisions, specs.
     pub framework: &'static Framework,
-    /// The label checker, without any recording: for everything that somebody in Stage I may see.
+    /// The label checker without recordings: for everything that may be shown in Stage I.
     pub checker: Checker<'static>,
-    /// The label checker with the recordings: only for labels whose Stage I is locked.
+    /// The label checker with recordings: only for labels whose Stage I is locked.
     pub stage2_checker: Checker<'static>,
     /// Drives.
     pub recordings: Arc<dyn Recordings>,
-    /// Makes reports; none where nobody handed them in.
+    /// Generates reports; `None` where the caller provided none.
     pub reports: Option<Arc<dyn Reports>>,
-    /// Makes drafts and judges labels; none where the service was started without a model.
+    /// Drafts and judges labels; `None` where the service was started without a model.
     pub model: Option<Arc<dyn LanguageModel>>,
-    /// The time.
+    /// The clock.
     pub clock: Clock,
-    /// By whose clock leases expire.
+    /// The clock that determines when leases expire.
     pub lease_clock: LeaseClock,
     /// Failed sign-ins.
     pub limits: Limits,
-    /// Facts about tasks that reports were made from last.
+    /// Cached facts about tasks, from which reports were generated last.
     pub facts: FactsCache,
-    /// Dashboards that are read now.
+    /// Dashboards that are being read now.
     pub dashboards: SharedReadings<Dashboard>,
-    /// Scenes that were asked for last.
+    /// Recently requested scenes.
     pub scenes: SceneCache,
-    /// Tasks that wait for the language model, as counted last.
+    /// Tasks that wait for the language model, as last counted.
     pub waiting_for_model: WaitingCounts,
     /// Key of the CSRF values.
     pub csrf_key: String,
     /// Whether cookies are for HTTPS only.
     pub cookies: Cookies,
-    /// Where webhooks may go.
+    /// Addresses to which webhooks may connect.
     pub reach: Reach,
-    /// What makes faces and plates in images unreadable; images are shown as they are without it.
+    /// Blurs faces and plates in images; without it images are shown as they are.
     pub blur: Option<Arc<Blur>>,
     /// How images in object stores are linked.
     pub image_links: ImageLinks,
-    /// Whose certificates webhooks believe.
+    /// Certificates that webhooks trust.
     pub trust: Trust,
     /// Which source of the client address is trusted.
     pub origin: Origin,
-    /// Where failures are reported to the operator; by default nowhere.
+    /// Where failures are reported to the operator; default: nowhere.
     pub log: Log,
-    /// Where each request is reported; by default nowhere.
+    /// Where each request is reported; default: nowhere.
     pub access_log: Option<AccessLog>,
-    /// Figures for operators.
+    /// Metrics for operators.
     pub metrics: Metrics,
-    /// What the maker of the first account has to show; none where only this machine reaches the service.
+    /// Token that is required for creating the first account; `None` where only this machine can reach the service.
     pub setup_token: Option<String>,
-    /// Where people can sign in beside here.
+    /// Identity provider at which people can also sign in.
     pub oidc: Option<Provider>,
 }
 
-/// By whose clock leases expire.
+/// The clock that determines when leases expire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeaseClock {
-    /// The database's, where it is another machine's; else the service's.
+    /// The database's, if it may run on another machine; else the service's.
     Store,
-    /// The service's own: for tests, which turn it.
+    /// The service's own: for tests, which set it.
     Service,
 }
 
 /// How images in object stores are linked.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImageLinks {
-    /// How long a link works.
+    /// Lifetime of a link.
     pub lifetime: Duration,
     /// Scheme, host and port of the stores: the page may load images from there.
     pub origins: Vec<String>,
@@ -179,7 +179,7 @@ impl App {
         })
     }
 
-    /// Now as leases have it, ms since 1970: services on several machines go by one clock, that of their store.
+    /// Current time for leases, ms since 1970: services on several machines share the clock of their store.
     pub fn lease_now(&self, tx: &mut dyn Tx) -> Answer<i64> {
         match self.lease_clock {
             LeaseClock::Service => Ok(self.now()),

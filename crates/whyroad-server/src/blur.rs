@@ -1,5 +1,5 @@
-//! Faces and plates in camera images, made unreadable before an image leaves the service: by a program of the
-//! operator's that is given each image once. What it makes is kept; where it fails, no image is shown at all.
+//! Blurs faces and plates in camera images before an image leaves the service, with a program of the operator that runs
+//! once per image. Its output is kept; if it fails, no image is shown.
 
 use crate::problem::{Answer, Problem};
 use crate::secret;
@@ -9,14 +9,14 @@ use std::process::{Command, Stdio};
 use std::sync::{Condvar, Mutex};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
-/// How long the program may take for one image.
+/// Maximum time of the program for one image.
 const TIME: Duration = Duration::from_secs(60);
-/// Between two looks whether it has ended.
+/// Interval for checking whether it has ended.
 const LOOK_EVERY: Duration = Duration::from_millis(15);
-/// Programs that run at once.
+/// Maximum number of programs that run at once.
 const AT_ONCE: usize = 2;
 
-/// The program, and where its images are kept.
+/// The program, and the folder of its output.
 #[derive(Debug)]
 pub struct Blur {
     program: PathBuf,
@@ -26,24 +26,24 @@ pub struct Blur {
 }
 
 impl Blur {
-    /// `program` is called as `program INPUT OUTPUT` and ends with 0 when OUTPUT is the image to be shown, of the same
-    /// format. Images are kept in `cache`, a folder for its owner alone.
+    /// `program` is called as `program INPUT OUTPUT` and exits with 0 when OUTPUT is the image to show, in the same
+    /// format. Images are kept in `cache`, a folder that only its owner can access.
     pub fn new(program: PathBuf, cache: PathBuf) -> std::io::Result<Self> {
         private::folder(&cache)?;
         Ok(Self { program, cache, running: Mutex::new(0), ended: Condvar::new() })
     }
 
-    /// The image to be shown in place of `file`.
+    /// The image to show instead of `file`.
     pub fn image(&self, file: &Path) -> Answer<PathBuf> {
         let about = std::fs::metadata(file).map_err(|_| Problem::missing())?;
         let changed =
             about.modified().ok().and_then(|t| t.duration_since(UNIX_EPOCH).ok()).map_or(0, |d| d.as_nanos());
-        // Another program or a changed image is another result.
+        // Another program or a changed image gives another result.
         let key = format!("{}\n{}\n{changed}\n{}", self.program.display(), file.display(), about.len());
         self.once(&key, extension(file), |kept| self.make(file, kept))
     }
 
-    /// The image to be shown in place of one in an object store, which `read` fetches. As it was, it does not stay.
+    /// The image to show instead of one in an object store, which `read` fetches. The original is not kept.
     pub fn stored_image(&self, name: &str, read: impl FnOnce() -> Answer<Vec<u8>>) -> Answer<PathBuf> {
         let extension = extension(Path::new(name));
         let content = read()?;
@@ -57,7 +57,7 @@ impl Blur {
         })
     }
 
-    /// What is kept under `key`, made by `make` if nobody has made it until its turn.
+    /// The image kept under `key`; created by `make` if it does not exist when its turn comes.
     fn once(&self, key: &str, extension: &str, make: impl FnOnce(&Path) -> Answer<()>) -> Answer<PathBuf> {
         let kept = self.cache.join(format!("{}.{extension}", secret::hash(key)));
         if kept.is_file() {
@@ -79,7 +79,7 @@ impl Blur {
                 Err(failed("it wrote no image of the same format"))
             }
         });
-        // Of a failure nothing stays.
+        // Nothing is kept after a failure.
         let _ = std::fs::remove_file(&aside);
         done
     }
@@ -123,7 +123,7 @@ fn extension(file: &Path) -> &str {
     file.extension().and_then(|e| e.to_str()).unwrap_or("img")
 }
 
-/// One of the programs that may run.
+/// Permission to run one program.
 struct Turn<'b>(&'b Blur);
 
 impl Drop for Turn<'_> {
@@ -135,7 +135,7 @@ impl Drop for Turn<'_> {
     }
 }
 
-/// Both files begin as the same kind of image does.
+/// Both files start with the signature of the same image format.
 fn same_format(a: &Path, b: &Path) -> bool {
     let kind = |path: &Path| {
         let mut head = [0; 12];

@@ -1,8 +1,8 @@
-//! What the service is about, as types: the life of a task ([`workflow`]), and what is said about projects, tasks and
-//! people. The OpenAPI document is made from these types, and the page's client from that. No store, no HTTP, no clock.
+//! The concepts of the service as types: the life of a task ([`workflow`]), and the data of projects, tasks and people.
+//! The OpenAPI document is generated from these types, and the page's client from that. No store, no HTTP, no clock.
 //!
-//! Moments of a drive are ISO 8601 texts (a browser's numbers do not hold nanoseconds); the service's own moments are
-//! milliseconds since 1970.
+//! Times in a drive are ISO 8601 texts (a number in a browser cannot represent nanoseconds); the service's own times
+//! are milliseconds since 1970.
 
 pub mod gold;
 pub mod making;

@@ -1,7 +1,7 @@
 //! The labeling service: tasks from episodes, two-stage labels, check and audit, in a store of its own.
 //!
-//! `workflow` says who may do what; `store` keeps it; `service` does it; `api` puts it on the wire. Recordings are
-//! handed in by the caller: this crate reads no lake and derives no signal.
+//! `workflow` defines who may do what; `store` persists it; `service` implements it; `api` exposes it over HTTP. The
+//! caller provides recordings: this crate reads no lake and derives no signals.
 
 pub mod api;
 pub mod app;

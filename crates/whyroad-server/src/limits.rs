@@ -1,6 +1,7 @@
-//! Failed sign-ins: after a few, each further one has to wait longer, by name and by address. Services on one
-//! PostgreSQL count together, in the store, by hashes of name and address; a service on SQLite is alone and counts in
-//! memory. And passwords are hashed one at a time: each takes a good part of a second of a core on purpose.
+//! Limits for failed sign-ins: after a few, each further one has to wait longer, by name and by address. Services on
+//! one PostgreSQL share the counts, in the store, by hashes of name and address; a service on SQLite is alone and
+//! counts in memory. Passwords are hashed one at a time, because each hash intentionally takes a large part of a second
+//! of a core.
 
 use crate::problem::{Answer, Problem};
 use crate::store::{Store, Tx};
@@ -9,15 +10,15 @@ use serde_json::json;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-/// Failures of one name that cost nothing.
+/// Failures of one name without a wait.
 const FREE_OF_NAME: u32 = 5;
-/// Failures from one address that cost nothing: behind a proxy all come from one.
+/// Failures from one address without a wait: behind a proxy all have the same address.
 const FREE_OF_ADDRESS: u32 = 50;
-/// Longest wait, ms.
+/// Maximum wait, ms.
 const LONGEST: i64 = 300_000;
-/// Entries kept; beyond that those that wait no more are forgotten.
+/// Maximum number of entries; beyond that, entries without a wait are removed.
 const KEPT: usize = 10_000;
-/// After this the count starts again, ms.
+/// Time after which a count starts again, ms.
 const DAY: i64 = 24 * 3_600_000;
 
 /// Failures so far.
@@ -27,7 +28,7 @@ pub struct Limits {
     hashing: Mutex<()>,
 }
 
-/// Where they are counted.
+/// Where failures are counted.
 #[derive(Debug)]
 enum Failures {
     Memory(Mutex<HashMap<String, Failed>>),
@@ -48,7 +49,7 @@ struct Failed {
 }
 
 impl Failed {
-    /// One more.
+    /// The count after another failure.
     fn again(self, now: i64) -> Self {
         let count = if self.last + DAY < now { 0 } else { self.count };
         Self { count: count + 1, last: now }
@@ -59,11 +60,11 @@ fn wait_ms(count: u32, free: u32) -> i64 {
     if count < free { 0 } else { (1000_i64 << (count - free).min(20)).min(LONGEST) }
 }
 
-/// A name or an address, and how many failures of it are free.
+/// A name or an address, and its number of failures without a wait.
 type Key = (String, u32);
 
 fn keys(name: &str, address: &str) -> [Key; 2] {
-    // A name is kept short: nobody has one of a megabyte.
+    // A name is cut: no real name has a megabyte.
     let name: String = name.chars().take(64).collect();
     [(format!("name {name}"), FREE_OF_NAME), (format!("address {address}"), FREE_OF_ADDRESS)]
 }
@@ -84,13 +85,14 @@ fn must_wait(wait: i64) -> Problem {
     .with(json!({ "retry_after_s": seconds }))
 }
 
-/// How long `key` has to wait, ms. A clock that was set back must not lock anybody out for longer than the wait itself.
+/// Time that `key` has to wait, ms. A clock that was set back must not lock anybody out for longer than the wait
+/// itself.
 fn wait(failed: Option<Failed>, free: u32, now: i64) -> i64 {
     failed.map_or(0, |f| (f.last + wait_ms(f.count, free) - now).clamp(0, wait_ms(f.count, free)))
 }
 
-/// A sign-in that is being tried. It counts as a failure from its beginning, so that many at once are counted like one
-/// after another; only what [`Attempt::succeeded`] or [`Attempt::forgiven`] takes back does not stay.
+/// A sign-in in progress. It counts as a failure from its start, so that concurrent ones are counted like consecutive
+/// ones; only [`Attempt::succeeded`] and [`Attempt::forgiven`] revert that.
 #[must_use = "a sign-in that is dropped counts as failed"]
 pub struct Attempt<'l> {
     limits: &'l Limits,
@@ -98,12 +100,12 @@ pub struct Attempt<'l> {
 }
 
 impl Attempt<'_> {
-    /// Takes it back: the fault was not the caller's.
+    /// Reverts the count: the error was not the caller's.
     pub fn forgiven(self) {
         self.take_back(false);
     }
 
-    /// Forgets the failures of the name. Those of the address stay: one good password must not free the guessing of
+    /// Removes the failures of the name. Those of the address stay: one correct password must not permit guessing
     /// others.
     pub fn succeeded(self) {
         self.take_back(true);
@@ -121,7 +123,7 @@ impl Attempt<'_> {
                 }
                 failures.retain(|key, f| f.count > 0 && forgotten.as_ref() != Some(key));
             }
-            // A store that is away: the attempt stays counted, as if it had failed.
+            // If the store is unavailable, the attempt stays counted as a failure.
             Failures::Shared(store) => {
                 drop(store.write(move |tx| shared::take_back(tx, &self.keys, forgotten.as_deref())))
             }
@@ -130,13 +132,13 @@ impl Attempt<'_> {
 }
 
 impl Limits {
-    /// Counts in the store where other services may use it, too.
+    /// Counts in the store if other services may use it, too.
     pub fn of(store: &Store) -> Self {
         let failures = if store.is_shared { Failures::Shared(store.clone()) } else { Failures::default() };
         Self { failures, hashing: Mutex::default() }
     }
 
-    /// Begins a sign-in, or says how long to wait.
+    /// Starts a sign-in, or returns the time to wait.
     pub fn begin(&self, name: &str, address: &str, now: i64) -> Answer<Attempt<'_>> {
         self.count(&keys(name, address), now)
     }
@@ -147,7 +149,7 @@ impl Limits {
         self.count(&[key], now)
     }
 
-    /// How long to wait before a sign-in where no name is known; counts nothing.
+    /// Returns the time to wait before a sign-in where no name is known; counts nothing.
     pub fn admit_from(&self, address: &str, now: i64) -> Answer<()> {
         let [_, (key, free)] = keys("", address);
         let failed = match &self.failures {
@@ -160,7 +162,7 @@ impl Limits {
         admitted(wait(failed, free, now))
     }
 
-    /// Looks and counts in one: two that come together see each other.
+    /// Reads and counts in one step: concurrent attempts see each other.
     fn count(&self, keys: &[Key], now: i64) -> Answer<Attempt<'_>> {
         let attempt = Attempt { limits: self, keys: keys.iter().map(|(key, _)| key.clone()).collect() };
         let failures = match &self.failures {
@@ -184,15 +186,15 @@ impl Limits {
         Ok(attempt)
     }
 
-    /// Runs what hashes a password while nobody else does.
+    /// Runs a password hash while no other one runs.
     pub fn one_at_a_time<T>(&self, hash: impl FnOnce() -> T) -> T {
         let _alone = self.hashing.lock();
         hash()
     }
 }
 
-/// The count in the store. What is stored for somebody who is not signed in is two hashes and two numbers, of a bounded
-/// number of names and addresses.
+/// The count in the store. It stores two hashes and two numbers per attempt without a sign-in, for a bounded number of
+/// names and addresses.
 mod shared {
     use super::{Answer, Failed, KEPT, Key, LONGEST, Tx, admitted, secret, values, wait};
 
@@ -201,7 +203,7 @@ mod shared {
         secret::hash(key)
     }
 
-    /// Failures of a key; `lock` as [`Tx::lock`] gives it, or nothing.
+    /// Failures of a key; `lock` is from [`Tx::lock`], or empty.
     pub fn failed(tx: &mut dyn Tx, hash: &str, lock: &str) -> Answer<Option<Failed>> {
         let sql = format!("SELECT failures, last FROM sign_in_failures WHERE who = $1{lock}");
         let row = tx.row(&sql, values![hash])?;
@@ -225,7 +227,7 @@ mod shared {
             longest = longest.max(wait(Some(before), *free, now));
             counted.push((who, before));
         }
-        // A refusal undoes the rows above with the transaction.
+        // A refusal rolls back the rows above with the transaction.
         admitted(longest)?;
         for (who, before) in counted {
             let after = before.again(now);
@@ -264,7 +266,7 @@ mod tests {
         [Limits::default(), Limits { failures: Failures::Shared(store), hashing: Mutex::default() }]
     }
 
-    /// Fails to sign in, or says how long to wait, s.
+    /// Fails to sign in, or returns the time to wait, s.
     fn fail(limits: &Limits, name: &str, now: i64) -> i64 {
         match limits.begin(name, "a", now) {
             Ok(attempt) => {
@@ -298,7 +300,7 @@ mod tests {
         for limits in both(&dir) {
             let open: Vec<_> = (0..400).filter_map(|_| limits.begin("ann", "a", 0).ok()).collect();
             assert_eq!(open.len(), 5);
-            // The fault of a provider is nobody's failure.
+            // A failure of the provider is not counted.
             open.into_iter().for_each(Attempt::forgiven);
             assert_eq!(fail(&limits, "ann", 0), 0);
         }

@@ -1,5 +1,5 @@
-//! Figures of the running service in the text format of Prometheus (exposition format 0.0.4): requests, tasks by state,
-//! deliveries that wait, the store, the process. No name of a person, project, drive or task is in them.
+//! Metrics of the running service in the text format of Prometheus (exposition format 0.0.4): requests, tasks by state,
+//! waiting deliveries, the store, the process. They contain no name of a person, project, drive or task.
 
 use crate::sync::lock;
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Upper bounds of the histogram of durations, s.
 const BOUNDS: &[f64] = &[0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0];
-/// Figures of the store are asked for again after this time, however often somebody scrapes.
+/// Minimum time between two queries of the store, however often metrics are read.
 const STORE_AGE: Duration = Duration::from_secs(10);
 
 /// A request that was answered.
@@ -18,7 +18,7 @@ const STORE_AGE: Duration = Duration::from_secs(10);
 pub struct Served<'a> {
     /// Method in capitals; `other` for one that no route has.
     pub method: &'a str,
-    /// The route as the table has it, `page`, or `none`.
+    /// The route as in the table, `page`, or `none`.
     pub route: &'a str,
     /// Status.
     pub status: u16,
@@ -58,16 +58,16 @@ struct Requests {
     count: u64,
 }
 
-/// What a look into the store gave.
+/// Result of a query of the store.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StoreFigures {
     /// Tasks by state.
     pub tasks: BTreeMap<String, i64>,
-    /// Events to be delivered.
+    /// Events that wait for delivery.
     pub waiting: i64,
-    /// When the oldest of them was made, ms since 1970.
+    /// When the oldest of them was created, ms since 1970.
     pub oldest: Option<i64>,
-    /// How long the look took.
+    /// Duration of the query.
     pub took: Duration,
 }
 
@@ -101,17 +101,17 @@ impl Metrics {
         of.count += 1;
     }
 
-    /// The service takes no new work: it is not ready any more.
+    /// The service accepts no new work: it is not ready any more.
     pub fn stop(&self) {
         self.stopping.store(true, Ordering::Relaxed);
     }
 
-    /// True once the service takes no new work.
+    /// True once the service accepts no new work.
     pub(crate) fn is_stopping(&self) -> bool {
         self.stopping.load(Ordering::Relaxed)
     }
 
-    /// What the store held at the last look that is young enough, or at a new one.
+    /// The figures of the last query if they are recent enough, or of a new one.
     pub(crate) fn of_store(&self, look: impl FnOnce() -> Option<StoreFigures>) -> Option<StoreFigures> {
         let mut kept = lock(&self.store);
         if let Some((at, held)) = &*kept
@@ -158,8 +158,7 @@ impl Metrics {
         }
     }
 
-    /// Figures of the process under the names that Prometheus' own clients use; where there is no `/proc` only its
-    /// start.
+    /// Metrics of the process under the names that Prometheus' own clients use; without `/proc` only its start.
     pub(crate) fn process(&self, out: &mut Text) {
         let since = self.started.duration_since(UNIX_EPOCH).unwrap_or_default();
         out.head("process_start_time_seconds", "gauge", "Start of the process since 1970");
@@ -170,7 +169,7 @@ impl Metrics {
             out.head("process_resident_memory_bytes", "gauge", "Memory in use");
             out.line("process_resident_memory_bytes", &[], kib * 1024.0);
         }
-        // Fields 14 and 15 in hundredths of a second (USER_HZ); the name in parentheses before may hold spaces.
+        // Fields 14 and 15 in hundredths of a second (USER_HZ); the name in parentheses before them may contain spaces.
         let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
         let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
         if let [Some(user), Some(system)] =
@@ -196,8 +195,7 @@ impl Text {
         let _ = write!(self.0, "# HELP {name} {about}\n# TYPE {name} {kind}\n");
     }
 
-    /// A value. Values of labels are routes, states and versions: nothing in them has to be escaped but what a state of
-    /// a broken store might hold.
+    /// A value. Label values are routes, states and versions: only an invalid state in the store could need escaping.
     pub(crate) fn line(&mut self, name: &str, labels: &[(&str, &str)], value: f64) {
         let escaped = |v: &str| v.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n");
         let labels: Vec<String> = labels.iter().map(|(k, v)| format!("{k}=\"{}\"", escaped(v))).collect();

@@ -1,5 +1,6 @@
 //! Signing in at an OpenID provider: authorization code flow with PKCE (OpenID Connect Core 1.0, RFC 7636, RFC 9207).
-//! Says *who* the provider vouches for; which account that is and what it may do is `service::identities`.
+//! Determines *who* signed in according to the provider; `service::identities` decides which account that is and what
+//! it may do.
 //!
 //! Nothing is stored for a sign-in that has only begun: `state`, `nonce` and the PKCE verifier are derived from a
 //! secret of the service and the browser's cookie, so that unauthenticated callers cannot fill the store.
@@ -16,12 +17,12 @@ pub mod web;
 use crate::problem::Problem;
 use serde_json::json;
 
-/// Why a token is refused: a short word, which goes into `more.reason` of the problem.
+/// Why a token is refused: a short identifier, which is in `more.reason` of the problem.
 pub type Reason = &'static str;
 
-/// The provider cannot be reached or answers what it must not: nobody's fault who signs in.
+/// The provider cannot be reached or its response is invalid: not an error of the person who signs in.
 pub(crate) fn provider_fails(why: impl std::fmt::Display) -> Problem {
-    // Some of it may be the provider's own words.
+    // Part of it may be text from the provider.
     let why: String = why.to_string().chars().filter(|c| !c.is_control()).take(300).collect();
     Problem::new(
         502,
@@ -31,7 +32,7 @@ pub(crate) fn provider_fails(why: impl std::fmt::Display) -> Problem {
     )
 }
 
-/// An ID token is not believed.
+/// An ID token is refused.
 pub fn refused_token(reason: Reason) -> Problem {
     Problem::new(
         403,

@@ -1,11 +1,11 @@
-//! Why the service refuses: one type from the store to the wire, rendered as problem+json (RFC 9457).
+//! Errors of the service: one type from the store to the HTTP response, rendered as problem+json (RFC 9457).
 
 use crate::domain::workflow::Refusal;
 use serde_json::Value;
 use whyroad_label::merge::DraftError;
 use whyroad_model::Bilingual;
 
-/// A refusal with an HTTP status, a stable code and words in both languages.
+/// An error with an HTTP status, a stable code and a message in both languages.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{code}: {}", text.en)]
 pub struct Problem {
@@ -13,13 +13,13 @@ pub struct Problem {
     pub status: u16,
     /// Stable code.
     pub code: &'static str,
-    /// In words.
+    /// Message.
     pub text: Bilingual,
-    /// What belongs to it: findings, conflicts, seconds to wait.
+    /// Additional data: findings, conflicts, seconds to wait.
     pub more: Option<Box<Value>>,
 }
 
-/// What most of the service returns.
+/// Result type of most functions of the service.
 pub type Answer<T> = Result<T, Problem>;
 
 impl Problem {
@@ -28,7 +28,7 @@ impl Problem {
         Self { status, code, text: Bilingual::new(zh, en), more: None }
     }
 
-    /// The same with more to it.
+    /// The same with additional data.
     #[must_use]
     pub fn with(mut self, more: Value) -> Self {
         self.more = Some(Box::new(more));
@@ -40,7 +40,7 @@ impl Problem {
         Self::new(400, "request.invalid", format!("请求无效：{zh}"), format!("the request is invalid: {en}"))
     }
 
-    /// The body of the request is not the JSON that the route takes.
+    /// The body of the request is not the JSON that the route requires.
     pub fn unreadable(e: &serde_json::Error) -> Self {
         let at = format!("第 {} 行第 {} 列", e.line(), e.column());
         let zh = if e.is_data() { "字段缺失、未知或类型不符" } else { "不是完整的 JSON" };
@@ -58,7 +58,7 @@ impl Problem {
         )
     }
 
-    /// Nobody is signed in.
+    /// The caller is not signed in.
     pub fn sign_in() -> Self {
         Self::new(401, "session.required", "请先登录", "sign in first")
     }
@@ -68,12 +68,12 @@ impl Problem {
         Self::new(403, "access.denied", "没有权限", "permission denied")
     }
 
-    /// Not found, or the caller may not know of it.
+    /// Not found, or hidden from the caller.
     pub fn missing() -> Self {
         Self::new(404, "not_found", "没有找到", "not found")
     }
 
-    /// The lease belongs to somebody else, or a newer one exists.
+    /// The lease belongs to another user, or a newer one exists.
     pub fn lease_lost() -> Self {
         Self::new(
             409,
@@ -93,7 +93,7 @@ impl Problem {
         )
     }
 
-    /// The same without what only concerns the operator: names of hosts and tables, messages of a database.
+    /// The same without details that only concern the operator: names of hosts and tables, messages of a database.
     #[must_use]
     pub fn without_internals(self) -> Self {
         if self.code != "store.unavailable" {

@@ -1,5 +1,5 @@
-//! What the service needs of the rest of the program: drives, signals, drafts, mined folders. Handed in by the caller,
-//! so that this crate reads no lake and derives no signal.
+//! Interface to the rest of the program: drives, signals, drafts, mined folders. The caller provides it, so this crate
+//! reads no lake and derives no signals.
 
 use crate::domain::scene::SignalAbout;
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use whyroad_model::messages::{
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
-/// Episodes that resemble one.
+/// Episodes similar to one.
 #[derive(Clone, Debug, Default)]
 pub struct Similar {
     /// With their similarity, 0 to 1.
@@ -23,17 +23,17 @@ pub struct Similar {
 
 /// A camera image in an object store: one image, never a video.
 pub trait StoredImage {
-    /// Its name in the store; it ends as the image's format does.
+    /// Its name in the store, with the extension of its format.
     fn name(&self) -> &str;
 
-    /// An address that opens this image alone, for this long.
+    /// An address that gives access to only this image, for this long.
     fn link(&self, lifetime: Duration) -> Result<String, Bilingual>;
 
-    /// The image itself; `None` where it is gone.
+    /// The image itself; `None` if it no longer exists.
     fn read(&self) -> Result<Option<Vec<u8>>, Bilingual>;
 }
 
-/// Where a camera image is.
+/// Location of a camera image.
 pub enum CameraImage {
     /// A file on this machine.
     File(PathBuf),
@@ -41,48 +41,48 @@ pub enum CameraImage {
     Stored(Box<dyn StoredImage>),
 }
 
-/// Recorded drives and what is derived from them.
+/// Recorded drives and the data derived from them.
 pub trait Recordings: Send + Sync {
     /// A drive; an error text when it is unavailable.
     fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual>;
 
-    /// Times of the first and last frame of a drive; an error text when it is unavailable or has no frame. What can
-    /// say so without reading the drive does.
+    /// Times of the first and last frame of a drive; an error text when it is unavailable or has no frame. An
+    /// implementation may determine this without reading the drive.
     fn span(&self, id: &DriveId) -> Result<(Nanos, Nanos), Bilingual> {
         span_of(&self.drive(id)?.times)
     }
 
-    /// Changes when the drive on disk changes; what was made from an older version is then made again. Constant where
-    /// drives do not change.
+    /// Changes when the drive on disk changes; data from an older version is then computed again. Constant where drives
+    /// do not change.
     fn version(&self, _: &DriveId) -> String {
         String::new()
     }
 
-    /// Whether the recordings can be read at all; why not, otherwise.
+    /// Whether the recordings can be read; otherwise the reason.
     fn ready(&self) -> Result<(), Bilingual> {
         Ok(())
     }
 
-    /// Signals of `drive`. The service hands in drives that were cut at the keyframe, so the result must depend on
-    /// nothing but the drive that is given.
+    /// Signals of `drive`. The service passes drives that were cut at the keyframe, so the result must depend only on
+    /// the given drive.
     fn signals(&self, drive: &Drive) -> SignalTable;
 
-    /// The same of a whole drive, as this gave it out, with its future: never for Stage I. What is stored need not be
-    /// derived.
+    /// The same for a whole drive from [`Recordings::drive`], including its future: never for Stage I. Stored signals
+    /// may be used.
     fn whole_signals(&self, drive: &Drive) -> SignalTable {
         self.signals(drive)
     }
 
-    /// `drive` with what its log did not measure (velocities) estimated, from nothing but the drive that is given.
+    /// `drive` with estimates of values that its log did not measure (velocities), computed only from the given drive.
     fn estimated(&self, drive: &Arc<Drive>) -> Arc<Drive> {
         Arc::clone(drive)
     }
 
-    /// What the signal called `name` is; `None` for a name that no signal has.
+    /// Description of the signal `name`; `None` if there is no such signal.
     fn about(&self, name: &str) -> Option<SignalAbout>;
 
-    /// A label skeleton for an episode of `drive`. Where the components of Stage I are given, its trace names no other
-    /// objects than theirs.
+    /// A label skeleton for an episode of `drive`. If the components of Stage I are given, its trace names only their
+    /// objects.
     fn draft(
         &self,
         drive: &Drive,
@@ -93,26 +93,26 @@ pub trait Recordings: Send + Sync {
     ) -> CocLabel;
 
     /// Only the critical components of [`Recordings::draft`], for a drive that was cut at the keyframe; the result must
-    /// depend on nothing but what is given, as that of [`Recordings::signals`].
+    /// depend only on the arguments, as for [`Recordings::signals`].
     fn components(&self, drive: &Drive, episode: &EpisodeRecord, lang: Lang) -> Vec<CriticalComponent> {
         self.draft(drive, &self.signals(drive), episode, lang, None).critical_components
     }
 
-    /// The whole drive of a clip with its signals and what the rules find in it, for checks of labels whose Stage I is
-    /// locked; `None` where it is not at hand. Never for anybody who must not see the future.
+    /// The whole drive of a clip with its signals and the episodes that the rules find in it, for checks of labels
+    /// whose Stage I is locked; `None` if it is not available. Never for users who must not see the future.
     fn recorded(&self, _clip_id: &str) -> Option<Arc<Recorded>> {
         None
     }
 
-    /// Names of the folders of mining results that tasks can be made from.
+    /// Names of the folders of mining results from which tasks can be created.
     fn mined(&self) -> Vec<String>;
 
-    /// Number of episodes of a mined folder that answer `filter`; `None` for an unknown name, an error in words when
-    /// the folder cannot be read. Without a filter the folder's size makes no difference.
+    /// Number of episodes of a mined folder that match `filter`; `None` for an unknown name, an error text if the
+    /// folder cannot be read. Without a filter the time does not depend on the folder's size.
     fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, Bilingual>>;
 
-    /// At most `limit` episodes of a mined folder that answer `filter`, in the order of drive and keyframe, from
-    /// `after` on (`None`: from the first). `None` for an unknown name.
+    /// At most `limit` episodes of a mined folder that match `filter`, in the order of drive and keyframe, starting at
+    /// `after` (`None`: at the first). `None` for an unknown name.
     fn episodes(
         &self,
         name: &str,
@@ -121,8 +121,8 @@ pub trait Recordings: Send + Sync {
         limit: usize,
     ) -> Option<Result<EpisodePage, Bilingual>>;
 
-    /// The `limit` episodes of a mined folder that resemble `episode` most, of its L2, most similar first; itself left
-    /// out. `None` for an unknown name, an error in words where descriptors cannot be made.
+    /// The `limit` episodes of a mined folder that are most similar to `episode`, of its L2, most similar first,
+    /// without itself. `None` for an unknown name, an error text if descriptors cannot be computed.
     fn similar(
         &self,
         _name: &str,
@@ -132,7 +132,7 @@ pub trait Recordings: Send + Sync {
         None
     }
 
-    /// The file of a camera frame, where it is on this machine.
+    /// The file of a camera frame, if it is on this machine.
     fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf>;
 
     /// A camera frame that is in an object store.

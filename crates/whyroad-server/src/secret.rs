@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 /// Minimum length of a password, characters.
 pub const PASSWORD_LENGTH: usize = 10;
 
-/// Hexadecimal digits of bytes.
+/// Bytes as hexadecimal digits.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut out, b| {
         let _ = write!(out, "{b:02x}");
@@ -52,7 +52,7 @@ pub fn sign(key: &str, message: &[u8]) -> String {
     )
 }
 
-/// Compares in a time that does not depend on where the difference is.
+/// Compares in a time that does not depend on the position of the difference.
 pub fn same(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |d, (x, y)| d | (x ^ y)) == 0
 }
@@ -79,7 +79,7 @@ pub fn hash_password(password: &str) -> Answer<String> {
     Ok(hash.to_string())
 }
 
-/// Words that most guessed passwords consist of, with digits around them.
+/// Words in most guessed passwords, with digits around them.
 const COMMON: &[&str] = &[
     "password",
     "passw0rd",
@@ -122,8 +122,8 @@ const COMMON: &[&str] = &[
     "whyroad",
 ];
 
-/// True for a password that guessing finds at once: few different characters, one piece repeated, a run of the alphabet
-/// or of digits, digits alone, or a common word with digits around it.
+/// True for a password that is easily guessed: few different characters, one repeated part, a sequence of letters or
+/// digits, digits only, or a common word with digits around it.
 fn is_weak(password: &str) -> bool {
     let lower = password.to_lowercase();
     let letters: Vec<char> = lower.chars().collect();
@@ -141,7 +141,7 @@ fn is_weak(password: &str) -> bool {
         || COMMON.contains(&lower.as_str())
 }
 
-/// True when `password` is the one of `hash`.
+/// True when `password` belongs to `hash`.
 pub fn is_password(password: &str, hash: &str) -> bool {
     PasswordHash::new(hash).is_ok_and(|h| Argon2::default().verify_password(password.as_bytes(), &h).is_ok())
 }

@@ -1,5 +1,5 @@
-//! The gate in front of every handler: who calls, and whether the route is for them. One place for all routes, so that
-//! none can forget it.
+//! The access check before every handler: identifies the caller and checks whether they may call the route. It is the
+//! only such check, so no route can omit it.
 
 use super::call::{Grant, Request};
 use super::route::{Access, Route, Verb};
@@ -11,12 +11,12 @@ use crate::service::{people, projects, tasks, tokens};
 use crate::store::Tx;
 use crate::{secret, values};
 
-/// The value of `x-csrf-token` that goes with a session cookie.
+/// The value of `x-csrf-token` that belongs to a session cookie.
 pub fn csrf_of(app: &App, cookie: &str) -> String {
     secret::sign(&app.csrf_key, cookie.as_bytes())
 }
 
-/// Lets the request through, or says why not.
+/// Accepts the request, or returns the reason for refusing it.
 pub fn pass(app: &App, route: &Route, request: &Request) -> Answer<(Option<User>, Grant)> {
     if route.verb != Verb::Get && request.token.is_none() {
         let wanted = request.cookie.as_deref().map(|c| csrf_of(app, c));
@@ -50,7 +50,7 @@ pub fn pass(app: &App, route: &Route, request: &Request) -> Answer<(Option<User>
     })
 }
 
-/// Whether an API token is enough for a route.
+/// Whether the scope of an API token permits a route.
 fn may_by_token(route: &Route, scope: TokenScope) -> Answer<()> {
     if route.session_only {
         return Err(Problem::new(
@@ -81,7 +81,7 @@ fn grant(tx: &mut dyn Tx, route: &Route, request: &Request, user: &User) -> Answ
             })?;
             Ok(grant)
         }
-        // A member may take what the queue or a link gives; the workflow decides about the rest.
+        // A member may have the task from the queue or a link; the workflow decides the rest.
         Access::Member | Access::Staff | Access::Lead => {
             of_task(tx, param("t"), user).map(|(grant, _)| grant)
         }
@@ -108,7 +108,7 @@ fn owner(tx: &mut dyn Tx, sql: &str, id: &str) -> Answer<String> {
     tx.row(sql, values![id])?.ok_or_else(Problem::missing)?.text("owner")
 }
 
-/// Roles in a project; to who is not in it, it does not exist.
+/// Roles in a project; to a user who is not a member, it appears not to exist.
 fn in_project(tx: &mut dyn Tx, project: &str, user: &User) -> Answer<Grant> {
     let there = tx.row("SELECT 1 FROM projects WHERE id = $1", values![project])?;
     let roles = roles(tx, project, user)?;
@@ -132,7 +132,7 @@ fn of_task(tx: &mut dyn Tx, task: &str, user: &User) -> Answer<(Grant, tasks::Co
     Ok((in_project(tx, &concern.project, user)?, concern))
 }
 
-/// Staff read all tasks of their project, others what they hold, write or were given.
+/// Staff read all tasks of their project, others the tasks that they hold, write or were given.
 fn readable(tx: &mut dyn Tx, task: &str, user: &User) -> Answer<Grant> {
     let (grant, concern) = of_task(tx, task, user)?;
     if grant.is_staff() || concern.is_of(&user.id) { Ok(grant) } else { Err(Problem::missing()) }

@@ -1,4 +1,4 @@
-//! A request as a handler sees it: who calls, which thing it is about, what was sent.
+//! A request as a handler sees it: the caller, the project or task, the content.
 
 use crate::app::App;
 use crate::domain::people::User;
@@ -8,21 +8,21 @@ use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A request whose caller has passed the gate.
+/// A request whose caller has passed the access check.
 pub struct Call<'a> {
     /// The service. Shared, because jobs of the store outlive the call.
     pub app: &'a Arc<App>,
-    /// What was sent.
+    /// The content of the request.
     pub request: &'a Request,
-    /// Who calls; none only on routes for anyone.
+    /// The caller; `None` only on routes for anyone.
     pub caller: Option<User>,
-    /// What the gate found out: project, roles, task.
+    /// Result of the access check: project, roles, task.
     pub grant: Grant,
-    /// Makes the OpenAPI document of all routes.
+    /// Creates the OpenAPI document of all routes.
     pub document: fn() -> String,
 }
 
-/// What the gate found out on its way. A handler that writes reads again inside its own transaction.
+/// Result of the access check. A handler that writes reads these again inside its own transaction.
 #[derive(Clone, Debug, Default)]
 pub struct Grant {
     /// Id of the project that the call is about.
@@ -48,7 +48,7 @@ pub fn is_staff(roles: &[Role]) -> bool {
     roles.iter().any(|r| matches!(r, Role::Lead | Role::Checker | Role::Auditor))
 }
 
-/// What was sent, before anybody looked at who sent it.
+/// The content of a request, before the caller is identified.
 #[derive(Clone, Debug, Default)]
 pub struct Request {
     /// Values of the path's parameters.
@@ -63,14 +63,14 @@ pub struct Request {
     pub token: Option<String>,
     /// Value of `x-csrf-token`.
     pub csrf: Option<String>,
-    /// Where it came from.
+    /// Address of the client.
     pub address: String,
-    /// Name and port by which the caller knows the service.
+    /// Host name and port in the request.
     pub host: String,
 }
 
 impl Call<'_> {
-    /// Who calls.
+    /// The caller.
     pub fn user(&self) -> Answer<&User> {
         self.caller.as_ref().ok_or_else(Problem::sign_in)
     }

@@ -1,4 +1,4 @@
-//! Answers on the wire: headers, ETags, compression, problems as problem+json.
+//! HTTP responses: headers, ETags, compression, problems as problem+json.
 
 use super::pages::Keep;
 use super::reply::Reply;
@@ -12,20 +12,20 @@ use std::io::Write;
 
 /// Bodies smaller than this are not compressed.
 const SMALL: usize = 1400;
-/// What the page may load and do.
+/// Content security policy of the page.
 const PAGE_POLICY: &str = "media-src 'self' blob:; \
     style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
-/// What an answer of the API may, if a browser is led to show it.
+/// Content security policy of an API response, in case a browser displays it.
 const API_POLICY: &str = "default-src 'none'; frame-ancestors 'none'; sandbox";
 
-/// What the request accepts as an answer.
+/// What the request accepts as a response.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accepted {
     /// `if-none-match`.
     known: Option<String>,
-    /// Takes gzip.
+    /// Accepts gzip.
     gzip: bool,
-    /// Wants no body.
+    /// Requests no body.
     head: bool,
 }
 
@@ -41,10 +41,10 @@ impl Accepted {
     }
 }
 
-/// How an answer may be cached.
+/// How a response may be cached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ReplyKind {
-    /// A reading call of the API: has an ETag.
+    /// A read call of the API: has an ETag.
     Read,
     /// Any other call of the API.
     Done,
@@ -52,7 +52,7 @@ pub(super) enum ReplyKind {
     Page(Keep),
 }
 
-/// The answer with all its headers.
+/// The response with all its headers.
 pub(super) fn deliver(reply: Reply, kind: ReplyKind, accepted: &Accepted) -> Response<Body> {
     let mut headers = HeaderMap::new();
     let mut put = |name: HeaderName, value: &str| {
@@ -83,7 +83,7 @@ pub(super) fn deliver(reply: Reply, kind: ReplyKind, accepted: &Accepted) -> Res
         match kind {
             ReplyKind::Page(Keep::Forever) => "public, max-age=31536000, immutable",
             ReplyKind::Page(Keep::Ask) => "no-cache",
-            // A link ends, and must not be found afterwards.
+            // A link expires, and must not be cached.
             _ if reply.location.is_some() => "no-store",
             ReplyKind::Read => "private, no-cache",
             ReplyKind::Done => "no-store",
@@ -128,7 +128,7 @@ pub(super) fn deliver(reply: Reply, kind: ReplyKind, accepted: &Accepted) -> Res
     response
 }
 
-/// The answer that `stream` makes, with the headers of `reply`.
+/// The response that `stream` writes, with the headers of `reply`.
 pub(super) fn deliver_stream(
     reply: &Reply,
     stream: &Stream,
@@ -152,7 +152,7 @@ pub(super) fn deliver_stream(
     response
 }
 
-/// True when one of the tags in `if-none-match` is this one. Weak ones are as good for reading.
+/// True when one of the tags in `if-none-match` is equal to this one. Weak tags are sufficient for reading.
 fn matches(known: &str, tag: &str) -> bool {
     known.split(',').map(|k| k.trim().trim_start_matches("W/")).any(|k| k == tag || k == "*")
 }

@@ -1,4 +1,4 @@
-//! One function a route: read the request, call the service, answer.
+//! One function per route: reads the request, calls the service, answers.
 
 pub mod accounts;
 pub mod drafts;

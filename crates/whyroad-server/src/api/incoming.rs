@@ -1,4 +1,4 @@
-//! What a request's head says: cookie, token, query, and where it came from.
+//! Content of a request's head: cookie, token, query, and the client's address.
 
 use super::call::Request;
 use super::handlers::session::COOKIE;
@@ -37,12 +37,12 @@ pub(super) fn request_of(
     }
 }
 
-/// The address that a proxy in front says the request came from, where it is to be believed.
+/// The client address according to a trusted proxy in front of the service.
 pub(super) fn forwarded(headers: &HeaderMap, origin: Origin) -> Option<String> {
     if origin == Origin::Connection {
         return None;
     }
-    // All but the last came with the request: clients can forge them.
+    // All but the last were sent by the client, which can forge them.
     let header = headers.get_all("x-forwarded-for").iter().next_back()?.to_str().ok()?;
     let last = header.rsplit(',').next()?.trim().parse::<IpAddr>().ok()?;
     Some(last.to_canonical().to_string())
@@ -65,7 +65,7 @@ mod tests {
         assert_eq!(of(&["9.9.9.9"], Origin::Connection), None);
         let proxy = |values: &[&'static str]| of(values, Origin::Proxy);
         assert_eq!(proxy(&["9.9.9.9"]).as_deref(), Some("9.9.9.9"));
-        // What a client forges comes before what the proxy adds.
+        // Forged values precede the one that the proxy adds.
         assert_eq!(proxy(&["1.1.1.1, 2.2.2.2 ,9.9.9.9"]).as_deref(), Some("9.9.9.9"));
         assert_eq!(proxy(&["1.1.1.1", "::ffff:9.9.9.9"]).as_deref(), Some("9.9.9.9"));
         assert_eq!(proxy(&["9.9.9.9, unknown"]), None);

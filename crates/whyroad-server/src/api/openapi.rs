@@ -1,4 +1,4 @@
-//! The OpenAPI document (3.1), made from the table of routes and the types on the wire.
+//! The OpenAPI document (3.1), generated from the table of routes and the request and response types.
 
 use super::route::{Access, Route, Verb};
 use crate::domain::people::ProblemBody;
@@ -64,12 +64,12 @@ pub fn document(routes: &[Route]) -> Value {
     })
 }
 
-/// The document as the file `openapi.json` has it.
+/// The document as in the file `openapi.json`.
 pub fn text(routes: &[Route]) -> String {
     format!("{:#}\n", document(routes))
 }
 
-/// The verb in lower case.
+/// The verb in lower case, as in the document.
 pub fn verb_word(verb: Verb) -> &'static str {
     match verb {
         Verb::Get => "get",

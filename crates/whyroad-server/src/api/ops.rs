@@ -1,5 +1,5 @@
-//! The port for operators: `/metrics`, `/livez` and `/readyz`, without sign-in, on an address of its own that is not
-//! opened to the public. Nothing of the API or the page is on it.
+//! The port for operators: `/metrics`, `/livez` and `/readyz`, without sign-in, on a separate address that must not be
+//! public. It serves neither the API nor the page.
 
 use crate::app::App;
 use crate::service::figures;
@@ -28,7 +28,7 @@ async fn answer(app: Arc<App>, method: &Method, path: &str) -> Response<Body> {
         return plain(StatusCode::METHOD_NOT_ALLOWED, "only GET\n".to_owned());
     }
     match path {
-        // The process answers: that is all that a restart could improve.
+        // The process answers; a restart could not improve anything else.
         "/livez" => plain(StatusCode::OK, "ok\n".to_owned()),
         "/readyz" => match tokio::task::spawn_blocking(move || figures::ready(&app)).await {
             Ok(Ok(())) => plain(StatusCode::OK, "ok\n".to_owned()),

@@ -1,11 +1,11 @@
-//! The built page, embedded. Without it the service says how to get it.
+//! The embedded files of the built page. Without them the service answers with instructions for building them.
 
 use super::reply::Reply;
 use include_dir::{Dir, include_dir};
 
 static ASSETS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/assets");
 
-/// Files whose name holds a hash of their content (Vite's): they never change.
+/// Files whose names contain a hash of their content (Vite's): they never change.
 const HASHED: &str = "assets/";
 
 const NOTICE: &str = "<!doctype html><html lang=\"zh\"><meta charset=\"utf-8\"><title>Whyroad</title>\
@@ -17,13 +17,13 @@ for the page run npm ci and npm run build in web/, then build the program again.
 /// How long a browser may keep an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keep {
-    /// It asks each time.
+    /// It asks the service each time.
     Ask,
-    /// For good.
+    /// Without a time limit.
     Forever,
 }
 
-/// The file for a path outside the API; the page itself for every unknown one: the page routes itself.
+/// The file for a path outside the API; for every unknown path the page itself, which has its own router.
 pub fn page(path: &str) -> (Reply, Keep) {
     let name = path.trim_start_matches('/');
     let file = ASSETS.get_file(name).filter(|_| !name.is_empty() && name != "README.md");
@@ -31,7 +31,7 @@ pub fn page(path: &str) -> (Reply, Keep) {
         let keep = if name.starts_with(HASHED) { Keep::Forever } else { Keep::Ask };
         return (Reply::bytes(media(name), file.contents().to_vec()), keep);
     }
-    // A missing script must not come back as a page.
+    // A missing script must not be answered with the page.
     if name.starts_with(HASHED) {
         return (
             Reply { status: 404, ..Reply::bytes("text/plain; charset=utf-8", b"not found".to_vec()) },

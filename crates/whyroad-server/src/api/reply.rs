@@ -1,10 +1,10 @@
-//! What a handler answers with.
+//! The response of a handler.
 
 use super::stream::Stream;
 use crate::problem::{Answer, Problem};
 use serde::Serialize;
 
-/// An answer before it is put on the wire.
+/// A response before it is sent.
 #[derive(Clone, Debug, Default)]
 pub struct Reply {
     /// HTTP status.
@@ -13,15 +13,15 @@ pub struct Reply {
     pub media: String,
     /// Bytes.
     pub body: Vec<u8>,
-    /// In place of `body`: what makes it while it is sent.
+    /// Instead of `body`: writes the body while it is sent.
     pub stream: Option<Stream>,
     /// `set-cookie` headers.
     pub cookies: Vec<String>,
-    /// Where the browser finds it instead, with status 307; not to be kept.
+    /// Address to which the browser is redirected, with status 307; not cached.
     pub location: Option<String>,
     /// Origins from which a page may load images, besides its own.
     pub image_origins: Vec<String>,
-    /// File name, where the browser is to store it.
+    /// File name under which the browser stores it.
     pub file_name: Option<String>,
 }
 
@@ -38,7 +38,7 @@ impl Reply {
         Self { status: 204, ..Self::default() }
     }
 
-    /// Bytes of some kind, 200.
+    /// Bytes with a media type, 200.
     pub fn bytes(media: impl Into<String>, body: Vec<u8>) -> Self {
         Self { status: 200, media: media.into(), body, ..Self::default() }
     }

@@ -1,6 +1,6 @@
-//! What a route is: verb, path, who may call it, what goes in and comes out. The router, the gate in front of every
-//! handler and the OpenAPI document are all made from the one table of these ([`super::table`]). What is special about
-//! a route is an attribute of it: nothing else in this crate looks at its path.
+//! Definition of a route: verb, path, access, input and output. The router, the access check before every handler and
+//! the OpenAPI document are generated from the one table of routes ([`super::table`]). Special behavior of a route is
+//! an attribute of it: nothing else in this crate looks at its path.
 
 use super::call::Call;
 use super::reply::Reply;
@@ -12,20 +12,20 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 pub enum Verb {
     /// Reads.
     Get,
-    /// Makes or does.
+    /// Creates or does something.
     Post,
     /// Changes.
     Patch,
-    /// Takes away.
+    /// Removes.
     Delete,
 }
 
-/// Who may call a route. The gate checks it before the handler runs; a handler can only be stricter.
+/// Who may call a route. This is checked before the handler runs; a handler can only be stricter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
     /// Everybody.
     Anyone,
-    /// Who is signed in.
+    /// Signed-in users.
     SignedIn,
     /// Admins.
     Admin,
@@ -35,7 +35,8 @@ pub enum Access {
     Staff,
     /// Leads of project `{p}`, and admins.
     Lead,
-    /// Those who may see task `{t}`: staff of its project, and who holds, has or wrote it. Others get 404.
+    /// Users who may see task `{t}`: staff of its project, and users who hold it, are assigned to it or wrote it.
+    /// Others get 404.
     TaskReader,
     /// The same, for writing; the workflow and the lease decide the rest.
     TaskWorker,
@@ -48,7 +49,7 @@ pub enum Access {
 }
 
 impl Access {
-    /// The word for it in the OpenAPI document (`x-access`).
+    /// Its identifier in the OpenAPI document (`x-access`).
     pub fn word(self) -> &'static str {
         match self {
             Self::Anyone => "anyone",
@@ -69,20 +70,20 @@ impl Access {
 /// A handler. It runs on a thread that may block.
 pub type Handler = fn(&Call<'_>) -> Answer<Reply>;
 
-/// Makes a schema.
+/// Generates a schema.
 pub type Shape = fn(&mut SchemaGenerator) -> Schema;
 
-/// What a request body may be.
+/// Maximum size of a request body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BodySize {
-    /// 1 MiB: one label and what is said about it.
+    /// 1 MiB: one label with its comments.
     Usual,
-    /// 64 MiB, many tasks at once. Read only after the gate has let the caller through.
+    /// 64 MiB: many tasks at once. Read only after the access check.
     Bulk,
 }
 
 impl BodySize {
-    /// The greatest size in bytes.
+    /// The maximum size in bytes.
     pub fn bytes(self) -> usize {
         match self {
             Self::Usual => 1024 * 1024,
@@ -105,7 +106,7 @@ pub struct Route {
     pub path: &'static str,
     /// Who may call it.
     pub access: Access,
-    /// What it does, in a sentence.
+    /// What it does, in one sentence.
     pub about: &'static str,
     /// Query parameters with their meaning.
     pub query: &'static [(&'static str, &'static str)],
@@ -115,15 +116,15 @@ pub struct Route {
     pub body_media: &'static str,
     /// How large the body may be.
     pub body_size: BodySize,
-    /// Schema of the answer; none for what is not JSON.
+    /// Schema of the answer; `None` if it is not JSON.
     pub reply: Option<Shape>,
     /// Media type of an answer that is not JSON.
     pub media: Option<&'static str>,
-    /// True where a session is needed: API tokens are refused.
+    /// True if a session is required: API tokens are refused.
     pub session_only: bool,
-    /// What an empty answer (204) means, where there may be one.
+    /// Meaning of an empty answer (204), if there may be one.
     pub empty: Option<&'static str>,
-    /// What runs.
+    /// The handler.
     pub run: Handler,
 }
 
@@ -153,7 +154,7 @@ impl Route {
     pub const fn get(path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
         Self::new(Verb::Get, path, access, about, run)
     }
-    /// A route that makes or does.
+    /// A route that creates or does something.
     pub const fn post(path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
         Self::new(Verb::Post, path, access, about, run)
     }
@@ -161,7 +162,7 @@ impl Route {
     pub const fn patch(path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
         Self::new(Verb::Patch, path, access, about, run)
     }
-    /// A route that takes away.
+    /// A route that removes something.
     pub const fn delete(path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
         Self::new(Verb::Delete, path, access, about, run)
     }
@@ -189,13 +190,13 @@ impl Route {
         self.body_size = size;
         self
     }
-    /// Refuses API tokens: a token that leaked must not make itself at home.
+    /// Refuses API tokens: a leaked token must not be able to extend its own access.
     #[must_use]
     pub const fn in_session_only(mut self) -> Self {
         self.session_only = true;
         self
     }
-    /// May answer with nothing (204), which means `meaning`.
+    /// May answer with 204 without content, which means `meaning`.
     #[must_use]
     pub const fn empty_when(mut self, meaning: &'static str) -> Self {
         self.empty = Some(meaning);
@@ -207,7 +208,7 @@ impl Route {
         self.reply = Some(shape_of::<T>);
         self
     }
-    /// Answers with something else.
+    /// Answers with another media type.
     #[must_use]
     pub const fn gives_media(mut self, media: &'static str) -> Self {
         self.media = Some(media);

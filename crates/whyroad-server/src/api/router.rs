@@ -1,4 +1,4 @@
-//! From a method and a path to the route of the table, with the values of the path's parameters.
+//! Finds the route of the table for a method and a path, with the values of the path's parameters.
 
 use super::route::{Route, Verb};
 use super::table::ROUTES;
@@ -8,7 +8,7 @@ use percent_encoding::percent_decode_str;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// Routes by path: those of one path differ in their verb.
+/// Routes by path: the routes of one path differ in their verb.
 static PATHS: LazyLock<Result<matchit::Router<Vec<&'static Route>>, matchit::InsertError>> =
     LazyLock::new(paths);
 
@@ -37,7 +37,7 @@ pub(super) fn find(method: &Method, path: &str) -> Answer<(&'static Route, BTree
     if found.params.iter().any(|(_, value)| value.is_empty()) {
         return Err(Problem::missing());
     }
-    // What is not UTF-8 names nothing here.
+    // A value that is not UTF-8 matches nothing here.
     let decoded = |value: &str| percent_decode_str(value).decode_utf8().map(String::from);
     let params = found.params.iter().map(|(name, value)| Ok((name.to_owned(), decoded(value)?)));
     let params = params.collect::<Result<_, std::str::Utf8Error>>().map_err(|_| Problem::missing())?;

@@ -1,4 +1,5 @@
-//! The server: from bytes to a call of a handler and back. Handlers block, so each runs on a thread that may.
+//! The server: converts bytes to a call of a handler and back. Handlers block, so each runs on a thread for blocking
+//! work.
 
 use super::access;
 use super::call::{Call, Request};
@@ -25,18 +26,18 @@ use std::time::{Duration, Instant};
 use tokio::sync::Semaphore;
 use whyroad_model::Nanos;
 
-/// Everything of the API is below this.
+/// All API routes are below this path.
 const ROOT: &str = "/api/v1";
-/// How long a body may take to come in.
+/// Maximum time for receiving a body.
 const BODY_TIME: Duration = Duration::from_secs(120);
 /// Maximum length of the query of a request, bytes.
 const QUERY: usize = 4096;
-/// Requests worked on at once; others wait their turn.
+/// Maximum number of requests in work; others wait.
 const AT_ONCE: usize = 256;
-/// How long requests in progress may take when the service stops.
+/// Maximum time for requests in progress when the service stops.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(15);
 
-/// Serves until `shutdown` comes, then finishes what was begun.
+/// Serves until `shutdown` completes, then finishes the requests in progress.
 pub async fn serve(
     app: Arc<App>,
     listener: tokio::net::TcpListener,
@@ -128,7 +129,7 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
     let address = peer.as_ref().map(|p| p.address.ip().to_string()).unwrap_or_default();
     let address = forwarded(&parts.headers, app.origin).unwrap_or(address);
     let mut request = request_of(&parts.headers, &parts.uri, params, address);
-    // Much is taken in only from who may send it.
+    // A large body is only read from callers who may send it.
     if route.body_size == BodySize::Bulk {
         let (app, asked) = (Arc::clone(&app), request.clone());
         let passed = tokio::task::spawn_blocking(move || access::pass(&app, route, &asked)).await;
@@ -166,13 +167,13 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
         Err(_) => Problem::new(500, "internal", "内部错误", "internal error"),
     };
     if p.status >= 500 {
-        // The route as the table has it: ids and bodies do not belong in a log.
+        // The route as in the table: ids and bodies do not belong in a log.
         log(&format!("{} {} {} {}: {p}", Nanos(clock() * 1_000_000), p.status, parts.method, route.path));
     }
     refuse(&p.without_internals())
 }
 
-/// What is not the API: the page.
+/// Paths outside the API: the page.
 fn outside(app: &App, method: &Method, path: &str, accepted: &Accepted) -> Response<Body> {
     if path == "/api" || path.starts_with("/api/") {
         return deliver(problem(&Problem::missing()), ReplyKind::Done, accepted);

@@ -1,5 +1,5 @@
-//! An answer that is made while it is sent: chunk by chunk from a thread that may block, never whole in memory. A
-//! receiver that is slow makes the thread wait; one that goes away ends it.
+//! A response that is generated while it is sent: chunk by chunk from a thread that may block, never completely in
+//! memory. A slow receiver makes the thread wait; one that disconnects stops it.
 
 use crate::problem::{Answer, Problem};
 use axum::body::{Body, Bytes, HttpBody};
@@ -11,13 +11,13 @@ use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll};
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 
-/// Bytes of a chunk, and chunks that wait for the receiver.
+/// Bytes per chunk, and number of chunks that wait for the receiver.
 const CHUNK: usize = 64 * 1024;
 const WAITING: usize = 4;
 
 type Make = Box<dyn FnOnce(&mut dyn Write) -> Answer<()> + Send>;
 
-/// What makes an answer; it runs once.
+/// Writes a response; it runs once.
 #[derive(Clone)]
 pub struct Stream(Arc<Mutex<Option<Make>>>);
 
@@ -28,13 +28,13 @@ impl std::fmt::Debug for Stream {
 }
 
 impl Stream {
-    /// An answer that `make` writes.
+    /// A response that `make` writes.
     pub fn new(make: impl FnOnce(&mut dyn Write) -> Answer<()> + Send + 'static) -> Self {
         Self(Arc::new(Mutex::new(Some(Box::new(make)))))
     }
 
-    /// The body, compressed where `gzip`. `failed` is given what ended it before its end; the receiver sees a broken
-    /// connection then, not a short file.
+    /// The body, compressed if `gzip`. `failed` is called with an error that interrupts the response; the receiver then
+    /// sees a broken connection, not a short file.
     pub(super) fn body(&self, gzip: bool, failed: impl FnOnce(&Problem) + Send + 'static) -> Body {
         let make = self.0.lock().ok().and_then(|mut make| make.take());
         let (sender, chunks) = channel(WAITING);
@@ -50,7 +50,7 @@ impl Stream {
                 make(&mut out).and_then(|()| out.flush().map_err(Problem::store))
             };
             if let Err(why) = result {
-                // Not where the receiver has gone away: that is no failure of ours.
+                // Not where the receiver has disconnected: that is not an error of the service.
                 if sender.blocking_send(Err(std::io::Error::other("interrupted"))).is_ok() {
                     failed(&why);
                 }
@@ -59,7 +59,7 @@ impl Stream {
         Body::new(Chunked(chunks))
     }
 
-    /// The whole answer, for callers without a socket.
+    /// The complete response, for callers without a socket.
     pub fn whole(&self) -> Answer<Vec<u8>> {
         let make = self.0.lock().map_err(Problem::store)?.take();
         let mut out = Vec::new();

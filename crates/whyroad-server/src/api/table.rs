@@ -1,4 +1,5 @@
-//! All routes of `/api/v1`. Adding one here makes it served, guarded, documented and tested for authorization.
+//! All routes of `/api/v1`. A route that is added here is served, access-checked, documented and tested for
+//! authorization.
 
 use super::handlers::{
     accounts, drafts, mined, model, oidc, projects, scenes, session, talk, tasks, transfer, webhooks,
@@ -10,7 +11,7 @@ use crate::domain::{
 use crate::oidc::flow::Returned;
 use serde_json::Value;
 
-/// What names a mined episode.
+/// Query parameters that identify a mined episode.
 const EPISODE: &[(&str, &str)] = &[
     ("drive", "drive of the episode"),
     ("scenario", "class of the episode"),
@@ -19,7 +20,7 @@ const EPISODE: &[(&str, &str)] = &[
 
 /// The table.
 pub static ROUTES: &[Route] = &[
-    // Who.
+    // Sessions and accounts.
     Route::get("/session", Access::Anyone, "Who is signed in, and the CSRF value", session::show)
         .gives::<Session>(),
     Route::post("/session", Access::Anyone, "Sign in", session::sign_in).takes::<SignIn>().gives::<Session>(),
@@ -360,7 +361,7 @@ pub static ROUTES: &[Route] = &[
         .gives::<Comment>(),
     Route::post("/comments/{c}/resolve", Access::CommentReader, "Resolve a comment", talk::resolve)
         .gives::<Comment>(),
-    // What is seen.
+    // Scenes and images.
     Route::get(
         "/tasks/{t}/scene",
         Access::TaskReader,
@@ -378,7 +379,7 @@ pub static ROUTES: &[Route] = &[
         scenes::framework,
     )
     .gives::<FrameworkView>(),
-    // In and out.
+    // Export and import.
     Route::get(
         "/projects/{p}/export",
         Access::Lead,
@@ -406,7 +407,7 @@ pub static ROUTES: &[Route] = &[
         .takes::<NewWebhook>()
         .gives::<Webhook>(),
     Route::delete("/webhooks/{w}", Access::WebhookLead, "Remove a webhook", webhooks::remove).gives::<Done>(),
-    // About.
+    // The service.
     Route::get("/openapi.json", Access::Anyone, "This document", session::openapi).gives::<Value>(),
     Route::get("/healthz", Access::Anyone, "Whether the service and its store answer", session::health)
         .gives::<Done>(),

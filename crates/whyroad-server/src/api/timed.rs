@@ -1,6 +1,6 @@
-//! Connections with time limits: one that sends or takes nothing for a while is closed, and so is one that sends the
-//! head of a request too slowly. Slow, dead or malicious clients cannot use up all connections. While the service
-//! itself works on a request, the connection may be silent.
+//! Connections with time limits: a connection is closed if it sends or receives nothing for a while, or sends the head
+//! of a request too slowly. Slow, dead or malicious clients cannot use up all connections. While the service itself
+//! works on a request, the connection may be silent.
 
 use axum::extract::connect_info::Connected;
 use axum::serve::{IncomingStream, Listener};
@@ -16,9 +16,9 @@ use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::time::{Instant, Sleep, sleep};
 
-/// Longest silence, both ways. A page that is open sends a heartbeat more often than that, or opens a new connection.
+/// Maximum silence, in both directions. An open page sends a heartbeat more often than that, or opens a new connection.
 const SILENCE: Duration = Duration::from_secs(75);
-/// Longest time that the head of a request may take to come in. Bodies have a limit of their own.
+/// Maximum time for receiving the head of a request. Bodies have a separate limit.
 const HEAD: Duration = Duration::from_secs(20);
 
 /// A listener whose connections have these time limits.
@@ -39,7 +39,7 @@ impl Listener for TimedListener {
 
     async fn accept(&mut self) -> (Timed, SocketAddr) {
         let (stream, address) = Listener::accept(&mut self.listener).await;
-        // Small answers go at once.
+        // Small responses are sent immediately.
         let _ = stream.set_nodelay(true);
         let timer = Box::pin(sleep(SILENCE));
         (Timed { stream, timer, head: self.head, begun: None, requests: Arc::default() }, address)
@@ -53,18 +53,18 @@ impl Listener for TimedListener {
 /// Requests of one connection.
 #[derive(Debug, Default)]
 struct Requests {
-    /// Those whose head is there and whose answer is not.
+    /// Requests whose head was received and whose response was not sent.
     open: AtomicUsize,
-    /// Those that are being worked on.
+    /// Requests in work.
     at_work: AtomicUsize,
 }
 
-/// A connection with a timer that each byte sets back.
+/// A connection with a timer that each byte resets.
 pub(super) struct Timed {
     stream: TcpStream,
     timer: Pin<Box<Sleep>>,
     head: Duration,
-    /// When the first byte of a head came.
+    /// When the first byte of a head was received.
     begun: Option<Instant>,
     requests: Arc<Requests>,
 }
@@ -84,7 +84,7 @@ impl Timed {
         Poll::Pending
     }
 
-    /// False once a head has been coming in for too long.
+    /// False once a head has been incomplete for too long.
     fn head_in_time(&mut self) -> bool {
         if self.requests.open.load(Ordering::SeqCst) > 0 {
             self.begun = None;
@@ -97,7 +97,7 @@ impl Timed {
 impl AsyncRead for Timed {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<Result<()>> {
         let result = Pin::new(&mut self.stream).poll_read(cx, buf);
-        // Looked at with each byte: who sends none is silent.
+        // Checked with each byte: a client that sends none is silent.
         if result.is_ready() && !self.head_in_time() {
             return Poll::Ready(Err(Error::new(ErrorKind::TimedOut, "the head of a request took too long")));
         }
@@ -107,7 +107,7 @@ impl AsyncRead for Timed {
 
 impl AsyncWrite for Timed {
     fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &[u8]) -> Poll<Result<usize>> {
-        // An answer: what comes next is another head.
+        // A response: what comes next is another head.
         self.begun = None;
         let result = Pin::new(&mut self.stream).poll_write(cx, buf);
         self.checked(cx, result)
@@ -122,7 +122,7 @@ impl AsyncWrite for Timed {
     }
 }
 
-/// Who is at the other end.
+/// The client of a connection.
 #[derive(Clone, Debug)]
 pub(super) struct Peer {
     pub(super) address: SocketAddr,
@@ -130,18 +130,18 @@ pub(super) struct Peer {
 }
 
 impl Peer {
-    /// Says that the head of a request is there, until the answer to this is dropped.
+    /// Counts a request whose head was received, until the result is dropped.
     pub(super) fn asks(&self) -> Counted {
         Counted::up(&self.requests, |r| &r.open)
     }
 
-    /// Says that a request of this connection is being worked on, until the answer to this is dropped.
+    /// Counts a request of this connection as in work, until the result is dropped.
     pub(super) fn works(&self) -> Counted {
         Counted::up(&self.requests, |r| &r.at_work)
     }
 }
 
-/// One more, until it is dropped.
+/// One counted request, until it is dropped.
 pub(super) struct Counted {
     requests: Arc<Requests>,
     which: fn(&Requests) -> &AtomicUsize,
@@ -175,12 +175,12 @@ mod tests {
 
     const STEP: Duration = Duration::from_millis(60);
 
-    /// Sends the parts one a [`STEP`]; what came back and how long it took.
+    /// Sends one part per [`STEP`]; returns the response and the duration.
     fn drip(at: SocketAddr, parts: &[&str]) -> (String, Duration) {
         let mut stream = std::net::TcpStream::connect(at).unwrap();
         let start = time::Instant::now();
         for part in parts {
-            // The other end may have gone.
+            // The client may have disconnected.
             if stream.write_all(part.as_bytes()).is_err() {
                 break;
             }
@@ -215,7 +215,7 @@ mod tests {
         let (text, took) = drip(at, &body);
         assert!(text.ends_with("\r\n\r\n12") && took > 8 * STEP, "{text}");
 
-        // One request after another, together longer than one head may take.
+        // One request after another, together longer than the limit for one head.
         let mut many = vec!["GET / HTTP/1.1\r\n\r\n"; 8];
         many.push("GET / HTTP/1.1\r\nconnection: close\r\n\r\n");
         assert_eq!(drip(at, &many).0.matches("200 OK").count(), 9);

@@ -1,4 +1,5 @@
-//! Gold tasks and qualification: hidden tasks with known answers, and how well each annotator did. For leads only.
+//! Gold tasks and qualification: hidden tasks with known answers, and each annotator's agreement with them. For leads
+//! only.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -17,13 +18,13 @@ pub struct NewGold {
 /// Result of `POST /projects/{p}/gold`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct MadeGold {
-    /// Gold tasks made.
+    /// Gold tasks created.
     pub made: u32,
-    /// Copies that were not made, and why.
+    /// Copies that were not created, and why.
     pub refused: Vec<GoldRefused>,
 }
 
-/// A gold task that was not made.
+/// A gold task that was not created.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct GoldRefused {
     /// The accepted task.
@@ -43,21 +44,21 @@ pub struct GoldReport {
     pub tasks: Vec<GoldTask>,
 }
 
-/// How well one annotator did.
+/// Agreement of one annotator with gold answers.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct GoldPerson {
     /// Display name.
     pub user: String,
-    /// Gold tasks made for them.
+    /// Gold tasks created for them.
     pub given: i64,
-    /// Of these handed in.
+    /// Of these, submitted.
     pub done: i64,
-    /// Mean share of fields that agree, in percent; null before the first is handed in.
+    /// Mean share of fields that agree, in percent; null before the first is submitted.
     pub percent: Option<f64>,
-    /// Shares of handed-in tasks that agree, in percent, by field: `scenario`, `longitudinal`, `lateral`, `keyframe`,
+    /// Shares of submitted tasks that agree, in percent, by field: `scenario`, `longitudinal`, `lateral`, `keyframe`,
     /// `objects`.
     pub fields: std::collections::BTreeMap<String, f64>,
-    /// What follows from it.
+    /// Resulting qualification.
     pub standing: GoldStanding,
 }
 
@@ -65,9 +66,9 @@ pub struct GoldPerson {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GoldStanding {
-    /// The project asks for no qualification.
+    /// The project requires no qualification.
     NotAsked,
-    /// Too few gold tasks are handed in; labels are audited at the maximum rate.
+    /// Too few gold tasks are submitted; labels are audited at the maximum rate.
     Open,
     /// Enough gold tasks agree with their answers.
     Qualified,
@@ -78,16 +79,16 @@ pub enum GoldStanding {
 /// One gold task.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct GoldTask {
-    /// The copy.
+    /// Task id of the copy.
     pub task: String,
-    /// The accepted task that it was made from.
+    /// The accepted task from which it was created.
     pub source: String,
     /// Class of the known answer.
     pub scenario_id: String,
-    /// For whom it was made, by display name.
+    /// Annotator for whom it was created, by display name.
     pub user: String,
     /// State of the copy.
     pub state: String,
-    /// Fields that differ from the answer; null before it is handed in.
+    /// Fields that differ from the answer; null before it is submitted.
     pub differs: Option<Vec<String>>,
 }

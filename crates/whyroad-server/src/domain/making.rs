@@ -1,4 +1,4 @@
-//! Making tasks: from episodes, from mined folders, from files.
+//! Creating tasks: from episodes, from mined folders, from files.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,36 +6,36 @@ use serde_json::Value;
 use whyroad_model::Bilingual;
 use whyroad_model::messages::EpisodeRecord;
 
-/// Body of `POST /projects/{p}/tasks:create`. One of `episodes` and `mined`.
+/// Body of `POST /projects/{p}/tasks:create`. Exactly one of `episodes` and `mined`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CreateTasks {
     /// Episodes as `whyroad mine` writes them.
     #[schemars(with = "Vec<Value>")]
     pub episodes: Vec<EpisodeRecord>,
-    /// Name of a mined folder that the service was started with (`GET /mined`).
+    /// Name of a mined folder that was given to the service at its start (`GET /mined`).
     pub mined: Option<String>,
     /// Maximum number of tasks.
     pub limit: Option<u32>,
-    /// Maximum number of episodes per leaf.
+    /// Maximum number of episodes per L3 class.
     pub per_leaf: Option<u32>,
     /// Annotators per episode (independent); default 1.
     pub overlap: Option<u32>,
-    /// Greater is sooner.
+    /// Higher values come first.
     pub priority: i64,
     /// Secondary episodes too.
     pub secondary: bool,
-    /// `zh` or `en`: the queue gives these tasks only to people of this language. The project's language and anybody
-    /// when not given.
+    /// `zh` or `en`: the queue gives these tasks only to annotators of this language. Default: the project's language,
+    /// and all annotators.
     pub lang: Option<String>,
 }
 
-/// What was made.
+/// Result of creating tasks.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Created {
     /// Ids of the new tasks.
     pub tasks: Vec<String>,
-    /// Episodes that were there already.
+    /// Episodes that already had a task.
     pub known: u32,
     /// Episodes beyond a limit, not primary, or of no class of the taxonomy.
     pub left_out: u32,
@@ -45,7 +45,7 @@ pub struct Created {
     pub more: u32,
 }
 
-/// An episode that no task could be made of.
+/// An episode from which no task could be created.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct LostEpisode {
     /// Its id.
@@ -54,7 +54,7 @@ pub struct LostEpisode {
     pub text: Bilingual,
 }
 
-/// Folders of mining results that the service was started with.
+/// Folders of mining results that were given to the service at its start.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct MinedFolders {
     /// By name.
@@ -73,9 +73,9 @@ pub struct MinedFolder {
 /// Answer of `POST /projects/{p}/import`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Imported {
-    /// Tasks made.
+    /// Tasks created.
     pub tasks: u32,
-    /// Tasks that were there already.
+    /// Tasks that already existed.
     pub known: u32,
     /// Lines that could not be read, with the reason: the first hundred.
     pub lost: Vec<LostLine>,

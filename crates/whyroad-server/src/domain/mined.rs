@@ -22,7 +22,7 @@ pub struct EpisodeCard {
     pub keyframe: String,
     /// Score, 0 to 1.
     pub score: f64,
-    /// Arbitration made it the primary one of its moment.
+    /// It is the primary episode of its moment.
     pub is_primary: bool,
     /// The caller's verdict.
     pub verdict: Option<VerdictKind>,
@@ -33,24 +33,24 @@ pub struct EpisodeCard {
 pub struct EpisodeCards {
     /// By drive and keyframe.
     pub items: Vec<EpisodeCard>,
-    /// Number of episodes that the filter lets through; on the first page only.
+    /// Number of episodes that match the filter; on the first page only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub total: Option<u64>,
-    /// Value for `cursor`, where there are more.
+    /// Value for `cursor`, if there are more.
     pub next: Option<String>,
 }
 
-/// One mined episode with all that is shown of it.
+/// One mined episode with all data for showing it.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct MinedEpisode {
-    /// As the screen of a task shows it: what the rule found, the specification of its class. Nothing can be done with
-    /// it but a verdict.
+    /// As on the screen of a task: the result of the rule, the specification of its class. The only possible action is
+    /// a verdict.
     pub task: Task,
-    /// Rule of the keyframe in words.
+    /// Rule of the keyframe as text.
     pub keyframe_rule: Bilingual,
     /// The drive around the keyframe.
     pub scene: SceneView,
-    /// The road there.
+    /// The map there.
     pub map: MapView,
     /// The caller's verdict.
     pub verdict: Option<Verdict>,
@@ -68,15 +68,15 @@ pub struct NewVerdict {
     pub scenario: String,
     /// Id of the episode.
     pub episode: String,
-    /// The verdict; null takes it back.
+    /// The verdict; null removes it.
     pub verdict: Option<VerdictKind>,
-    /// For `wrong_leaf`: the right class, where it is known; an L2 or a leaf.
+    /// For `wrong_leaf`: the correct class, if it is known; an L2 or L3 class.
     #[serde(default)]
     pub leaf: Option<String>,
-    /// For `keyframe_moved`: the right moment.
+    /// For `keyframe_moved`: the correct moment.
     #[serde(default)]
     pub keyframe: Option<String>,
-    /// In words.
+    /// Explanation.
     #[serde(default)]
     pub note: Option<String>,
 }
@@ -86,7 +86,7 @@ pub struct NewVerdict {
 pub struct Verdict {
     /// The verdict.
     pub verdict: VerdictKind,
-    /// Mined folder that the episode was shown from.
+    /// Mined folder from which the episode was shown.
     pub mined: String,
     /// Id of the episode.
     pub episode_id: String,
@@ -100,23 +100,23 @@ pub struct Verdict {
     pub start_ns: i64,
     /// Its keyframe as mined.
     pub keyframe_ns: i64,
-    /// Its end, not included.
+    /// Its end, exclusive.
     pub end_ns: i64,
     /// Its score, 0 to 1.
     pub score: f64,
-    /// The right class, of `wrong_leaf`.
+    /// The correct class, of `wrong_leaf`.
     pub right_scenario_id: Option<String>,
-    /// The right keyframe, of `keyframe_moved`.
+    /// The correct keyframe, of `keyframe_moved`.
     pub right_keyframe_ns: Option<i64>,
-    /// In words.
+    /// Explanation.
     pub note: Option<String>,
-    /// Login name of who said it.
+    /// Login name of the author.
     pub by: String,
     /// When, ms since 1970.
     pub at: i64,
 }
 
-/// Episodes that resemble one.
+/// Episodes similar to one.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct SimilarEpisodes {
     /// The most similar first.
@@ -125,11 +125,11 @@ pub struct SimilarEpisodes {
     pub compared: u64,
 }
 
-/// An episode that resembles another.
+/// An episode similar to another.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct SimilarEpisode {
     /// The episode.
     pub episode: EpisodeCard,
-    /// 1 for the same, towards 0 for a different one.
+    /// 1 for identical, near 0 for a different one.
     pub similarity: f64,
 }

@@ -1,5 +1,5 @@
-//! Work of a language model in a project: drafts and judgments in runs, what they cost, and how far the judge agrees
-//! with people.
+//! Work of a language model in a project: runs of drafts and judgments, their cost, and the agreement of the judge with
+//! people.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,14 +11,14 @@ use whyroad_model::{Bilingual, ModelSpent};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ModelRunKind {
-    /// Drafts of tasks that nobody has begun.
+    /// Drafts of tasks that nobody has started.
     Draft,
-    /// Judgments of labels that were handed in.
+    /// Judgments of submitted labels.
     Judge,
 }
 
 impl ModelRunKind {
-    /// As the store has it.
+    /// Its value in the store.
     pub fn word(self) -> &'static str {
         match self {
             Self::Draft => "draft",
@@ -26,32 +26,32 @@ impl ModelRunKind {
         }
     }
 
-    /// The kind of this word.
+    /// The kind with this value.
     pub fn from_word(word: &str) -> Option<Self> {
         [Self::Draft, Self::Judge].into_iter().find(|k| k.word() == word)
     }
 }
 
-/// How far a run is.
+/// State of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ModelRunState {
-    /// Its turn has not come.
+    /// It waits for earlier runs.
     Waiting,
-    /// It is being worked on, also while the service is restarted.
+    /// It is in progress, also while the service is restarted.
     Running,
     /// Every task was tried.
     Done,
-    /// Somebody stopped it.
+    /// A user stopped it.
     Stopped,
-    /// It could not go on; `note` says why.
+    /// It could not continue; `note` gives the reason.
     Failed,
 }
 
 impl ModelRunState {
     const ALL: [Self; 5] = [Self::Waiting, Self::Running, Self::Done, Self::Stopped, Self::Failed];
 
-    /// As the store has it.
+    /// Its value in the store.
     pub fn word(self) -> &'static str {
         match self {
             Self::Waiting => "waiting",
@@ -62,7 +62,7 @@ impl ModelRunState {
         }
     }
 
-    /// The state of this word.
+    /// The state with this value.
     pub fn from_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|s| s.word() == word)
     }
@@ -75,11 +75,11 @@ pub struct ModelRun {
     pub id: String,
     /// What it does.
     pub kind: ModelRunKind,
-    /// How far it is.
+    /// Its state.
     pub state: ModelRunState,
     /// Name of the model.
     pub model: String,
-    /// Display name of who started it.
+    /// Display name of the user who started it.
     pub by: String,
     /// When it was started.
     pub started: i64,
@@ -89,11 +89,11 @@ pub struct ModelRun {
     pub total: i64,
     /// Tasks with a draft or a judgment.
     pub done: i64,
-    /// Tasks for which the model gave nothing usable.
+    /// Tasks for which the model returned nothing usable.
     pub failed: i64,
-    /// Tasks that were left out: somebody had begun them, or had changed the label.
+    /// Tasks that were left out: somebody had started them, or had changed the label.
     pub left_out: i64,
-    /// What it has spent so far.
+    /// Its cost so far.
     pub spent: ModelSpent,
     /// Why it ended early.
     pub note: Option<Bilingual>,
@@ -101,12 +101,12 @@ pub struct ModelRun {
     pub failures: Vec<ModelRunFailure>,
 }
 
-/// A task for which the model gave nothing usable.
+/// A task for which the model returned nothing usable.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct ModelRunFailure {
     /// Its id.
     pub task: String,
-    /// Its class, as far as it is shown now.
+    /// Its class, as far as it may be shown now.
     pub scenario_id: String,
     /// Why.
     pub text: Bilingual,
@@ -117,10 +117,10 @@ pub struct ModelRunFailure {
 pub struct ModelWork {
     /// Name of the model; null where the service was started without one.
     pub model: Option<String>,
-    /// Tasks that nobody has begun and that no model has drafted. While a run of drafts goes on: those of it that were
-    /// not tried yet; while one of judgments does, counted at most 10 s ago.
+    /// Tasks that nobody has started and no model has drafted. During a run of drafts: its tasks that were not tried
+    /// yet; during a run of judgments: a count that is at most 10 s old.
     pub to_draft: i64,
-    /// Labels that were handed in and that no model has judged as they are; while a run goes on, as `to_draft`.
+    /// Submitted labels that no model has judged in their current form; during a run as for `to_draft`.
     pub to_judge: i64,
     /// Runs, newest first, at most ten.
     pub runs: Vec<ModelRun>,
@@ -132,8 +132,8 @@ pub struct ModelWork {
 pub struct NewModelRun {
     /// What it does.
     pub kind: ModelRunKind,
-    /// Only these tasks (ids, at most 500), also those that a model has drafted or judged before; without it all that
-    /// wait.
+    /// Only these tasks (ids, at most 500), including those that a model has drafted or judged before; default: all
+    /// that wait.
     #[serde(default)]
     pub tasks: Option<Vec<String>>,
 }
@@ -146,20 +146,20 @@ pub struct StopModelRun {
     pub run: String,
 }
 
-/// What a model said of a task's label, as a checker may see it.
+/// Judgment of a task's label by a model, as far as a checker may see it.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Judgement {
     /// Name of the model.
     pub model: String,
     /// When.
     pub at: i64,
-    /// The label was changed since.
+    /// The label was changed after the judgment.
     pub outdated: bool,
-    /// The label was drawn for people: they answer the same questions.
+    /// The label was drawn for people, who answer the same questions.
     pub for_people: bool,
-    /// The caller may answer now. Until then the questions come without the model's answers.
+    /// The caller may answer now. Before that the questions have no answers of the model.
     pub asks: bool,
-    /// The model's answers are withheld from who may yet have to answer.
+    /// The model's answers are withheld from users who may still have to answer.
     pub withheld: bool,
     /// The questions with the model's answers.
     pub questions: Vec<Question>,
@@ -177,16 +177,16 @@ pub struct JudgementAnswers {
     pub answers: BTreeMap<String, bool>,
 }
 
-/// What the judge made of a project's labels, and how far it agrees with people.
+/// The judge's results for a project's labels, and its agreement with people.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct JudgeReport {
     /// Labels that were judged.
     pub judged: i64,
-    /// Of these without a fault.
+    /// Of these, without an error.
     pub passed: i64,
-    /// Of these drawn for people.
+    /// Of these, drawn for people.
     pub for_people: i64,
-    /// Of these answered by people.
+    /// Of these, answered by people.
     pub answered: i64,
     /// Agreement by kind of question, then `all`; empty without answers of people.
     pub kinds: Vec<JudgeAgreement>,
@@ -199,14 +199,14 @@ pub struct JudgeAgreement {
     pub kind: String,
     /// Pairs of answers.
     pub answers: i64,
-    /// Share that is the same, 0 to 1.
+    /// Share of equal answers, 0 to 1.
     pub same: Option<f64>,
     /// Its 95 % interval.
     pub same_interval: Option<[f64; 2]>,
     /// Cohen's kappa; null where chance alone would explain all agreement.
     pub kappa: Option<f64>,
-    /// Only the judge finds a fault.
+    /// Only the judge finds an error.
     pub only_judge: i64,
-    /// Only people find a fault.
+    /// Only people find an error.
     pub only_people: i64,
 }

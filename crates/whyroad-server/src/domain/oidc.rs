@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BeginAtProvider {
-    /// `sign_in`, or `link` for who is signed in and wants to sign in this way too.
+    /// `sign_in`, or `link` for a signed-in user who wants to sign in this way, too.
     pub purpose: Purpose,
 }
 
-/// Where to go.
+/// Where the browser must go.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct ProviderAddress {
     /// Address at the provider. It sends the browser back to `/oidc/callback` of this service, whose query goes to
@@ -25,13 +25,13 @@ pub struct ProviderAddress {
 pub struct SignedOut {
     /// Always true.
     pub done: bool,
-    /// Where to sign out at the identity provider too, if the session began there: else whoever comes next at this
-    /// machine can sign in there as the same person.
+    /// Address for signing out at the identity provider, too, if the session began there; otherwise the next person at
+    /// this computer can sign in there as the same user.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provider_sign_out: Option<String>,
 }
 
-/// A person of an identity provider who is a user here.
+/// A person of an identity provider who is linked to a user here.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Identity {
     /// Id.
@@ -47,7 +47,7 @@ pub struct Identity {
     pub seen: i64,
 }
 
-/// Many of them.
+/// List of identities.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Identities {
     /// By when they were linked.

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 /// Answer of `GET /session`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Session {
-    /// Who is signed in; null for nobody.
+    /// The signed-in user; null if nobody is.
     pub user: Option<User>,
-    /// Value for the header `x-csrf-token` of everything but GET.
+    /// Value for the header `x-csrf-token` of all methods except GET.
     pub csrf: String,
-    /// True while there is no user at all: `POST /setup` makes the first one.
+    /// True while there is no user: `POST /setup` creates the first one.
     pub first_run: bool,
-    /// Name of the identity provider at which one can sign in too: `POST /oidc/begin`.
+    /// Name of the identity provider at which users can also sign in: `POST /oidc/begin`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provider: Option<String>,
 }
@@ -26,13 +26,13 @@ pub struct User {
     pub name: String,
     /// Name to show.
     pub display: String,
-    /// May make projects and users, and is lead everywhere.
+    /// May create projects and users, and is lead everywhere.
     pub admin: bool,
     /// `zh` or `en`.
     pub lang: String,
     /// May no longer sign in.
     pub disabled: bool,
-    /// E-mail address, which links to a person of the identity provider; shown to admins and to the user.
+    /// E-mail address, which links the user to a person of the identity provider; shown to admins and to the user.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub email: Option<String>,
 }
@@ -60,7 +60,7 @@ pub struct Setup {
     /// `zh` or `en`.
     #[serde(default)]
     pub lang: Option<String>,
-    /// The token that the service printed when it started, where it listens beyond its own machine.
+    /// The token that the service printed at its start, if it listens on more than its own machine.
     #[serde(default)]
     pub token: Option<String>,
 }
@@ -74,14 +74,14 @@ pub struct NewUser {
     /// Name to show.
     #[serde(default)]
     pub display: Option<String>,
-    /// Password, at least 10 characters; none for who signs in at the identity provider only, and then has an e-mail
+    /// Password, at least 10 characters; absent for users who sign in only at the identity provider, who need an e-mail
     /// address.
     #[serde(default)]
     pub password: Option<String>,
-    /// E-mail address: the person of the identity provider who has it, verified, is this user.
+    /// E-mail address: the person of the identity provider with this verified address is this user.
     #[serde(default)]
     pub email: Option<String>,
-    /// May make projects and users.
+    /// May create projects and users.
     #[serde(default)]
     pub admin: bool,
     /// `zh` or `en`.
@@ -89,8 +89,8 @@ pub struct NewUser {
     pub lang: Option<String>,
 }
 
-/// Body of `PATCH /users/{u}`: what is given is changed. Everybody may change their own display name, language and,
-/// with the present one, their password.
+/// Body of `PATCH /users/{u}`: changes the fields that are given. Users may change their own display name and language,
+/// and their password if they give the current one.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UserChange {
@@ -103,10 +103,10 @@ pub struct UserChange {
     /// New password; ends all sessions and API tokens of the user.
     #[serde(default)]
     pub password: Option<String>,
-    /// Present password, where the user changes their own.
+    /// Current password, if users change their own.
     #[serde(default)]
     pub present_password: Option<String>,
-    /// Admin only: e-mail address; empty for none.
+    /// Admin only: e-mail address; empty removes it.
     #[serde(default)]
     pub email: Option<String>,
     /// Admin only.
@@ -117,7 +117,7 @@ pub struct UserChange {
     pub disabled: Option<bool>,
 }
 
-/// Many users.
+/// List of users.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Users {
     /// By name.
@@ -130,27 +130,27 @@ pub struct Users {
 pub struct NewToken {
     /// What it is for.
     pub name: String,
-    /// What it may do; `write` when not given.
+    /// Scope; default `write`.
     #[serde(default)]
     pub scope: TokenScope,
-    /// Days until it expires, 1 to 365; 90 when not given.
+    /// Days until it expires, 1 to 365; default 90.
     #[serde(default)]
     pub days: Option<u32>,
 }
 
-/// What an API token may do. None may make tokens, change accounts or unlink identities: that needs a session.
+/// Scope of an API token. No token can create tokens, change accounts or unlink identities: that requires a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum TokenScope {
-    /// Reading calls.
+    /// Read calls.
     Read,
-    /// All that its user may do, but for accounts.
+    /// Everything that its user may do, except for account changes.
     #[default]
     Write,
 }
 
 impl TokenScope {
-    /// The word that the store has for it.
+    /// Its value in the store.
     pub fn word(self) -> &'static str {
         match self {
             Self::Read => "read",
@@ -158,22 +158,22 @@ impl TokenScope {
         }
     }
 
-    /// The scope of this word; what is unknown may only read.
+    /// The scope with this value; an unknown value may only read.
     pub fn from_word(word: &str) -> Self {
         if word == "write" { Self::Write } else { Self::Read }
     }
 }
 
-/// An API token; its text is only in the answer to its making.
+/// An API token; its text is only in the response to its creation.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Token {
     /// Id.
     pub id: String,
     /// What it is for.
     pub name: String,
-    /// What it may do.
+    /// Its scope.
     pub scope: TokenScope,
-    /// When it was made.
+    /// When it was created.
     pub created: i64,
     /// When it expires.
     pub expires: i64,
@@ -182,14 +182,14 @@ pub struct Token {
     pub token: Option<String>,
 }
 
-/// Many tokens.
+/// List of tokens.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Tokens {
     /// Of one user.
     pub items: Vec<Token>,
 }
 
-/// Nothing else to say.
+/// Response without data.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Done {
     /// Always true.
@@ -212,7 +212,7 @@ pub struct ProblemBody {
     pub detail_zh: String,
     /// In English.
     pub detail_en: String,
-    /// More that belongs to it: findings, conflicts, seconds to wait.
+    /// Additional data: findings, conflicts, seconds to wait.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub more: Option<serde_json::Value>,
 }

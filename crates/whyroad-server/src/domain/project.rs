@@ -17,15 +17,15 @@ pub struct Project {
     pub name: String,
     /// Label guide, plain text.
     pub guide: String,
-    /// Labels wanted, by leaf.
+    /// Target number of labels, by L3 class.
     pub quota: BTreeMap<String, u32>,
-    /// How it runs.
+    /// Settings.
     pub settings: Settings,
     /// The caller's roles in it.
     pub roles: Vec<Role>,
 }
 
-/// How a project runs.
+/// Settings of a project.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
@@ -37,47 +37,47 @@ pub struct Settings {
     pub audit_max_percent: u32,
     /// Language of drafts: `zh` or `en`.
     pub lang: String,
-    /// What bars somebody from the Stage I of a task.
+    /// Condition that excludes a user from Stage I of a task.
     pub history: HistoryRule,
-    /// How exactly Stage I names the class of a task.
+    /// How precisely Stage I shows the class of a task.
     pub stage1_class: Stage1Class,
-    /// Precision of places, m: scenes are given relative to the corner of a square of this size, and not where that is.
-    /// 0 for positions as recorded.
+    /// Precision of locations, m: scenes are given relative to the corner of a square of this size, without the
+    /// position of that corner. 0 for recorded positions.
     pub place_precision_m: u32,
-    /// Gold labels that an annotator hands in before being judged; 0 where no qualification is asked for.
+    /// Gold labels that an annotator submits before being judged; 0 for no qualification.
     pub gold_labels: u32,
-    /// Mean agreement with gold answers that qualifies, in percent. Who is not qualified is audited at the maximum
-    /// rate.
+    /// Minimum mean agreement with gold answers for qualification, in percent. Annotators who are not qualified are
+    /// audited at the maximum rate.
     pub gold_percent: u32,
     /// Days after which finished tasks are removed with their labels; 0 to keep them.
     pub retention_days: u32,
-    /// Cost of an hour of work, for the cost per accepted label; null is unknown.
+    /// Cost of an hour of work, for the cost per accepted label; null if unknown.
     pub hourly_rate: Option<f64>,
-    /// Currency of the rate, as it is to be shown.
+    /// Currency of the rate, for display.
     pub currency: String,
 }
 
-/// What somebody may have seen of a drive and still do the Stage I of a task of it.
+/// What a user may have seen of a drive and still do Stage I of one of its tasks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum HistoryRule {
-    /// Nothing after the task's keyframe, in whichever task.
+    /// Nothing after the task's keyframe, in any task.
     #[default]
     Drive,
     /// Nothing after the keyframe in a task of the same episode. For small teams and short drives, where the same few
-    /// people see all of a drive sooner or later.
+    /// people eventually see all of a drive.
     Episode,
 }
 
-/// How exactly Stage I names the class of a task.
+/// How precisely Stage I shows the class of a task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Stage1Class {
-    /// By its leaf.
+    /// The L3 class.
     #[default]
     Leaf,
-    /// By its L2, where a leaf of that L2 has a name that reveals the outcome. What depends on the leaf (specification,
-    /// signals, target, range, drafted components) is then withheld until Stage I is locked.
+    /// The L2 class, if an L3 class of that L2 has a name that reveals the outcome. Everything that depends on the L3
+    /// class (specification, signals, target, range, drafted components) is then withheld until Stage I is locked.
     L2,
 }
 
@@ -101,31 +101,31 @@ impl Default for Settings {
     }
 }
 
-/// What there is to do in a project.
+/// Pending work in a project.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Work {
-    /// Tasks by state; empty for those who are not staff.
+    /// Tasks by state; empty for users who are not staff.
     pub by_state: BTreeMap<String, i64>,
-    /// All tasks; 0 for those who are not staff.
+    /// All tasks; 0 for users who are not staff.
     pub total: i64,
-    /// Tasks with an open question to the lead; 0 for those who are not staff.
+    /// Tasks with an open question to the lead; 0 for users who are not staff.
     pub asked: i64,
-    /// Tasks of overlap groups that are still to be adjudicated; 0 for those who do not lead.
+    /// Tasks of overlap groups that are still to be adjudicated; 0 for users who are not leads.
     pub disagreeing: i64,
-    /// Tasks whose drafts are still being made in the background; 0 for those who are not staff.
+    /// Tasks whose drafts are still being created in the background; 0 for users who are not staff.
     pub pending: i64,
-    /// The caller's own.
+    /// The caller's own tasks.
     pub mine: MyWork,
 }
 
 /// The tasks of one annotator in a project.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct MyWork {
-    /// Sent back, to be changed.
+    /// Returned for rework.
     pub returned: i64,
-    /// Begun and not submitted.
+    /// Started and not submitted.
     pub begun: i64,
-    /// Assigned and not begun.
+    /// Assigned and not started.
     pub assigned: i64,
     /// Submitted, not accepted yet.
     pub waiting: i64,
@@ -135,7 +135,7 @@ pub struct MyWork {
     pub submitted_today: i64,
 }
 
-/// Many projects.
+/// List of projects.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Projects {
     /// By name.
@@ -151,15 +151,15 @@ pub struct NewProject {
     /// Label guide.
     #[serde(default)]
     pub guide: String,
-    /// Labels wanted, by leaf.
+    /// Target number of labels, by L3 class.
     #[serde(default)]
     pub quota: BTreeMap<String, u32>,
-    /// How it runs.
+    /// Settings.
     #[serde(default)]
     pub settings: Settings,
 }
 
-/// Body of `PATCH /projects/{p}`: what is given is changed.
+/// Body of `PATCH /projects/{p}`: changes the fields that are given.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProjectChange {
@@ -169,10 +169,10 @@ pub struct ProjectChange {
     /// Label guide.
     #[serde(default)]
     pub guide: Option<String>,
-    /// Labels wanted, by leaf.
+    /// Target number of labels, by L3 class.
     #[serde(default)]
     pub quota: Option<BTreeMap<String, u32>>,
-    /// How it runs.
+    /// Settings.
     #[serde(default)]
     pub settings: Option<Settings>,
 }
@@ -180,13 +180,13 @@ pub struct ProjectChange {
 /// A member of a project.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Member {
-    /// Who.
+    /// User.
     pub user: User,
-    /// May do what.
+    /// Roles.
     pub roles: Vec<Role>,
-    /// Classes (full ids or prefixes of them) that the queue gives this member; empty for all.
+    /// Classes (full ids or prefixes of them) that the queue gives to this member; empty for all.
     pub skills: Vec<String>,
-    /// Languages of the tasks that the queue gives this member, `zh`, `en`; empty for that of their page.
+    /// Languages of the tasks that the queue gives to this member, `zh`, `en`; empty for the language of their page.
     pub languages: Vec<String>,
 }
 
@@ -203,29 +203,29 @@ pub struct Members {
 pub struct MemberChange {
     /// Name or id of the user.
     pub user: String,
-    /// May do what.
+    /// Roles.
     pub roles: Vec<Role>,
-    /// Classes that the queue gives this member; empty for all.
+    /// Classes that the queue gives to this member; empty for all.
     #[serde(default)]
     pub skills: Vec<String>,
-    /// Languages of the tasks that the queue gives this member, empty for that of their page; as they are when not
-    /// given.
+    /// Languages of the tasks that the queue gives to this member, empty for the language of their page; unchanged if
+    /// absent.
     #[serde(default)]
     pub languages: Option<Vec<String>>,
 }
 
-/// How a project goes.
+/// Progress of a project.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Dashboard {
     /// Tasks by state.
     pub by_state: BTreeMap<String, i64>,
     /// Submissions and checks by day (UTC) and person.
     pub throughput: Vec<Throughput>,
-    /// Unfinished tasks that have not moved for longest, at most 20.
+    /// Unfinished tasks with the oldest last change, at most 20.
     pub ageing: Vec<Ageing>,
-    /// How far people agree on overlaps.
+    /// Agreement on overlaps.
     pub agreement: Agreement,
-    /// Labels by leaf against the quota; leaves that are wanted or have a task.
+    /// Labels by L3 class against the quota; only classes with a quota or a task.
     pub coverage: Vec<Coverage>,
     /// Audit outcome by author.
     pub audit: Vec<AuditRecord>,
@@ -236,11 +236,11 @@ pub struct Dashboard {
 /// The analytics of a project.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct AnalyticsPage {
-    /// A piece of a page in both languages, with its own style and without script; `html[lang]` decides what is seen.
+    /// An HTML fragment in both languages, with its own style and without scripts; `html[lang]` selects the language.
     pub html: String,
 }
 
-/// What somebody did on a day.
+/// Number of actions of one user on one day.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Throughput {
     /// `2026-11-21`.
@@ -249,11 +249,11 @@ pub struct Throughput {
     pub user: String,
     /// `submit`, `accept` or `send_back`.
     pub action: String,
-    /// How many.
+    /// Number of actions.
     pub count: i64,
 }
 
-/// A task that has not moved for long.
+/// A task without a recent change.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Ageing {
     /// Task.
@@ -262,14 +262,14 @@ pub struct Ageing {
     pub scenario_id: String,
     /// State.
     pub state: String,
-    /// Whose it is.
+    /// Display name of the user who has it.
     pub user: Option<String>,
-    /// Hours since it last moved.
+    /// Hours since its last change.
     pub hours: f64,
 }
 
-/// Agreement on tasks that several people labeled, as first submitted. Kappas are null where there is too little to
-/// compare, or where chance alone would explain all agreement.
+/// Agreement on tasks that several people labeled, as first submitted. Kappas are null if there is too little data, or
+/// if chance alone would explain all agreement.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Agreement {
     /// Pairs of labels compared.
@@ -278,7 +278,7 @@ pub struct Agreement {
     pub longitudinal_kappa: Option<f64>,
     /// The same of the lateral decision with its direction.
     pub lateral_kappa: Option<f64>,
-    /// Episodes with two labels or more.
+    /// Episodes with two or more labels.
     pub groups: u32,
     /// Fleiss' kappa of the longitudinal decision over these episodes.
     pub longitudinal_fleiss: Option<f64>,
@@ -286,9 +286,9 @@ pub struct Agreement {
     pub lateral_fleiss: Option<f64>,
     /// Median distance of the keyframes of a pair, s.
     pub keyframe_median_s: Option<f64>,
-    /// Greatest distance, s.
+    /// Maximum distance, s.
     pub keyframe_worst_s: Option<f64>,
-    /// By two people.
+    /// By pair of people.
     pub by_pair: Vec<PairAgreement>,
 }
 
@@ -305,18 +305,18 @@ pub struct PairAgreement {
     pub lateral_kappa: Option<f64>,
 }
 
-/// A leaf against its quota.
+/// An L3 class against its quota.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Coverage {
-    /// Leaf.
+    /// L3 class.
     pub leaf: String,
     /// Episodes with an accepted label.
     pub have: i64,
-    /// Wanted.
+    /// Target number.
     pub quota: i64,
-    /// Episodes of it in this project, whatever their state: what mining gave.
+    /// Its episodes in this project in any state: the number of mined ones.
     pub mined: i64,
-    /// Wanted and not even mined.
+    /// Target number minus mined episodes.
     pub shortfall: i64,
 }
 
@@ -327,9 +327,9 @@ pub struct AuditRecord {
     pub author: String,
     /// Labels audited.
     pub audited: i64,
-    /// Of these sent back.
+    /// Of these, returned.
     pub failed: i64,
-    /// Share of this author's labels that is audited now, in percent.
+    /// Current audit rate of this author's labels, in percent.
     pub share_percent: f64,
 }
 
@@ -338,21 +338,21 @@ pub struct AuditRecord {
 pub struct Webhook {
     /// Id.
     pub id: String,
-    /// Where to.
+    /// Target URL.
     pub url: String,
     /// Actions to announce (`submit`, `accept`, ...); empty for all.
     pub events: Vec<String>,
-    /// Messages that were not delivered yet.
+    /// Messages that are not delivered yet.
     pub pending: i64,
-    /// How often the message that was tried most was not taken.
+    /// Number of failed attempts for the message with the most attempts.
     pub failures: i64,
-    /// When a message was last delivered, ms since 1970; absent when none was, 0 when this was not kept yet.
+    /// When a message was last delivered, ms since 1970; absent if none was, 0 if it was before this was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_delivery: Option<i64>,
     /// When the next message is due, ms since 1970.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub next_try: Option<i64>,
-    /// What went wrong last.
+    /// The last error.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_error: Option<Bilingual>,
     /// Key of the signature; shown once.

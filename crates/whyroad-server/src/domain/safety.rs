@@ -14,10 +14,10 @@ pub struct SafetyRequest {
     pub fence: i64,
     /// `unsafe` also rejects the task.
     pub answer: SafetyAnswer,
-    /// Why; `unsafe` needs one.
+    /// Reasons; required for `unsafe`.
     #[serde(default)]
     pub reasons: Vec<SafetyReason>,
-    /// In words; the reason `other` needs it.
+    /// Explanation; required for the reason `other`.
     #[serde(default)]
     pub note: Option<String>,
 }
@@ -26,28 +26,28 @@ pub struct SafetyRequest {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SafetyReason {
-    /// It touches something.
+    /// The ego touches something.
     Collision,
-    /// It passes a red light or a stop sign.
+    /// The ego passes a red light or a stop sign.
     RanSignal,
-    /// It drives faster than allowed.
+    /// The ego drives faster than allowed.
     Speeding,
-    /// It drives against the traffic.
+    /// The ego drives against the direction of traffic.
     WrongWay,
-    /// It crosses a solid line.
+    /// The ego crosses a solid line.
     SolidLine,
-    /// It does not give way where it must.
+    /// The ego does not yield where it must.
     FailedToYield,
-    /// It keeps too little distance.
+    /// The ego keeps too little distance.
     UnsafeGap,
-    /// It brakes, accelerates or steers hard without need.
+    /// The ego brakes, accelerates or steers hard without need.
     HarshManeuver,
-    /// Something else, which the note says.
+    /// Another reason, which the note states.
     Other,
 }
 
 impl SafetyReason {
-    /// All, in the order of the page.
+    /// All reasons, in the order of the page.
     pub const ALL: [Self; 9] = [
         Self::Collision,
         Self::RanSignal,
@@ -75,7 +75,7 @@ impl SafetyReason {
         }
     }
 
-    /// The name that people read.
+    /// The name for people.
     pub fn name(self) -> Bilingual {
         let (zh, en) = match self {
             Self::Collision => ("碰撞", "collision"),
@@ -95,9 +95,9 @@ impl SafetyReason {
 /// Answers of the safety filter in a project.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct SafetyCounts {
-    /// Tasks found safe.
+    /// Tasks answered as safe.
     pub safe: i64,
-    /// Tasks found unsafe, and so rejected.
+    /// Tasks answered as unsafe, and so rejected.
     #[serde(rename = "unsafe")]
     pub unsafe_: i64,
     /// How often each reason was given, by its id.

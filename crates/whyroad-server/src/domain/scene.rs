@@ -1,4 +1,4 @@
-//! What a drive looks like from the labeling screen. Columns have one value a frame of `times`; null is unknown.
+//! A drive as shown on the labeling screen. Columns have one value per frame of `times`; null is unknown.
 
 use super::workflow::Stage;
 use schemars::JsonSchema;
@@ -10,18 +10,18 @@ use whyroad_model::Bilingual;
 /// Numbers of one column; null is unknown.
 pub type Numbers = Vec<Option<f64>>;
 
-/// The scene of a task as far as it may be seen.
+/// The scene of a task, as far as it may be shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SceneView {
     /// How much is shown.
     pub stage: Stage,
-    /// Nominal frames a second.
+    /// Nominal frames per second.
     pub frame_rate: f64,
-    /// Moments, ISO 8601, only up to what may be seen.
+    /// Times, ISO 8601, only of the frames that may be shown.
     pub times: Vec<String>,
-    /// The same in seconds from the suggested keyframe.
+    /// The same times in seconds from the suggested keyframe.
     pub t_s: Vec<f64>,
-    /// Frame number in the clip of each moment; negative before the clip.
+    /// Frame number in the clip of each time; negative before the clip.
     pub clip_frames: Vec<i64>,
     /// Index into `times` of the suggested keyframe.
     pub keyframe_index: usize,
@@ -36,28 +36,28 @@ pub struct SceneView {
     /// Camera frames.
     pub cameras: Vec<CameraView>,
     /// Signals of the rule and of the plots by name, of the ego or of the rule's target: numbers, truth values or
-    /// words. In a column of numbers the word `none` is what is known not to be there (no lead, no conflict: endless).
+    /// category names. In a column of numbers, `none` means known to be absent (no lead, no conflict: infinite).
     pub signals: BTreeMap<String, Vec<Value>>,
-    /// What each of `signals` is.
+    /// Description of each of `signals`.
     pub about: BTreeMap<String, SignalAbout>,
     /// `stage2` while the future is withheld.
     pub hidden_until: Option<String>,
 }
 
-/// What a signal is: how to read its column.
+/// Description of a signal: how to read its column.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SignalAbout {
-    /// What values it has.
+    /// Type of its values.
     pub kind: SignalKind,
-    /// Unit of its numbers, a base unit (`m`, `m/s2`, `rad`); null for pure numbers, truth values and words.
+    /// Unit of its numbers, a base unit (`m`, `m/s2`, `rad`); null for pure numbers, truth values and categories.
     pub unit: Option<String>,
-    /// What it is called.
+    /// Its title.
     pub title: Bilingual,
-    /// What it means.
+    /// Its meaning.
     pub meaning: Bilingual,
 }
 
-/// What values a signal has.
+/// Type of a signal's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum SignalKind {
@@ -65,11 +65,11 @@ pub enum SignalKind {
     Number,
     /// True or false.
     Flag,
-    /// Words.
+    /// Category names.
     Category,
 }
 
-/// The ego, a value a moment in each column.
+/// The ego, one value per time in each column.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EgoView {
     /// Box length and width, m.
@@ -113,7 +113,7 @@ pub struct TrackView {
     pub heading: Numbers,
     /// m/s over ground.
     pub speed: Numbers,
-    /// Share of it that the ego sees, 0 to 1.
+    /// Share of it that is visible to the ego, 0 to 1.
     pub visible: Numbers,
 }
 
@@ -124,18 +124,18 @@ pub struct LightView {
     pub lane_id: String,
     /// Lane after it, where movements are distinguished.
     pub to_lane_id: Option<String>,
-    /// Index into `times` from which it is so; 0 for what began before.
+    /// Index into `times` from which on it has this state; 0 for a state that began before.
     pub t_index: usize,
     /// `red`, `yellow`, `green`, ...
     pub colour: String,
 }
 
-/// Meta actions, a word a moment.
+/// Meta actions, one per time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MetaView {
-    /// Along the path.
+    /// Longitudinal.
     pub longitudinal: Vec<Option<String>>,
-    /// Across it.
+    /// Lateral.
     pub lateral: Vec<Option<String>>,
 }
 
@@ -157,11 +157,11 @@ pub struct CameraFrame {
     pub t_index: usize,
     /// Seconds from the suggested keyframe.
     pub t_s: f64,
-    /// Where to get it.
+    /// Its address.
     pub url: String,
 }
 
-/// The road around the keyframe (in Stage I) or around the shown drive.
+/// The map around the keyframe (in Stage I) or around the shown drive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MapView {
     /// Lanes, by id.
@@ -195,7 +195,7 @@ pub struct LaneView {
     pub left_mark: String,
     /// Mark on the right edge.
     pub right_mark: String,
-    /// Who it is for.
+    /// Its users.
     pub kind: String,
     /// Inside a junction.
     pub in_junction: bool,
@@ -206,7 +206,7 @@ pub struct LaneView {
 pub struct Shape {
     /// Id.
     pub id: String,
-    /// What it is, where that is not plain.
+    /// Its kind, where the list has several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<String>,
     /// [x, y] in m.
@@ -215,13 +215,13 @@ pub struct Shape {
 
 fn shift(values: &mut Numbers, by: f64) {
     for value in values.iter_mut().flatten() {
-        // As exact as it was sent before.
+        // The same precision as before.
         *value = ((*value - by) * 1e3).round() / 1e3;
     }
 }
 
 impl SceneView {
-    /// Gives positions relative to `corner`, m.
+    /// Makes positions relative to `corner`, m.
     pub fn shift(&mut self, [x, y]: [f64; 2]) {
         if let Some(ego) = &mut self.ego {
             shift(&mut ego.x, x);
@@ -235,7 +235,7 @@ impl SceneView {
 }
 
 impl MapView {
-    /// Gives positions relative to `corner`, m.
+    /// Makes positions relative to `corner`, m.
     pub fn shift(&mut self, [x, y]: [f64; 2]) {
         let moved = |points: &mut Vec<[f64; 2]>| {
             for p in points {

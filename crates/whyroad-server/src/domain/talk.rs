@@ -1,4 +1,4 @@
-//! What is said about a task: its history and comments on its fields.
+//! The history of a task and comments on its fields.
 
 use crate::domain::workflow::State;
 use schemars::JsonSchema;
@@ -23,7 +23,7 @@ pub struct HistoryEntry {
     pub seq: i64,
     /// When.
     pub at: i64,
-    /// Display name of who did it.
+    /// Display name of the user who did it.
     pub actor: String,
     /// `create`, `take`, `edit`, `submit`, ...
     pub action: String,
@@ -33,7 +33,7 @@ pub struct HistoryEntry {
     pub to_state: Option<State>,
     /// The changed fields of an edit.
     pub changes: Vec<FieldChange>,
-    /// The values that these fields had before, in the same order; null where there was none.
+    /// The previous values of these fields, in the same order; null where there was none.
     pub before: Vec<Value>,
     /// Reason given.
     pub comment: Option<String>,
@@ -41,7 +41,7 @@ pub struct HistoryEntry {
     pub version: i64,
 }
 
-/// The draft as it was.
+/// An earlier version of the draft.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct DraftAt {
     /// Entry of the history.
@@ -57,7 +57,7 @@ pub struct Comment {
     pub id: String,
     /// JSON pointer of the field; empty for the whole label.
     pub path: String,
-    /// Display name of who wrote it.
+    /// Display name of the author.
     pub author: String,
     /// Plain text.
     pub text: String,

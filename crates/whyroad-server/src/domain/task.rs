@@ -1,4 +1,4 @@
-//! Tasks, leases, drafts, actions, and what pickers offer.
+//! Tasks, leases, drafts, actions, and data for pickers.
 
 pub use super::{making::*, talk::*};
 
@@ -13,7 +13,7 @@ use whyroad_label::merge::{FieldChange, FieldConflict};
 use whyroad_model::Bilingual;
 use whyroad_model::messages::{Keyframe, MatchedCondition};
 
-/// A task in a list. Says nothing of what comes after its keyframe.
+/// A task in a list. It contains nothing from after its keyframe.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct TaskSummary {
     /// Id.
@@ -28,29 +28,29 @@ pub struct TaskSummary {
     pub scenario_id: String,
     /// State.
     pub state: State,
-    /// How much may be seen.
+    /// How much may be shown.
     pub stage: Stage,
-    /// Greater is sooner.
+    /// Higher values come first.
     pub priority: i64,
-    /// Display name of who holds or is to have it.
+    /// Display name of the user who holds it or is assigned to it.
     pub assigned_to: Option<String>,
     /// Display name of its author.
     pub author: Option<String>,
     /// Display name of its checker.
     pub checker: Option<String>,
-    /// End of the lease, where one holds it.
+    /// End of the lease, if there is one.
     pub lease_until: Option<i64>,
     /// Several people label the same episode independently.
     pub overlap: bool,
     /// Outcome of adjudication: `chosen` or `superseded`.
     pub adjudication: Option<String>,
-    /// When it last moved.
+    /// When it last changed.
     pub updated: i64,
-    /// Somebody asks the lead about it, and the lead has not answered.
+    /// It has a question to the lead that is not answered.
     pub asks_lead: bool,
-    /// The labels of its overlap group disagree about the decision, and none was chosen yet; said to leads.
+    /// The labels of its overlap group disagree about the decision, and none was chosen yet; set for leads only.
     pub disagrees: bool,
-    /// Address of a small picture of its keyframe, where the caller may see one.
+    /// Address of a thumbnail of its keyframe, if the caller may see one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thumbnail: Option<String>,
 }
@@ -58,63 +58,63 @@ pub struct TaskSummary {
 /// A page of tasks.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Tasks {
-    /// By priority, then age, or as `sort` says.
+    /// By priority, then age, or by `sort`.
     pub items: Vec<TaskSummary>,
-    /// Number of tasks that the filter lets through; on the first page only.
+    /// Number of tasks that match the filter; on the first page only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub total: Option<i64>,
-    /// Value for `cursor`, where there are more.
+    /// Value for `cursor`, if there are more.
     pub next: Option<String>,
 }
 
-/// One task with all that may be seen of it.
+/// One task with everything that may be shown of it.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Task {
-    /// In short.
+    /// Summary.
     pub task: TaskSummary,
-    /// The label in the making (`CocLabel`); in Stage I only the fields of Stage I.
+    /// The draft of the label (`CocLabel`); in Stage I only the fields of Stage I.
     pub draft: Value,
-    /// Raised by each change of the draft: `base_version` of the next one.
+    /// Increased by each change of the draft: `base_version` of the next one.
     pub version: i64,
-    /// How much may be seen.
+    /// How much may be shown.
     pub stage: Stage,
-    /// The caller's fencing token, where the caller holds the lease.
+    /// The caller's fencing token, if the caller holds the lease.
     pub fence: Option<i64>,
     /// End of the caller's lease.
     pub lease_until: Option<i64>,
-    /// What is to be done for this class; null for a class without a spec.
+    /// Labeling spec of its class; null for a class without a spec.
     #[schemars(with = "Option<Value>")]
     #[serde(skip_deserializing)]
     pub spec: Option<ResolvedSpec>,
-    /// What the rule proposes.
+    /// The rule's proposal.
     pub suggestion: Suggestion,
-    /// Name of the model that drafted the label; null where a rule or a person did.
+    /// Name of the model that drafted the label; null if a rule or a person did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drafted_by: Option<String>,
-    /// What a model says of the label that was handed in; for checkers, auditors and leads.
+    /// A model's judgment of the submitted label; for checkers, auditors and leads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub judgement: Option<Judgement>,
     /// Comments; other people's only after Stage I.
     pub comments: Vec<Comment>,
     /// Entries of the history that the caller may see.
     pub history_count: i64,
-    /// What the checker finds in the draft as it may be seen.
+    /// Findings of the checker in the draft as far as it may be shown.
     pub findings: Vec<Finding>,
-    /// Why the caller cannot take the task now; null for who holds it, for who can take it, and where it is finished.
+    /// Why the caller cannot take the task now; null for the holder, for users who can take it, and if it is finished.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub take_refused: Option<Bilingual>,
-    /// What the caller may do now: actions, `edit`, `comment`, `assign`, `adjudicate`.
+    /// Actions that the caller may do now: workflow actions, `edit`, `comment`, `assign`, `adjudicate`.
     pub permissions: Vec<String>,
-    /// In rework and check: fields that differ from what was first suggested.
+    /// In rework and check: fields that differ from the first suggestion.
     pub changed_from_suggestion: Vec<String>,
 }
 
-/// Keyframe and range by the rule.
+/// Keyframe and range from the rule.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Suggestion {
     /// The keyframe; in Stage I without the end of its range.
     pub keyframe: Keyframe,
-    /// The second keyframe, of classes that have two; withheld in Stage I.
+    /// The second keyframe, for classes with two; withheld in Stage I.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_keyframe: Option<Keyframe>,
     /// Start of the range.
@@ -123,7 +123,7 @@ pub struct Suggestion {
     pub range_end: Option<String>,
     /// The target of the rule.
     pub target_id: Option<String>,
-    /// Conditions with their values; withheld in Stage I (signals may look ahead).
+    /// Conditions with their values; withheld in Stage I (signals may use later frames).
     pub conditions: Vec<MatchedCondition>,
     /// Signals that the rule reads.
     pub signals: Vec<String>,
@@ -172,29 +172,29 @@ pub enum WorkKind {
 /// Why `tasks:next` has nothing for the caller.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct QueueState {
-    /// Each reason that holds for some waiting task; none when there is something to take after all.
+    /// Each reason that applies to some waiting task; empty if a task has become available in the meantime.
     pub reasons: Vec<QueueReason>,
 }
 
-/// A reason why a task that waits is not for somebody, or why none waits.
+/// A reason why a waiting task is not available to a user, or why none waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum QueueReason {
     /// The caller does not have the role for this kind of work.
     Role,
-    /// The project has no task at all.
+    /// The project has no tasks.
     NoTasks,
     /// No task waits for this kind of work.
     Finished,
-    /// Somebody else holds it now.
+    /// Another user holds it now.
     Held,
-    /// It is assigned to somebody else.
+    /// It is assigned to another user.
     Assigned,
     /// Its draft is in another language.
     Language,
     /// It is of a class that the caller does not label.
     Classes,
-    /// The caller was shown what comes after its keyframe.
+    /// The caller has seen what comes after its keyframe.
     FutureSeen,
     /// The caller labels another copy of the same episode.
     OverlapTwice,
@@ -213,34 +213,34 @@ pub enum QueueReason {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LeaseRequest {
-    /// What about it.
+    /// The action.
     pub action: LeaseAction,
     /// For heartbeat and release.
     #[serde(default)]
     pub fence: Option<i64>,
-    /// For release: why it is given back; the history keeps it.
+    /// For release: why it is returned to the queue; kept in the history.
     #[serde(default)]
     pub reason: Option<String>,
 }
 
-/// What about a lease.
+/// Action on a lease.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum LeaseAction {
-    /// Have it.
+    /// Start it.
     Take,
-    /// Keep it.
+    /// Renew it.
     Heartbeat,
-    /// Give it back.
+    /// End it.
     Release,
 }
 
 /// A lease.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Lease {
-    /// Goes with every write; a newer lease makes older ones void.
+    /// Required in every write; a newer lease invalidates older ones.
     pub fence: i64,
-    /// When it ends; null when given back.
+    /// When it ends; null when released.
     pub lease_until: Option<i64>,
     /// State of the task now.
     pub state: State,
@@ -250,20 +250,20 @@ pub struct Lease {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Assign {
-    /// Name or id of the user; null for the queue.
+    /// Name or id of the user; null for returning it to the queue.
     pub user: Option<String>,
 }
 
-/// Body of `POST /projects/{p}/tasks:change`: what is given is changed in each task.
+/// Body of `POST /projects/{p}/tasks:change`: changes the fields that are given in each task.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BulkChange {
     /// Ids; at most 500.
     pub tasks: Vec<String>,
-    /// To whom they are assigned.
+    /// User to whom they are assigned.
     #[serde(default)]
     pub assign: Option<Assign>,
-    /// Their priority; greater is sooner.
+    /// Their priority; higher values come first.
     #[serde(default)]
     pub priority: Option<i64>,
 }
@@ -273,7 +273,7 @@ pub struct BulkChange {
 pub struct BulkChanged {
     /// Tasks that were changed.
     pub changed: u32,
-    /// Tasks that were not, and why.
+    /// Tasks that were not changed, and why.
     pub refused: Vec<BulkRefused>,
 }
 
@@ -292,7 +292,7 @@ pub struct BulkRefused {
 pub struct DraftChange {
     /// Fencing token of the lease.
     pub fence: i64,
-    /// Version of the draft that the changes were made on.
+    /// Version of the draft on which the changes are based.
     pub base_version: i64,
     /// In order; at most 100.
     pub changes: Vec<FieldChange>,
@@ -303,9 +303,9 @@ pub struct DraftChange {
 pub struct DraftSaved {
     /// The draft's version now.
     pub version: i64,
-    /// What the checker finds now.
+    /// Current findings of the checker.
     pub findings: Vec<Finding>,
-    /// The whole draft, where others' changes came between.
+    /// The whole draft, if others have changed it in the meantime.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub merged: Option<Value>,
     /// End of the lease, renewed.
@@ -330,18 +330,18 @@ pub struct TaskAction {
     /// Fencing token; not needed by a lead who reopens, skips, rejects or adjudicates.
     #[serde(default)]
     pub fence: Option<i64>,
-    /// What to do.
+    /// The action.
     pub action: ActionName,
-    /// Why; skip, reject, send_back and reopen need it.
+    /// Reason; required for skip, reject, send_back and reopen.
     #[serde(default)]
     pub reason: Option<String>,
     /// Comments on fields.
     #[serde(default)]
     pub comments: Vec<NewComment>,
-    /// For restore: entry of the history whose draft is to come back.
+    /// For restore: entry of the history whose draft is restored.
     #[serde(default)]
     pub seq: Option<i64>,
-    /// For adjudicate: a label put together from those of the group, in place of the task's own. It is checked again.
+    /// For adjudicate: a label merged from those of the group, instead of the task's own. It is checked again.
     #[serde(default)]
     pub label: Option<Value>,
 }
@@ -352,26 +352,26 @@ pub struct TaskAction {
 pub enum ActionName {
     /// Ends Stage I.
     LockStage1,
-    /// Hands in.
+    /// Submits.
     Submit,
-    /// Leaves out.
+    /// Skips.
     Skip,
-    /// Says that it cannot be labeled.
+    /// States that it cannot be labeled.
     Reject,
-    /// Finds it good.
+    /// Accepts the label.
     Accept,
     /// Returns it for rework.
     SendBack,
-    /// Starts again.
+    /// Starts the task again.
     Reopen,
-    /// Of an overlap group, takes this label.
+    /// Chooses this label for an overlap group.
     Adjudicate,
-    /// Brings an earlier draft back.
+    /// Restores an earlier draft.
     Restore,
 }
 
 impl ActionName {
-    /// The workflow's action, where it is one.
+    /// The corresponding action of the workflow, if there is one.
     pub fn in_workflow(self) -> Option<Action> {
         Some(match self {
             Self::LockStage1 => Action::LockStage1,
@@ -394,10 +394,10 @@ pub struct Validate {
     pub label: Value,
 }
 
-/// What the checker finds.
+/// Findings of the checker.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Findings {
-    /// By place.
+    /// By location.
     pub findings: Vec<Finding>,
 }
 
@@ -408,49 +408,49 @@ pub struct FrameworkView {
     pub taxonomy: Value,
     /// `{longitudinal: [{id, name, meaning, not}], lateral: [{.., directions}], null: {..}}`.
     pub decisions: Value,
-    /// Decisions of each leaf, the usual ones first: what a picker offers (`scenarios/decisions.yaml`). A decision that
-    /// is not listed contradicts the class.
+    /// Decisions of each L3 class, the usual ones first: options of a picker (`scenarios/decisions.yaml`). A decision
+    /// that is not listed contradicts the class.
     pub choices: BTreeMap<String, ClassChoices>,
-    /// Longitudinal and lateral decisions that do not go together in any class.
+    /// Longitudinal and lateral decisions that cannot be combined in any class.
     pub impossible_pairs: Vec<[String; 2]>,
     /// Reasons of the safety filter: `{id, name}`.
     pub safety_reasons: Vec<Value>,
     /// Reference categories of components (LABELING.md 3).
     pub categories: Vec<Value>,
-    /// Records that specs ask for, by id.
+    /// Records that specs require, by id.
     pub records: BTreeMap<String, Value>,
     /// Versions of taxonomy and format.
     pub versions: BTreeMap<String, String>,
 }
 
-/// The decisions of a leaf.
+/// The decisions of an L3 class.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct ClassChoices {
-    /// Along the path.
+    /// Longitudinal.
     pub longitudinal: Vec<DecisionChoice>,
-    /// Across the path.
+    /// Lateral.
     pub lateral: Vec<DecisionChoice>,
     /// At least one channel has a decision.
     pub decides: bool,
-    /// The leaf's name reveals what happened after the keyframe.
+    /// The name of the L3 class reveals what happened after the keyframe.
     pub reveals: bool,
 }
 
-/// A decision that goes with a leaf.
+/// A decision that an L3 class allows.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct DecisionChoice {
     /// The decision; null is no change.
     pub id: Option<String>,
-    /// The only direction that is meant; null for every direction.
+    /// The only possible direction; null for every direction.
     pub direction: Option<String>,
-    /// Seen most of the time; else seen and allowed.
+    /// Usual for the class; else only allowed.
     pub usual: bool,
 }
 
-/// The labels of one overlap group, side by side; only when all of them are submitted.
+/// The labels of one overlap group; only when all of them are submitted.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Overlap {
-    /// In the order of making.
+    /// In the order of creation.
     pub items: Vec<OverlapItem>,
 }
 
@@ -461,6 +461,6 @@ pub struct OverlapItem {
     pub task: TaskSummary,
     /// Its label.
     pub label: Value,
-    /// What the checker finds in it.
+    /// Findings of the checker in it.
     pub findings: Vec<Finding>,
 }

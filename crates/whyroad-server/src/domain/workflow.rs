@@ -10,9 +10,9 @@
 //!                                                           └──────── send_back ──── in_audit ◀───────┘
 //! ```
 //!
-//! What holds on every path, and is tested on random ones: nothing is accepted that was not checked after its last
-//! submission; who checks has not written it; who audits has neither written nor checked it; what shows the future
-//! never becomes `stage1` again for those who saw it.
+//! Invariants on every path, tested on random ones: a label is accepted only if it was checked after its last
+//! submission; its checker has not written it; its auditor has neither written nor checked it; a task that shows the
+//! future never becomes `stage1` again for those who saw it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -26,9 +26,9 @@ macro_rules! words {
         impl $name {
             /// All, in the order of the work.
             pub const ALL: &'static [$name] = &[$($name::$variant),+];
-            /// The word that the store and the API use.
+            /// Its value in the store and the API.
             pub fn word(self) -> &'static str { match self { $($name::$variant => $word),+ } }
-            /// The one with this word.
+            /// The one with this value.
             pub fn from_word(word: &str) -> Option<Self> { match word { $($word => Some($name::$variant),)+ _ => None } }
         }
     };
@@ -41,7 +41,7 @@ words!(
         Open = "open",
         /// Stage I: components, from history only.
         Stage1 = "stage1",
-        /// Stage I is done and nobody holds it; only its author continues.
+        /// Stage I is done and nobody holds it; only its author can continue.
         Stage1Locked = "stage1_locked",
         /// Stage II: decision, causes and trace.
         Stage2 = "stage2",
@@ -49,25 +49,25 @@ words!(
         Submitted = "submitted",
         /// With a checker.
         InCheck = "in_check",
-        /// Back at its author with comments.
+        /// Returned to its author with comments.
         Rework = "rework",
-        /// Checked, drawn for audit, waits for an auditor.
+        /// Checked, selected for audit, waits for an auditor.
         Checked = "checked",
         /// With an auditor.
         InAudit = "in_audit",
         /// Done.
         Accepted = "accepted",
-        /// Left out with a reason.
+        /// Skipped with a reason.
         Skipped = "skipped",
-        /// Not fit to be labeled, with a reason.
+        /// Cannot be labeled, with a reason.
         Rejected = "rejected",
     }
 );
 
 words!(
-    /// What a member may do in a project.
+    /// Role of a member in a project.
     Role {
-        /// Makes tasks, assigns, reopens, adjudicates, exports.
+        /// Creates tasks, assigns, reopens, adjudicates, exports.
         Lead = "lead",
         /// Labels.
         Annotator = "annotator",
@@ -79,21 +79,21 @@ words!(
 );
 
 words!(
-    /// What somebody does to a task.
+    /// An action of a user on a task.
     Action {
         /// Takes the lease: a task to label, to rework, to check or to audit.
         Take = "take",
-        /// Gives the lease back.
+        /// Releases the lease.
         Release = "release",
         /// Ends Stage I.
         LockStage1 = "lock_stage1",
-        /// Hands the label in.
+        /// Submits the label.
         Submit = "submit",
-        /// Leaves the task out.
+        /// Skips the task.
         Skip = "skip",
-        /// Says that the clip cannot be labeled.
+        /// States that the clip cannot be labeled.
         Reject = "reject",
-        /// Finds the label good.
+        /// Accepts the label.
         Accept = "accept",
         /// Returns it for rework.
         SendBack = "send_back",
@@ -102,7 +102,7 @@ words!(
     }
 );
 
-/// How much of a task may be seen now.
+/// How much of a task may be shown now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Stage {
@@ -112,24 +112,24 @@ pub enum Stage {
     Stage2,
 }
 
-/// What the workflow knows of a task. Users by id.
+/// State of a task in the workflow. Users by id.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
     /// State.
     pub state: State,
-    /// All who wrote in it since it was opened; the last one is its author now.
+    /// All users who wrote in it since it was opened; the last one is its current author.
     pub authors: Vec<String>,
-    /// Who checks or checked the present submission.
+    /// User who checks or checked the current submission.
     pub checker: Option<String>,
-    /// Who audits or audited it.
+    /// User who audits or audited it.
     pub auditor: Option<String>,
-    /// Who holds the lease.
+    /// User who holds the lease.
     pub holder: Option<String>,
-    /// The present submission was found good by its checker.
+    /// The checker has accepted the current submission.
     pub checked: bool,
 }
 
-/// Who acts.
+/// The acting user.
 #[derive(Clone, Debug)]
 pub struct Actor {
     /// User id.
@@ -140,7 +140,7 @@ pub struct Actor {
     pub has_seen: Seen,
 }
 
-/// Whether somebody knows the future of a task.
+/// Whether a user knows the future of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seen {
     /// Only the history, or nothing.
@@ -158,32 +158,32 @@ pub enum Draw {
     Audit,
 }
 
-/// Why not.
+/// Why an action is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
     /// Stable code.
     pub code: &'static str,
-    /// In words.
+    /// Message.
     pub text: Bilingual,
 }
 
 impl State {
-    /// True where Stage I is over, so that what comes after the keyframe may be seen.
+    /// True if Stage I is over, so the part after the keyframe may be shown.
     pub fn shows_future(self) -> bool {
         !matches!(self, State::Open | State::Stage1 | State::Skipped | State::Rejected)
     }
 
-    /// How much of a task in this state is shown, to whomever.
+    /// How much of a task in this state is shown, to any user.
     pub fn stage(self) -> Stage {
         if self.shows_future() { Stage::Stage2 } else { Stage::Stage1 }
     }
 
-    /// True where somebody may hold a lease.
+    /// True if a user may hold a lease.
     pub fn is_held(self) -> bool {
         matches!(self, State::Stage1 | State::Stage2 | State::InCheck | State::Rework | State::InAudit)
     }
 
-    /// True where the label was handed in, and not left out since.
+    /// True if the label was submitted, and not skipped or rejected since.
     pub fn is_handed_in(self) -> bool {
         matches!(
             self,
@@ -215,7 +215,7 @@ impl Position {
         }
     }
 
-    /// Who labels or labeled it.
+    /// User who labels or labeled it.
     pub fn author(&self) -> Option<&str> {
         self.authors.last().map(String::as_str)
     }
@@ -355,7 +355,7 @@ fn audit_allowed(at: &Position, actor: &Actor) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Code of the refusal of who does not have the role.
+/// Code of the refusal for a missing role.
 pub const ROLE_MISSING: &str = "task.role_missing";
 
 fn role_missing(role: Role) -> Refusal {
@@ -384,7 +384,7 @@ fn not_now(action: Action, state: State) -> Refusal {
     }
 }
 
-/// The names that people read. The page has the same.
+/// The names for people. The page has the same names.
 impl State {
     /// The name of the state.
     pub fn name(self) -> Bilingual {

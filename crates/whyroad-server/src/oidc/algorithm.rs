@@ -1,4 +1,4 @@
-//! Signature algorithms with public keys, and the kinds of keys they take.
+//! Signature algorithms with public keys, and their kinds of keys.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
@@ -40,7 +40,7 @@ pub enum Algorithm {
     EdDsa,
 }
 
-/// All, with the names that tokens have for them.
+/// All, with their names in tokens.
 pub const ALGORITHMS: &[(&str, Algorithm)] = &[
     ("RS256", Algorithm::Rs256),
     ("RS384", Algorithm::Rs384),
@@ -64,7 +64,7 @@ impl Algorithm {
         ALGORITHMS.iter().find(|(_, a)| *a == self).map_or("", |(n, _)| n)
     }
 
-    /// The shape of keys that it takes.
+    /// The kind of its keys.
     pub fn shape(self) -> KeyShape {
         match self {
             Self::Es256 => KeyShape::P256,
@@ -74,7 +74,7 @@ impl Algorithm {
         }
     }
 
-    /// The left half of the hash of `text`, as `at_hash` has it (OpenID Connect Core 3.1.3.6).
+    /// The left half of the hash of `text`, as used in `at_hash` (OpenID Connect Core 3.1.3.6).
     pub fn half_hash(self, text: &str) -> String {
         let hash = match self {
             Self::Rs384 | Self::Ps384 | Self::Es384 => &digest::SHA384,

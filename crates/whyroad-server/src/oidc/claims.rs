@@ -1,15 +1,15 @@
-//! What an ID token has to say to be believed (OpenID Connect Core 3.1.3.7), and who it then speaks of.
+//! Required claims of an ID token (OpenID Connect Core 3.1.3.7), and the person that they identify.
 
 use super::Reason;
 use super::algorithm::Algorithm;
 use serde_json::Value;
 
-/// By how much the provider's clock and ours may differ, s.
+/// Maximum difference between the provider's clock and ours, s.
 const SKEW_S: i64 = 120;
-/// Longest subject (OpenID Connect Core section 2).
+/// Maximum length of a subject (OpenID Connect Core section 2).
 const SUBJECT: usize = 255;
 
-/// What a token is checked against.
+/// Expected values of a token.
 #[derive(Clone, Copy, Debug)]
 pub struct Expected<'a> {
     /// Issuer.
@@ -28,7 +28,7 @@ pub struct Expected<'a> {
     pub algorithm: Algorithm,
 }
 
-/// Checks all that a signed token says of itself.
+/// Checks all claims of a signed token.
 pub fn check(claims: &Value, e: &Expected<'_>) -> Result<(), Reason> {
     let text = |name: &str| claims.get(name).and_then(Value::as_str);
     if text("iss") != Some(e.issuer) {
@@ -51,7 +51,7 @@ pub fn check(claims: &Value, e: &Expected<'_>) -> Result<(), Reason> {
     if time("exp")? <= now - SKEW_S {
         return Err("exp");
     }
-    // It was made for this sign-in: not before it, and not in times to come.
+    // It was issued for this sign-in: not before it, and not in the future.
     if !(e.began / 1000 - SKEW_S..=now + SKEW_S).contains(&time("iat")?) {
         return Err("iat");
     }
@@ -77,8 +77,8 @@ fn seconds(value: &Value) -> Option<i64> {
     value.as_i64().or_else(|| value.as_f64().filter(|f| f.abs() < 1e12).map(|f| f as i64))
 }
 
-/// The e-mail address, in small letters, if the provider states that it is verified. Addresses with other
-/// letters than ASCII's are left aside: two that look the same can be two.
+/// The e-mail address, in lower case, if the provider states that it is verified. Addresses with letters outside of
+/// ASCII are ignored: two that look the same can differ.
 pub fn verified_email(claims: &Value) -> Option<String> {
     let email = claims.get("email")?.as_str()?;
     let (name, domain) = email.rsplit_once('@')?;

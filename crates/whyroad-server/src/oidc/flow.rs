@@ -1,4 +1,4 @@
-//! A sign-in from its beginning to the claims of who signed in.
+//! A sign-in from its start to the claims of the person.
 
 use super::claims::{self, Expected};
 use super::jws::Token;
@@ -16,31 +16,31 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
-/// How long a sign-in may take at the provider, ms.
+/// Maximum time of a sign-in at the provider, ms.
 const LONGEST_MS: i64 = 10 * 60_000;
-/// Claims that are asked of the userinfo endpoint where the token has them not.
+/// Claims that are requested from the userinfo endpoint if the token does not have them.
 const WANTED: &[&str] = &["email", "email_verified", "name", "preferred_username"];
 
-/// What a sign-in is for.
+/// Purpose of a sign-in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Purpose {
     /// To sign in.
     SignIn,
-    /// To let who is signed in already sign in this way too.
+    /// To let a signed-in user sign in this way, too.
     Link,
 }
 
-/// Whose browser it is.
+/// The browser of a sign-in.
 #[derive(Clone, Copy, Debug)]
 pub struct Browser<'a> {
     /// Value of its session cookie.
     pub cookie: &'a str,
-    /// Who is signed in there, where that matters: for [`Purpose::Link`].
+    /// The signed-in user, if that matters: for [`Purpose::Link`].
     pub user: Option<&'a str>,
 }
 
-/// What the provider sent the browser back with.
+/// Parameters with which the provider redirected the browser back.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Returned {
@@ -74,7 +74,7 @@ struct Derived<'a> {
 
 impl<'a> Derived<'a> {
     fn new(app: &App, browser: Browser<'a>) -> Self {
-        // The line break keeps this key apart from CSRF values: no cookie has one.
+        // The line break separates this key from CSRF values: no cookie contains one.
         Self { key: secret::sign(&app.csrf_key, b"\noidc"), browser }
     }
 
@@ -84,7 +84,7 @@ impl<'a> Derived<'a> {
     }
 }
 
-/// The address at the provider to which the browser goes. Talks to the provider only to learn that.
+/// The address at the provider to which the browser goes. Calls the provider only to find it.
 pub fn begin(app: &App, provider: &Provider, browser: Browser<'_>, purpose: Purpose) -> Answer<String> {
     let _turn = provider.turn()?;
     let metadata = provider.metadata(app.now())?;
@@ -108,12 +108,13 @@ pub fn begin(app: &App, provider: &Provider, browser: Browser<'_>, purpose: Purp
     Ok(format!("{at}{}{}", if at.contains('?') { '&' } else { '?' }, query.join("&")))
 }
 
-/// The challenge that the provider gets beforehand (S256, RFC 7636 4.2).
+/// The challenge that is sent to the provider first (S256, RFC 7636 4.2).
 fn challenge(verifier: &str) -> String {
     URL_SAFE_NO_PAD.encode(Sha256::digest(verifier))
 }
 
-/// Who signed in, as claims that may be believed, and what for. A state serves once, whatever the provider then says.
+/// The verified claims of the person who signed in, and the purpose. A state is valid once, whatever the provider
+/// answers.
 pub fn finish(
     app: &App,
     provider: &Provider,
@@ -125,20 +126,20 @@ pub fn finish(
     let mut parts = begun.split('.');
     let began = parts.next().and_then(|t| t.parse::<i64>().ok()).ok_or_else(stale)?;
     let purpose = if parts.nth(1) == Some("l") { Purpose::Link } else { Purpose::SignIn };
-    // Who signs in may be signed in already, as whoever; only linking is about that person.
+    // The browser may already be signed in as any user; only linking depends on that user.
     let browser = Browser { user: browser.user.filter(|_| purpose == Purpose::Link), ..browser };
     let derived = Derived::new(app, browser);
     let in_time = (-1000..LONGEST_MS).contains(&(now - began));
     if !secret::same(mac, &derived.of("state", begun)) || !in_time {
         return Err(stale());
     }
-    // A provider that is away uses nothing up.
+    // If the provider is unavailable, the state remains valid.
     let _turn = provider.turn()?;
     let metadata = provider.metadata(now)?;
     if !use_up(app, mac, now)? {
         return Err(stale());
     }
-    // Before anything else is believed: is this the answer of the provider that was asked (RFC 9207)?
+    // First check: is this the answer of the provider to which the browser was sent (RFC 9207)?
     let named = returned.iss.as_deref();
     if named
         .map_or(metadata.authorization_response_iss_parameter_supported, |i| i != provider.settings.issuer)
@@ -168,24 +169,24 @@ pub fn finish(
     Ok((who, purpose))
 }
 
-/// Notes that a state was used; false when it was before.
+/// Records that a state was used; false if it was used before.
 fn use_up(app: &App, mac: &str, now: i64) -> Answer<bool> {
     let state = secret::hash(mac);
     app.store.write(move |tx| {
         tx.run("DELETE FROM oidc_used WHERE expires < $1", values![now])?;
         let sql = "INSERT INTO oidc_used (state, expires) VALUES ($1, $2) ON CONFLICT (state) DO NOTHING";
-        // As long again as it could be used: another service on this store may have a clock of its own.
+        // Kept for twice its lifetime: another service on this store may have a different clock.
         Ok(tx.run(sql, values![&state, now + 2 * LONGEST_MS])? == 1)
     })
 }
 
-/// An error's name, if it is a plain word; what comes from outside is not repeated as it is.
+/// An error's name, if it is a plain identifier; other text from outside is not repeated.
 fn plain_word(error: &str) -> &str {
     let plain = (1..=40).contains(&error.len()) && error.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
     if plain { error } else { "?" }
 }
 
-/// The provider, or the person there, said no.
+/// The provider, or the person, declined.
 fn declined(error: &str) -> Problem {
     let word = plain_word(error);
     Problem::new(
@@ -218,7 +219,7 @@ fn exchange(provider: &Provider, metadata: &Metadata, code: &str, verifier: &str
         return Ok(body);
     }
     match body["error"].as_str() {
-        // The code is not good: used, too old, or not for us.
+        // The code is invalid: used, too old, or for another client.
         Some("invalid_grant") => Err(declined("invalid_grant")),
         error => {
             let word = error.map_or("", plain_word);
@@ -227,7 +228,8 @@ fn exchange(provider: &Provider, metadata: &Metadata, code: &str, verifier: &str
     }
 }
 
-/// Adds what only the userinfo endpoint says. Who it speaks of has to be who signed in (OpenID Connect Core 5.3.2).
+/// Adds claims that only the userinfo endpoint has. Its subject must be the person who signed in (OpenID Connect Core
+/// 5.3.2).
 fn complete(provider: &Provider, metadata: &Metadata, token: Option<&str>, who: &mut Value) -> Answer<()> {
     let settings = &provider.settings;
     let by_rules = settings.allow.iter().filter_map(|a| match a {
@@ -249,7 +251,7 @@ fn complete(provider: &Provider, metadata: &Metadata, token: Option<&str>, who: 
         return Err(refused_token("userinfo"));
     }
     if let (Some(known), Value::Object(more)) = (who.as_object_mut(), more) {
-        // An address and its being verified belong together: they come from one place.
+        // An address and its verification belong together: both come from one source.
         let has_email = known.contains_key("email");
         if !has_email {
             known.remove("email_verified");
@@ -263,7 +265,7 @@ fn complete(provider: &Provider, metadata: &Metadata, token: Option<&str>, who: 
     Ok(())
 }
 
-/// Where people sign out at the provider, and are sent back from.
+/// Address at which people sign out at the provider, and from which they are redirected back.
 pub fn sign_out_address(app: &App, provider: &Provider) -> Option<String> {
     let _turn = provider.turn().ok()?;
     let metadata = provider.metadata(app.now()).ok()?;

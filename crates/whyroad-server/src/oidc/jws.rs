@@ -1,7 +1,7 @@
-//! Signed tokens (JWS in its compact form, RFC 7515): taken apart, and verified with a key of the provider's.
+//! Signed tokens (JWS in its compact form, RFC 7515): parsed, and verified with a key of the provider.
 //!
-//! Only public-key algorithms are known here. So `none` is nothing that could be accepted by mistake, and a public key
-//! can never be taken for the secret of an HMAC.
+//! Only public-key algorithms are supported. So `none` cannot be accepted by mistake, and a public key can never be
+//! used as the secret of an HMAC.
 
 use super::Reason;
 use super::algorithm::Algorithm;
@@ -23,7 +23,7 @@ struct Header {
     crit: Option<Value>,
 }
 
-/// A token that was taken apart; nothing of it is to be believed before [`Token::verify`].
+/// A parsed token; its content is untrusted before [`Token::verify`].
 pub struct Token<'t> {
     /// Algorithm that its header names.
     pub algorithm: Algorithm,
@@ -35,14 +35,14 @@ pub struct Token<'t> {
 }
 
 impl<'t> Token<'t> {
-    /// Takes a token apart.
+    /// Parses a token.
     pub fn read(text: &'t str) -> Result<Self, Reason> {
         let (signed, signature) = text.rsplit_once('.').ok_or("form")?;
         let (header, payload) = signed.split_once('.').ok_or("form")?;
         let decoded = |part: &str| URL_SAFE_NO_PAD.decode(part).map_err(|_| "form");
         let header: Header = serde_json::from_slice(&decoded(header)?).map_err(|_| "form")?;
         let algorithm = Algorithm::named(&header.alg).ok_or("alg")?;
-        // What must be understood is not understood here. And a token of another kind is no ID token.
+        // Critical header extensions are not supported. A token of another type is not an ID token.
         let is_jwt = header.typ.is_none_or(|t| t.eq_ignore_ascii_case("jwt"));
         if header.crit.is_some() || !is_jwt {
             return Err("header");
@@ -56,7 +56,7 @@ impl<'t> Token<'t> {
         })
     }
 
-    /// The claims, if a key of these made the signature. `key` when none of them could have.
+    /// The claims, if one of these keys made the signature. The error `key` if none of them could have.
     pub fn verify(&self, keys: &[Jwk]) -> Result<Value, Reason> {
         let fits = |k: &&Jwk| {
             k.shape() == self.algorithm.shape()

@@ -1,18 +1,18 @@
-//! Public keys of a provider (JWK sets, RFC 7517). Keys of kinds that we do not know, or that are not for signatures,
-//! are passed over: a provider may publish them for others.
+//! Public keys of a provider (JWK sets, RFC 7517). Keys of unknown types, or not for signatures, are ignored: a
+//! provider may publish them for other purposes.
 
 use super::algorithm::{Algorithm, KeyShape};
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use serde_json::Value;
 
-/// Keys read from one set at most.
+/// Maximum number of keys read from one set.
 const MOST: usize = 100;
 
 /// A public key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Jwk {
-    /// Its name.
+    /// Its id.
     pub kid: Option<String>,
     /// The only algorithm that it is for.
     pub algorithm: Option<Algorithm>,
@@ -54,7 +54,7 @@ fn key(jwk: &Value) -> Option<Jwk> {
     {
         return None;
     }
-    // A key that is for an algorithm we do not know is not for one that we know.
+    // A key for an unknown algorithm is not used for a known one.
     let algorithm = match text("alg") {
         Some(name) => Some(Algorithm::named(name)?),
         None => None,

@@ -1,4 +1,4 @@
-//! The provider as far as we know it: its discovery document and its keys, fetched when needed and kept for a while.
+//! The provider: its discovery document and its keys, fetched when needed and cached.
 
 use super::algorithm::Algorithm;
 use super::jws::Token;
@@ -12,11 +12,12 @@ use serde_json::Value;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// For how long a document is believed, ms.
+/// Lifetime of a cached document, ms.
 const FRESH_MS: i64 = 3_600_000;
-/// For how long nothing is asked again after a failure, or for the sake of a key that nobody knows, ms.
+/// Minimum time between two requests after a failure, or for an unknown key, ms.
 const PAUSE_MS: i64 = 5_000;
-/// Sign-ins that may talk to the provider at once; a provider that hangs must not take all the service's threads.
+/// Maximum number of sign-ins that call the provider at once; a provider that hangs must not block all threads of the
+/// service.
 const AT_ONCE: usize = 16;
 
 /// The discovery document (OpenID Connect Discovery 1.0 section 3, RFC 8414, RFC 9207).
@@ -25,10 +26,10 @@ pub struct Metadata {
     issuer: String,
     /// Where people sign in.
     pub authorization_endpoint: String,
-    /// Where a code becomes tokens.
+    /// Endpoint that exchanges a code for tokens.
     pub token_endpoint: String,
     jwks_uri: String,
-    /// Where more is said of a person.
+    /// Userinfo endpoint.
     #[serde(default)]
     pub userinfo_endpoint: Option<String>,
     /// Where people sign out.
@@ -40,7 +41,7 @@ pub struct Metadata {
     id_token_signing_alg_values_supported: Option<Vec<String>>,
     #[serde(default)]
     code_challenge_methods_supported: Option<Vec<String>>,
-    /// The provider names itself in its answers.
+    /// The provider states its issuer in its answers.
     #[serde(default)]
     pub authorization_response_iss_parameter_supported: bool,
 }
@@ -58,7 +59,7 @@ impl Metadata {
                 return Err(provider_fails(format!("unsafe address '{url}'")));
             }
         }
-        // Providers that say nothing of PKCE may well do it; who says that S256 is not among it does not.
+        // A provider that does not mention PKCE may support it; one that lists methods without S256 does not.
         let pkce = self.code_challenge_methods_supported.as_ref();
         if pkce.is_some_and(|methods| !methods.iter().any(|m| m == "S256")) {
             return Err(provider_fails("no PKCE with S256"));
@@ -66,25 +67,25 @@ impl Metadata {
         Ok(self)
     }
 
-    /// True where the client's secret goes into the form: the provider does not take it in the header.
+    /// True if the client's secret is sent in the form, because the provider does not accept it in the header.
     pub fn wants_secret_in_form(&self) -> bool {
         let methods = self.token_endpoint_auth_methods_supported.as_deref().unwrap_or_default();
         let takes = |name: &str| methods.iter().any(|m| m == name);
         takes("client_secret_post") && !takes("client_secret_basic")
     }
 
-    /// True for an algorithm that the provider says it uses.
+    /// True for an algorithm that the provider lists.
     fn uses(&self, algorithm: Algorithm) -> bool {
         let stated = self.id_token_signing_alg_values_supported.as_ref();
         stated.is_none_or(|names| names.iter().any(|n| n == algorithm.name()))
     }
 }
 
-/// What was fetched last, and when.
+/// The last fetched value and its time.
 struct Kept<T> {
     value: Option<Arc<T>>,
     at: i64,
-    /// When fetching was last tried, and how it failed.
+    /// When fetching was last tried, and its error.
     tried: i64,
     failure: Option<Problem>,
 }
@@ -96,9 +97,9 @@ impl<T> Default for Kept<T> {
 }
 
 impl<T> Kept<T> {
-    /// What is kept, if it is fresh; else what `fetch` brings. When that fails, the failure for a while.
+    /// The cached value if it is fresh; else the result of `fetch`. If that fails, the error is cached for a while.
     fn get(&mut self, now: i64, fetch: impl FnOnce() -> Answer<T>) -> Answer<Arc<T>> {
-        // A clock that was set back makes nothing last longer.
+        // A clock that was set back does not extend the lifetime.
         if let Some(value) = self.value.as_ref().filter(|_| (0..FRESH_MS).contains(&(now - self.at))) {
             return Ok(Arc::clone(value));
         }
@@ -124,18 +125,18 @@ impl<T> Kept<T> {
     }
 }
 
-/// A provider that people can sign in at.
+/// A provider at which people can sign in.
 pub struct Provider {
-    /// How it is set up.
+    /// Its configuration.
     pub settings: Settings,
-    /// The way to it.
+    /// HTTP client.
     pub web: Web,
     metadata: Mutex<Kept<Metadata>>,
     keys: Mutex<Kept<Vec<Jwk>>>,
     talking: AtomicUsize,
 }
 
-/// One of the sign-ins that talk to the provider.
+/// Permission for one sign-in to call the provider.
 pub struct Turn<'p>(&'p AtomicUsize);
 
 impl Drop for Turn<'_> {
@@ -145,7 +146,7 @@ impl Drop for Turn<'_> {
 }
 
 impl Provider {
-    /// A provider; nothing is asked yet. `extra`: certificates (PEM) to trust beside the system's.
+    /// A provider; nothing is requested yet. `extra`: certificates (PEM) to trust in addition to the system's.
     pub fn new(settings: Settings, extra: Option<&[u8]>) -> Answer<Self> {
         Ok(Self {
             settings,
@@ -156,7 +157,7 @@ impl Provider {
         })
     }
 
-    /// Lets one more sign-in talk to the provider.
+    /// Permits one more sign-in to call the provider.
     pub fn turn(&self) -> Answer<Turn<'_>> {
         let before = self.talking.fetch_add(1, Ordering::SeqCst);
         let turn = Turn(&self.talking);
@@ -181,7 +182,8 @@ impl Provider {
         })
     }
 
-    /// The claims of a token that the provider signed. A key that is not known is asked for: keys change.
+    /// The claims of a token signed by the provider. For an unknown key, the keys are fetched again, because keys
+    /// change.
     pub fn verify(&self, token: &Token<'_>, now: i64) -> Answer<Value> {
         let metadata = self.metadata(now)?;
         if !metadata.uses(token.algorithm) {

@@ -1,4 +1,4 @@
-//! How signing in at a provider is set up: what was written, and what it means. Reads no file and asks nobody.
+//! Configuration of signing in at a provider: the raw values, and the checked ones. Reads no file and makes no request.
 
 use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
@@ -6,33 +6,33 @@ use axum::http::Uri;
 use serde::Deserialize;
 use serde_json::Value;
 
-/// What was written in a file, in options or in the environment; nothing of it has been looked at.
+/// Raw values from a file, options or the environment; nothing is checked yet.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Written {
     /// Issuer of the provider.
     pub issuer: Option<String>,
-    /// What the provider knows this service as.
+    /// Client id of this service at the provider.
     pub client_id: Option<String>,
-    /// The secret that goes with it; none for a public client.
+    /// The client secret; absent for a public client.
     pub client_secret: Option<Secret>,
-    /// File that holds the secret.
+    /// File that contains the secret.
     pub client_secret_file: Option<String>,
     /// The provider's name on the button.
     pub name: Option<String>,
-    /// Scopes to ask for; default `openid`, `profile` and `email`.
+    /// Scopes to request; default `openid`, `profile` and `email`.
     pub scopes: Option<Vec<String>>,
-    /// Address at which people reach the service.
+    /// Public address of the service.
     pub public_url: Option<String>,
-    /// File of certificates (PEM) to trust beside the system's.
+    /// File of certificates (PEM) to trust in addition to the system's.
     pub ca_file: Option<String>,
     /// Whether people without an account get one.
     #[serde(default)]
     pub accounts: Accounts,
-    /// Who may sign in: who meets one of these. Without any, who has an account.
+    /// Who may sign in: people who meet one of these. If empty, people who have an account.
     #[serde(default)]
     pub allow: Vec<Allow>,
-    /// What people may do by what the provider says of them.
+    /// Permissions by claims.
     #[serde(default)]
     pub grants: Vec<Grant>,
 }
@@ -41,32 +41,32 @@ pub struct Written {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Accounts {
-    /// No: an administrator makes accounts.
+    /// No: an administrator creates accounts.
     #[default]
     Existing,
     /// Yes, if they meet a condition of `allow`.
     Made,
 }
 
-/// A condition on who signs in.
+/// A condition on the person who signs in.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
 pub enum Allow {
     /// The verified e-mail address is of this domain.
     Domain {
-        /// Such as `example.com`; subdomains are others.
+        /// Such as `example.com`; subdomains do not match.
         domain: String,
     },
     /// A claim has this value.
     Claim {
-        /// Name; with dots the way through objects (`realm_access.roles`).
+        /// Name; dots separate the keys of nested objects (`realm_access.roles`).
         claim: String,
         /// Value, or one of the values where the claim is a list.
         value: String,
     },
 }
 
-/// What a claim gives its bearer.
+/// Permissions from a claim.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Grant {
@@ -74,7 +74,7 @@ pub struct Grant {
     pub claim: String,
     /// Its value.
     pub value: String,
-    /// Gives administration of the service.
+    /// Makes the user an administrator of the service.
     #[serde(default)]
     pub admin: bool,
     /// Name or id of a project.
@@ -85,7 +85,7 @@ pub struct Grant {
     pub roles: Vec<Role>,
 }
 
-/// A text that no log and no error shows.
+/// A text that is not shown in any log or error.
 #[derive(Clone, PartialEq, Eq, Deserialize)]
 #[serde(transparent)]
 pub struct Secret(pub String);
@@ -96,10 +96,10 @@ impl std::fmt::Debug for Secret {
     }
 }
 
-/// A set-up that has been looked at.
+/// A checked configuration.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Issuer, exactly as the provider writes it.
+    /// Issuer, exactly as in the provider's document.
     pub issuer: String,
     /// Client id.
     pub client_id: String,
@@ -107,7 +107,7 @@ pub struct Settings {
     pub client_secret: Option<Secret>,
     /// Name on the button.
     pub name: String,
-    /// Scopes, `openid` among them.
+    /// Scopes, including `openid`.
     pub scopes: Vec<String>,
     /// Address of the service without a slash at its end.
     pub public_url: String,
@@ -115,12 +115,12 @@ pub struct Settings {
     pub accounts: Accounts,
     /// Who may sign in.
     pub allow: Vec<Allow>,
-    /// What they may do.
+    /// Permissions by claims.
     pub grants: Vec<Grant>,
 }
 
 impl Settings {
-    /// Looks at what was written; none when no issuer is named. Files that it names were read by the caller.
+    /// Checks the raw values; `None` if they name no issuer. The caller has read the files that they name.
     pub fn resolve(written: Written) -> Answer<Option<Self>> {
         let Some(issuer) = written.issuer.filter(|i| !i.is_empty()) else {
             let rest = written.client_id.is_some() || !written.allow.is_empty() || !written.grants.is_empty();
@@ -170,7 +170,7 @@ impl Settings {
         }))
     }
 
-    /// Where the provider sends people back to.
+    /// Address to which the provider redirects people.
     pub fn redirect_uri(&self) -> String {
         format!("{}/oidc/callback", self.public_url)
     }
@@ -185,7 +185,7 @@ fn wrong(what: &str, zh: impl std::fmt::Display, en: impl std::fmt::Display) -> 
     )
 }
 
-/// The host of an address to which secrets may go: `https`, or this machine itself.
+/// The host of an address to which secrets may be sent: `https`, or this machine itself.
 fn check_url(url: &str, what: &str) -> Answer<String> {
     let fault = || {
         wrong(
@@ -227,9 +227,9 @@ impl Allow {
     }
 }
 
-/// True when the claim has the value, or is a list that has it.
+/// True when the claim has the value, or is a list that contains it.
 pub fn has(claims: &Value, claim: &str, value: &str) -> bool {
-    // A name may have dots itself (a URL); as a whole it goes first.
+    // A name may contain dots itself (a URL); the complete name has priority.
     let found = claims.get(claim).or_else(|| {
         let mut parts = claim.split('.');
         parts.try_fold(claims, |at, part| at.get(part))

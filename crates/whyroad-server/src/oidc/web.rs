@@ -1,5 +1,5 @@
-//! HTTP to the provider: a GET and a POST that answer with JSON, over TLS, within limits, and no further: no redirect
-//! is followed, since what is sent is meant for the address that it is sent to.
+//! HTTP client for the provider: GET and POST with JSON responses, over TLS, with limits. No redirect is followed,
+//! because the content is meant only for the address to which it is sent.
 
 use super::provider_fails;
 use super::settings::Secret;
@@ -15,10 +15,10 @@ use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
 
 /// Time for one call as a whole.
 const TIMEOUT: Duration = Duration::from_secs(10);
-/// Largest answer, bytes.
+/// Maximum size of a response, bytes.
 const LARGEST: u64 = 1024 * 1024;
 
-/// What calls the provider.
+/// The HTTP client.
 pub struct Web {
     agent: Agent,
 }
@@ -58,7 +58,7 @@ impl Web {
         Ok(Self { agent: config.new_agent() })
     }
 
-    /// Reads `url`, with a bearer token where one is given.
+    /// Reads `url`, with a bearer token if one is given.
     pub fn get(&self, url: &str, bearer: Option<&str>) -> Answer<Value> {
         let mut request = self.agent.get(url).header("accept", "application/json");
         if let Some(token) = bearer {
@@ -68,7 +68,7 @@ impl Web {
         if status == 200 { Ok(body) } else { Err(provider_fails(format!("{url}: status {status}"))) }
     }
 
-    /// Sends a form to `url`; the answer's status and body.
+    /// Sends a form to `url`; returns the status and body of the response.
     pub fn post(
         &self,
         url: &str,
@@ -77,7 +77,7 @@ impl Web {
     ) -> Answer<(u16, Value)> {
         let mut request = self.agent.post(url).header("accept", "application/json");
         if let Some((id, secret)) = basic {
-            // Both are written as in a form before they are joined (RFC 6749 2.3.1).
+            // Both are form-encoded before they are joined (RFC 6749 2.3.1).
             let joined = format!("{}:{}", encoded(id), encoded(&secret.0));
             request = request.header("authorization", format!("Basic {}", STANDARD.encode(joined)));
         }
@@ -88,14 +88,14 @@ impl Web {
 }
 
 fn answer(url: &str, got: Result<ureq::http::Response<ureq::Body>, ureq::Error>) -> Answer<(u16, Value)> {
-    // An address of the provider's is no secret; what was sent to it is not in these words.
+    // An address of the provider is no secret; the content that was sent to it is not in this message.
     let fails = |why: ureq::Error| provider_fails(format!("{url}: {why}"));
     let mut response = got.map_err(fails)?;
     let body = response.body_mut().with_config().limit(LARGEST).read_to_vec().map_err(fails)?;
     let status = response.status().as_u16();
     match serde_json::from_slice(&body) {
         Ok(json) => Ok((status, json)),
-        // A refusal says enough by its status.
+        // For a refusal the status is sufficient.
         Err(_) if status != 200 => Ok((status, Value::Null)),
         Err(_) => Err(provider_fails(format!("{url}: not JSON"))),
     }

@@ -11,7 +11,7 @@ use crate::service::{people, projects, tokens};
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
     let caller = call.user()?;
     let (mut items, fellows) = call.app.store.read(|tx| {
-        // Who gives work out may give it to anybody; others know whom they work with.
+        // Users who assign tasks may assign them to anybody; others see only the people they work with.
         let all = caller.admin || projects::leads_any(tx, &caller.id)?;
         Ok((people::all(tx)?, if all { None } else { Some(projects::fellows(tx, &caller.id)?) }))
     })?;
@@ -74,7 +74,7 @@ pub fn change(call: &Call<'_>) -> Answer<Reply> {
     Reply::json(&user)
 }
 
-/// The hash of a new password, where one is wanted. Who changes their own shows the present one.
+/// The hash of a new password, if one is given. Users who change their own must give the current one.
 fn new_password(call: &Call<'_>, user: &User, change: &UserChange) -> Answer<Option<String>> {
     let Some(new) = &change.password else { return Ok(None) };
     if call.user()?.id == user.id {

@@ -33,7 +33,7 @@ pub fn save(call: &Call<'_>) -> Answer<Reply> {
     })
 }
 
-/// Times that a draft is checked again because it changed meanwhile.
+/// Number of attempts to check a draft that changes in the meantime.
 const CHECKS: usize = 5;
 
 /// `POST /tasks/{t}/actions`
@@ -82,13 +82,13 @@ fn actor_of(tx: &mut dyn Tx, id: &str, user: &User) -> Answer<Actor> {
 
 /// `POST /tasks/{t}/validate`
 pub fn validate(call: &Call<'_>) -> Answer<Reply> {
-    // The gate has seen that the caller may read the task; the label is the caller's own text.
+    // The access check has verified that the caller may read the task; the label is the caller's own text.
     let t = look(call)?;
     let Validate { label } = call.body()?;
     if label.to_string().len() > MAX_DRAFT {
         return Err(Problem::new(413, "draft.too_large", "草稿过大", "the draft is too large"));
     }
-    // In Stage I without the recording, which has the future.
+    // In Stage I without the recording, because it contains the future.
     let findings = match t.view().stage {
         Stage::Stage1 => findings::check(call.app, &label),
         Stage::Stage2 => findings::of(call.app, &t, &label, t.view()),

@@ -8,7 +8,7 @@ use crate::problem::{Answer, Problem};
 use crate::service::mined::{self, EpisodeName, VerdictFormat, Wanted};
 use crate::service::projects;
 
-/// Similar episodes when nothing is said.
+/// Default number of similar episodes.
 const SIMILAR: usize = 12;
 
 /// `GET /projects/{p}/mined/{m}/episodes`

@@ -1,4 +1,4 @@
-//! Signing in at an identity provider, and who of it is linked to an account here.
+//! Signing in at an identity provider, and its users who are linked to an account here.
 
 use super::session::{self, Door};
 use crate::api::call::Call;
@@ -21,7 +21,7 @@ fn provider<'a>(call: &'a Call<'_>) -> Answer<&'a Provider> {
     })
 }
 
-/// The browser that calls. Who calls with a token has none.
+/// The browser of the caller. A caller with a token has none.
 fn browser<'a>(call: &'a Call<'_>) -> Answer<Browser<'a>> {
     let cookie = call.request.cookie.as_deref().filter(|_| call.request.token.is_none());
     let cookie = cookie.ok_or_else(|| {
@@ -54,7 +54,7 @@ pub fn finish(call: &Call<'_>) -> Answer<Reply> {
             done
         }
         Err(p) => {
-            // A provider that fails is not the fault of who signs in.
+            // A failure of the provider does not count against the person who signs in.
             if p.status != 403 {
                 attempt.forgiven();
             }

@@ -165,7 +165,7 @@ pub fn analytics(call: &Call<'_>) -> Answer<Reply> {
     })?;
     let project = call.app.store.report(|tx| projects::get(tx, call.grant.project()?))?;
     let (tasks, _) = facts::kept(&call.app.store, &call.app.facts, &project.id)?;
-    // Outside of the transaction: making the page reads folders.
+    // Outside of the transaction: creating the page reads folders.
     let now = Nanos(call.app.now().saturating_mul(1_000_000));
     let html = reports.analytics(&project, &tasks, now, offset).map_err(|why| {
         Problem::new(

@@ -10,7 +10,7 @@ use crate::service::{mined, pickers, projects, scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Largest image that is served.
+/// Maximum size of an image that is served.
 const MAX_PICTURE: u64 = 32 * 1024 * 1024;
 
 /// `GET /tasks/{t}/scene`
@@ -33,7 +33,7 @@ pub fn map(call: &Call<'_>) -> Answer<Reply> {
     Reply::json(&map)
 }
 
-/// What positions of `t` are given relative to, m; none where the project gives them as recorded.
+/// Origin of the positions of `t`, m; `None` where the project uses recorded positions.
 fn corner(call: &Call<'_>, t: &TaskRow) -> Answer<Option<[f64; 2]>> {
     let project = call.app.store.read(|tx| projects::get(tx, &t.project))?;
     match f64::from(project.settings.place_precision_m) {
@@ -59,7 +59,7 @@ fn index(call: &Call<'_>) -> Answer<usize> {
     call.param("index").parse().map_err(|_| Problem::missing())
 }
 
-/// An image as it may be seen: blurred where a program for that is set, or not at all.
+/// An image as it may be shown: blurred if a program for that is configured, or an error.
 fn send(call: &Call<'_>, image: CameraImage) -> Answer<Reply> {
     match image {
         CameraImage::File(file) => send_file(call, file),
@@ -67,7 +67,7 @@ fn send(call: &Call<'_>, image: CameraImage) -> Answer<Reply> {
     }
 }
 
-/// A whole video would show what comes after: only images are served.
+/// A whole video would show the future: only images are served.
 fn media_type(name: &Path) -> Answer<&'static str> {
     match name.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("jpg" | "jpeg") => Ok("image/jpeg"),
@@ -77,7 +77,7 @@ fn media_type(name: &Path) -> Answer<&'static str> {
     }
 }
 
-/// A link that ends soon; of an image that must be blurred there is none, since it would show what it was before.
+/// A link that expires soon. There is none for an image that must be blurred, because it would show the original.
 fn send_stored(call: &Call<'_>, image: &dyn StoredImage) -> Answer<Reply> {
     let failed = |why: whyroad_model::Bilingual| Problem::new(502, "media.storage", why.zh, why.en);
     let media = media_type(Path::new(image.name()))?;

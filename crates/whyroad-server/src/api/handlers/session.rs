@@ -1,4 +1,4 @@
-//! Signing in and out, the first admin, and what the service says of itself.
+//! Signing in and out, the first admin, and information about the service.
 
 use crate::api::access::csrf_of;
 use crate::api::call::Call;
@@ -17,14 +17,14 @@ use std::sync::OnceLock;
 /// Name of the session cookie.
 pub const COOKIE: &str = "whyroad_session";
 
-/// `set-cookie` for a session; an empty one takes it away.
+/// `set-cookie` for a session; an empty value removes it.
 fn cookie(app: &App, value: &str) -> String {
     let age = if value.is_empty() { 0 } else { people::SESSION_MS / 1000 };
     let secure = if app.cookies == Cookies::Secure { "; Secure" } else { "" };
     format!("{COOKIE}={value}; Path=/; HttpOnly; SameSite=Lax; Max-Age={age}{secure}")
 }
 
-/// The answer to who is signed in, with a cookie to go with its CSRF value where the caller has none.
+/// The answer about who is signed in, with a cookie for its CSRF value where the caller has none.
 fn answer(call: &Call<'_>, user: Option<User>, fresh: Option<String>) -> Answer<Reply> {
     let first_run = call.app.store.read(people::is_first_run)?;
     let (value, cookies) = match (fresh, &call.request.cookie) {
@@ -57,7 +57,7 @@ pub fn sign_in(call: &Call<'_>) -> Answer<Reply> {
             return Err(p);
         }
     };
-    // Somebody who is not there costs as much time as a wrong password.
+    // An unknown user takes as long as a wrong password.
     let set = known.as_ref().map(|(_, hash)| hash.clone()).filter(|hash| hash != people::NO_PASSWORD);
     let hash = set.map_or_else(nobody, Ok)?;
     let right = app.limits.one_at_a_time(|| secret::is_password(&password, &hash));
@@ -68,7 +68,7 @@ pub fn sign_in(call: &Call<'_>) -> Answer<Reply> {
     begin(call, id, Door::Password)
 }
 
-/// Which way somebody came in.
+/// How somebody signed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Door {
     /// By password.
@@ -91,7 +91,7 @@ pub(super) fn begin(call: &Call<'_>, user: String, door: Door) -> Answer<Reply> 
     answer(call, user, Some(fresh))
 }
 
-/// A hash that no password fits.
+/// A hash that matches no password.
 fn nobody() -> Answer<String> {
     static HASH: OnceLock<String> = OnceLock::new();
     if let Some(hash) = HASH.get() {
@@ -111,7 +111,7 @@ pub fn sign_out(call: &Call<'_>) -> Answer<Reply> {
             Ok(at_provider)
         })?;
     }
-    // The next person at this machine would be let in again as this one without a question.
+    // Otherwise the next person at this computer could sign in as this user without being asked.
     let provider = call.app.oidc.as_ref().filter(|_| at_provider);
     let provider_sign_out = provider.and_then(|p| flow::sign_out_address(call.app, p));
     let answer = SignedOut { done: true, provider_sign_out };
@@ -149,12 +149,12 @@ pub fn setup(call: &Call<'_>) -> Answer<Reply> {
     let user = User { id: secret::id()?, name, display, admin: true, lang, disabled: false, email: None };
     let (id, now) = (user.id.clone(), call.app.now());
     call.app.store.write(move |tx| {
-        // Two at once: one of them is too late.
+        // Of two concurrent requests, one is too late.
         if !people::is_first_run(tx)? {
             return Err(over());
         }
         people::create(tx, &user, &hash, now)?;
-        // Projects from the command line have nobody yet.
+        // Projects from the command line have no members yet.
         tx.run(
             "INSERT INTO members (project_id, user_id, roles, skills)
              SELECT id, $1, '[\"lead\",\"annotator\",\"checker\",\"auditor\"]', '[]' FROM projects
@@ -166,8 +166,8 @@ pub fn setup(call: &Call<'_>) -> Answer<Reply> {
     begin(call, id, Door::Password)
 }
 
-/// True for `localhost` and plain addresses. A page elsewhere can make its own *name* lead to this machine and so get
-/// around the browser's rules; a name that it does not own, or an address, it cannot.
+/// True for `localhost` and IP addresses. A malicious site can make its own *host name* resolve to this machine and so
+/// bypass the browser's same-origin rules; it cannot do that with `localhost` or an IP address.
 fn is_own_machine(host: &str) -> bool {
     let name = if host.starts_with('[') {
         host.trim_start_matches('[').split(']').next().unwrap_or_default()

@@ -59,7 +59,7 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
         }
         Ok((group, tasks::names(tx)?))
     })?;
-    // Checking takes long: outside of the transaction.
+    // Checking takes long, so it is done outside of the transaction.
     let item = |o: &tasks::TaskRow| OverlapItem {
         task: tasks::summary(o, &names),
         label: visible::label(&o.draft, o.view()),

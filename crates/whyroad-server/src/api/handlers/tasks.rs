@@ -1,4 +1,4 @@
-//! Lists, making, the queue, leases, assignment.
+//! Lists, creation, the queue, leases, assignment.
 
 use crate::api::access;
 use crate::api::call::Call;
@@ -102,7 +102,7 @@ pub fn queue(call: &Call<'_>) -> Answer<Reply> {
     Reply::json(&QueueState { reasons: reasons.into_iter().collect() })
 }
 
-/// Reads a task for showing it, and records what of its drive the caller is shown.
+/// Reads a task in order to show it, and records which part of its drive the caller is shown.
 pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
     let (id, user) = (call.param("t"), call.user()?);
     let t = drafting::ready(call.app, call.app.store.read(|tx| tasks::get(tx, id))?)?;
@@ -113,7 +113,7 @@ pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
     Ok(t)
 }
 
-/// The answer about a task as it is in `t`.
+/// The answer about task `t` in its current state.
 pub fn answer(call: &Call<'_>, t: &TaskRow) -> Answer<Reply> {
     let user = call.user()?;
     let found = findings::of(call.app, t, &t.draft, t.view());
@@ -156,7 +156,7 @@ pub fn lease(call: &Call<'_>) -> Answer<Reply> {
                 leases::keep(tx, &mut t, &settings, now)?;
             }
             LeaseAction::Release => {
-                // A lead takes a task out of another's hands; the holder shows the token.
+                // A lead may release a task that another user holds; the holder sends the token.
                 if holds || !actor.is(Role::Lead) {
                     leases::held(&t, &user.id, request.fence)?;
                 }
@@ -203,11 +203,12 @@ pub fn thumbnail(call: &Call<'_>) -> Answer<Reply> {
     let labels = call.grant.roles.contains(&Role::Annotator);
     let svg = call.app.store.read(|tx| {
         let t = tasks::get(tx, id)?;
-        // It shows the target, which reveals the leaf.
+        // It shows the target, which reveals the L3 class.
         if t.hides_leaf() {
             return Ok(None);
         }
-        // A keyframe is the future of an earlier one: who may yet do Stage I sees only what they have opened.
+        // A keyframe is in the future of an earlier one: users who may still do Stage I see only those of tasks that
+        // they have opened.
         if labels && !seen::was_shown(tx, &t, &user.id)? {
             return Ok(None);
         }

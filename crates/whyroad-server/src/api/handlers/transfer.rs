@@ -1,4 +1,4 @@
-//! Labels and tasks out and in.
+//! Export and import of labels and tasks.
 
 use crate::api::call::Call;
 use crate::api::reply::Reply;

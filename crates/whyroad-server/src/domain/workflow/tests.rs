@@ -1,5 +1,5 @@
-//! The workflow on random paths. What must hold is reckoned here from the accepted actions alone, not from the
-//! fields that the workflow keeps.
+//! The workflow on random paths. The invariants are computed here from the accepted actions alone, not from the fields
+//! that the workflow keeps.
 
 use super::*;
 use proptest::prelude::*;
@@ -15,7 +15,7 @@ struct Move {
 
 fn moves() -> impl Strategy<Value = Vec<Move>> {
     let action = proptest::sample::select(Action::ALL.to_vec());
-    // Take is what most paths need most.
+    // Most paths need `Take` most often.
     let action = prop_oneof![2 => action, 1 => Just(Action::Take)];
     let one = (0..USERS, action, any::<bool>()).prop_map(|(user, action, audit)| Move {
         user,
@@ -30,14 +30,14 @@ fn roles() -> impl Strategy<Value = Vec<Vec<Role>>> {
     proptest::collection::vec(some, USERS)
 }
 
-/// What an onlooker remembers of a task.
+/// What an independent observer records about a task.
 #[derive(Default)]
 struct Onlooker {
-    /// Who held it while it could be edited since it was last opened.
+    /// Users who held it while it was editable since it was last opened.
     writers: Vec<usize>,
-    /// Who found the last submission good as its checker.
+    /// User who accepted the last submission as its checker.
     checked_by: Option<usize>,
-    /// Who was ever shown the future.
+    /// Users who were ever shown the future.
     saw: Vec<usize>,
 }
 
@@ -120,7 +120,7 @@ fn the_plain_path_and_the_one_through_rework_and_audit_reach_accepted() {
         (3, Accept),
     ];
     assert_eq!(play(&all, &moves_of(&long, Draw::Audit)).unwrap(), 1);
-    // Nobody else may stand in for the checker, nor the checker for the auditor.
+    // Nobody else can replace the checker, nor the checker the auditor.
     let own = [(0, Take), (0, LockStage1), (0, Submit), (0, Take), (0, Accept)];
     assert_eq!(play(&all, &moves_of(&own, Draw::Pass)).unwrap(), 0);
     let same = [(0, Take), (0, LockStage1), (0, Submit), (1, Take), (1, Accept), (1, Take), (1, Accept)];

@@ -1,4 +1,4 @@
-//! Addresses; the checks of a token are tested over HTTP against a provider that gets them wrong one by one.
+//! Addresses; the checks of a token are tested over HTTP against a provider that violates them one by one.
 
 use super::*;
 use serde_json::json;
@@ -7,7 +7,7 @@ use serde_json::json;
 fn only_plain_addresses_that_are_said_to_be_verified_count() {
     let of = |email: &str| verified_email(&json!({ "email": email, "email_verified": true }));
     assert_eq!(of("Ann.B+c@Example.COM").as_deref(), Some("ann.b+c@example.com"));
-    // U+212A, the sign of the kelvin, becomes a plain k in small letters.
+    // U+212A, the kelvin sign, becomes a plain k in lower case.
     for odd in [
         "",
         "ann",

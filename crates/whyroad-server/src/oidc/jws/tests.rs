@@ -36,11 +36,11 @@ fn published_examples_verify_and_no_change_of_them_does() {
         assert!(verified(&token[..token.len() - 4], &keys).is_err());
         assert_eq!(verified(token, &[]), Err("key"));
     }
-    // Signed well, but the payload of that example is no JSON.
+    // The signature is valid, but the payload of that example is not JSON.
     let token = Token::read(EDDSA).unwrap();
     assert!(token.is_signed_by(&keys[2]));
     assert_eq!(token.verify(&keys), Err("form"));
-    // The signature of one under the name of the other.
+    // The signature of one algorithm under the name of the other.
     assert_eq!(verified(&format!("eyJhbGciOiJFUzI1NiJ9.{PAYLOAD}.{RS256}"), &keys), Err("signature"));
 }
 
@@ -104,7 +104,7 @@ fn the_half_hash_is_that_of_the_standard() {
 }
 
 proptest::proptest! {
-    /// Whatever a provider or somebody on the way writes is read without a panic, and none of it is believed.
+    /// Any text from a provider or an attacker is read without a panic, and none is accepted.
     #[test]
     fn no_text_breaks_the_reading(header in "\\PC{0,40}", payload in "\\PC{0,40}", tail in "[A-Za-z0-9_.=-]{0,100}", raw in "\\PC{0,80}") {
         let alg = format!("{{\"alg\":\"ES256\",\"x\":{header:?}}}");

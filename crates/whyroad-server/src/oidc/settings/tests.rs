@@ -1,4 +1,4 @@
-//! What is a set-up and what is not; how claims are looked up.
+//! Valid and invalid configurations; lookup of claims.
 
 use super::*;
 use serde_json::json;

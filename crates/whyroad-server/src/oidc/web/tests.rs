@@ -1,4 +1,4 @@
-//! TLS against a server of the test's, with certificates that it makes.
+//! TLS against a server of the test, with certificates that it generates.
 
 use super::*;
 use rustls::pki_types::{PrivateKeyDer, PrivatePkcs8KeyDer};
@@ -7,7 +7,8 @@ use serde_json::json;
 use std::io::{Read, Write};
 use std::net::TcpListener;
 
-/// Answers each call with `answer`, over TLS with a certificate for `name`; the port, and the certificate as PEM.
+/// Answers each call with `answer`, over TLS with a certificate for `name`; returns the port, and the certificate as
+/// PEM.
 fn server(name: &str, answer: &'static str) -> (u16, String) {
     let made = rcgen::generate_simple_self_signed(vec![name.to_owned()]).unwrap();
     let der = made.cert.der().clone();
@@ -22,7 +23,7 @@ fn server(name: &str, answer: &'static str) -> (u16, String) {
         for stream in listener.incoming().map_while(Result::ok) {
             let connection = ServerConnection::new(Arc::clone(&config)).unwrap();
             let mut stream = StreamOwned::new(connection, stream);
-            // A caller who does not trust us goes away in the middle.
+            // A caller who does not trust the certificate disconnects during the handshake.
             let _ = stream.read(&mut [0; 4096]);
             let _ = stream.write_all(answer.as_bytes());
             stream.conn.send_close_notify();
@@ -77,7 +78,7 @@ fn no_redirect_is_followed_and_nothing_endless_read() {
     assert_eq!(web.get(&plain(long), None).unwrap_err().code, "oidc.provider");
     let page = b"HTTP/1.1 200 OK\r\ncontent-length: 6\r\n\r\n<html>".to_vec();
     assert_eq!(web.get(&plain(page), None).unwrap_err().code, "oidc.provider");
-    // Sent in pieces, as most servers do.
+    // Sent in chunks, as most servers do.
     let pieces =
         b"HTTP/1.1 200 OK\r\ntransfer-encoding: chunked\r\n\r\n3\r\n{\"a\r\n5\r\n\": 1}\r\n0\r\n\r\n"
             .to_vec();
