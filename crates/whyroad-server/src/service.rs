@@ -1,4 +1,4 @@
-//! What the service does, one part a file. Functions take a transaction where several of them make one change.
+//! The functions of the service, one file per part. Functions take a transaction where several of them make one change.
 
 pub mod actions;
 pub mod answer;

@@ -1,7 +1,7 @@
-//! The store: SQLite in a file, or PostgreSQL by URL; one SQL text for both, one test suite over both.
+//! The store: SQLite in a file, or PostgreSQL by URL; the same SQL text and the same tests for both.
 //!
 //! All writes of one request are one transaction. SQLite has one writer thread that commits many requests together
-//! (each in a savepoint of its own) and answers none of them before the commit is on disk.
+//! (each in its own savepoint) and answers none of them before the commit is on disk.
 
 mod backend;
 mod backup;

@@ -1,9 +1,8 @@
-//! Locks that outlive a panic.
+//! Locks that survive a panic.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What `mutex` guards, also where a thread that held it has died: for values that nobody leaves half
-/// changed.
+/// Locks `mutex`, even if a thread that held it has panicked: for values that are never left half changed.
 pub(crate) fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

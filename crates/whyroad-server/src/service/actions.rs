@@ -1,5 +1,5 @@
-//! What is done to a task as a whole: the steps of the workflow with their conditions, adjudication of an overlap
-//! group, and bringing an earlier draft back.
+//! Actions on a task as a whole: the steps of the workflow with their conditions, adjudication of an overlap group, and
+//! restoring an earlier draft.
 
 use crate::app::App;
 use crate::domain::gold::GoldStanding;
@@ -21,24 +21,24 @@ use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::{Provenance, ProvenanceSource};
 use whyroad_model::{FORMAT_VERSION, Nanos};
 
-/// A label that is handed in is shown whole.
+/// A submitted label is shown completely.
 const STAGE2: LabelView = LabelView { stage: Stage::Stage2, hides_leaf: false, in_hand: false };
 
-/// What the checker said of a draft before the transaction that acts on it: checking may take long, and a transaction
-/// that writes keeps everybody waiting.
+/// Result of checking a draft before the transaction that acts on it: checking may take long, and a write transaction
+/// blocks all other writers.
 #[derive(Clone, Debug)]
 pub struct Checked {
     /// Version of the draft that was checked.
     version: i64,
-    /// The draft as it will be.
+    /// The draft after the changes.
     draft: Value,
-    /// What was changed in it.
+    /// The changes to it.
     changes: Vec<FieldChange>,
-    /// What was found.
+    /// The findings.
     found: Vec<Finding>,
 }
 
-/// Checks the draft of `t` where `request` asks for it. `name` goes into the label.
+/// Checks the draft of `t` if `request` requires it. `name` is written into the label.
 pub fn check(app: &App, t: &TaskRow, name: &str, request: &TaskAction, now: i64) -> Answer<Option<Checked>> {
     let mut draft = t.draft.clone();
     let (changes, found) = match request.action.in_workflow() {
@@ -62,16 +62,16 @@ pub fn check(app: &App, t: &TaskRow, name: &str, request: &TaskAction, now: i64)
     Ok(Some(Checked { version: t.version, draft, changes, found }))
 }
 
-/// Code of the refusal to act on a draft that has changed since it was checked: to be checked again.
+/// Code of the refusal to act on a draft that has changed since it was checked: it must be checked again.
 pub const CHANGED_SINCE: &str = "draft.changed";
 
-/// The label that a lead put together, of the clip and the scenario of `t`.
+/// The label that a lead merged, with the clip and the scenario of `t`.
 fn merged(t: &TaskRow, label: Option<&Value>) -> Answer<Value> {
     let Some(fields) = label.and_then(Value::as_object) else {
         return Err(Problem::request("label 须为对象", "label must be an object"));
     };
     let mut draft = Value::Object(fields.clone());
-    // Answered for each task by who held it; a label that is put together takes that of its own task.
+    // Each task's holder has answered this for the task; a merged label takes the answer of its own task.
     if let Some(fields) = draft.as_object_mut() {
         fields.remove(name::SAFETY_FILTER);
     }
@@ -91,7 +91,7 @@ fn current(checked: Option<&Checked>, t: &TaskRow) -> Answer<Checked> {
     })
 }
 
-/// Does `request` to the task `id`; `checked` is what [`check`] gave for it.
+/// Applies `request` to the task `id`; `checked` is the result of [`check`] for it.
 pub fn act(
     app: &App,
     tx: &mut dyn Tx,
@@ -115,7 +115,7 @@ pub fn act(
         }
         return Ok(t);
     };
-    // A lead may end or reopen what others hold; whoever acts as holder shows the token.
+    // A lead may end or reopen tasks that others hold; a user who acts as holder sends the token.
     let as_lead = actor.is(Role::Lead) && matches!(action, Action::Skip | Action::Reject | Action::Reopen);
     if t.at.state.is_held() && !(as_lead && t.at.holder.as_deref() != Some(actor.id.as_str())) {
         leases::held(&t, &actor.id, request.fence)?;
@@ -137,7 +137,7 @@ pub fn act(
             refuse_errors(checked.found)?;
             (t.draft, changes) = (checked.draft, checked.changes);
             t.version += 1;
-            // Whole, so that what was handed in can be compared without putting it together.
+            // The complete draft, so that submissions can be compared without rebuilding them.
             snapshot = Some(t.draft.clone());
         }
         Action::Accept | Action::SendBack if from == State::InAudit => t.audited = true,
@@ -179,7 +179,7 @@ pub fn act(
     Ok(t)
 }
 
-/// Stores a comment on a field; its id.
+/// Stores a comment on a field; returns its id.
 pub fn comment(tx: &mut dyn Tx, t: &TaskRow, author: &str, comment: &NewComment, now: i64) -> Answer<String> {
     check_texts(std::slice::from_ref(comment))?;
     let id = secret::id()?;
@@ -220,7 +220,7 @@ fn need_reason(action: Action, reason: Option<&str>, comments: &[NewComment]) ->
     Err(Problem::new(422, "action.reason", "需要说明原因", "a reason is required"))
 }
 
-/// Stage I locks only with a component and without errors in what will stay as it is.
+/// Stage I can only be locked with a component and without errors in the parts that cannot be changed later.
 fn lockable(t: &TaskRow, found: Vec<Finding>) -> Answer<()> {
     let described = |c: &Value| c[name::DESCRIPTION].as_str().is_some_and(|d| !d.trim().is_empty());
     let any = t.draft.get(name::CRITICAL_COMPONENTS).and_then(Value::as_array);
@@ -243,7 +243,7 @@ fn refuse_errors(found: Vec<Finding>) -> Answer<()> {
         .with(json!({ "findings": found })))
 }
 
-/// Who made the label, as changes of it.
+/// The author of the label, as changes of it.
 fn made_by(app: &App, name: &str, now: i64) -> Answer<Vec<FieldChange>> {
     let made = Provenance {
         source: ProvenanceSource::Person,
@@ -257,7 +257,7 @@ fn made_by(app: &App, name: &str, now: i64) -> Answer<Vec<FieldChange>> {
     Ok(vec![set(pointer::PROVENANCE, made), set(pointer::VERSION, json!(FORMAT_VERSION))])
 }
 
-/// Records in the form in which they are stored, without language, as changes of the draft.
+/// Records in their stored form, without language, as changes of the draft.
 fn stored_records(app: &App, draft: &Value) -> Vec<FieldChange> {
     let records = draft.get(name::RECORDS).and_then(Value::as_object);
     let stored = records.into_iter().flatten().filter_map(|(id, value)| {
@@ -269,7 +269,7 @@ fn stored_records(app: &App, draft: &Value) -> Vec<FieldChange> {
 
 fn draw(app: &App, tx: &mut dyn Tx, t: &TaskRow, project: &Project) -> Answer<Draw> {
     let (audited, failed) = dashboard::audit_record(tx, &project.id, t.at.author().unwrap_or_default())?;
-    // Who has yet to qualify, or failed to, counts as unknown.
+    // An author who is not qualified yet, or has failed, counts as unknown.
     let share = match gold::standing(tx, project, t.at.author().unwrap_or_default())? {
         GoldStanding::Open | GoldStanding::Failed => f64::from(project.settings.audit_max_percent),
         GoldStanding::NotAsked | GoldStanding::Qualified => {
@@ -292,7 +292,7 @@ fn restore(
         safety::required(t)?;
     }
     let seq = request.seq.ok_or_else(|| Problem::request("缺少 seq", "seq is missing"))?;
-    // Only what may be seen may come back.
+    // Only a draft that the user may see can be restored.
     drafts::at_for(tx, t, &actor.id, seq)?;
     let old = drafts::at(tx, t, seq)?;
     t.draft = drafts::restored(t, &old);
@@ -312,12 +312,12 @@ fn restore(
     tasks::update(tx, t)
 }
 
-/// True when every label of the group has been handed in: until then nobody sees another's.
+/// True when every label of the group has been submitted: before that nobody sees the label of another.
 pub fn group_is_ready(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     Ok(disagreement::is_ready(&tasks::group(tx, &t.project, &t.episode.episode_id)?))
 }
 
-/// Chooses this label of its overlap group, or `merged` in its place. Who wrote one of them does not choose.
+/// Chooses this label for its overlap group, or `merged` instead. The author of one of them cannot choose.
 fn adjudicate(
     tx: &mut dyn Tx,
     t: &mut TaskRow,
@@ -353,7 +353,7 @@ fn adjudicate(
         t.draft = merged.draft;
         t.version += 1;
         snapshot = Some(t.draft.clone());
-        // Nobody has checked this label: it is handed in, and who put it together has written in it.
+        // Nobody has checked this label: it is submitted, with the person who merged it as an author.
         t.at = Position {
             state: State::Submitted,
             checker: None,
@@ -381,7 +381,7 @@ fn adjudicate(
     Ok(())
 }
 
-/// A task that starts again opens the choice again.
+/// Reopening a task reopens the choice of its group.
 fn reopen_group(tx: &mut dyn Tx, t: &mut TaskRow) -> Answer<()> {
     t.adjudication = None;
     tx.run(

@@ -1,4 +1,4 @@
-//! The whole answer about one task: what may be seen of it, what may be done with it, what the checker finds.
+//! The complete answer about one task: the parts that may be shown, the permitted actions, the findings of the checker.
 
 use crate::app::App;
 use crate::domain::task::{Finding, Suggestion, Task, TaskSummary};
@@ -13,7 +13,7 @@ use whyroad_model::label_fields::name;
 use whyroad_model::messages::{KeyframeType, ProvenanceSource};
 use whyroad_model::{Bilingual, Nanos};
 
-/// How many entries [`history`] has in Stage I, without reading them: autosave makes many.
+/// Number of entries that [`history`] has in Stage I, without reading them: autosave creates many.
 fn count_own(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<i64> {
     let row = tx.row(
         "SELECT count(*) AS n FROM history h WHERE h.task_id = $1 AND h.actor = $2 AND h.action <> 'reopen'
@@ -25,7 +25,7 @@ fn count_own(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<i64> {
     row.map_or(Ok(0), |r| r.int("n"))
 }
 
-/// The whole answer about one task. `found` is what the checker finds in its draft; checking takes long, and so is done
+/// The complete answer about one task. `found` are the findings in its draft; checking takes long, so it is done
 /// outside of transactions.
 pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<Finding>) -> Answer<Task> {
     let names = tasks::names(tx)?;
@@ -56,7 +56,7 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
     })
 }
 
-/// Why `actor` cannot take `t` now, in words that fit the case.
+/// Why `actor` cannot take `t` now, as a specific message.
 fn take_refused(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Option<Bilingual>> {
     if t.at.holder.as_deref() == Some(actor.id.as_str())
         || matches!(t.at.state, State::Accepted | State::Skipped | State::Rejected)
@@ -89,7 +89,7 @@ fn take_refused(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answe
     }
 }
 
-/// Whom a task waits for, for somebody who cannot be that; to a lead also what can be done about it.
+/// The role for which a task waits, for a user without this role; for a lead also what can be done about it.
 fn waits_for(state: State, actor: &Actor) -> Bilingual {
     match state {
         State::Stage1Locked | State::Stage2 | State::Rework => {
@@ -113,14 +113,14 @@ fn drafted_by(t: &TaskRow) -> Option<String> {
     model.then(|| by.get(name::BY)?.as_str().map(str::to_owned)).flatten()
 }
 
-/// Fields that differ from the suggestion, of those that may be seen.
+/// Fields that differ from the suggestion, of those that may be shown.
 fn changed(t: &TaskRow) -> Vec<String> {
-    // Without the leaf nothing was drafted that is shown.
+    // Without the L3 class, no drafted part is shown.
     let suggested = LabelView { in_hand: false, ..t.view() };
     whyroad_label::merge::differing(&label(&t.initial, suggested), &label(&t.draft, t.view()))
 }
 
-/// What the rule proposed, as far as it may be seen.
+/// The rule's proposal, as far as it may be shown.
 fn suggestion(t: &TaskRow) -> Suggestion {
     let e = &t.episode;
     let mut keyframe = e.keyframe.clone();

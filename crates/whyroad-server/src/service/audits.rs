@@ -1,10 +1,11 @@
-//! The draw of checked labels for audit. How large the share is follows the author's record: see [`super::dashboard`].
+//! The random selection of checked labels for audit. The audit rate depends on the author's record: see
+//! [`super::dashboard`].
 
 use crate::domain::workflow::Draw;
 use crate::secret;
 use crate::service::tasks::TaskRow;
 
-/// Whether this submission is audited: a draw that nobody can foresee without `key`, and that comes out the same again.
+/// Whether this submission is audited: cannot be predicted without `key`, and is the same on every call.
 pub fn draw(key: &str, t: &TaskRow, percent: f64) -> Draw {
     drawn(key, &t.id, t.version, percent)
 }

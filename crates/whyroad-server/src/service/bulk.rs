@@ -1,4 +1,4 @@
-//! Changes of many tasks at once by a lead: to whom they are assigned, and their priority.
+//! Changes of many tasks at once by a lead: their assignment and priority.
 
 use crate::domain::people::User;
 use crate::domain::task::{BulkChange, BulkChanged, BulkRefused};
@@ -8,10 +8,10 @@ use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, people, projects, seen};
 use crate::store::Tx;
 
-/// Most tasks in one request.
+/// Maximum number of tasks in one request.
 const MOST: usize = 500;
 
-/// Changes each of the tasks, or says why not.
+/// Changes each of the tasks, or returns the reason for not changing it.
 pub fn change(
     tx: &mut dyn Tx,
     project: &str,
@@ -29,7 +29,7 @@ pub fn change(
     for id in &wanted.tasks {
         match change_one(tx, project, id, wanted, caller, now) {
             Ok(()) => out.changed += 1,
-            // A failure of the store fails the whole; a refusal concerns one task.
+            // A failure of the store fails the whole request; a refusal concerns one task.
             Err(p) if p.status >= 500 => return Err(p),
             Err(p) => out.refused.push(BulkRefused { task: id.clone(), text: p.text }),
         }
@@ -56,7 +56,7 @@ fn change_one(
     tasks::update(tx, &t)
 }
 
-/// Gives `t` to `user`, or to the queue; with another priority where one is given.
+/// Assigns `t` to `user`, or returns it to the queue; with another priority if one is given.
 pub fn assign(
     tx: &mut dyn Tx,
     t: &mut TaskRow,
@@ -89,7 +89,7 @@ pub fn assign(
     tasks::update(tx, t)
 }
 
-/// Nobody is given a task to begin whose future they know.
+/// A task to start is not assigned to somebody who has seen its future.
 fn refuse_who_has_seen(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
     let rule = projects::get(tx, &t.project)?.settings.history;
     let beginning = !t.at.state.shows_future();

@@ -1,4 +1,4 @@
-//! Classes that leads name: in quotas and as skills. One that the taxonomy has not would do harm without a word: a
+//! Classes that leads enter, in quotas and as skills. A class that is not in the taxonomy would cause silent errors: a
 //! quota that is never met, a member who gets no task.
 
 use crate::problem::{Answer, Problem};
@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use whyroad_framework::Taxonomy;
 use whyroad_model::ScenarioId;
 
-/// Refuses a quota on what is not a leaf, unless it was there `before`: the taxonomy may have changed since.
+/// Refuses a quota for an id that is not an L3 class, unless it was there `before`: the taxonomy may have changed
+/// since.
 pub fn check_quota(
     taxonomy: &Taxonomy,
     quota: &BTreeMap<String, u32>,
@@ -25,7 +26,7 @@ pub fn check_quota(
     }
 }
 
-/// Refuses a skill that is neither an L1, an L2 nor a leaf.
+/// Refuses a skill that is neither an L1, an L2 nor an L3 class.
 pub fn check_skills(taxonomy: &Taxonomy, skills: &[String]) -> Answer<()> {
     let ids: Vec<String> = taxonomy.ids().iter().map(ToString::to_string).collect();
     match skills.iter().find(|s| !ids.contains(s)) {

@@ -1,15 +1,15 @@
-//! Two labels of one episode, field by field: a gold answer and a label, or labels of an overlap group. Texts are not
-//! compared: no two people write the same.
+//! Compares two labels of one episode, field by field: a gold answer and a label, or labels of an overlap group. Texts
+//! are not compared, because different people always write different texts.
 
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_label::facts::Judgement;
 use whyroad_model::label_fields::{name, pointer};
 
-/// Keyframes nearer than this agree, s.
+/// Maximum distance of keyframes that agree, s.
 const KEYFRAME_S: f64 = 0.5;
 
-/// How `label` stands to `answer`, field by field: true where it agrees.
+/// Whether `label` agrees with `answer`, field by field.
 pub(super) fn compare(answer: &Value, label: &Value) -> BTreeMap<&'static str, bool> {
     let (a, b) = (Judgement::of(answer), Judgement::of(label));
     let near = a.keyframe.zip(b.keyframe).is_some_and(|(a, b)| a.seconds_since(b).abs() <= KEYFRAME_S);
@@ -21,15 +21,15 @@ pub(super) fn compare(answer: &Value, label: &Value) -> BTreeMap<&'static str, b
     ]
     .into();
     let causes = causal_objects(answer);
-    // Where the answer names no object there is nothing to agree on.
+    // If the answer names no object, this is not compared.
     if !causes.is_empty() {
         out.insert("objects", causes.is_subset(&causal_objects(label)));
     }
     out
 }
 
-/// True where two labels decide differently. Of causes, one may name more objects than the other: they disagree where
-/// each names an object that the other does not.
+/// True where two labels decide differently. One label may name more causes than the other: they disagree only if each
+/// names an object that the other does not.
 pub(super) fn disagree(a: &Value, b: &Value) -> bool {
     let (there, back) = (compare(a, b), compare(b, a));
     there.iter().any(|(field, agrees)| !agrees && back.get(field) == Some(&false))
@@ -69,7 +69,7 @@ mod tests {
     fn labels_disagree_where_one_decision_cannot_stand_for_the_other() {
         let one = label("yield_to_agent", "2026-01-01T00:00:05.000Z", &json!(["t1"]));
         let differs = |other: &Value| (disagree(&one, other), disagree(other, &one));
-        // Another text, a keyframe half a second later, or a further object is no disagreement.
+        // Another text, a keyframe half a second later, or an additional object is no disagreement.
         assert_eq!(
             differs(&label("yield_to_agent", "2026-01-01T00:00:05.500Z", &json!(["t1", "t2"]))),
             (false, false)

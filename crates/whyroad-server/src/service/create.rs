@@ -1,5 +1,5 @@
-//! Tasks from episodes. The draft comes in two parts: critical components from the drive cut at the keyframe, so that
-//! Stage I is not fed with the future; decision and trace from all of it.
+//! Creates tasks from episodes. The draft has two parts: critical components from the drive cut at the keyframe, so
+//! that Stage I contains nothing from the future; decision and trace from the whole drive.
 
 use crate::app::App;
 use crate::domain::project::Project;
@@ -23,30 +23,30 @@ use whyroad_model::messages::{
 };
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
-/// Most people on one episode.
+/// Maximum number of people per episode.
 const MOST_OVERLAP: u32 = 10;
-/// Most episodes that one request may carry. A mined folder, which is read page by page, may hold any number.
+/// Maximum number of episodes in one request. A mined folder, which is read page by page, may have any number.
 const MOST_EPISODES: usize = 20_000;
-/// Episodes of a mined folder that are in memory at once.
+/// Number of episodes of a mined folder that are in memory at once.
 const EPISODES_PER_PAGE: usize = 500;
-/// Episodes without a drive that are named, with the reason.
+/// Maximum number of episodes without a drive that are reported with the reason.
 const MOST_REASONS: usize = 100;
-/// Tasks stored together: few enough that nobody's autosave waits long.
+/// Number of tasks stored in one transaction: small enough that nobody's autosave waits long.
 const AT_ONCE: usize = 50;
-/// Seconds of history that Stage I shows at least, and of future that Stage II does (LABELING.md 4 and 6).
+/// Minimum seconds of history that Stage I shows, and of future that Stage II shows (LABELING.md 4 and 6).
 const HISTORY_S: f64 = 2.0;
 const FUTURE_S: f64 = 6.0;
 
-/// When the drafts of new tasks are made.
+/// When the drafts of new tasks are created.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drafting {
     /// With the tasks.
     Now,
-    /// In the background, by a service that runs ([`super::drafting`]).
+    /// In the background, by a running service ([`super::drafting`]).
     Later,
 }
 
-/// Makes tasks from episodes. `actor` is unset for the command line.
+/// Creates tasks from episodes. `actor` is unset for the command line.
 pub fn create(
     app: &App,
     project: &str,
@@ -76,12 +76,12 @@ pub fn create(
         let episode = &episode;
         let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
         if request.limit.is_some_and(|l| (chosen + 1) * overlap > i64::from(l)) {
-            // The limit is reached: no later episode can be taken, so none has to be read.
+            // The limit is reached: no further episode can be used, so none has to be read.
             out.left_out += 1 + episodes.remaining()?;
             break;
         }
         let beyond = request.per_leaf.is_some_and(|l| *leaf >= l);
-        // A moment that no class explains is for the framework's owner, not for a label.
+        // An episode without a class is for the owner of the framework, not for a label.
         let known_class = app.framework.taxonomy.contains(&episode.scenario_id);
         if beyond || !known_class || !(episode.is_primary || request.secondary) {
             out.left_out += 1;
@@ -91,7 +91,7 @@ pub fn create(
             out.known += 1;
             continue;
         }
-        // A drive is read for its draft and image; what is made later needs to know only that it is there.
+        // The drive is read for the draft and the thumbnail; if these are created later, it only needs to exist.
         let source = match drafting {
             Drafting::Now => last.of(app, episode).map(Some),
             Drafting::Later => last_span.holds(app, episode).map(|()| None),
@@ -120,7 +120,7 @@ pub fn create(
             Err(_) if out.lost.len() >= MOST_REASONS => out.more += 1,
             Err(text) => out.lost.push(LostEpisode { episode: episode.episode_id.clone(), text }),
         }
-        // As they come: people can begin, and what was made stays when the rest fails.
+        // Stored in groups: people can start earlier, and the stored tasks remain if a later step fails.
         if rows.len() >= AT_ONCE {
             out.tasks.extend(put(app, std::mem::take(&mut rows), actor)?);
         }
@@ -129,7 +129,7 @@ pub fn create(
     Ok(out)
 }
 
-/// Stores tasks in one transaction; the ids of those that are new.
+/// Stores tasks in one transaction; returns the ids of the new ones.
 fn put(app: &App, rows: Vec<TaskRow>, actor: Option<&str>) -> Answer<Vec<String>> {
     let (actor, now) = (actor.map(str::to_owned), app.now());
     app.store.write(move |tx| {
@@ -143,20 +143,20 @@ fn put(app: &App, rows: Vec<TaskRow>, actor: Option<&str>) -> Answer<Vec<String>
     })
 }
 
-/// Stores tasks, a few in each transaction; the number of those that are new. When the store fails on the way, what was
-/// stored stays, and doing it again makes the rest.
+/// Stores tasks, a few per transaction; returns the number of new ones. When the store fails in between, the stored
+/// tasks remain, and a repetition creates the rest.
 pub fn put_all(app: &App, rows: &[TaskRow], actor: Option<&str>) -> Answer<u32> {
     rows.chunks(AT_ONCE).try_fold(0, |made, part| Ok(made + put(app, part.to_vec(), actor)?.len() as u32))
 }
 
-/// The episodes of a request, drive by drive and each in time: a drive is read once, and the queue shows nobody what
-/// comes before what they saw.
+/// The episodes of a request, sorted by drive and time: each drive is read once, and the queue shows nobody an earlier
+/// part of a drive after a later one.
 struct Episodes<'a> {
     app: &'a App,
-    /// The mined folder; without one, `ready` holds all.
+    /// The mined folder; `None` if `ready` contains all.
     mined: Option<&'a str>,
     ready: VecDeque<EpisodeRecord>,
-    /// Where the folder's next page begins; `None` when there is none.
+    /// Position of the folder's next page; `None` if there is none.
     next: Option<EpisodeCursor>,
     taken: u64,
 }
@@ -165,7 +165,7 @@ impl<'a> Episodes<'a> {
     fn of(app: &'a App, request: &'a CreateTasks) -> Answer<Self> {
         let mut all = Self { app, mined: request.mined.as_deref(), ready: [].into(), next: None, taken: 0 };
         match (&request.mined, request.episodes.is_empty()) {
-            // A mined folder is in this order already.
+            // A mined folder is already in this order.
             (Some(_), true) => all.read()?,
             (None, false) if request.episodes.len() > MOST_EPISODES => {
                 return Err(Problem::request(
@@ -209,7 +209,7 @@ impl<'a> Episodes<'a> {
         Ok(())
     }
 
-    /// Episodes that were not taken.
+    /// Number of episodes that were not used.
     fn remaining(&self) -> Answer<u32> {
         let remaining = match self.mined {
             None => self.ready.len() as u64,
@@ -228,12 +228,12 @@ fn is_known(app: &App, project: &str, episode: &str) -> Answer<bool> {
     app.store.read(|tx| Ok(tx.row(sql, values![project, episode])?.is_some()))
 }
 
-/// The time of the drive that was needed last: first and last frame.
+/// The time range of the last used drive: first and last frame.
 #[derive(Default)]
 struct LastSpan(Option<(DriveId, (Nanos, Nanos))>);
 
 impl LastSpan {
-    /// An error text when the drive of `episode` is unavailable, or when the episode lies outside it.
+    /// An error text when the drive of `episode` is unavailable, or when the episode is outside it.
     fn holds(&mut self, app: &App, episode: &EpisodeRecord) -> Result<(), Bilingual> {
         let known = self.0.take().filter(|(id, _)| *id == episode.drive_id);
         let (_, span) = match known {
@@ -247,7 +247,7 @@ impl LastSpan {
     }
 }
 
-/// An error text when the keyframe of `episode` lies outside `span`; `None` is a drive without frames.
+/// An error text when the keyframe of `episode` is outside `span`; `None` is a drive without frames.
 fn within(episode: &EpisodeRecord, span: Option<(Nanos, Nanos)>) -> Result<(), Bilingual> {
     let at = episode.keyframe.timestamp;
     if span.is_some_and(|(first, last)| first <= at && at <= last) {
@@ -260,18 +260,18 @@ fn unavailable(why: Bilingual) -> Bilingual {
     Bilingual { zh: format!("行程不可用：{}", why.zh), ..why }
 }
 
-/// The drive that was needed last: episodes come drive by drive, and each is read and derived once.
+/// The last used drive: episodes are sorted by drive, so each drive is read and its signals are derived once.
 #[derive(Default)]
 pub struct LastDrive(Option<Source>);
 
-/// A drive, and its signals once they were asked for.
+/// A drive, and its signals once they were requested.
 struct Source {
     drive: Arc<Drive>,
     signals: OnceCell<SignalTable>,
 }
 
 impl LastDrive {
-    /// The drive of `episode`; an error text when it is unavailable, or when the episode lies outside it.
+    /// The drive of `episode`; an error text when it is unavailable, or when the episode is outside it.
     fn of(&mut self, app: &App, episode: &EpisodeRecord) -> Result<&Source, Bilingual> {
         let source = match self.0.take().filter(|s| s.drive.meta.drive_id == episode.drive_id) {
             Some(source) => source,
@@ -296,7 +296,7 @@ impl Source {
     }
 }
 
-/// A task for an episode, not yet stored; with `draft` in place of the rule's own, where there is one.
+/// A task for an episode, not yet stored; with `draft` instead of the rule's draft, if there is one.
 pub fn prepare(
     app: &App,
     project: &Project,
@@ -306,7 +306,7 @@ pub fn prepare(
 ) -> Answer<TaskRow> {
     let source = last.of(app, episode).map_err(missing)?;
     let start = match draft {
-        // Nothing is derived for what is thrown away.
+        // Nothing is derived that would be discarded.
         Some(draft) => Start::drafted(source, episode, draft),
         None => Start::derived(app, project, source, episode, "")?,
     };
@@ -327,7 +327,7 @@ pub fn shown(app: &App, project: &Project, episode: &EpisodeRecord) -> Answer<Ta
     row(app, project, episode, String::new(), Start::drafted(source, episode, draft))
 }
 
-/// What a pending task begins with, in the language of its task or else of its project.
+/// Initial content of a pending task, in the language of its task or else of its project.
 pub fn start_of(
     app: &App,
     project: &Project,
@@ -339,18 +339,18 @@ pub fn start_of(
     Start::derived(app, project, source, episode, lang)
 }
 
-/// True where Stage I of `project` does not show the leaf of `episode`.
+/// True if Stage I of `project` does not show the L3 class of `episode`.
 fn hides_leaf(app: &App, project: &Project, episode: &EpisodeRecord) -> bool {
     veil::classes(app.framework, &project.settings).contains(veil::l2(&episode.scenario_id.to_string()))
 }
 
-/// What a new task begins with that is made from its drive.
+/// Initial content of a new task, computed from its drive.
 pub struct Start {
     /// The draft of its label.
     pub draft: Value,
-    /// A small picture of its keyframe; empty where there is none.
+    /// A thumbnail of its keyframe; empty if there is none.
     pub thumbnail: String,
-    /// Both are still to be made, in the background.
+    /// Both are still to be created, in the background.
     pub pending: bool,
 }
 
@@ -363,7 +363,7 @@ impl Start {
         Self { draft: unanswered(draft), thumbnail: source.picture(episode), pending: false }
     }
 
-    /// With the draft by rule, in `lang` or else the language of `project`.
+    /// With the rule's draft, in `lang` or else the language of `project`.
     fn derived(
         app: &App,
         project: &Project,
@@ -423,8 +423,8 @@ fn row(app: &App, project: &Project, episode: &EpisodeRecord, lang: String, star
     })
 }
 
-/// A model's draft as a task begins with it. What is evident is so by the keyframe, whatever a model says; where
-/// Stage I does not show the leaf, it begins without components, like any other.
+/// A model's draft as the initial draft of a task. Components are evident by the keyframe, whatever the model states;
+/// if Stage I does not show the L3 class, the draft starts without components, as for every such task.
 pub fn by_model(mut label: CocLabel, veiled: bool) -> Answer<Value> {
     let keyframe = label.keyframe.timestamp;
     for c in &mut label.critical_components {
@@ -437,7 +437,7 @@ pub fn by_model(mut label: CocLabel, veiled: bool) -> Answer<Value> {
     serde_json::to_value(label).map(unanswered).map_err(Problem::store)
 }
 
-/// A draft without the answer of a safety filter that somebody elsewhere gave.
+/// A draft without the safety filter's answer that somebody gave elsewhere.
 fn unanswered(mut draft: Value) -> Value {
     if let Some(fields) = draft.as_object_mut() {
         fields.remove(name::SAFETY_FILTER);
@@ -451,10 +451,10 @@ fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang, hides_
     };
     let keyframe = episode.keyframe.timestamp;
     let label = if hides_leaf {
-        // What the rule says of the history was said for the leaf; causes name it.
+        // The rule's components were created for the L3 class; causes refer to them.
         CocLabel { critical_components: vec![], causes: None, ..whole(None) }
     } else {
-        // Of a draft that is refused for what comes later, too: Stage I must not tell that it is.
+        // Also for a draft that is rejected because of a later event: Stage I must not reveal that.
         let history = source.drive.until(keyframe);
         let listed = app.recordings.components(&history, &until(episode, keyframe), lang);
         join(whole(Some(&listed)), listed, keyframe)
@@ -462,7 +462,7 @@ fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang, hides_
     serde_json::to_value(label).map_err(Problem::store)
 }
 
-/// The episode as it was known at the keyframe.
+/// The episode with the data known at the keyframe.
 fn until(episode: &EpisodeRecord, keyframe: Nanos) -> EpisodeRecord {
     let mut e = episode.clone();
     e.time_range.end_timestamp = keyframe;
@@ -474,7 +474,7 @@ fn until(episode: &EpisodeRecord, keyframe: Nanos) -> EpisodeRecord {
     e
 }
 
-/// `whole` with the components that Stage I lists. Causes name these; one that names something else is left out.
+/// `whole` with the components that Stage I lists. Causes refer to these; one that refers to something else is removed.
 fn join(mut whole: CocLabel, listed: Vec<CriticalComponent>, keyframe: Nanos) -> CocLabel {
     let drafted = std::mem::replace(&mut whole.critical_components, listed);
     let listed = &whole.critical_components;
@@ -498,7 +498,7 @@ fn join(mut whole: CocLabel, listed: Vec<CriticalComponent>, keyframe: Nanos) ->
     whole
 }
 
-/// Stores a task and the first entry of its history; false when its episode is there already.
+/// Stores a task and the first entry of its history; false when its episode already has a task.
 pub fn store(tx: &mut dyn Tx, mut t: TaskRow, actor: Option<&str>, now: i64) -> Answer<bool> {
     if !tasks::insert(tx, &t)? {
         return Ok(false);

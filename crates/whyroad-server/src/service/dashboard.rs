@@ -1,5 +1,5 @@
-//! Progress and quality of a project: tasks by state, who did what, agreement, coverage, audit results.
-//! Read only; all of it from the tasks and their history.
+//! Progress and quality of a project: tasks by state, actions of users, agreement, coverage, audit results.
+//! Read only; computed from the tasks and their history.
 
 use crate::domain::project::{
     Ageing, Agreement, AuditRecord, Coverage, Dashboard, PairAgreement, Project, Settings, Throughput,
@@ -18,16 +18,16 @@ use whyroad_model::label_fields::pointer;
 
 /// Milliseconds of a day.
 const DAY_MS: i64 = 86_400_000;
-/// Days of throughput shown.
+/// Number of days of throughput that are shown.
 const DAYS: i64 = 60;
-/// Tasks shown that have not moved for longest.
+/// Number of tasks with the oldest last change that are shown.
 const OLDEST: i64 = 20;
 
-/// Audits that count.
+/// Number of the newest audits that are counted.
 const RECENT_AUDITS: i64 = 50;
-/// Audits that make a record; before that an author counts as unknown and is audited most.
+/// Minimum number of audits for a record; before that an author counts as unknown and is audited at the maximum rate.
 const RECORD_LENGTH: i64 = 10;
-/// Share of failed audits at which an author's audit share is the greatest.
+/// Share of failed audits at which the author's audit rate is at its maximum.
 const POOR_RECORD: f64 = 0.2;
 
 type Names = HashMap<String, String>;
@@ -84,14 +84,14 @@ fn ageing(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec
             scenario_id: r.text("shown_class")?,
             state: r.text("state")?,
             user: display(names, r.maybe_text("person")?),
-            // A clock that was set back makes nothing younger than new.
+            // A clock that was set back gives no negative age.
             hours: (now - r.int("updated")?).max(0) as f64 / 3_600_000.0,
         })
     };
     rows.iter().map(one).collect()
 }
 
-/// What one person decided about an episode.
+/// Decision of one person about an episode.
 struct Rated {
     author: String,
     longitudinal: String,
@@ -114,7 +114,7 @@ impl Rated {
     }
 }
 
-/// Labels of overlap groups, by episode: as first submitted, before any check could bring them together.
+/// Labels of overlap groups, by episode: as first submitted, before a check could make them more similar.
 fn overlaps(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Vec<Rated>>> {
     let rows = tx.rows(
         "SELECT t.id, t.episode_id, t.author, h.seq, h.snapshot FROM tasks t JOIN history h ON h.task_id = t.id
@@ -124,7 +124,7 @@ fn overlaps(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Vec<Rated>>> {
     )?;
     let mut groups: BTreeMap<String, Vec<Rated>> = BTreeMap::new();
     for r in rows {
-        // What is handed in is kept whole; before that was so, it is put together from its changes.
+        // Submissions are stored completely; older ones are rebuilt from their changes.
         let label = match r.maybe_text("snapshot")? {
             Some(snapshot) => parse(&snapshot)?,
             None => {
@@ -180,7 +180,8 @@ fn agreement(tx: &mut dyn Tx, project: &str, names: &Names) -> Answer<Agreement>
     })
 }
 
-/// By leaf the episodes of a project, and the accepted ones. Of a hundred thousand tasks only an index is read.
+/// The episodes of a project by L3 class, and the accepted ones. Reads only an index, even with a hundred thousand
+/// tasks.
 pub(super) fn coverage_sql() -> String {
     format!(
         "SELECT scenario_id, count(DISTINCT episode_id) AS mined,
@@ -189,7 +190,7 @@ pub(super) fn coverage_sql() -> String {
     )
 }
 
-/// Episodes count once, however many people label them.
+/// Each episode counts once, however many people label it.
 fn coverage(tx: &mut dyn Tx, project: &Project) -> Answer<Vec<Coverage>> {
     let rows = tx.rows(&coverage_sql(), values![&project.id])?;
     let mut leaves: BTreeMap<String, (i64, i64)> = BTreeMap::new();
@@ -224,14 +225,14 @@ fn audit_outcomes(tx: &mut dyn Tx, project: &Project, names: &Names) -> Answer<V
     Ok(out)
 }
 
-/// How many of `author`'s labels in `project` were audited, and how many of these were sent back; of the newest
-/// [`RECENT_AUDITS`], so that who has improved is not audited for old faults.
+/// Number of `author`'s labels in `project` that were audited, and how many of these were returned; only the newest
+/// [`RECENT_AUDITS`], so that an author who has improved is not audited for old errors.
 pub fn audit_record(tx: &mut dyn Tx, project: &str, author: &str) -> Answer<(i64, i64)> {
     let records = audit_records(tx, &audits_sql("t.author = $2"), values![project, author])?;
     Ok(records.get(author).copied().unwrap_or_default())
 }
 
-/// The newest audits of these authors, counted by outcome; one reading for all of them.
+/// The newest audits of these authors, counted by outcome; one query for all of them.
 pub(super) fn audits_sql(authors: &str) -> String {
     format!(
         "SELECT author, action, count(*) AS n FROM (
@@ -243,7 +244,7 @@ pub(super) fn audits_sql(authors: &str) -> String {
     )
 }
 
-/// By author how many labels were audited, and how many of these were sent back.
+/// By author, the number of audited labels, and how many of these were returned.
 fn audit_records(
     tx: &mut dyn Tx,
     sql: &str,
@@ -261,8 +262,9 @@ fn audit_records(
     Ok(out)
 }
 
-/// Share of an author's labels to be audited, in percent (LABELING.md 6: 10 to 20 by the author's record): the greatest
-/// until there is a record, then from the least to the greatest as failed audits go from none to [`POOR_RECORD`].
+/// Audit rate of an author's labels, in percent (LABELING.md 6: 10 to 20 by the author's record): the maximum until
+/// there is a record, then from the minimum to the maximum as the share of failed audits rises from 0 to
+/// [`POOR_RECORD`].
 pub fn audit_share(settings: &Settings, audited: i64, failed: i64) -> f64 {
     let (least, most) = (f64::from(settings.audit_min_percent), f64::from(settings.audit_max_percent));
     if audited < RECORD_LENGTH {

@@ -1,16 +1,16 @@
-//! Everything that a store holds of a drive, removed on request: tasks with labels, histories, comments and images, who
-//! saw it, what was said of its episodes, and events about it that wait to be delivered. Which tables name a drive or a
-//! task is asked of the store, so none that is added later is forgotten. Counts by day and person (`activity`) name no
-//! drive and stay.
+//! Removes all data of a drive on request: tasks with labels, histories, comments and images, who saw it, verdicts on
+//! its episodes, and events about it that wait for delivery. The tables that reference a drive or a task are read from
+//! the store, so that a table that is added later is included. Counts by day and person (`activity`) reference no drive
+//! and are kept.
 
 use crate::problem::Answer;
 use crate::store::{Store, TABLES, Tx};
 use crate::values;
 use whyroad_model::DriveId;
 
-/// Columns that name a task. `source_task`: of which accepted label a gold task is a copy.
+/// Columns with a task id. `source_task`: the accepted label of which a gold task is a copy.
 const TASK_COLUMNS: &[&str] = &["task_id", "source_task"];
-/// The column that names a drive.
+/// The column with a drive id.
 const DRIVE_COLUMN: &str = "drive_id";
 
 /// Rows about a drive.
@@ -22,13 +22,13 @@ pub struct DriveRows {
     pub other: u64,
 }
 
-/// What the store holds of the drive.
+/// The number of rows about the drive.
 pub fn held(store: &Store, drive: &DriveId) -> Answer<DriveRows> {
     store.read(|tx| {
         let tasks = tasks(tx, drive)?;
         let (mut other, places) = (0, places(tx)?);
         for (table, conditions) in &places {
-            // A row that two columns name is one row.
+            // A row that matches in two columns is one row.
             let any = conditions.join(" OR ");
             let sql = format!("SELECT count(*) AS n FROM {table} WHERE {any}");
             let row = tx.row(&sql, values![drive.as_str()])?;
@@ -42,7 +42,7 @@ pub fn held(store: &Store, drive: &DriveId) -> Answer<DriveRows> {
     })
 }
 
-/// Removes it in one transaction, and says what was removed.
+/// Removes them in one transaction, and returns the numbers of removed rows.
 pub fn delete_drive(store: &Store, drive: &DriveId) -> Answer<DriveRows> {
     let drive = drive.clone();
     store.write(move |tx| {
@@ -65,7 +65,7 @@ fn tasks(tx: &mut dyn Tx, drive: &DriveId) -> Answer<Vec<String>> {
     tx.rows(sql, values![drive.as_str()])?.iter().map(|r| r.text("id")).collect()
 }
 
-/// Tables beside `tasks` that name a drive or a task, with the conditions of rows about the drive `$1`.
+/// Tables other than `tasks` that reference a drive or a task, with the conditions of rows about the drive `$1`.
 fn places(tx: &mut dyn Tx) -> Answer<Vec<(&'static str, Vec<String>)>> {
     let mut out = Vec::new();
     for table in TABLES.iter().filter(|t| **t != "tasks") {
@@ -85,10 +85,10 @@ fn places(tx: &mut dyn Tx) -> Answer<Vec<(&'static str, Vec<String>)>> {
     Ok(out)
 }
 
-/// Tables with rows that are a part of a task: they go with it.
+/// Tables with rows that are parts of a task: they are deleted with it.
 pub(super) fn parts_of_tasks(tx: &mut dyn Tx) -> Answer<Vec<&'static str>> {
     let mut out = Vec::new();
-    // Who has seen which part of a drive outlives the task in which they saw it.
+    // The record of who has seen which part of a drive is kept longer than the task in which they saw it.
     for table in TABLES.iter().filter(|t| **t != "seen") {
         if tx.columns(table)?.iter().any(|column| column == "task_id") {
             out.push(*table);
@@ -97,7 +97,7 @@ pub(super) fn parts_of_tasks(tx: &mut dyn Tx) -> Answer<Vec<&'static str>> {
     Ok(out)
 }
 
-/// Bodies of deliveries name the task; ids of tasks are letters and digits.
+/// Bodies of deliveries contain the task id; task ids consist of letters and digits.
 fn about(task: &str) -> String {
     format!("%\"task\":\"{task}\"%")
 }

@@ -1,5 +1,5 @@
-//! Overlap groups whose labels disagree about the decision, which a lead adjudicates. Kept with each task of the group,
-//! so that lists filter and count without reading labels; worked out when a label is handed in or left out.
+//! Overlap groups whose labels disagree about the decision, which a lead adjudicates. Stored with each task of the
+//! group, so that lists filter and count without reading labels; computed when a label is submitted or skipped.
 
 use crate::domain::workflow::State;
 use crate::problem::Answer;
@@ -8,21 +8,21 @@ use crate::service::{compared, tasks};
 use crate::store::{Store, Tx, Value as Cell};
 use crate::values;
 
-/// SQL for what is still to be adjudicated; `tasks` is the table.
+/// SQL condition for tasks to adjudicate; `tasks` is the table.
 pub(super) const TO_ADJUDICATE: &str =
     "tasks.disagrees = 1 AND tasks.adjudication IS NULL AND tasks.state NOT IN ('skipped', 'rejected')";
 
-/// Groups compared in one transaction.
+/// Number of groups compared in one transaction.
 const AT_ONCE: i64 = 100;
 
-/// Every label of the group was handed in or left out.
+/// Every label of the group was submitted, skipped or rejected.
 pub fn is_ready(group: &[TaskRow]) -> bool {
     let left_out = |s: State| matches!(s, State::Skipped | State::Rejected);
     group.iter().all(|o| o.at.state.is_handed_in() || left_out(o.at.state))
 }
 
 /// Compares the labels of the overlap group of an episode. A group that still waits for a label does not disagree, and
-/// labels that were left out do not count.
+/// skipped or rejected labels do not count.
 pub(super) fn note(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> {
     let group = tasks::group(tx, project, episode)?;
     let labels: Vec<_> = group.iter().filter(|t| t.at.state.is_handed_in()).map(|t| &t.draft).collect();
@@ -36,7 +36,7 @@ pub(super) fn note(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> 
     .map(drop)
 }
 
-/// SQL for some groups that were handed in before this was kept.
+/// SQL for some groups that were submitted before this was stored.
 pub(super) fn not_compared() -> String {
     let handed_in: Vec<String> =
         State::ALL.iter().filter(|s| s.is_handed_in()).map(|s| format!("'{}'", s.word())).collect();
@@ -47,7 +47,7 @@ pub(super) fn not_compared() -> String {
     )
 }
 
-/// Compares what was handed in before this was kept.
+/// Compares the groups that were submitted before this was stored.
 pub fn note_all(store: &Store) -> Answer<()> {
     let sql = not_compared();
     loop {
@@ -65,7 +65,7 @@ pub fn note_all(store: &Store) -> Answer<()> {
     }
 }
 
-/// Tasks of a project that are still to be adjudicated.
+/// Number of tasks of a project that are still to be adjudicated.
 pub(super) fn count(tx: &mut dyn Tx, project: &str) -> Answer<i64> {
     let sql = format!("SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND {TO_ADJUDICATE}");
     let values: [Cell; 1] = [project.into()];

@@ -1,6 +1,6 @@
-//! Drafts in the background. Deriving a draft takes up to a second, and a lead makes hundreds of tasks at once: these
-//! are stored at once, pending, without reading their drives, and their drafts and small pictures are made drive by
-//! drive beside the service's work. Whoever opens a pending task before its turn has its draft made then.
+//! Drafts in the background. Deriving a draft takes up to a second, and a lead creates hundreds of tasks at once: these
+//! are stored immediately as pending, without reading their drives, and their drafts and thumbnails are created drive
+//! by drive in the background. When somebody opens a pending task earlier, its draft is created then.
 
 use crate::app::App;
 use crate::problem::{Answer, Problem};
@@ -16,27 +16,27 @@ use std::sync::{Arc, Mutex, Weak};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Between two looks for pending tasks when there were none.
+/// Time between two queries for pending tasks when there were none.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
-/// A worker stores what it has made this often: drafts that are made quickly share a transaction.
+/// Interval at which a worker stores its results: drafts that are created quickly share a transaction.
 const STORE_EVERY: Duration = Duration::from_millis(200);
-/// Pending tasks that a worker looks at, and from how many on it has enough.
+/// Number of pending tasks that a worker reads, and number that is enough for one batch.
 const LOOK_AHEAD: usize = 64;
 const FEW: usize = 16;
 
-/// `pending` of a task without its draft, and of one whose draft failed: that one is tried again when it is opened.
+/// `pending` of a task without its draft, and of one whose draft failed: it is tried again when the task is opened.
 pub(super) const PENDING: i64 = 1;
 const FAILED: i64 = 2;
 
-/// The first pending tasks. The index of those is partial: a store reads it only where the query repeats its condition,
-/// and the whole table otherwise, twice a second.
+/// The first pending tasks. Their index is partial: a store uses it only if the query repeats its condition, and
+/// otherwise reads the whole table, twice a second.
 pub(super) const NEXT: &str = "SELECT id, drive_id FROM tasks WHERE pending = $1 AND pending <> 0
     ORDER BY pending, priority DESC, drive_id, keyframe_ns, id LIMIT $2";
-/// Pending tasks of a project.
+/// Number of pending tasks of a project.
 pub(super) const COUNT: &str =
     "SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND pending = $2 AND pending <> 0";
 
-/// `t` with its draft, which is made now where it is pending.
+/// `t` with its draft, which is created now if it is pending.
 pub fn ready(app: &App, t: TaskRow) -> Answer<TaskRow> {
     if !t.pending {
         return Ok(t);
@@ -64,15 +64,15 @@ fn put(app: &App, made: Vec<(String, Start)>) -> Answer<()> {
     })
 }
 
-/// What the draft of `t` consists of.
+/// Initial content of `t`.
 fn start_of(app: &App, t: &TaskRow, last: &mut LastDrive) -> Answer<Start> {
     let project = app.store.read(|tx| projects::get(tx, &t.project))?;
     create::start_of(app, &project, &t.episode, &t.lang, last)
 }
 
-/// Makes drafts until the service ends: on all cores, behind all other work; on all cores but one where the system does
-/// not put a thread behind others. Not waited for: a derivation that hangs does not keep the service from stopping, and
-/// what is still pending is made after the next start.
+/// Creates drafts until the service ends: on all cores, at the lowest priority; on all cores but one where the system
+/// has no priorities per thread. The threads are not joined: a derivation that hangs does not keep the service from
+/// stopping, and pending drafts are created after the next start.
 pub fn spawn(app: &Arc<App>) -> Vec<JoinHandle<()>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let workers = if cfg!(target_os = "linux") { cores } else { (cores - 1).max(1) };
@@ -87,12 +87,12 @@ pub fn spawn(app: &Arc<App>) -> Vec<JoinHandle<()>> {
     (0..workers).map(worker).collect()
 }
 
-/// Puts this thread behind those that people wait for. Linux keeps a priority per thread (`setpriority(2)`).
+/// Gives this thread the lowest priority. Linux has a priority per thread (`setpriority(2)`).
 fn stand_back() {
     #[cfg(target_os = "linux")]
     {
         let lowest = 19;
-        // Where it is not allowed, drafts are made with the priority of the service.
+        // If this is not permitted, drafts are created with the priority of the service.
         let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), lowest);
     }
 }
@@ -104,13 +104,13 @@ fn work(service: &Weak<App>, turns: &Turns) {
         match batch.and_then(|batch| batch.map(|b| make(service, &b)).transpose()) {
             Ok(Some(())) => {}
             Ok(None) => std::thread::sleep(LOOK_EVERY),
-            // The store is away: it comes back, or the service ends.
+            // The store is unavailable: it comes back, or the service ends.
             Err(_) => std::thread::sleep(LOOK_EVERY * 4),
         }
     }
 }
 
-/// Makes the drafts of a batch. What the store does not take stays pending.
+/// Creates the drafts of a batch. Drafts that the store does not accept stay pending.
 fn make(service: &Weak<App>, batch: &Batch<'_>) -> Answer<()> {
     let (mut last, mut made, mut since) = (LastDrive::default(), Vec::new(), Instant::now());
     for id in &batch.tasks {
@@ -130,7 +130,7 @@ fn make(service: &Weak<App>, batch: &Batch<'_>) -> Answer<()> {
     service.upgrade().map_or(Ok(()), |app| put(&app, made))
 }
 
-/// The draft of a task; none where it is made already.
+/// The draft of a task; `None` if it already exists.
 fn one(app: &App, id: &str, last: &mut LastDrive) -> Answer<Option<Start>> {
     let t = app.store.read(|tx| tasks::get(tx, id))?;
     if !t.pending {
@@ -149,18 +149,18 @@ fn failed(app: &App, id: &str, why: &Problem) -> Answer<()> {
     })
 }
 
-/// Which tasks the workers have in hand.
+/// The tasks of each worker's current batch.
 #[derive(Default)]
 struct Turns(Mutex<BTreeSet<String>>);
 
-/// Tasks that one worker has in hand, drive by drive and each drive in time.
+/// The tasks of one worker's batch, sorted by drive and time.
 struct Batch<'a> {
     turns: &'a Turns,
     tasks: Vec<String>,
 }
 
 impl Turns {
-    /// The next tasks for a worker; `None` where all have one.
+    /// The next tasks for a worker; `None` if all are in a batch.
     fn next(&self, app: &App) -> Answer<Option<Batch<'_>>> {
         let mut in_hand = lock(&self.0);
         let limit = (in_hand.len() + LOOK_AHEAD) as i64;
@@ -174,7 +174,7 @@ impl Turns {
         }
         let tasks = some_of(&free, chance()?);
         in_hand.extend(tasks.iter().cloned());
-        // Made only where there are some: a batch that ends takes the lock.
+        // Created only if there are some: the end of a batch takes the lock.
         Ok((!tasks.is_empty()).then(|| Batch { turns: self, tasks }))
     }
 }
@@ -188,8 +188,8 @@ impl Drop for Batch<'_> {
     }
 }
 
-/// Of tasks with their drives, those of one drive, and of the next ones while they are few. Any drive may be the first:
-/// several services on one database take different ones then.
+/// From tasks with their drives, those of one drive, and of the next ones while there are few. Any drive may be the
+/// first, so that several services on one database take different ones.
 fn some_of(free: &[(String, String)], chance: usize) -> Vec<String> {
     let drives: Vec<&[(String, String)]> = free.chunk_by(|(_, a), (_, b)| a == b).collect();
     let first = chance % drives.len().max(1);
@@ -207,7 +207,7 @@ fn chance() -> Answer<usize> {
     usize::from_str_radix(&secret::random(2)?, 16).map_err(Problem::store)
 }
 
-/// Tasks of `project` whose drafts are still to be made.
+/// Number of tasks of `project` whose drafts are still to be created.
 pub fn pending(tx: &mut dyn crate::store::Tx, project: &str) -> Answer<i64> {
     tx.row(COUNT, values![project, PENDING])?.map_or(Ok(0), |r| r.int("n"))
 }

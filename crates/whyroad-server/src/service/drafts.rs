@@ -1,4 +1,4 @@
-//! Saving the fields of a draft as they are changed, and putting an earlier draft together again from the history.
+//! Saves changed fields of a draft, and rebuilds an earlier draft from the history.
 
 use crate::domain::project::Settings;
 use crate::domain::task::{Conflicts, DraftChange};
@@ -13,26 +13,26 @@ use serde_json::Value;
 use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::label_fields::pointer;
 
-/// What came of saving.
+/// Result of saving.
 #[derive(Clone, Debug)]
 pub struct Saved {
     /// The task with its new draft.
     pub task: TaskRow,
-    /// Others' changes came between and were kept.
+    /// Whether changes by others were made in between and kept.
     pub merged: Merged,
 }
 
-/// Whether others' changes came between.
+/// Whether changes by others were made in between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Merged {
     /// No.
     No,
-    /// Yes: the caller does not have the draft as it is now.
+    /// Yes: the caller does not have the current draft.
     Yes,
 }
 
-/// Saves changed fields, in one transaction with their entry in the history. Changes that were made on an older version
-/// are merged field by field.
+/// Saves changed fields, in one transaction with their entry in the history. Changes based on an older version are
+/// merged field by field.
 pub fn save(
     tx: &mut dyn Tx,
     task: &str,
@@ -73,9 +73,9 @@ pub fn save(
     Ok(Saved { task: t, merged })
 }
 
-/// In Stage I a keyframe is set part by part, so that the end of its range, which is not shown, stays.
+/// In Stage I a keyframe is changed part by part, so that the end of its range, which is not shown, is kept.
 fn by_field(t: &TaskRow, changes: &[FieldChange]) -> Vec<FieldChange> {
-    // Without the leaf only the moment is set: what kind of keyframe it is was not shown.
+    // If the L3 class is hidden, only the moment is changed: the type of the keyframe was not shown.
     let sets = |part: &str| !t.hides_leaf() || visible::MOMENT.contains(&part);
     let mut out = Vec::new();
     for c in changes {
@@ -115,7 +115,7 @@ fn clash(tx: &mut dyn Tx, t: &TaskRow, base: i64, mine: &[FieldChange]) -> Answe
     .with(more))
 }
 
-/// All changes after `version`; an entry that brought a whole draft counts as a change of each of its fields.
+/// All changes after `version`; an entry with a whole draft counts as a change of each of its fields.
 fn since(tx: &mut dyn Tx, t: &TaskRow, version: i64) -> Answer<Vec<FieldChange>> {
     let rows = tx.rows(
         "SELECT changes, snapshot FROM history WHERE task_id = $1 AND version > $2 ORDER BY seq",
@@ -139,7 +139,7 @@ fn since(tx: &mut dyn Tx, t: &TaskRow, version: i64) -> Answer<Vec<FieldChange>>
     Ok(out)
 }
 
-/// The draft as it was after entry `seq` of the history.
+/// The draft after entry `seq` of the history.
 pub fn at(tx: &mut dyn Tx, t: &TaskRow, seq: i64) -> Answer<Value> {
     let rows = tx.rows(
         "SELECT seq, changes, snapshot FROM history WHERE task_id = $1 AND seq <= $2 ORDER BY seq",
@@ -162,7 +162,7 @@ pub fn at(tx: &mut dyn Tx, t: &TaskRow, seq: i64) -> Answer<Value> {
     Ok(draft)
 }
 
-/// What of `old` comes back over `now` in this state: only what may be changed in it.
+/// `now` with those parts of `old` that may be changed in this state.
 pub fn restored(t: &TaskRow, old: &Value) -> Value {
     let open = |field: &str| visible::may_change(t, &format!("/{field}"), &Value::Null).is_ok();
     let mut out = t.draft.as_object().cloned().unwrap_or_default();

@@ -1,5 +1,5 @@
-//! The tasks of a project in short, for reports: what each is about, how far it is, what people changed, how long they
-//! worked. Read page by page; a draft is compared and dropped before the next page is read.
+//! Summaries of the tasks of a project, for reports: the subject and state of each, the changes by people, the working
+//! time. Read page by page; a draft is compared and dropped before the next page is read.
 
 pub mod cache;
 
@@ -17,10 +17,10 @@ use std::sync::Arc;
 use whyroad_label::facts::{Judgement, LabelStage, Step, TaskFacts, revision, worked_s};
 use whyroad_model::{DriveId, Nanos};
 
-/// Tasks read together.
+/// Number of tasks read together.
 const PAGE: usize = 500;
 
-/// How far the label of a task in this state is.
+/// Progress of the label of a task in this state.
 fn stage(state: State) -> LabelStage {
     match state {
         State::Open | State::Stage1 | State::Stage1Locked | State::Stage2 => LabelStage::Waiting,
@@ -49,11 +49,11 @@ fn versions(tx: &mut dyn Tx, project: &str) -> Answer<BTreeMap<String, Version>>
     rows.iter().map(|r| Ok((r.text("id")?, (r.int("seq")?, r.maybe_text("adjudication")?)))).collect()
 }
 
-/// The facts of these tasks; one that is gone has none.
+/// The facts of these tasks; a deleted one has none.
 fn some(tx: &mut dyn Tx, ids: &[String], names: &HashMap<String, String>) -> Answer<Vec<TaskFacts>> {
     let holes = (1..=ids.len()).map(|i| format!("${i}")).collect::<Vec<_>>().join(", ");
     let values: Vec<Cell> = ids.iter().map(Cell::from).collect();
-    // Drafts only of what was handed in: others are not compared.
+    // Drafts only of submitted labels: others are not compared.
     let rows = tx.rows(
             &format!("SELECT id, episode_id, overlap_count, drive_id, scenario_id, keyframe_ns, state, adjudication, author,
                created, CASE WHEN state = 'accepted' THEN initial END AS initial,
@@ -70,7 +70,7 @@ fn some(tx: &mut dyn Tx, ids: &[String], names: &HashMap<String, String>) -> Ans
     Ok(out)
 }
 
-/// The same as [`of`], from `cache` as far as nothing changed; the second number says how many tasks were read.
+/// The same as [`of`], from `cache` where nothing has changed; the second number is the number of tasks that were read.
 pub fn kept(store: &Store, cache: &FactsCache, project: &str) -> Answer<(Vec<TaskFacts>, usize)> {
     let (names, now) = store.report(|tx| Ok((tasks::names(tx)?, versions(tx, project)?)))?;
     let before = cache.get(project).filter(|kept| kept.names == names).unwrap_or_default();
@@ -84,7 +84,7 @@ pub fn kept(store: &Store, cache: &FactsCache, project: &str) -> Answer<(Vec<Tas
     let read = fresh.len();
     let mut tasks = BTreeMap::new();
     for (id, version) in now {
-        // What changed between the two reads has a newer version next time, and is read again then.
+        // A task that changes between the two reads has a newer version next time, and is read again then.
         let facts = fresh.remove(&id).or_else(|| before.tasks.get(&id).map(|(_, f)| f.clone()));
         if let Some(facts) = facts {
             tasks.insert(id, (version, facts));
@@ -148,7 +148,7 @@ fn ms_time(ms: i64) -> Nanos {
     Nanos(ms.saturating_mul(1_000_000))
 }
 
-/// The label as first handed in. It is kept whole; before that was so, it is put together from its changes.
+/// The label as first submitted. It is stored completely; older ones are rebuilt from their changes.
 fn first_submission(tx: &mut dyn Tx, id: &str) -> Answer<Judgement> {
     let row = tx.row(
         "SELECT seq, snapshot FROM history WHERE task_id = $1 AND action = 'submit' ORDER BY seq LIMIT 1",

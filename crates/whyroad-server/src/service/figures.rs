@@ -1,15 +1,15 @@
-//! The figures of a service as one text, and whether it can work: what the port for operators answers. Both ask the
-//! store, and so block.
+//! The metrics of a service as one text, and whether it is ready: the responses of the port for operators. Both query
+//! the store, and so block.
 
 use crate::app::App;
 use crate::metrics::{StoreFigures, Text};
 use crate::problem::Answer;
 use std::time::Instant;
 
-/// Whether the service can work: why not, otherwise.
+/// Whether the service is ready; otherwise the reason.
 ///
 /// # Errors
-/// The service stops, its store does not answer, or its recordings are away.
+/// The service stops, its store does not answer, or its recordings are unavailable.
 pub fn ready(app: &App) -> Result<(), String> {
     if app.metrics.is_stopping() {
         return Err("stopping".to_owned());
@@ -18,7 +18,7 @@ pub fn ready(app: &App) -> Result<(), String> {
     app.recordings.ready().map_err(|_| "lake: cannot be read".to_owned())
 }
 
-/// All figures, in the text format of Prometheus.
+/// All metrics, in the text format of Prometheus.
 pub fn text(app: &App) -> String {
     let mut out = Text::default();
     out.head("whyroad_build_info", "gauge", "Version of the program");
@@ -35,7 +35,7 @@ fn of_store(app: &App, out: &mut Text) {
     let held = app.metrics.of_store(|| look(app).ok());
     out.head("whyroad_store_up", "gauge", "1 when the store answered the last time it was asked");
     out.line("whyroad_store_up", &[], f64::from(u8::from(held.is_some())));
-    // Without an answer nothing is known; 0 would be a claim.
+    // Without an answer nothing is known; 0 would be a false value.
     let Some(held) = held else { return };
     out.head("whyroad_store_seconds", "gauge", "How long the store took for these figures");
     out.line("whyroad_store_seconds", &[], held.took.as_secs_f64());

@@ -1,5 +1,5 @@
-//! What the checker finds in a draft. In Stage I it sees only what the annotator sees: the rest is filled in with what
-//! is the same for every task, so that no finding depends on hidden fields.
+//! Findings of the checker in a draft. In Stage I it sees only the fields that the annotator sees: the others are
+//! replaced by values that are the same for every task, so that no finding depends on hidden fields.
 
 use crate::app::App;
 use crate::domain::task::Finding;
@@ -11,10 +11,10 @@ use whyroad_label::check::without_draft_mark;
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::{Diagnostic, Nanos, Severity};
 
-/// Findings of this crate, beside those of whyroad-framework.
+/// Codes of the findings of this crate, in addition to those of whyroad-framework.
 pub const CODES: &[&str] = &["label.trace.draft"];
 
-/// The findings in `draft`, a label of `task`, as far as the stage of `view` shows it, by place.
+/// The findings in `draft`, a label of `task`, as far as the stage of `view` shows it, sorted by location.
 pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Finding> {
     match view.stage {
         Stage::Stage1 => {
@@ -41,18 +41,18 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
     }
 }
 
-/// The trace that a rule drafted for the task; what a model wrote may be accepted by who has read it. The checker knows
-/// a draft only by what a label says: not one from which components were left out, or whose words follow from what
-/// Stage I does not show.
+/// The trace that a rule drafted for the task; a person who has read a model's text may accept it. The checker
+/// recognizes a draft only by the content of a label: not one from which components were removed, or whose words depend
+/// on something that Stage I hides.
 fn drafted_trace(initial: &Value) -> Option<&str> {
     let by = initial.get(name::PROVENANCE)?.get(name::SOURCE)?.as_str()?;
     let trace = initial.get(name::COC_TRACE)?.as_str()?;
     (by == "rule" && !trace.is_empty()).then_some(trace)
 }
 
-/// The draft as it will be handed in: by a person, and with empty causes where it has none. A label from elsewhere
-/// may do without causes, as those of format 2.0 do; one that is made here names a cause of each decision, or
-/// UNOBSERVED with a reason (LABELING.md 6).
+/// The draft in the form of its submission: by a person, and with empty causes if it has none. An imported label may
+/// have no causes, as in format 2.0; a label from this service states a cause of each decision, or UNOBSERVED with a
+/// reason (LABELING.md 6).
 fn as_submitted(draft: &Value) -> Value {
     let mut whole = draft.clone();
     if whole.get(name::CAUSES).is_none_or(Value::is_null) {
@@ -67,12 +67,12 @@ pub fn has_error(findings: &[Finding]) -> bool {
     findings.iter().any(|f| f.severity == "error")
 }
 
-/// What the checker says of any label.
+/// Findings of the checker in any label.
 pub fn check(app: &App, label: &Value) -> Vec<Finding> {
     app.checker.check_text(&label.to_string()).iter().map(finding).collect()
 }
 
-/// The visible part of a draft with neutral fields in place of the hidden ones.
+/// The visible part of a draft, with neutral values for the hidden fields.
 fn probe(draft: &Value, view: LabelView) -> Value {
     let mut label = visible::label(draft, view);
     let moment = |at: &str| label.pointer(at).and_then(Value::as_str).map(str::to_owned);

@@ -1,5 +1,5 @@
-//! For tests of single parts: a service on an empty store with the project `p` and no drives, and a task of it. The
-//! store is a SQLite file, and a database of a real PostgreSQL while [`again_on_postgresql`] runs the same tests again.
+//! For unit tests: a service on an empty store with the project `p` and no drives, and a task of it. The store is a
+//! SQLite file, or a database of a real PostgreSQL while [`again_on_postgresql`] repeats the tests.
 
 use crate::domain::scene::SignalAbout;
 #[path = "../../tests/it/postgres_server.rs"]
@@ -24,8 +24,8 @@ use whyroad_model::messages::{
 use whyroad_model::scene::{Ego, MediaFrame, Motion};
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
-/// No drives, or where there are some all but `absent`, of two frames around the fixtures' keyframes; counts how often
-/// they are read and derived.
+/// No drives, or all drives except `absent`, each with two frames around the fixtures' keyframes; counts how often they
+/// are read and derived.
 #[derive(Default)]
 pub struct Counted {
     some: bool,
@@ -109,22 +109,22 @@ pub fn counted() -> (App, Arc<Counted>, tempfile::TempDir) {
 }
 
 thread_local! {
-    /// Where this thread's tests have their stores; none for files.
+    /// The server for the stores of this thread's tests; `None` for files.
     static SERVER: RefCell<Option<Server>> = const { RefCell::new(None) };
 }
 
-/// Runs the tests of a file again, each on a database of its own; `source` is the file, so that none is forgotten.
+/// Repeats the tests of a file, each on its own database; `source` is the file, so that none is omitted.
 pub fn again_on_postgresql(source: &str, tests: &[fn()]) {
     let there = source.lines().filter(|l| l.trim() == "#[test]").count();
     assert_eq!(there, tests.len(), "each test of the file is named in on_postgresql!");
     let Some(server) = Server::start() else { return };
     SERVER.set(Some(server));
     tests.iter().for_each(|test| test());
-    // Here rather than when the thread ends: the server stops before the test does.
+    // Here, not at the end of the thread: the server must stop before the test ends.
     SERVER.take();
 }
 
-/// Names the tests of `tests.rs` that run on PostgreSQL too.
+/// Lists the tests of `tests.rs` that also run on PostgreSQL.
 macro_rules! on_postgresql {
     ($($name:ident),+ $(,)?) => {
         #[test]

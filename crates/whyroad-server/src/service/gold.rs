@@ -1,9 +1,9 @@
-//! Gold tasks: copies of accepted episodes, each for one annotator, compared with the known answer once handed in.
+//! Gold tasks: copies of accepted episodes, each for one annotator, compared with the known answer after submission.
 //!
-//! Nothing that an annotator can get distinguishes a copy from other tasks. Its id is random; its priority, its moment
-//! of making and the size of its overlap group are those of an ordinary task that waits in the project, so that
-//! neither order nor history gives it away; no field of a task names it, and it goes through check and audit like any
-//! other. Only the queue knows for whom it was made.
+//! Nothing that an annotator can read distinguishes a copy from other tasks. Its id is random; its priority, its time
+//! of creation and the size of its overlap group are those of an ordinary task that waits in the project, so that
+//! neither order nor history reveals it; no field of a task marks it, and it goes through check and audit like any
+//! other. Only the queue knows its annotator.
 
 use crate::app::App;
 use crate::domain::gold::{GoldPerson, GoldRefused, GoldReport, GoldStanding, GoldTask, MadeGold, NewGold};
@@ -21,13 +21,13 @@ use crate::values;
 use std::collections::BTreeMap;
 use whyroad_model::Bilingual;
 
-/// Most accepted tasks, and annotators, of one request.
+/// Maximum number of accepted tasks, and of annotators, in one request.
 const MOST_TASKS: usize = 200;
 const MOST_PEOPLE: usize = 50;
-/// Ordinary tasks among which a copy hides.
+/// Number of ordinary tasks from which the attributes of a copy are taken.
 const DONORS: i64 = 2000;
 
-/// Makes copies of accepted tasks for annotators.
+/// Creates copies of accepted tasks for annotators.
 pub fn make(app: &App, tx: &mut dyn Tx, project: &Project, request: &NewGold) -> Answer<MadeGold> {
     if request.tasks.is_empty() || request.tasks.len() > MOST_TASKS || request.users.len() > MOST_PEOPLE {
         return Err(Problem::request(
@@ -66,7 +66,7 @@ pub fn make(app: &App, tx: &mut dyn Tx, project: &Project, request: &NewGold) ->
     Ok(out)
 }
 
-/// Why there can be no copy of `source` for this annotator.
+/// Why no copy of `source` can be created for this annotator.
 fn refusal(
     tx: &mut dyn Tx,
     source: &TaskRow,
@@ -94,7 +94,7 @@ fn refusal(
     Ok(None)
 }
 
-/// An ordinary task of which a copy takes what would tell them apart.
+/// An ordinary task from which a copy takes the attributes that would distinguish it.
 struct Donor {
     created: i64,
     priority: i64,
@@ -145,7 +145,7 @@ fn copy(app: &App, tx: &mut dyn Tx, source: &TaskRow, user: &str, donors: &[Dono
     Ok(())
 }
 
-/// A gold task as the store has it, with what it was compared to.
+/// A gold task in the store, with its comparison.
 struct Scored {
     task: String,
     source: String,
@@ -155,8 +155,8 @@ struct Scored {
     fields: Option<BTreeMap<&'static str, bool>>,
 }
 
-/// Gold tasks of a project, newest first; of one author where one is given. A copy that somebody else labeled counts
-/// for them.
+/// Gold tasks of a project, newest first; of one author if one is given. A copy that another person labeled counts for
+/// that person.
 fn scored(tx: &mut dyn Tx, project: &str, author: Option<&str>) -> Answer<Vec<Scored>> {
     let rows = tx.rows(
         "SELECT g.task_id, g.source_task, g.answer, t.scenario_id, t.state, coalesce(t.author, g.user_id) AS person,
@@ -209,7 +209,7 @@ pub fn standing(tx: &mut dyn Tx, project: &Project, author: &str) -> Answer<Gold
     Ok(standing_of(&project.settings, &shares))
 }
 
-/// All gold tasks of `project` and how people did.
+/// All gold tasks of `project` and the results of people.
 pub fn report(tx: &mut dyn Tx, project: &Project) -> Answer<GoldReport> {
     let names = tasks::names(tx)?;
     let display = |id: &str| names.get(id).cloned().unwrap_or_else(|| id.to_owned());
@@ -274,7 +274,7 @@ mod tests {
     fn a_label_agrees_field_by_field() {
         let answer = label("2026-01-01T00:00:05.000Z", "yield_to_agent", json!(["t1"]));
         assert_eq!(share(&compare(&answer, &answer)), 100.0);
-        // 0.5 s is still near; another decision and another object are not the answer.
+        // 0.5 s is still accepted; another decision and another object do not agree.
         let near = label("2026-01-01T00:00:05.500Z", "yield_to_agent", json!(["t1", "t2"]));
         assert_eq!(share(&compare(&answer, &near)), 100.0);
         let wrong = label("2026-01-01T00:00:05.600Z", "lead_following", json!(["other"]));
@@ -282,7 +282,7 @@ mod tests {
             compare(&answer, &wrong).into_iter().filter(|(_, a)| !a).map(|(n, _)| n).collect();
         assert_eq!(differs, ["keyframe", "longitudinal", "objects"]);
         assert_eq!(share(&compare(&answer, &wrong)), 40.0);
-        // An answer without objects asks for none.
+        // An answer without objects requires none.
         let bare = label("2026-01-01T00:00:05.000Z", "yield_to_agent", json!([]));
         assert_eq!(compare(&bare, &wrong).len(), 4);
     }

@@ -1,4 +1,4 @@
-//! Writing the append-only history of a task; what happened is announced to webhooks in the same transaction.
+//! Writes the append-only history of a task; events are announced to webhooks in the same transaction.
 
 use crate::domain::workflow::State;
 use crate::problem::Answer;

@@ -1,9 +1,10 @@
-//! Which account a person of the identity provider has, and what it may do.
+//! The account of a person of the identity provider, and its permissions.
 //!
-//! An account is found by the provider's lasting name of the person (issuer and subject), never by a name or an address
-//! alone. It is linked in one of three ways: its user, signed in, asks for it; the person's *verified* address is the
-//! one that an administrator gave the account, which is linked to nobody of that provider yet; or it is made for the
-//! person, where the set-up says so. So nobody takes over an account by choosing a name or an address.
+//! An account is found by the provider's permanent identifier of the person (issuer and subject), never by a name or an
+//! address alone. It is linked in one of three cases: its user, signed in, requests it; the person's *verified* address
+//! is the one that an administrator entered for the account, and the account is not linked to anybody of that provider
+//! yet; or it is created for the person, if the configuration permits it. So nobody can take over an account by
+//! choosing a name or an address.
 
 use super::{people, projects};
 use crate::domain::oidc::Identity;
@@ -17,11 +18,11 @@ use crate::{secret, values};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Numbers tried behind a name that is taken.
+/// Maximum number that is appended to a name that is taken.
 const MOST_OF_A_NAME: usize = 1000;
 
-/// The id of the account that the person of these claims signs in to; made or linked where the set-up allows it. What
-/// the provider says of roles holds from now on.
+/// The id of the account to which the person of these claims signs in; created or linked if the configuration permits
+/// it. Roles from the provider apply from now on.
 pub fn enter(tx: &mut dyn Tx, settings: &Settings, claims: &Value, now: i64) -> Answer<String> {
     if people::is_first_run(tx)? {
         return Err(refused(
@@ -68,7 +69,7 @@ pub fn enter(tx: &mut dyn Tx, settings: &Settings, claims: &Value, now: i64) -> 
     Ok(user.id)
 }
 
-/// Links the person of these claims to a user who is signed in and asked for it.
+/// Links the person of these claims to a signed-in user who requested it.
 pub fn link(tx: &mut dyn Tx, settings: &Settings, claims: &Value, user: &str, now: i64) -> Answer<()> {
     match linked(tx, &settings.issuer, subject(claims)?)? {
         Some(other) if other.id == user => Ok(()),
@@ -104,8 +105,8 @@ pub fn of_user(tx: &mut dyn Tx, user: &str) -> Answer<Vec<Identity>> {
     tx.rows(sql, values![user])?.iter().map(identity).collect()
 }
 
-/// Unlinks an identity; the caller is its user or an admin. Sessions that began with it end. Nobody locks themselves
-/// out.
+/// Unlinks an identity; the caller is its user or an admin. Sessions that began with it end. Users cannot lock
+/// themselves out.
 pub fn unlink(tx: &mut dyn Tx, id: &str, caller: &User) -> Answer<()> {
     let row = tx.row("SELECT user_id FROM identities WHERE id = $1", values![id])?;
     let user = row.ok_or_else(Problem::missing)?.text("user_id")?;
@@ -157,8 +158,8 @@ fn has_identity(tx: &mut dyn Tx, issuer: &str, user: &str) -> Answer<bool> {
     Ok(tx.row(sql, values![issuer, user])?.is_some())
 }
 
-/// The account that an administrator gave this verified address. One that belongs to another person of this provider
-/// already is not given to a second.
+/// The account for which an administrator entered this verified address. An account that is linked to another person of
+/// this provider is not linked to a second one.
 fn by_address(tx: &mut dyn Tx, settings: &Settings, email: Option<&str>) -> Answer<Option<User>> {
     let Some(email) = email else { return Ok(None) };
     let Some(row) = tx.row("SELECT id FROM users WHERE email = $1", values![email])? else { return Ok(None) };
@@ -182,7 +183,7 @@ fn store(tx: &mut dyn Tx, settings: &Settings, claims: &Value, user: &str, now: 
     Ok(())
 }
 
-/// A new account without a password and without any right.
+/// A new account without a password and without permissions.
 fn made(tx: &mut dyn Tx, claims: &Value, email: Option<String>, now: i64) -> Answer<User> {
     let text = |name: &str| claims[name].as_str().map(str::trim).filter(|t| !t.is_empty());
     let address = text("email").and_then(|e| e.split('@').next());
@@ -204,14 +205,14 @@ fn made(tx: &mut dyn Tx, claims: &Value, email: Option<String>, now: i64) -> Ans
     Ok(user)
 }
 
-/// A name that nobody has, as like the wanted one as can be.
+/// A free name that is as similar to the requested one as possible.
 fn free_name(tx: &mut dyn Tx, wanted: &str) -> Answer<String> {
     let plain = |c: &char| c.is_alphanumeric() || matches!(c, '.' | '_' | '-' | '@');
     let base: String = wanted.chars().filter(plain).take(58).collect();
     let base = if base.is_empty() { "user".to_owned() } else { base };
     for n in 1..MOST_OF_A_NAME {
         let name = if n == 1 { base.clone() } else { format!("{base}-{n}") };
-        // A name that is another's id would be found as that one.
+        // A name that is another user's id would be found as that user.
         if people::find(tx, &name)?.is_none() {
             return Ok(name);
         }
@@ -219,8 +220,8 @@ fn free_name(tx: &mut dyn Tx, wanted: &str) -> Answer<String> {
     Err(Problem::store("no free name"))
 }
 
-/// Gives and takes what the grants speak of: administration, and roles in the projects that they name. What no grant
-/// speaks of stays as it is.
+/// Adds and removes the permissions that the grants contain: administration, and roles in their projects. Other
+/// permissions stay unchanged.
 fn grant(tx: &mut dyn Tx, settings: &Settings, claims: &Value, user: &User) -> Answer<()> {
     let mut projects: BTreeMap<&str, Vec<Role>> = BTreeMap::new();
     let (mut speaks_of_admin, mut admin) = (false, false);
@@ -236,7 +237,7 @@ fn grant(tx: &mut dyn Tx, settings: &Settings, claims: &Value, user: &User) -> A
     }
     if speaks_of_admin && admin != user.admin {
         let sql = "SELECT 1 FROM users WHERE admin = 1 AND disabled = 0 AND id <> $1 LIMIT 1";
-        // The last administrator stays one: else nobody could fix a wrong set-up.
+        // The last administrator keeps this permission: otherwise nobody could fix a wrong configuration.
         if admin || tx.row(sql, values![&user.id])?.is_some() {
             people::update(tx, &User { admin, ..user.clone() })?;
         }

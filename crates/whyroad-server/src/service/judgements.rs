@@ -1,5 +1,5 @@
-//! Judgments of labels: true/false questions with a model's answers, and with people's for the labels that were drawn
-//! for them. An opinion: nothing that may be done with a task depends on it.
+//! Judgments of labels: true/false questions with a model's answers, and with people's answers for the labels that were
+//! drawn for them. They are only information: no permitted action on a task depends on them.
 
 use crate::domain::model::{JudgeAgreement, JudgeReport, Judgement, JudgementAnswers};
 use crate::domain::workflow::{Actor, Role, State};
@@ -13,16 +13,16 @@ use std::collections::BTreeSet;
 use whyroad_label::agreement::Estimate;
 use whyroad_label::judged::{JudgedLabel, Question, QuestionAgreement, agreement_with_people};
 
-/// `judge` of the model's answers; those of people have their user's id.
+/// `judge` of the model's answers; people's answers have their user's id.
 const MODEL: &str = "";
 /// Seed of the intervals.
 const SEED: u64 = 1;
 
-/// Labels that were handed in and that nobody may change now.
+/// States with a submitted label that nobody may change now.
 pub const HANDED_IN: [State; 5] =
     [State::Submitted, State::InCheck, State::Checked, State::InAudit, State::Accepted];
 
-/// Stores a model's answers about the label of `t`; `actor` started the run. The task does not move by it.
+/// Stores a model's answers about the label of `t`; `actor` started the run. The state of the task does not change.
 pub fn put(tx: &mut dyn Tx, t: &mut TaskRow, judged: &JudgedLabel, actor: &str, now: i64) -> Answer<()> {
     write(tx, t, MODEL, judged, now)?;
     let (moved, from) = (t.updated, Some(t.at.state));
@@ -53,7 +53,7 @@ fn write(tx: &mut dyn Tx, t: &TaskRow, judge: &str, judged: &JudgedLabel, now: i
     .map(drop)
 }
 
-/// Answers about a label, and the version of the task that they are about.
+/// Answers about a label, and the version of the task to which they belong.
 struct Stored {
     judged: JudgedLabel,
     version: i64,
@@ -67,8 +67,9 @@ fn stored(tx: &mut dyn Tx, task: &str, judge: &str) -> Answer<Option<Stored>> {
     Ok(Some(Stored { judged, version: row.int("version")?, at: row.int("at")? }))
 }
 
-/// What a model says of the label of `t`, as `actor` may see it: checkers, auditors and leads, once Stage I is over.
-/// Who may yet have to answer the same questions is not shown the model's answers: theirs would not be independent.
+/// A model's judgment of the label of `t`, as far as `actor` may see it: checkers, auditors and leads, once Stage I is
+/// over. Users who may still have to answer the same questions do not see the model's answers, because theirs would not
+/// be independent then.
 pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Option<Judgement>> {
     let checks = actor.is(Role::Checker) || actor.is(Role::Auditor);
     if !t.at.state.shows_future() || !(checks || actor.is(Role::Lead)) || t.at.author() == Some(&actor.id) {
@@ -94,12 +95,12 @@ pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Option<Judgemen
     }))
 }
 
-/// Who checks or audits it now.
+/// The user checks or audits it now.
 fn may_answer(t: &TaskRow, user: &str) -> bool {
     t.at.holder.as_deref() == Some(user) && matches!(t.at.state, State::InCheck | State::InAudit)
 }
 
-/// Stores the answers of who checks or audits `t`.
+/// Stores the answers of the user who checks or audits `t`.
 pub fn answer(
     tx: &mut dyn Tx,
     id: &str,
@@ -138,7 +139,7 @@ pub fn answer(
     Ok(t)
 }
 
-/// What the judge made of the labels of `project`, and how far it agrees with people.
+/// The judge's results for the labels of `project`, and its agreement with people.
 pub fn report(tx: &mut dyn Tx, project: &str) -> Answer<JudgeReport> {
     let row = tx.row(
         "SELECT count(*) AS n, count(CASE WHEN passed = 1 THEN 1 END) AS passed,
@@ -154,7 +155,8 @@ pub fn report(tx: &mut dyn Tx, project: &str) -> Answer<JudgeReport> {
          WHERE p.project_id = $1 AND p.judge <> '' ORDER BY p.task_id, p.judge",
         values![project],
     )?;
-    // Several tasks may be about one clip and keyframe, and several people about one task: pairs go by both.
+    // Several tasks may have the same clip and keyframe, and several people may answer for one task: pairs are matched
+    // by both.
     let named = |r: &Row, column: &str| -> Answer<JudgedLabel> {
         let judged: JudgedLabel = parse(&r.text(column)?)?;
         Ok(JudgedLabel { clip_id: format!("{} {}", r.text("task")?, r.text("judge")?), ..judged })

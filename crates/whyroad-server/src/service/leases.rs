@@ -1,5 +1,5 @@
-//! Leases: who holds a task, for minutes, with a fencing token that invalidates older leases. The holder of an expired
-//! lease can still write until somebody else takes the task: then the newer token prevents it.
+//! Leases: a user holds a task for some minutes, with a fencing token that invalidates older leases. The holder of an
+//! expired lease can still write until another user takes the task: then the newer token prevents it.
 
 use crate::domain::project::Settings;
 use crate::domain::task::Lease;
@@ -12,13 +12,13 @@ use crate::values;
 use serde_json::{Value, json};
 use whyroad_model::label_fields::name;
 
-/// The lease of `t` for whom it concerns.
+/// The lease of `t` for its holder.
 pub fn lease(t: &TaskRow) -> Lease {
     Lease { fence: t.fence, lease_until: t.lease_until, state: t.at.state }
 }
 
-/// Takes `t`: refused while another has a live lease. A new author of Stage I starts from the suggestion, not from
-/// somebody else's text.
+/// Takes `t`: refused while another user has a live lease. A new author of Stage I starts from the suggestion, not from
+/// another person's text.
 pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings, now: i64) -> Answer<()> {
     let next = may_take(tx, t, actor, settings, now)?;
     let others = matches!(t.at.state, State::Open | State::Stage1)
@@ -32,7 +32,7 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     if others {
         t.draft = t.initial.clone();
     }
-    // What the rule drafted was drafted for the leaf.
+    // The rule's components were drafted for the L3 class.
     let drafted =
         t.draft.get(name::CRITICAL_COMPONENTS).and_then(Value::as_array).is_some_and(|c| !c.is_empty());
     let cleared = t.hides_leaf()
@@ -54,17 +54,17 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     tasks::update(tx, t)
 }
 
-/// How much later than `now` a live lease may have been given, ms: of two who take a task at the same moment, one waits
-/// for the other's transaction, and has read the clock before.
+/// Maximum time that a live lease may appear to start after `now`, ms: when two users take a task at the same moment,
+/// one waits for the other's transaction, and has read the clock before.
 const LONGEST_WAIT_MS: i64 = 60_000;
 
-/// True while a lease lasts. One that would last longer than any lease was given by a clock that has since been set
-/// back: a jump must not lengthen it.
+/// True while a lease is valid. A remaining time longer than any lease comes from a clock that has since been set back:
+/// this must not extend a lease.
 fn is_live(t: &TaskRow, settings: &Settings, now: i64) -> bool {
     t.lease_until.is_some_and(|until| until > now && until - now <= longest_ms(settings))
 }
 
-/// What is left of a live lease at most, ms.
+/// Maximum remaining time of a live lease, ms.
 pub(super) fn longest_ms(settings: &Settings) -> i64 {
     lease_ms(settings) + LONGEST_WAIT_MS
 }
@@ -74,7 +74,7 @@ fn lease_ms(settings: &Settings) -> i64 {
     i64::from(settings.lease_s) * 1000
 }
 
-/// Where `t` would stand in the hands of `actor`, or why they may not have it. Changes nothing.
+/// The workflow position of `t` if `actor` took it, or why they may not take it. Changes nothing.
 pub(super) fn may_take(
     tx: &mut dyn Tx,
     t: &TaskRow,
@@ -105,7 +105,7 @@ pub(super) fn may_take(
     Ok(next)
 }
 
-/// Blind overlap: nobody labels the same episode twice.
+/// Independent overlap: nobody labels the same episode twice.
 fn only_one_of_a_group(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
     if t.overlap_count < 2 {
         return Ok(());
@@ -129,13 +129,13 @@ fn renew(t: &mut TaskRow, settings: &Settings, now: i64) {
     t.lease_until = Some(now + lease_ms(settings));
 }
 
-/// Lets only the holder with the newest token through.
+/// Accepts only the holder with the newest token.
 pub fn held(t: &TaskRow, user: &str, fence: Option<i64>) -> Answer<()> {
     let Some(fence) = fence else { return Err(Problem::request("缺少 fence", "fence is missing")) };
     if t.at.holder.as_deref() == Some(user) && t.fence == fence { Ok(()) } else { Err(Problem::lease_lost()) }
 }
 
-/// Lets only the holder with the newest token through, and only while the draft may be changed.
+/// Accepts only the holder with the newest token, and only while the draft may be changed.
 pub fn may_edit(t: &TaskRow, user: &str, fence: Option<i64>) -> Answer<()> {
     held(t, user, fence)?;
     if !t.at.state.is_editable() {
@@ -149,7 +149,7 @@ pub fn may_edit(t: &TaskRow, user: &str, fence: Option<i64>) -> Answer<()> {
     Ok(())
 }
 
-/// Keeps the lease. It is written only when a fifth of it is gone: heartbeats are many.
+/// Renews the lease. It is written only when a fifth of it has passed, because heartbeats are frequent.
 pub fn keep(tx: &mut dyn Tx, t: &mut TaskRow, settings: &Settings, now: i64) -> Answer<()> {
     let fresh = i64::from(settings.lease_s) * 800;
     if t.lease_until.is_some_and(|until| until - now > fresh && until - now <= fresh * 5 / 4) {
@@ -159,13 +159,13 @@ pub fn keep(tx: &mut dyn Tx, t: &mut TaskRow, settings: &Settings, now: i64) -> 
     tasks::update(tx, t)
 }
 
-/// Makes the lease last from now, without writing it.
+/// Renews the lease from now on, without writing it.
 pub fn extend(t: &mut TaskRow, settings: &Settings, now: i64) -> i64 {
     renew(t, settings, now);
     t.lease_until.unwrap_or(now)
 }
 
-/// Gives the task back, with a reason where one is given.
+/// Releases the task, with a reason if one is given.
 pub fn release(
     tx: &mut dyn Tx,
     t: &mut TaskRow,

@@ -1,5 +1,5 @@
-//! Lists of tasks with filters, page by page. A cursor is the place of the last one, so that a page stays whole while
-//! others work.
+//! Lists of tasks with filters, page by page. A cursor is the position of the last item, so that pages stay consistent
+//! while others work.
 
 use crate::domain::task::{TaskSummary, Tasks};
 use crate::domain::workflow::State;
@@ -7,20 +7,20 @@ use crate::problem::{Answer, Problem};
 use crate::service::{disagreement, people, seen, tasks, veil};
 use crate::store::{Tx, Value as Cell};
 
-/// Tasks on a page when nothing is said, and at most.
+/// Number of tasks on a page by default, and the maximum.
 const USUAL: usize = 50;
 const MOST: usize = 200;
-/// Maximum length of a text to search for, characters: databases refuse patterns beyond some tens of thousands.
+/// Maximum length of a search text, characters: databases reject patterns of more than some tens of thousands.
 const LONGEST_TEXT: usize = 200;
 
-/// What is wanted, in the words of the query.
+/// Filter and order, as given in the query.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Filter<'a> {
     /// States, separated by commas.
     pub states: Option<&'a str>,
-    /// A class: L1, L2 or leaf.
+    /// A class: L1, L2 or L3.
     pub scenario: Option<&'a str>,
-    /// Held or written by this user (name or id).
+    /// Held, assigned to or written by this user (name or id).
     pub assignee: Option<&'a str>,
     /// Part of the clip's or task's id.
     pub part: Option<&'a str>,
@@ -28,28 +28,28 @@ pub struct Filter<'a> {
     pub cursor: Option<&'a str>,
     /// Page length.
     pub limit: Option<&'a str>,
-    /// Order: a word of [`ORDERS`], with `-` in front for descending.
+    /// Order: one of [`ORDERS`], with `-` in front for descending.
     pub sort: Option<&'a str>,
     /// Only tasks with an open question to the lead.
     pub asks_lead: bool,
     /// Only tasks of overlap groups that are still to be adjudicated.
     pub disagreeing: bool,
-    /// Only what is this user's (id): held, written or given.
+    /// Only tasks of this user (id): held, written or assigned.
     pub only_of: Option<&'a str>,
 }
 
-/// Who looks at the list.
+/// The user who reads the list.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewer<'a> {
     /// User id.
     pub user: &'a str,
-    /// May do Stage I: sees pictures only of what they have opened.
+    /// May do Stage I: sees thumbnails only of opened tasks.
     pub labels: bool,
-    /// Leads: is told which overlap groups disagree.
+    /// Leads: sees which overlap groups disagree.
     pub leads: bool,
 }
 
-/// Orders beside that of the queue, with their column and whether it holds numbers.
+/// Orders other than that of the queue, with their column and whether it contains numbers.
 const ORDERS: [(&str, &str, bool); 5] = [
     ("updated", "updated", true),
     ("created", "created", true),
@@ -67,7 +67,7 @@ struct Order {
 }
 
 impl Order {
-    /// From the word of a request; `None` for the order of the queue.
+    /// From the value in a request; `None` for the order of the queue.
     fn of(word: Option<&str>) -> Answer<Option<Self>> {
         let (descending, word) = match word {
             None | Some("" | "priority" | "-priority") => return Ok(None),
@@ -79,7 +79,7 @@ impl Order {
         Ok(Some(Self { column: found.1, numeric: found.2, descending }))
     }
 
-    /// What comes after the place of `cursor`.
+    /// Condition for items after the position of `cursor`.
     fn after(self, query: &mut Query, class: &str, cursor: &str) -> Answer<()> {
         let bad = || Problem::request("cursor 无效", "cursor is invalid");
         let (value, id) = cursor.rsplit_once('_').ok_or_else(bad)?;
@@ -93,7 +93,7 @@ impl Order {
         Ok(())
     }
 
-    /// The SQL that it sorts by; `class` is that of the class as it is shown.
+    /// The SQL expression for sorting; `class` is the expression of the displayed class.
     fn sorts_by(self, class: &str) -> &str {
         if self.column == "scenario_id" { class } else { self.column }
     }
@@ -128,7 +128,7 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
     }
     let mut query = Query { sql: "project_id = $1".to_owned(), values: vec![project.into()] };
     states(&mut query, filter.states)?;
-    // Neither filter nor order may tell more of a class than is shown of it.
+    // Neither filter nor order may reveal more of a class than is displayed.
     let class_sql = veil::shown_class_sql(&veil::of(tx, project)?);
     if let Some(class) = filter.scenario {
         query.and(
@@ -182,7 +182,7 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
         Some(order) if order.descending => format!("{} DESC, id", order.sorts_by(&class_sql)),
         Some(order) => format!("{}, id", order.sorts_by(&class_sql)),
     };
-    // Ids first: only the tasks of this page are read whole.
+    // Ids first: only the tasks of this page are read completely.
     let sql = format!("SELECT id FROM tasks WHERE {} ORDER BY {sequence} LIMIT {}", query.sql, limit + 1);
     let ids = tx.rows(&sql, &query.values)?;
     let mut found = ids.iter().map(|r| tasks::get(tx, &r.text("id")?)).collect::<Answer<Vec<_>>>()?;
@@ -227,19 +227,19 @@ fn place(cursor: &str) -> Answer<(i64, i64, String)> {
     Ok((number(part()?)?, number(part()?)?, part()?.to_owned()))
 }
 
-/// A text inside LIKE.
+/// A text escaped for LIKE.
 fn literal(text: &str) -> String {
     text.replace('\\', "\\\\").replace('%', "\\%").replace('_', "\\_")
 }
 
-/// A condition in the making.
+/// A condition under construction.
 struct Query {
     sql: String,
     values: Vec<Cell>,
 }
 
 impl Query {
-    /// Adds a condition; each `$` in it takes the next of `values`.
+    /// Adds a condition; each `$` in it is replaced by the next of `values`.
     fn and(&mut self, condition: &str, values: &[Cell]) {
         self.sql.push_str(" AND ");
         let mut next = self.values.len();

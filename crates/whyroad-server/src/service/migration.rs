@@ -1,6 +1,6 @@
-//! Tasks and labels of a store carried along when classes are renamed, merged or split. Originals stay in the history:
-//! each changed task has an entry with its draft before and one with its draft after. What a label does not decide goes
-//! back to its author as rework, with the classes to choose from as the reason.
+//! Updates tasks and labels of a store when classes are renamed, merged or split. Originals stay in the history: each
+//! changed task has an entry with its draft before and one with its draft after. A label that does not determine its
+//! new class is returned to its author for rework, with the possible classes as the reason.
 
 use crate::domain::workflow::{Position, State};
 use crate::problem::Answer;
@@ -17,34 +17,34 @@ use whyroad_model::ScenarioId;
 
 /// Tasks changed in one transaction.
 const AT_ONCE: usize = 50;
-/// Tasks read together.
+/// Number of tasks read together.
 const PAGE: i64 = 500;
-/// The action in the history.
+/// The action's name in the history.
 const ACTION: &str = "migrate";
 
 /// Whether anything is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MigrationRun {
-    /// Only says what would be done.
+    /// Only reports the changes.
     Dry,
-    /// Does it.
+    /// Writes them.
     Write,
 }
 
-/// What was, or would be, done to a store.
+/// Changes of a store, made or planned.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MigratedStore {
-    /// Tasks whose class has another id, by class before and after.
+    /// Number of tasks whose class has a new id, by class before and after.
     pub moved: BTreeMap<(String, String), u64>,
-    /// Tasks whose label a person has to decide.
+    /// Tasks whose label a person must decide.
     pub undecided: Vec<UndecidedTask>,
-    /// Project settings that name a split class and were left as they are: project, what, class.
+    /// Project settings that refer to a split class and were not changed: project, setting, class.
     pub left: Vec<(String, &'static str, String)>,
-    /// Project settings that were carried along.
+    /// Number of project settings that were updated.
     pub settings: u64,
 }
 
-/// A task that a person has to decide.
+/// A task that a person must decide.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UndecidedTask {
     /// Task.
@@ -57,11 +57,11 @@ pub struct UndecidedTask {
     pub from: String,
     /// Classes to choose from.
     pub parts: Vec<String>,
-    /// It was handed in, and goes back to its author.
+    /// It was submitted, and is returned to its author.
     pub rework: bool,
 }
 
-/// Carries all projects of the store along. Doing it again changes nothing.
+/// Updates all projects of the store. Repeating it changes nothing.
 pub fn migrate(store: &Store, mapping: &ClassMapping, run: MigrationRun, now: i64) -> Answer<MigratedStore> {
     let mut out = MigratedStore::default();
     for project in store.read(projects::all)? {
@@ -124,7 +124,7 @@ fn one(
     }
     let before = t.clone();
     let draft = match carry(mapping, &mut t.draft) {
-        // A task whose draft is not made yet is judged by its class alone.
+        // A task whose draft does not exist yet is updated by its class alone.
         Carried::Same if class_of(&t.draft).is_none() => {
             let ScenarioId { l1, l2, l3 } = &t.episode.scenario_id;
             carry(mapping, &mut json!({ "scenario": { "l1": l1, "l2": l2, "l3": l3 } }))
@@ -134,7 +134,7 @@ fn one(
     let initial = carry(mapping, &mut t.initial);
     let of_task = mapping.change(&t.episode.scenario_id);
     let from = t.scenario_id.clone();
-    // What mining gave follows the label where it has one.
+    // The mined class follows the class of the label if there is one.
     let class = match (&of_task, &draft) {
         (None, _) => t.episode.scenario_id.clone(),
         (Some(ClassChange::To(to)), _) => to.clone(),
@@ -157,7 +157,7 @@ fn one(
         Carried::Same => (from, class.to_string()),
     };
     let mut note = format!("{from} -> {to}; {} -> {} [{}]", mapping.from, mapping.to, mapping.mark);
-    // A record that the class after requires is asked for before a label is handed in.
+    // A record that the new class requires is requested before a label is submitted.
     let undecided = match &draft {
         Carried::Undecided { to, parts, .. } if !handed_in && parts == std::slice::from_ref(to) => None,
         Carried::Undecided { from, parts, .. } => Some((from, parts)),
@@ -207,7 +207,7 @@ fn one(
     put_class(tx, &t, &class)
 }
 
-/// The suggestion and the draft before, whole, in the history: with them everything that was is still there.
+/// Stores the complete suggestion and draft before the change in the history, so that all earlier data is kept.
 fn keep_original(tx: &mut dyn Tx, t: &mut TaskRow, before: &TaskRow, now: i64) -> Answer<()> {
     let of = format!("{}; {}", before.scenario_id, before.episode.episode_id);
     for (snapshot, note) in [(&before.initial, format!("suggestion; {of}")), (&before.draft, of.clone())] {
@@ -222,14 +222,14 @@ fn keep_original(tx: &mut dyn Tx, t: &mut TaskRow, before: &TaskRow, now: i64) -
     Ok(())
 }
 
-/// True when the history says that this mapping was applied to the task.
+/// True when the history states that this mapping was applied to the task.
 fn was_done(tx: &mut dyn Tx, id: &str, mapping: &ClassMapping) -> Answer<bool> {
     let sql = "SELECT 1 FROM history WHERE task_id = $1 AND action = $2 AND note LIKE $3 LIMIT 1";
     Ok(tx.row(sql, values![id, ACTION, format!("%[{}]%", mapping.mark)])?.is_some())
 }
 
-/// The class of the task and of its episode. The episode's id names its class, so that the same episode is
-/// known when it is mined again; where another episode has that id already, the old one stays.
+/// Updates the class of the task and of its episode. The episode's id contains its class, so that the same episode is
+/// recognized when it is mined again; if another episode already has that id, the old one is kept.
 fn put_class(tx: &mut dyn Tx, t: &TaskRow, class: &ScenarioId) -> Answer<()> {
     let mut episode = t.episode.clone();
     let (old, new) = (format!("_{}_", episode.scenario_id), format!("_{class}_"));
@@ -249,8 +249,8 @@ fn put_class(tx: &mut dyn Tx, t: &TaskRow, class: &ScenarioId) -> Answer<()> {
     Ok(())
 }
 
-/// Quotas and skills: of merged classes they add up; a split class's quota stays, since nobody has divided it,
-/// its skill covers all parts.
+/// Quotas and skills: those of merged classes are added up; the quota of a split class is kept, because it cannot be
+/// divided automatically, and its skill covers all parts.
 fn settings(
     store: &Store,
     project: &str,

@@ -1,5 +1,5 @@
-//! Browsing mined episodes and judging them without labeling. Whoever looks at an episode has seen its drive beyond
-//! the keyframe, and is kept from the Stage I of its tasks like anybody else who has.
+//! Browsing and judging mined episodes without labeling. A user who views an episode has seen its drive after the
+//! keyframe, and is excluded from Stage I of its tasks like all others who have.
 
 use crate::app::App;
 use crate::domain::mined::{
@@ -20,22 +20,22 @@ use std::io::Write;
 use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodeRecord, VerdictKind};
 use whyroad_model::{DriveId, Nanos, ScenarioId};
 
-/// Episodes on a page when nothing is said, and at most.
+/// Number of episodes on a page by default, and the maximum.
 const USUAL: usize = 50;
 const MOST: usize = 200;
-/// Episodes read together while one is looked for, or while those without a verdict are.
+/// Number of episodes read together while searching for one, or for those without a verdict.
 const PAGE: usize = 500;
-/// Episodes that are passed over for one page of those without a verdict.
+/// Maximum number of episodes that are skipped for one page of those without a verdict.
 const MOST_PASSED: usize = 20_000;
 
-/// Which episodes are wanted.
+/// Filter of episodes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wanted<'a> {
-    /// A class: L1, L2 or leaf.
+    /// A class: L1, L2 or L3.
     pub scenario: Option<&'a str>,
     /// A drive.
     pub drive: Option<&'a str>,
-    /// Only those without a verdict of the caller's.
+    /// Only those without a verdict of the caller.
     pub unjudged: bool,
     /// From the page before.
     pub cursor: Option<&'a str>,
@@ -43,7 +43,7 @@ pub struct Wanted<'a> {
     pub limit: Option<&'a str>,
 }
 
-/// Names one episode: its folder, drive, class and id.
+/// Identifies one episode: its folder, drive, class and id.
 #[derive(Clone, Copy, Debug)]
 pub struct EpisodeName<'a> {
     /// Mined folder.
@@ -89,7 +89,7 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
     let mut items = Vec::new();
     let mut passed = 0;
     loop {
-        // One more than needed is never read: the folder says where to go on.
+        // Never more than needed is read: the folder returns the position of the next page.
         let n = if wanted.unjudged { (limit - items.len()).min(PAGE) } else { limit };
         let page = app.recordings.episodes(mined, &filter, next, n).ok_or_else(Problem::missing)?;
         let page = page.map_err(Problem::mined_unreadable)?;
@@ -139,7 +139,7 @@ fn card(e: &EpisodeRecord, verdict: Option<VerdictKind>) -> EpisodeCard {
     }
 }
 
-/// The episode with this name.
+/// The episode with these identifiers.
 pub fn find(app: &App, name: EpisodeName<'_>) -> Answer<EpisodeRecord> {
     let filter = EpisodeFilter {
         scenario: Some(class(name.scenario)?),
@@ -160,7 +160,7 @@ pub fn find(app: &App, name: EpisodeName<'_>) -> Answer<EpisodeRecord> {
     }
 }
 
-/// An episode as a task that nobody holds and of which all is shown.
+/// An episode as a task that nobody holds and that is shown completely.
 fn as_task(app: &App, project: &Project, episode: &EpisodeRecord) -> Answer<TaskRow> {
     let mut t = create::shown(app, project, episode)?;
     t.id = format!("mined:{}", episode.episode_id);
@@ -176,7 +176,7 @@ pub fn episode(app: &App, project: &Project, name: EpisodeName<'_>, user: &str) 
     app.store.write(move |tx| seen::show(tx, &row, &who))?;
     let mut view = (*scene::scene(app, &t)?).clone();
     let mut map = scene::map(app, &t)?;
-    // Images of a task have addresses of the task; those of an episode name it.
+    // Images of a task have addresses of the task; those of an episode contain its identifiers.
     for camera in &mut view.cameras {
         for frame in &mut camera.frames {
             frame.url = image_url(&project.id, name, &camera.camera, frame.index);
@@ -207,7 +207,7 @@ fn image_url(project: &str, name: EpisodeName<'_>, camera: &str, index: usize) -
     )
 }
 
-/// Image `index` of `camera` of an episode. Refused, as the episode is, to who does Stage I of it.
+/// Image `index` of `camera` of an episode. Refused, like the episode, for users who do Stage I of it.
 pub fn image(
     app: &App,
     project: &Project,
@@ -217,14 +217,14 @@ pub fn image(
 ) -> Answer<CameraImage> {
     let t = as_task(app, project, &find(app, name)?)?;
     let (row, who) = (t.clone(), user.to_owned());
-    // Images come by the dozen: a write only for who has not opened the episode.
+    // Images are requested in large numbers: a write only for users who have not opened the episode.
     if !app.store.read(|tx| seen::was_shown(tx, &t, user))? {
         app.store.write(move |tx| seen::show(tx, &row, &who))?;
     }
     scene::image(app, &t, camera, index)
 }
 
-/// Records a verdict, or takes it back.
+/// Records a verdict, or removes it.
 pub fn judge(app: &App, project: &str, user: &str, request: &NewVerdict) -> Answer<Option<Verdict>> {
     let name = EpisodeName {
         mined: &request.mined,
@@ -305,17 +305,17 @@ fn own(tx: &mut dyn Tx, project: &str, episode: &str, user: &str) -> Answer<Opti
     tx.row(&sql, values![project, episode, user])?.as_ref().map(verdict).transpose()
 }
 
-/// Form of exported verdicts.
+/// Format of exported verdicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VerdictFormat {
-    /// One JSON object per line: what the command line reads.
+    /// One JSON object per line: the input of the command line.
     JsonLines,
     /// A table with the same columns.
     Csv,
 }
 
 impl VerdictFormat {
-    /// From the word of a request.
+    /// From the value in a request.
     pub fn from_word(word: Option<&str>) -> Answer<Self> {
         match word {
             None | Some("json" | "jsonl") => Ok(Self::JsonLines),
@@ -378,7 +378,7 @@ pub fn export_to(store: &Store, project: &str, format: VerdictFormat, out: &mut 
     }
 }
 
-/// A cell of a table: unknown is empty; a text that a spreadsheet would take for a formula is not one.
+/// A cell of a table: unknown is empty; a text that a spreadsheet would read as a formula is escaped.
 fn cell(value: &serde_json::Value) -> String {
     let text = match value {
         serde_json::Value::Null => return String::new(),
@@ -389,7 +389,7 @@ fn cell(value: &serde_json::Value) -> String {
     if text.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
 }
 
-/// Episodes of the same folder that resemble one.
+/// Episodes of the same folder that are similar to one.
 pub fn similar(
     app: &App,
     project: &str,

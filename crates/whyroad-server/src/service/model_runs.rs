@@ -1,6 +1,6 @@
-//! Runs of a language model as the store has them: starting and stopping them, their tasks, what they have spent. Which
-//! service works on a run is a lease on it ([`claim`], [`keep`]), so that several services on one store do not put the
-//! same questions, and a run goes on after a restart.
+//! Runs of a language model in the store: starting and stopping them, their tasks, their cost. A service works on a run
+//! while it holds a lease on it ([`claim`], [`keep`]), so that several services on one store do not ask the same
+//! questions, and a run continues after a restart.
 
 use crate::app::App;
 use crate::domain::model::{ModelRun, ModelRunFailure, ModelRunKind, ModelRunState, ModelWork, NewModelRun};
@@ -17,28 +17,28 @@ use whyroad_model::{Bilingual, ModelSpent};
 
 pub mod waiting;
 
-/// A run whose service has not renewed its lease for so long is taken over, ms.
+/// Time after which a run whose lease was not renewed is taken over, ms.
 const LEASE_MS: i64 = 20_000;
-/// Most tasks that one request may name.
+/// Maximum number of tasks in one request.
 const MOST_TASKS: usize = 500;
-/// While a run goes on, tasks that wait for one of the other kind are counted once in this time, ms.
+/// During a run, waiting tasks of the other kind are counted at most once in this time, ms.
 const COUNT_MS: i64 = 10_000;
-/// Runs and failures that are shown.
+/// Number of runs and failures that are shown.
 const SHOWN_RUNS: i64 = 10;
 const SHOWN_FAILURES: i64 = 20;
 
-/// Tasks that nobody has begun: neither now nor before they were opened again.
+/// Tasks that nobody has started: neither now nor before they were reopened.
 pub const UNBEGUN: &str =
     "state = 'open' AND author IS NULL AND holder IS NULL AND NOT EXISTS (SELECT 1 FROM history h
     WHERE h.task_id = tasks.id AND h.action = 'take')";
-/// Of these the ones that no model has drafted.
+/// Of these, the ones that no model has drafted.
 const UNDRAFTED: &str =
     "NOT EXISTS (SELECT 1 FROM history h WHERE h.task_id = tasks.id AND h.action = 'model_draft')";
-/// Labels that no model has judged as they are.
+/// Labels that no model has judged in their current form.
 const UNJUDGED: &str = "NOT EXISTS (SELECT 1 FROM judgements j WHERE j.task_id = tasks.id AND j.judge = ''
     AND j.version = tasks.version)";
 
-/// Which tasks a run of `kind` takes, and which of them wait for it.
+/// Conditions for tasks of a run of `kind`, and for those that wait for it.
 fn conditions(kind: ModelRunKind) -> (String, &'static str) {
     match kind {
         ModelRunKind::Draft => (UNBEGUN.to_owned(), UNDRAFTED),
@@ -49,20 +49,20 @@ fn conditions(kind: ModelRunKind) -> (String, &'static str) {
     }
 }
 
-/// Tasks of `project` that wait for a run: looks at every task.
+/// Number of tasks of `project` that wait for a run: reads every task.
 fn count_waiting(tx: &mut dyn Tx, project: &str, kind: ModelRunKind) -> Answer<i64> {
     let (takes, waits) = conditions(kind);
     let sql = format!("SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND {takes} AND {waits}");
     tx.row(&sql, values![project])?.map_or(Ok(0), |r| r.int("n"))
 }
 
-/// Tasks of a run that were not tried yet.
+/// Number of tasks of a run that were not tried yet.
 fn in_run(tx: &mut dyn Tx, run: &str) -> Answer<i64> {
     let sql = "SELECT count(*) AS n FROM model_run_tasks WHERE run_id = $1 AND state = 'waiting'";
     tx.row(sql, values![run])?.map_or(Ok(0), |r| r.int("n"))
 }
 
-/// The model and its work in `project`, for somebody with `roles` there.
+/// The model and its work in `project`, for a user with `roles` there.
 pub fn work(app: &App, tx: &mut dyn Tx, project: &str, roles: &[Role]) -> Answer<ModelWork> {
     let open =
         tx.rows("SELECT id, kind FROM model_runs WHERE project_id = $1 AND ended IS NULL", values![project])?;
@@ -72,7 +72,7 @@ pub fn work(app: &App, tx: &mut dyn Tx, project: &str, roles: &[Role]) -> Answer
                 return in_run(tx, &row.text("id")?);
             }
         }
-        // The page asks every two seconds while a run goes on.
+        // The page requests this every two seconds during a run.
         let last = app.waiting_for_model.get(project, kind).filter(|_| !open.is_empty());
         let now = app.now();
         match last.filter(|(at, _)| (*at..at + COUNT_MS).contains(&now)) {
@@ -131,7 +131,7 @@ fn shown(tx: &mut dyn Tx, row: &Row, roles: &[Role]) -> Answer<ModelRun> {
     })
 }
 
-/// What failed, and why. The reason may be what comes after the keyframe, so it is withheld from whoever may yet do
+/// Failed tasks and reasons. A reason may reveal the future of a task, so it is withheld from users who may still do
 /// Stage I.
 fn failures(tx: &mut dyn Tx, run: &str, project: &str, roles: &[Role]) -> Answer<Vec<ModelRunFailure>> {
     let class = veil::shown_class_sql(&veil::of(tx, project)?);
@@ -155,7 +155,7 @@ fn failures(tx: &mut dyn Tx, run: &str, project: &str, roles: &[Role]) -> Answer
     rows.iter().map(one).collect()
 }
 
-/// Starts a run: it is worked on in the background.
+/// Starts a run, which is processed in the background.
 pub fn start(
     app: &App,
     tx: &mut dyn Tx,
@@ -237,7 +237,7 @@ fn get(tx: &mut dyn Tx, project: &str, run: &str, roles: &[Role]) -> Answer<Mode
     shown(tx, &row, roles)
 }
 
-/// Stops a run of `project`: no further question is put; answers that are on their way are kept.
+/// Stops a run of `project`: no further question is asked; answers that are in progress are kept.
 pub fn stop(tx: &mut dyn Tx, project: &str, run: &str, roles: &[Role], now: i64) -> Answer<ModelRun> {
     tx.run(
         "UPDATE model_runs SET state = 'stopped', ended = $1, worker = NULL
@@ -247,7 +247,7 @@ pub fn stop(tx: &mut dyn Tx, project: &str, run: &str, roles: &[Role], now: i64)
     get(tx, project, run, roles)
 }
 
-/// A run that a service works on.
+/// A run that a service processes.
 #[derive(Clone, Debug)]
 pub struct Claimed {
     /// Id.
@@ -256,13 +256,13 @@ pub struct Claimed {
     pub project: String,
     /// What it does.
     pub kind: ModelRunKind,
-    /// Who started it.
+    /// User who started it.
     pub actor: String,
-    /// What it had spent before.
+    /// Its earlier cost.
     pub spent: ModelSpent,
 }
 
-/// The oldest run that no service works on, for `worker`.
+/// Assigns the oldest run that no service processes to `worker`.
 pub fn claim(tx: &mut dyn Tx, worker: &str, now: i64) -> Answer<Option<Claimed>> {
     let sql = format!(
         "SELECT id, project_id, kind, actor, spent FROM model_runs
@@ -286,7 +286,7 @@ pub fn claim(tx: &mut dyn Tx, worker: &str, now: i64) -> Answer<Option<Claimed>>
     }))
 }
 
-/// Renews the lease and writes what was spent; false where the run was stopped or is another service's.
+/// Renews the lease and writes the cost; false if the run was stopped or another service has it.
 pub fn keep(tx: &mut dyn Tx, run: &str, worker: &str, spent: &ModelSpent, now: i64) -> Answer<bool> {
     let spent = json(spent)?;
     let kept = tx.run(
@@ -294,7 +294,7 @@ pub fn keep(tx: &mut dyn Tx, run: &str, worker: &str, spent: &ModelSpent, now: i
         values![now, &spent, run, worker],
     )?;
     if kept == 0 {
-        // Answers that came after it was stopped cost as much as those before.
+        // Answers that come after it was stopped have a cost, too.
         tx.run("UPDATE model_runs SET spent = $1 WHERE id = $2 AND state = 'stopped'", values![&spent, run])?;
     }
     Ok(kept > 0)
@@ -306,7 +306,7 @@ pub fn is_of(tx: &mut dyn Tx, run: &str, worker: &str) -> Answer<bool> {
     Ok(tx.row(sql, values![run, worker])?.is_some())
 }
 
-/// Gives a run back that is not finished: the service ends.
+/// Releases an unfinished run: the service ends.
 pub fn give_back(tx: &mut dyn Tx, run: &str, worker: &str) -> Answer<()> {
     tx.run("UPDATE model_runs SET worker = NULL WHERE id = $1 AND worker = $2", values![run, worker])
         .map(drop)
@@ -322,26 +322,26 @@ pub fn end(tx: &mut dyn Tx, run: &str, why: Option<&Bilingual>, now: i64) -> Ans
     .map(drop)
 }
 
-/// Tasks of a run that wait, drive by drive; copies of one episode one after the other, so that their answers come from
-/// the cache.
+/// Waiting tasks of a run, sorted by drive; copies of one episode are adjacent, so that their answers come from the
+/// cache.
 pub fn waiting(tx: &mut dyn Tx, run: &str) -> Answer<Vec<String>> {
     let sql = "SELECT t.id AS id FROM model_run_tasks m JOIN tasks t ON t.id = m.task_id
         WHERE m.run_id = $1 AND m.state = 'waiting' ORDER BY t.overlap_index, t.drive_id, t.keyframe_ns, t.id";
     tx.rows(sql, values![run])?.iter().map(|r| r.text("id")).collect()
 }
 
-/// What came of a task of a run.
+/// Result for a task of a run.
 #[derive(Clone, Debug)]
 pub enum Outcome {
     /// It has a draft or a judgment.
     Done,
-    /// The model gave nothing usable.
+    /// The model returned nothing usable.
     Failed(Bilingual),
-    /// It is not the run's any more.
+    /// It does not belong to the run any more.
     LeftOut,
 }
 
-/// Writes what came of a task.
+/// Writes the result for a task.
 pub fn settle(tx: &mut dyn Tx, run: &str, task: &str, outcome: &Outcome) -> Answer<()> {
     let (state, note) = match outcome {
         Outcome::Done => ("done", None),
@@ -355,7 +355,7 @@ pub fn settle(tx: &mut dyn Tx, run: &str, task: &str, outcome: &Outcome) -> Answ
     .map(drop)
 }
 
-/// True where nobody has begun the task.
+/// True if nobody has started the task.
 pub fn is_unbegun(tx: &mut dyn Tx, task: &str) -> Answer<bool> {
     Ok(tx.row(&format!("SELECT 1 FROM tasks WHERE id = $1 AND {UNBEGUN}"), values![task])?.is_some())
 }

@@ -1,6 +1,6 @@
-//! Runs of a language model in the background: one run at a time, some questions at once. A draft takes the place of
-//! the rule's draft of a task that nobody has begun; whoever begins while the model is asked keeps what they have.
-//! Restarting the service goes on with the tasks that are left; answers that had come are in the model's cache.
+//! Runs of a language model in the background: one run at a time, several questions at once. A draft replaces the
+//! rule's draft of a task that nobody has started; if somebody starts it while the model is asked, their draft is kept.
+//! After a restart the service continues with the remaining tasks; received answers are in the model's cache.
 
 use crate::app::App;
 use crate::domain::model::ModelRunKind;
@@ -22,14 +22,15 @@ use std::time::{Duration, Instant};
 use whyroad_model::messages::CocLabel;
 use whyroad_model::{Bilingual, Lang, ModelSpent};
 
-/// Between two looks for runs.
+/// Time between two queries for runs.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
-/// Between two looks whether a run was stopped or is finished.
+/// Time between two checks whether a run was stopped or is finished.
 const WATCH_EVERY: Duration = Duration::from_millis(100);
-/// Between two renewals of a run's lease.
+/// Time between two renewals of a run's lease.
 const KEEP_EVERY: Duration = Duration::from_secs(1);
 
-/// Works on runs until the service ends. Nothing where it has no model. Not waited for: a question may take minutes.
+/// Processes runs until the service ends. `None` if it has no model. The thread is not joined: a question may take
+/// minutes.
 pub fn spawn(app: &Arc<App>) -> Option<JoinHandle<()>> {
     let model = Arc::clone(app.model.as_ref()?);
     let service = Arc::downgrade(app);
@@ -51,14 +52,14 @@ pub fn spawn(app: &Arc<App>) -> Option<JoinHandle<()>> {
     }))
 }
 
-/// Works on one run until it ends; false where none waits.
+/// Processes one run until it ends; false if none waits.
 fn next(app: &Arc<App>, model: &dyn LanguageModel, worker: &str) -> Answer<bool> {
     let (service, me) = (Arc::clone(app), worker.to_owned());
     let claim = move |tx: &mut dyn crate::store::Tx| {
         let now = service.lease_now(tx)?;
         model_runs::claim(tx, &me, now)
     };
-    // Reading first: an idle service writes nothing.
+    // A read first: an idle service writes nothing.
     let open = "SELECT 1 FROM model_runs WHERE ended IS NULL LIMIT 1";
     if app.store.read(|tx| tx.row(open, &[]))?.is_none() {
         return Ok(false);
@@ -76,16 +77,16 @@ fn end(app: &App, run: &str, why: Option<Bilingual>) -> Answer<()> {
     app.store.write(move |tx| model_runs::end(tx, &run, why.as_ref(), now))
 }
 
-/// A run that is being worked on.
+/// A run in progress.
 struct Progress<'a> {
     app: &'a App,
     session: &'a dyn ModelSession,
     run: &'a Claimed,
     worker: &'a str,
     waiting: Mutex<VecDeque<String>>,
-    /// No further task is begun.
+    /// No further task is started.
     stopped: AtomicBool,
-    /// Why it cannot go on.
+    /// Why it cannot continue.
     ended_by: Mutex<Option<Bilingual>>,
     busy: AtomicUsize,
 }
@@ -111,7 +112,7 @@ impl<'a> Progress<'a> {
         let kept = std::thread::scope(|scope| {
             for _ in 0..at_once {
                 scope.spawn(|| {
-                    // The store is away: the run goes on when it is back.
+                    // The store is unavailable: the run continues when it is back.
                     if self.ask().is_err() {
                         self.stopped.store(true, Ordering::SeqCst);
                     }
@@ -126,13 +127,13 @@ impl<'a> Progress<'a> {
         let why = lock(&self.ended_by).take();
         let left = self.app.store.read(|tx| model_runs::waiting(tx, &self.run.id))?;
         if why.is_none() && !left.is_empty() {
-            // Something failed on the way: it is tried again.
+            // A task failed for another reason: it is tried again.
             return Err(Problem::store("tasks of a run are left"));
         }
         end(self.app, &self.run.id, why)
     }
 
-    /// Renews the lease until all is done; false where the run is not this service's any more.
+    /// Renews the lease until all is done; false if the run does not belong to this service any more.
     fn watch(&self) -> Answer<bool> {
         let mut kept = true;
         let mut last = Instant::now();
@@ -140,7 +141,7 @@ impl<'a> Progress<'a> {
             let over = self.busy.load(Ordering::SeqCst) == 0;
             if over || last.elapsed() >= KEEP_EVERY {
                 last = Instant::now();
-                // A store that is away for a moment ends nothing.
+                // A store that is unavailable for a moment ends nothing.
                 match self.keep() {
                     Ok(is_ours) => kept = is_ours,
                     Err(why) if over => return Err(why),
@@ -170,12 +171,12 @@ impl<'a> Progress<'a> {
         self.app.store.write(move |tx| model_runs::keep(tx, &run, &worker, &spent, now))
     }
 
-    /// Puts questions until no task is left.
+    /// Asks questions until no task is left.
     fn ask(&self) -> Answer<()> {
         while !self.stopped.load(Ordering::SeqCst) {
             let task = lock(&self.waiting).pop_front();
             let Some(task) = task else { return Ok(()) };
-            // Looked up each time: no question is put, and paid for, after somebody stopped the run.
+            // Checked each time: no question is asked, and paid for, after the run was stopped.
             if !self.app.store.read(|tx| model_runs::is_of(tx, &self.run.id, self.worker))? {
                 self.stopped.store(true, Ordering::SeqCst);
                 return Ok(());
@@ -207,7 +208,7 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// Why a task has nothing.
+/// Why a task has no result.
 enum Stop {
     Store(Problem),
     Model(ModelFailure),
@@ -239,13 +240,13 @@ fn left_out(app: &App, run: &Claimed, task: &str) -> Answer<()> {
     app.store.write(move |tx| model_runs::settle(tx, &run, &task, &Outcome::LeftOut))
 }
 
-/// The model's draft in place of the rule's.
+/// Replaces the rule's draft with the model's draft.
 fn draft(app: &App, session: &dyn ModelSession, run: &Claimed, task: &str) -> Result<(), Stop> {
     let t = app.store.read(|tx| tasks::get(tx, task))?;
     if !app.store.read(|tx| model_runs::is_unbegun(tx, task))? {
         return Ok(left_out(app, run, task)?);
     }
-    // Its small picture comes with the rule's draft.
+    // Its thumbnail is created with the rule's draft.
     let t = match drafting::ready(app, t.clone()) {
         Ok(t) => t,
         Err(why) if why.status < 500 => {
@@ -275,7 +276,7 @@ fn draft(app: &App, session: &dyn ModelSession, run: &Claimed, task: &str) -> Re
     Ok(())
 }
 
-/// The model's answers to questions about a label that was handed in.
+/// The model's answers to questions about a submitted label.
 fn judge(app: &App, session: &dyn ModelSession, run: &Claimed, task: &str) -> Result<(), Stop> {
     let t = app.store.read(|tx| tasks::get(tx, task))?;
     if !judgements::HANDED_IN.contains(&t.at.state) {
@@ -289,7 +290,7 @@ fn judge(app: &App, session: &dyn ModelSession, run: &Claimed, task: &str) -> Re
     let (run, task, now, asked) = (run.clone(), task.to_owned(), app.now(), t.version);
     app.store.write(move |tx| {
         let mut t = tasks::get_for_change(tx, &task)?;
-        // The answers are about the label as it was.
+        // The answers belong to the label at the time of the question.
         let outcome = if t.version == asked && judgements::HANDED_IN.contains(&t.at.state) {
             judgements::put(tx, &mut t, &judged, &run.actor, now)?;
             Outcome::Done

@@ -5,7 +5,7 @@ use crate::problem::{Answer, Problem};
 use crate::store::{Row, Tx};
 use crate::{secret, values};
 
-/// How long a session lasts, ms.
+/// Duration of a session, ms.
 pub const SESSION_MS: i64 = 14 * 24 * 3_600_000;
 const COLUMNS: &str = "id, name, display, admin, lang, disabled, email";
 pub(super) const OF_U: &str = "u.id, u.name, u.display, u.admin, u.lang, u.disabled, u.email";
@@ -38,7 +38,7 @@ pub fn is_first_run(tx: &mut dyn Tx) -> Answer<bool> {
     Ok(tx.row("SELECT 1 FROM users LIMIT 1", &[])?.is_none())
 }
 
-/// Makes a user. `password_hash` comes from [`secret::hash_password`].
+/// Creates a user. `password_hash` comes from [`secret::hash_password`].
 pub fn create(tx: &mut dyn Tx, user: &User, password_hash: &str, now: i64) -> Answer<()> {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '.' | '_' | '-' | '@');
     if user.name.is_empty() || user.name.chars().count() > 64 || !user.name.chars().all(plain) {
@@ -81,7 +81,7 @@ fn check_texts(user: &User) -> Answer<()> {
     Ok(())
 }
 
-/// An address as it is kept: in small letters; none for an empty one.
+/// The stored form of an address: lower case; `None` for an empty one.
 pub fn email(text: &str) -> Option<String> {
     Some(text.trim().to_ascii_lowercase()).filter(|e| !e.is_empty())
 }
@@ -104,7 +104,7 @@ fn check_email(tx: &mut dyn Tx, user: &User) -> Answer<()> {
     Ok(())
 }
 
-/// Writes a user's display name, language, address, rights.
+/// Writes a user's display name, language, address and permissions.
 pub fn update(tx: &mut dyn Tx, user: &User) -> Answer<()> {
     check_texts(user)?;
     check_email(tx, user)?;
@@ -134,7 +134,7 @@ pub fn update(tx: &mut dyn Tx, user: &User) -> Answer<()> {
     Ok(())
 }
 
-/// Sets a password and ends all sessions and API tokens: whoever knew the old one is out.
+/// Sets a password and ends all sessions and API tokens, so that the old password gives no access any more.
 pub fn set_password(tx: &mut dyn Tx, user: &str, hash: &str) -> Answer<()> {
     tx.run("UPDATE users SET password_hash = $1 WHERE id = $2", values![hash, user])?;
     end_access(tx, user)
@@ -146,7 +146,7 @@ fn end_access(tx: &mut dyn Tx, user: &str) -> Answer<()> {
     Ok(())
 }
 
-/// Id and password hash of the user of this name who may sign in.
+/// Id and password hash of the user with this name, if they may sign in.
 pub fn credentials(tx: &mut dyn Tx, name: &str) -> Answer<Option<(String, String)>> {
     let row =
         tx.row("SELECT id, password_hash FROM users WHERE name = $1 AND disabled = 0", values![name])?;
@@ -159,7 +159,7 @@ pub fn password_hash(tx: &mut dyn Tx, user: &str) -> Answer<String> {
     row.ok_or_else(Problem::missing)?.text("password_hash")
 }
 
-/// Starts a session whose cookie is `cookie`, and forgets those that ended.
+/// Starts a session whose cookie is `cookie`, and removes ended ones.
 pub fn start_session(tx: &mut dyn Tx, cookie: &str, user: &str, now: i64) -> Answer<()> {
     tx.run("DELETE FROM sessions WHERE expires < $1", values![now])?;
     tx.run(
@@ -172,7 +172,7 @@ pub fn start_session(tx: &mut dyn Tx, cookie: &str, user: &str, now: i64) -> Ans
 /// The password hash of an account without a password.
 pub const NO_PASSWORD: &str = "";
 
-/// Notes that a session began at the identity provider.
+/// Records that a session began at the identity provider.
 pub fn note_provider(tx: &mut dyn Tx, cookie: &str) -> Answer<()> {
     tx.run("UPDATE sessions SET oidc = 1 WHERE hash = $1", values![secret::hash(cookie)])?;
     Ok(())
@@ -190,7 +190,7 @@ pub fn end_session(tx: &mut dyn Tx, cookie: &str) -> Answer<()> {
     Ok(())
 }
 
-/// Whose session this cookie is.
+/// The user of this cookie.
 pub fn by_cookie(tx: &mut dyn Tx, cookie: &str, now: i64) -> Answer<Option<User>> {
     let sql = format!(
         "SELECT {OF_U} FROM sessions s JOIN users u ON u.id = s.user_id

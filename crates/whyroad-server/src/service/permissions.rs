@@ -1,4 +1,5 @@
-//! What somebody may do with a task now, in words that the page shows buttons by. Found by asking the workflow itself.
+//! Actions that a user may do with a task now, as identifiers by which the page shows buttons. Determined by calling
+//! the workflow itself.
 
 use crate::domain::workflow::{self, Action, Actor, Draw, Role, State};
 use crate::problem::Answer;

@@ -1,4 +1,4 @@
-//! The framework as the page's pickers need it: names, meanings, closed sets, in both languages.
+//! The framework in the form for the page's pickers: names, meanings, closed sets, in both languages.
 
 use crate::domain::safety::SafetyReason;
 use crate::domain::task::{ClassChoices, DecisionChoice, FrameworkView};

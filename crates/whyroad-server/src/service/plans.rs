@@ -1,5 +1,5 @@
-//! What SQLite reads for queries that run often, by its own statement (<https://www.sqlite.org/eqp.html>). A row of a
-//! task is kilobytes long; of a hundred thousand of them only an index may be read.
+//! Query plans of SQLite for frequent queries (<https://www.sqlite.org/eqp.html>). A row of a task has several
+//! kilobytes; for a hundred thousand of them only an index may be read.
 
 use crate::service::{dashboard, disagreement, drafting, fixtures};
 use crate::store::Value;

@@ -126,20 +126,20 @@ pub fn roles(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<Role>> {
     row.map_or(Ok(vec![]), |r| parse(&r.text("roles")?))
 }
 
-/// Classes that the queue gives a member; empty for all.
+/// Classes that the queue gives to a member; empty for all.
 pub fn skills(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<String>> {
     let row =
         tx.row("SELECT skills FROM members WHERE project_id = $1 AND user_id = $2", values![project, user])?;
     row.map_or(Ok(vec![]), |r| parse(&r.text("skills")?))
 }
 
-/// Languages of the tasks that the queue gives a member; empty for that of their page.
+/// Languages of the tasks that the queue gives to a member; empty for the language of their page.
 pub fn languages(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<String>> {
     let sql = "SELECT languages FROM members WHERE project_id = $1 AND user_id = $2";
     tx.row(sql, values![project, user])?.map_or(Ok(vec![]), |r| parse(&r.text("languages")?))
 }
 
-/// Sets the languages of a member; does nothing for who is not a member.
+/// Sets the languages of a member; does nothing for a user who is not a member.
 pub fn set_languages(tx: &mut dyn Tx, project: &str, user: &str, languages: &[String]) -> Answer<()> {
     if let Some(odd) = languages.iter().find(|l| !matches!(l.as_str(), "zh" | "en")) {
         return Err(Problem::request(
@@ -165,7 +165,7 @@ pub fn members(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Member>> {
     let mut out = Vec::new();
     for row in rows {
         let Some(user) = people::find(tx, &row.text("user_id")?)? else { continue };
-        // Addresses are between a user and the administrators.
+        // Addresses are visible only to the user and to administrators.
         let user = User { email: None, ..user };
         let (roles, skills) = (parse(&row.text("roles")?)?, parse(&row.text("skills")?)?);
         out.push(Member { user, roles, skills, languages: parse(&row.text("languages")?)? });
@@ -193,7 +193,7 @@ pub fn set_member(
     Ok(())
 }
 
-/// True for who leads some project.
+/// True if the user leads some project.
 pub fn leads_any(tx: &mut dyn Tx, user: &str) -> Answer<bool> {
     let row = tx
         .row("SELECT 1 FROM members WHERE user_id = $1 AND roles LIKE '%\"lead\"%' LIMIT 1", values![user])?;

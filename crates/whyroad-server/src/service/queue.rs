@@ -1,4 +1,4 @@
-//! The queue: what somebody is given next, and why there is nothing where there is nothing.
+//! The queue: the next task for a user, and the reasons if there is none.
 
 use crate::domain::people::User;
 use crate::domain::project::Project;
@@ -11,19 +11,19 @@ use crate::store::{Tx, Value as Cell};
 use crate::values;
 use std::collections::BTreeSet;
 
-/// A gold task is given to the one that it was made for.
+/// A gold task is given only to its annotator.
 const FOR_ME: &str = "NOT EXISTS (SELECT 1 FROM gold g WHERE g.task_id = tasks.id AND g.user_id <> $2)";
 
-/// Candidates that are looked at in one go.
+/// Number of candidates that are read together.
 const PAGE: usize = 100;
-/// Waiting tasks that are examined for reasons.
+/// Maximum number of waiting tasks that are examined for reasons.
 const MOST_ASKED: i64 = 1000;
 
-/// Whom the queue serves.
+/// The user of the queue.
 struct Worker<'a> {
     user: &'a User,
     roles: &'a [Role],
-    /// Classes; none for all.
+    /// Classes; empty for all.
     skills: Vec<String>,
     /// At least one.
     languages: Vec<String>,
@@ -39,7 +39,7 @@ impl<'a> Worker<'a> {
         Ok(Self { user, roles, skills, languages })
     }
 
-    /// True when a class is among the skills, which are full ids or their first parts.
+    /// True when a class is among the skills, which are full ids or prefixes of them.
     fn labels(&self, scenario: &str) -> bool {
         let within = |skill: &String| scenario == skill || scenario.starts_with(&format!("{skill}."));
         self.skills.is_empty() || self.skills.iter().any(within)
@@ -50,8 +50,8 @@ impl<'a> Worker<'a> {
     }
 }
 
-/// Takes the next task of the queue for `user`: their own unfinished ones first, then what was given to them, then what
-/// is free, by priority, age and time in the drive.
+/// Takes the next task of the queue for `user`: their own unfinished ones first, then assigned ones, then free ones, by
+/// priority, age and time in the drive.
 pub fn next(
     tx: &mut dyn Tx,
     project: &Project,
@@ -61,7 +61,7 @@ pub fn next(
     now: i64,
 ) -> Answer<Option<TaskRow>> {
     let worker = Worker::of(tx, project, user, roles)?;
-    // One that would last longer than any lease is from before a clock was set back.
+    // A remaining time longer than any lease is from before a clock was set back.
     let lease = leases::longest_ms(&project.settings);
     let expired = format!("(lease_until < $3 OR lease_until - $3 > {lease})");
     for condition in queue(kind) {
@@ -91,8 +91,8 @@ pub fn next(
     Ok(None)
 }
 
-/// Why the queue has nothing for `user`: each reason that holds for some task, and no number of tasks, which might tell
-/// how many episodes a drive has. Empty when there is something after all.
+/// Why the queue has nothing for `user`: each reason that applies to some task, without numbers of tasks, which might
+/// reveal how many episodes a drive has. Empty if there is a task after all.
 pub fn why_nothing(
     tx: &mut dyn Tx,
     project: &Project,
@@ -130,8 +130,7 @@ pub fn why_nothing(
     Ok(reasons)
 }
 
-/// Why the queue does not give `t` to `user`; `None` when it would. The first reason that holds, the one that lasts
-/// first.
+/// Why the queue does not give `t` to `user`; `None` if it would. The first reason that applies, permanent ones first.
 fn why_not(
     tx: &mut dyn Tx,
     t: &TaskRow,
@@ -168,10 +167,10 @@ fn why_not(
     }
 }
 
-/// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them
-/// in order. `EXPIRED` stands for an expired lease, `$2` is the user, `$3` now, `$4` the worker's languages (`zh,en`),
-/// of which a task's is one or none, and `FOR_ME` for no copy made for somebody else; all are in each, as PostgreSQL
-/// wants it.
+/// The searches of each kind of work, in this order; free tasks by one state at a time, so that the index gives them in
+/// order. `EXPIRED` stands for an expired lease, `$2` is the user, `$3` now, `$4` the worker's languages (`zh,en`),
+/// which must contain a task's language if it has one, and `FOR_ME` excludes copies for other annotators; each search
+/// contains all parameters, as PostgreSQL requires.
 fn queue(kind: WorkKind) -> &'static [&'static str] {
     match kind {
         WorkKind::Label => &[

@@ -1,5 +1,6 @@
-//! What a project keeps no longer than it said: finished tasks with their labels, histories, comments and pictures. Who
-//! has seen which part of a drive stays, so that nobody does Stage I of what they have seen.
+//! Removes data after the retention period of a project: finished tasks with their labels, histories, comments and
+//! thumbnails. The record of who has seen which part of a drive is kept, so that nobody does Stage I of a part that
+//! they have seen.
 
 use crate::app::App;
 use crate::problem::Answer;
@@ -11,13 +12,13 @@ use std::time::{Duration, Instant};
 
 /// Milliseconds of a day.
 const DAY_MS: i64 = 86_400_000;
-/// Between two sweeps, and between two looks whether the service has ended.
+/// Time between two sweeps, and between two checks whether the service has ended.
 const SWEEP_EVERY: Duration = Duration::from_secs(3600);
 const LOOK_EVERY: Duration = Duration::from_secs(1);
-/// Tasks removed in one transaction.
+/// Number of tasks removed in one transaction.
 const AT_ONCE: i64 = 200;
 
-/// Removes what is older than its project keeps it; the number of tasks.
+/// Removes tasks after the retention period of their project; returns their number.
 pub fn sweep(app: &App) -> Answer<u64> {
     let now = app.now();
     let mut removed = 0;
@@ -63,7 +64,7 @@ pub fn spawn(app: &Arc<App>) -> JoinHandle<()> {
         let mut last: Option<Instant> = None;
         while let Some(app) = service.upgrade() {
             if last.is_none_or(|at| at.elapsed() >= SWEEP_EVERY) {
-                // A store that is away is swept the next time.
+                // If the store is unavailable, it is swept the next time.
                 let _ = sweep(&app);
                 last = Some(Instant::now());
             }

@@ -1,5 +1,5 @@
-//! Accepted labels that somebody doubts later, for example a model that was trained on the others: back to their
-//! author, in the task that they came from.
+//! Accepted labels that are questioned later, for example by a model that was trained on the others: returns them to
+//! their author, in the task from which they came.
 
 use crate::domain::workflow::{self, Action, Actor, Draw, Role, Seen, State};
 use crate::problem::Answer;
@@ -9,25 +9,25 @@ use crate::store::{Store, Tx};
 use crate::values;
 use serde_json::Value;
 
-/// A label that is to be reviewed.
+/// A label to review.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Doubt {
-    /// Task that the label came from.
+    /// Task of the label.
     pub task: String,
-    /// The label that is doubted.
+    /// The questioned label.
     pub label: Value,
-    /// Why; kept in the task's history.
+    /// The reason; stored in the task's history.
     pub note: String,
 }
 
-/// What was done about a doubt.
+/// Result of a request for review.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Review {
-    /// The accepted label went to rework, with the note.
+    /// The accepted label was returned for rework, with the note.
     Reopened,
-    /// Somebody works on the task, or it waits for somebody: nothing was changed.
+    /// The task is in progress or waits in the workflow: nothing was changed.
     InWork,
-    /// The accepted label is not the doubted one any more: nothing was changed.
+    /// The accepted label differs from the questioned one: nothing was changed.
     Changed,
     /// The task was skipped or rejected since: nothing was changed.
     LeftOut,
@@ -35,8 +35,8 @@ pub enum Review {
     Unknown,
 }
 
-/// Reopens the task of each doubt whose accepted label is still the doubted one; one answer per doubt, in their order.
-/// All or nothing.
+/// Reopens the task of each request whose accepted label is still the questioned one; returns one result per request,
+/// in their order. All changes are in one transaction.
 pub fn ask(store: &Store, doubts: &[Doubt], now: i64) -> Answer<Vec<Review>> {
     let doubts = doubts.to_vec();
     store.write(move |tx| doubts.iter().map(|doubt| reopen(tx, doubt, now)).collect())
@@ -53,7 +53,7 @@ fn reopen(tx: &mut dyn Tx, doubt: &Doubt, now: i64) -> Answer<Review> {
         State::Skipped | State::Rejected => return Ok(Review::LeftOut),
         _ => return Ok(Review::InWork),
     }
-    // The command line acts for whoever runs the service.
+    // The command line acts for the operator of the service.
     let operator = Actor { id: String::new(), roles: vec![Role::Lead], has_seen: Seen::Future };
     let from = t.at.state;
     t.at = workflow::step(&t.at, &operator, Action::Reopen, Draw::Pass)?;
@@ -110,7 +110,7 @@ mod tests {
         use Review::{Changed, InWork, LeftOut, Reopened, Unknown};
         assert_eq!(done, [Reopened, Changed, InWork, LeftOut, Unknown]);
         let t = app.store.read(|tx| tasks::get(tx, "a")).unwrap();
-        // To its author, as a rework that must be checked again; the label itself is untouched.
+        // Returned to its author, as a rework that must be checked again; the label itself is unchanged.
         assert_eq!((t.at.state, t.at.author(), t.at.checked), (State::Rework, Some("ann"), false));
         assert_eq!(t.draft, json!({ "coc_trace": "a" }));
         let text = export(&app.store, "p", &ExportFormat::Tasks).unwrap();

@@ -1,5 +1,5 @@
-//! The safety filter of Stage II: recorded before any decision is saved. An unsafe sample is rejected with the answer,
-//! in one transaction.
+//! The safety filter of Stage II: its answer is recorded before any decision is saved. An unsafe sample is rejected
+//! with the answer, in one transaction.
 
 use crate::app::App;
 use crate::domain::project::Project;
@@ -16,20 +16,20 @@ use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::SafetyAnswer;
 
-/// Fields of a label that wait for the answer.
+/// Fields of a label that require the answer first.
 const WAITING: [&str; 3] = [name::DRIVING_DECISION, name::CAUSES, name::COC_TRACE];
 
-/// True while `state` has a label that the answer is part of.
+/// True while `state` has a label to which the answer belongs.
 pub fn applies(state: State) -> bool {
     matches!(state, State::Stage2 | State::Rework)
 }
 
-/// Refuses to save the field at `path` where it waits for the answer.
+/// Refuses to save the field at `path` if it requires the answer first.
 pub fn before(t: &TaskRow, path: &str) -> Answer<()> {
     if applies(t.at.state) && WAITING.contains(&merge::top(path)) { required(t) } else { Ok(()) }
 }
 
-/// Refuses what needs the answer while it is missing.
+/// Refuses an action that requires the answer while it is missing.
 pub fn required(t: &TaskRow) -> Answer<()> {
     let answer = t.draft.pointer(pointer::SAFETY_FILTER_ANSWER).and_then(Value::as_str);
     if answer == Some(SafetyAnswer::Safe.id()) {
@@ -43,7 +43,7 @@ pub fn required(t: &TaskRow) -> Answer<()> {
     ))
 }
 
-/// Records the answer of who holds the task; an unsafe one also rejects it.
+/// Records the answer of the task's holder; an unsafe one also rejects the task.
 pub fn record(
     app: &App,
     tx: &mut dyn Tx,
@@ -115,13 +115,13 @@ pub fn record(
     Ok(t)
 }
 
-/// The reasons as the history shows them to everybody, whatever their language.
+/// The reasons as text in the history, in both languages.
 fn in_words(reasons: &[SafetyReason], note: Option<&str>) -> String {
     let names = reasons.iter().map(|r| r.name()).map(|n| format!("{} / {}", n.zh, n.en));
     names.chain(note.map(str::to_owned)).collect::<Vec<_>>().join("; ")
 }
 
-/// Takes the answer away: the task starts again.
+/// Removes the answer: the task starts again.
 pub fn forget(tx: &mut dyn Tx, task: &str) -> Answer<()> {
     tx.run("DELETE FROM safety WHERE task_id = $1", values![task]).map(drop)
 }

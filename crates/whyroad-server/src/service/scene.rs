@@ -1,5 +1,5 @@
-//! What of a drive is shown with a task. In Stage I everything is made from the drive *cut at the keyframe*: what is
-//! not in the cut drive cannot be in what is made from it, whatever the code below does.
+//! The part of a drive that is shown with a task. In Stage I everything is computed from the drive *cut at the
+//! keyframe*: data that is not in the cut drive cannot be in the result, whatever the code below does.
 
 pub mod cache;
 mod columns;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 use whyroad_model::scene::{FRAME_RATE_HZ, MediaFrame, TurnSignal};
 use whyroad_model::{ClipId, Column, Drive, FrameRange, Nanos, SignalTable};
 
-/// Signals that the plots show beside those of the rule.
+/// Signals that the plots show in addition to those of the rule.
 const PLOTTED: [&str; 2] = ["ego.lane_offset", "ego.jerk"];
 
 /// The scene of a task.
@@ -39,7 +39,7 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     let drive = app.recordings.estimated(&drive);
     let mut view = match t.hides_leaf() {
         false => view(t, stage, &drive, frames, &signals),
-        // Which signals and which target the rule reads reveals its leaf.
+        // The signals and the target of the rule reveal its L3 class.
         true => {
             let mut bare = t.clone();
             bare.episode.signals.clear();
@@ -80,13 +80,13 @@ fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &
     }
 }
 
-/// The corner of the square of side `size`, m, that the ego is in at the keyframe.
+/// The corner of the square of side `size`, m, that contains the ego at the keyframe.
 pub fn corner(app: &App, t: &TaskRow, size: f64) -> Answer<[f64; 2]> {
     let Shown { drive, .. } = shown(app, t)?;
     let frame = drive.times.partition_point(|at| at.0 <= t.keyframe_ns).saturating_sub(1);
     let at = |values: &[f64]| values.get(frame).copied().filter(|v| v.is_finite());
     let ego = drive.ego.as_ref().and_then(|e| Some([at(&e.motion.x)?, at(&e.motion.y)?]));
-    // Without an ego, of where any object is.
+    // Without an ego, the position of any object.
     let any = || drive.tracks.iter().find_map(|t| Some([*t.motion.x.first()?, *t.motion.y.first()?]));
     let [x, y] = ego.or_else(any).unwrap_or_default();
     Ok([(x / size).floor() * size, (y / size).floor() * size])
@@ -137,7 +137,7 @@ fn lights(drive: &Drive, times: &[Nanos]) -> Vec<LightView> {
             t_index: times.partition_point(|at| *at < state.time),
             colour: word(&state.color),
         };
-        // Of those before the first frame only the newest holds.
+        // Of the states before the first frame only the newest applies.
         let older = out.last().is_some_and(|o| {
             o.t_index == 0
                 && view.t_index == 0
@@ -157,7 +157,7 @@ fn lights(drive: &Drive, times: &[Nanos]) -> Vec<LightView> {
     out
 }
 
-/// Images of the shown time, by camera.
+/// Images in the shown time range, by camera.
 fn images<'d>(drive: &'d Drive, times: &[Nanos]) -> Vec<(&'d str, Vec<&'d MediaFrame>)> {
     let (Some(media), Some(first), Some(last)) = (&drive.media, times.first(), times.last()) else {
         return vec![];
@@ -172,8 +172,8 @@ fn images<'d>(drive: &'d Drive, times: &[Nanos]) -> Vec<(&'d str, Vec<&'d MediaF
     out
 }
 
-/// Cameras in the order in which the drive names them. One that the drive names and that has no image here is listed
-/// only when nothing is withheld: that it has none may follow from what comes later.
+/// Cameras in the order of the drive. A camera without an image here is listed only when nothing is withheld: the
+/// absence of its images may depend on later times.
 fn cameras(t: &TaskRow, stage: Stage, drive: &Drive, times: &[Nanos]) -> Vec<CameraView> {
     let keyframe = Nanos(t.keyframe_ns);
     let camera = |(camera, frames): (&str, Vec<&MediaFrame>)| CameraView {
@@ -199,7 +199,7 @@ fn cameras(t: &TaskRow, stage: Stage, drive: &Drive, times: &[Nanos]) -> Vec<Cam
     out
 }
 
-/// Where image `index` of `camera` among those that may be seen is. No other image can be named, wherever they are.
+/// Location of image `index` of `camera`, counted among the images that may be shown. No other image can be requested.
 pub fn image(app: &App, t: &TaskRow, camera: &str, index: usize) -> Answer<CameraImage> {
     let Shown { drive, frames } = shown(app, t)?;
     let all = images(&drive, &drive.times[frames.start..frames.end]);

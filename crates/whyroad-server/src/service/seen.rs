@@ -1,5 +1,5 @@
-//! Who was shown which part of a drive: nobody does Stage I of what they have seen. Every view counts, those of Stage I
-//! too: a task with a later keyframe shows what comes after an earlier one.
+//! Records which part of a drive each user was shown: nobody does Stage I of a part that they have seen. Every view
+//! counts, including those of Stage I: a task with a later keyframe shows what comes after an earlier one.
 
 use crate::domain::project::HistoryRule;
 use crate::domain::workflow::{Actor, Role, Seen, Stage, State};
@@ -35,7 +35,7 @@ fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<
     Ok(row.is_some())
 }
 
-/// The last moment of its drive that a task shows in `state`.
+/// The last time of its drive that a task shows in `state`.
 fn shown_until(t: &TaskRow, state: State) -> i64 {
     match state.stage() {
         Stage::Stage1 => t.keyframe_ns,
@@ -43,7 +43,7 @@ fn shown_until(t: &TaskRow, state: State) -> i64 {
     }
 }
 
-/// True when `user` was already shown what `t` shows now, in this very task.
+/// True when `user` was already shown the current content of `t`, in this task.
 pub fn was_shown(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<bool> {
     let sql = "SELECT 1 FROM seen WHERE user_id = $1 AND task_id = $2 AND to_ns >= $3";
     Ok(tx.row(sql, values![user, &t.id, shown_until(t, t.at.state)])?.is_some())
@@ -59,7 +59,8 @@ pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> A
     if others.is_empty() {
         return Ok(());
     }
-    // Where only the same episode bars, another one may be begun beside it; its whole future may not be opened.
+    // If only the same episode excludes, tasks of other episodes may be started; but their whole future may not be
+    // opened.
     let rule = projects::get(tx, &t.project)?.settings.history;
     for other in others {
         let same =
@@ -77,7 +78,7 @@ pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> A
     Ok(())
 }
 
-/// Records that `user` is shown what `t` shows now; refused where [`may_be_shown`] is.
+/// Records that `user` is shown the current content of `t`; refused if [`may_be_shown`] refuses it.
 pub fn show(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
     if was_shown(tx, t, user)? {
         return Ok(());

@@ -1,12 +1,11 @@
-//! One reading for everybody who asks for the same while it runs: what many look at and takes long, as a dashboard, is
-//! read once at a time, whoever asks.
+//! Shares one read among concurrent requests: a slow read that many request, such as a dashboard, runs once at a time.
 
 use crate::problem::Answer;
 use crate::sync::lock;
 use std::collections::HashMap;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
-/// Readings by key, one at a time each. Nobody is given a reading that began before they asked.
+/// Reads by key, one at a time each. No caller gets a result whose read began before their request.
 pub struct SharedReadings<T> {
     by_key: Mutex<HashMap<String, Arc<OneAtATime<T>>>>,
 }
@@ -17,12 +16,12 @@ struct OneAtATime<T> {
 }
 
 struct Turn<T> {
-    /// Readings that have begun: the number of the newest.
+    /// Number of the newest read that has begun.
     begun: u64,
     running: bool,
-    /// Who waits for a reading.
+    /// Number of callers that wait for a read.
     waiting: usize,
-    /// The newest that ended, with its number; kept while somebody waits.
+    /// The newest finished read, with its number; kept while a caller waits.
     last: Option<(u64, Answer<Arc<T>>)>,
 }
 
@@ -33,7 +32,7 @@ impl<T> Default for SharedReadings<T> {
 }
 
 impl<T> SharedReadings<T> {
-    /// What `read` gives for `key`: of this call, or of another that began after this one.
+    /// The result of `read` for `key`: of this call, or of another one that began after this one.
     ///
     /// # Errors
     /// Those of `read`.
@@ -87,7 +86,7 @@ impl<T> Turn<T> {
     }
 }
 
-/// Lets the next one read when this reading has ended, also by a panic.
+/// Permits the next read when this one has ended, also by a panic.
 struct Running<'a, T> {
     of: &'a OneAtATime<T>,
     number: u64,
@@ -114,7 +113,7 @@ mod tests {
     use std::sync::mpsc::channel;
     use std::time::Duration;
 
-    /// Who asks while a reading runs gets the next one, all the same; the one that runs began before they asked.
+    /// A caller during a read gets the result of the next one, because the current one began before their request.
     #[test]
     fn who_asks_during_a_reading_shares_the_next_one() {
         let (shared, readings) = (SharedReadings::default(), AtomicUsize::new(0));
@@ -144,7 +143,7 @@ mod tests {
             }
         });
         assert_eq!(readings.load(Ordering::SeqCst), 2);
-        // Nobody waits: nothing is kept, and the next one reads.
+        // Nobody waits: nothing is kept, and the next caller reads.
         assert!(lock(&lock(&shared.by_key)["p"].turn).last.is_none());
         assert_eq!(*shared.get("p", || Ok(7)).unwrap(), 7);
         assert_eq!(*shared.get("q", || Ok(8)).unwrap(), 8);

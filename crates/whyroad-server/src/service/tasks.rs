@@ -1,4 +1,4 @@
-//! Tasks as the store has them: reading, writing, listing, and their append-only history.
+//! Tasks in the store: reading, writing, listing, and their append-only history.
 
 use crate::domain::task::TaskSummary;
 use crate::domain::workflow::{Position, Stage, State};
@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use whyroad_label::merge::FieldChange;
 use whyroad_model::messages::EpisodeRecord;
 
-/// A task whole.
+/// A complete task.
 #[derive(Clone, Debug)]
 pub struct TaskRow {
     /// Id.
@@ -29,29 +29,29 @@ pub struct TaskRow {
     pub clip_id: String,
     /// Class.
     pub scenario_id: String,
-    /// Suggested keyframe: in Stage I nothing after it is shown.
+    /// Suggested keyframe: Stage I shows nothing after it.
     pub keyframe_ns: i64,
-    /// First moment that is shown.
+    /// First time that is shown.
     pub from_ns: i64,
-    /// Last moment that is shown in Stage II.
+    /// Last time that Stage II shows.
     pub to_ns: i64,
-    /// What mining found.
+    /// The mined episode.
     pub episode: EpisodeRecord,
-    /// The draft as it was suggested.
+    /// The suggested draft.
     pub initial: Value,
-    /// The draft now.
+    /// The current draft.
     pub draft: Value,
-    /// Raised by each change of the draft.
+    /// Increased by each change of the draft.
     pub version: i64,
-    /// Greater is sooner.
+    /// Higher values come first.
     pub priority: i64,
     /// Workflow.
     pub at: Position,
-    /// An audit has judged the present or an earlier submission.
+    /// An audit has judged the current or an earlier submission.
     pub audited: bool,
     /// `chosen`, `superseded`.
     pub adjudication: Option<String>,
-    /// To whom it was given by hand.
+    /// User to whom a lead has assigned it.
     pub assigned: Option<String>,
     /// Fencing token of the newest lease.
     pub fence: i64,
@@ -59,23 +59,23 @@ pub struct TaskRow {
     pub lease_until: Option<i64>,
     /// Last entry of the history.
     pub seq: i64,
-    /// When it was made.
+    /// When it was created.
     pub created: i64,
-    /// When it last moved.
+    /// When it last changed.
     pub updated: i64,
-    /// Language that the label is to be written in: `zh`, `en`, or empty for any.
+    /// Language of the label: `zh`, `en`, or empty for any.
     pub lang: String,
-    /// A comment asks the lead and is not resolved.
+    /// A comment with a question to the lead is not resolved.
     pub asks_lead: bool,
-    /// It is of an overlap group whose labels disagree, of which none was chosen.
+    /// It belongs to an overlap group whose labels disagree, of which none was chosen.
     pub disagrees: bool,
-    /// The store has a picture of it.
+    /// The store has a thumbnail of it.
     pub pictured: bool,
-    /// Its draft is still to be made.
+    /// Its draft is still to be created.
     pub pending: bool,
     /// Its project shows only the L2 of its class in Stage I.
     pub veiled: bool,
-    /// The picture of a task that is being made; empty for one that was read.
+    /// The thumbnail of a task that is being created; empty for one that was read.
     pub thumbnail: String,
 }
 
@@ -84,14 +84,14 @@ pub struct TaskRow {
 pub struct LabelView {
     /// Stage.
     pub stage: Stage,
-    /// Its leaf is not shown.
+    /// Its L3 class is hidden.
     pub hides_leaf: bool,
-    /// Somebody is in Stage I: the components are theirs.
+    /// A user is in Stage I: the components are theirs.
     pub in_hand: bool,
 }
 
 impl TaskRow {
-    /// True while its leaf is not shown.
+    /// True while its L3 class is hidden.
     pub fn hides_leaf(&self) -> bool {
         self.veiled && self.at.state.stage() == Stage::Stage1
     }
@@ -105,19 +105,19 @@ impl TaskRow {
         }
     }
 
-    /// Its class as it is shown now.
+    /// The class that is shown now.
     pub fn shown_class(&self) -> &str {
         if self.hides_leaf() { veil::l2(&self.scenario_id) } else { &self.scenario_id }
     }
 
-    /// First moment that is shown now. Where the range begins depends on the leaf, so without a leaf the history is as
-    /// long for every task.
+    /// First time that is shown now. The beginning of the range depends on the L3 class, so if that is hidden, the
+    /// history has the same length for every task.
     pub fn shown_from(&self) -> i64 {
         if self.hides_leaf() { self.from_ns.max(self.keyframe_ns - VEILED_HISTORY_NS) } else { self.from_ns }
     }
 }
 
-/// History that is shown of a task without its leaf, ns: what LABELING.md asks for.
+/// History that is shown of a task with a hidden L3 class, ns: as required in LABELING.md.
 const VEILED_HISTORY_NS: i64 = 2_000_000_000;
 
 const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id, keyframe_ns, from_ns, \
@@ -181,7 +181,7 @@ pub fn get(tx: &mut dyn Tx, id: &str) -> Answer<TaskRow> {
     task(&row.ok_or_else(Problem::missing)?)
 }
 
-/// What decides who may see a task: enough for the gate, which every call passes.
+/// The data that determines who may see a task: sufficient for the access check of every call.
 #[derive(Clone, Debug)]
 pub struct Concern {
     /// Project id.
@@ -192,14 +192,14 @@ pub struct Concern {
 }
 
 impl Concern {
-    /// True for who holds it, wrote it last, or was given it and may still begin.
+    /// True if the user holds it, wrote it last, or is assigned to it and may still start.
     pub fn is_of(&self, user: &str) -> bool {
         let given = self.assigned.as_deref() == Some(user) && self.author.is_none();
         self.holder.as_deref() == Some(user) || self.author.as_deref() == Some(user) || given
     }
 }
 
-/// Whom the task with this id concerns.
+/// The access data of the task with this id.
 pub fn concern(tx: &mut dyn Tx, id: &str) -> Answer<Concern> {
     let row = tx.row("SELECT project_id, holder, author, assigned FROM tasks WHERE id = $1", values![id])?;
     let row = row.ok_or_else(Problem::missing)?;
@@ -211,23 +211,23 @@ pub fn concern(tx: &mut dyn Tx, id: &str) -> Answer<Concern> {
     })
 }
 
-/// The task with this id, kept from other writers until the transaction ends.
+/// The task with this id, locked for other writers until the transaction ends.
 pub fn get_for_change(tx: &mut dyn Tx, id: &str) -> Answer<TaskRow> {
     let sql = format!("SELECT {COLUMNS} FROM tasks WHERE id = $1{}", tx.lock());
     task(&tx.row(&sql, values![id])?.ok_or_else(Problem::missing)?)
 }
 
-/// Tasks that fit `condition`, a piece of SQL of this crate's own with `values`.
+/// Tasks that match `condition`, SQL of this crate with `values`.
 pub fn select(tx: &mut dyn Tx, condition: &str, values: &[Cell]) -> Answer<Vec<TaskRow>> {
     tx.rows(&format!("SELECT {COLUMNS} FROM tasks WHERE {condition}"), values)?.iter().map(task).collect()
 }
 
-/// The tasks of the overlap group of an episode, in the order of making.
+/// The tasks of the overlap group of an episode, in the order of creation.
 pub fn group(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<Vec<TaskRow>> {
     select(tx, "project_id = $1 AND episode_id = $2 ORDER BY overlap_index", values![project, episode])
 }
 
-/// Stores a new task; false when its episode is there already.
+/// Stores a new task; false when its episode already has one.
 pub fn insert(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     let n = tx.run(
         "INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
@@ -248,7 +248,7 @@ pub fn insert(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     Ok(n == 1)
 }
 
-/// Writes what can change of a task.
+/// Writes the fields of a task that can change.
 pub fn update(tx: &mut dyn Tx, t: &TaskRow) -> Answer<()> {
     tx.run(
         "UPDATE tasks SET draft = $1, version = $2, priority = $3, state = $4, authors = $5, author = $6, checker = $7,
@@ -264,18 +264,18 @@ pub fn update(tx: &mut dyn Tx, t: &TaskRow) -> Answer<()> {
     Ok(())
 }
 
-/// One entry of the history to be written.
+/// A new entry of the history.
 #[derive(Clone, Debug, Default)]
 pub struct Entry<'a> {
     /// `take`, `edit`, ...
     pub action: &'a str,
-    /// Who; none for the command line.
+    /// The user; `None` for the command line.
     pub actor: Option<&'a str>,
     /// State before.
     pub from: Option<State>,
     /// Fields changed.
     pub changes: &'a [FieldChange],
-    /// The draft whole, where it did not come by changes.
+    /// The complete draft, if it did not result from changes.
     pub snapshot: Option<&'a Value>,
     /// Reason.
     pub note: Option<&'a str>,
@@ -289,7 +289,7 @@ pub fn names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
         .collect()
 }
 
-/// A task in short, without what only some may know.
+/// Summary of a task, without the fields that only some users may see.
 pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
     let name = |id: Option<&str>| id.map(|id| names.get(id).cloned().unwrap_or_else(|| id.to_owned()));
     TaskSummary {

@@ -1,4 +1,4 @@
-//! Texts that people write beside a label: reasons and comments.
+//! Texts that people write in addition to a label: reasons and comments.
 
 use crate::problem::{Answer, Problem};
 
@@ -9,7 +9,7 @@ pub(super) fn is_long(text: &str) -> bool {
     text.chars().count() > TEXT
 }
 
-/// A reason as it is kept; none where there is only white space.
+/// A reason in its stored form; `None` if there is only white space.
 pub fn reason(given: Option<&str>) -> Answer<Option<&str>> {
     let reason = given.map(str::trim).filter(|r| !r.is_empty());
     if reason.is_some_and(is_long) {

@@ -1,5 +1,5 @@
-//! A small picture of a task's keyframe for lists: the road, the objects, the ego. One moment of the drive and nothing
-//! after it. Drawn once, with the task's draft.
+//! A thumbnail of a task's keyframe for lists: the road, the objects, the ego. It shows one moment of the drive and
+//! nothing after it. Drawn once, with the task's draft.
 
 use crate::problem::Answer;
 use crate::store::Tx;
@@ -8,18 +8,18 @@ use std::fmt::Write as _;
 use whyroad_model::scene::Track;
 use whyroad_model::{Drive, Nanos, TrackId};
 
-/// Half the length and width that are shown, m: ahead and behind, and to the sides.
+/// Half the length and width of the shown area, m: along and across the ego's heading.
 const HALF_M: [f64; 2] = [30.0, 16.5];
-/// Behind the ego less is shown than ahead: its place is this far left of the middle, m.
+/// The shown area extends less behind the ego than ahead: the ego is this far left of the center, m.
 const SHIFT_M: f64 = 16.0;
-/// Room around the target, m, and how many times larger the shown area becomes at most so that it is inside.
+/// Margin around the target, m, and maximum enlargement of the shown area to include it.
 const ROOM_M: f64 = 6.0;
 const MOST_LARGER: f64 = 3.0;
-/// Objects and lines that are drawn at most: a picture is a few kilobytes.
+/// Maximum number of objects and of lines: a thumbnail has a few kilobytes.
 const MOST_OBJECTS: usize = 40;
 const MOST_LINES: usize = 60;
 
-/// The picture of `drive` at `at`, with the ego driving to the right.
+/// The thumbnail of `drive` at `at`, with the ego driving to the right.
 pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
     let frame = drive.times.partition_point(|t| *t <= at).saturating_sub(1);
     let Some(ego) = &drive.ego else { return String::new() };
@@ -29,7 +29,7 @@ pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
         return String::new();
     };
     let (sin, cos) = heading.sin_cos();
-    // In the ego's frame, y down as the screen has it.
+    // In the ego's frame, with y pointing down as on a screen.
     let from_ego = |px: f64, py: f64| {
         let (dx, dy) = (px - x, py - y);
         (dx * cos + dy * sin, dx * sin - dy * cos)
@@ -107,16 +107,16 @@ pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
     out
 }
 
-/// How many times larger the shown area has to be for a target `ahead` and `aside` of the ego, m; 1 for an unknown one.
+/// Enlargement of the shown area for a target `ahead` and `aside` of the ego, m; 1 for an unknown one.
 fn larger_for((ahead, aside): (f64, f64)) -> f64 {
     let front = (ahead + ROOM_M) / (HALF_M[0] + SHIFT_M);
     let back = (ROOM_M - ahead) / (HALF_M[0] - SHIFT_M);
     let side = (aside.abs() + ROOM_M) / HALF_M[1];
-    // `max` passes over NaN.
+    // `max` ignores NaN.
     [front, back, side].into_iter().fold(1.0, f64::max).min(MOST_LARGER)
 }
 
-/// True when a piece of a line may be in the picture, half as large as `half`: its bounding box is.
+/// True when a part of a line may be in the thumbnail with the half size `half`: its bounding box is.
 fn may_cross(half: [f64; 2], a: (f64, f64), b: (f64, f64)) -> bool {
     a.0.min(b.0) <= half[0] && a.0.max(b.0) >= -half[0] && a.1.min(b.1) <= half[1] && a.1.max(b.1) >= -half[1]
 }
@@ -135,7 +135,7 @@ fn boxed(out: &mut String, at: (f64, f64), turn: f64, size: (f64, f64), color: &
     );
 }
 
-/// Stores the picture of a task; nothing where there is none.
+/// Stores the thumbnail of a task; does nothing if there is none.
 pub fn put(tx: &mut dyn Tx, task: &str, svg: &str) -> Answer<()> {
     if !svg.is_empty() {
         tx.run(
@@ -146,7 +146,7 @@ pub fn put(tx: &mut dyn Tx, task: &str, svg: &str) -> Answer<()> {
     Ok(())
 }
 
-/// The picture of a task.
+/// The thumbnail of a task.
 pub fn get(tx: &mut dyn Tx, task: &str) -> Answer<Option<String>> {
     tx.row("SELECT svg FROM thumbnails WHERE task_id = $1", values![task])?.map(|r| r.text("svg")).transpose()
 }
@@ -158,7 +158,8 @@ mod tests {
     #[test]
     fn a_target_far_ahead_is_inside() {
         assert_eq!(larger_for((20.0, 3.0)), 1.0);
-        // 49.5 m ahead: the shown area reaches 46 m ahead of the ego, (49.5 + 6) / 46 times as far when larger.
+        // 49.5 m ahead: the shown area extends to 46 m ahead of the ego, and (49.5 + 6) / 46 times as far after
+        // enlargement.
         assert!((larger_for((49.5, 6.3)) - 55.5 / 46.0).abs() < 1e-9);
         assert!((larger_for((0.0, -18.0)) - 24.0 / 16.5).abs() < 1e-9);
         assert_eq!(larger_for((400.0, 0.0)), MOST_LARGER);

@@ -1,4 +1,4 @@
-//! API tokens: for programs. They expire, read or write, and end with the password of their user.
+//! API tokens for programs. They expire, can read or write, and are removed when the password of their user changes.
 
 use crate::domain::people::{NewToken, Token, TokenScope, User};
 use crate::problem::{Answer, Problem};
@@ -6,9 +6,9 @@ use crate::service::people::{self, OF_U};
 use crate::store::{Row, Tx};
 use crate::{secret, values};
 
-/// Tokens of one user.
+/// Maximum number of tokens of one user.
 const MOST_TOKENS: i64 = 50;
-/// Days until a token expires: when not given, and at most.
+/// Days until a token expires: the default, and the maximum.
 const USUAL_DAYS: u32 = 90;
 const MOST_DAYS: u32 = 365;
 /// Milliseconds of a day.
@@ -36,7 +36,7 @@ pub fn fresh(wanted: &NewToken, now: i64) -> Answer<Token> {
     })
 }
 
-/// Stores a token of `user`: the hash of its text. Expired ones are forgotten.
+/// Stores a token of `user`: the hash of its text. Expired ones are removed.
 pub fn store(tx: &mut dyn Tx, user: &str, token: &Token) -> Answer<()> {
     tx.run("DELETE FROM api_tokens WHERE user_id = $1 AND expires <= $2", values![user, token.created])?;
     let have = tx.row("SELECT count(*) AS n FROM api_tokens WHERE user_id = $1", values![user])?;
@@ -73,7 +73,7 @@ pub fn of_user(tx: &mut dyn Tx, user: &str) -> Answer<Vec<Token>> {
     tx.rows(sql, values![user])?.iter().map(token).collect()
 }
 
-/// Revokes a token: the caller's, or anybody's as admin.
+/// Revokes a token: of the caller, or of any user for an admin.
 pub fn revoke(tx: &mut dyn Tx, id: &str, caller: &User) -> Answer<()> {
     let n = if caller.admin {
         tx.run("DELETE FROM api_tokens WHERE id = $1", values![id])?
@@ -83,7 +83,7 @@ pub fn revoke(tx: &mut dyn Tx, id: &str, caller: &User) -> Answer<()> {
     if n == 0 { Err(Problem::missing()) } else { Ok(()) }
 }
 
-/// Whose token this text is, and what it may do.
+/// The user of this token, and its scope.
 pub fn holder(tx: &mut dyn Tx, token: &str, now: i64) -> Answer<Option<(User, TokenScope)>> {
     let sql = format!(
         "SELECT {OF_U}, t.scope FROM api_tokens t JOIN users u ON u.id = t.user_id

@@ -1,8 +1,8 @@
-//! Labels and tasks out and in, as JSON lines, at any time.
+//! Export and import of labels and tasks, as JSON lines, at any time.
 //!
-//! Out: labels in the exchange format (DATA_FORMAT.md 4), 2.1 or 2.0; or whole tasks with their history and comments.
-//! In: episodes and tasks become open tasks, labels become drafts of open tasks. What comes in never skips the work
-//! flow: an imported label is a proposal that somebody labels through, checks and accepts like any other.
+//! Export: labels in the exchange format (DATA_FORMAT.md 4), 2.1 or 2.0; or whole tasks with their history and
+//! comments. Import: episodes and tasks become open tasks, labels become drafts of open tasks. Imported data never
+//! skips the workflow: an imported label is a proposal that is labeled, checked and accepted like any other.
 
 mod read;
 mod task_lines;
@@ -23,9 +23,9 @@ use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use whyroad_model::messages::CocLabel;
 
-/// Most lines of one import.
+/// Maximum number of lines of one import.
 pub const MOST_LINES: usize = 20_000;
-/// Reasons reported for lines that could not be read; the rest is counted.
+/// Maximum number of reported reasons for unreadable lines; the rest is counted.
 const MOST_REASONS: usize = 100;
 
 /// What to export.
@@ -47,7 +47,7 @@ pub enum LabelVersion {
 }
 
 impl ExportFormat {
-    /// From the words of a request: `labels` or `tasks`; `2.0` or `2.1`; states separated by commas.
+    /// From the values in a request: `labels` or `tasks`; `2.0` or `2.1`; states separated by commas.
     pub fn from_words(format: Option<&str>, version: Option<&str>, states: Option<&str>) -> Answer<Self> {
         let version = match version {
             None | Some("2.1" | "2.1.0") => LabelVersion::V2_1,
@@ -79,14 +79,14 @@ impl ExportFormat {
     }
 }
 
-/// Labels read in one transaction: an export goes on beside the work of others, and holds no connection while its
-/// receiver is slow.
+/// Number of labels read in one transaction: an export does not block the work of others, and holds no connection while
+/// its receiver is slow.
 const EXPORTED_AT_ONCE: usize = 200;
 /// A transaction ends once it has read this much, bytes.
 const BYTES_AT_ONCE: usize = 1 << 18;
 
-/// Writes the lines of an export, by clip, then class, then number in the overlap group; each task as it is when its
-/// turn comes. Never whole in memory.
+/// Writes the lines of an export, by clip, then class, then number in the overlap group; each task in its state when
+/// its turn comes. The export is never completely in memory.
 pub fn export_to(store: &Store, project: &str, format: &ExportFormat, out: &mut dyn Write) -> Answer<()> {
     let ids = store.report(|tx| exported_ids(tx, project, format))?;
     match format {
@@ -117,8 +117,8 @@ fn label_lines(store: &Store, ids: &[String], version: LabelVersion, out: &mut d
     Ok(())
 }
 
-/// The tasks of an export in its order, without the copies that test annotators; ids alone, since a project may have a
-/// hundred thousand tasks, each with drafts.
+/// The tasks of an export in its order, without gold tasks; only ids, because a project may have a hundred thousand
+/// tasks, each with drafts.
 fn exported_ids(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer<Vec<String>> {
     let rows = tx.rows(
         &format!(
@@ -129,7 +129,7 @@ fn exported_ids(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer
     )?;
     let mut ids = Vec::new();
     for row in rows {
-        // Of an overlap group only what was not overruled.
+        // Of an overlap group only labels that were not superseded.
         let overruled = row.maybe_text("adjudication")?.as_deref() == Some("superseded");
         let state = State::from_word(&row.text("state")?);
         if match format {
@@ -142,20 +142,20 @@ fn exported_ids(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer
     Ok(ids)
 }
 
-/// The lines of an export as one text, for small ones and tests.
+/// The lines of an export as one text, for small exports and tests.
 pub fn export(store: &Store, project: &str, format: &ExportFormat) -> Answer<String> {
     let mut out = Vec::new();
     export_to(store, project, format, &mut out)?;
     String::from_utf8(out).map_err(Problem::store)
 }
 
-/// Login names by id: what another system knows people by.
+/// Login names by id: the names that other systems know.
 fn user_names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
     tx.rows("SELECT id, name FROM users", &[])?.iter().map(|r| Ok((r.text("id")?, r.text("name")?))).collect()
 }
 
-/// The label; its provenance was written when it was handed in. An unfinished draft, which need not be a whole label,
-/// goes out as it is.
+/// The label; its provenance was written at submission. An unfinished draft, which may be incomplete, is exported
+/// unchanged.
 fn label_line(draft: String, version: LabelVersion) -> Answer<String> {
     if version == LabelVersion::V2_1 {
         return Ok(draft);
@@ -166,8 +166,8 @@ fn label_line(draft: String, version: LabelVersion) -> Answer<String> {
     }
 }
 
-/// Reads JSON lines into `project`. What cannot be read is named with its line and does not stop the rest. When the
-/// store fails on the way, the same file again brings in what is missing.
+/// Reads JSON lines into `project`. Unreadable lines are reported with their numbers and do not stop the rest. When the
+/// store fails in between, importing the same file again adds what is missing.
 pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answer<Imported> {
     let lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).collect();
     if lines.len() > MOST_LINES {
@@ -184,7 +184,7 @@ pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answ
             Err(why) => drop(lost.insert(number, why)),
         }
     }
-    // Drive by drive, so that each is read and derived once.
+    // Sorted by drive, so that each is read and derived once.
     incoming.sort_by(|(_, a), (_, b)| a.episode.drive_id.cmp(&b.episode.drive_id));
     let (mut last, mut rows) = (LastDrive::default(), Vec::new());
     for (number, one) in incoming {
@@ -193,7 +193,7 @@ pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answ
             Err(p) => drop(lost.insert(number, p.text)),
         }
     }
-    // In the order of the file, which is then the order of the queue.
+    // In the order of the file, which then is the order of the queue.
     rows.sort_by_key(|(number, _)| *number);
     let rows: Vec<TaskRow> = rows.into_iter().map(|(_, row)| row).collect();
     let tasks = create::put_all(app, &rows, actor)?;
@@ -215,7 +215,7 @@ pub fn counts(tx: &mut dyn Tx, project: &str) -> Answer<BTreeMap<String, i64>> {
     tx.rows(sql, values![project])?.iter().map(|r| Ok((r.text("state")?, r.int("n")?))).collect()
 }
 
-/// Tasks of a project, by class and clip; only of `state`, where one is given.
+/// Tasks of a project, by class and clip; only of `state`, if one is given.
 pub fn tasks_of(tx: &mut dyn Tx, project: &str, state: Option<&str>) -> Answer<Vec<TaskRow>> {
     if let Some(word) = state.filter(|w| State::from_word(w).is_none()) {
         let words: Vec<&str> = State::ALL.iter().map(|s| s.word()).collect();

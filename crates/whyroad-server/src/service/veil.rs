@@ -1,6 +1,6 @@
-//! Classes of which Stage I shows only the L2, where a project wants it so. Which ones is decided per L2: where one of
-//! its leaves has a name that reveals the outcome (`reveals` in `scenarios/decisions.yaml`), no leaf of it is shown, as
-//! a name that is missing would say the same.
+//! Classes of which Stage I shows only the L2, if the project requires it. This is decided per L2: if one of its L3
+//! classes has a name that reveals the outcome (`reveals` in `scenarios/decisions.yaml`), none of its L3 classes is
+//! shown, because a missing name would reveal the same.
 
 use crate::domain::project::{Settings, Stage1Class};
 use crate::problem::Answer;
@@ -10,12 +10,12 @@ use crate::values;
 use std::collections::BTreeSet;
 use whyroad_framework::Framework;
 
-/// The L2 of a leaf: the first two parts of its id.
+/// The L2 of an L3 class: the first two parts of its id.
 pub fn l2(scenario: &str) -> &str {
     scenario.match_indices('.').nth(1).map_or(scenario, |(at, _)| &scenario[..at])
 }
 
-/// L2 ids of which these settings show no leaf in Stage I.
+/// Ids of the L2 classes whose L3 classes are hidden in Stage I with these settings.
 pub fn classes(framework: &Framework, settings: &Settings) -> BTreeSet<String> {
     if settings.stage1_class == Stage1Class::Leaf {
         return BTreeSet::new();
@@ -24,7 +24,7 @@ pub fn classes(framework: &Framework, settings: &Settings) -> BTreeSet<String> {
     telling.map(|(leaf, _)| l2(&leaf.to_string()).to_owned()).collect()
 }
 
-/// Stores what the settings of `project` veil; reading a task needs no framework then.
+/// Stores the hidden classes of `project`; reading a task then needs no framework.
 pub fn set(tx: &mut dyn Tx, framework: &Framework, project: &str, settings: &Settings) -> Answer<()> {
     let veiled = json(&classes(framework, settings))?;
     tx.run(
@@ -42,14 +42,14 @@ pub fn set_all(tx: &mut dyn Tx, framework: &Framework) -> Answer<()> {
     Ok(())
 }
 
-/// What `project` veils.
+/// The L2 classes of `project` whose L3 classes are hidden.
 pub fn of(tx: &mut dyn Tx, project: &str) -> Answer<Vec<String>> {
     let row = tx.row("SELECT veiled FROM projects WHERE id = $1", values![project])?;
     row.map_or(Ok(vec![]), |r| projects::parse(&r.text("veiled")?))
 }
 
-/// SQL for the class of a task as lists may show it: that of [`super::tasks::TaskRow::shown_class`]. `veiled` are ids
-/// of this crate's own.
+/// SQL for the class of a task in lists: that of [`super::tasks::TaskRow::shown_class`]. `veiled` are ids from this
+/// crate.
 pub fn shown_class_sql(veiled: &[String]) -> String {
     let plain = |id: &&String| id.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'.'));
     let cases: Vec<String> = veiled

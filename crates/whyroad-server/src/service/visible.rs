@@ -1,5 +1,6 @@
-//! What of a task may be seen in which stage. Everything that leaves the service about a task goes through here or
-//! through [`super::scene`]: in Stage I nothing that depends on the time after the keyframe, and nobody else's text.
+//! The parts of a task that may be shown in each stage. All data about a task that leaves the service passes through
+//! here or through [`super::scene`]: in Stage I nothing that depends on the time after the keyframe, and no text of
+//! another person.
 
 use crate::domain::task::{Comment, HistoryEntry};
 use crate::domain::workflow::{Stage, State};
@@ -16,13 +17,13 @@ use whyroad_model::Nanos;
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::KeyframeType;
 
-/// Fields of the label that Stage I shows, beside the start of `time_range`.
+/// Fields of the label that Stage I shows, in addition to the start of `time_range`.
 const STAGE1_FIELDS: [&str; 5] =
     [name::VERSION, name::CLIP_ID, name::SCENARIO, name::KEYFRAME, name::CRITICAL_COMPONENTS];
-/// Fields that Stage I may change.
+/// Fields that may be changed in Stage I.
 const STAGE1_OPEN: [&str; 2] = [name::CRITICAL_COMPONENTS, name::KEYFRAME];
 
-/// A label as far as it is shown.
+/// The part of a label that is shown.
 pub fn label(label: &Value, view: LabelView) -> Value {
     if view.stage == Stage::Stage2 {
         return label.clone();
@@ -46,8 +47,8 @@ pub fn label(label: &Value, view: LabelView) -> Value {
     Value::Object(out)
 }
 
-/// Takes away what depends on the leaf: its name, the kind of its keyframe, and what the rule drafted for it. Where its
-/// range begins was not put in.
+/// Removes the parts that depend on the L3 class: its name, the type of its keyframe, and the rule's draft for it. The
+/// start of its range was not added.
 fn without_leaf(out: &mut Map<String, Value>, view: LabelView) {
     if let Some(scenario) = out.get_mut(name::SCENARIO).and_then(Value::as_object_mut) {
         scenario.retain(|part, _| part == name::L1 || part == name::L2);
@@ -61,7 +62,7 @@ fn without_leaf(out: &mut Map<String, Value>, view: LabelView) {
     }
 }
 
-/// The parts of a keyframe that say when it is.
+/// The parts of a keyframe that state its time.
 pub const MOMENT: [&str; 2] = [name::TIMESTAMP, name::FRAME_IDX];
 
 /// True where `path` is the uncertainty of a component.
@@ -98,7 +99,7 @@ pub fn may_change(t: &TaskRow, path: &str, value: &Value) -> Answer<()> {
             format!("Stage I changes critical components and the keyframe, not {path}"),
         )),
         State::Stage1 if field == name::KEYFRAME => not_after(path, value, keyframe),
-        // What a leaf asks of uncertainty could not be known while it was not shown.
+        // The requirement of an L3 class on uncertainty could not be known while the class was hidden.
         State::Stage2 if t.veiled && is_uncertainty(path) => Ok(()),
         State::Stage2 if field == name::CRITICAL_COMPONENTS => Err(Problem::new(
             422,
@@ -110,7 +111,7 @@ pub fn may_change(t: &TaskRow, path: &str, value: &Value) -> Answer<()> {
     }
 }
 
-/// In Stage I the keyframe may move back, never into what is not shown.
+/// In Stage I the keyframe may move back, never into the hidden part.
 fn not_after(path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
     let hidden = path.rsplit_once('/').is_some_and(|(_, last)| last == name::RANGE_END)
         || value.get(name::RANGE_END).is_some();
@@ -120,7 +121,7 @@ fn not_after(path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
         _ => None,
     };
     let late = moment.is_some_and(|t| Nanos::parse_iso(t).is_ok_and(|t| t > keyframe));
-    // Whole, it would take its hidden end away, and a conflict about it would reveal that end.
+    // A change of the whole keyframe would remove its hidden end, and a conflict about it would reveal that end.
     let whole = path == pointer::KEYFRAME && !value.is_object();
     if hidden || late || whole {
         return Err(Problem::new(
@@ -185,7 +186,7 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
         let (from_state, to_state) = (state(from), state(to));
         let action = row.text("action")?;
         if !all {
-            // What was done before it was reopened may reveal the future, even to who did it.
+            // Actions before the task was reopened may reveal the future, even to the user who did them.
             if action == "reopen" {
                 out.clear();
             }

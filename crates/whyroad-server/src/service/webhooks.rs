@@ -1,10 +1,9 @@
-//! Webhooks: what happens to a task is written into an outbox in the same transaction as the change itself, and sent
-//! from there until the receiver takes it. So nothing is announced that did not happen, and nothing that happened is
-//! lost because a receiver was away. A receiver may get a message twice (with the same delivery id), and never an
-//! invented one.
+//! Webhooks: changes of a task are written into an outbox in the same transaction as the change itself, and sent from
+//! there until the receiver accepts them. So no event is announced that did not happen, and none is lost because a
+//! receiver was unavailable. A receiver may get a message twice (with the same delivery id).
 //!
-//! Messages are signed: `x-whyroad-signature: t=<ms>,v1=<hex>` where `v1` is HMAC-SHA256 over `<ms>.<body>` under the
-//! webhook's secret. To `http://` and `https://` addresses.
+//! Messages are signed: `x-whyroad-signature: t=<ms>,v1=<hex>` where `v1` is HMAC-SHA256 over `<ms>.<body>` with the
+//! webhook's secret. Addresses may be `http://` or `https://`.
 
 mod post;
 pub mod reach;
@@ -30,29 +29,30 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use whyroad_model::Bilingual;
 
-/// What is announced beside the steps of the workflow. Edits are not: they happen every second and change no state.
+/// Announced events in addition to the steps of the workflow. Edits are not announced: they happen every second and
+/// change no state.
 const FURTHER_EVENTS: &[&str] = &["create", "assign", "adjudicate", "restore"];
 /// Wait after the first failure, ms; doubles with each further one.
 const FIRST_WAIT_MS: i64 = 5_000;
-/// Longest wait, ms.
+/// Maximum wait, ms.
 const LONGEST_WAIT_MS: i64 = 3_600_000;
-/// Failures after which a message is given up: about a day.
+/// Number of failures after which a message is dropped: about a day.
 const MOST_TRIES: i64 = 32;
-/// For how long a sender keeps others off a message that it is sending, ms.
+/// Time for which a sender reserves a message that it is sending, ms.
 const CLAIM_MS: i64 = 60_000;
-/// Messages sent in one pass.
+/// Maximum number of messages sent in one pass.
 const PASS: i64 = 50;
-/// Between two looks into the outbox.
+/// Time between two reads of the outbox.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
-/// Webhooks of one project.
+/// Maximum number of webhooks of one project.
 const MOST_HOOKS: i64 = 20;
 
-/// True for what webhooks announce.
+/// True for events that webhooks announce.
 fn is_event(word: &str) -> bool {
     Action::from_word(word).is_some() || FURTHER_EVENTS.contains(&word)
 }
 
-/// Puts what `entry` says of `t` into the outbox of each webhook of its project that wants it.
+/// Adds `entry` of `t` to the outbox of each webhook of its project that subscribes to it.
 pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> Answer<()> {
     if !is_event(entry.action) {
         return Ok(());
@@ -64,7 +64,7 @@ pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> An
             continue;
         }
         let id = secret::id()?;
-        // No label and no text of people: the receiver asks the API, which knows what it may see.
+        // No label and no text of people: the receiver can request them from the API, which checks access.
         let body = json!({
             "delivery": id, "event": entry.action, "at": now, "project": t.project, "task": t.id,
             "clip_id": t.clip_id, "scenario_id": t.scenario_id, "actor": entry.actor,
@@ -104,7 +104,7 @@ pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
         .collect()
 }
 
-/// Adds a webhook; its secret is in the answer and nowhere else.
+/// Adds a webhook; its secret is only in this result.
 pub fn create(
     tx: &mut dyn Tx,
     project: &str,
@@ -172,26 +172,26 @@ fn no_event(word: &str) -> Problem {
     )
 }
 
-/// Removes a webhook with what it still had to send.
+/// Removes a webhook with its unsent messages.
 pub fn remove(tx: &mut dyn Tx, id: &str) -> Answer<()> {
     tx.run("DELETE FROM outbox WHERE webhook_id = $1", values![id])?;
     tx.run("DELETE FROM webhooks WHERE id = $1", values![id])?;
     Ok(())
 }
 
-/// The signature of `body` sent at `at`.
+/// The signature of `body` at the time `at`.
 pub fn signature(secret: &str, at: i64, body: &str) -> String {
     format!("t={at},v1={}", secret::sign(secret, format!("{at}.{body}").as_bytes()))
 }
 
-/// How long to wait after this number of failures, ms.
+/// Wait after this number of failures, ms.
 pub fn wait_ms(failures: i64) -> i64 {
     FIRST_WAIT_MS
         .checked_shl((failures - 1).clamp(0, 20) as u32)
         .map_or(LONGEST_WAIT_MS, |w| w.min(LONGEST_WAIT_MS))
 }
 
-/// A message to be sent.
+/// A message to send.
 struct Message {
     id: String,
     webhook: String,
@@ -200,8 +200,8 @@ struct Message {
     tries: i64,
 }
 
-/// Sends what is due, oldest first; the number of messages that were taken. A receiver that fails once is left alone
-/// for the rest of the pass, so that one which hangs does not keep the others waiting.
+/// Sends the due messages, oldest first; returns the number of accepted ones. A receiver that fails once is skipped for
+/// the rest of the pass, so that one that hangs does not delay the others.
 pub fn deliver_due(app: &App) -> Answer<usize> {
     let now = app.now();
     let due = app.store.read(|tx| {
@@ -240,7 +240,7 @@ pub fn deliver_due(app: &App) -> Answer<usize> {
     Ok(taken)
 }
 
-/// Takes a message for this sender alone: two services on one database do not send the same one.
+/// Reserves a message for this sender: two services on one database do not send the same one.
 fn claim(app: &App, id: &str, was_due: i64) -> Answer<bool> {
     let (id, until) = (id.to_owned(), app.now() + CLAIM_MS);
     app.store.write(move |tx| {
@@ -278,8 +278,8 @@ fn settle(app: &App, message: Message, outcome: Result<(), Bilingual>, now: i64)
     })
 }
 
-/// Sends on a thread of its own, looking once a second, for as long as the service is there. A store that is away for a
-/// while is asked again: what could not be sent or noted stays in the outbox.
+/// Sends on a separate thread that reads the outbox once a second, as long as the service exists. If the store is
+/// unavailable for a while, it is tried again: messages that could not be sent or recorded stay in the outbox.
 pub fn spawn(app: Arc<App>) -> JoinHandle<()> {
     let service = Arc::downgrade(&app);
     std::thread::spawn(move || {

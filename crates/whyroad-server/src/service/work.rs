@@ -1,5 +1,4 @@
-//! What there is to do in a project, as cards and the annotator's home show it: tasks by state, and what is the
-//! caller's.
+//! The pending work in a project, for cards and the annotator's home page: tasks by state, and the caller's own.
 
 use crate::domain::project::{MyWork, Work};
 use crate::domain::workflow::Role;
@@ -11,8 +10,8 @@ use crate::values;
 /// Milliseconds of a day.
 const DAY_MS: i64 = 86_400_000;
 
-/// The work of `user` in `project` at `now`, ms since 1970; tasks by state as well for staff, and what is to be
-/// adjudicated for leads.
+/// The work of `user` in `project` at `now`, ms since 1970; for staff also tasks by state, and for leads the tasks to
+/// adjudicate.
 pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) -> Answer<Work> {
     let staff = roles.iter().any(|r| *r != Role::Annotator);
     let mut by_state = std::collections::BTreeMap::new();

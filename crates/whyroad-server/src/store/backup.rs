@@ -7,10 +7,10 @@ use crate::problem::{Answer, Problem};
 use std::io::{BufRead, Write};
 use std::path::Path;
 
-/// Writes the whole store, one consistent state of it, as JSON lines; the number of rows.
+/// Writes the whole store, in one consistent state, as JSON lines; returns the number of rows.
 pub fn backup(store: &Store, out: &mut dyn Write) -> Answer<u64> {
     store.report(|tx| {
-        // One state for all tables; SQLite's read transactions are that already.
+        // One state for all tables; SQLite's read transactions already guarantee that.
         if !tx.lock().is_empty() {
             tx.script("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ")?;
         }
@@ -18,13 +18,14 @@ pub fn backup(store: &Store, out: &mut dyn Write) -> Answer<u64> {
     })
 }
 
-/// The same into a file, aside and renamed, so that it is whole or not there; only its owner reads it.
+/// The same into a temporary file that is renamed at the end, so that the file is complete or absent; only its owner
+/// can read it.
 pub fn backup_to(store: &Store, path: &Path) -> Answer<u64> {
     to_file(path, |out| backup(store, out))
 }
 
-/// Reads a backup into an empty store, whole or not at all; the number of rows. A cut-off backup is refused. `open`
-/// gives the backup from its beginning: the database may ask for the whole to be done again.
+/// Reads a backup into an empty store, completely or not at all; returns the number of rows. A truncated backup is
+/// refused. `open` opens the backup from its beginning: the database may require that the whole restore is repeated.
 pub fn restore<R: BufRead>(
     store: &Store,
     mut open: impl FnMut() -> std::io::Result<R> + Send + 'static,
@@ -69,7 +70,7 @@ pub fn restore<R: BufRead>(
 mod tests {
     use super::*;
 
-    /// A table that is not in [`TABLES`] would be lost by a backup without a word.
+    /// A backup would silently omit a table that is not in [`TABLES`].
     #[test]
     fn every_table_is_in_a_backup() {
         let dir = tempfile::tempdir().unwrap();

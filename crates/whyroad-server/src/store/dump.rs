@@ -1,6 +1,7 @@
-//! All tables as JSON lines, the same for both databases, so that a backup of one restores into the other. Which
-//! columns a table has is asked of the database, in the order of the scripts that made it: so a backup of an older
-//! program restores into tables of its own version, which are then brought forward like any other store.
+//! All tables as JSON lines, in the same form for both databases, so that a backup of one can be restored into the
+//! other. The columns of a table are read from the database, in the order of the scripts that created it: a backup of
+//! an older version of the program is restored into tables of that version, which are then migrated like any other
+//! store.
 
 use super::private;
 use super::sql::{Tx, Value};
@@ -11,7 +12,7 @@ use std::fs::File;
 use std::io::{BufRead, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Tables, each after those that it refers to, with a key in the first two columns. A test holds it against the
+/// Tables, each after those that it references, with a key in the first two columns. A test compares the list with the
 /// scripts.
 pub(crate) const TABLES: &[&str] = &[
     "settings",
@@ -39,9 +40,9 @@ pub(crate) const TABLES: &[&str] = &[
     "outbox",
 ];
 
-/// Rows fetched at once.
+/// Number of rows fetched together.
 const PAGE: usize = 1000;
-/// Longest line that is read: the greatest row is a task with two drafts.
+/// Maximum length of a line: the largest row is a task with two drafts.
 const MOST_BYTES: u64 = 16 * 1024 * 1024;
 
 pub(super) fn to_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> Answer<u64>) -> Answer<u64> {

@@ -1,10 +1,10 @@
-//! Tables, brought forward one version at a time. A script once shipped is never changed.
+//! Migrates the tables one version at a time. A released script is never changed.
 
 use super::sql::Tx;
 use crate::problem::{Answer, Problem};
 use crate::values;
 
-/// One script a version, from 1.
+/// One script per version, from 1.
 const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0001_tables.sql"),
     include_str!("../../migrations/0002_language.sql"),
@@ -42,7 +42,7 @@ pub(super) fn version(tx: &mut dyn Tx) -> Answer<i64> {
     Ok(version)
 }
 
-/// Brings the tables forward to `wanted`.
+/// Migrates the tables to version `wanted`.
 pub(super) fn to(tx: &mut dyn Tx, wanted: i64) -> Answer<()> {
     let now = version(tx)?;
     for (number, script) in (1..=wanted).zip(SCRIPTS).skip(now as usize) {

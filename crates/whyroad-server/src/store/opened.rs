@@ -1,4 +1,4 @@
-//! Where a store is, and a store that was opened.
+//! The location of a store, and an open store.
 
 use super::backend::{Backend, Purpose};
 use super::sql::Tx;
@@ -8,17 +8,18 @@ use crate::problem::{Answer, Problem};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-/// Where a store is.
+/// The location of a store.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum StoreLocation {
-    /// A file of SQLite's; made when it is not there.
+    /// A SQLite file; created if it does not exist.
     File(PathBuf),
     /// A PostgreSQL database (`postgres://user:password@host/name`).
     Server(String),
 }
 
 impl StoreLocation {
-    /// `postgres://...` and `postgresql://...` are servers, everything else (`sqlite:` in front or not) a file.
+    /// `postgres://...` and `postgresql://...` are servers, everything else (with or without the prefix `sqlite:`) is a
+    /// file.
     pub fn parse(text: &str) -> Self {
         if text.starts_with("postgres://") || text.starts_with("postgresql://") {
             return Self::Server(text.to_owned());
@@ -27,7 +28,7 @@ impl StoreLocation {
     }
 }
 
-/// The key file of a store that names none: beside a SQLite file, in the folder `data` for a server.
+/// The default key file of a store: beside a SQLite file, in the folder `data` for a server.
 pub fn key_file(place: &StoreLocation, data: &Path) -> PathBuf {
     match place {
         StoreLocation::File(path) => PathBuf::from(format!("{}.key", path.display())),
@@ -39,11 +40,11 @@ pub fn key_file(place: &StoreLocation, data: &Path) -> PathBuf {
 #[derive(Clone)]
 pub struct Store {
     backend: Arc<dyn Backend>,
-    /// The keys that its secrets are sealed with.
+    /// The keys that seal its secrets.
     pub vault: Arc<Vault>,
-    /// What was kept of the store before its tables were brought forward, where they were: a file to go back to.
+    /// The copy of the store from before its tables were migrated, if they were: a file to go back to.
     pub kept: Option<PathBuf>,
-    /// Whether other services may use it at the same time: a database server's.
+    /// Whether other services may use it at the same time: true for a database server.
     pub is_shared: bool,
 }
 
@@ -54,19 +55,19 @@ impl std::fmt::Debug for Store {
 }
 
 impl Store {
-    /// Opens the SQLite store `file`; everything that belongs to it lies beside it.
+    /// Opens the SQLite store `file`; its other files are in the same folder.
     pub fn open(file: &Path) -> Answer<Self> {
         Self::open_keeping(&StoreLocation::File(file.to_owned()), file.parent().unwrap_or(Path::new("")))
     }
 
-    /// Opens the store and brings its tables up to date, after keeping what is there: a file is copied
+    /// Opens the store and migrates its tables, after saving the current content: a file is copied
     /// (`<file>.before-<version>`), a server's tables are backed up into the folder `aside`
-    /// (`store.before-<version>.jsonl`, which [`restore`] reads), where its key file lies, too.
+    /// (`store.before-<version>.jsonl`, which [`restore`] reads), which also contains its key file.
     pub fn open_keeping(place: &StoreLocation, aside: &Path) -> Answer<Self> {
         Self::open_with_key(place, aside, &key_file(place, aside))
     }
 
-    /// The same, with the key file at `key`. Secrets from before sealing are sealed.
+    /// The same, with the key file at `key`. Unsealed secrets of older versions are sealed.
     pub fn open_with_key(place: &StoreLocation, aside: &Path, key: &Path) -> Answer<Self> {
         let opened = |(backend, kept): (Arc<dyn Backend>, Option<PathBuf>)| -> Answer<Store> {
             let vault = Arc::new(Vault::open(key)?);
@@ -86,19 +87,19 @@ impl Store {
         Ok(store)
     }
 
-    /// Seals all secrets that are not sealed with the first key of the key file; the number of these.
+    /// Seals all secrets that are not sealed with the first key of the key file; returns their number.
     pub(super) fn seal_all(&self) -> Answer<u64> {
         let vault = Arc::clone(&self.vault);
         self.write(move |tx| vault.seal_all(tx))
     }
 
-    /// Replaces the key: all secrets are sealed with a new one; the number of secrets. No other service may use the
-    /// store meanwhile.
+    /// Replaces the key: all secrets are sealed with a new one; returns the number of secrets. No other service may use
+    /// the store meanwhile.
     pub fn rotate_key(&self) -> Answer<u64> {
         self.vault.rotate(|| self.seal_all())
     }
 
-    /// Runs `job` in a transaction. What it returns is returned only after the commit.
+    /// Runs `job` in a transaction. Returns its result only after the commit.
     pub fn write<T: Send + 'static>(
         &self,
         mut job: impl FnMut(&mut dyn Tx) -> Answer<T> + Send + 'static,
@@ -114,9 +115,9 @@ impl Store {
         value.ok_or_else(|| Problem::store("no result"))
     }
 
-    /// Removes what is left of deleted rows from the database's files: earlier versions in free space, and its log of
-    /// changes; false when another process keeps them in use. Of a database server this is the server's task. A SQLite
-    /// file is rewritten, which takes as much space again for that time.
+    /// Removes the remains of deleted rows from the database's files: earlier versions in free space, and its log of
+    /// changes; false when another process keeps them in use. For a database server this is the server's task. A SQLite
+    /// file is rewritten, which needs the same disk space again during that time.
     pub fn purge(&self) -> Answer<bool> {
         self.backend.purge()
     }
@@ -126,7 +127,7 @@ impl Store {
         self.read_for(Purpose::Work, job)
     }
 
-    /// The same for what takes long: dashboards, exports, backups. They have connections of their own.
+    /// The same for slow reads: dashboards, exports, backups. They have their own connections.
     pub fn report<T>(&self, job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
         self.read_for(Purpose::Report, job)
     }

@@ -1,4 +1,5 @@
-//! PostgreSQL: a pool of connections; a transaction that meets a restart or a deadlock before its commit is run again.
+//! PostgreSQL: a pool of connections; a transaction that fails before its commit because of a restart or a deadlock is
+//! run again.
 
 use super::backend::{Backend, Job, Purpose};
 use super::sql::{Row, Tx, Value, holdable};
@@ -12,15 +13,15 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-/// Connections at once.
+/// Maximum number of connections.
 const CONNECTIONS: usize = 16;
-/// Of these, for reports at most.
+/// Of these, maximum number for reports.
 const REPORTS: usize = 3;
-/// How long a request waits for a database that restarts.
+/// Maximum time that a request waits for a database that restarts.
 const RETRY_FOR: Duration = Duration::from_secs(15);
-/// Statements that a connection keeps prepared; beyond that the cache is cleared.
+/// Maximum number of prepared statements per connection; beyond that the cache is cleared.
 const PREPARED: usize = 200;
-/// Key of the advisory lock that keeps two services from migrating at once.
+/// Key of the advisory lock that prevents two services from migrating at once.
 const MIGRATION_LOCK: i64 = 0x7768_7972;
 
 pub(super) struct Postgres {
@@ -30,14 +31,14 @@ pub(super) struct Postgres {
     reports: Turns,
 }
 
-/// Turns of those who would else take all connections.
+/// Limits the connections of reports, which could otherwise use all of them.
 #[derive(Default)]
 struct Turns {
     taken: Mutex<usize>,
     free: Condvar,
 }
 
-/// A turn, until it is dropped.
+/// A permission to use a connection, until it is dropped.
 struct Turn<'t>(&'t Turns);
 
 impl Turns {
@@ -65,14 +66,14 @@ struct Pool {
     out: usize,
 }
 
-/// A connection with what it has prepared: half of the ways to the server and back.
+/// A connection with its prepared statements: saves half of the round trips to the server.
 struct Connection {
     client: Client,
     prepared: HashMap<String, Statement>,
 }
 
 impl Postgres {
-    /// Opens the database; also where a backup of it was put in `aside` before its tables were brought forward.
+    /// Opens the database; also returns the path of the backup that was written into `aside` before a migration.
     pub(super) fn open(url: &str, aside: &Path) -> Answer<(Self, Option<PathBuf>)> {
         let mut config: Config = url.parse().map_err(|e| problem(&e))?;
         config.connect_timeout(Duration::from_secs(5)).application_name("whyroad");
@@ -107,12 +108,12 @@ impl Postgres {
         if let Some(connection) = pool.idle.pop().filter(|c| !c.client.is_closed()) {
             return Ok(connection);
         }
-        // The others share the fate of a closed one.
+        // If one connection is closed, the others probably are, too.
         pool.idle.retain(|c| !c.client.is_closed());
         drop(pool);
         let client = self.config.connect(NoTls).map_err(|e| {
             self.give_back(None);
-            // A server that is away may come back; a wrong password stays wrong.
+            // An unavailable server may come back; a wrong password stays wrong.
             if passes(&e) { Failure::Again(problem(&e)) } else { Failure::Final(problem(&e)) }
         })?;
         Ok(Connection { client, prepared: HashMap::new() })
@@ -147,7 +148,7 @@ impl Postgres {
     }
 }
 
-/// Keeps everybody else off all tables until the transaction ends: what is copied is then what is brought forward.
+/// Locks all tables until the transaction ends, so that the copied state is the migrated state.
 fn lock_all(tx: &mut dyn Tx) -> Answer<()> {
     for table in dump::TABLES {
         if !tx.columns(table)?.is_empty() {
@@ -158,7 +159,8 @@ fn lock_all(tx: &mut dyn Tx) -> Answer<()> {
 }
 
 impl Drop for Postgres {
-    /// Connections are closed on a thread of their own: closing waits, which a thread that drives a runtime may not.
+    /// Connections are closed on a separate thread: closing blocks, which is not permitted on a thread that drives a
+    /// runtime.
     fn drop(&mut self) {
         let idle = self.pool.get_mut().map(|pool| std::mem::take(&mut pool.idle)).unwrap_or_default();
         let closing = std::thread::Builder::new().name("whyroad-close".to_owned()).spawn(move || drop(idle));
@@ -169,9 +171,9 @@ impl Drop for Postgres {
 }
 
 enum Failure {
-    /// Nothing was committed, and trying again may help.
+    /// Nothing was committed, and another attempt may succeed.
     Again(Problem),
-    /// A refusal, or it is not known whether it was committed.
+    /// A refusal, or it is unknown whether it was committed.
     Final(Problem),
 }
 
@@ -187,7 +189,7 @@ fn attempt(
     let mut tx = Running { transaction, prepared, again: false };
     match job(&mut tx) {
         Ok(()) => tx.transaction.commit().map_err(|e| {
-            // A server that says no has not committed; a connection that broke may have.
+            // A server that returns an error has not committed; a connection that broke may have.
             if e.code().is_some() && passes(&e) {
                 Failure::Again(problem(&e))
             } else {
@@ -199,7 +201,7 @@ fn attempt(
     }
 }
 
-/// True for what may pass: a restart, a broken connection, a deadlock.
+/// True for temporary errors: a restart, a broken connection, a deadlock.
 fn passes(e: &postgres::Error) -> bool {
     let by_code = e.code().is_some_and(|c| {
         [
@@ -261,7 +263,7 @@ impl ToSql for Value {
     ) -> Result<IsNull, Box<dyn std::error::Error + Sync + Send>> {
         match self {
             Value::Null => Ok(IsNull::Yes),
-            // A literal beside the parameter makes it an INT4.
+            // With a literal beside it the parameter has the type INT4.
             Value::Int(n) if *kind == Type::INT4 => i32::try_from(*n)?.to_sql(kind, out),
             Value::Int(n) => n.to_sql(kind, out),
             Value::Text(t) => t.to_sql(kind, out),
@@ -333,7 +335,7 @@ fn problem(e: &postgres::Error) -> Problem {
     match (e.code(), e.as_db_error()) {
         (Some(code), _) if *code == SqlState::DISK_FULL => Problem::disk_full(),
         (_, Some(d)) => Problem::store(d.message()),
-        // The error itself says only where it was; its cause says what.
+        // The error itself only states where it happened; its source states the reason.
         _ => match std::error::Error::source(e) {
             Some(cause) => Problem::store(format!("{e}: {cause}")),
             None => Problem::store(e),

@@ -1,10 +1,10 @@
-//! Files and folders that only their owner reads: the store holds password hashes and what people write.
+//! Files and folders that only their owner can read: the store contains password hashes and texts of people.
 
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Makes the folder `dir` where it does not exist, for its owner alone. One that exists stays as it is.
+/// Creates the folder `dir` if it does not exist, accessible only to its owner. An existing one is not changed.
 pub fn folder(dir: &Path) -> std::io::Result<()> {
     let mut builder = std::fs::DirBuilder::new();
     builder.recursive(true);
@@ -13,7 +13,7 @@ pub fn folder(dir: &Path) -> std::io::Result<()> {
     builder.create(dir)
 }
 
-/// Makes the file `path` where it does not exist, and takes it from everybody but its owner.
+/// Creates the file `path` if it does not exist, and removes the access of all users except its owner.
 pub(super) fn file(path: &Path) -> std::io::Result<()> {
     let mut options = File::options();
     options.append(true).create(true);
@@ -23,7 +23,7 @@ pub(super) fn file(path: &Path) -> std::io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
-        // Of another owner it stays as it is: then whoever shares it has decided so.
+        // A file of another owner is not changed: then its sharing is intended.
         if file.metadata()?.permissions().mode() & 0o077 != 0 {
             let _ = file.set_permissions(std::fs::Permissions::from_mode(0o600));
         }
@@ -32,7 +32,7 @@ pub(super) fn file(path: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Makes the file `path` with this content, for its owner alone; an error where it exists.
+/// Creates the file `path` with this content, accessible only to its owner; an error if it exists.
 pub(super) fn create(path: &Path, text: &str) -> std::io::Result<()> {
     if let Some(dir) = path.parent().filter(|d| !d.as_os_str().is_empty()) {
         folder(dir)?;
@@ -46,7 +46,7 @@ pub(super) fn create(path: &Path, text: &str) -> std::io::Result<()> {
     file.sync_all()
 }
 
-/// Replaces the content of the file `path`, whole or not at all.
+/// Replaces the content of the file `path`, completely or not at all.
 pub(super) fn replace(path: &Path, text: &str) -> std::io::Result<()> {
     let aside = path.with_extension("new");
     match std::fs::remove_file(&aside) {
@@ -57,7 +57,7 @@ pub(super) fn replace(path: &Path, text: &str) -> std::io::Result<()> {
     std::fs::rename(&aside, path)
 }
 
-/// Takes an existing file from everybody but its owner. Of another owner it stays as it is.
+/// Removes the access to an existing file for all users except its owner. A file of another owner is not changed.
 pub(super) fn only_owner(path: &Path) -> std::io::Result<()> {
     #[cfg(unix)]
     {

@@ -1,12 +1,12 @@
-//! Values, rows and statements as both databases understand them. Statements write parameters as `$1`, `$2`, ...
+//! Values, rows and statements in a form that both databases support. Statements write parameters as `$1`, `$2`, ...
 
 use crate::problem::{Answer, Problem};
 use std::sync::Arc;
 
-/// A value in a column: our tables have whole numbers and texts only.
+/// A value in a column: our tables only have integers and texts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Value {
-    /// Nothing.
+    /// NULL.
     Null,
     /// BIGINT.
     Int(i64),
@@ -14,8 +14,8 @@ pub enum Value {
     Text(String),
 }
 
-/// Refuses what not every database can hold: PostgreSQL's texts have no U+0000, and what goes into one store must go
-/// into the other.
+/// Refuses values that not every database can store: PostgreSQL's texts cannot contain U+0000, and the content of one
+/// store must be valid in the other.
 pub(super) fn holdable(values: &[Value]) -> Answer<()> {
     let odd = |v: &Value| matches!(v, Value::Text(t) if t.as_bytes().contains(&0));
     if !values.iter().any(odd) {
@@ -55,10 +55,10 @@ impl<T: Into<Value>> From<Option<T>> for Value {
     }
 }
 
-/// One row of an answer. Its values are read by the name of their column: the one after `AS`, or the column's own.
+/// One row of a result. Its values are read by the name of their column: the one after `AS`, or the column's own.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Names, shared by all rows of an answer.
+    /// Names, shared by all rows of a result.
     pub(super) columns: Arc<[String]>,
     /// Values, in the order of the names.
     pub(super) values: Vec<Value>,
@@ -98,7 +98,7 @@ impl Row {
         }
     }
 
-    /// The flag in `column`, which holds 0 or 1.
+    /// The flag in `column`, which contains 0 or 1.
     pub fn flag(&self, column: &str) -> Answer<bool> {
         Ok(self.int(column)? != 0)
     }
@@ -106,28 +106,28 @@ impl Row {
 
 /// A transaction.
 pub trait Tx {
-    /// Runs a statement; the number of rows it touched.
+    /// Runs a statement; returns the number of affected rows.
     fn run(&mut self, sql: &str, values: &[Value]) -> Answer<u64>;
-    /// Asks.
+    /// Runs a query.
     fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>>;
     /// Runs several statements without parameters.
     fn script(&mut self, sql: &str) -> Answer<()>;
-    /// Columns of a table in the order in which they were made; empty where the table does not exist.
+    /// Columns of a table in the order of their creation; empty if the table does not exist.
     fn columns(&mut self, table: &str) -> Answer<Vec<String>>;
-    /// What makes a SELECT keep its rows from other writers: ` FOR UPDATE`, or nothing where there is one writer.
+    /// SQL that makes a SELECT lock its rows for other writers: ` FOR UPDATE`, or empty if there is one writer.
     fn lock(&self) -> &'static str;
 
-    /// The database's own clock, ms since 1970, where it has one that services on several machines share.
+    /// The database's own clock, ms since 1970, if it has one that services on several machines share.
     fn clock(&mut self) -> Answer<Option<i64>> {
         Ok(None)
     }
 
-    /// Rows deleted by this connection from now on are overwritten on disk, where the database leaves that to us.
+    /// From now on, rows that this connection deletes are overwritten on disk, if the database does not do that itself.
     fn overwrite_deleted(&mut self) -> Answer<()> {
         Ok(())
     }
 
-    /// The only row, where there is one.
+    /// The only row, if there is one.
     fn row(&mut self, sql: &str, values: &[Value]) -> Answer<Option<Row>> {
         Ok(self.rows(sql, values)?.into_iter().next())
     }

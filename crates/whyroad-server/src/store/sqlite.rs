@@ -1,4 +1,4 @@
-//! SQLite: one writer thread that commits in groups, readers beside it (WAL).
+//! SQLite: one writer thread that commits in groups, with concurrent readers (WAL).
 
 mod connection;
 mod log_file;
@@ -17,11 +17,11 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex};
 
-/// Bytes of a page, as SQLite makes new files.
+/// Bytes of a page, the default of SQLite for new files.
 const PAGE: i64 = 4096;
-/// Requests committed together at most.
+/// Maximum number of requests that are committed together.
 const GROUP: usize = 128;
-/// Readers at once: for work, and for reports.
+/// Number of readers: for work, and for reports.
 const READERS: usize = 4;
 const REPORTERS: usize = 2;
 
@@ -37,12 +37,12 @@ struct Waiting {
 }
 
 impl Sqlite {
-    /// Opens the file; also where a copy of it was put before its tables were brought forward.
+    /// Opens the file; also returns the path of its copy from before a migration.
     pub(super) fn open(path: &Path) -> Answer<(Self, Option<PathBuf>)> {
         Self::open_with_log(path, log_file::LONG)
     }
 
-    /// The same, with a log of changes that is emptied from this length on.
+    /// The same, with a log of changes that is emptied when it reaches this length.
     fn open_with_log(path: &Path, long: u64) -> Answer<(Self, Option<PathBuf>)> {
         if let Some(dir) = path.parent().filter(|d| !d.as_os_str().is_empty()) {
             private::folder(dir).map_err(Problem::store)?;
@@ -50,7 +50,7 @@ impl Sqlite {
         private::file(path).map_err(Problem::store)?;
         let mut writer = connect(path)?;
         writer.execute_batch("PRAGMA journal_mode = WAL").map_err(problem)?;
-        // Not with each commit, which would wait for it: see `log_file`. This is for a log that it cannot empty.
+        // Not at each commit, which would wait for it: see `log_file`. This is for a log that `log_file` cannot empty.
         writer
             .pragma_update(None, "wal_autocheckpoint", 4 * log_file::LONG as i64 / PAGE)
             .map_err(problem)?;
@@ -99,7 +99,7 @@ impl Backend for Sqlite {
     }
 
     fn purge(&self) -> Answer<bool> {
-        // Rows that have moved between pages leave copies behind, which `secure_delete` does not overwrite.
+        // Rows that were moved between pages leave copies behind, which `secure_delete` does not overwrite.
         let rewrite = |connection: &Connection| {
             connection.execute_batch("VACUUM")?;
             connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| row.get::<_, i64>(0))
@@ -127,14 +127,14 @@ fn write_loop(mut writer: Connection, queue: &Receiver<Waiting>, log: &LogFile) 
         group.extend(queue.try_iter().take(GROUP - 1));
         let answers = commit_group(&mut writer, &mut group);
         for (waiting, answer) in group.into_iter().zip(answers) {
-            // Who no longer waits needs no answer.
+            // A request that no longer waits needs no answer.
             let _ = waiting.done.send(answer);
         }
         log.committed();
     }
 }
 
-/// Runs the jobs in one transaction, a savepoint each. When the whole fails, all fail.
+/// Runs the jobs in one transaction, one savepoint each. When the transaction fails, all fail.
 fn commit_group(writer: &mut Connection, group: &mut [Waiting]) -> Vec<Answer<()>> {
     let mut answers: Vec<Answer<()>> = Vec::with_capacity(group.len());
     let whole = (|| {
@@ -142,7 +142,7 @@ fn commit_group(writer: &mut Connection, group: &mut [Waiting]) -> Vec<Answer<()
         for waiting in group.iter_mut() {
             writer.execute_batch("SAVEPOINT job").map_err(problem)?;
             let answer = (waiting.job)(&mut Plain(writer));
-            // A full disk makes SQLite give up the whole transaction.
+            // When the disk is full, SQLite rolls back the whole transaction.
             if writer.is_autocommit() {
                 return Err(answer.err().unwrap_or_else(|| Problem::store("transaction lost")));
             }

@@ -1,11 +1,11 @@
-//! Secrets in the store, sealed: who reads the database or a backup of it, and not the key, learns none of them. The
-//! key is in a file of its own, readable by its owner alone.
+//! Sealed secrets in the store: somebody who reads the database or a backup of it, without the key, cannot read them.
+//! The key is in a separate file that only its owner can read.
 //!
-//! A key file holds one key a line, 64 hexadecimal digits; the first one seals, all of them open. So a key is replaced
-//! by putting a new one in front, sealing everything again, and taking the old one away ([`Vault::rotate`]).
+//! A key file has one key per line, 64 hexadecimal digits; the first one seals, all of them open. A key is replaced by
+//! adding a new one in front, sealing everything again, and removing the old one ([`Vault::rotate`]).
 //!
-//! A sealed text is `sealed:v1:<key>:<nonce><ciphertext>`, in hexadecimal, under ChaCha20-Poly1305 (RFC 8439) with the
-//! secret's place as additional data: a sealed text that is moved to another place does not open there.
+//! A sealed text is `sealed:v1:<key>:<nonce><ciphertext>`, in hexadecimal, with ChaCha20-Poly1305 (RFC 8439) and the
+//! secret's location as additional data: a sealed text that is moved to another location cannot be opened there.
 
 use super::private;
 use super::sql::Tx;
@@ -15,13 +15,13 @@ use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundK
 use std::path::{Path, PathBuf};
 use std::sync::RwLock;
 
-/// What a sealed text begins with.
+/// Prefix of a sealed text.
 const SEALED: &str = "sealed:v1:";
 /// Bytes of a key.
 const KEY_BYTES: usize = 32;
 
 struct Key {
-    /// The beginning of its hash: which key sealed a text.
+    /// The beginning of its hash: identifies the key that sealed a text.
     name: String,
     text: String,
     key: LessSafeKey,
@@ -49,7 +49,7 @@ impl std::fmt::Debug for Vault {
 }
 
 impl Vault {
-    /// The keys in the file at `path`; a new key where there is no file.
+    /// The keys in the file at `path`; creates the file with a new key if it does not exist.
     pub(super) fn open(path: &Path) -> Answer<Self> {
         let text = match std::fs::read_to_string(path) {
             Ok(text) => {
@@ -58,7 +58,7 @@ impl Vault {
             }
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
                 let text = format!("{}\n", secret::random(KEY_BYTES)?);
-                // Two services may start at once: the first one's key counts.
+                // Two services may start at once: the key of the first one is used.
                 match private::create(path, &text) {
                     Ok(()) => text,
                     Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
@@ -99,7 +99,8 @@ impl Vault {
         Ok(format!("{SEALED}{}:{}{}", key.name, secret::hex(&nonce), secret::hex(&text)))
     }
 
-    /// What [`Vault::seal`] sealed for the same place. A text from before sealing is returned as it is.
+    /// Opens a text that [`Vault::seal`] sealed for the same location. A text from before sealing is returned
+    /// unchanged.
     pub fn open_text(&self, place: &str, stored: &str) -> Answer<String> {
         let Some(sealed) = stored.strip_prefix(SEALED) else { return Ok(stored.to_owned()) };
         let cannot = || {
@@ -123,8 +124,8 @@ impl Vault {
         String::from_utf8(plain.to_vec()).map_err(|_| cannot())
     }
 
-    /// Seals what is not sealed yet with the first key: secrets of older programs and of older keys. The number of
-    /// secrets that were written.
+    /// Seals all secrets that are not sealed with the first key: those of older programs and of older keys. Returns the
+    /// number of written secrets.
     pub(super) fn seal_all(&self, tx: &mut dyn Tx) -> Answer<u64> {
         let current = {
             let keys = self.keys.read().map_err(Problem::store)?;
@@ -151,7 +152,7 @@ impl Vault {
         Ok(written)
     }
 
-    /// Refuses a store whose secrets these keys do not open.
+    /// Refuses a store whose secrets these keys cannot open.
     pub(super) fn check(&self, tx: &mut dyn Tx) -> Answer<()> {
         for row in tx.rows("SELECT id, secret FROM webhooks", &[])? {
             self.open_text(&webhook(&row.text("id")?), &row.text("secret")?)?;
@@ -160,8 +161,8 @@ impl Vault {
         row.map_or(Ok(()), |r| self.open_text(CSRF, &r.text("value")?).map(drop))
     }
 
-    /// Puts a new key in front of the file, runs `reseal`, and takes the older keys away. A failure on the way leaves
-    /// all keys in the file, and doing it again ends it.
+    /// Adds a new key in front of the file, runs `reseal`, and removes the older keys. After a failure in between all
+    /// keys are in the file, and a repetition completes the rotation.
     pub(super) fn rotate(&self, reseal: impl FnOnce() -> Answer<u64>) -> Answer<u64> {
         let fresh = secret::random(KEY_BYTES)?;
         let old = {
@@ -182,10 +183,10 @@ impl Vault {
     }
 }
 
-/// The place of the CSRF key.
+/// The location of the CSRF key.
 pub const CSRF: &str = "setting:csrf_key";
 
-/// The place of a webhook's signing key.
+/// The location of a webhook's signing key.
 pub fn webhook(id: &str) -> String {
     format!("webhook:{id}")
 }

@@ -1,4 +1,4 @@
-//! Making tasks whose drafts come later: which drives are read, and when.
+//! Creating tasks whose drafts are created later: which drives are read, and when.
 
 use super::*;
 use crate::service::fixtures::{self, Counted};
@@ -6,7 +6,7 @@ use crate::service::{drafting, thumbnail};
 use serde_json::json;
 use std::sync::atomic::Ordering;
 
-/// `count` episodes of as many drives, and one of a drive that is not there.
+/// `count` episodes of different drives, and one of a missing drive.
 fn request(count: usize) -> CreateTasks {
     let of = |n: usize, drive: &str| {
         let mut e = fixtures::episode(&format!("e{n}"));
@@ -30,7 +30,7 @@ fn tasks_whose_drafts_come_later_read_no_drive() {
     assert_eq!((made.tasks.len(), made.lost.len()), (60, 1));
     assert_eq!(made.lost[0].text.en, "no such drive", "a drive that is not there is reported at once");
     assert_eq!(read(&recordings), 0);
-    // Whoever opens one has its draft and picture made then.
+    // When somebody opens one, its draft and thumbnail are created.
     let id = made.tasks[0].clone();
     let pictured = |id: &str| app.store.read(|tx| thumbnail::get(tx, id)).unwrap().is_some();
     assert!(!pictured(&id));
@@ -60,7 +60,7 @@ fn an_episode_outside_its_drive_is_reported() {
     assert_eq!(read(&recordings), 0);
 }
 
-/// Components of Stage I and of the whole drive, each with its id, and whom it is linked to.
+/// Components of Stage I and of the whole drive, each with its id and its linked object.
 fn components(of: &[(&str, &str, &str)]) -> Vec<CriticalComponent> {
     let one = |(id, category, object): &(&str, &str, &str)| {
         let objects: Vec<&str> = Some(*object).filter(|o| !o.is_empty()).into_iter().collect();
@@ -89,9 +89,9 @@ fn causes_name_the_components_of_stage_one() {
     };
     let joined = join(whole.clone(), listed.clone(), keyframe);
     assert_eq!(joined.critical_components.len(), 2);
-    // The walker is the first component there; the lead is not listed.
+    // The pedestrian is the first component there; the lead is not listed.
     assert_eq!(causes(&joined), (Some(vec!["c1".to_owned()]), None));
-    // What has no object goes by its category.
+    // A component without an object is matched by its category.
     whole.causes = Some(Causes { longitudinal: cause("c3"), lateral: None });
     assert_eq!(causes(&join(whole, listed, keyframe)), (Some(vec!["c2".to_owned()]), None));
 }

@@ -1,4 +1,4 @@
-//! Tasks and histories written by hand; expected values counted by hand.
+//! Hand-written tasks and histories; expected values counted by hand.
 
 use super::*;
 use crate::service::fixtures::{self, episode};
@@ -56,11 +56,11 @@ fn history(
         values![task, seq, at, actor, action, from, draft.map(Value::to_string)],
     )
     .unwrap();
-    // As each entry is counted when it is recorded.
+    // Counted in the same way as when an entry is recorded.
     crate::service::history::count(tx, "p", (Some(actor), action), at).unwrap();
 }
 
-/// A store with a project and the users `a`, `b`, `c`, shown as `Ann`, `Bo`, `Cy`.
+/// A store with a project and the users `a`, `b`, `c`, with the display names `Ann`, `Bo`, `Cy`.
 fn on_store<T: Send + 'static>(job: impl Fn(&mut dyn Tx) -> T + Send + 'static) -> T {
     let (app, _dir) = fixtures::app();
     app.store
@@ -146,7 +146,7 @@ fn agreement_is_that_of_the_first_submissions() {
         let names = ["1", "22", "333", "4444", "55555", "666666", "7777777", "88888888"];
         for (i, (episode, ours, theirs)) in pairs.iter().enumerate() {
             for (id, author, first) in [(names[2 * i], "a", ours), (names[2 * i + 1], "b", theirs)] {
-                // After the check both say the same; only the first submission counts.
+                // After the check both are equal; only the first submission counts.
                 let now = label("cruise", "null", &t("00.000"));
                 task(tx, &Made { overlap: 2, author: Some(author), ..made(id, episode, "accepted") }, &now);
                 history(tx, id, 1, 1, author, ("stage2", "submit"), Some(first));

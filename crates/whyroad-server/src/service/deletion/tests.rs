@@ -3,7 +3,7 @@ use crate::service::fixtures::{self, on_postgresql};
 
 on_postgresql!(no_table_that_names_a_task_or_a_drive_is_forgotten, one_drive_goes_and_the_others_stay);
 
-/// Every table whose columns name a task is emptied; that these are among them shows that columns are found.
+/// Every table with a task column is emptied; the listed tables show that columns are found.
 #[test]
 fn no_table_that_names_a_task_or_a_drive_is_forgotten() {
     let (app, _dir) = fixtures::app();
@@ -19,7 +19,7 @@ fn no_table_that_names_a_task_or_a_drive_is_forgotten() {
     }
 }
 
-/// A task of `drive` with one row in every table that names it.
+/// A task of `drive` with one row in every table that references it.
 fn put(store: &Store, task: &'static str, drive: &'static str) {
     let made = store.write(move |tx| {
         tx.run(
@@ -65,6 +65,6 @@ fn one_drive_goes_and_the_others_stay() {
     assert_eq!(delete_drive(&app.store, &"d1".into()).unwrap(), DriveRows { tasks: 2, other: 10 });
     assert_eq!(rows("d1"), DriveRows::default());
     assert_eq!(rows("d10"), DriveRows { tasks: 1, other: 5 });
-    // Again, as after a kill.
+    // Repeated, as after the process was killed.
     assert_eq!(delete_drive(&app.store, &"d1".into()).unwrap(), DriveRows::default());
 }

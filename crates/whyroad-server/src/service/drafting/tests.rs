@@ -1,4 +1,4 @@
-//! Drafts in the background: the same as at once, each drive read once, progress, and who has what in hand.
+//! Drafts in the background: equal to immediate ones, each drive read once, progress, and distribution among workers.
 
 use super::*;
 use crate::domain::task::CreateTasks;
@@ -20,7 +20,7 @@ fn request() -> CreateTasks {
     serde_json::from_value(json!({ "episodes": episodes })).unwrap()
 }
 
-/// Draft and picture of each task, by episode.
+/// Draft and thumbnail of each task, by episode.
 fn drafts(app: &App) -> Vec<(String, Value, Option<String>)> {
     let mut all: Vec<(String, Value, Option<String>)> = app
         .store
@@ -56,7 +56,7 @@ fn drafts_in_the_background_are_those_made_at_once() {
     assert_eq!((progress[0], progress.last()), (60, Some(&0)));
     assert!(progress.len() > 3 && progress.is_sorted_by(|a, b| a > b), "{progress:?}");
     assert_eq!(recordings.read.load(Ordering::SeqCst), 20, "each drive is read once");
-    // Each drive as a whole, and each task's up to its keyframe.
+    // Each drive as a whole, and each task's part up to its keyframe.
     assert_eq!(recordings.derived.load(Ordering::SeqCst), 20 + 60);
     assert_eq!(drafts(&app), drafts(&at_once));
 }
@@ -74,7 +74,7 @@ fn no_task_is_in_two_hands() {
     all.sort();
     all.dedup();
     assert_eq!((all.len(), batches.iter().map(|b| b.tasks.len()).sum()), (60, 60));
-    // What was given back is there for the next one.
+    // Tasks of a dropped batch are available to the next one.
     batches.pop();
     assert!(turns.next(&app).unwrap().is_some());
 }

@@ -1,24 +1,24 @@
-//! Facts about tasks that are kept between requests.
+//! Cache of facts about tasks between requests.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex};
 use whyroad_label::facts::TaskFacts;
 
-/// Facts that are kept between requests, over all projects; half a kilobyte each. A project with more is read
-/// again each time.
+/// Maximum number of cached facts, over all projects; half a kilobyte each. A project with more is read again each
+/// time.
 const MOST_KEPT: usize = 200_000;
 
-/// What a task's facts depend on: the last entry of its history and the outcome of adjudication.
+/// The state on which a task's facts depend: the last entry of its history and the outcome of adjudication.
 pub(super) type Version = (i64, Option<String>);
 
-/// Facts that were made for an earlier report: only what has changed since is read again.
+/// Facts from an earlier report: only tasks that have changed since are read again.
 #[derive(Default)]
 pub struct FactsCache {
-    /// The project that was asked for last comes last.
+    /// The most recently used project is the last one.
     projects: Mutex<Vec<(String, Arc<Kept>)>>,
 }
 
-/// The facts of a project, and the names of people that are in them.
+/// The facts of a project, and the names of people in them.
 #[derive(Default)]
 pub(super) struct Kept {
     pub names: HashMap<String, String>,
@@ -40,12 +40,12 @@ impl FactsCache {
         }
     }
 
-    /// Tasks that are kept now.
+    /// Number of cached tasks.
     pub fn len(&self) -> usize {
         self.projects.lock().map_or(0, |p| p.iter().map(|(_, k)| k.tasks.len()).sum())
     }
 
-    /// True when nothing is kept.
+    /// True when nothing is cached.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

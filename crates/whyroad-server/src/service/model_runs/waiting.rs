@@ -1,11 +1,11 @@
-//! Numbers of tasks that wait for the language model, kept between requests.
+//! Cached numbers of tasks that wait for the language model.
 
 use crate::domain::model::ModelRunKind;
 use crate::sync::lock;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-/// Tasks that waited for a run when they were last counted, by project and kind: time, ms since 1970, and number.
+/// Number of tasks that waited for a run at the last count, by project and kind: time, ms since 1970, and number.
 #[derive(Debug, Default)]
 pub struct WaitingCounts(Mutex<HashMap<(String, ModelRunKind), (i64, i64)>>);
 

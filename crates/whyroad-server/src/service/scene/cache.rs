@@ -1,20 +1,20 @@
-//! Scenes that were asked for last.
+//! Cache of recently requested scenes.
 
 use crate::domain::scene::SceneView;
 use crate::domain::workflow::Stage;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
-/// Scenes kept.
+/// Number of cached scenes.
 const KEPT: usize = 64;
 
-/// Scenes that were asked for last, so that a reload does not derive all signals again.
+/// Recently requested scenes, so that a reload does not derive all signals again.
 #[derive(Debug, Default)]
 pub struct SceneCache {
     scenes: Mutex<VecDeque<(SceneKey, Arc<SceneView>)>>,
 }
 
-/// What a scene depends on: the task, how much of it is shown, and its drive as it was on disk.
+/// The state on which a scene depends: the task, how much of it is shown, and the version of its drive on disk.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct SceneKey {
     pub(super) task: String,

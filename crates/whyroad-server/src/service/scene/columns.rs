@@ -1,4 +1,4 @@
-//! Columns of a scene as the wire has them: rounded numbers, words, null for what is unknown.
+//! Columns of a scene in the API's form: rounded numbers, category names, null for unknown.
 
 use crate::domain::scene::{Numbers, TrackView};
 use crate::service::tasks::TaskRow;
@@ -7,27 +7,27 @@ use std::collections::BTreeMap;
 use whyroad_model::scene::Track;
 use whyroad_model::{Column, Drive, FrameRange, SignalTable, TrackId};
 
-/// A number that is known to be none: no lead, no conflict.
+/// A number that is known to be absent: no lead, no conflict.
 const NONE: &str = "none";
 
-/// To a thousandth: a millimeter, a millisecond, a twentieth of a degree. A scene is half as large so.
+/// Rounds to a thousandth: a millimeter, a millisecond, a twentieth of a degree. This halves the size of a scene.
 pub(super) fn rounded(x: f64) -> f64 {
     let r = (x * 1000.0).round() / 1000.0;
-    // No -0: it would be written as such.
+    // -0 would be written with its sign.
     if r == 0.0 { 0.0 } else { r }
 }
 
-/// A number for the wire: unknown and endless ones are null.
+/// A number for JSON: unknown and infinite ones are null.
 pub(super) fn number(x: Option<f64>) -> Option<f64> {
     x.filter(|x| x.is_finite()).map(rounded)
 }
 
-/// A unit variant as its word.
+/// A unit variant as its serialized name.
 pub(super) fn word<T: serde::Serialize>(value: &T) -> String {
     serde_json::to_value(value).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-/// Tracks that were seen in the shown frames.
+/// Tracks that were observed in the shown frames.
 pub(super) fn tracks(drive: &Drive, frames: FrameRange) -> Vec<TrackView> {
     drive.tracks.iter().filter_map(|t| track(t, frames)).collect()
 }
@@ -84,7 +84,7 @@ pub(super) fn signals(
 
 fn value(column: &Column, row: usize) -> Value {
     match column {
-        // Unknown and known to be none are two things, and JSON has no word for the endless.
+        // Unknown and absent are different, and JSON has no infinite number.
         Column::Number(_) if column.number(row).is_some_and(f64::is_infinite) => Value::from(NONE),
         Column::Number(_) => number(column.number(row)).map_or(Value::Null, Value::from),
         Column::Flag(_) => column.flag(row).known().map_or(Value::Null, Value::from),

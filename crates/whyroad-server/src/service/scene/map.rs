@@ -1,5 +1,5 @@
-//! The road around what is shown. In Stage I only around where the ego has been: how far the map reaches along the road
-//! ahead would reveal where it goes.
+//! The map around the shown part. In Stage I only around the past positions of the ego: the extent of the map along the
+//! road ahead would reveal where the ego goes.
 
 use super::columns::{rounded, word};
 use super::shown::{Shown, shown};
@@ -10,7 +10,7 @@ use crate::service::tasks::TaskRow;
 use whyroad_model::road_map::{Area, Point3, RoadMap};
 use whyroad_model::{Drive, FrameRange};
 
-/// How far from the ego, m.
+/// Maximum distance from the ego, m.
 const REACH_M: f64 = 120.0;
 
 /// The map of a task.
@@ -19,11 +19,11 @@ pub fn map(app: &App, t: &TaskRow) -> Answer<MapView> {
     Ok(drive.map.as_ref().map_or_else(MapView::default, |map| around(map, &places(&drive, frames))))
 }
 
-/// Where the ego was, every second; the origin where the log has no pose.
+/// Positions of the ego, one per second; the origin if the log has no pose.
 fn places(drive: &Drive, frames: FrameRange) -> Vec<[f64; 2]> {
     let Some(ego) = &drive.ego else { return vec![[0.0, 0.0]] };
     let at = |f: usize| [ego.motion.x[f], ego.motion.y[f]];
-    // From the last one back: the keyframe's own place is always among them.
+    // Backwards from the last one: the position at the keyframe is always included.
     (frames.start..frames.end)
         .rev()
         .step_by(10)
@@ -80,7 +80,7 @@ fn line(points: &[Point3]) -> Vec<[f64; 2]> {
     points.iter().map(|p| [rounded(p.x), rounded(p.y)]).collect()
 }
 
-/// True when a piece of the line comes within reach of one of the places.
+/// True when a part of the line is near one of the positions.
 fn is_near(points: &[Point3], places: &[[f64; 2]]) -> bool {
     let reach = |a: &Point3, b: &Point3| places.iter().any(|p| distance(*p, a, b) <= REACH_M);
     match points {
@@ -89,7 +89,7 @@ fn is_near(points: &[Point3], places: &[[f64; 2]]) -> bool {
     }
 }
 
-/// From a point to a straight piece, m.
+/// Distance of a point from a straight segment, m.
 fn distance(p: [f64; 2], a: &Point3, b: &Point3) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let length2 = dx * dx + dy * dy;

@@ -7,7 +7,7 @@ use crate::service::tasks::TaskRow;
 use std::sync::Arc;
 use whyroad_model::{Drive, FrameRange, Nanos};
 
-/// The drive of a task as far as it may be seen, and the frames that are shown.
+/// The drive of a task as far as it may be shown, and the frames that are shown.
 pub struct Shown {
     /// Whole, or cut at the keyframe.
     pub drive: Arc<Drive>,
@@ -15,7 +15,7 @@ pub struct Shown {
     pub frames: FrameRange,
 }
 
-/// What of the drive may be seen now.
+/// The part of the drive that may be shown now.
 pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
     let whole = app.recordings.drive(&t.drive_id.as_str().into()).map_err(|why| {
         Problem::new(

@@ -8,20 +8,20 @@ use whyroad_model::label_fields::name;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::{Bilingual, ClipId, ScenarioId};
 
-/// A task to be made.
+/// A task to create.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Incoming {
-    /// What it is about.
+    /// Its episode.
     pub episode: EpisodeRecord,
-    /// The draft that it begins with; none for the rule's own.
+    /// Its initial draft; `None` for the rule's draft.
     pub draft: Option<Value>,
-    /// Greater is sooner.
+    /// Higher values come first.
     pub priority: i64,
     /// Number in its overlap group, and the group's size.
     pub overlap: (i64, i64),
 }
 
-/// Reads a line; in words why it cannot be.
+/// Reads a line; an error text if that fails.
 pub(super) fn read_line(line: &str) -> Result<Incoming, Bilingual> {
     if line.len() > 16 * MAX_DRAFT {
         return Err(Bilingual::new("该行过长", "the line is too long"));
@@ -54,7 +54,7 @@ fn of_task(task: &Value) -> Result<Incoming, Bilingual> {
     Ok(Incoming { episode, draft, priority: number("priority", 0), overlap: (index, count) })
 }
 
-/// A label names no episode: one is made from what it says, under an id that is the same each time.
+/// A label has no episode: one is created from its content, under an id that is the same each time.
 fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
     merge::bounded(value).map_err(|e| e.text())?;
     let text = value.to_string();

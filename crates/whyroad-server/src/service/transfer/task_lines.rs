@@ -1,5 +1,5 @@
-//! Whole tasks as JSON lines, piece by piece: the history of a task that was edited all day is longer than the rest of
-//! its project, so it is never whole in memory.
+//! Whole tasks as JSON lines, part by part: the history of a task that was edited all day can be longer than the rest
+//! of its project, so it is never completely in memory.
 
 use super::BYTES_AT_ONCE;
 use crate::problem::{Answer, Problem};
@@ -11,13 +11,13 @@ use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::io::Write;
 
-/// Entries of a history that are read together.
+/// Number of history entries that are read together.
 const ENTRIES_AT_ONCE: i64 = 100;
 
 /// Login names by user id.
 type Names = HashMap<String, String>;
 
-/// A task whose line is begun: its history is written after entry `after` and until entry `until`.
+/// A task whose line has begun: its history is written after entry `after` up to entry `until`.
 #[derive(Clone)]
 struct Begun {
     id: String,
@@ -25,14 +25,14 @@ struct Begun {
     until: i64,
 }
 
-/// What is still to be written.
+/// The part that is still to be written.
 #[derive(Clone)]
 struct Rest<'a> {
     begun: Option<Begun>,
     ids: &'a [String],
 }
 
-/// Writes a line for each of these tasks, each as it is when its turn comes.
+/// Writes a line for each of these tasks, each in its state when its turn comes.
 pub(super) fn write(store: &Store, ids: &[String], names: &Names, out: &mut dyn Write) -> Answer<()> {
     let mut rest = Rest { begun: None, ids };
     while rest.begun.is_some() || !rest.ids.is_empty() {
@@ -43,7 +43,7 @@ pub(super) fn write(store: &Store, ids: &[String], names: &Names, out: &mut dyn 
     Ok(())
 }
 
-/// As much of `rest` as is read in one transaction, and what is left then.
+/// The part of `rest` that is read in one transaction, and the remaining part.
 fn part<'a>(tx: &mut dyn Tx, mut rest: Rest<'a>, names: &Names) -> Answer<(String, Rest<'a>)> {
     let mut text = String::new();
     while text.len() < BYTES_AT_ONCE {
@@ -87,7 +87,7 @@ fn begin(tx: &mut dyn Tx, id: &str, names: &Names, text: &mut String) -> Answer<
     Ok(Begun { id: t.id, after: 0, until: t.seq })
 }
 
-/// Some entries of the history; `None` when it is complete and the line is ended.
+/// Some entries of the history; `None` when it is complete and the line has ended.
 fn entries(tx: &mut dyn Tx, begun: Begun, names: &Names, text: &mut String) -> Answer<Option<Begun>> {
     let Begun { id, mut after, until } = begun;
     let rows = tx.rows(
@@ -103,7 +103,7 @@ fn entries(tx: &mut dyn Tx, begun: Begun, names: &Names, text: &mut String) -> A
         after = row.int("seq")?;
     }
     if after < until {
-        // Deleted meanwhile: a line without its end is noticed, half a history is not.
+        // Deleted in the meantime: a line without its end is detected, half a history is not.
         let more = !rows.is_empty();
         return if more { Ok(Some(Begun { id, after, until })) } else { Err(Problem::missing()) };
     }
@@ -122,7 +122,7 @@ fn entry(row: &Row, names: &Names) -> Answer<Value> {
     }))
 }
 
-/// What another system knows a person by.
+/// The name of a person for other systems.
 fn named(names: &Names, id: Option<&str>) -> Option<String> {
     id.map(|id| names.get(id).map_or(id, String::as_str).to_owned())
 }

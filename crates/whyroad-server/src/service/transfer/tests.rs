@@ -1,4 +1,4 @@
-//! Export and import on tasks made by hand; round trips over real drives are in the binary's tests.
+//! Export and import on hand-made tasks; round trips over real drives are in the binary's tests.
 
 use super::*;
 use crate::service::fixtures::{self, task};
@@ -76,7 +76,7 @@ fn tasks_go_out_with_their_history() {
 #[test]
 fn a_long_history_goes_out_whole_and_in_order() {
     let (app, _dir) = fixtures::app();
-    // Longer than what is read together, and than what is read in one transaction.
+    // Longer than the entries that are read together, and than the part that is read in one transaction.
     let text = "x".repeat(2000);
     app.store
         .write(move |tx| {
@@ -120,7 +120,7 @@ fn lines_that_cannot_come_in_are_named_and_do_not_stop_the_rest() {
     let made = import(&app, "p", &text, None).unwrap();
     assert_eq!((made.tasks, made.known), (0, 0));
     let lines: Vec<u32> = made.lost.iter().map(|l| l.line).collect();
-    // The label is sound, but there is no drive `d` here.
+    // The label is valid, but there is no drive `d` here.
     assert_eq!((lines, made.more), (vec![1, 3, 4], 0));
     let why = &made.lost[1].text;
     assert!(why.en.contains("drive") && why.zh.contains("行程"), "{why:?}");
@@ -133,7 +133,7 @@ fn lines_that_cannot_come_in_are_named_and_do_not_stop_the_rest() {
 #[test]
 fn many_labels_of_a_drive_read_it_once_and_derive_nothing() {
     let (app, recordings, _dir) = fixtures::counted();
-    // Lines of two drives in turn, as other tools write them.
+    // Lines of two drives in alternation, as other tools write them.
     let line = |i: usize| {
         let mut label = label(&format!("trace {i}"));
         label["clip_id"] = json!(format!("{}_000", ["d", "e"][i % 2]));
@@ -146,7 +146,7 @@ fn many_labels_of_a_drive_read_it_once_and_derive_nothing() {
     let stored = app.store.read(|tx| tasks_of(tx, "p", None)).unwrap();
     assert_eq!(stored.iter().filter(|t| t.drive_id == "e").count(), 20);
     assert_eq!(import(&app, "p", &text, None).unwrap().known, 40, "the same again makes nothing");
-    // The last line once more, with one that cannot be of its drive.
+    // The last line once more, with one whose time is not in its drive.
     let mut late = label("late");
     late["keyframe"]["timestamp"] = json!("2026-01-01T01:00:00.000Z");
     let made = import(&app, "p", &format!("{late}\n"), None).unwrap();
@@ -158,7 +158,7 @@ fn many_episodes_of_a_drive_derive_it_once_beside_their_own_history() {
     let (app, recordings, _dir) = fixtures::counted();
     let text: String = (0..10).map(|i| format!("{}\n", fixtures::episode(&format!("e{i}")))).collect();
     assert_eq!(import(&app, "p", &text, None).unwrap().tasks, 10);
-    // Once the whole, and for each what was known at its keyframe.
+    // Once for the whole drive, and once per task up to its keyframe.
     assert_eq!(recordings.derived.load(Ordering::SeqCst), 11);
 }
 

@@ -1,4 +1,4 @@
-//! One HTTP/1.1 POST, plain or over TLS, with time limits, and nothing else of HTTP: no redirects, no keep-alive.
+//! One HTTP/1.1 POST, plain or over TLS, with time limits, without other HTTP features: no redirects, no keep-alive.
 
 use super::reach::Reach;
 use super::tls::Trust;
@@ -7,12 +7,12 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 use whyroad_model::Bilingual;
 
-/// Time for connecting, and for each wait on the wire.
+/// Maximum time for connecting, and for each read or write.
 const WAIT: Duration = Duration::from_secs(5);
-/// Time for the whole.
+/// Maximum time for the whole request.
 const DEADLINE: Duration = Duration::from_secs(15);
 
-/// How to speak to a receiver.
+/// Protocol of a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Scheme {
     /// `http://`
@@ -21,7 +21,7 @@ enum Scheme {
     Tls,
 }
 
-/// Where to: an `http://` or `https://` address taken apart.
+/// The parsed `http://` or `https://` address of a receiver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Receiver {
     scheme: Scheme,
@@ -31,18 +31,19 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// The host as names are looked up by.
+    /// The host for name resolution.
     pub(super) fn host(&self) -> &str {
         self.host.trim_matches(['[', ']'])
     }
 
-    /// False where the host is a plain address that `reach` rules out. What a name leads to is seen when it is called.
+    /// False if the host is an IP address that `reach` excludes. The addresses of a host name are checked when it is
+    /// called.
     pub(super) fn may_be_reached(&self, reach: &Reach) -> bool {
         let address = self.host().parse::<std::net::IpAddr>();
         address.map_or(true, |ip| reach.allows(self.host(), self.port, ip))
     }
 
-    /// The host as the `host` header has it; without the port where that is the scheme's own.
+    /// The host for the `host` header; without the port if it is the default of the scheme.
     fn authority(&self) -> String {
         match (self.scheme, self.port) {
             (Scheme::Plain, 80) | (Scheme::Tls, 443) => self.host.clone(),
@@ -50,7 +51,7 @@ impl Receiver {
         }
     }
 
-    /// Takes an address apart; in words what is wrong with it.
+    /// Parses an address; returns an error text.
     pub fn parse(url: &str) -> Result<Self, Bilingual> {
         let (scheme, usual_port, rest) = match (url.strip_prefix("http://"), url.strip_prefix("https://")) {
             (Some(rest), _) => (Scheme::Plain, 80, rest),
@@ -69,7 +70,7 @@ impl Receiver {
             }
             _ => (place, usual_port),
         };
-        // What could break out of the request's lines, or hides another host.
+        // Characters that could break out of the request's lines, or hide another host.
         let odd = |c: char| c.is_whitespace() || c.is_control() || c == '@';
         if host.is_empty() || url.chars().any(odd) || !url.is_ascii() || url.contains('#') {
             return Err(Bilingual::new(
@@ -82,7 +83,7 @@ impl Receiver {
     }
 }
 
-/// Sends `body` as JSON. An error in words unless the receiver answers with a status of 200 to 299.
+/// Sends `body` as JSON. An error text unless the receiver answers with a status of 200 to 299.
 pub fn post(
     to: &Receiver,
     (reach, trust): (&Reach, &Trust),
@@ -140,7 +141,7 @@ fn connect(to: &Receiver, reach: &Reach) -> Result<TcpStream, Bilingual> {
         }
         match TcpStream::connect_timeout(&place, WAIT) {
             Ok(stream) => return Ok(stream),
-            // Not the address that the name led to: that is the network's own affair.
+            // Without the resolved IP address, which is internal to the network.
             Err(e) => {
                 why =
                     Bilingual::new(format!("连接不上 {host}：{e}"), format!("no connection to {host}: {e}"));
@@ -150,7 +151,7 @@ fn connect(to: &Receiver, reach: &Reach) -> Result<TcpStream, Bilingual> {
     Err(why)
 }
 
-/// That messages do not go to `host`.
+/// Message that nothing is sent to `host`.
 pub(super) fn not_reached(host: &str) -> Bilingual {
     Bilingual::new(
         format!("本服务不向 {host} 发送（见 whyroad serve --webhook-to）"),
@@ -158,15 +159,14 @@ pub(super) fn not_reached(host: &str) -> Bilingual {
     )
 }
 
-/// A connection that waits for [`WAIT`] each time and not beyond a moment: a receiver that answers slowly delays
-/// nobody.
+/// A connection that waits at most [`WAIT`] each time and not beyond a deadline: a slow receiver delays nobody.
 struct Hurried {
     stream: TcpStream,
     until: Instant,
 }
 
 impl Hurried {
-    /// How long to wait now.
+    /// Current maximum wait.
     fn wait(&self) -> std::io::Result<Option<Duration>> {
         let left = self.until.saturating_duration_since(Instant::now());
         if left.is_zero() {
@@ -194,7 +194,7 @@ impl Write for Hurried {
     }
 }
 
-/// The first line of the answer. Reading stops there: what else a receiver says is of no interest.
+/// The first line of the response. The rest is not read.
 fn status_line(stream: &mut impl Read) -> Result<String, Bilingual> {
     let (mut line, mut byte) = (Vec::new(), [0]);
     while line.len() < 200 {

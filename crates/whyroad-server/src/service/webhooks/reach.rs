@@ -1,19 +1,19 @@
-//! Where webhooks may go. Who leads a project types an address, and the *service* calls it: from inside its network,
-//! where other doors are open than from the lead's own desk. So addresses are judged after names are looked up, at each
-//! sending, and the connection goes to the very address that was judged.
+//! Addresses to which webhooks may connect. A project lead enters an address, and the *service* connects to it from
+//! inside its network, which may have access to more than the lead's own computer. So addresses are checked after name
+//! resolution, at each delivery, and the connection uses exactly the address that was checked.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 
-/// Where webhooks may go.
+/// Addresses to which webhooks may connect.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Reach {
-    /// Anywhere, also to this machine itself: for a service that only this machine reaches.
+    /// All addresses, including this machine itself: for a service that only this machine can reach.
     #[default]
     OwnMachine,
-    /// Anywhere but this machine: for a service that others reach, who must not get at what listens here for this
-    /// machine alone.
+    /// All addresses except this machine: for a service that others can reach, who must not get access to services that
+    /// listen here only for this machine.
     Network,
-    /// Only to these hosts: `host` for all its ports, or `host:port`, as an address writes them.
+    /// Only these hosts: `host` for all its ports, or `host:port`, as written in an address.
     Only(Vec<String>),
 }
 
@@ -25,11 +25,11 @@ const SECRETS: [IpAddr; 3] = [
 ];
 
 impl Reach {
-    /// Whether a message to `host` and `port` may go to `ip`, which the host's name led to.
+    /// Whether a message to `host` and `port` may be sent to `ip`, to which the host's name was resolved.
     pub fn allows(&self, host: &str, port: u16, ip: IpAddr) -> bool {
         let ip = plain(ip);
         match self {
-            // Who started the service has named it: they know their network.
+            // The operator of the service has listed it.
             Self::Only(hosts) => hosts.iter().any(|h| *h == host || *h == format!("{host}:{port}")),
             Self::OwnMachine => !is_never_receiver(ip),
             Self::Network => !is_never_receiver(ip) && !ip.is_loopback(),
@@ -37,7 +37,7 @@ impl Reach {
     }
 }
 
-/// The address that packets to `ip` end at: one of IPv6 may only wrap one of IPv4.
+/// The destination of packets to `ip`: an IPv6 address may only wrap an IPv4 address.
 fn plain(ip: IpAddr) -> IpAddr {
     let IpAddr::V6(v6) = ip.to_canonical() else { return ip.to_canonical() };
     let s = v6.segments();

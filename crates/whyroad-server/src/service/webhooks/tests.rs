@@ -1,4 +1,5 @@
-//! A receiver of our own on the loopback; the signature is checked as a receiver would, with RFC 2104's HMAC.
+//! A receiver of the test on the loopback interface; the signature is checked as a receiver would, with RFC 2104's
+//! HMAC.
 
 use super::*;
 use crate::domain::workflow::State;
@@ -24,7 +25,7 @@ fn scene() -> Scene {
     Scene { app, clock, _dir: dir }
 }
 
-/// Answers each request with the next status and passes on what was sent.
+/// Answers each request with the next status and passes on the received text.
 fn receiver(statuses: &'static [u16]) -> (String, Inbox<String>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}/hook", listener.local_addr().unwrap());
@@ -163,7 +164,7 @@ fn a_service_that_others_reach_calls_nothing_on_its_own_machine() {
     ] {
         assert_eq!(make(url, event), outcome, "{url} {event}");
     }
-    // A name is judged by what it leads to, when it is called.
+    // A host name is checked by its resolved address, when it is called.
     let (url, inbox) = receiver(&[200]);
     assert_eq!(make(&url.replace("127.0.0.1", "localhost"), "submit"), "made");
     tell(&s.app, "submit");
@@ -187,7 +188,7 @@ fn only_plain_addresses_are_taken() {
     }
 }
 
-/// Takes one message over TLS with a certificate for `localhost`; others do not get beyond the handshake.
+/// Accepts one message over TLS with a certificate for `localhost`; other certificates fail in the handshake.
 fn receiver_with_tls() -> (String, CertificateDer<'static>, Inbox<String>) {
     let made = rcgen::generate_simple_self_signed(vec!["localhost".to_owned()]).unwrap();
     let certificate = made.cert.der().clone();

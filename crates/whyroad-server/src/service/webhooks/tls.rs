@@ -1,5 +1,5 @@
-//! TLS to receivers at `https://` addresses: whom to believe, and a connection on which the other end has shown that it
-//! is who it should be.
+//! TLS to receivers at `https://` addresses: trusted certificates, and a connection whose receiver has proved its
+//! identity.
 
 use rustls::pki_types::{CertificateDer, ServerName};
 use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
@@ -7,11 +7,11 @@ use std::io::{Read, Write};
 use std::sync::{Arc, OnceLock};
 use whyroad_model::Bilingual;
 
-/// Whose certificates are believed: those that the system believes (`SSL_CERT_FILE` names others), and some more.
+/// Trusted certificates: those of the system (`SSL_CERT_FILE` can replace them), and additional ones.
 #[derive(Debug, Default)]
 pub struct Trust {
     more: Vec<CertificateDer<'static>>,
-    /// Made when the first `https://` receiver is called: reading a system's certificates takes a while.
+    /// Created when the first `https://` receiver is called: reading a system's certificates takes a while.
     config: OnceLock<Arc<ClientConfig>>,
 }
 
@@ -37,7 +37,7 @@ impl Trust {
         Ok(Arc::clone(self.config.get_or_init(|| Arc::new(config))))
     }
 
-    /// A connection to `host` on `stream`. The handshake is made with the first bytes.
+    /// A connection to `host` on `stream`. The handshake is done with the first bytes.
     pub(super) fn secure<S: Read + Write>(
         &self,
         stream: S,

@@ -1,6 +1,6 @@
-//! The file of changes beside the database (`-wal`). SQLite restarts it only at a moment at which nobody reads, and
-//! under load somebody always does: it would grow without end, and reading would become slower with it. So, when it is
-//! long, readers are kept back for a moment.
+//! The log file of changes beside the database (`-wal`). SQLite restarts it only when nobody reads, and under load
+//! there are always readers: it would grow without limit, and reading would become slower. So readers are held back for
+//! a moment when it is long.
 
 use super::connection::{connect, problem};
 use super::readers::Readers;
@@ -10,18 +10,18 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::time::Duration;
 
-/// From this length on it is emptied, bytes: every half minute with 200 annotators who save every second.
+/// Length from which on it is emptied, bytes: about every 30 s with 200 annotators who save every second.
 pub(super) const LONG: u64 = 128 << 20;
-/// Reports may last; work goes on while one is waited for.
+/// Maximum wait for reports; work continues during this time.
 const WAIT_FOR_REPORTS: Duration = Duration::from_secs(5);
-/// Work is kept back meanwhile.
+/// Maximum wait for work, which is held back during this time.
 const WAIT_FOR_WORK: Duration = Duration::from_millis(100);
-/// How long another process may keep the file.
+/// Maximum time that another process may keep the file locked.
 const BUSY: Duration = Duration::from_millis(100);
-/// Until the next attempt, where somebody read for too long.
+/// Time until the next attempt, if somebody read for too long.
 const TRY_AGAIN: Duration = Duration::from_secs(2);
 
-/// Whom to tell after each commit.
+/// Notified after each commit.
 pub(super) struct LogFile {
     path: PathBuf,
     long: u64,
@@ -29,7 +29,7 @@ pub(super) struct LogFile {
 }
 
 impl LogFile {
-    /// The log of the database at `path`, emptied beside these readers once it is `long` bytes.
+    /// The log of the database at `path`, emptied in coordination with these readers once it has `long` bytes.
     pub fn keep_short(path: &Path, long: u64, readers: [Arc<Readers>; 2]) -> Answer<Self> {
         let (wanted, queue) = sync_channel(1);
         let log = Self { path: PathBuf::from(format!("{}-wal", path.display())), long, wanted };
@@ -43,10 +43,10 @@ impl LogFile {
         Ok(log)
     }
 
-    /// Something was committed.
+    /// Called after a commit.
     pub fn committed(&self) {
         if length(&self.path) >= self.long {
-            // One wish is enough.
+            // One pending request is enough.
             let _ = self.wanted.try_send(());
         }
     }
@@ -77,9 +77,9 @@ fn empty_when_wanted(
     }
 }
 
-/// False where somebody reads for too long.
+/// False if somebody reads for too long.
 fn empty(connection: &rusqlite::Connection, [work, reports]: &[Arc<Readers>; 2]) -> bool {
-    // The greater part, beside everybody: then little is left for the moment in which nobody may read.
+    // Most of it while others read: then little is left for the moment in which nobody may read.
     let checkpoint = |how: &str| {
         let sql = format!("PRAGMA wal_checkpoint({how})");
         connection.query_row(&sql, [], |row| row.get::<_, i64>(0)).is_ok_and(|busy| busy == 0)

@@ -1,4 +1,4 @@
-//! Connections that read: each reader has one for itself, and all can be kept back for a moment.
+//! Read connections: each reader has its own, and all can be held back for a moment.
 
 use super::connection::connect;
 use crate::problem::{Answer, Problem};
@@ -10,9 +10,9 @@ use std::time::Duration;
 
 pub(super) struct Readers {
     pool: Mutex<Pool>,
-    /// For who waits for a connection.
+    /// Notifies callers that wait for a connection.
     free: Condvar,
-    /// For who waits until nobody reads.
+    /// Notifies callers that wait until nobody reads.
     quiet: Condvar,
     size: usize,
 }
@@ -29,7 +29,7 @@ impl Readers {
         Ok(Self { pool, free: Condvar::new(), quiet: Condvar::new(), size })
     }
 
-    /// A connection, once one is free.
+    /// A connection, as soon as one is free.
     pub fn take(&self) -> Answer<Connection> {
         let mut pool = self.pool.lock().map_err(Problem::store)?;
         loop {
@@ -42,7 +42,7 @@ impl Readers {
         }
     }
 
-    /// Gives a connection back.
+    /// Returns a connection.
     pub fn give(&self, connection: Connection) {
         let mut pool = self.lock();
         pool.idle.push(connection);
@@ -53,8 +53,8 @@ impl Readers {
         }
     }
 
-    /// Lets nobody begin to read until the result is dropped, once those who do have ended; `None` where they have not
-    /// after `wait`.
+    /// Waits until all current reads have ended, and starts no new ones until the result is dropped; `None` if they
+    /// have not ended after `wait`.
     pub fn close(&self, wait: Duration) -> Option<Closed<'_>> {
         let mut pool = self.lock();
         pool.closed = true;
@@ -67,7 +67,7 @@ impl Readers {
         (!late.timed_out()).then_some(closed)
     }
 
-    /// The pool. It stays whole even when a thread that held the lock has died.
+    /// The pool. It stays valid even after a panic of a thread that held the lock.
     fn lock(&self) -> MutexGuard<'_, Pool> {
         lock(&self.pool)
     }

@@ -1,4 +1,4 @@
-//! The log of changes beside readers that never pause.
+//! The log of changes with readers that never pause.
 
 use super::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ fn the_log_of_changes_stays_short_though_somebody_always_reads() {
         let sql = "SELECT value FROM settings WHERE name = 'x'";
         let mut job = |tx: &mut dyn Tx| {
             last = tx.row(sql, &[])?.map_or(Ok(String::new()), |row| row.text("value"))?;
-            // Readers overlap: when one ends, others are still at it.
+            // Reads overlap: when one ends, others are still running.
             std::thread::sleep(Duration::from_millis(3));
             Ok(())
         };
@@ -33,13 +33,13 @@ fn the_log_of_changes_stays_short_though_somebody_always_reads() {
                 }
             });
         }
-        // Some ten times as much as makes the log long.
+        // About ten times the length at which the log is emptied.
         for n in 0..100 {
             let text = format!("{n}").repeat(1 << 16);
             let sql = "INSERT INTO settings VALUES ('x', $1) ON CONFLICT (name) DO UPDATE SET value = $1";
             store.write(Box::new(move |tx| tx.run(sql, crate::values![&text]).map(drop))).unwrap();
         }
-        // It is emptied as soon as the readers of a moment have ended, however many begin after them.
+        // It is emptied as soon as the current readers have ended, however many begin after them.
         let given_up = Instant::now() + Duration::from_secs(120);
         while log() >= long && Instant::now() < given_up {
             std::thread::sleep(Duration::from_millis(10));
