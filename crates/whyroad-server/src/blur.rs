@@ -76,7 +76,7 @@ impl Blur {
             if std::fs::metadata(&aside).is_ok_and(|m| m.len() > 0) && same_format(file, &aside) {
                 std::fs::rename(&aside, kept).map_err(|e| failed(&e.to_string()))
             } else {
-                Err(failed("it wrote no image of the same format"))
+                Err(failed("it did not write an image in the same format"))
             }
         });
         // Nothing is kept after a failure.

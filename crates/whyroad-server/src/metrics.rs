@@ -126,7 +126,7 @@ impl Metrics {
 
     /// Requests.
     pub(crate) fn http(&self, out: &mut Text) {
-        out.head("whyroad_http_requests_in_progress", "gauge", "Requests that are being answered");
+        out.head("whyroad_http_requests_in_progress", "gauge", "Requests in progress");
         out.line("whyroad_http_requests_in_progress", &[], self.in_progress.load(Ordering::Relaxed) as f64);
         let requests = lock(&self.requests);
         out.head("whyroad_http_requests_total", "counter", "Requests by route and status");
@@ -161,7 +161,7 @@ impl Metrics {
     /// Metrics of the process under the names that Prometheus' own clients use; without `/proc` only its start.
     pub(crate) fn process(&self, out: &mut Text) {
         let since = self.started.duration_since(UNIX_EPOCH).unwrap_or_default();
-        out.head("process_start_time_seconds", "gauge", "Start of the process since 1970");
+        out.head("process_start_time_seconds", "gauge", "Start time of the process, seconds since 1970");
         out.line("process_start_time_seconds", &[], since.as_secs_f64());
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let resident = status.lines().find_map(|l| l.strip_prefix("VmRSS:")?.trim().strip_suffix(" kB"));

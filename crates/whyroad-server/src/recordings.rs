@@ -148,7 +148,7 @@ pub trait Recordings: Send + Sync {
 /// First and last of the frame times of a drive.
 pub fn span_of(times: &[Nanos]) -> Result<(Nanos, Nanos), Bilingual> {
     let ends = times.first().zip(times.last()).map(|(first, last)| (*first, *last));
-    ends.ok_or_else(|| Bilingual::new("行程没有任何帧", "the drive has no frame"))
+    ends.ok_or_else(|| Bilingual::new("行程没有任何帧", "the drive has no frames"))
 }
 
 /// The same drives, for the label checks.

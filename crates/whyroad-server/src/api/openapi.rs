@@ -48,7 +48,7 @@ pub fn document(routes: &[Route]) -> Value {
         "info": {
             "title": "Whyroad labeling service",
             "version": "1",
-            "description": "Every call but GET needs the header x-csrf-token (value of GET /session) or a bearer token.",
+            "description": "All methods except GET need the header x-csrf-token (value of GET /session) or a bearer token.",
             "license": { "name": "Apache-2.0", "identifier": "Apache-2.0" },
         },
         "servers": [{ "url": "/api/v1" }],

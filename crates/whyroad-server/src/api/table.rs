@@ -36,7 +36,7 @@ pub static ROUTES: &[Route] = &[
     Route::post(
         "/oidc/begin",
         Access::Anyone,
-        "Begin to sign in at the identity provider, or to link oneself to it",
+        "Start signing in at the identity provider, or linking the caller's account to it",
         oidc::begin,
     )
     .takes::<BeginAtProvider>()
@@ -44,7 +44,7 @@ pub static ROUTES: &[Route] = &[
     Route::post(
         "/oidc/finish",
         Access::Anyone,
-        "End that with what the provider sent the browser back with",
+        "Complete it with the parameters with which the provider redirected the browser back",
         oidc::finish,
     )
     .takes::<Returned>()
@@ -52,7 +52,7 @@ pub static ROUTES: &[Route] = &[
     Route::get(
         "/identities",
         Access::SignedIn,
-        "Identities at the provider that one is linked to",
+        "Identities at the provider that are linked to the caller",
         oidc::list,
     )
     .query(&[("user", "of this user (id); for admins")])
@@ -60,7 +60,7 @@ pub static ROUTES: &[Route] = &[
     Route::delete(
         "/identities/{id}",
         Access::SignedIn,
-        "Unlink oneself, or as admin anybody; sessions that began there end",
+        "Unlink an identity of the caller, or of any user for admins; sessions that began there end",
         oidc::unlink,
     )
     .in_session_only()
@@ -68,18 +68,18 @@ pub static ROUTES: &[Route] = &[
     Route::get(
         "/users",
         Access::SignedIn,
-        "Users: all for admins and leads, for others those of their projects",
+        "Users: all for admins and leads, for others the members of their projects",
         accounts::list,
     )
     .gives::<Users>(),
-    Route::post("/users", Access::Admin, "Make a user", accounts::create)
+    Route::post("/users", Access::Admin, "Create a user", accounts::create)
         .takes::<NewUser>()
         .in_session_only()
         .gives::<User>(),
     Route::patch(
         "/users/{u}",
         Access::SignedIn,
-        "Change a user: oneself, or as admin anybody",
+        "Change a user: the caller, or any user for admins",
         accounts::change,
     )
     .takes::<UserChange>()
@@ -88,14 +88,14 @@ pub static ROUTES: &[Route] = &[
     Route::get("/tokens", Access::SignedIn, "Own API tokens", accounts::tokens)
         .query(&[("user", "of this user (id); for admins")])
         .gives::<Tokens>(),
-    Route::post("/tokens", Access::SignedIn, "Make an API token", accounts::make_token)
+    Route::post("/tokens", Access::SignedIn, "Create an API token", accounts::make_token)
         .takes::<NewToken>()
         .in_session_only()
         .gives::<Token>(),
     Route::delete(
         "/tokens/{id}",
         Access::SignedIn,
-        "Revoke an own API token, or as admin anybody's",
+        "Revoke an API token of the caller, or of any user for admins",
         accounts::revoke_token,
     )
     .gives::<Done>(),
@@ -103,14 +103,14 @@ pub static ROUTES: &[Route] = &[
     Route::get(
         "/projects",
         Access::SignedIn,
-        "Projects that one is a member of; all for admins",
+        "Projects of which the caller is a member; all for admins",
         projects::list,
     )
     .gives::<Projects>(),
     Route::post(
         "/projects",
         Access::Admin,
-        "Make a project; its maker gets all roles in it",
+        "Create a project; its creator gets all roles in it",
         projects::create,
     )
     .takes::<NewProject>()
@@ -146,14 +146,14 @@ pub static ROUTES: &[Route] = &[
     Route::get(
         "/projects/{p}/gold",
         Access::Lead,
-        "Gold tasks and how annotators did; nobody else learns which tasks these are",
+        "Gold tasks and the results of annotators; hidden from everybody else",
         projects::gold,
     )
     .gives::<GoldReport>(),
     Route::post(
         "/projects/{p}/gold",
         Access::Lead,
-        "Make gold tasks: hidden copies of accepted tasks for annotators",
+        "Create gold tasks: hidden copies of accepted tasks for annotators",
         projects::make_gold,
     )
     .takes::<NewGold>()
@@ -161,14 +161,14 @@ pub static ROUTES: &[Route] = &[
     Route::get(
         "/projects/{p}/model-runs",
         Access::Lead,
-        "The language model and its runs: drafts and judgements, progress, what they spent",
+        "The language model and its runs: drafts and judgments, progress, cost",
         model::show,
     )
     .gives::<ModelWork>(),
     Route::post(
         "/projects/{p}/model-runs",
         Access::Lead,
-        "Have the model draft tasks that nobody has begun, or judge labels that were handed in; in the background",
+        "Let the model draft tasks that nobody has started, or judge submitted labels, in the background",
         model::start,
     )
     .takes::<NewModelRun>()
@@ -179,7 +179,7 @@ pub static ROUTES: &[Route] = &[
     Route::get(
         "/projects/{p}/judge",
         Access::Staff,
-        "What the model says of the labels, and how far it agrees with people",
+        "The model's judgments of the labels, and its agreement with people",
         model::report,
     )
     .gives::<JudgeReport>(),
@@ -187,8 +187,8 @@ pub static ROUTES: &[Route] = &[
     Route::get("/projects/{p}/tasks", Access::Member, "Tasks; annotators see only their own", tasks::list)
         .query(&[
             ("state", "only these states, separated by commas"),
-            ("scenario", "only this class: L1, L2 or leaf"),
-            ("assignee", "only those held or written by this user (name or id)"),
+            ("scenario", "only this class: L1, L2 or L3"),
+            ("assignee", "only tasks held or written by this user (name or id)"),
             ("mine", "`true`: only own tasks"),
             ("q", "part of the clip's or task's id"),
             ("asks", "`lead`: only tasks with an open question to the lead"),
@@ -197,11 +197,11 @@ pub static ROUTES: &[Route] = &[
                 "sort",
                 "`priority` (default), `updated`, `created`, `scenario`, `clip` or `state`; `-` in front for descending",
             ),
-            ("cursor", "from the page before"),
+            ("cursor", "from the previous page"),
             ("limit", "page length, 1 to 200; default 50"),
         ])
         .gives::<Tasks>(),
-    Route::get("/mined", Access::SignedIn, "Folders of mining results to make tasks from", tasks::mined)
+    Route::get("/mined", Access::SignedIn, "Folders of mining results from which tasks can be created", tasks::mined)
         .gives::<MinedFolders>(),
     Route::get(
         "/projects/{p}/mined/{m}/episodes",
@@ -210,17 +210,17 @@ pub static ROUTES: &[Route] = &[
         mined::list,
     )
     .query(&[
-        ("scenario", "only this class: L1, L2 or leaf"),
+        ("scenario", "only this class: L1, L2 or L3"),
         ("drive", "only this drive"),
-        ("unjudged", "`true`: only those without a verdict of the caller's"),
-        ("cursor", "from the page before"),
+        ("unjudged", "`true`: only those without a verdict of the caller"),
+        ("cursor", "from the previous page"),
         ("limit", "page length, 1 to 200; default 50"),
     ])
     .gives::<EpisodeCards>(),
     Route::get(
         "/projects/{p}/mined/{m}/episode",
         Access::Lead,
-        "One mined episode: scene, map, signals, what the rule found; counts as seen",
+        "One mined episode: scene, map, signals, result of the rule; counts as seen",
         mined::show,
     )
     .query(EPISODE)
@@ -228,7 +228,7 @@ pub static ROUTES: &[Route] = &[
     Route::get(
         "/projects/{p}/mined/{m}/similar",
         Access::Lead,
-        "Episodes of the folder that resemble one, of its L2",
+        "Episodes of the folder that are similar to one, of its L2",
         mined::similar,
     )
     .query(&[
@@ -249,16 +249,16 @@ pub static ROUTES: &[Route] = &[
     Route::post(
         "/projects/{p}/verdicts",
         Access::Lead,
-        "Say of a mined episode whether it is right, or take that back",
+        "Record a verdict on a mined episode, or remove it",
         mined::judge,
     )
-    .empty_when("the verdict was taken back")
+    .empty_when("the verdict was removed")
     .takes::<NewVerdict>()
     .gives::<Verdict>(),
     Route::get("/projects/{p}/verdicts", Access::Lead, "All verdicts, as JSON lines or CSV", mined::export)
         .query(&[("format", "`json` (default) or `csv`")])
         .gives_media(JSON_LINES),
-    Route::post("/projects/{p}/tasks:create", Access::Lead, "Make tasks from episodes", tasks::create)
+    Route::post("/projects/{p}/tasks:create", Access::Lead, "Create tasks from episodes", tasks::create)
         .takes::<CreateTasks>()
         .takes_up_to(BodySize::Bulk)
         .gives::<Created>(),
@@ -279,15 +279,15 @@ pub static ROUTES: &[Route] = &[
     )
     .query(&[("kind", "`label` (default), `check` or `audit`")])
     .gives::<QueueState>(),
-    Route::get("/tasks/{t}", Access::TaskReader, "One task as far as it may be seen", tasks::show)
+    Route::get("/tasks/{t}", Access::TaskReader, "One task, as far as the caller may see it", tasks::show)
         .gives::<Task>(),
-    Route::post("/tasks/{t}/lease", Access::Member, "Take, keep or give back a lease", tasks::lease)
+    Route::post("/tasks/{t}/lease", Access::Member, "Take, renew or release a lease", tasks::lease)
         .takes::<LeaseRequest>()
         .gives::<Lease>(),
     Route::post(
         "/tasks/{t}/assign",
         Access::TaskLead,
-        "Give the task to somebody, or to the queue",
+        "Assign the task to a user, or return it to the queue",
         tasks::assign,
     )
     .takes::<Assign>()
@@ -300,9 +300,9 @@ pub static ROUTES: &[Route] = &[
     )
     .takes::<BulkChange>()
     .gives::<BulkChanged>(),
-    Route::get("/projects/{p}/work", Access::Member, "What there is to do, and what is one's own", tasks::work)
+    Route::get("/projects/{p}/work", Access::Member, "Pending work in the project and of the caller", tasks::work)
         .gives::<Work>(),
-    Route::get("/tasks/{t}/thumbnail", Access::TaskReader, "A small picture of the keyframe", tasks::thumbnail)
+    Route::get("/tasks/{t}/thumbnail", Access::TaskReader, "A thumbnail of the keyframe", tasks::thumbnail)
         .gives_media("image/svg+xml"),
     Route::patch("/tasks/{t}/draft", Access::TaskWorker, "Save changed fields of the draft", drafts::save)
         .takes::<DraftChange>()
@@ -326,7 +326,7 @@ pub static ROUTES: &[Route] = &[
     Route::post(
         "/tasks/{t}/judgement",
         Access::TaskWorker,
-        "Answer the questions that a model answered, of a label that was drawn for people; for who checks or audits it",
+        "Answer the questions that a model answered about a label that was drawn for people; for its checker or auditor",
         model::answer,
     )
     .takes::<JudgementAnswers>()
@@ -334,18 +334,18 @@ pub static ROUTES: &[Route] = &[
     Route::post(
         "/tasks/{t}/validate",
         Access::TaskReader,
-        "What the checker finds in a label",
+        "Findings of the checker in a label",
         drafts::validate,
     )
     .takes::<Validate>()
     .gives::<Findings>(),
-    Route::get("/tasks/{t}/history", Access::TaskReader, "Who did what", talk::history)
-        .query(&[("cursor", "from the page before"), ("limit", "page length; default: all")])
+    Route::get("/tasks/{t}/history", Access::TaskReader, "History of the task", talk::history)
+        .query(&[("cursor", "from the previous page"), ("limit", "page length; default: all")])
         .gives::<History>(),
     Route::get(
         "/tasks/{t}/history/{seq}",
         Access::TaskReader,
-        "The draft as it was after an entry",
+        "The draft after an entry of the history",
         talk::draft_at,
     )
     .gives::<DraftAt>(),
@@ -369,7 +369,7 @@ pub static ROUTES: &[Route] = &[
         scenes::scene,
     )
     .gives::<SceneView>(),
-    Route::get("/tasks/{t}/map", Access::TaskReader, "The road there", scenes::map).gives::<MapView>(),
+    Route::get("/tasks/{t}/map", Access::TaskReader, "The map around the keyframe", scenes::map).gives::<MapView>(),
     Route::get("/tasks/{t}/media/{camera}/{index}", Access::TaskReader, "A camera frame", scenes::media)
         .gives_media("image/*"),
     Route::get(
@@ -383,19 +383,19 @@ pub static ROUTES: &[Route] = &[
     Route::get(
         "/projects/{p}/export",
         Access::Lead,
-        "Accepted labels, or all tasks with their history, as JSONL",
+        "Accepted labels, or all tasks with their history, as JSON lines",
         transfer::export,
     )
     .query(&[
         ("format", "`labels` or `tasks`"),
-        ("version", "`2.0` for labels without what format 2.1 added"),
-        ("state", "labels of these states instead of the accepted ones"),
+        ("version", "`2.0` for labels without the additions of format 2.1"),
+        ("state", "labels in these states instead of the accepted ones"),
     ])
     .gives_media(JSON_LINES),
     Route::post(
         "/projects/{p}/import",
         Access::Lead,
-        "Tasks or labels as JSONL; labels become drafts",
+        "Import tasks or labels as JSON lines; labels become drafts",
         transfer::import,
     )
     .takes::<Value>()
@@ -409,6 +409,6 @@ pub static ROUTES: &[Route] = &[
     Route::delete("/webhooks/{w}", Access::WebhookLead, "Remove a webhook", webhooks::remove).gives::<Done>(),
     // The service.
     Route::get("/openapi.json", Access::Anyone, "This document", session::openapi).gives::<Value>(),
-    Route::get("/healthz", Access::Anyone, "Whether the service and its store answer", session::health)
+    Route::get("/healthz", Access::Anyone, "Whether the service and its store are available", session::health)
         .gives::<Done>(),
 ];

@@ -61,8 +61,8 @@ fn stale() -> Problem {
     Problem::new(
         403,
         "oidc.state",
-        "这次登录已过期、已用过，或始于另一个浏览器，请重新登录",
-        "this sign-in is over, was used already, or was begun in another browser: begin again",
+        "本次登录已过期、已使用，或始于另一个浏览器，请重新登录",
+        "this sign-in has expired, was already used, or was started in another browser: start again",
     )
 }
 

@@ -168,7 +168,7 @@ impl Provider {
             503,
             "oidc.busy",
             "同时登录的人太多，请稍后再试",
-            "too many are signing in at once: try again in a moment",
+            "too many people are signing in: try again later",
         ))
     }
 

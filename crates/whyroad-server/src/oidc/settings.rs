@@ -140,7 +140,7 @@ impl Settings {
             return Err(wrong(
                 "accounts",
                 "自动建立账号必须用 allow 限定可登录的人",
-                "accounts may be made only for those whom a condition of `allow` names",
+                "creating accounts automatically requires a condition in `allow`",
             ));
         }
         for grant in &written.grants {
@@ -149,7 +149,7 @@ impl Settings {
                 return Err(wrong(
                     "grants",
                     format!("{}={} 须给出 admin，或 project 与 roles", grant.claim, grant.value),
-                    format!("{}={} has to give admin, or a project with roles", grant.claim, grant.value),
+                    format!("{}={} must give admin, or a project with roles", grant.claim, grant.value),
                 ));
             }
         }
@@ -181,7 +181,7 @@ fn wrong(what: &str, zh: impl std::fmt::Display, en: impl std::fmt::Display) -> 
         500,
         "oidc.settings",
         format!("单点登录设置有误（{what}）：{zh}"),
-        format!("sign-in at a provider is set up wrongly ({what}): {en}"),
+        format!("the configuration of single sign-on is invalid ({what}): {en}"),
     )
 }
 
@@ -191,7 +191,7 @@ fn check_url(url: &str, what: &str) -> Answer<String> {
         wrong(
             what,
             format!("'{url}' 须为 https 网址；只有本机可用 http；不得含查询部分"),
-            format!("'{url}' has to be an https address, or http on this machine itself, without a query"),
+            format!("'{url}' must be an https address, or http on this machine itself, without a query"),
         )
     };
     let uri: Uri = url.parse().map_err(|_| fault())?;

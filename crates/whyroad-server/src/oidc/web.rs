@@ -38,7 +38,7 @@ impl Web {
                         500,
                         "oidc.settings",
                         format!("证书文件无法读取：{e}"),
-                        format!("the file of certificates cannot be read: {e}"),
+                        format!("the certificate file cannot be read: {e}"),
                     ));
                 }
             }

@@ -93,7 +93,7 @@ fn take_refused(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answe
 fn waits_for(state: State, actor: &Actor) -> Bilingual {
     match state {
         State::Stage1Locked | State::Stage2 | State::Rework => {
-            Bilingual::new("等待作者继续标注", "it waits for its author to go on")
+            Bilingual::new("等待作者继续标注", "it waits for its author to continue")
         }
         State::Submitted | State::InCheck => Bilingual::new("等待质检", "it waits for a checker"),
         State::Checked | State::InAudit => Bilingual::new("等待抽检", "it waits for an auditor"),

@@ -21,7 +21,7 @@ pub fn check_quota(
             422,
             "project.quota",
             format!("配额中的 '{id}' 不是 L3 场景"),
-            format!("'{id}' in the quota is not a leaf of the taxonomy"),
+            format!("'{id}' in the quota is not an L3 class of the taxonomy"),
         )),
     }
 }

@@ -23,7 +23,7 @@ pub fn text(app: &App) -> String {
     let mut out = Text::default();
     out.head("whyroad_build_info", "gauge", "Version of the program");
     out.line("whyroad_build_info", &[("version", env!("CARGO_PKG_VERSION"))], 1.0);
-    out.head("whyroad_ready", "gauge", "1 when the service can work: see /readyz");
+    out.head("whyroad_ready", "gauge", "1 if the service is ready: see /readyz");
     out.line("whyroad_ready", &[], f64::from(u8::from(ready(app).is_ok())));
     app.metrics.http(&mut out);
     of_store(app, &mut out);
@@ -33,19 +33,19 @@ pub fn text(app: &App) -> String {
 
 fn of_store(app: &App, out: &mut Text) {
     let held = app.metrics.of_store(|| look(app).ok());
-    out.head("whyroad_store_up", "gauge", "1 when the store answered the last time it was asked");
+    out.head("whyroad_store_up", "gauge", "1 if the store answered the last query");
     out.line("whyroad_store_up", &[], f64::from(u8::from(held.is_some())));
     // Without an answer nothing is known; 0 would be a false value.
     let Some(held) = held else { return };
-    out.head("whyroad_store_seconds", "gauge", "How long the store took for these figures");
+    out.head("whyroad_store_seconds", "gauge", "Time that the store took for these metrics");
     out.line("whyroad_store_seconds", &[], held.took.as_secs_f64());
     out.head("whyroad_tasks", "gauge", "Tasks by state");
     for (state, n) in &held.tasks {
         out.line("whyroad_tasks", &[("state", state)], *n as f64);
     }
-    out.head("whyroad_webhook_deliveries_waiting", "gauge", "Events that are to be delivered");
+    out.head("whyroad_webhook_deliveries_waiting", "gauge", "Events waiting for delivery");
     out.line("whyroad_webhook_deliveries_waiting", &[], held.waiting as f64);
-    out.head("whyroad_webhook_oldest_seconds", "gauge", "Age of the oldest of them; 0 without one");
+    out.head("whyroad_webhook_oldest_seconds", "gauge", "Age of the oldest event waiting for delivery; 0 if there is none");
     let age = held.oldest.map_or(0, |at| (app.now() - at).max(0));
     out.line("whyroad_webhook_oldest_seconds", &[], age as f64 / 1000.0);
 }

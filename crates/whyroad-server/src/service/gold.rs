@@ -32,7 +32,7 @@ pub fn make(app: &App, tx: &mut dyn Tx, project: &Project, request: &NewGold) ->
     if request.tasks.is_empty() || request.tasks.len() > MOST_TASKS || request.users.len() > MOST_PEOPLE {
         return Err(Problem::request(
             format!("须有 1 至 {MOST_TASKS} 个任务、至多 {MOST_PEOPLE} 名标注员"),
-            format!("give 1 to {MOST_TASKS} tasks and at most {MOST_PEOPLE} annotators"),
+            format!("a request must have 1 to {MOST_TASKS} tasks and at most {MOST_PEOPLE} annotators"),
         ));
     }
     let donors = donors(tx, &project.id)?;
@@ -83,7 +83,7 @@ fn refusal(
     )?;
     let is_copy = tx.row("SELECT 1 FROM gold WHERE task_id = $1", values![&source.id])?;
     if twice.is_some() || is_copy.is_some() {
-        return Ok(Some(Bilingual::new("已有这样的金标任务", "there is such a gold task already")));
+        return Ok(Some(Bilingual::new("已有这样的金标任务", "this gold task already exists")));
     }
     if seen::actor(tx, source, user, roles, rule)?.has_seen == Seen::Future {
         return Ok(Some(Bilingual::new(

@@ -38,7 +38,7 @@ pub fn enter(tx: &mut dyn Tx, settings: &Settings, claims: &Value, now: i64) -> 
             403,
             "oidc.not_allowed",
             "你在身份提供方的账号不在允许登录之列，请联系管理员",
-            "your account at the identity provider is not among those that may sign in: ask an administrator",
+            "your account at the identity provider is not permitted to sign in: ask an administrator",
         ));
     }
     let user = match linked(tx, &settings.issuer, subject(claims)?)? {
@@ -58,7 +58,7 @@ pub fn enter(tx: &mut dyn Tx, settings: &Settings, claims: &Value, now: i64) -> 
             403,
             "oidc.disabled",
             "此账号已停用，请联系管理员",
-            "this account may no longer sign in: ask an administrator",
+            "this account is disabled: ask an administrator",
         ));
     }
     tx.run(
@@ -77,13 +77,13 @@ pub fn link(tx: &mut dyn Tx, settings: &Settings, claims: &Value, user: &str, no
             409,
             "oidc.linked_elsewhere",
             "该身份已关联到另一个账号",
-            "that identity belongs to another account already",
+            "this identity is already linked to another account",
         )),
         None if has_identity(tx, &settings.issuer, user)? => Err(refused(
             409,
             "oidc.has_identity",
             "你的账号已关联另一个身份，请先解除",
-            "your account is linked to another identity: unlink that first",
+            "your account is linked to another identity: unlink it first",
         )),
         None => store(tx, settings, claims, user, now),
     }
@@ -119,7 +119,7 @@ pub fn unlink(tx: &mut dyn Tx, id: &str, caller: &User) -> Answer<()> {
             409,
             "oidc.only_way",
             "账号没有密码，这是唯一的登录方式；请先让管理员设置密码",
-            "the account has no password: this is its only way in; let an administrator set a password first",
+            "the account has no password, so this is its only sign-in method: ask an administrator to set a password first",
         ));
     }
     tx.run("DELETE FROM identities WHERE id = $1", values![id])?;

@@ -239,7 +239,7 @@ pub fn judge(app: &App, project: &str, user: &str, request: &NewVerdict) -> Answ
             Problem::request(format!("'{text}' 不是时刻"), format!("'{text}' is not a moment"))
         })?),
         (Some(VerdictKind::KeyframeMoved), None) => {
-            return Err(Problem::request("缺少正确的关键帧", "the right keyframe is missing"));
+            return Err(Problem::request("缺少正确的关键帧", "the correct keyframe is missing"));
         }
         _ => None,
     };
@@ -322,7 +322,7 @@ impl VerdictFormat {
             Some("csv") => Ok(Self::Csv),
             Some(other) => Err(Problem::request(
                 format!("'{other}' 不是导出格式：json 或 csv"),
-                format!("'{other}' is not a format: json or csv"),
+                format!("'{other}' is not an export format (json or csv)"),
             )),
         }
     }

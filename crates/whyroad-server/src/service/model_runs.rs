@@ -180,7 +180,7 @@ pub fn start(
             409,
             "model.running",
             "本项目已有同类的运行；请等它结束，或先停止它",
-            "a run of this kind is going on in this project: wait for it, or stop it first",
+            "a run of this kind is in progress in this project: wait for it to end, or stop it first",
         ));
     }
     let (id, now) = (secret::id()?, app.now());
@@ -218,13 +218,13 @@ pub fn start(
                 422,
                 "model.nothing",
                 "没有可起草的任务：只为无人开始的任务起草",
-                "no task to draft: only tasks that nobody has begun are drafted",
+                "no task to draft: only tasks that nobody has started are drafted",
             ),
             ModelRunKind::Judge => Problem::new(
                 422,
                 "model.nothing",
                 "没有可判定的标注：只判定已提交的标注",
-                "no label to judge: only labels that were handed in are judged",
+                "no label to judge: only submitted labels are judged",
             ),
         });
     }

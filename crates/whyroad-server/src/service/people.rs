@@ -128,7 +128,7 @@ pub fn update(tx: &mut dyn Tx, user: &User) -> Answer<()> {
             409,
             "user.last_admin",
             "至少要有一个管理员",
-            "at least one admin is needed",
+            "at least one admin is required",
         ));
     }
     Ok(())

@@ -73,7 +73,7 @@ pub fn record(
             422,
             "safety.reason",
             "请说明为何违法或不安全；选“其他”时须填写说明",
-            "say why it is illegal or unsafe; the reason 'other' needs a note",
+            "state why it is illegal or unsafe; the reason 'other' requires a note",
         ));
     }
     let ids: Vec<&str> = reasons.iter().map(|r| r.id()).collect();

@@ -55,7 +55,7 @@ impl ExportFormat {
             Some(other) => {
                 return Err(Problem::request(
                     format!("'{other}' 不是格式版本：2.0 或 2.1"),
-                    format!("'{other}' is not a format version: 2.0 or 2.1"),
+                    format!("'{other}' is not a format version (2.0 or 2.1)"),
                 ));
             }
         };
@@ -73,7 +73,7 @@ impl ExportFormat {
             Some("tasks") => Ok(Self::Tasks),
             Some(other) => Err(Problem::request(
                 format!("'{other}' 不是导出类型：labels 或 tasks"),
-                format!("'{other}' is not an export: labels or tasks"),
+                format!("'{other}' is not an export type (labels or tasks)"),
             )),
         }
     }
@@ -173,7 +173,7 @@ pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answ
     if lines.len() > MOST_LINES {
         return Err(Problem::request(
             format!("超过 {MOST_LINES} 行，请分批导入"),
-            format!("more than {MOST_LINES} lines: import them in parts"),
+            format!("more than {MOST_LINES} lines: import them in several parts"),
         ));
     }
     let project = app.store.read(|tx| projects::get(tx, project))?;

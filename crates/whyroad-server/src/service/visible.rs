@@ -79,7 +79,7 @@ pub fn may_change(t: &TaskRow, path: &str, value: &Value) -> Answer<()> {
             422,
             "draft.safety",
             "安全过滤由专门的请求回答，不能作为字段修改",
-            "the safety filter is answered by a call of its own, not changed as a field",
+            "the safety filter has a separate request and cannot be changed as a field",
         ));
     }
     let part_of_keyframe = path.strip_prefix(pointer::KEYFRAME).and_then(|rest| rest.strip_prefix('/'));
@@ -88,7 +88,7 @@ pub fn may_change(t: &TaskRow, path: &str, value: &Value) -> Answer<()> {
             422,
             "draft.hidden",
             "本项目阶段一不显示 L3 场景，关键帧范围在阶段二设置",
-            "Stage I of this project does not show the leaf: the keyframe's range is set in Stage II",
+            "Stage I of this project does not show the L3 class: the keyframe's range is set in Stage II",
         ));
     }
     match t.at.state {
@@ -96,7 +96,7 @@ pub fn may_change(t: &TaskRow, path: &str, value: &Value) -> Answer<()> {
             422,
             "draft.hidden",
             format!("阶段一只能修改关键要素和关键帧，不能修改 {path}"),
-            format!("Stage I changes critical components and the keyframe, not {path}"),
+            format!("in Stage I only critical components and the keyframe can be changed, not {path}"),
         )),
         State::Stage1 if field == name::KEYFRAME => not_after(path, value, keyframe),
         // The requirement of an L3 class on uncertainty could not be known while the class was hidden.
@@ -105,7 +105,7 @@ pub fn may_change(t: &TaskRow, path: &str, value: &Value) -> Answer<()> {
             422,
             "draft.frozen",
             "阶段一已锁定，关键要素不能再改",
-            "Stage I is locked: its critical components stay as they are",
+            "Stage I is locked: its critical components cannot be changed",
         )),
         _ => safety::before(t, path),
     }

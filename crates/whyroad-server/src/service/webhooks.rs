@@ -255,8 +255,8 @@ fn settle(app: &App, message: Message, outcome: Result<(), Bilingual>, now: i64)
         let error = match &outcome {
             Ok(()) => None,
             Err(why) if failures >= MOST_TRIES => Some(Bilingual::new(
-                format!("消息 {} 试了 {failures} 次后放弃：{}", message.id, why.zh),
-                format!("message {} given up after {failures} tries: {}", message.id, why.en),
+                format!("消息 {} 发送 {failures} 次失败后丢弃：{}", message.id, why.zh),
+                format!("message {} dropped after {failures} attempts: {}", message.id, why.en),
             )),
             Err(why) => Some(why.clone()),
         };

@@ -36,10 +36,10 @@ pub fn restore<R: BufRead>(
         let head = lines.next()?.ok_or_else(|| broken("empty"))?;
         let version = head["schema_version"].as_i64().unwrap_or(0);
         if head["whyroad_backup"] != 1 || version < 1 {
-            return Err(broken("not a backup of whyroad"));
+            return Err(broken("not a Whyroad backup"));
         }
         if version > LATEST {
-            return Err(broken(format!("tables of version {version}, this program knows up to {LATEST}")));
+            return Err(broken(format!("the backup has version {version}, this program supports up to {LATEST}")));
         }
         for table in ["users", "projects"] {
             if tx.row(&format!("SELECT 1 FROM {table} LIMIT 1"), &[])?.is_some() {

@@ -35,8 +35,8 @@ pub(super) fn version(tx: &mut dyn Tx) -> Answer<i64> {
         return Err(Problem::new(
             503,
             "store.newer",
-            format!("存储的版本为 {version}，本程序只认识到 {LATEST}"),
-            format!("the store is of version {version}, this program knows up to {LATEST}"),
+            format!("存储的版本为 {version}，本程序最高支持 {LATEST}"),
+            format!("the store has version {version}, this program supports up to {LATEST}"),
         ));
     }
     Ok(version)

@@ -125,7 +125,7 @@ pub fn set_member(call: &Call<'_>) -> Answer<Reply> {
     if change.skills.len() > 200 || change.skills.iter().any(|s| s.len() > 100) {
         return Err(Problem::request(
             "技能至多 200 项，每项至多 100 个字符",
-            "at most 200 skills of 100 characters",
+            "at most 200 skills with at most 100 characters each",
         ));
     }
     classes::check_skills(&call.app.framework.taxonomy, &change.skills)?;

@@ -182,7 +182,7 @@ fn over() -> Problem {
         409,
         "setup.done",
         "已有用户，首次设置已结束",
-        "there are users already: the first run is over",
+        "users already exist: the initial setup is complete",
     )
 }
 

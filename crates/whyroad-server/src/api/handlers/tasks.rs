@@ -89,7 +89,7 @@ pub fn queue(call: &Call<'_>) -> Answer<Reply> {
         Some(other) => {
             return Err(Problem::request(
                 format!("'{other}' 不是工作类别：label、check 或 audit"),
-                format!("'{other}' is not a kind of work: label, check or audit"),
+                format!("'{other}' is not a kind of work (label, check or audit)"),
             ));
         }
     };

@@ -63,7 +63,7 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
     let Some(drive) = ClipId(label.clip_id.clone()).drive() else {
         return Err(Bilingual::new(
             format!("无法从 clip '{}' 得知行程", label.clip_id),
-            format!("clip '{}' names no drive", label.clip_id),
+            format!("the drive cannot be determined from clip '{}'", label.clip_id),
         ));
     };
     let episode = EpisodeRecord {

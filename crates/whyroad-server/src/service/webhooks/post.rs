@@ -75,7 +75,7 @@ impl Receiver {
         if host.is_empty() || url.chars().any(odd) || !url.is_ascii() || url.contains('#') {
             return Err(Bilingual::new(
                 "没有主机名，或含有网址不能有的字符",
-                "it has no host, or characters that an address cannot have",
+                "it has no host, or characters that are not allowed in an address",
             ));
         }
         let slash = if path.starts_with('/') { "" } else { "/" };
@@ -132,7 +132,7 @@ fn connect(to: &Receiver, reach: &Reach) -> Result<TcpStream, Bilingual> {
     let host = to.host();
     let places = (host, to.port)
         .to_socket_addrs()
-        .map_err(|e| Bilingual::new(format!("找不到 {host}：{e}"), format!("{host} is not known: {e}")))?;
+        .map_err(|e| Bilingual::new(format!("找不到 {host}：{e}"), format!("{host} was not found: {e}")))?;
     let mut why = Bilingual::new(format!("{host} 没有地址"), format!("{host} has no address"));
     for place in places {
         if !reach.allows(host, to.port, place.ip()) {
