@@ -243,7 +243,7 @@ fn a_large_store_comes_out_in_pages_and_a_backup_of_a_newer_program_is_refused()
 
     let empty = Store::open(&dir.path().join("empty")).unwrap();
     for (head, why) in
-        [(r#"{"whyroad_backup":1,"schema_version":99}"#, "knows up to"), ("", "empty"), ("[", "EOF")]
+        [(r#"{"whyroad_backup":1,"schema_version":99}"#, "supports up to"), ("", "empty"), ("[", "EOF")]
     {
         let told = restore(&empty, move || Ok(Cursor::new(head))).unwrap_err();
         assert!(told.code == "restore.broken" && told.text.en.contains(why), "{told}");
