@@ -45,7 +45,11 @@ fn of_store(app: &App, out: &mut Text) {
     }
     out.head("whyroad_webhook_deliveries_waiting", "gauge", "Events waiting for delivery");
     out.line("whyroad_webhook_deliveries_waiting", &[], held.waiting as f64);
-    out.head("whyroad_webhook_oldest_seconds", "gauge", "Age of the oldest event waiting for delivery; 0 if there is none");
+    out.head(
+        "whyroad_webhook_oldest_seconds",
+        "gauge",
+        "Age of the oldest event waiting for delivery; 0 if there is none",
+    );
     let age = held.oldest.map_or(0, |at| (app.now() - at).max(0));
     out.line("whyroad_webhook_oldest_seconds", &[], age as f64 / 1000.0);
 }

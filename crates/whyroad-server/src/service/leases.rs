@@ -87,7 +87,12 @@ pub(super) fn may_take(
             .with(json!({ "lease_until": t.lease_until })));
     }
     if t.adjudication.as_deref() == Some("superseded") {
-        return Err(Problem::new(409, "task.superseded", "已选用另一份标注", "another label of this episode was chosen"));
+        return Err(Problem::new(
+            409,
+            "task.superseded",
+            "已选用另一份标注",
+            "another label of this episode was chosen",
+        ));
     }
     if t.at.state == State::Open && t.assigned.as_deref().is_some_and(|a| a != actor.id) {
         return Err(Problem::new(

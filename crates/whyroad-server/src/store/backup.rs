@@ -39,7 +39,9 @@ pub fn restore<R: BufRead>(
             return Err(broken("not a Whyroad backup"));
         }
         if version > LATEST {
-            return Err(broken(format!("the backup has version {version}, this program supports up to {LATEST}")));
+            return Err(broken(format!(
+                "the backup has version {version}, this program supports up to {LATEST}"
+            )));
         }
         for table in ["users", "projects"] {
             if tx.row(&format!("SELECT 1 FROM {table} LIMIT 1"), &[])?.is_some() {
