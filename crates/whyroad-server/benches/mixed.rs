@@ -1,9 +1,9 @@
 //! `serve/mixed`: a labeling day in one process. 200 annotators save a change every second, 20 dashboards are read
-//! every second, and one export after the other goes out; the service and its clients share the machine. On SQLite.
+//! every second, and exports run one after another; the service and its clients share the machine. On SQLite.
 //!
 //! `cargo bench -p whyroad-server --bench mixed -- [--seconds 30] [--annotators 200] [--dashboards 20] [--tasks 2000]`.
 //! Prints the times of each kind of call and the memory of the process; with `--limit-ms 100` it fails when a save
-//! takes longer at p99. For a soak run it for an hour (`.ci/soak`): memory is printed every minute, and with
+//! takes longer at p99. For a soak test run it for an hour (`.ci/soak`): memory is printed every minute, and with
 //! `--growth-percent 15` it fails when the process has grown by more since the first tenth of the time.
 
 #![allow(clippy::unwrap_used, reason = "a bench says what went wrong by failing")]
@@ -34,7 +34,7 @@ fn argument(name: &str, usual: u64) -> u64 {
 struct Times(Mutex<Vec<f64>>);
 
 impl Times {
-    /// Allocates and touches room for `calls`, so that the list itself does not grow during a soak.
+    /// Allocates and touches memory for `calls`, so that the list itself does not grow during a soak test.
     fn of(calls: u64) -> Self {
         let mut all = vec![f64::NAN; calls as usize];
         all.clear();
@@ -48,7 +48,7 @@ impl Times {
         out
     }
 
-    /// Number, median, 99th percentile and greatest, ms.
+    /// Number, median, 99th percentile and maximum, ms.
     fn figures(&self) -> (usize, f64, f64, f64) {
         let mut all = self.0.lock().unwrap().clone();
         all.sort_by(f64::total_cmp);
@@ -64,14 +64,14 @@ impl Times {
     }
 }
 
-/// Memory of this process in MB, where the system says.
+/// Memory of this process in MB, if the system reports it.
 fn memory_mb() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmRSS:"))?;
     line.trim().trim_end_matches("kB").trim().parse::<u64>().ok().map(|kb| kb / 1024)
 }
 
-/// An annotator with the task in their hands.
+/// An annotator with their task.
 struct Hand {
     who: Person,
     task: String,
@@ -96,7 +96,7 @@ fn main() {
     let (annotators, dashboards, tasks) =
         (argument("--annotators", 200), argument("--dashboards", 20), argument("--tasks", 2000).max(200));
     let (limit_ms, growth) = (argument("--limit-ms", 0), argument("--growth-percent", 0));
-    // After the first tenth: what is loaded once and kept is there then.
+    // After the first tenth, everything that is loaded once has been loaded.
     let warm = Mutex::new(None);
     let world = World::on_sqlite(Future::Brakes);
     let admin = world.admin();
@@ -134,7 +134,7 @@ fn main() {
         for (n, mut hand) in hands.into_iter().enumerate() {
             let saves = &saves;
             scope.spawn(move || {
-                // Spread over the second, as people are.
+                // Distributed over the second, as people are.
                 std::thread::sleep(Duration::from_millis(n as u64 * 1000 / annotators));
                 let mut due = Instant::now();
                 let mut round = 0;
@@ -159,7 +159,7 @@ fn main() {
         }
         scope.spawn(|| {
             while Instant::now() < ends {
-                // Not kept: an export has the whole history, which grows, and is not memory of the service.
+                // Not kept: an export contains the whole history, which grows, and is not memory of the service.
                 let lines =
                     exports.measure(|| admin.lines(&format!("/projects/{project}/export?format=tasks")));
                 assert_eq!(lines, names.len());

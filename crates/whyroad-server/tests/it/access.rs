@@ -1,5 +1,5 @@
-//! Who may call what, route by route: the OpenAPI document is read, every route is called by every kind of person, and
-//! answers are compared with a table written here by hand.
+//! Access to each route: the OpenAPI document is read, every route is called by every kind of caller, and responses are
+//! compared with a hand-written table.
 
 use crate::work::Work;
 use crate::world::{Person, World};
@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 const KINDS: [&str; 9] =
     ["nobody", "outsider", "other_lead", "annotator", "holder", "checker", "auditor", "lead", "admin"];
 
-/// For each word of `x-access` who gets through the gate: a letter a kind, in the order above. `y` passes, `-` does not
-/// (401 without a session, else 403 or 404).
+/// For each value of `x-access` the permitted callers: one letter per kind, in the order above. `y` passes, `-` does
+/// not (401 without a session, else 403 or 404).
 fn table(access: &str) -> &'static str {
     match access {
         "anyone" => "yyyyyyyyy",
@@ -45,7 +45,7 @@ pub fn every_route_lets_in_only_whom_it_should(world: &World) {
         ("checker", person("chen", &["checker"])),
         ("auditor", person("aud", &["auditor"])),
         ("lead", person("lea", &["lead"])),
-        // Member of nothing: its rights are the admin's own.
+        // Not a member of any project: only the rights of an admin.
         ("admin", {
             let mut second = json!({ "name": "root2", "password": crate::world::PASSWORD, "admin": true });
             second["lang"] = json!("en");
@@ -71,7 +71,7 @@ pub fn every_route_lets_in_only_whom_it_should(world: &World) {
             let access = operation["x-access"].as_str().unwrap();
             let expected = table(access);
             for ((kind, caller), passes) in callers.iter().zip(expected.chars()) {
-                // Signing out and the like would end the session under test.
+                // Signing out would end the session under test.
                 if path == "/session" && verb == "delete" {
                     continue;
                 }
@@ -86,9 +86,9 @@ pub fn every_route_lets_in_only_whom_it_should(world: &World) {
                     .replace("{seq}", "1")
                     .replace("{camera}", "front%20left")
                     .replace("{index}", "0");
-                // A body that no handler takes: what passes the gate changes nothing.
+                // A body that no handler accepts: a call that passes the access check changes nothing.
                 let body = (verb != "get").then_some(&b"{\"no such field\": 1"[..]);
-                // These take no body, so they are asked last and for real.
+                // These take no body, so they are called last, with effect.
                 if path.contains("{w}") || path.ends_with("/resolve") {
                     continue;
                 }
@@ -111,7 +111,7 @@ pub fn every_route_lets_in_only_whom_it_should(world: &World) {
     ] {
         let verb = if kinds == "webhook_lead" { "DELETE" } else { "POST" };
         for ((kind, caller), passes) in callers.iter().zip(table(kinds).chars()) {
-            // Only the first that passes finds a webhook; another's remark is not there in Stage I.
+            // Only the first caller that passes finds a webhook; the comment of another user is hidden in Stage I.
             if passes == '-' {
                 check(kind, verb, &path, kinds, '-', caller.call(verb, &path, None, &[]).status);
             }
@@ -130,7 +130,7 @@ fn check(kind: &str, verb: &str, path: &str, access: &str, passes: char, status:
         assert!(refused.contains(&status), "{kind} {verb} {path} ({access}): {status}");
         return;
     }
-    // Past the gate a handler may be stricter; what it may not do is fail.
+    // A handler may be stricter than the access check, but must not fail.
     assert!(status < 500, "{kind} {verb} {path} ({access}): {status}");
     let stricter = [
         "/mined",
@@ -169,7 +169,7 @@ pub fn the_roles_of_a_project_bound_its_work(world: &World) {
     );
     let accept = json!({ "action": "accept", "fence": work.fence });
     assert_ne!(ann.post(&work.path("/actions"), &accept).status, 200);
-    // Out of the project, out of its tasks.
+    // A user removed from the project has no access to its tasks.
     lead.post(&format!("/projects/{project}/members"), &json!({ "user": "ann", "roles": [] })).fine();
     assert_eq!(ann.get(&work.path("")).refusal(), (404, "not_found".into()));
     assert_eq!(ann.get(&format!("/projects/{project}")).refusal().0, 404);

@@ -1,11 +1,11 @@
-//! What somebody with bad intent, or a broken tool, sends: each is refused, and nobody else feels it.
+//! Malicious or malformed requests: each is refused, and does not affect other users.
 
 use crate::recorded::episode;
 use crate::work::{Begin, Work};
 use crate::world::{PASSWORD, World};
 use serde_json::{Value, json};
 
-/// So many lists, one in the other.
+/// This many nested lists.
 fn nested(depth: usize) -> Value {
     (0..depth).fold(json!(1), |inner, _| json!([inner]))
 }
@@ -13,8 +13,8 @@ fn nested(depth: usize) -> Value {
 pub fn a_draft_nested_too_deep_is_refused_and_nobody_else_feels_it(world: &World) {
     let Begin { admin, project, ann, task } = Begin::on(world);
     let mut work = Work::take(&ann, &task);
-    // serde_json reads nothing nested more than 128 deep: what is stored deeper is lost for ever. So much comes in just
-    // so.
+    // serde_json cannot read anything nested more than 128 deep: data that is stored deeper is lost. These depths are
+    // just below and above the limit.
     for depth in [40, 110, 120, 121, 122, 123] {
         let set = work.set(&[("/critical_components/0/a/b/c/d/e", nested(depth))]);
         assert_eq!(set.refusal(), (422, "draft.too_deep".into()), "{depth}");
@@ -44,7 +44,7 @@ pub fn texts_that_one_of_the_databases_cannot_hold_are_refused_by_both(world: &W
     assert_eq!(admin.patch(&format!("/users/{}", admin.id), &json!({ "display": nul })).refusal(), refused);
     assert_eq!(admin.get(&format!("/projects/{project}/tasks?q=%00")).refusal(), refused);
     assert_eq!(admin.get("/tasks/a%00b").refusal(), refused);
-    // Inside a draft it is a text like any other: drafts are kept as JSON, where it is escaped.
+    // Inside a draft it is an ordinary text: drafts are stored as JSON, where it is escaped.
     let ann = world.person(&admin, &project, "ann", &["annotator"]);
     let mut work = Work::take(&ann, &task);
     assert_eq!(work.set(&[("/critical_components/0/description", json!(nul))]).status, 200);
@@ -79,7 +79,7 @@ pub fn people_know_whom_they_work_with_and_no_others(world: &World) {
     assert_eq!(names(&ann), ["admin", "ann"], "the admin made the project and is in it");
     assert_eq!(names(&bob), ["bob"]);
     assert_eq!(names(&lea), ["admin", "ann", "bob", "lea"], "a lead gives work to anybody");
-    // Ids of one project open nothing in another.
+    // Ids of one project give no access in another.
     let task = world.tasks(&admin, &town, &["drive1"], 1)[0].clone();
     for path in ["", "/scene", "/map", "/history", "/overlap"] {
         assert_eq!(lea.get(&format!("/tasks/{task}{path}")).refusal(), (404, "not_found".into()), "{path}");
@@ -133,19 +133,19 @@ pub fn tokens_end_and_make_no_tokens(world: &World) {
         more.as_object().unwrap().iter().for_each(|(k, v)| body[k] = v.clone());
         ann.post("/tokens", &body)
     };
-    // None makes another, changes its user, or signs somebody in for good.
+    // No token can create another one, change its user, or sign in permanently.
     let first = script(&make(json!({})).fine());
     assert_eq!(first.post("/tokens", &json!({ "name": "x" })).refusal(), (403, "token.session_only".into()));
     let own = format!("/users/{}", ann.id);
     let change = json!({ "password": "another horse", "present_password": PASSWORD });
     assert_eq!(first.patch(&own, &change).refusal(), (403, "token.session_only".into()));
-    // Read-only ones read.
+    // Read-only tokens can read.
     let reads = script(&make(json!({ "scope": "read" })).fine());
     reads.get("/projects").fine();
     let id = make(json!({})).fine()["id"].as_str().unwrap().to_owned();
     let revoke = format!("/tokens/{id}");
     assert_eq!(reads.call("DELETE", &revoke, None, &[]).refusal(), (403, "token.read_only".into()));
-    // An admin sees and revokes those of others; others do not.
+    // An admin sees and revokes the tokens of others; other users do not.
     let listed = admin.get(&format!("/tokens?user={}", ann.id)).fine();
     assert_eq!(listed["items"].as_array().unwrap().len(), 3);
     let bob = world.person(&admin, "", "bob", &[]);
@@ -160,7 +160,7 @@ pub fn tokens_end_and_make_no_tokens(world: &World) {
     world.wait(24 * 3600);
     assert_eq!(short.get("/projects").refusal(), (401, "session.required".into()));
     first.get("/projects").fine();
-    // And they end with the password, with a reset, and with the account.
+    // They also end when the password changes or is reset, and with the account.
     ann.patch(&own, &change).fine();
     assert_eq!(first.get("/projects").status, 401);
     for end in [json!({ "password": "third horse" }), json!({ "disabled": true })] {
@@ -214,7 +214,7 @@ pub fn more_values_than_any_label_has_are_refused_at_once(world: &World) {
             let refusal = work.set(&[("/critical_components", many.clone())]).refusal();
             (refusal, start.elapsed())
         });
-        // Nobody else waits for it.
+        // No other user waits for it.
         let mut n = 0;
         while n < 5 || !attack.is_finished() {
             let start = std::time::Instant::now();

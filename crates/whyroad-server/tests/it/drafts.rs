@@ -12,7 +12,7 @@ pub fn changes_of_different_fields_merge_and_of_the_same_conflict(world: &World)
     work.act("lock_stage1", &json!({})).fine();
     work.safe();
     let base = work.version;
-    // One tab writes the trace; another, which has not seen it, the decision.
+    // One tab writes the trace; another one, which has not loaded it, the decision.
     assert_eq!(work.set(&[("/coc_trace", json!("one"))]).status, 200);
     let save = |base: i64, path: &str, value: Value| {
         let body = json!({ "fence": work.fence, "base_version": base, "changes": [{ "path": path, "value": value }] });
@@ -28,7 +28,7 @@ pub fn changes_of_different_fields_merge_and_of_the_same_conflict(world: &World)
     assert_eq!(more["conflicts"], json!([{ "path": "/coc_trace", "mine": "two", "theirs": "one" }]));
     assert_eq!(more["draft"]["coc_trace"], "one");
     let now = more["version"].as_i64().unwrap();
-    // The same value is no conflict, and with the newest version it goes through.
+    // The same value is no conflict, and with the newest version it is accepted.
     save(base, "/coc_trace", json!("one")).fine();
     save(now + 1, "/coc_trace", json!("two")).fine();
     assert_eq!(save(now + 99, "/coc_trace", json!("x")).refusal().0, 400);
@@ -52,24 +52,24 @@ pub fn an_older_token_writes_nothing(world: &World) {
     let mut first = Work::take(&ann, &task);
     let lease = |who: &crate::world::Person, body: Value| who.post(&format!("/tasks/{task}/lease"), &body);
     assert_eq!(lease(&bob, json!({ "action": "take" })).refusal(), (409, "lease.held".into()));
-    // A second tab of the same person voids the first.
+    // A second tab of the same person invalidates the first.
     let mut second = Work::take(&ann, &task);
     assert!(second.fence > first.fence);
     let name = |n: i64| json!({ "action": "heartbeat", "fence": n });
     assert_eq!(first.set(&[("/critical_components", json!([]))]).refusal(), (409, "lease.lost".into()));
     assert_eq!(lease(&ann, name(first.fence)).refusal(), (409, "lease.lost".into()));
     assert_eq!(first.act("lock_stage1", &json!({})).refusal(), (409, "lease.lost".into()));
-    // Heartbeats keep it.
+    // Heartbeats renew it.
     for _ in 0..5 {
         world.wait(50);
         lease(&ann, name(second.fence)).fine();
     }
     assert_eq!(lease(&bob, json!({ "action": "take" })).refusal(), (409, "lease.held".into()));
-    // It ran out, and nobody took it: its holder may still write, and has it again.
+    // It expired, and nobody took it: its holder can still write, and gets the lease again.
     world.wait(120);
     assert_eq!(second.set(&[("/critical_components/0/description", json!("late"))]).status, 200);
     assert_eq!(lease(&bob, json!({ "action": "take" })).refusal(), (409, "lease.held".into()));
-    // It ran out, and somebody took it.
+    // It expired, and another user took it.
     world.wait(120);
     lease(&bob, json!({ "action": "take" })).fine();
     assert_eq!(
@@ -78,7 +78,7 @@ pub fn an_older_token_writes_nothing(world: &World) {
         "not even there any more"
     );
     assert_eq!(lease(&ann, name(second.fence)).refusal(), (409, "lease.lost".into()));
-    // A lead takes it out of bob's hands.
+    // A lead releases it from bob.
     lease(&admin, json!({ "action": "release" })).fine();
     lease(&ann, json!({ "action": "take" })).fine();
 }
@@ -115,13 +115,13 @@ pub fn an_earlier_draft_comes_back(world: &World) {
     assert_eq!(work.set(&[("/coc_trace", json!("second"))]).status, 200);
     let back = work.act("restore", &json!({ "seq": seq })).fine();
     assert_eq!(back["draft"]["coc_trace"], "first");
-    // Back to the very beginning: what Stage I locked stays locked.
+    // Back to the first draft: the parts locked in Stage I stay locked.
     let back = work.act("restore", &json!({ "seq": 1 })).fine();
     assert!(back["draft"]["coc_trace"].as_str().unwrap().starts_with("[DRAFT]"));
     assert_eq!(back["draft"]["critical_components"], components);
     assert_eq!(back["draft"]["safety_filter"], json!({ "answer": "safe" }), "the answer stands");
     assert_eq!(work.act("restore", &json!({ "seq": 999 })).refusal().0, 404);
-    // The history still has all of it.
+    // The history still contains everything.
     let second = ann.get(&work.path(&format!("/history/{}", seq + 1))).fine();
     assert_eq!(second["draft"]["coc_trace"], "second");
 }
@@ -152,7 +152,7 @@ pub fn in_stage_one_the_end_of_the_keyframes_range_survives_unseen(world: &World
     assert!(changed.contains(&json!("/keyframe")), "the difference from the suggestion is kept");
 }
 
-/// The range begins at the suggested keyframe, as that of most classes does, and is set in Stage II only.
+/// The range begins at the suggested keyframe, as for most classes, and is set in Stage II only.
 pub fn in_stage_one_a_keyframe_before_its_range_can_be_locked(world: &World) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));

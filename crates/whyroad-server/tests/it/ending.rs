@@ -1,4 +1,4 @@
-//! The end of the service: what was begun is finished, nothing new is taken.
+//! The end of the service: requests in progress are finished, no new ones are accepted.
 
 use crate::postgres_server::Server;
 use crate::recorded::{Future, Recorded};
@@ -33,19 +33,19 @@ fn what_was_begun_is_finished_when_the_service_ends() {
         let _ = stopped.await;
     }));
 
-    // Half a request.
+    // An incomplete request.
     let mut half = TcpStream::connect(address).unwrap();
     half.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     half.write_all(
         b"POST /api/v1/session HTTP/1.1\r\nhost: t\r\ncontent-length: 2\r\nconnection: close\r\n\r\n{",
     )
     .unwrap();
-    // A connection that only lies there.
+    // An idle connection.
     let _idle = TcpStream::connect(address).unwrap();
     std::thread::sleep(Duration::from_millis(300));
     stop.send(()).unwrap();
     let start = Instant::now();
-    // From now on nothing new is taken.
+    // From now on no new connection is accepted.
     let refuses = || match TcpStream::connect_timeout(&address, Duration::from_secs(1)) {
         Err(_) => true,
         Ok(mut late) => {
@@ -60,14 +60,14 @@ fn what_was_begun_is_finished_when_the_service_ends() {
     half.write_all(b"}").unwrap();
     let mut answer = String::new();
     half.read_to_string(&mut answer).unwrap();
-    // No CSRF value was sent: it is a refusal, but a whole one.
+    // No CSRF value was sent: the response is a refusal, but a complete one.
     assert!(answer.starts_with("HTTP/1.1 403") && answer.contains("session.csrf"), "{answer}");
     drop(half);
     let ended = runtime.block_on(async { tokio::time::timeout(Duration::from_secs(60), served).await });
     assert!(ended.unwrap().unwrap().is_ok(), "and then it ends, whoever is still connected");
 }
 
-/// The last to hold the service may be a task of the runtime: closing PostgreSQL's connections there must not panic.
+/// The last owner of the service may be a task of the runtime: closing PostgreSQL's connections there must not panic.
 #[test]
 fn a_service_on_postgresql_ends_without_a_panic() {
     let Some(server) = Server::start() else { return };
@@ -80,7 +80,7 @@ fn a_service_on_postgresql_ends_without_a_panic() {
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         tokio::spawn(async move {
             let served = whyroad_server::serve(Arc::clone(&app), listener, async {}).await;
-            // The thread of the webhooks lets go of it within a second.
+            // The thread of the webhooks releases it within a second.
             while Arc::strong_count(&app) > 1 {
                 tokio::time::sleep(Duration::from_millis(20)).await;
             }
@@ -137,8 +137,8 @@ impl Recordings for Endless {
     }
 }
 
-/// A derivation that hangs, in a request and in the background, keeps nobody from stopping the service: within the 15 s
-/// that requests have, and the 2 s that the binary gives what is left (`cmd/serve.rs`).
+/// A derivation that hangs, in a request and in the background, does not keep the service from stopping: within the 15
+/// s for requests, and the 2 s that the binary waits for the rest (`cmd/serve.rs`).
 #[test]
 fn the_service_ends_within_twenty_seconds_while_derivations_hang() {
     let world = World::on_sqlite(Future::Brakes);
@@ -158,7 +158,7 @@ fn the_service_ends_within_twenty_seconds_while_derivations_hang() {
     let served = runtime.spawn(whyroad_server::serve(app, listener, async move {
         let _ = stopped.await;
     }));
-    // Tasks whose drafts never come, and a scene that never comes.
+    // Tasks whose drafts are never finished, and a scene that is never finished.
     world.tasks(&Person { address, ..admin }, &project, &["drive2", "drive3"], 1);
     let mut hangs = TcpStream::connect(address).unwrap();
     let cookie = ann.cookie.unwrap();

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 pub fn the_whole_path_from_setup_to_export(world: &World) {
     let admin = world.admin();
-    // Audits are another test's.
+    // Audits are covered by another test.
     let project = world.project(&admin, "town", &json!({ "audit_min_percent": 0, "audit_max_percent": 0 }));
     let ann = world.person(&admin, &project, "ann", &["annotator"]);
     let chen = world.person(&admin, &project, "chen", &["checker"]);
@@ -30,7 +30,7 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
     assert!(view["draft"]["coc_trace"].as_str().unwrap().starts_with("[DRAFT]"));
     let scene = ann.get(&work.path("/scene")).fine();
     assert!(scene["hidden_until"].is_null());
-    // Six seconds after the end of the range, or what the spec packs: here 3 s after 10:30:13, and at least 6 s.
+    // Six seconds after the end of the range, or the duration in the spec: here 3 s after 10:30:13, and at least 6 s.
     let last = scene["times"].as_array().unwrap().last().unwrap().as_str().unwrap();
     assert!(last >= "2026-01-15T10:30:15.400Z", "{last}");
 
@@ -96,7 +96,7 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
         "accept",
     ];
     assert_eq!(actions, expected);
-    // Every state can be had again: the draft after the first submission is the one before the rework.
+    // Every version can be restored: the draft after the first submission is the one before the rework.
     let first = admin.get(&format!("/tasks/{}/history/8", ids[0])).fine();
     assert_ne!(first["draft"]["coc_trace"], json!(better));
     assert_eq!(first["draft"]["provenance"]["by"], "ann");
@@ -109,7 +109,7 @@ pub fn a_label_made_here_names_a_cause_of_each_decision(world: &World) {
     work.act("lock_stage1", &json!({})).fine();
     work.stage2();
     let made = work.view()["draft"]["causes"].clone();
-    // Taken away, null and empty: as a label of format 2.0 comes in, or as somebody clears the field.
+    // Removed, null and empty: as in a label of format 2.0, or when a user clears the field.
     let body = json!({ "fence": work.fence, "base_version": work.version,
         "changes": [{ "path": "/causes", "remove": true }] });
     work.version = ann.patch(&work.path("/draft"), &body).fine()["version"].as_i64().unwrap();

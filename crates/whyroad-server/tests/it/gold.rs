@@ -1,4 +1,4 @@
-//! Gold tasks: hidden among others, compared with the known answer, seen by leads alone.
+//! Gold tasks: hidden among others, compared with the known answer, visible to leads only.
 
 use crate::leaks::{all_answers, same};
 use crate::work::Work;
@@ -8,7 +8,7 @@ use whyroad_server::values;
 
 const ALL_ROLES: &[&str] = &["annotator"];
 
-/// A project with an accepted label of Bob's of `labelled`, and open tasks of `open`.
+/// A project with an accepted label by Bob of `labelled`, and open tasks of `open`.
 struct Town {
     admin: Person,
     project: String,
@@ -45,8 +45,9 @@ fn report(town: &Town) -> Value {
     town.admin.get(&format!("/projects/{}/gold", town.project)).fine()
 }
 
-/// All that Ann gets in Stage I, then in Stage II and after, of the task of `drive1`: a gold task or an ordinary one.
-/// One more task waits in both towns; of two with one age their random ids would decide which comes next.
+/// All responses that Ann gets in Stage I, then in Stage II and after, for the task of `drive1`: a gold task or an
+/// ordinary one. One more task waits in both towns; with two of the same age their random ids would determine the
+/// order.
 fn answers(is_gold: bool) -> Vec<(String, String)> {
     let world = World::on_sqlite(crate::recorded::Future::Brakes);
     let (labelled, open): (&str, &[&str]) =
@@ -70,7 +71,7 @@ fn answers(is_gold: bool) -> Vec<(String, String)> {
     work.act("lock_stage1", &json!({})).fine();
     let before = work.view()["draft"].clone();
     out.extend(all_answers(&town.project, &work, &town.ann));
-    // Comments of one moment are listed in the order of their random ids.
+    // Comments of the same time are listed in the order of their random ids.
     world.wait(5);
     let mut work = Work::take(&town.ann, &task);
     // The attack moved the range, too.
@@ -106,7 +107,7 @@ pub fn order_and_history_of_gold_tasks_are_those_of_others(world: &World) {
     gold(&town, &[&town.accepted], &["ann"]);
     let copy = report(&town)["tasks"][0]["task"].as_str().unwrap().to_owned();
     assert_eq!(made_at(copy.clone()), made_at(town.open[0].clone()), "as if made with them");
-    // The queue gives it to Ann alone, somewhere among the others.
+    // The queue gives it to Ann only, at some position among the others.
     let other = world.person(&town.admin, &town.project, "dee", ALL_ROLES);
     let queue = |who: &Person| {
         let mut ids = Vec::new();
@@ -116,7 +117,7 @@ pub fn order_and_history_of_gold_tasks_are_those_of_others(world: &World) {
             if ids.len() > 12 || ids.iter().filter(|id| **id == work.task).count() > 1 {
                 break;
             }
-            // A task that was given back is the next one again: it is labeled instead.
+            // A released task is the next one again, so it is labeled instead.
             Work::label(who, &work.task);
         }
         ids
@@ -162,10 +163,10 @@ pub fn gold_answers_are_compared_and_shown_to_leads_alone(world: &World) {
     assert_eq!(after["tasks"][0]["differs"], json!(["longitudinal"]));
     let ann = &after["people"][0];
     assert_eq!((&ann["done"], &ann["fields"]["longitudinal"]), (&json!(1), &json!(0.0)));
-    // Three or four of the fields agree: scenario, lateral, keyframe, and objects where the answer names one.
+    // Three or four of the fields agree: scenario, lateral, keyframe, and objects if the answer names one.
     let percent = ann["percent"].as_f64().unwrap();
     assert!((70.0..=80.0).contains(&percent), "{percent}");
-    // It is checked like any other, and neither exported nor counted as one more label.
+    // It is checked like any other, and neither exported nor counted as an additional label.
     Work::take(&chen, &copy).act("accept", &json!({})).fine();
     let export = town.admin.get(&format!("/projects/{}/export", town.project)).text();
     assert_eq!(export.lines().count(), 1);

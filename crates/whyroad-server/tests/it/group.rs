@@ -1,4 +1,4 @@
-//! Overlap groups, the queue, audits, and what leads do with tasks.
+//! Overlap groups, the queue, audits, and actions of leads on tasks.
 
 use crate::recorded::episode;
 use crate::work::{Begin, Work};
@@ -39,7 +39,7 @@ pub fn overlaps_are_blind_until_all_are_in_then_one_is_chosen(world: &World) {
     assert_eq!(adjudicate(&bob, &first.task).refusal(), (403, "task.own_work".into()));
     assert_eq!(adjudicate(&admin, &first.task).fine()["task"]["adjudication"], "chosen");
     assert_eq!(admin.get(&format!("/tasks/{other}")).fine()["task"]["adjudication"], "superseded");
-    // Only the chosen one is checked and goes out.
+    // Only the chosen one is checked and exported.
     let mut check = Work::next(&chen, &project, "check").unwrap();
     assert_eq!(check.task, first.task);
     check.act("accept", &json!({})).fine();
@@ -77,7 +77,7 @@ pub fn what_cannot_be_labelled_is_left_out_with_a_reason_and_comes_back(world: &
     let fresh = Work::take(&bob, &ids[1]);
     let first = &fresh.view()["draft"]["critical_components"][0]["description"];
     assert!(first.as_str().unwrap().starts_with("a car, least gap"), "bob begins with the suggestion");
-    // A lead ends what somebody holds; the holder's token is void then.
+    // A lead ends a task that another user holds; the holder's token is invalid then.
     let mut held = Work::take(&ann, &ids[2]);
     act(&admin, &ids[2], "skip").fine();
     assert_eq!(held.set(&[("/critical_components", json!([]))]).refusal(), (409, "lease.lost".into()));
@@ -150,7 +150,8 @@ pub fn an_empty_queue_says_why(world: &World) {
     admin.post(&format!("/tasks/{}/assign", ids[1]), &json!({ "user": null })).fine();
     Work::label(&ann, &ids[0]);
     assert_eq!(why_nothing(&ann, &project, "check"), ["own_work"]);
-    // Both are of one episode: who was shown the end of the first has seen what comes after the second's keyframe.
+    // Both are of one episode: a user who was shown the end of the first has seen what comes after the second's
+    // keyframe.
     assert_eq!(why_nothing(&ann, &project, "label"), ["future_seen"]);
     let mut check = Work::take(&bob, &ids[0]);
     check.act("accept", &json!({})).fine();
@@ -189,7 +190,8 @@ pub fn the_queue_goes_by_hand_skill_language_and_priority(world: &World) {
     assert_eq!(next(&ann), Some(soon.clone()), "by priority, in her language");
     ann.patch(&format!("/users/{}", ann.id), &json!({ "lang": "en" })).fine();
     assert_eq!(next(&ann), Some(english.clone()), "the English one is hers now");
-    // Who writes both languages gets both, whatever her page is in; a change that says nothing of them leaves them.
+    // An annotator with both languages gets both, whatever the language of her page; a change without languages keeps
+    // them.
     ann.patch(&format!("/users/{}", ann.id), &json!({ "lang": "zh" })).fine();
     assert_eq!(next(&ann), Some(soon.clone()));
     let speaks = |list: Value| {
@@ -203,7 +205,7 @@ pub fn the_queue_goes_by_hand_skill_language_and_priority(world: &World) {
     assert_eq!(next(&ann), Some(english.clone()));
     speaks(json!(["zh"])).fine();
     assert_eq!(next(&ann), Some(soon.clone()));
-    // What was given by hand comes first, and nobody else gets it.
+    // Assigned tasks come first, and nobody else gets them.
     let bob = world.person(&admin, &project, "bob", &["annotator"]);
     let assign =
         |task: &str, user: Value| admin.post(&format!("/tasks/{task}/assign"), &json!({ "user": user }));
@@ -232,7 +234,7 @@ pub fn lists_come_page_by_page_and_filtered(world: &World) {
         let page = admin.get(&format!("/projects/{project}/tasks?limit=3&cursor={cursor}")).fine();
         seen.extend(page["items"].as_array().unwrap().iter().map(|t| t["id"].as_str().unwrap().to_owned()));
         pages += 1;
-        // What comes in between does not move the pages.
+        // A task that is added in between does not shift the pages.
         if pages == 1 {
             world.wait(1);
             world.tasks(&admin, &project, &["drive8"], 1);
@@ -273,7 +275,7 @@ pub fn what_is_given_back_says_why_and_the_history_comes_in_pages(world: &World)
     assert_eq!(ann.post(&lease, &give_back(&"x".repeat(4001))).refusal(), (400, "request.invalid".into()));
     ann.post(&lease, &give_back(" the camera is dark ")).fine();
     let history = |query: &str| admin.get(&format!("/tasks/{task}/history{query}"));
-    // An admin sees of a Stage I only their own: they made the task.
+    // An admin sees only their own entries of a Stage I: they created the task.
     assert_eq!(history("").fine()["items"].as_array().unwrap().len(), 1);
     Work::label(&ann, &task);
     let all = history("").fine();

@@ -1,4 +1,4 @@
-//! Whose account a person of the identity provider gets, and what it may do.
+//! The account of a person of the identity provider, and its permissions.
 
 use crate::oidc::{enter, finish, there_and_back, town, user_with, written};
 use crate::provider::{Fault, ann};
@@ -20,7 +20,7 @@ pub fn who_has_a_verified_address_signs_in_to_the_account_that_has_it(world: &Wo
         let cookie = answer.header("set-cookie").unwrap();
         assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Lax"), "{cookie}");
         assert_eq!(person.get("/session").fine()["user"]["name"], "ann");
-        // The session is like any other: writing needs its CSRF value, and it ends.
+        // The session is an ordinary one: writing needs its CSRF value, and it can be ended.
         let right = person.csrf.replace("wrong".into());
         assert_eq!(person.post("/tokens", &json!({ "name": "x" })).refusal().1, "session.csrf");
         person.csrf = right;
@@ -30,7 +30,7 @@ pub fn who_has_a_verified_address_signs_in_to_the_account_that_has_it(world: &Wo
         assert!(at_provider.starts_with(&format!("{}/end?client_id=whyroad%20client", provider.issuer())));
         assert!(person.get("/session").fine()["user"].is_null());
     }
-    // Signing in by password goes on as before, and then the provider has nothing to do with signing out.
+    // Signing in by password still works, and then the provider is not involved in signing out.
     let ann = world.sign_in("ann");
     assert!(ann.call("DELETE", "/session", None, &[]).fine()["provider_sign_out"].is_null());
     assert!(
@@ -56,31 +56,32 @@ pub fn no_account_is_taken_over(world: &World) {
         let (_, answer) = enter(&service, &provider);
         assert_eq!(answer.refusal().1, code, "{claims}");
     };
-    // An address that is not verified, or not explicitly said to be verified, links to nothing.
+    // An address that is not verified, or not explicitly stated to be verified, links to nothing.
     refused(json!({ "sub": "m1", "email": "ann@example.com", "email_verified": false }), "oidc.no_account");
     refused(json!({ "sub": "m1", "email": "ann@example.com" }), "oidc.no_account");
     refused(json!({ "sub": "m1", "email": "ann@example.com", "email_verified": "true" }), "oidc.no_account");
-    // Names are nobody's proof, even where they look like an address; nor are letters that only look alike.
+    // Names are no proof of identity, even if they look like an address; nor are letters that only look similar.
     refused(json!({ "sub": "m2", "preferred_username": "ann", "name": "ann" }), "oidc.no_account");
     refused(json!({ "sub": "m2", "email": "bob@example.com", "email_verified": true }), "oidc.no_account");
     refused(
         json!({ "sub": "m2", "email": "ann@example.\u{212a}om", "email_verified": true }),
         "oidc.no_account",
     );
-    // Half of it from one place and half from another: who is verified is not who is named.
+    // Claims from two sources: the verification of one person does not apply to the address of another.
     provider.tells_aside(&["email"]);
     provider.goes_wrong(Fault::Claim("email_verified", json!(true)));
     refused(json!({ "sub": "m3", "email": "ann@example.com", "email_verified": false }), "oidc.no_account");
     provider.goes_wrong(Fault::None);
     provider.tells_aside(&[]);
-    // The first who has it verified is linked; another with the same address is not, for the account has its person.
+    // The first person with the verified address is linked; another with the same address is not, because the account
+    // is already linked.
     provider.is(ann());
     assert_eq!(enter(&service, &provider).1.fine()["user"]["id"], ann_id);
     refused(json!({ "sub": "m4", "email": "ann@example.com", "email_verified": true }), "oidc.address_taken");
-    // From now on the subject counts: the address may change, and a changed one leads to no other account.
+    // From now on the subject counts: the address may change, and a changed one gives no access to another account.
     provider.is(json!({ "sub": "248289761001", "email": "bob@example.org", "email_verified": true }));
     assert_eq!(enter(&service, &provider).1.fine()["user"]["id"], ann_id);
-    // Users do not write their own address: else they would wait there for its owner.
+    // Users cannot enter their own address: otherwise they could enter another person's and wait for its owner.
     let bob = world.sign_in("bob@example.com");
     let change = json!({ "email": "carl@example.com" });
     assert_eq!(bob.patch(&format!("/users/{bob_id}"), &change).refusal().0, 403);
@@ -93,11 +94,11 @@ pub fn no_account_is_taken_over(world: &World) {
         "user.email"
     );
     assert_eq!(admin.patch(&format!("/users/{bob_id}"), &json!({ "email": "" })).fine().get("email"), None);
-    // Addresses are between their owner and administrators.
+    // Addresses are visible only to their owner and administrators.
     let seen = bob.get("/users").fine().to_string();
     assert!(!seen.contains("\"email\""), "{seen}");
     assert!(admin.get("/users").fine().to_string().contains("ann@example.com"));
-    // Who may no longer sign in may not here either.
+    // A disabled user cannot sign in this way either.
     admin.patch(&format!("/users/{ann_id}"), &json!({ "disabled": true })).fine();
     refused(ann(), "oidc.disabled");
 }
@@ -120,7 +121,7 @@ pub fn who_is_signed_in_links_themselves_and_unlinks(world: &World) {
         let returned = there_and_back(person, &provider, "link");
         finish(person, &returned)
     };
-    // Providers that verify no address: the person shows both at once.
+    // For providers that verify no address, a signed-in user links the account.
     provider.is(json!({ "sub": "entra-1" }));
     link(&ann).fine();
     link(&ann).fine();
@@ -129,7 +130,7 @@ pub fn who_is_signed_in_links_themselves_and_unlinks(world: &World) {
     assert_eq!(answer.fine()["user"]["name"], "ann");
     provider.is(json!({ "sub": "entra-2" }));
     assert_eq!(link(&ann).refusal(), (409, "oidc.has_identity".into()));
-    // What Ann began is not ended by Bob at the same machine.
+    // A sign-in that Ann began cannot be completed by Bob in the same browser.
     let begun = there_and_back(&ann, &provider, "link");
     assert_eq!(finish(&bob, &begun).refusal().1, "oidc.state");
     let mine = ann.get("/identities").fine();
@@ -169,7 +170,7 @@ pub fn accounts_are_made_and_roles_given_where_the_set_up_says_so(world: &World)
         json!({ "sub": "s1", "preferred_username": "ann", "name": "Ann <b>", "locale": "en-GB", "email": "a@example.com",
             "email_verified": true, "realm_access": { "roles": roles } })
     };
-    // Who meets no condition stays out, verified or not.
+    // A person who meets no condition cannot sign in, verified or not.
     for claims in [
         json!({ "sub": "s0", "email": "a@example.com.evil.org", "email_verified": true }),
         json!({ "sub": "s0", "email": "a@sub.example.com", "email_verified": true }),
@@ -179,7 +180,7 @@ pub fn accounts_are_made_and_roles_given_where_the_set_up_says_so(world: &World)
         provider.is(claims);
         assert_eq!(enter(&service, &provider).1.refusal(), (403, "oidc.not_allowed".into()));
     }
-    // A new account: its name is nobody else's, it has no password and no right that no grant gives.
+    // A new account: its name is free, it has no password and only the permissions from grants.
     provider.is(person(&["labeller", "judge"]));
     let (ann, answer) = enter(&service, &provider);
     let user = answer.fine()["user"].clone();
@@ -200,17 +201,17 @@ pub fn accounts_are_made_and_roles_given_where_the_set_up_says_so(world: &World)
         guess.post("/session", &json!({ "name": "ann-2", "password": "" })).refusal().1,
         "session.wrong"
     );
-    // Its only way in is not thrown away.
+    // Its only sign-in method cannot be removed.
     let id = ann.get("/identities").fine()["items"][0]["id"].as_str().unwrap().to_owned();
     assert_eq!(ann.call("DELETE", &format!("/identities/{id}"), None, &[]).refusal().1, "oidc.only_way");
-    // What the provider no longer says is no longer so, and the same person is the same user.
+    // Permissions that the provider no longer states are removed, and the same person is the same user.
     provider.is(person(&["chief"]));
     let (_, answer) = enter(&service, &provider);
     assert_eq!((&answer.fine()["user"]["id"], &answer.json()["user"]["admin"]), (&user["id"], &json!(true)));
     assert_eq!(roles(), None);
     provider.is(person(&["guest"]));
     assert_eq!(enter(&service, &provider).1.fine()["user"]["admin"], false);
-    // The last administrator stays one.
+    // The last administrator keeps this permission.
     admin.patch(&format!("/users/{}", user["id"].as_str().unwrap()), &json!({ "admin": true })).fine();
     let own = admin.id.clone();
     world

@@ -1,4 +1,4 @@
-//! Attacks on Stage I by way of other tasks of the same drive: a task with a later keyframe shows, already in its own
+//! Attacks on Stage I through other tasks of the same drive: a task with a later keyframe shows, already in its own
 //! Stage I, what comes after an earlier one.
 
 use crate::recorded::{at, episode};
@@ -6,7 +6,7 @@ use crate::work::Work;
 use crate::world::{Person, Reply, World};
 use serde_json::{Value, json};
 
-/// Tasks of one drive: with the keyframe at 9.4 s, and with one 4 s later. Their ids.
+/// Tasks of one drive: with the keyframe at 9.4 s, and 4 s later. Returns their ids.
 fn two_moments(world: &World, admin: &Person, project: &str, drive: &str) -> (String, String) {
     let mut later = episode(drive, 2, world.future);
     (later.keyframe.timestamp, later.keyframe.frame_idx) = (at(134), 134);
@@ -34,12 +34,13 @@ pub fn taking_a_later_task_bars_from_the_earlier_one(world: &World) {
     let project = world.project(&admin, "town", &json!({}));
     let ann = world.person(&admin, &project, "ann", &["annotator"]);
     let (early, late) = two_moments(world, &admin, &project, "drive1");
-    // Held: neither by hand nor from the queue.
+    // While it is held: neither directly nor from the queue.
     let held = Work::take(&ann, &early);
     assert_eq!(take(&ann, &late).refusal(), (409, "task.stage1_first".into()));
     assert_eq!(ann.get(&format!("/tasks/{late}")).status, 404);
     give_back(&held);
-    // Taking it is fine, the earlier one is gone for her with it: taken, from the queue, assigned.
+    // Taking it is permitted, but then the earlier one is not available to her: neither directly, from the queue, nor
+    // by assignment.
     let later = Work::take(&ann, &late);
     give_back(&later);
     assert_eq!(take(&ann, &early).refusal(), (403, "task.future_seen".into()));
@@ -69,7 +70,7 @@ pub fn a_task_that_comes_back_asks_again_what_was_seen(world: &World) {
 pub fn opening_a_later_task_shows_no_future_of_the_one_in_hand(world: &World) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));
-    // Staff may open any task of the project: also one that is still in Stage I.
+    // Staff may open any task of the project, including one that is still in Stage I.
     let both = world.person(&admin, &project, "both", &["annotator", "checker"]);
     let (early, late) = two_moments(world, &admin, &project, "drive1");
     let work = Work::take(&both, &early);
@@ -81,7 +82,7 @@ pub fn opening_a_later_task_shows_no_future_of_the_one_in_hand(world: &World) {
     both.get(&format!("/tasks/{late}/scene")).fine();
     assert_eq!(take(&both, &early).refusal(), (403, "task.future_seen".into()));
 
-    // The other order is no leak: what comes before a keyframe belongs to its history.
+    // The other order is no leak: the part before a keyframe belongs to its history.
     let cara = world.person(&admin, &project, "cara", &["annotator", "checker"]);
     Work::take(&cara, &late);
     cara.get(&format!("/tasks/{early}")).fine();
@@ -94,7 +95,7 @@ pub fn where_only_the_episode_bars_a_later_task_may_be_begun(world: &World) {
     let (early, late) = two_moments(world, &admin, &project, "drive1");
     Work::take(&ann, &early);
     let mut later = Work::take(&ann, &late);
-    // Its whole future still shows the other's, which is in Stage I.
+    // Its whole future still shows that of the other one, which is in Stage I.
     later.stage1();
     let lock = later.act("lock_stage1", &json!({}));
     assert_eq!(lock.refusal(), (409, "task.stage1_first".into()));

@@ -1,9 +1,9 @@
-//! Attacks on Stage I: what an annotator can get before the lock, by any route, must not depend on anything after the
-//! keyframe, nor on what other people wrote.
+//! Attacks on Stage I: data that an annotator can get before the lock, by any route, must not depend on anything after
+//! the keyframe, nor on texts of other people.
 //!
-//! The strongest form: two services, alike in all but the future of the drive (and of other people's work), are asked
-//! the same; every answer must be the same, byte for byte and header for header. Random ids are replaced by the order
-//! in which they come up.
+//! The strongest form: two services that differ only in the future of the drive (and in other people's work) receive
+//! the same requests; every response must be equal, byte for byte and header for header. Random ids are replaced by
+//! their order of appearance.
 
 use crate::recorded::{Future, episode};
 use crate::work::{Work, components};
@@ -29,7 +29,7 @@ impl Names {
             if run.len() >= 20 {
                 let next = self.0.len();
                 let number = *self.0.entry(run.clone()).or_insert(next);
-                // As long as it was: lengths are compared too.
+                // Keeps the length, because lengths are compared too.
                 out.push_str(&format!("{number:#>width$}", width = run.len()));
             } else {
                 out.push_str(&run);
@@ -48,7 +48,7 @@ impl Names {
     }
 }
 
-/// Every reading route with every parameter that might give something.
+/// Every reading route with every parameter that might return something.
 fn readings(project: &str, task: &str, user: &str) -> Vec<String> {
     let mut out = Vec::new();
     for route in ROUTES.iter().filter(|r| r.verb == Verb::Get) {
@@ -82,7 +82,7 @@ fn readings(project: &str, task: &str, user: &str) -> Vec<String> {
                 "sort" => &["scenario", "-scenario"],
                 "assignee" => &["admin"],
                 "mine" => &["true"],
-                // Those of the export, which annotators do not get.
+                // Parameters of the export, to which annotators have no access.
                 _ => &[],
             };
             let first = paths[0].clone();
@@ -93,12 +93,12 @@ fn readings(project: &str, task: &str, user: &str) -> Vec<String> {
     out
 }
 
-/// Everything that an annotator in Stage I can get, as one text.
+/// All data that an annotator in Stage I can get, as one text.
 pub fn all_answers(project: &str, work: &Work<'_>, ann: &Person) -> Vec<(String, String)> {
     let mut names = Names::default();
     let mut out = Vec::new();
     for path in readings(project, &work.task, &ann.id) {
-        // The document of the API is the same anyway, and long.
+        // The document of the API is always the same, and long.
         if path == "/openapi.json" {
             continue;
         }
@@ -106,7 +106,7 @@ pub fn all_answers(project: &str, work: &Work<'_>, ann: &Person) -> Vec<(String,
         out.push((names.plain(&path), names.reply(&answer)));
         let zipped = ann.call("GET", &path, None, &[("accept-encoding", "gzip")]);
         let length = zipped.header("content-length").map(str::to_owned);
-        // What is compressed with random ids in it differs by a few bytes; what is not has its length.
+        // The compressed length of a text with random ids varies by a few bytes; the uncompressed length does not.
         if zipped.header("content-encoding").is_none() {
             out.push((format!("{} length", names.plain(&path)), format!("{length:?}")));
         }
@@ -115,7 +115,7 @@ pub fn all_answers(project: &str, work: &Work<'_>, ann: &Person) -> Vec<(String,
             out.push((names.plain(&path), names.reply(&known)));
         }
     }
-    // Calls that write or ask by POST.
+    // Calls that write or query by POST.
     let later = json!({ "timestamp": "2026-01-15T10:30:11.000Z", "frame_idx": 110, "type": "reactive" });
     let earlier = json!({ "timestamp": "2026-01-15T10:30:09.000Z", "frame_idx": 90, "type": "reactive" });
     let change = |path: &str, value: Value| json!({ "fence": work.fence, "base_version": work.version, "changes": [{ "path": path, "value": value }] });
@@ -157,7 +157,7 @@ pub fn all_answers(project: &str, work: &Work<'_>, ann: &Person) -> Vec<(String,
     out
 }
 
-/// Ann is in Stage I of one copy of an episode; `elsewhere` is what others do with the other copy, and with the
+/// Ann is in Stage I of one copy of an episode; `elsewhere` are the actions of others on the other copy, and on the
 /// project.
 fn stage1(future: Future, elsewhere: impl Fn(&World, &Person, &str, &str)) -> Vec<(String, String)> {
     let world = World::on_sqlite(future);
@@ -171,7 +171,7 @@ fn stage1(future: Future, elsewhere: impl Fn(&World, &Person, &str, &str)) -> Ve
     work.set(&[("/critical_components/0/description", json!("a car on the left"))]);
     let out = all_answers(&project, &work, &ann);
     assert!(out.len() > 100, "only {} answers", out.len());
-    // The attack must have reached what there is to see.
+    // The attack must have reached the existing data.
     let seen = out.iter().filter(|(_, answer)| answer.starts_with("200")).count();
     assert!(seen > 30, "only {seen} answers with something in them");
     out
@@ -211,7 +211,7 @@ fn what_others_write_about_the_same_episode_changes_no_answer() {
 
 #[test]
 fn the_test_sees_a_difference_where_there_is_one() {
-    // In Stage II the two futures must show: else the comparison above could not fail.
+    // In Stage II the two futures must be visible: otherwise the comparison above could not fail.
     let answers = |future| {
         let world = World::on_sqlite(future);
         let admin = world.admin();
@@ -232,7 +232,7 @@ fn the_test_sees_a_difference_where_there_is_one() {
     }
 }
 
-/// Two leaves of one L2; the name of the first reveals what the lead does after the keyframe.
+/// Two L3 classes of one L2; the name of the first reveals the lead's behavior after the keyframe.
 const SUDDEN: &str = "reactive_agent.following.lead_sudden_brake";
 const STEADY: &str = "reactive_agent.following.steady";
 
@@ -246,7 +246,7 @@ fn of_leaf(leaf: &str, settings: &Value) -> Vec<(String, String)> {
     let parts: Vec<&str> = leaf.split('.').collect();
     one["scenario_id"] = json!(leaf);
     if parts[2] == "steady" {
-        // What else differs between leaves: range, kind of keyframe, signals, target.
+        // Other differences between L3 classes: range, type of keyframe, signals, target.
         one["time_range"]["start_timestamp"] = json!("2026-01-15T10:30:04.000Z");
         one["keyframe"]["type"] = json!("proactive");
         one["keyframe"]["range_start"] = json!("2026-01-15T10:30:05.000Z");
@@ -268,7 +268,7 @@ fn leaves_of_an_l2_answer_alike_where_only_the_l2_is_shown() {
     same(&of_leaf(SUDDEN, &settings), &of_leaf(STEADY, &settings));
     let text: String = of_leaf(SUDDEN, &settings).into_iter().map(|(_, answer)| answer).collect();
     let told = text.matches("lead_sudden_brake").count();
-    // The framework names all classes; nothing else names this one.
+    // The framework contains all classes; no other response contains this one.
     let framework =
         of_leaf(STEADY, &settings).into_iter().map(|(_, a)| a.matches("lead_sudden_brake").count());
     assert_eq!(told, framework.sum::<usize>());
@@ -291,7 +291,7 @@ pub fn the_leaf_is_shown_when_stage_one_is_locked(world: &World) {
     one["scenario_id"] = json!(SUDDEN);
     let made = admin.post(&format!("/projects/{project}/tasks:create"), &json!({ "episodes": [one] })).fine();
     let task = made["tasks"][0].as_str().unwrap().to_owned();
-    // Drafted before the project asked for it: what was drafted for the leaf goes when somebody begins.
+    // Drafted before the project required it: the draft for the L3 class is removed when somebody starts.
     admin.get(&format!("/tasks/{task}")).fine();
     admin.patch(&format!("/projects/{project}"), &json!({ "settings": { "stage1_class": "l2" } })).fine();
     let listed = admin.get(&format!("/projects/{project}/tasks?scenario={SUDDEN}")).fine();
@@ -312,13 +312,13 @@ pub fn the_leaf_is_shown_when_stage_one_is_locked(world: &World) {
     assert_eq!(view["task"]["scenario_id"], SUDDEN);
     assert_eq!(view["draft"]["keyframe"]["type"], "reactive", "only the moment was set");
     assert!(view["spec"].is_object());
-    // What a leaf asks of uncertainty could not be known before.
+    // The requirement of an L3 class on uncertainty could not be known before.
     assert_eq!(work.set(&[("/critical_components/0/uncertainty", json!("high"))]).status, 200);
     let words = work.set(&[("/critical_components/0/description", json!("x"))]);
     assert_eq!(words.refusal(), (422, "draft.frozen".into()));
 }
 
-/// Words that only the future has.
+/// Words that occur only in the future.
 const SECRETS: [&str; 6] =
     ["secret_pedestrian", "[DRAFT]", "second_keyframe", "green", "end_timestamp", "range_end\":\"2"];
 
@@ -328,10 +328,10 @@ pub fn nothing_of_the_future_is_in_any_answer_of_stage_one(world: &World) {
     let ann = world.person(&admin, &project, "ann", &["annotator"]);
     let ids = world.tasks(&admin, &project, &["drive1"], 1);
     let mut work = Work::take(&ann, &ids[0]);
-    // Staff sees no more of a task in Stage I than its annotator.
+    // Staff see no more of a task in Stage I than its annotator.
     for who in [&ann, &admin] {
         for path in readings(&project, &work.task, &ann.id) {
-            // The document names fields, the framework has words of its own, an export is a lead's.
+            // The document contains field names, the framework its own words, an export is only for leads.
             if ["/openapi.json", "/framework"].contains(&path.as_str()) || path.contains("/export") {
                 continue;
             }
@@ -344,7 +344,7 @@ pub fn nothing_of_the_future_is_in_any_answer_of_stage_one(world: &World) {
     let task = work.view();
     assert_eq!(task["suggestion"]["range_end"], Value::Null);
     assert_eq!(task["suggestion"]["conditions"], json!([]));
-    // Made from the drive cut at the keyframe: 95 frames, the car 3 m beside, no condition with a later value.
+    // Computed from the drive cut at the keyframe: 95 frames, the car 3 m beside, no condition with a later value.
     let first = &task["draft"]["critical_components"][0]["description"];
     assert_eq!(first, "a car, least gap 8 m in 95 frames, 0 conditions");
     let map = ann.get(&work.path("/map")).fine();
@@ -357,7 +357,7 @@ pub fn nothing_of_the_future_is_in_any_answer_of_stage_one(world: &World) {
     assert_eq!((picture.status, picture.text()), (200, "picture of frame 94".to_owned()));
     let next = format!("/media/front%20left/{}", frames.len());
     assert_eq!(ann.get(&work.path(&next)).status, 404);
-    // With the lock all of it is there: the rule's second keyframe, and the camera that is named and has no picture.
+    // After the lock everything is visible: the rule's second keyframe, and the camera without an image.
     work.stage1();
     work.act("lock_stage1", &json!({})).fine();
     let second = serde_json::to_value(episode("drive1", 1, world.future)).unwrap()["second_keyframe"].clone();
@@ -386,7 +386,7 @@ pub fn who_has_seen_the_future_of_a_drive_gets_no_stage_one_of_it(world: &World)
     assert_eq!(take(&ann, &second).refusal(), (403, "task.future_seen".into()));
     assert!(Work::next(&ann, &project, "label").is_none(), "the queue does not give it either");
 
-    // In Stage I of the second one, checking the first would show what comes.
+    // While she is in Stage I of the second one, checking the first would show its future.
     let mine = Work::take(&both, &second);
     assert_eq!(take(&both, &work.task).refusal(), (409, "task.stage1_first".into()));
     assert_eq!(both.get(&work.path("/scene")).refusal(), (409, "task.stage1_first".into()));
@@ -395,7 +395,7 @@ pub fn who_has_seen_the_future_of_a_drive_gets_no_stage_one_of_it(world: &World)
     both.get(&work.path("/scene")).fine();
     assert_eq!(take(&both, &second).refusal(), (403, "task.future_seen".into()));
 
-    // Where the project allows it, only the same episode is barred.
+    // If the project allows it, only the same episode excludes.
     let path = format!("/projects/{project}");
     admin.patch(&path, &json!({ "settings": { "history": "episode" } })).fine();
     take(&ann, &second).fine();

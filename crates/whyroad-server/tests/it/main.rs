@@ -1,5 +1,5 @@
 //! The service over HTTP and its store, on both databases: each test of the suite runs on a SQLite file, and all of
-//! them on a real PostgreSQL where the machine has one.
+//! them on a real PostgreSQL if the machine has one.
 
 #![allow(clippy::unwrap_used, reason = "a test says what went wrong by failing")]
 
@@ -44,7 +44,7 @@ macro_rules! suite {
         fn the_suite_on_postgresql() {
             let Some(server) = postgres_server::Server::start() else { return };
             let tests: &[fn(&World)] = &[$($module::$name),+];
-            // A few at a time: each waits for the disk more than for anything else.
+            // Several at once: each waits mostly for the disk.
             std::thread::scope(|scope| {
                 for part in tests.chunks(tests.len().div_ceil(4)) {
                     let server = &server;

@@ -1,4 +1,4 @@
-//! Classes that are renamed or split, on a store with an accepted label, one handed in and one open task.
+//! Classes that are renamed or split, in a store with an accepted label, a submitted one and an open task.
 
 use crate::work::Work;
 use crate::world::World;
@@ -46,10 +46,10 @@ pub fn classes_are_carried_along_and_what_is_undecided_goes_to_people(world: &Wo
     let original = admin.get(&format!("/tasks/{}", tasks[0])).fine()["draft"].clone();
     let store = &world.app.store;
 
-    // Opening a task makes its draft.
+    // Opening a task creates its draft.
     assert_eq!(class(&tasks[2]), (URGENT.into(), "urgent".into(), "open".into()));
 
-    // A dry run says what a run does, and writes nothing.
+    // A dry run reports the changes of a run, and writes nothing.
     let rename = mapping(URGENT, ClassChange::To(id(FAST)), "00000000000000aa");
     let dry = migrate(store, &rename, MigrationRun::Dry, world.app.now()).unwrap();
     assert_eq!(dry.moved, BTreeMap::from([((URGENT.to_owned(), FAST.to_owned()), 3)]));
@@ -61,7 +61,7 @@ pub fn classes_are_carried_along_and_what_is_undecided_goes_to_people(world: &Wo
     assert_eq!(class(&tasks[2]).0, FAST);
     assert_eq!(admin.get(&format!("/projects/{project}")).fine()["quota"], json!({ FAST: 7 }));
 
-    // The original is in the history, whole, and who wrote the label is still its author.
+    // The complete original is in the history, and the author of the label is unchanged.
     let history = admin.get(&format!("/tasks/{}/history", tasks[0])).fine();
     let items = history["items"].as_array().unwrap();
     let before = items.iter().rfind(|e| e["action"] == "before_migration").unwrap();
@@ -69,13 +69,13 @@ pub fn classes_are_carried_along_and_what_is_undecided_goes_to_people(world: &Wo
     assert_eq!(kept["draft"], original);
     assert_eq!(admin.get(&format!("/tasks/{}", tasks[0])).fine()["task"]["author"], "ann");
 
-    // Again: nothing.
+    // Repeated: no changes.
     let again = migrate(store, &rename, MigrationRun::Write, world.app.now()).unwrap();
     assert!(again.moved.is_empty() && again.undecided.is_empty() && again.settings == 0, "{again:?}");
     let longer = admin.get(&format!("/tasks/{}/history", tasks[0])).fine();
     assert_eq!(longer["items"].as_array().unwrap().len(), history["items"].as_array().unwrap().len());
 
-    // A record that the class after requires: what was handed in without it goes back to its author.
+    // A record that the new class requires: a label submitted without it is returned to its author.
     let owing = mapping(FAST, ClassChange::To(id(URGENT)), "00000000000000cc");
     let owing = ClassMapping { records: [(id(URGENT), vec!["grade".to_owned()])].into(), ..owing };
     let dry = migrate(store, &owing, MigrationRun::Dry, world.app.now()).unwrap();
@@ -85,7 +85,7 @@ pub fn classes_are_carried_along_and_what_is_undecided_goes_to_people(world: &Wo
         back
     });
 
-    // A split that no label decides: what was handed in goes back to its author, what was not stays where it is.
+    // A split that no label determines: a submitted label is returned to its author, others keep their state.
     let part = |to: &str| SplitPart { to: id(to), when: BTreeMap::new() };
     let parts = vec![part("reactive_agent.cutin.a"), part("reactive_agent.cutin.b")];
     let split = mapping(FAST, ClassChange::Split(parts), "00000000000000bb");
@@ -125,14 +125,14 @@ pub fn facts_are_those_of_the_history(world: &World) {
     assert_eq!(found.len(), 2);
     let done = found.iter().find(|t| t.task == tasks[0]).unwrap();
     assert_eq!(done.stage, whyroad_label::facts::LabelStage::Accepted);
-    // 60 s and 30 s of Ann, 10 s of Chen; the hour between is nobody's.
+    // 60 s and 30 s of Ann, 10 s of Chen; the hour between counts for nobody.
     assert!((done.worked_s - 100.0).abs() < 1e-6, "{}", done.worked_s);
     assert_eq!(done.author.as_deref(), Some("ann"));
     let revision = done.revision.as_ref().unwrap();
     assert!(revision.changed.contains(&"/critical_components") && revision.changed.contains(&"/coc_trace"));
     assert_eq!(revision.keyframe_shift_s, Some(0.0), "nobody moved the keyframe");
     assert_eq!(done.accepted.unwrap().seconds_since(done.submitted.unwrap()), 3610.0);
-    // From what was kept the facts are the same, and only what has changed is read again.
+    // Facts from the cache are the same, and only changed tasks are read again.
     let kept = || facts::kept(&world.app.store, &world.app.facts, &project).unwrap();
     assert_eq!(kept(), (found.clone(), 2));
     assert_eq!(kept(), (found.clone(), 0));

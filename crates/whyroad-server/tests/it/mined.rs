@@ -36,7 +36,7 @@ pub fn mined_episodes_are_browsed_and_judged(world: &World) {
     assert_eq!(shown["keyframe_rule"]["en"], "crosses the line");
     assert!(shown["scene"]["times"].as_array().unwrap().len() > 100, "also what comes after");
     assert!(shown["scene"]["signals"]["target.gap"].is_array());
-    // Its images have addresses of their own, for leads alone.
+    // Its images have separate addresses, for leads only.
     let cameras = shown["scene"]["cameras"].as_array().unwrap();
     let front = cameras.iter().find(|c| c["camera"] == "front left").unwrap();
     let frames = front["frames"].as_array().unwrap();
@@ -46,7 +46,7 @@ pub fn mined_episodes_are_browsed_and_judged(world: &World) {
     assert_eq!(chen.get(url).status, 403);
     let beyond = url.replace(&format!("/{}?", frames.len() - 1), &format!("/{}?", frames.len()));
     assert_eq!(lead.get(&beyond).status, 404);
-    // Who has seen it does no Stage I of it.
+    // A user who has seen it cannot do its Stage I.
     let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
     let take = lead.post(&format!("/tasks/{task}/lease"), &json!({ "action": "take" }));
     assert_eq!(take.refusal(), (403, "task.future_seen".into()));
@@ -67,7 +67,7 @@ pub fn mined_episodes_are_browsed_and_judged(world: &World) {
         said["right_keyframe_ns"].as_i64().unwrap() - said["keyframe_ns"].as_i64().unwrap(),
         500_000_000
     );
-    // A second lead says something else of it: both are exported.
+    // A second lead has another verdict on it: both are exported.
     let wrong = json!({ "verdict": "wrong_leaf", "leaf": "reactive_agent.cutin.slow" });
     verdict(&admin, &project, wrong).fine();
     let lines = lead.get(&format!("/projects/{project}/verdicts")).text();

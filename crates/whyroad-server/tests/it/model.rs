@@ -1,5 +1,5 @@
-//! Drafts and judgments by a language model: what of them is seen when and by whom, runs that are stopped, fail and go
-//! on. The model here is made by hand; the future that it knows is a word that can be looked for.
+//! Drafts and judgments by a language model: their visibility by time and user, runs that are stopped, fail and
+//! continue. The model here is a test double; its knowledge of the future is a word that can be searched.
 
 use crate::recorded::episode;
 use crate::work::{Begin, Work, example};
@@ -14,20 +14,20 @@ use whyroad_model::{Bilingual, Lang, ModelSpent};
 use whyroad_server::App;
 use whyroad_server::language_model::{LanguageModel, ModelFailure, ModelSession};
 
-/// In whatever the model makes of the time after the keyframe.
+/// In every text of the model about the time after the keyframe.
 const FUTURE: &str = "afterwards";
 
-/// A model by hand.
+/// A test double of a model.
 #[derive(Clone, Default)]
 struct Model {
     /// Answers wait until this is true.
     open: Arc<(Mutex<bool>, Condvar)>,
-    /// Questions that came in, answered or not.
+    /// Received questions, answered or not.
     received: Arc<AtomicUsize>,
     asked: Arc<AtomicUsize>,
-    /// Drives for which it gives nothing.
+    /// Drives for which it returns nothing.
     fails: &'static [&'static str],
-    /// Answers until the budget of a run is used up.
+    /// Number of answers until the budget of a run is used up.
     budget: Option<u64>,
     begun_with: Arc<Mutex<Vec<ModelSpent>>>,
 }
@@ -83,7 +83,7 @@ impl ModelSession for Session {
         (label.keyframe, label.time_range) = (e.keyframe.clone(), e.time_range.clone());
         label.critical_components.truncate(1);
         label.critical_components[0].description = format!("model: a car over the line ({lang:?})");
-        // A model may say anything of when.
+        // A model may state any time.
         label.critical_components[0].evidence_times = vec![e.keyframe.timestamp.plus_secs(3.0)];
         label.coc_trace = format!("model: it brakes {FUTURE}");
         label.provenance = serde_json::from_value(json!({ "source": "model", "by": "hand-model" })).unwrap();
@@ -142,7 +142,7 @@ fn runs(who: &Person, project: &str) -> Value {
     who.get(&format!("/projects/{project}/model-runs")).fine()
 }
 
-/// The newest run once `is` holds.
+/// The newest run, as soon as `is` is true.
 fn wait(who: &Person, project: &str, is: impl Fn(&Value) -> bool) -> Value {
     let began = Instant::now();
     loop {
@@ -163,10 +163,10 @@ fn start(who: &Person, project: &str, body: &Value) -> crate::world::Reply {
     who.post(&format!("/projects/{project}/model-runs"), body)
 }
 
-/// Stage I shows the model's components, and nothing that it made of the future; Stage II shows it.
+/// Stage I shows the model's components, and nothing that it wrote about the future; Stage II shows it.
 pub fn a_models_draft_shows_its_future_only_in_stage_two(world: &World) {
     let Begin { admin, project, ann, task } = Begin::on(world);
-    // Without a model the service says so.
+    // Without a model the service reports that.
     assert_eq!(runs(&admin, &project)["model"], Value::Null);
     assert_eq!(start(&admin, &project, &json!({ "kind": "draft" })).refusal(), (409, "model.none".into()));
     let service = beside(world, Model::default(), true);
@@ -186,7 +186,7 @@ pub fn a_models_draft_shows_its_future_only_in_stage_two(world: &World) {
     assert_eq!((&shown["stage"], &shown["drafted_by"]), (&json!("stage1"), &json!("hand-model")));
     let component = &shown["draft"]["critical_components"][0];
     assert_eq!(component["description"], "model: a car over the line (Zh)");
-    // Evidence is of the history, whatever the model said.
+    // Evidence times are in the history, whatever the model stated.
     assert_eq!(component["evidence_times"][0], shown["suggestion"]["keyframe"]["timestamp"]);
     for path in ["", "/history", "/history/1", "/scene"] {
         let text = ann.get(&work.path(path)).text();
@@ -198,7 +198,7 @@ pub fn a_models_draft_shows_its_future_only_in_stage_two(world: &World) {
     assert_eq!(shown["draft"]["coc_trace"], format!("model: it brakes {FUTURE}"));
     assert_eq!(shown["draft"]["driving_decision"]["longitudinal"], "yield_to_agent");
     assert_eq!(shown["draft"]["provenance"]["source"], "model");
-    // What was drafted is what the label is compared with, and who had it drafted is in the history.
+    // The label is compared with the draft, and the history contains who requested it.
     assert_eq!(ann.get(&work.path("/history/1")).fine()["draft"]["coc_trace"], shown["draft"]["coc_trace"]);
     let history = ann.get(&work.path("/history")).fine();
     let entry = history["items"].as_array().unwrap().iter().find(|e| e["action"] == "model_draft").unwrap();
@@ -209,8 +209,8 @@ pub fn a_models_draft_shows_its_future_only_in_stage_two(world: &World) {
     assert_eq!(label["draft"]["provenance"]["source"], "person", "a label that was handed in is a person's");
 }
 
-/// Who begins while the model is asked keeps what they have; a stopped run puts no further question; failures say why,
-/// but not to who may yet do Stage I.
+/// A user who starts while the model is asked keeps their draft; a stopped run asks no further question; failures have
+/// a reason, which is hidden from users who may still do Stage I.
 pub fn begun_tasks_are_left_alone_and_runs_are_stopped(world: &World) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));
@@ -227,10 +227,10 @@ pub fn begun_tasks_are_left_alone_and_runs_are_stopped(world: &World) {
     let run = start(&admin, &project, &json!({ "kind": "draft" })).fine();
     wait(&admin, &project, |r| r["state"] == "running" && received.load(Ordering::SeqCst) == 2);
     assert_eq!(start(&lead, &project, &json!({ "kind": "draft" })).refusal(), (409, "model.running".into()));
-    // Both that are asked about at first: one is begun meanwhile.
+    // The first two tasks that the model is asked about: one is started in the meantime.
     let mut work = Work::take(&ann, &tasks[0]);
     let rules = work.view()["draft"]["critical_components"].clone();
-    // While it goes on, its own tasks are counted; afterwards those that nobody has begun.
+    // During the run its own tasks are counted; afterwards those that nobody has started.
     assert_eq!(runs(&admin, &project)["to_draft"], 5);
     admin.post(&format!("/projects/{project}/model-runs:stop"), &json!({ "run": run["id"] })).fine();
     assert_eq!(runs(&admin, &project)["to_draft"], 4);
@@ -244,11 +244,11 @@ pub fn begun_tasks_are_left_alone_and_runs_are_stopped(world: &World) {
     assert_eq!(asked.load(Ordering::SeqCst), 2, "no further question");
     assert_eq!(work.view()["draft"]["critical_components"], rules);
     work.stage1();
-    // Why a task failed may be its future: the lead who labels is not told.
+    // The reason of a failure may reveal the future: it is hidden from a lead who labels.
     let told = runs(&at(&leo, &service), &project)["runs"][0]["failures"][0]["text"]["en"].clone();
     assert_eq!(told, format!("unsafe {FUTURE}"));
     assert!(!runs(&lead, &project).to_string().contains(FUTURE));
-    // The next run, newer by the clock, takes the rest: what was begun is left out, also when it is named.
+    // The next run, newer by the clock, takes the rest: a started task is left out, even if it is named.
     world.wait(1);
     start(&admin, &project, &json!({ "kind": "draft", "tasks": [tasks[0], tasks[2]] })).fine();
     let run = wait(&admin, &project, |r| r["total"] == 1 && !r["ended"].is_null());
@@ -257,12 +257,12 @@ pub fn begun_tasks_are_left_alone_and_runs_are_stopped(world: &World) {
     assert_eq!(named.refusal(), (422, "model.nothing".into()));
 }
 
-/// A run goes on after its service was killed, without asking again about what has a draft; a used-up budget ends it.
+/// A run continues after its service was killed, without asking again for tasks with a draft; a used-up budget ends it.
 pub fn a_run_goes_on_after_a_restart_and_ends_with_its_budget(world: &World) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));
     world.tasks(&admin, &project, &["drive1", "drive2", "drive3"], 1);
-    // As a killed service leaves it: claimed, with one task done and a cost.
+    // The state after a service was killed: claimed, with one task done and a cost.
     let service = beside(world, Model { budget: Some(1), ..Model::default() }, true);
     start(&at(&admin, &service), &project, &json!({ "kind": "draft" })).fine();
     let run = ended(&at(&admin, &service), &project);
@@ -292,8 +292,8 @@ pub fn a_run_goes_on_after_a_restart_and_ends_with_its_budget(world: &World) {
     assert_eq!((&run["spent"]["requests"], &run["spent"]["cost"]), (&json!(3), &json!(1.5)));
 }
 
-/// Answers are for checkers, auditors and leads; of a label that was drawn for people they come after the person's own,
-/// and agreement is counted. Nothing waits for them.
+/// Answers are for checkers, auditors and leads; for a label that was drawn for people they are shown after the
+/// person's own answers, and agreement is counted. Nothing waits for them.
 pub fn judgements_are_shown_to_checkers_after_their_own(world: &World) {
     let Begin { admin, project, ann, task } = Begin::on(world);
     let checker = world.person(&admin, &project, "chen", &["checker"]);
@@ -305,7 +305,7 @@ pub fn judgements_are_shown_to_checkers_after_their_own(world: &World) {
     start(&admin, &project, &json!({ "kind": "judge" })).fine();
     assert_eq!(ended(&admin, &project)["done"], 1);
     assert!(work.view().get("judgement").is_none(), "not for the author");
-    // A lead who checks nothing sees it at once.
+    // A lead who does not check sees it at once.
     let lead = admin.get(&work.path("")).fine();
     assert_eq!(lead["judgement"]["questions"][1]["answer"], false);
 
@@ -337,13 +337,13 @@ pub fn judgements_are_shown_to_checkers_after_their_own(world: &World) {
         (&report["judged"], &report["passed"], &report["answered"]),
         (&json!(1), &json!(0), &json!(1))
     );
-    // q1 agrees, q2 does not: the judge finds a fault alone.
+    // q1 agrees, q2 does not: only the judge finds an error.
     let all = report["kinds"].as_array().unwrap().last().unwrap().clone();
     assert_eq!((&all["kind"], &all["answers"], &all["same"]), (&json!("all"), &json!(2), &json!(0.5)));
     assert_eq!((&all["only_judge"], &all["only_people"]), (&json!(1), &json!(0)));
     assert_eq!(ann.get(&format!("/projects/{project}/judge")).status, 403);
 
-    // An opinion: the label is returned or accepted as before, and a changed label has no answers that hold.
+    // Information only: the label is returned or accepted as before, and a changed label has no valid answers.
     let mut check = check;
     check.act("send_back", &json!({ "reason": "more" })).fine();
     let again = Work::take(&ann, &task);

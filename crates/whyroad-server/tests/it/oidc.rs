@@ -1,4 +1,4 @@
-//! Signing in at an identity provider: the whole way with real redirects and real keys, and what must not go through.
+//! Signing in at an identity provider: the whole flow with real redirects and real keys, and attempts that must fail.
 
 use crate::provider::{CLIENT, Fault, Provider, SECRET, form};
 use crate::signer::Key;
@@ -6,7 +6,7 @@ use crate::world::{NOON, PASSWORD, Person, Reply, World};
 use serde_json::{Value, json};
 use whyroad_server::oidc::settings::{Secret, Settings, Written};
 
-/// A provider, and a service beside `world` on its store that lets people in from there.
+/// A provider, and a service on the store of `world` that accepts its users.
 pub fn town(world: &World, key: Key, more: impl FnOnce(&mut Written)) -> (Provider, World) {
     let provider = Provider::start(key, world.clock.clone());
     let mut written = Written {
@@ -22,18 +22,18 @@ pub fn town(world: &World, key: Key, more: impl FnOnce(&mut Written)) -> (Provid
     provider.redirects_to(&settings.redirect_uri());
     let service = world.beside(|app| {
         app.oidc = Some(whyroad_server::oidc::provider::Provider::new(settings, None).unwrap());
-        // By itself: two of these services on one store see more failures than an address has free.
+        // With its own limits: two of these services on one store see more failures than an address may have.
         app.limits = whyroad_server::limits::Limits::default();
     });
     (provider, service)
 }
 
-/// A conditions file in short.
+/// A configuration from JSON.
 pub fn written(more: Value) -> Written {
     serde_json::from_value(more).unwrap()
 }
 
-/// Goes to the provider and comes back; the query with which it does.
+/// Goes to the provider and back; returns the query of the redirect.
 pub fn there_and_back(person: &Person, provider: &Provider, purpose: &str) -> Value {
     let begun = person.post("/oidc/begin", &json!({ "purpose": purpose })).fine();
     let url = begun["url"].as_str().unwrap();
@@ -43,7 +43,7 @@ pub fn there_and_back(person: &Person, provider: &Provider, purpose: &str) -> Va
     let answer = browser.raw("GET", path, None, &[]);
     assert_eq!(answer.status, 303, "{}", answer.text());
     let back = answer.header("location").unwrap().strip_prefix("http://127.0.0.1:1").unwrap();
-    // What the browser opens there is the page, which hands the query on.
+    // The browser opens the page there, which passes the query on.
     assert_eq!(person.raw("GET", back, None, &[]).header("content-type"), Some("text/html; charset=utf-8"));
     let (path, query) = back.split_once('?').unwrap();
     assert_eq!(path, "/oidc/callback");
@@ -54,7 +54,7 @@ pub fn finish(person: &Person, returned: &Value) -> Reply {
     person.post("/oidc/finish", returned)
 }
 
-/// A new browser that signs in; and the service's answer.
+/// A new browser that signs in; and the service's response.
 pub fn enter(service: &World, provider: &Provider) -> (Person, Reply) {
     let mut person = service.stranger();
     person.hello();
@@ -87,7 +87,7 @@ pub fn a_token_that_is_wrong_anywhere_lets_nobody_in(world: &World) {
             (claim("azp", json!("another")), "azp"),
             (claim("iss", json!("http://127.0.0.1:9")), "iss"),
             (claim("iss", Value::Null), "iss"),
-            // Beyond the two minutes by which clocks may differ.
+            // Beyond the maximum clock difference of two minutes.
             (claim("exp", json!(now - 121)), "exp"),
             (claim("exp", Value::Null), "exp"),
             (claim("exp", json!("never")), "exp"),
@@ -120,7 +120,7 @@ pub fn a_token_that_is_wrong_anywhere_lets_nobody_in(world: &World) {
         }
         provider.goes_wrong(Fault::None);
         assert_eq!(enter(&service, &provider).1.status, 200, "the same without a fault");
-        // Within what clocks may differ by, and with our id among several: fine.
+        // Within the maximum clock difference, and with our id among several: accepted.
         for fine in
             [claim("exp", json!(now - 110)), claim("iat", json!(now + 110)), claim("nbf", json!(now + 110))]
         {
@@ -141,17 +141,18 @@ pub fn an_answer_serves_once_and_in_one_browser(world: &World) {
         person
     };
     let (victim, attacker) = (browser(&service), browser(&service));
-    // What the attacker began does not end in the victim's browser: nobody is signed in as somebody else unawares.
+    // A sign-in begun by the attacker does not end in the victim's browser: nobody is signed in as another user without
+    // noticing.
     let planted = there_and_back(&attacker, &provider, "sign_in");
     stale(finish(&victim, &planted));
-    // A page elsewhere cannot end it either: it has no CSRF value.
+    // Another site cannot complete it either: it has no CSRF value.
     let mut forged = attacker.clone();
     forged.csrf = None;
     assert_eq!(finish(&forged, &planted).refusal().1, "session.csrf");
-    // Ended once, it is used up: state and code.
+    // After completion the state and the code are used up.
     assert_eq!(finish(&attacker, &planted).status, 200);
     stale(finish(&attacker, &planted));
-    // A state that never was, one that was altered, one for another purpose.
+    // An unknown state, an altered one, one for another purpose.
     let fresh = there_and_back(&attacker, &provider, "sign_in");
     let state = fresh["state"].as_str().unwrap();
     let altered = [
@@ -165,19 +166,19 @@ pub fn an_answer_serves_once_and_in_one_browser(world: &World) {
     for state in altered {
         stale(finish(&attacker, &json!({ "state": state, "code": fresh["code"], "iss": fresh["iss"] })));
     }
-    // A used code with a fresh state: the provider says no.
+    // A used code with a fresh state: the provider refuses it.
     let again = there_and_back(&attacker, &provider, "sign_in");
     let mixed = json!({ "state": fresh["state"], "code": planted["code"], "iss": fresh["iss"] });
     assert_eq!(finish(&attacker, &mixed).refusal(), (403, "oidc.declined".into()));
-    // Another's code does not fit our verifier: PKCE.
+    // Another person's code does not match our verifier: PKCE.
     let theirs = there_and_back(&victim, &provider, "sign_in");
     let injected = json!({ "state": again["state"], "code": theirs["code"], "iss": again["iss"] });
     assert_eq!(finish(&attacker, &injected).refusal(), (403, "oidc.declined".into()));
-    // Ten minutes are over.
+    // After ten minutes.
     let late = there_and_back(&attacker, &provider, "sign_in");
     world.wait(601);
     stale(finish(&attacker, &late));
-    // The person there says no; a word that is none is not repeated.
+    // The person declines; an error that is not a plain identifier is not repeated.
     let no = there_and_back(&victim, &provider, "sign_in");
     let told = finish(&victim, &json!({ "state": no["state"], "iss": no["iss"], "error": "access_denied" }));
     assert_eq!(told.refusal(), (403, "oidc.declined".into()));
@@ -186,7 +187,7 @@ pub fn an_answer_serves_once_and_in_one_browser(world: &World) {
     let told =
         finish(&victim, &json!({ "state": no["state"], "iss": no["iss"], "error": "<b>call 555</b>" }));
     assert!(!told.text().contains("555"));
-    // Scripts sign in by tokens of their own.
+    // Scripts sign in with tokens.
     let mut script = service.stranger();
     script.token = world.sign_in("ann").post("/tokens", &json!({ "name": "s" })).fine()["token"]
         .as_str()
@@ -194,7 +195,7 @@ pub fn an_answer_serves_once_and_in_one_browser(world: &World) {
     assert_eq!(script.post("/oidc/begin", &json!({ "purpose": "link" })).refusal().0, 400);
     let (_, answer) = enter(&service, &provider);
     assert_eq!(answer.status, 200);
-    // Neither the secret nor a verifier is anywhere in the store.
+    // Neither the secret nor a verifier is in the store.
     let kept = world.app.store.read(|tx| tx.rows("SELECT state, expires FROM oidc_used", &[])).unwrap();
     assert!(!format!("{kept:?}").contains(state.rsplit('.').next().unwrap()));
 }
@@ -234,14 +235,14 @@ pub fn keys_change_and_old_ones_are_forgotten(world: &World) {
     provider.rotates(Key::rsa("new", 0));
     enter(&service, &provider).1.fine();
     assert_eq!(provider.calls("/jwks"), 2, "a key that is not known is asked for");
-    // A name that nobody knows does not make us ask again and again.
+    // An unknown key does not cause repeated requests.
     provider.goes_wrong(Fault::Header("kid", json!("nobody's")));
     for _ in 0..3 {
         assert_eq!(enter(&service, &provider).1.json()["more"]["reason"], "key");
     }
     assert!(provider.calls("/jwks") <= 3);
     provider.goes_wrong(Fault::None);
-    // The old key is gone from the set, and so from here.
+    // The old key is removed from the set, and so from the cache.
     let key = provider.clone();
     provider.rotates(old);
     key.publishes_only(Key::rsa("new", 0));
@@ -285,7 +286,7 @@ pub fn a_provider_that_fails_or_lies_about_itself_is_said_to(world: &World) {
         assert_eq!(answer.refusal(), (502, "oidc.provider".into()), "{status}");
         assert!(!answer.text().contains("s3cr"));
     }
-    // A wrong secret is the service's fault; it is not repeated.
+    // A wrong secret is an error of the service; it is not repeated in messages.
     let (provider, service) = town(world, Key::ec("one"), |w| w.client_secret = Some(Secret("hush".into())));
     let (_, answer) = enter(&service, &provider);
     assert_eq!(answer.refusal(), (502, "oidc.provider".into()));
@@ -299,7 +300,7 @@ pub fn attempts_are_counted_and_the_first_account_is_made_here(world: &World) {
     world.admin();
     let mut guess = service.stranger();
     guess.hello();
-    // Fifty failures of one address are free, as with passwords.
+    // Fifty failures of one address are free, as for passwords.
     for _ in 0..50 {
         assert_eq!(finish(&guess, &json!({ "state": "1.2.s.3", "code": "x" })).refusal().1, "oidc.state");
     }
@@ -335,7 +336,7 @@ pub fn services_on_one_store_share_the_work(world: &World) {
     let mut person = first.stranger();
     person.hello();
     let returned = there_and_back(&person, &provider, "sign_in");
-    // A balancer sends the browser to the other one.
+    // A load balancer sends the browser to the other one.
     let there = Person { address: second.address, ..person.clone() };
     assert_eq!(finish(&there, &returned).status, 200);
     assert_eq!(finish(&person, &returned).refusal(), (403, "oidc.state".into()), "used up for both");

@@ -1,5 +1,5 @@
-//! What the page needs beside the label itself: lists with totals and orders, changes of many tasks, work to do,
-//! pictures, questions to the lead, values before a change, labels put together, drafts made in the background.
+//! Data of the page besides the label itself: lists with totals and orders, changes of many tasks, pending work,
+//! thumbnails, questions to the lead, values before a change, merged labels, drafts created in the background.
 
 use crate::work::{Begin, Work};
 use crate::world::{Person, World};
@@ -108,7 +108,7 @@ pub fn a_question_to_the_lead_marks_the_task_until_it_is_answered(world: &World)
     assert_eq!(ids(&list(&admin, &project, "asks=lead")), [task.as_str()]);
     assert_eq!(list(&admin, &project, "")["items"][0]["asks_lead"], true);
     assert_eq!(admin.get(&format!("/projects/{project}/work")).fine()["asked"], 1);
-    // A comment to everybody asks nobody.
+    // A comment to everybody is not a question to the lead.
     ann.post(&format!("/tasks/{task}/comments"), &json!({ "path": "", "text": "dark" })).fine();
     let id = comment["id"].as_str().unwrap();
     ann.post(&format!("/comments/{id}/resolve"), &json!({})).fine();
@@ -118,11 +118,11 @@ pub fn a_question_to_the_lead_marks_the_task_until_it_is_answered(world: &World)
 pub fn a_picture_is_for_those_who_cannot_do_stage_one_or_have_opened_the_task(world: &World) {
     let Begin { admin, project, ann, task } = Begin::on(world);
     let picture = |who: &Person| who.get(&format!("/tasks/{task}/thumbnail"));
-    // An administrator leads every project, and labels in the ones whose annotator they are: here in all roles.
+    // An administrator leads every project, and labels in those where they are an annotator: here in all roles.
     admin
         .post(&format!("/projects/{project}/members"), &json!({ "user": "admin", "roles": ["lead"] }))
         .fine();
-    // It comes with the draft, in the background.
+    // It is created with the draft, in the background.
     for _ in 0..200 {
         if admin.get(&format!("/projects/{project}/work")).fine()["pending"] == 0 {
             break;
@@ -208,7 +208,7 @@ pub fn a_label_put_together_from_a_group_is_checked_again(world: &World) {
     assert_ne!(view["draft"]["clip_id"], "another clip", "the clip is that of the task");
     assert_eq!(view["draft"]["provenance"]["by"], "admin");
     assert_eq!(admin.get(&format!("/tasks/{}", made[1])).fine()["task"]["adjudication"], "superseded");
-    // The author stays its author; who put it together has written in it and does not check it.
+    // The author stays its author; the person who merged it has written in it and does not check it.
     assert_eq!(view["task"]["author"], "ann");
     admin
         .post(
@@ -232,7 +232,7 @@ pub fn overlap_groups_that_disagree_are_listed_until_one_label_is_chosen(world: 
     let made = world.tasks(&admin, &project, &["drive1", "drive2", "drive3"], 2);
     let listed = |who: &Person| list(who, &project, "overlap=disagreeing");
     let count = |who: &Person| who.get(&format!("/projects/{project}/work")).fine()["disagreeing"].clone();
-    // Of the first episode both say the same, of the second not; of the third the other label is yet to come.
+    // The labels of the first episode agree, those of the second do not; the other label of the third is still missing.
     for task in [&made[0], &made[2], &made[4]] {
         Work::label(&ann, task);
     }
@@ -256,7 +256,7 @@ pub fn overlap_groups_that_disagree_are_listed_until_one_label_is_chosen(world: 
     );
     assert!(page["items"].as_array().unwrap().iter().all(|t| t["disagrees"] == true));
     assert_eq!(count(&admin), 2);
-    // Of no use to those who do not choose, and annotators are not told whether somebody disagrees with them.
+    // Hidden from users who do not choose; annotators do not learn whether somebody disagrees with them.
     for who in [&ann, &chen] {
         assert_eq!(who.get(&format!("/projects/{project}/tasks?overlap=disagreeing")).status, 403);
         assert_eq!(count(who), 0);
@@ -284,7 +284,7 @@ pub fn findings_side_by_side_are_those_of_each_label_alone(world: &World) {
         assert_eq!(item["findings"], alone["findings"]);
         let body = json!({ "label": item["label"] });
         assert_eq!(admin.post(&format!("/tasks/{id}/validate"), &body).fine()["findings"], alone["findings"]);
-        // As a label of nobody it still counts as drafted by the program.
+        // Without an author it still counts as drafted by the program.
         let mut drafted = item["label"].clone();
         drafted["coc_trace"] = json!("[DRAFT] a car cuts in.");
         let found = admin.post(&format!("/tasks/{id}/validate"), &json!({ "label": drafted })).fine();
@@ -327,7 +327,7 @@ pub fn tasks_are_there_at_once_and_their_drafts_follow(world: &World) {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let made = world.tasks(&admin, &project, &names, 1);
     assert_eq!(made.len(), 40);
-    // Opened before its turn or after it: the draft is there.
+    // Opened before or after its turn: the draft exists.
     let last = admin.get(&format!("/tasks/{}", made[39])).fine();
     assert!(!last["draft"]["critical_components"].as_array().unwrap().is_empty());
     let left = || admin.get(&format!("/projects/{project}/work")).fine()["pending"].as_i64().unwrap();
@@ -363,7 +363,7 @@ pub fn a_place_is_given_as_precisely_as_the_project_says(world: &World) {
     set(100).fine();
     let (shown, shown_lane) = (x(&ann), lane(&ann));
     let last = |v: &Value| number(v.as_array().unwrap().last().unwrap());
-    // At the keyframe the ego is in the first square; road and objects are moved alike.
+    // At the keyframe the ego is in the first square; road and objects are shifted by the same vector.
     let by = (last(&exact) / 100.0).floor() * 100.0;
     assert!((last(&shown) - (last(&exact) - by)).abs() < 1e-6, "{by}");
     assert!((0.0..100.0).contains(&last(&shown)));

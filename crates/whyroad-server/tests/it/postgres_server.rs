@@ -1,5 +1,5 @@
-//! A real PostgreSQL for tests, started by the test itself in a folder of its own and stopped with it. It refuses to
-//! run as root, so there it runs as the user `postgres` or `nobody`.
+//! A real PostgreSQL for tests, started by the test itself in a separate folder and stopped with it. It refuses to run
+//! as root, so then it runs as the user `postgres` or `nobody`.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // in a test a panic is the report, and a skip is said
 
@@ -23,7 +23,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Starts a server; `None`, with a line that says so, on a machine without PostgreSQL.
+    /// Starts a server; `None`, with a message, on a machine without PostgreSQL.
     pub fn start() -> Option<Self> {
         let Some(programs) = programs() else {
             crate::require::skipped("postgres", "no PostgreSQL");
@@ -60,8 +60,8 @@ impl Server {
         self.url_of(&name)
     }
 
-    /// Ends the server at once, as a crash of its machine would (without losing what the system has), and starts it
-    /// again after `away`.
+    /// Stops the server immediately, as after a crash of its process (without losing data that the system has), and
+    /// starts it again after `away`.
     pub fn restart(&mut self, away: Duration) {
         self.stop();
         std::thread::sleep(away);
@@ -107,7 +107,7 @@ fn command(program: &Path, user: Option<u32>) -> Command {
     command
 }
 
-/// Where `postgres` and `initdb` are: what `pg_config` says, else the newest of Debian's folders.
+/// Folder of `postgres` and `initdb`: from `pg_config`, else the newest of Debian's folders.
 fn programs() -> Option<PathBuf> {
     let told = Command::new("pg_config").arg("--bindir").output().ok().filter(|o| o.status.success());
     let told = told.map(|o| PathBuf::from(String::from_utf8_lossy(&o.stdout).trim()));

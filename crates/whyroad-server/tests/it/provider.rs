@@ -1,5 +1,5 @@
-//! An OpenID provider for tests: it does what OpenID Connect Core, PKCE and RFC 9207 ask of one, strictly, and one
-//! thing wrongly when it is told to.
+//! An OpenID provider for tests: it strictly follows OpenID Connect Core, PKCE and RFC 9207, and violates them in one
+//! point on request.
 
 use crate::signer::{Key, Kind, base64url};
 use base64::Engine as _;
@@ -14,23 +14,23 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex};
 
 pub const CLIENT: &str = "whyroad client";
-/// Letters that have to be written in another way in a form, and so in the header too (RFC 6749 2.3.1).
+/// Characters that must be encoded in a form, and so in the header, too (RFC 6749 2.3.1).
 pub const SECRET: &str = "s3cr:et/+ &%";
 
-/// What the provider does wrongly.
+/// The violation of the provider.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Fault {
     #[default]
     None,
-    /// This claim of the token has this value; null takes it away.
+    /// This claim of the token has this value; null removes it.
     Claim(&'static str, Value),
     /// This field of the discovery document has this value.
     Discovery(&'static str, Value),
     /// This field of the token's header has this value.
     Header(&'static str, Value),
-    /// Signed with a key that it does not publish, under the name of one that it does.
+    /// Signed with a key that it does not publish, under the id of one that it does.
     WrongKey,
-    /// No signature, and says so.
+    /// No signature, with the algorithm `none`.
     AlgNone,
     /// Signed with HMAC under its public key.
     Hmac,
@@ -40,7 +40,7 @@ pub enum Fault {
     Unsigned,
     /// The answer at the redirect names this issuer; null for none.
     Names(Value),
-    /// The userinfo endpoint speaks of somebody else.
+    /// The userinfo endpoint returns another person.
     OtherPerson,
     /// The token endpoint answers with this status.
     Away(u16),
@@ -57,7 +57,7 @@ struct State {
     /// Calls by path.
     calls: BTreeMap<String, usize>,
     redirect: String,
-    /// What is in the key set instead of the keys that sign.
+    /// Key set that is published instead of the signing keys.
     published: Option<Key>,
 }
 
@@ -70,7 +70,7 @@ pub struct Provider {
 }
 
 impl Provider {
-    /// One that signs with `key` and lives by the service's clock (ms).
+    /// A provider that signs with `key` and uses the service's clock (ms).
     pub fn start(key: Key, clock: Arc<AtomicI64>) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
@@ -92,7 +92,7 @@ impl Provider {
     pub fn goes_wrong(&self, fault: Fault) {
         self.state.lock().unwrap().fault = fault;
     }
-    /// From now on `claims` are who is signed in there.
+    /// From now on the person with `claims` is signed in there.
     pub fn is(&self, claims: Value) {
         self.state.lock().unwrap().person = claims;
     }
@@ -106,7 +106,7 @@ impl Provider {
     pub fn rotates(&self, key: Key) {
         self.state.lock().unwrap().keys = vec![key];
     }
-    /// From now on this key alone is in the set, whichever signs.
+    /// From now on only this key is in the set, whichever signs.
     pub fn publishes_only(&self, key: Key) {
         self.state.lock().unwrap().published = Some(key);
     }
@@ -160,7 +160,7 @@ impl Provider {
     }
 
     fn jwks(&self) -> Vec<Value> {
-        // Beside its own a key that is not for signatures, and one of a kind that nobody knows.
+        // In addition to its own a key that is not for signatures, and one of an unknown type.
         let mut keys = vec![
             json!({ "kty": "RSA", "use": "enc", "kid": "e", "n": "AQAB", "e": "AQAB" }),
             json!({ "kty": "XYZ", "kid": "x" }),
@@ -191,7 +191,7 @@ impl Provider {
         document
     }
 
-    /// OpenID Connect Core 3.1.2; who is signed in here consents at once.
+    /// OpenID Connect Core 3.1.2; the person signed in here consents at once.
     fn authorize(&self, asked: &BTreeMap<String, String>) -> Result<String, &'static str> {
         let mut state = self.state.lock().unwrap();
         let is = |name: &str, wanted: &str| asked.get(name).is_some_and(|v| v == wanted);
@@ -225,7 +225,7 @@ impl Provider {
         if !is_client(&state.fault, authorization, sent) {
             return (401, json!({ "error": "invalid_client" }));
         }
-        // A code serves once.
+        // A code is valid once.
         let asked = sent
             .get("code")
             .and_then(|code| state.codes.get_mut(code))
@@ -310,7 +310,7 @@ impl Provider {
     }
 }
 
-/// RFC 6749 2.3.1: by the header, unless the discovery document speaks of another way; never by two ways at once.
+/// RFC 6749 2.3.1: in the header, unless the discovery document states another method; never by two methods at once.
 fn is_client(fault: &Fault, authorization: Option<&String>, sent: &BTreeMap<String, String>) -> bool {
     let in_header = authorization.and_then(|a| a.strip_prefix("Basic "));
     let in_header = in_header.and_then(|b| String::from_utf8(STANDARD.decode(b).ok()?).ok());
@@ -328,7 +328,7 @@ fn is_client(fault: &Fault, authorization: Option<&String>, sent: &BTreeMap<Stri
     }
 }
 
-/// Somebody with a verified address.
+/// A person with a verified address.
 pub fn ann() -> Value {
     json!({
         "sub": "248289761001", "email": "Ann@Example.com", "email_verified": true, "name": "Ann", "preferred_username": "ann",

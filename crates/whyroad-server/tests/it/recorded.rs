@@ -1,5 +1,5 @@
-//! A recorded drive made by hand, in two versions that are the same up to the keyframe and differ in everything after
-//! it; with signals and drafts that look at *all* of the drive they are given. So whatever is not cut shows.
+//! A hand-made recorded drive, in two versions that are equal up to the keyframe and differ in everything after it;
+//! with signals and drafts that depend on *all* of the given drive, so that a missing cut is detected.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -26,12 +26,12 @@ pub const KEYFRAME: usize = 94;
 const FRAMES: usize = 200;
 pub const LEAF: &str = "reactive_agent.cutin.urgent";
 
-/// What comes after the keyframe.
+/// The part after the keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Future {
-    /// The ego brakes, somebody crosses, the light turns green.
+    /// The ego brakes, a pedestrian crosses, the light turns green.
     Brakes,
-    /// It drives on, nobody comes, the light turns yellow, the drive ends sooner.
+    /// It drives on, nobody comes, the light turns yellow, the drive ends earlier.
     DrivesOn,
 }
 
@@ -39,7 +39,7 @@ pub fn at(frame: usize) -> Nanos {
     Nanos(START + frame as i64 * 100_000_000)
 }
 
-/// `drive1`, `drive2`, ... all alike.
+/// `drive1`, `drive2`, ... are all equal.
 pub fn drive(id: &DriveId, future: Future) -> Drive {
     let frames = if future == Future::Brakes { FRAMES } else { FRAMES - 20 };
     let brakes = future == Future::Brakes;
@@ -96,7 +96,7 @@ pub fn drive(id: &DriveId, future: Future) -> Drive {
             drive_id: id.clone(),
             format: "test".into(),
             content_hash: format!("{future:?}"),
-            // One whose first picture comes late, or never.
+            // A camera whose first image comes late, or never.
             video: if brakes { vec!["roof".into(), "front left".into()] } else { vec!["front left".into()] },
             ..DriveMeta::default()
         },
@@ -157,7 +157,7 @@ fn map() -> RoadMap {
     }
 }
 
-/// Episode `n` of `drive`; what it says of the time after the keyframe follows the future.
+/// Episode `n` of `drive`; its data about the time after the keyframe depends on the future.
 pub fn episode(drive: &str, n: usize, future: Future) -> EpisodeRecord {
     let end = if future == Future::Brakes { 130 } else { 112 };
     EpisodeRecord {
@@ -210,7 +210,7 @@ fn conditions(future: Future) -> Vec<MatchedCondition> {
 /// The recordings of a test.
 pub struct Recorded {
     pub future: Future,
-    /// A file that stands for every picture, its name by frame.
+    /// A file used for every image, with its name by frame.
     pub pictures: PathBuf,
 }
 
@@ -336,7 +336,7 @@ impl Recordings for Recorded {
         (name == "week1").then_some(Ok(EpisodePage { episodes, next }))
     }
 
-    /// The other drive's episode is half alike.
+    /// The similarity of the other drive's episode is 0.5.
     fn similar(
         &self,
         name: &str,
@@ -357,7 +357,7 @@ impl Recordings for Recorded {
     }
 }
 
-/// Says how many tasks it was given: what the page shows is the caller's.
+/// Reports the number of tasks that it was given: the content of the page is the caller's.
 pub struct Counted;
 
 impl whyroad_server::reports::Reports for Counted {

@@ -37,7 +37,7 @@ pub fn decisions_wait_for_the_safety_filter(world: &World) {
     assert_eq!(export("2.0")["safety_filter"], Value::Null);
     let board = admin.get(&format!("/projects/{project}/dashboard")).fine();
     assert_eq!(board["safety"], json!({ "safe": 1, "unsafe": 0, "reasons": {} }));
-    // An imported label brings no answer along: it is a proposal like any other.
+    // An imported label has no answer: it is a proposal like any other.
     let other = world.project(&admin, "village", &json!({}));
     let line = export("2.1").to_string();
     let path = format!("/projects/{other}/import");
@@ -79,7 +79,7 @@ pub fn unsafe_driving_is_rejected_with_its_reasons(world: &World) {
     let last: Vec<&str> = history.iter().rev().take(2).map(|e| e["action"].as_str().unwrap()).collect();
     assert_eq!(last, ["reject", "safety"]);
     assert!(history.last().unwrap()["note"].as_str().unwrap().contains("speeding"));
-    // Opened again, the question is asked again.
+    // After reopening, the question is asked again.
     let reopen = json!({ "action": "reopen", "reason": "the limit was 80" });
     admin.post(&work.path("/actions"), &reopen).fine();
     assert_eq!(board(), json!({ "safe": 0, "unsafe": 0, "reasons": {} }));

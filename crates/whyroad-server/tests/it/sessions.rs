@@ -11,7 +11,7 @@ pub fn the_first_run_makes_one_admin_and_no_second(world: &World) {
     assert!(first.json()["user"].is_null());
     let short = json!({ "name": "eve", "display": "Eve", "password": "short" });
     assert_eq!(stranger.post("/setup", &short).refusal(), (422, "password.length".into()));
-    // A page elsewhere whose name was made to lead here.
+    // Another site whose host name was made to resolve to this machine.
     let body = json!({ "name": "eve", "display": "Eve", "password": PASSWORD }).to_string();
     for host in ["evil.example", "evil.example:8080", "localhost.evil.example", "[evil]", ""] {
         let answer = stranger.call("POST", "/setup", Some(body.as_bytes()), &[("host", host)]);
@@ -44,7 +44,7 @@ pub fn cookies_and_headers_are_safe(world: &World) {
         page.header("content-type")
     );
 
-    // The cookie changes with signing in: a planted one is worth nothing.
+    // The cookie changes at sign-in: a planted one is useless.
     let planted = stranger.cookie.clone();
     let admin = world.admin();
     assert_ne!(admin.cookie, planted);
@@ -77,7 +77,7 @@ pub fn writing_needs_the_csrf_value_of_the_session(world: &World) {
         (403, "session.csrf".into()),
         "another session's value"
     );
-    // Signing in itself too: else somebody could be signed in as another.
+    // Signing in, too: otherwise a user could be signed in as another one.
     other.csrf = None;
     let sign_in = json!({ "name": "admin", "password": PASSWORD });
     assert_eq!(other.post("/session", &sign_in).refusal(), (403, "session.csrf".into()));
@@ -112,7 +112,7 @@ pub fn guessing_passwords_is_slowed(world: &World) {
     world.wait(2);
     stranger.post("/session", &right).fine();
     assert_eq!(wrong("ann").refusal().0, 401, "and the count starts again");
-    // Who is not there cannot be told from who is.
+    // An unknown user cannot be distinguished from a known one.
     assert_eq!(wrong("nobody").json()["detail_en"], wrong("ann").json()["detail_en"]);
 }
 
@@ -134,7 +134,7 @@ pub fn passwords_and_tokens_are_kept_as_hashes(world: &World) {
     assert_ne!(stored.1, token);
     assert!(!admin.cookie.as_ref().unwrap().contains(&stored.2));
 
-    // A token needs no cookie and no CSRF value; it is told once.
+    // A token needs no cookie and no CSRF value; it is shown once.
     let mut script = world.stranger();
     script.token = Some(token);
     script.post("/projects", &json!({ "name": "by script" })).fine();
@@ -149,7 +149,7 @@ pub fn passwords_and_tokens_are_kept_as_hashes(world: &World) {
     );
     assert_eq!(admin.call("DELETE", &format!("/tokens/{id}"), None, &[]).status, 200);
     assert_eq!(script.get("/tokens").refusal(), (401, "session.required".into()));
-    // A wrong token is not made good by a good cookie.
+    // A valid cookie does not replace a wrong token.
     let mut both = admin.clone();
     both.token = Some("wr_0".into());
     assert_eq!(both.get("/users").refusal().0, 401);

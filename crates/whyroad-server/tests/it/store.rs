@@ -1,4 +1,4 @@
-//! The store by itself, the same tests on a SQLite file and on a real PostgreSQL: transactions, migration, backup.
+//! The store alone, the same tests on a SQLite file and on a real PostgreSQL: transactions, migration, backup.
 
 use crate::postgres_server::Server;
 use std::io::{BufReader, Cursor};
@@ -18,7 +18,7 @@ fn names(store: &Store) -> Vec<String> {
     names.iter().map(|r| r.text("name").unwrap()).collect()
 }
 
-/// What must hold on both.
+/// Properties of both.
 fn transactions(store: &Store) {
     put(store, "a");
     let refused = store.write(|tx| {
@@ -33,7 +33,7 @@ fn transactions(store: &Store) {
     assert_eq!(broken.unwrap_err().status, 503, "a second 'a' breaks the whole");
     assert_eq!(names(store), ["a"]);
 
-    // Many at once, some of them refused: each whole or not at all, none for another's fault.
+    // Many at once, some of them refused: each is complete or absent, and none fails because of another.
     std::thread::scope(|scope| {
         for i in 0..40 {
             scope.spawn(move || {
@@ -48,7 +48,7 @@ fn transactions(store: &Store) {
     });
     assert_eq!(names(store).iter().filter(|n| n.starts_with("many")).count(), 30);
 
-    // One counter, many hands: no step is lost.
+    // One counter, many writers: no step is lost.
     store.write(|tx| tx.run("INSERT INTO settings (name, value) VALUES ('counter', '0')", &[])).unwrap();
     std::thread::scope(|scope| {
         for _ in 0..20 {
@@ -80,7 +80,7 @@ fn transactions_on_postgresql() {
     let url = server.database();
     let dir = tempfile::tempdir().unwrap();
     transactions(&Store::open_keeping(&StoreLocation::parse(&url), dir.path()).unwrap());
-    // Two services that start at once on an empty database make its tables once.
+    // Two services that start at once on an empty database create its tables once.
     let url = server.database();
     std::thread::scope(|scope| {
         for _ in 0..4 {
@@ -91,7 +91,7 @@ fn transactions_on_postgresql() {
 
 const FIRST: &str = include_str!("../../migrations/0001_tables.sql");
 
-/// A project with a task, as tables of version 1 hold them.
+/// A project with a task in the tables of version 1.
 const OF_VERSION_1: &str = "
     CREATE TABLE schema_version (version BIGINT NOT NULL); INSERT INTO schema_version VALUES (1);
     INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'town', '', '{}', '{}', 0);
@@ -126,13 +126,13 @@ fn an_older_store_comes_forward_and_is_copied_aside_before() {
     assert_eq!((version, tasks), (1, 1), "the copy is the store as it was");
     assert_eq!(Store::open(&path).unwrap().kept, None, "nothing to bring forward");
 
-    // A store of a newer program is not touched.
+    // A store of a newer program is not changed.
     store.write(|tx| tx.run("INSERT INTO schema_version (version) VALUES (99)", &[])).unwrap();
     drop(store);
     assert_eq!(Store::open(&path).unwrap_err().code, "store.newer");
 }
 
-/// All that a backup of `store` holds.
+/// The content of a backup of `store`.
 fn dump(store: &Store) -> Vec<u8> {
     let mut out = Vec::new();
     backup(store, &mut out).unwrap();
@@ -199,14 +199,14 @@ fn an_older_postgresql_store_is_backed_up_before_and_the_backup_restores_into_ei
     assert_eq!(kept.parent(), Some(dir.path()));
     let text = std::fs::read_to_string(&kept).unwrap();
     assert!(text.starts_with(r#"{"schema_version":1,"whyroad_backup":1}"#), "{text}");
-    // A backup of an older program goes into a store of this one, of either kind.
+    // A backup of an older program is restored into a store of this one, of either kind.
     for place in [StoreLocation::File(dir.path().join("fresh")), StoreLocation::parse(&server.database())] {
         let fresh = Store::open_keeping(&place, dir.path()).unwrap();
         let from = kept.clone();
         let rows = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?))).unwrap();
         assert_eq!((rows, task(&fresh)), (4, ("t".into(), String::new())));
         assert_eq!(dump(&fresh), dump(&store));
-        // What is there is not mixed with what comes: a project without any user is something too.
+        // Existing data is not mixed with restored data: even a project without users counts.
         let from = kept.clone();
         let again = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?)));
         assert_eq!(again.unwrap_err().code, "restore.not_empty");
@@ -248,7 +248,7 @@ fn a_large_store_comes_out_in_pages_and_a_backup_of_a_newer_program_is_refused()
         let told = restore(&empty, move || Ok(Cursor::new(head))).unwrap_err();
         assert!(told.code == "restore.broken" && told.text.en.contains(why), "{told}");
     }
-    // A line without an end does not fill the memory.
+    // An endless line does not fill the memory.
     let endless = || Ok(BufReader::new(std::io::repeat(b'x')));
     assert!(restore(&empty, endless).unwrap_err().text.en.contains("longer than"));
 }
@@ -282,13 +282,13 @@ fn what_the_store_keeps_is_for_its_owner_alone() {
         assert_eq!(mode(&folder.join(name)), 0o600, "{name}");
     }
     drop(store);
-    // A file of an older version is taken from others when it is opened.
+    // Access of other users to a file of an older version is removed when it is opened.
     std::fs::set_permissions(folder.join("labels.db"), std::fs::Permissions::from_mode(0o644)).unwrap();
     let _again = Store::open(&folder.join("labels.db")).unwrap();
     assert_eq!(mode(&folder.join("labels.db")), 0o600);
 }
 
-/// A webhook's signing key and the CSRF key as they are in the tables.
+/// A webhook's signing key and the CSRF key as stored in the tables.
 fn stored_secrets(store: &Store) -> Vec<String> {
     let sql =
         "SELECT secret AS value FROM webhooks UNION ALL SELECT value FROM settings WHERE name = 'csrf_key'";

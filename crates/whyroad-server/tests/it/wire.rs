@@ -1,4 +1,4 @@
-//! What goes over the wire: sizes, ETags, problems, texts that look like markup, the document of the API.
+//! HTTP requests and responses: sizes, ETags, problems, texts that look like markup, the document of the API.
 
 use crate::work::Work;
 use crate::world::World;
@@ -59,7 +59,7 @@ pub fn what_is_too_large_is_refused(world: &World) {
     let guide = json!({ "name": "p", "guide": "x".repeat(300_000) });
     assert_eq!(admin.post("/projects", &guide).refusal(), (422, "project.invalid".into()));
     let project = world.project(&admin, "town", &json!({}));
-    // Many tasks at once may be large, from who may send them.
+    // Many tasks at once may be large, if the sender is permitted.
     let mut stranger = world.stranger();
     stranger.hello();
     let bulk = format!("/projects/{project}/tasks:create");

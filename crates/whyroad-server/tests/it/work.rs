@@ -1,4 +1,4 @@
-//! What people do with a task, step by step, for tests that need one in some state.
+//! Steps of people on a task, for tests that need one in some state.
 
 use crate::world::{Person, Reply, World};
 use serde_json::{Value, json};
@@ -21,7 +21,7 @@ impl Begin {
     }
 }
 
-/// A task in somebody's hands.
+/// A task held by a person.
 pub struct Work<'p> {
     pub who: &'p Person,
     pub task: String,
@@ -83,7 +83,7 @@ impl<'p> Work<'p> {
         answer
     }
 
-    /// Stage I as the example label has it.
+    /// Stage I as in the example label.
     pub fn stage1(&mut self) {
         let answer = self.set(&[("/critical_components", components())]);
         assert_eq!(answer.status, 200, "{}", answer.text());
@@ -105,7 +105,7 @@ impl<'p> Work<'p> {
         self.version = self.who.post(&self.path("/safety"), &body).fine()["version"].as_i64().unwrap();
     }
 
-    /// Stage II as the example label has it.
+    /// Stage II as in the example label.
     pub fn stage2(&mut self) {
         if self.view()["draft"]["safety_filter"].is_null() {
             self.safe();
@@ -123,7 +123,7 @@ impl<'p> Work<'p> {
         self.version = self.who.patch(&self.path("/draft"), &body).fine()["version"].as_i64().unwrap();
     }
 
-    /// All the way to `submitted`.
+    /// All steps to `submitted`.
     pub fn label(who: &'p Person, task: &str) -> Self {
         let mut work = Self::take(who, task);
         work.stage1();
@@ -134,7 +134,7 @@ impl<'p> Work<'p> {
     }
 }
 
-/// A label that the format's own document gives as an example (DATA_FORMAT.md 4).
+/// The example label in the format's own document (DATA_FORMAT.md 4).
 pub fn example() -> Value {
     let text = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/cutin_urgent_example.json");
     serde_json::from_slice(&std::fs::read(text).unwrap()).unwrap()

@@ -45,13 +45,13 @@ impl World {
         Self::open(place, future, (dir, &keys), Arc::new(AtomicI64::new(NOON)), |_| {})
     }
 
-    /// A second service on the same store and by the same clock, set up by `set_up`.
+    /// A second service on the same store and with the same clock, configured by `set_up`.
     pub fn beside(&self, set_up: impl FnOnce(&mut App)) -> Self {
         let folders = (tempfile::tempdir().unwrap(), self._dir.path());
         Self::open(&self.place, self.future, folders, Arc::clone(&self.clock), set_up)
     }
 
-    /// A second service on the same store that does not serve yet.
+    /// A second service on the same store that is not serving yet.
     pub fn second(&self, set_up: impl FnOnce(&mut App)) -> Arc<App> {
         let recordings = Recorded { future: self.future, pictures: self._dir.path().to_path_buf() };
         let store = Store::open_keeping(&self.place, self._dir.path()).unwrap();
@@ -87,12 +87,12 @@ impl World {
         Self { app, address, future, clock, place: place.clone(), runtime: Some(runtime), _dir: dir }
     }
 
-    /// Lets time pass.
+    /// Advances the clock.
     pub fn wait(&self, seconds: i64) {
         self.clock.fetch_add(seconds * 1000, Ordering::SeqCst);
     }
 
-    /// Somebody who is not signed in.
+    /// A caller who is not signed in.
     pub fn stranger(&self) -> Person {
         Person { address: self.address, cookie: None, csrf: None, token: None, id: String::new() }
     }
