@@ -128,14 +128,14 @@ impl World {
         p
     }
 
-    /// A project; its id.
+    /// A project; returns its id.
     pub fn project(&self, admin: &Person, name: &str, settings: &Value) -> String {
         let made = admin.post("/projects", &json!({ "name": name, "settings": settings }));
         assert_eq!(made.status, 200, "{}", made.text());
         made.json()["id"].as_str().unwrap().to_owned()
     }
 
-    /// Tasks from one episode of each of `drives`; their ids.
+    /// Tasks from one episode of each of `drives`; returns their ids.
     pub fn tasks(&self, lead: &Person, project: &str, drives: &[&str], overlap: u32) -> Vec<String> {
         let episodes: Vec<Value> =
             drives.iter().map(|d| serde_json::to_value(episode(d, 1, self.future)).unwrap()).collect();
@@ -154,7 +154,7 @@ impl Drop for World {
     }
 }
 
-/// Somebody who calls the service.
+/// A client of the service.
 #[derive(Clone)]
 pub struct Person {
     pub address: SocketAddr,
@@ -164,7 +164,7 @@ pub struct Person {
     pub id: String,
 }
 
-/// What came back.
+/// A response.
 #[derive(Clone, Debug)]
 pub struct Reply {
     pub status: u16,
@@ -182,7 +182,7 @@ impl Reply {
     pub fn json(&self) -> Value {
         serde_json::from_slice(&self.body).unwrap_or_else(|e| panic!("{e}: {} {}", self.status, self.text()))
     }
-    /// The body of an answer that is fine.
+    /// The body of a successful response.
     pub fn fine(&self) -> Value {
         assert_eq!(self.status, 200, "{}", self.text());
         self.json()
@@ -205,14 +205,14 @@ impl Reply {
 }
 
 impl Person {
-    /// `GET /session`: takes a cookie and its CSRF value.
+    /// `GET /session`: stores the cookie and its CSRF value.
     pub fn hello(&mut self) -> Reply {
         let answer = self.get("/session");
         self.keep(&answer);
         answer
     }
 
-    /// Keeps the cookie, CSRF value and id of an answer about the session.
+    /// Stores the cookie, CSRF value and id of a response about the session.
     pub fn keep(&mut self, answer: &Reply) {
         if let Some(cookie) = answer.header("set-cookie") {
             self.cookie = Some(cookie.split(';').next().unwrap().to_owned());
@@ -245,7 +245,7 @@ impl Person {
             .unwrap_or_else(|| panic!("{verb} {path}: no answer within {:?}: {read:?}", begun.elapsed()))
     }
 
-    /// Number of lines in an answer that comes in chunks (RFC 9112, 7.1); it is read without being kept.
+    /// Number of lines in a chunked response (RFC 9112, 7.1), which is read without being kept.
     pub fn lines(&self, path: &str) -> usize {
         let mut answer = BufReader::new(self.send("GET", &format!("/api/v1{path}"), None, &[]));
         let line = |answer: &mut BufReader<TcpStream>| {
@@ -272,7 +272,7 @@ impl Person {
         }
     }
 
-    /// Sends a call; the answer is still to be read.
+    /// Sends a call; the response is not read yet.
     fn send(&self, verb: &str, path: &str, body: Option<&[u8]>, more: &[(&str, &str)]) -> TcpStream {
         let mut head = format!("{verb} {path} HTTP/1.1\r\nconnection: close\r\n");
         let mut put = |name: &str, value: &str| head.push_str(&format!("{name}: {value}\r\n"));
@@ -304,7 +304,7 @@ impl Person {
     }
 }
 
-/// `None` where the head is not there whole.
+/// `None` if the head is incomplete.
 fn parse(bytes: &[u8]) -> Option<Reply> {
     let end = bytes.windows(4).position(|w| w == b"\r\n\r\n")?;
     let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
@@ -321,7 +321,7 @@ fn parse(bytes: &[u8]) -> Option<Reply> {
     Some(reply)
 }
 
-/// The content of a body in chunks (RFC 9112, 7.1), which must be whole.
+/// The content of a chunked body (RFC 9112, 7.1), which must be complete.
 fn joined(mut chunks: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     loop {
