@@ -188,7 +188,7 @@ pub static ROUTES: &[Route] = &[
         .query(&[
             ("state", "only these states, separated by commas"),
             ("scenario", "only this class: L1, L2 or L3"),
-            ("assignee", "only tasks held or written by this user (name or id)"),
+            ("assignee", "only tasks held by, assigned to or written by this user (name or id)"),
             ("mine", "`true`: only own tasks"),
             ("q", "part of the clip's or task's id"),
             ("asks", "`lead`: only tasks with an open question to the lead"),
