@@ -13,8 +13,8 @@ fn nested(depth: usize) -> Value {
 pub fn a_draft_nested_too_deep_is_refused_and_nobody_else_feels_it(world: &World) {
     let Begin { admin, project, ann, task } = Begin::on(world);
     let mut work = Work::take(&ann, &task);
-    // serde_json cannot read anything nested more than 128 deep: data that is stored deeper is lost. Requests with these
-    // depths can still be read.
+    // serde_json cannot read anything nested more than 128 deep: data that is stored deeper is lost. Requests with
+    // these depths can still be read.
     for depth in [40, 110, 120, 121, 122, 123] {
         let set = work.set(&[("/critical_components/0/a/b/c/d/e", nested(depth))]);
         assert_eq!(set.refusal(), (422, "draft.too_deep".into()), "{depth}");
