@@ -326,7 +326,7 @@ pub static ROUTES: &[Route] = &[
     Route::post(
         "/tasks/{t}/judgement",
         Access::TaskWorker,
-        "Answer the questions that a model answered about a label that was drawn for people; for its checker or auditor",
+        "Answer the questions that a model answered about a label drawn for people; for its checker or auditor",
         model::answer,
     )
     .takes::<JudgementAnswers>()

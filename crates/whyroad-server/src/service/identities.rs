@@ -119,7 +119,7 @@ pub fn unlink(tx: &mut dyn Tx, id: &str, caller: &User) -> Answer<()> {
             409,
             "oidc.only_way",
             "账号没有密码，这是唯一的登录方式；请先让管理员设置密码",
-            "the account has no password, so this is its only sign-in method: ask an administrator to set a password first",
+            "the account has no password, so this is its only sign-in method: ask an administrator to set one first",
         ));
     }
     tx.run("DELETE FROM identities WHERE id = $1", values![id])?;

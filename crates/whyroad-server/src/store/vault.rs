@@ -109,7 +109,7 @@ impl Vault {
                 "store.key",
                 format!("存储中的密文无法用密钥文件 {} 解开：请换回写入时的密钥文件", self.path.display()),
                 format!(
-                    "secrets of the store cannot be opened with the key file {}: restore the key file with which they were sealed",
+                    "secrets of the store cannot be opened with the key file {}: restore the key file that sealed them",
                     self.path.display()
                 ),
             )
