@@ -134,6 +134,6 @@ mod tests {
         }
         let mut odd = label();
         odd["clip_id"] = json!("nodrive");
-        assert!(read_line(&odd.to_string()).unwrap_err().en.contains("names no drive"));
+        assert!(read_line(&odd.to_string()).unwrap_err().en.contains("drive cannot be determined"));
     }
 }
