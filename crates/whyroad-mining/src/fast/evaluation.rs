@@ -35,6 +35,8 @@ pub struct Evaluation<'a> {
     of_pair: Memo<NodeValue<'a>>,
     of_episode: Memo<NodeValue<'a>>,
     pub(super) margins: Memo<Rc<Vec<f64>>>,
+    /// Margins of counts by blocks of the drive's rows.
+    pub(super) count_margins: RefCell<HashMap<(NodeId, usize), Rc<Vec<f64>>>>,
     pub(super) episode: Cell<Option<Moments>>,
 }
 
@@ -58,6 +60,7 @@ impl<'a> Evaluation<'a> {
             of_pair: RefCell::default(),
             of_episode: RefCell::default(),
             margins: RefCell::default(),
+            count_margins: RefCell::default(),
             episode: Cell::new(None),
         }
     }

@@ -31,7 +31,7 @@ impl Evaluation<'_> {
             Op::Compare { op, left, right, scale } => {
                 let (a, b) = (self.numbers(*left, row_set), self.numbers(*right, row_set));
                 let mut out = compared(*op, &a, &b, *scale, rows.clone());
-                if self.noise_of_difference(*op, *left, *right, row_set).is_some()
+                if self.is_noisy_difference(*op, *left, *right, row_set)
                     && let Some((truth, by)) = self.seen(id, row_set)
                 {
                     settle(&mut out, &truth, by + rows.start);
@@ -48,13 +48,39 @@ impl Evaluation<'_> {
                 return vec![at.unwrap_or(f64::NAN); rows.len()];
             }
             Op::Previously(a, None) => return self.ever_before(id, *a, row_set)[rows].to_vec(),
+            Op::AtLeast { .. } if !self.plan.node(id).needs_episode => return self.in_blocks(id, rows),
             Op::Since(a, b) => return self.of_since(id, (*a, *b), row_set, rows),
             Op::Until(a, b) => return self.of_until(id, (*a, *b), row_set, rows),
             _ => {}
         }
+        self.from_operands(id, row_set, rows)
+    }
+
+    /// Margins that agree with the truth, from those of the operands.
+    fn from_operands(&self, id: NodeId, row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
         let Some((truth, by)) = self.seen(id, row_set) else { return vec![f64::NAN; rows.len()] };
+        let op = &self.plan.node(id).op;
         let mut out = self.raw_margins(op, row_set, rows.clone(), &|i| truth.at(by + i));
         settle(&mut out, &truth, by + rows.start);
+        out
+    }
+
+    /// [`Self::from_operands`] of a condition on the rows of the drive, block by block, each of which is kept: counts
+    /// ask all objects, and episodes and operators over time ask for the same rows again and again.
+    fn in_blocks(&self, id: NodeId, rows: Range<usize>) -> Vec<f64> {
+        let n = self.layout.len(RowSet::Drive);
+        let mut out = Vec::with_capacity(rows.len());
+        for block in rows.start / BLOCK_ROWS..rows.end.div_ceil(BLOCK_ROWS) {
+            let all = block * BLOCK_ROWS..((block + 1) * BLOCK_ROWS).min(n);
+            let known = self.count_margins.borrow().get(&(id, block)).cloned();
+            let of_all = known.unwrap_or_else(|| {
+                let of_all = Rc::new(self.from_operands(id, RowSet::Drive, all.clone()));
+                self.count_margins.borrow_mut().insert((id, block), of_all.clone());
+                of_all
+            });
+            let wanted = rows.start.max(all.start)..rows.end.min(all.end);
+            out.extend_from_slice(&of_all[wanted.start - all.start..wanted.end - all.start]);
+        }
         out
     }
 
@@ -307,6 +333,9 @@ impl Evaluation<'_> {
         rows.clone().zip(of_a.into_iter().zip(of_b)).map(cell).collect()
     }
 }
+
+/// Rows of which margins of a count are kept together.
+const BLOCK_ROWS: usize = 256;
 
 /// How far `since` and `until` first look ahead for a row that decides them.
 const STRIDE: usize = 32;

@@ -25,6 +25,38 @@ impl<'a> Evaluation<'a> {
         (self.signals.is_noisy() && has_threshold(op)).then(|| self.noise_of_sum(left, right, row_set))?
     }
 
+    /// True where [`Self::noise_of_difference`] gives some.
+    pub(super) fn is_noisy_difference(
+        &self,
+        op: CompareOp,
+        left: NodeId,
+        right: NodeId,
+        row_set: RowSet,
+    ) -> bool {
+        let is_noisy = |id| self.is_noisy(id, row_set);
+        self.signals.is_noisy() && has_threshold(op) && (is_noisy(left) || is_noisy(right))
+    }
+
+    /// True where [`Self::noise`] gives some.
+    fn is_noisy(&self, id: NodeId, row_set: RowSet) -> bool {
+        match &self.plan.node(id).op {
+            Op::Signal(name) | Op::SecondSignal(name) => self.signals.has_numbers(&deviation_name(name)),
+            Op::PairSignal { name, .. } => {
+                let name = deviation_name(name);
+                self.signals.pairs.is_some_and(|p| p.columns.contains_key(&name))
+            }
+            Op::Least(..) | Op::Greatest(..) | Op::AtKeyframe(_) => {
+                let Some((own, home)) = self.home(id, row_set) else { return false };
+                self.plan.node(own).op.operands().into_iter().any(|a| self.is_noisy(a, home))
+            }
+            Op::Negate(a) | Op::Absolute(a) => self.is_noisy(*a, row_set),
+            Op::Add(a, b) | Op::Subtract(a, b) | Op::Multiply(a, b) => {
+                self.is_noisy(*a, row_set) || self.is_noisy(*b, row_set)
+            }
+            _ => false,
+        }
+    }
+
     fn noise_of_sum(&self, a: NodeId, b: NodeId, row_set: RowSet) -> Option<Vec<f64>> {
         let (a, b) = (self.noise(a, row_set), self.noise(b, row_set));
         match (a, b) {

@@ -144,6 +144,11 @@ impl<'a> Signals<'a> {
         self.column(name).is_some()
     }
 
+    /// True when the column is available and has numbers.
+    pub fn has_numbers(&self, name: &str) -> bool {
+        matches!(self.column(name), Some(SignalColumn::Numbers(_)))
+    }
+
     fn column(&self, name: &str) -> Option<&SignalColumn<'a>> {
         self.columns.get(name).or_else(|| self.more.get()?.get(name))
     }
