@@ -19,8 +19,8 @@ use std::rc::Rc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::is_of_object;
 
-/// Values by node and row set.
-type Memo<V> = RefCell<HashMap<(NodeId, RowSet), V>>;
+/// Values by node and row set, or what else stands for rows.
+type Memo<V, On = RowSet> = RefCell<HashMap<(NodeId, On), V>>;
 
 /// A plan on a drive. Keeps what it has computed.
 pub struct Evaluation<'a> {
@@ -36,7 +36,7 @@ pub struct Evaluation<'a> {
     of_episode: Memo<NodeValue<'a>>,
     pub(super) margins: Memo<Rc<Vec<f64>>>,
     /// Margins of counts by blocks of the drive's rows.
-    pub(super) count_margins: RefCell<HashMap<(NodeId, usize), Rc<Vec<f64>>>>,
+    pub(super) count_margins: Memo<Rc<Vec<f64>>, usize>,
     pub(super) episode: Cell<Option<Moments>>,
 }
 

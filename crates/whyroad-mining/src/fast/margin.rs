@@ -53,11 +53,11 @@ impl Evaluation<'_> {
             Op::Until(a, b) => return self.of_until(id, (*a, *b), row_set, rows),
             _ => {}
         }
-        self.from_operands(id, row_set, rows)
+        self.settled_margins(id, row_set, rows)
     }
 
     /// Margins that agree with the truth, from those of the operands.
-    fn from_operands(&self, id: NodeId, row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
+    fn settled_margins(&self, id: NodeId, row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
         let Some((truth, by)) = self.seen(id, row_set) else { return vec![f64::NAN; rows.len()] };
         let op = &self.plan.node(id).op;
         let mut out = self.raw_margins(op, row_set, rows.clone(), &|i| truth.at(by + i));
@@ -65,7 +65,7 @@ impl Evaluation<'_> {
         out
     }
 
-    /// [`Self::from_operands`] of a condition on the rows of the drive, block by block, each of which is kept: counts
+    /// [`Self::settled_margins`] of a condition on the rows of the drive, block by block, each of which is kept: counts
     /// ask all objects, and episodes and operators over time ask for the same rows again and again.
     fn in_blocks(&self, id: NodeId, rows: Range<usize>) -> Vec<f64> {
         let n = self.layout.len(RowSet::Drive);
@@ -74,7 +74,7 @@ impl Evaluation<'_> {
             let all = block * BLOCK_ROWS..((block + 1) * BLOCK_ROWS).min(n);
             let known = self.count_margins.borrow().get(&(id, block)).cloned();
             let of_all = known.unwrap_or_else(|| {
-                let of_all = Rc::new(self.from_operands(id, RowSet::Drive, all.clone()));
+                let of_all = Rc::new(self.settled_margins(id, RowSet::Drive, all.clone()));
                 self.count_margins.borrow_mut().insert((id, block), of_all.clone());
                 of_all
             });

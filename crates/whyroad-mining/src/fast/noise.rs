@@ -21,7 +21,7 @@ impl<'a> Evaluation<'a> {
         left: NodeId,
         right: NodeId,
         row_set: RowSet,
-    ) -> Option<Vec<f64>> {
+    ) -> Option<Numbers<'a>> {
         (self.signals.is_noisy() && has_threshold(op)).then(|| self.noise_of_sum(left, right, row_set))?
     }
 
@@ -57,17 +57,17 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    fn noise_of_sum(&self, a: NodeId, b: NodeId, row_set: RowSet) -> Option<Vec<f64>> {
-        let (a, b) = (self.noise(a, row_set), self.noise(b, row_set));
-        match (a, b) {
-            (None, None) => None,
-            (Some(one), None) | (None, Some(one)) => Some(one.into_iter().map(|d| of_sum(d, 0.0)).collect()),
-            (Some(a), Some(b)) => Some(a.into_iter().zip(b).map(|(a, b)| of_sum(a, b)).collect()),
+    fn noise_of_sum(&self, a: NodeId, b: NodeId, row_set: RowSet) -> Option<Numbers<'a>> {
+        match (self.noise(a, row_set), self.noise(b, row_set)) {
+            (Some(a), Some(b)) => Some(a.zip(&b, of_sum)),
+            // Mostly the other side is exact: then the column is not copied.
+            (one, other) => one.or(other),
         }
     }
 
-    /// Standard deviations of a number on the rows of a row set.
-    fn noise(&self, id: NodeId, row_set: RowSet) -> Option<Vec<f64>> {
+    /// Standard deviations of a number on the rows of a row set, as they are stored: whoever reads them takes unknown
+    /// ones for zero ([`crate::deviation::stated`]).
+    fn noise(&self, id: NodeId, row_set: RowSet) -> Option<Numbers<'a>> {
         match &self.plan.node(id).op {
             Op::Signal(name) | Op::SecondSignal(name) => {
                 self.noise_of_signal(id, &deviation_name(name), row_set)
@@ -82,20 +82,20 @@ impl<'a> Evaluation<'a> {
                 let (of_a, of_b) = (self.noise(*a, row_set), self.noise(*b, row_set));
                 of_a.as_ref().or(of_b.as_ref())?;
                 let (x, y) = (self.numbers(*a, row_set), self.numbers(*b, row_set));
-                let of = |sd: &Option<Vec<f64>>, i: usize| sd.as_ref().map_or(0.0, |sd| sd[i]);
+                let of = |sd: &Option<Numbers<'_>>, i: usize| sd.as_ref().map_or(0.0, |sd| sd.at(i));
                 let product = |i| of_product((x.at(i), of(&of_a, i)), (y.at(i), of(&of_b, i)));
-                Some((0..x.len()).map(product).collect())
+                Some(Numbers::of((0..x.len()).map(product).collect::<Vec<_>>()))
             }
             _ => None,
         }
     }
 
-    fn noise_of_signal(&self, id: NodeId, name: &str, row_set: RowSet) -> Option<Vec<f64>> {
+    fn noise_of_signal(&self, id: NodeId, name: &str, row_set: RowSet) -> Option<Numbers<'a>> {
         if !self.signals.holds(name) {
             return None;
         }
         let n = self.layout.len(row_set);
-        let Some((_, home)) = self.home(id, row_set) else { return Some(vec![f64::NAN; n]) };
+        let Some((_, home)) = self.home(id, row_set) else { return Some(Numbers::Same(f64::NAN, n)) };
         let at_home = self.signals.value(name, &self.layout, home)?;
         self.moved_from_home(id, at_home, home, row_set)
     }
@@ -107,7 +107,7 @@ impl<'a> Evaluation<'a> {
         at_home: NodeValue<'a>,
         home: RowSet,
         row_set: RowSet,
-    ) -> Option<Vec<f64>> {
+    ) -> Option<Numbers<'a>> {
         let there = match (home == row_set, home, row_set) {
             (true, ..) => at_home,
             (false, RowSet::Drive, RowSet::Objects | RowSet::Pairs) => self.spread(at_home, row_set),
@@ -121,12 +121,12 @@ impl<'a> Evaluation<'a> {
             }
         };
         match there {
-            NodeValue::Numbers(v) => Some(v.cut().into_owned()),
+            NodeValue::Numbers(v) => Some(v),
             _ => None,
         }
     }
 
-    fn noise_of_pair(&self, name: &str, side: PairSide, row_set: RowSet) -> Option<Vec<f64>> {
+    fn noise_of_pair(&self, name: &str, side: PairSide, row_set: RowSet) -> Option<Numbers<'a>> {
         self.signals.pairs.filter(|p| p.columns.contains_key(name))?;
         let of_all = self.signals.of_pairs(name, side, &self.layout)?;
         let there = match row_set {
@@ -138,13 +138,13 @@ impl<'a> Evaluation<'a> {
             _ => None,
         };
         match there {
-            Some(NodeValue::Numbers(v)) => Some(v.cut().into_owned()),
-            _ => Some(vec![f64::NAN; self.layout.len(row_set)]),
+            Some(NodeValue::Numbers(v)) => Some(v),
+            _ => Some(Numbers::Same(f64::NAN, self.layout.len(row_set))),
         }
     }
 
     /// Standard deviations of a number taken from some row, such as an extreme.
-    fn noise_of_moment(&self, id: NodeId, row_set: RowSet) -> Option<Vec<f64>> {
+    fn noise_of_moment(&self, id: NodeId, row_set: RowSet) -> Option<Numbers<'a>> {
         let (own, home) = self.home(id, row_set)?;
         let segments = self.layout.segments(home);
         let on = || Stretches { rows: &self.layout.rows, segments: &segments };
@@ -159,6 +159,7 @@ impl<'a> Evaluation<'a> {
             _ => return None,
         };
         let noise = self.noise(of, home)?;
+        let noise = noise.cut();
         let at_home: Vec<f64> = rows.into_iter().map(|r| r.map_or(f64::NAN, |r| noise[r])).collect();
         self.moved_from_home(id, NodeValue::Numbers(Numbers::of(at_home)), home, row_set)
     }

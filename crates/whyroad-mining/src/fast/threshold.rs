@@ -11,17 +11,17 @@ use crate::language::syntax::CompareOp;
 pub(super) fn crossed(
     op: CompareOp,
     (a, b): (&Numbers<'_>, &Numbers<'_>),
-    noise: &[f64],
+    noise: &Numbers<'_>,
     segments: &[Segment],
 ) -> Truth {
     let n = noise.len();
-    let (a, b) = (a.cut(), b.cut());
+    let (a, b, noise) = (a.cut(), b.cut(), noise.cut());
     let (a, b) = (&a[..n], &b[..n]);
     let known = both_known(a, b);
     let mut yes = compare_columns(op, a, b);
     yes.and_with(&known);
     // Few rows are within noise of the other side: these keep the value of the previous row.
-    let near = within_noise(a, b, noise);
+    let near = within_noise(a, b, &noise);
     for segment in segments {
         let rows = segment.range();
         for i in near.positions(rows.start + 1..rows.end.max(rows.start + 1)) {
