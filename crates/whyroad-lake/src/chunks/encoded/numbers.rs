@@ -56,7 +56,12 @@ pub(in crate::chunks) fn numbers(
                 same.for_each(|same| hybrid.push(same[0], same.len()));
                 page.extend_from_slice(&hybrid.finish());
             }
-            None => page.extend(numbers[before..*end].iter().flat_map(|x| x.to_le_bytes())),
+            None => {
+                let plain = &numbers[before..*end];
+                page.reserve_exact(8 * plain.len());
+                // Number by number; an iterator over the bytes would go byte by byte.
+                plain.iter().for_each(|x| page.extend_from_slice(&x.to_le_bytes()));
+            }
         }
         bodies.push((page, bits.len));
         before = *end;
