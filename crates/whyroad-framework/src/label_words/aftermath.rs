@@ -1,7 +1,7 @@
 //! Words for events after the decision (`aftermath` of `schema/label_words.yaml`).
 
 use super::compile::{expanded, trie};
-use super::{Words, has_word};
+use super::{CharSet, Words, has_word};
 use crate::lexicon::trie::Trie;
 use crate::lexicon::units::Units;
 use serde::Deserialize;
@@ -62,6 +62,8 @@ pub struct Aftermath {
     pub sequel: Vec<String>,
     /// The moment of the decision: events stated before it were observed, too.
     now: Words,
+    /// Characters that stand with what is completed.
+    pub completed: CharSet,
 }
 
 impl Aftermath {
@@ -110,6 +112,7 @@ pub(super) struct RawAftermath {
     event: Words,
     sequel: Words,
     now: Words,
+    completed: Words,
     pub(super) component: Words,
 }
 
@@ -147,6 +150,7 @@ impl RawAftermath {
             decided: list(&self.decided),
             sequel: list(&self.sequel),
             now: self.now.clone(),
+            completed: CharSet::of(self.completed.zh.iter().map(String::as_str)),
         }
     }
 }

@@ -20,6 +20,8 @@ pub struct Compared {
     pub of_deciding: CharSet,
     /// Words of Latin letters without information about a scene, or about the ego's action and position.
     plain: HashSet<String>,
+    /// Words of Latin letters for what the ego does and where it is.
+    own: HashSet<String>,
     /// Words of Latin letters of deciding and of reasons in general.
     deciding: HashSet<String>,
 }
@@ -48,6 +50,11 @@ impl Compared {
     /// True for a word of Latin letters, in lower case, without information about a scene.
     pub fn is_plain(&self, word: &str) -> bool {
         self.plain.contains(word)
+    }
+
+    /// True for a word of Latin letters, in lower case, for what the ego does or where it is.
+    pub fn is_own(&self, word: &str) -> bool {
+        self.own.contains(word)
     }
 
     /// True for a word of Latin letters, in lower case, that is about decisions and reasons in general.
@@ -102,6 +109,7 @@ impl RawCompared {
             empty_bits,
             of_no_scene: chars(&self.scene),
             of_deciding: chars(&self.deciding),
+            own: self.own.en.iter().cloned().collect(),
             deciding: self.deciding.en.iter().cloned().collect(),
             plain: self.scene.en.iter().chain(&self.own.en).cloned().collect(),
         }

@@ -145,6 +145,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         placeholder_starts,
         unfinished: raw.unfinished.all().map(bare).collect(),
         instructions: raw.instructions.all().map(str::to_lowercase).collect(),
+        draft_notes: raw.draft_notes.all().map(str::to_lowercase).collect(),
         trie,
         roles,
         reasons,

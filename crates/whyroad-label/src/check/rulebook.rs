@@ -81,6 +81,9 @@ impl Rulebook<'_> {
             .get()
             .zip(reading.as_mut())
             .and_then(|(text, r)| trace_rules::aftermath(text, scope, r));
+        if let Some((text, reading)) = label.trace.get().zip(reading.as_mut()) {
+            trace_rules::leave_out_own_vehicle(text, scope, reading);
+        }
         cause_text::hindsight(scope, after, sink);
         cause_text::unobserved(label, words, sink);
         parts::against_decision(scope, sink);

@@ -133,7 +133,27 @@ pub(super) fn is_introduced(text: &str, start: usize, words: &LabelWords) -> boo
     }) || near.first().is_some_and(|c| *c == '有')
 }
 
-/// The Latin text after `before` belongs to a named road user: "its trailer".
+/// Auxiliaries of English, behind which a verb follows.
+const AUXILIARIES: [&str; 12] =
+    ["will", "would", "can", "could", "may", "might", "must", "shall", "should", "ll", "cannot", "t"];
+
+/// The word at `start..end` is no name: a verb behind an auxiliary ("a pace the track will bear"), or one Chinese
+/// character inside another word ("立马"), that nothing counts and no clause begins with.
+pub(super) fn is_no_noun(text: &str, start: usize, end: usize, words: &LabelWords) -> bool {
+    let before = &text[..start];
+    if text.is_ascii() {
+        let last = before.trim_end().rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        return before.ends_with(' ') && AUXILIARIES.iter().any(|w| last.eq_ignore_ascii_case(w));
+    }
+    let is_single = text[start..end].chars().nth(1).is_none();
+    let stands_free = before.is_empty()
+        || before
+            .ends_with(|c: char| !c.is_alphanumeric() || c == '的' || words.subjects.counters.contains(c))
+        || before.ends_with(['有', '是', '让', '避', '跟', '和', '与', '等', '因', '怕']);
+    is_single && !text[start..end].is_ascii() && !stands_free && !is_introduced(text, start, words)
+}
+
+/// What follows `before` in Latin letters belongs to somebody who was named: "its trailer".
 pub(super) fn is_owned(before: &str, words: &LabelWords) -> bool {
     let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
     words.subjects.owners.iter().any(|w| last.eq_ignore_ascii_case(w))

@@ -366,3 +366,38 @@ fn a_number_or_a_side_that_no_component_gives_differs() {
     assert!(yielding(parts, &told("right", 40)).contains(&code));
     assert!(yielding(parts, &told("left", 60)).contains(&code));
 }
+
+#[test]
+fn a_note_that_the_trace_is_a_draft_is_found() {
+    let code = "label.trace.draft";
+    for trace in [format!("（初稿，先别审）{YIELD_ZH}"), format!("{YIELD_ZH}【草稿】")] {
+        assert_eq!(yielding(CROSSING_ZH, &trace), [code], "{trace}");
+    }
+    for trace in [format!("(wip, look at the clip again) {YIELD_EN}"), format!("Rough version: {YIELD_EN}")] {
+        assert_eq!(yielding(CROSSING_EN, &trace), [code], "{trace}");
+    }
+    for trace in [
+        "(Light rain.) An old man is walking across, and our paths meet, so the ego slows down and yields to him.",
+        "Drafty day: an old man is walking across, and our paths meet, so the ego slows down and yields to him.",
+    ] {
+        assert_eq!(yielding(CROSSING_EN, trace), [""; 0], "{trace}");
+    }
+}
+
+#[test]
+fn a_decision_said_three_times_is_no_reason() {
+    let code = "label.cause.circular";
+    let parts = ["the tipper truck in front is crawling at walking pace"];
+    let circle = "This is a case for following, and where following is due one is following, which is why following it is.";
+    assert_eq!(following(&parts, circle), [code]);
+    let reason = "The tipper truck in front is crawling at walking pace, and there is no way round it, so the ego follows it.";
+    assert_eq!(following(&parts, reason), [""; 0]);
+}
+
+#[test]
+fn what_may_come_is_no_hindsight() {
+    let wants = "老人推着车横穿马路，人家要过来就让他，自车减速让行。";
+    assert_eq!(yielding(CROSSING_ZH, wants), [""; 0]);
+    let ahead = "An old man is walking across, with no room to get by without touching him, so the ego slows down and yields to him.";
+    assert_eq!(yielding(CROSSING_EN, ahead), [""; 0]);
+}

@@ -31,8 +31,9 @@ pub(in crate::check) fn circular(
     let repeated = match said {
         Said::Unread => echoes(text, texts, words),
         _ => repeats(text, scope, reading) || echoes(text, texts, words),
-    } || empty_reason(text, scope, reading);
-    // A decision in words that are in no list may also have a reason in such words.
+    } || empty_reason(text, scope, reading)
+        || said_thrice(text, scope);
+    // A decision in words that no list knows may have a reason in such words.
     if !repeated
         && (said == Said::Unread
             || begins_with_cause(text, texts, words, reading)
@@ -246,7 +247,62 @@ fn empty_reason(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     decides && left.iter().all(|w| before.iter().any(|b| same(b, w)) && !of_scene(w))
 }
 
-/// Bounds of the parts of a trace: at punctuation marks, and before words that join parts or introduce a reason.
+/// A trace says one word three times that no component has, and nothing of anybody or of the road: "where one has to
+/// slow one slows, this is where one has to slow, so we slow".
+fn said_thrice(text: &str, scope: &TextScope<'_>) -> bool {
+    /// A longer trace says more than its decision.
+    const LONGEST: usize = 400;
+    let TextScope { label, texts, words, .. } = *scope;
+    let tells = texts.trace.acts.iter().any(|a| !a.denied) || !texts.trace.states.is_empty();
+    if text.len() > LONGEST || tells || text.contains(|c: char| c.is_ascii_digit()) {
+        return false;
+    }
+    // A thing is a reason, unless it is what is said three times.
+    let again = |n: &Named| texts.trace.named.iter().filter(|m| m.group == n.group).count() >= 3;
+    let is_reason = |n: &Named| {
+        let own = words.objects[n.group].own;
+        !own.meets(words.known.actor)
+            && !own.meets(words.known.no_cause)
+            && !own.meets(words.known.road)
+            && !again(n)
+    };
+    if texts.trace.named.iter().any(is_reason) {
+        return false;
+    }
+    let compared = &words.compared;
+    let inside_name =
+        |from: usize, to: usize| texts.trace.named.iter().any(|n| n.start <= from && to <= n.end);
+    let mut counts: std::collections::BTreeMap<String, usize> = std::collections::BTreeMap::new();
+    let mut at = 0;
+    for word in text.split(|c: char| !c.is_ascii_alphabetic()) {
+        let start = at;
+        at += word.len();
+        at += text[at..].chars().next().map_or(0, char::len_utf8);
+        let lower = word.to_ascii_lowercase();
+        let is_empty = compared.is_deciding(&lower) || compared.is_plain(&lower) && !compared.is_own(&lower);
+        if lower.len() >= 4 && !is_empty && !inside_name(start, start + word.len()) {
+            let stem = ["ting", "ing", "ed", "es", "s", "e"].iter().find_map(|end| lower.strip_suffix(end));
+            *counts.entry(stem.filter(|s| s.len() >= 3).unwrap_or(&lower).to_owned()).or_default() += 1;
+        }
+    }
+    let is_letter = |c: char| {
+        ('\u{4e00}'..='\u{9fff}').contains(&c)
+            && !compared.of_no_scene.contains(c)
+            && !words.subjects.counts.contains(c)
+    };
+    let chars: Vec<(usize, char)> = text.char_indices().collect();
+    for w in chars.windows(2) {
+        let (from, to) = (w[0].0, w[1].0 + w[1].1.len_utf8());
+        if is_letter(w[0].1) && is_letter(w[1].1) && !inside_name(from, to) {
+            *counts.entry(text[from..to].to_owned()).or_default() += 1;
+        }
+    }
+    let given: Vec<String> =
+        label.parts.iter().filter_map(|c| c.description.get()).map(str::to_ascii_lowercase).collect();
+    counts.iter().any(|(unit, count)| *count >= 3 && !given.iter().any(|text| text.contains(unit.as_str())))
+}
+
+/// Bounds of the parts of a trace: at marks, and before words that join or give a reason.
 fn part_bounds(text: &str, texts: &Texts, clauses: &Clauses) -> Vec<usize> {
     let lower = text.to_ascii_lowercase();
     let ends = clauses.ends(&texts.units, &[Divider::Sentence, Divider::Clause], text.len());

@@ -16,6 +16,11 @@ pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework
     if label.longitudinal.get().is_none_or(|d| by_itself.contains(&d)) || words.is_empty() {
         return;
     }
+    // Onto a roundabout and off it there is one side only.
+    let facility = words.kinds.get("facility").copied().unwrap_or_default();
+    if lateral == Lateral::Turn && scope.about.meets(facility) {
+        return;
+    }
     let side = match label.direction.get() {
         Some(LateralDirection::Left) => ["左", "left"],
         Some(LateralDirection::Right) => ["右", "right"],

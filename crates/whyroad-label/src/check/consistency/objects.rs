@@ -59,7 +59,13 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
         text[n.start..n.end].is_ascii() && (begins || subject::is_owned(before, words))
     };
     let is_new = |n: &&Named| {
-        is_new(n) && !may_be_ego(n) && !says_little(n) && !either(n) && !describes(n) && !is_beside(n)
+        is_new(n)
+            && !may_be_ego(n)
+            && !says_little(n)
+            && !either(n)
+            && !describes(n)
+            && !is_beside(n)
+            && !subject::is_no_noun(text, n.start, n.end, words)
     };
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
     // In other words, or in a component's words that are in no list: few labels reach this check.

@@ -221,7 +221,11 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let course = || {
         let lower = label.trace.get()?.to_ascii_lowercase();
         let all = words.unchanged_course.iter();
-        all.filter_map(|w| lower.rfind(w.as_str()).map(|at| (at, at + w.len()))).max()
+        // "As the lane ran before": the course of the road.
+        let of_thing =
+            |end: usize| ["的走向", "的线形", "的方向"].iter().any(|w| lower[end..].starts_with(w));
+        let found = all.filter_map(|w| lower.rfind(w.as_str()).map(|at| (at, at + w.len())));
+        found.filter(|(_, end)| !of_thing(*end)).max()
     };
     let kept = if beside { course() } else { None };
     let (Some((start, end)), Some(text)) =
@@ -268,7 +272,10 @@ pub(in crate::check) fn class(scope: &TextScope<'_>, prescribed: &Prescribed, si
     };
     // A place may have any name; a road user that is absent cannot.
     let facility = words.kinds.get("facility").copied().unwrap_or_default();
-    let something = words.known.actor.with(words.known.adverse).with(facility);
+    let something = words.known.actor.with(facility);
+    // What the road is like may be said by whatever makes it so: concrete piers at a narrow passage.
+    let of_road = class.about.without(words.known.condition).is_empty();
+    let something = if of_road { something } else { something.with(words.known.adverse) };
     let by_place = !class.about.meets(words.known.actor) && !all.meets(something);
     if hides || written || by_place || any_unread(scope) {
         return false;

@@ -43,7 +43,24 @@ pub(in crate::check) fn aftermath(
     Some(found)
 }
 
-/// The decision responds to a road user that blocks the way, so it has no cause once that road user is out of the way.
+/// "I let the car settle", where no component speaks of a vehicle: the ego is let do it, and nobody is given way to.
+pub(in crate::check) fn leave_out_own_vehicle(text: &str, scope: &TextScope<'_>, reading: &mut Reading) {
+    let TextScope { texts, words, .. } = *scope;
+    if !text.is_ascii() || texts.components.iter().any(|f| f.groups.meets(words.known.vehicle)) {
+        return;
+    }
+    let own = |m: &Mention| {
+        let to = text[m.end..]
+            .trim_start()
+            .find(' ')
+            .map_or(text.len(), |at| m.end + (text[m.end..].len() - text[m.end..].trim_start().len()) + at);
+        let lower = text[m.start..to].to_ascii_lowercase();
+        lower.strip_prefix("let ").is_some_and(|object| words.subjects.may_be_ego.iter().any(|w| object == w))
+    };
+    reading.mentions.retain(|m| !own(m));
+}
+
+/// The decision responds to somebody in the way, so that it has no cause once he is out of it.
 pub(in crate::check) fn responds(label: &View<'_>) -> bool {
     match label.longitudinal.get() {
         Some(d) => matches!(d, Longitudinal::YieldToAgent | Longitudinal::StopForObstacle),

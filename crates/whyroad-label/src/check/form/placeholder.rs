@@ -60,7 +60,9 @@ pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
             };
             // An irrelevant component is found by the check of its use.
             let is_idle = facts.idle.is_some() || facts.apart.is_some();
-            let finding = match is_short(text) || !is_idle && !speaks_on() && !is_told() {
+            // "Nobody is herding them": of what another component names.
+            let refers = || label.parts.len() > 1 && refers_back(text, words);
+            let finding = match is_short(text) && !refers() || !is_idle && !speaks_on() && !is_told() {
                 true => Finding::warning("label.text.unrelated", at),
                 false => Finding::note("label.text.unrelated", at),
             };
@@ -84,6 +86,12 @@ fn says_nothing(text: &str, facts: &TextFacts, words: &LabelWords) -> bool {
 fn is_one_word(text: &str) -> bool {
     let mut letters = text.chars().filter(|c| c.is_alphanumeric());
     if text.is_ascii() { text.split_whitespace().nth(1).is_none() } else { letters.nth(2).is_none() }
+}
+
+/// It has a pronoun for others than the ego, behind its first word in Latin letters: "nobody is herding them".
+fn refers_back(text: &str, words: &LabelWords) -> bool {
+    let rest = if text.is_ascii() { text.split_once(' ').map_or("", |(_, rest)| rest) } else { text };
+    words.subjects.has_pronoun(rest) && !words.subjects.speaks_of_ego(text)
 }
 
 /// At most four Latin words, or five Chinese characters.
@@ -151,6 +159,18 @@ pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mu
         return false;
     }
     let marked = without_draft_mark(text) != text || is_unchanged(label, text, framework);
+    // "(draft, re-watch the clip)": a note of the author.
+    if let Some((start, end)) = framework.label_words().draft_note(text).filter(|_| !marked) {
+        sink.report(Finding::error("label.trace.draft", pointer::COC_TRACE).part(start, end), &|| {
+            let note = text[start..end].trim_matches(|c: char| !c.is_alphanumeric());
+            Words::new(
+                format!("因果描述注明“{note}”，还没有定稿"),
+                format!("the trace is marked as a draft: '{note}'"),
+            )
+            .hint("定稿后删去这条备注", "finish the trace and leave the note out")
+        });
+        return true;
+    }
     if marked {
         sink.report(Finding::error("label.trace.draft", pointer::COC_TRACE), &|| {
             Words::new("因果描述仍是程序生成的草稿", "the trace is still the program's draft").hint(
