@@ -209,7 +209,7 @@ fn make(
     if moment.indicator_against() {
         notes.push(Bilingual::new(
             "自车的转向灯与所转的方向相反，请核对横向决策",
-            "the ego's indicator is on for the other side: confirm the lateral decision",
+            "the ego's indicator is on for the opposite side: confirm the lateral decision",
         ));
     }
     let scene = components::Scene { framework, drive, signals, episode, target: target_id, keyframe };
@@ -217,7 +217,7 @@ fn make(
     if components.is_empty() {
         notes.push(Bilingual::new(
             "没有可由信号得出的关键要素，请标注员补充",
-            "no critical component follows from the signals: name them",
+            "the signals show no critical component: add them",
         ));
     }
     let mut components = with_cause(framework, class, components, goes_on.then_some(&moment), lang);
@@ -434,7 +434,7 @@ fn causes(
     };
     let unobserved = Bilingual::new(
         "记录中没有说明这一横向动作原因的导航路线或转向灯",
-        "neither the route nor the indicator in the log says why the ego does this",
+        "neither the route nor the indicator in the log shows why the ego does this",
     );
     let not_seen = || Cause { components: Vec::new(), unobserved: Some(unobserved.get(lang).to_owned()) };
     components.first()?;

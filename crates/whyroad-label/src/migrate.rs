@@ -106,7 +106,7 @@ pub fn migrate(framework: &Framework, document: &Value, target: Target) -> Migra
             report.push(lost(
                 &format!("/{field}"),
                 &format!("原文档没有 {field}，须补充"),
-                &format!("the document has no {field}: to be added"),
+                &format!("the document has no {field}: it must be added"),
             ));
         }
     }
@@ -141,13 +141,13 @@ fn renamed(fields: &Map<String, Value>, report: &mut Vec<Diagnostic>) -> Map<Str
             report.push(lost(
                 &format!("/{key}"),
                 &format!("'{key}' 在当前格式中没有对应字段，未保留"),
-                &format!("'{key}' has no counterpart in the current format and is left out"),
+                &format!("'{key}' has no equivalent in the current format and is removed"),
             ));
         } else if out.contains_key(new) {
             report.push(lost(
                 &format!("/{key}"),
                 &format!("'{key}' 与另一个字段同义，未保留"),
-                &format!("'{key}' means the same as another field and is left out"),
+                &format!("'{key}' means the same as another field and is removed"),
             ));
         } else if !value.is_null() {
             out.insert(new.to_owned(), value.clone());
@@ -179,7 +179,7 @@ fn back(out: Map<String, Value>, report: &mut Vec<Diagnostic>) -> Value {
         report.push(lost(
             "",
             "文档不完整，无法转为 2.0",
-            "the document is not complete, so it cannot be taken back to 2.0",
+            "the document is not complete, so it cannot be converted to 2.0",
         ));
         return whole;
     };
@@ -192,7 +192,7 @@ fn back(out: Map<String, Value>, report: &mut Vec<Diagnostic>) -> Value {
             report.push(lost(
                 &format!("/{field}"),
                 &format!("格式 2.0 没有 {field}，未保留"),
-                &format!("format 2.0 has no {field}: left out"),
+                &format!("format 2.0 has no {field}: removed"),
             ));
         }
     }
@@ -206,7 +206,7 @@ fn back(out: Map<String, Value>, report: &mut Vec<Diagnostic>) -> Value {
         report.push(lost(
             "/critical_components",
             &format!("格式 2.0 的要素没有编号、证据时间和关联目标：{lost_links} 个要素的这些内容未保留"),
-            &format!("components of format 2.0 have no ids, evidence times or linked objects: left out of {lost_links}"),
+            &format!("components of format 2.0 have no ids, evidence times or linked objects: removed from {lost_links}"),
         ));
     }
     old

@@ -279,7 +279,7 @@ impl Checker<'_> {
         let m = most.distance_m;
         let message = Bilingual::new(
             format!("文字没有提到{zh}，而没有它自车在 8 s 内会多行驶 {m:.0} m"),
-            format!("the text does not name {en}, without which the ego would come {m:.0} m farther in 8 s"),
+            format!("the text does not name {en}, without which the ego would drive {m:.0} m farther in 8 s"),
         );
         let location = Location { pointer: Some(pointer::COC_TRACE.to_owned()), ..Location::default() };
         Some((QualityKind::Omission, Diagnostic::warning("label.quality.omission", message).at(location)))
@@ -307,7 +307,7 @@ fn against_command(
     };
     let message = Bilingual::new(
         format!("文字说“{}转”，而关键帧时的导航指令是“{}转”", name(*said), name(route)),
-        format!("the text turns {said}, but the route command at the keyframe is {route}"),
+        format!("the text says that the ego turns {said}, but the route command at the keyframe is {route}"),
     );
     let location = Location { pointer: Some(pointer::COC_TRACE.to_owned()), ..Location::default() };
     Some((QualityKind::Route, Diagnostic::warning("label.quality.route", message).at(location)))

@@ -34,7 +34,7 @@ pub(super) fn inside(
                 episode.time_range.start_timestamp, episode.time_range.end_timestamp
             ),
             format!(
-                "the episode reaches beyond the clip ({} to {}); the label ends at the clip's edge",
+                "the episode extends beyond the clip ({} to {}); the label ends at the clip's edge",
                 episode.time_range.start_timestamp, episode.time_range.end_timestamp
             ),
         ));

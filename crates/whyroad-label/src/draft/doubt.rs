@@ -70,7 +70,7 @@ impl Doubt {
             Self::NotAhead => ("目标不在自车前方", "the target is not ahead of the ego"),
             Self::NotInLane => ("目标不在自车车道内", "the target is not in the ego's lane"),
             Self::OtherWay => {
-                ("目标的行驶方向与场景不符", "the target does not go the way that the class says")
+                ("目标的行驶方向与场景不符", "the target does not move in the direction of the class")
             }
             Self::NotComing => ("目标没有靠近自车的路线", "the target does not come towards the ego's path"),
             Self::NotCrossing => ("目标没有横穿自车的路线", "the target does not cross the ego's path"),
@@ -79,9 +79,9 @@ impl Doubt {
             Self::ChangesLane => ("目标只是在换道", "the target only changes lanes"),
             Self::NoObstacle => (
                 "前方停着的是等灯的车队，不是障碍物",
-                "what stands ahead is the queue at the light, no obstacle",
+                "the vehicles ahead wait at the light and are no obstacle",
             ),
-            Self::EgoFirst => ("自车先通过，没有让行", "the ego goes first and does not give way"),
+            Self::EgoFirst => ("自车先通过，没有让行", "the ego passes first and does not yield"),
             Self::NotInRoundabout => ("自车还没有进入环岛", "the ego is not in the roundabout yet"),
             Self::NobodyBeside => ("旁边没有挡住视线的车辆", "no vehicle beside the ego hides the view"),
             Self::TurnsThere => ("自车是为路口转弯而减速", "the ego slows for its turn at the junction"),

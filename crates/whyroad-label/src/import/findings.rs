@@ -38,7 +38,7 @@ pub(super) fn no_clip(origin: &str) -> Diagnostic {
 }
 
 pub(super) fn no_text(origin: &str) -> Diagnostic {
-    let message = Bilingual::new("没有因果文本；略去", "it has no causal text; it is left out");
+    let message = Bilingual::new("没有因果文本；略去", "it has no causal text; it is skipped");
     Diagnostic::warning("import.text.missing", message).in_file(origin)
 }
 
@@ -58,7 +58,7 @@ pub fn drive_unknown(origin: &str, clip: &str) -> Diagnostic {
     );
     let hint = Bilingual::new(
         "先用 `whyroad ingest` 导入行程，或用 --drives 给出片段与行程的对应",
-        "ingest the drive first, or say with --drives which drive a clip is",
+        "ingest the drive first with `whyroad ingest`, or assign drives to clips with --drives",
     );
     Diagnostic::error("import.drive.unknown", message).with_hint(hint).in_file(origin)
 }
@@ -70,7 +70,7 @@ pub(super) fn outside(origin: &str, at_s: f64, drive: &str) -> Diagnostic {
     );
     let hint = Bilingual::new(
         "用 --start-time 给出片段时刻 0 的时间",
-        "say with --start-time which time is the clip's time 0",
+        "give the time of the clip's time 0 with --start-time",
     );
     Diagnostic::error("import.time.outside", message).with_hint(hint).in_file(origin)
 }
@@ -80,7 +80,7 @@ pub fn fields(source: &str, left_out: &BTreeMap<String, usize>) -> Vec<Diagnosti
     let one = |(field, n): (&String, &usize)| {
         let message = Bilingual::new(
             format!("字段 `{field}` 的 {n} 个值在标注中没有位置，未导入"),
-            format!("{n} values of field `{field}` have no place in a label and are not imported"),
+            format!("a label has no field for {n} values of `{field}`; they are not imported"),
         );
         Diagnostic::warning("import.field.left_out", message).in_file(source)
     };

@@ -139,7 +139,7 @@ pub(super) fn factors(value: Value, report: &mut Vec<Diagnostic>) -> Option<Valu
                     report.push(lost(
                         &at,
                         "该要素没有描述，未保留",
-                        "this component has no description and is left out",
+                        "this component has no description and is removed",
                     ));
                     continue;
                 };
@@ -155,7 +155,7 @@ pub(super) fn factors(value: Value, report: &mut Vec<Diagnostic>) -> Option<Valu
                     report.push(lost(
                         &format!("{at}/{key}"),
                         &format!("要素的 '{key}' 没有对应字段，未保留"),
-                        &format!("'{key}' of a component has no counterpart and is left out"),
+                        &format!("'{key}' of a component has no equivalent and is removed"),
                     ));
                 }
                 o.insert(name::DESCRIPTION.to_owned(), text);
@@ -164,7 +164,7 @@ pub(super) fn factors(value: Value, report: &mut Vec<Diagnostic>) -> Option<Valu
             _ => report.push(lost(
                 &at,
                 "该要素不是文字或对象，未保留",
-                "this component is neither text nor object and is left out",
+                "this component is neither text nor object and is removed",
             )),
         }
     }

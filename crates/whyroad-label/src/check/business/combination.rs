@@ -38,7 +38,7 @@ pub(in crate::check) fn decisions(
             };
             Words::new(
                 format!("“{}”不可能是“{}”", class.zh, found.zh),
-                format!("'{}' cannot go with '{}'", class.en, found.en),
+                format!("the decision '{}' is not possible for '{}'", class.en, found.en),
             )
             .hint(
                 format!("通常为：{}；否则检查场景类别", list(|b| &b.zh, "、")),
@@ -83,7 +83,7 @@ pub(in crate::check) fn decisions(
             let (a, b) = (along_name(Some(along)), across_name(Some(across)));
             Words::new(
                 format!("“{}”与“{}”不能同时成立", a.zh, b.zh),
-                format!("'{}' and '{}' do not go together", a.en, b.en),
+                format!("'{}' and '{}' cannot be combined", a.en, b.en),
             )
             .hint(
                 "只填关键帧之后的第一个动作，另一个方向上选“无决策变化”",

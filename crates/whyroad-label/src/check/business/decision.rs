@@ -46,7 +46,7 @@ pub(in crate::check) fn direction(label: &View<'_>, names: &DecisionSets, sink: 
                     format!("横向决策“{}”没有方向，此处却写了“{}”", name.zh, d.zh),
                     format!("the lateral decision '{}' has no direction, but '{}' is given", name.en, d.en),
                 )
-                .hint("删去方向，或检查横向决策", "leave the direction out, or check the lateral decision")
+                .hint("删去方向，或检查横向决策", "remove the direction, or check the lateral decision")
             })
         }
         Slot::Is(d) if !allowed.contains(&d) => {
@@ -54,7 +54,7 @@ pub(in crate::check) fn direction(label: &View<'_>, names: &DecisionSets, sink: 
                 let (name, d) = (named(), direction_name(d));
                 choose(Words::new(
                     format!("横向决策“{}”的方向不能是“{}”", name.zh, d.zh),
-                    format!("the lateral decision '{}' cannot go '{}'", name.en, d.en),
+                    format!("the lateral decision '{}' cannot have the direction '{}'", name.en, d.en),
                 ))
             })
         }
@@ -66,8 +66,8 @@ pub(in crate::check) fn direction(label: &View<'_>, names: &DecisionSets, sink: 
 pub(in crate::check) fn components(label: &View<'_>, sink: &mut dyn Sink) {
     if label.components.get().is_some_and(|c| c.count == 0) {
         sink.report(Finding::error("label.components.empty", pointer::CRITICAL_COMPONENTS), &|| {
-            Words::new("没有写任何关键要素", "no critical component is named")
-                .hint("至少写一个影响决策的关键要素", "name at least one thing that bears on the decision")
+            Words::new("没有写任何关键要素", "the label has no critical component")
+                .hint("至少写一个影响决策的关键要素", "add at least one component that affects the decision")
         });
     }
 }

@@ -22,7 +22,7 @@ pub(in crate::check) fn missing(label: &View<'_>, class: &Prescribed, sink: &mut
             let name = &class.title;
             Words::new(
                 format!("“{}”要求记录“{}”", name.zh, title.zh),
-                format!("'{}' obliges you to record the {}", name.en, title.en),
+                format!("'{}' requires a record of the {}", name.en, title.en),
             )
             .hint(
                 format!("填写该记录{}；看不出时写明（“看不出”或“未知”）", unit.0),
@@ -79,7 +79,7 @@ pub(in crate::check) fn types(
                 let (zh, en) = title();
                 Words::new(
                     format!("“{zh}”的取值不在可选范围内"),
-                    format!("the {en} has a value that is not a choice"),
+                    format!("the {en} has a value that is not one of its choices"),
                 )
                 .one_of(&choices.join("、"), &choices.join(", "))
             }),

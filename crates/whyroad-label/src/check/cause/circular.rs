@@ -44,8 +44,8 @@ pub(in crate::check) fn circular(
     }
     sink.report(Finding::warning("label.cause.circular", pointer::COC_TRACE), &|| {
         Words::new(
-            "因果描述没有给出原因：只是把决策又说了一遍",
-            "the trace gives no reason: it only states the decision again",
+            "因果描述没有给出原因：只是重复了决策",
+            "the trace gives no reason: it only repeats the decision",
         )
         .hint("写出看到了什么、它为什么要求这个决策", "write what was seen and why it calls for the decision")
     });

@@ -61,7 +61,7 @@ pub(in crate::check) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
                 )
                 .hint(
                     "写关键帧当时或之前可见的时刻；之前看不到的要素应删去",
-                    "give a time at or before the keyframe; leave out a component that could not be seen by then",
+                    "give a time at or before the keyframe; remove a component that could not be seen by then",
                 )
             });
         }
@@ -122,7 +122,7 @@ fn missing(channel: &CauseChannel, decision: &'static str, names: &DecisionSets,
         let name = names.name(decision);
         Words::new(format!("决策“{}”没有原因", name.zh), format!("the decision '{}' has no cause", name.en)).hint(
             "选出引起它的关键要素；看不到原因时选“未观测到”并写明理由",
-            "choose the components that cause it; where none could be observed, choose unobserved and say why",
+            "choose the components that cause it; if none could be observed, choose unobserved and state the reason",
         )
     });
 }
@@ -135,7 +135,7 @@ fn without_decision(channel: &CauseChannel, sink: &mut dyn Sink) {
             format!("{zh}决策为“无决策变化”，却写了原因"),
             format!("the {en} decision is 'no change', but a cause is given"),
         )
-        .hint("删去该原因，或补上决策", "leave the cause out, or add the decision")
+        .hint("删去该原因，或补上决策", "remove the cause, or add the decision")
     });
 }
 
@@ -161,7 +161,7 @@ fn components(channel: &CauseChannel, cause: &CauseView<'_>, known: &[&str], sin
             match did_you_mean(id, known.iter().copied()) {
                 Some(near) => words.meant(near),
                 None if known.is_empty() => words
-                    .hint("在要素上写 \"id\"，再在此处引用", "give the component an \"id\" and name it here"),
+                    .hint("在要素上写 \"id\"，再在此处引用", "give the component an \"id\" and refer to it here"),
                 None => words
                     .hint(format!("已有：{}", known.join("、")), format!("there are: {}", known.join(", "))),
             }
@@ -183,7 +183,7 @@ pub(in crate::check) fn second_keyframe(label: &View<'_>, class: Option<&Prescri
                     &|| {
                         Words::new(
                             "该类别有两个关键帧，此处只有一个",
-                            "this class has two keyframes, here is one",
+                            "this class has two keyframes, but the label has one",
                         )
                         .hint("补上第二个关键帧的时刻", "give the moment of the second keyframe")
                     },

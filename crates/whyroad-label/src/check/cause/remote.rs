@@ -28,9 +28,9 @@ pub(in crate::check) fn remote(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bo
         let phrase = &text[start..end];
         Words::new(
             format!("“{phrase}”离决策的时刻或地点太远，不会引起这次决策"),
-            format!("'{phrase}' is too far from the moment or the place of the decision to bring it about"),
+            format!("'{phrase}' is too far from the time or the place of the decision to cause it"),
         )
-        .hint("只写眼前直接引起决策的要素", "write only what is near and brings the decision about")
+        .hint("只写眼前直接引起决策的要素", "write only what is near and causes the decision")
     });
     true
 }

@@ -39,15 +39,15 @@ pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework
     sink.report(Finding::warning("label.cause.kind", pointer::CAUSES_LATERAL), &|| {
         let name = framework.decisions.name(lateral.id());
         Words::new(
-            format!("没有关键要素说到自车要去的那一侧，因此没有什么会引起“{}”", name.zh),
+            format!("没有关键要素提到自车要去的一侧，因此没有要素会引起“{}”", name.zh),
             format!(
-                "no component speaks of the side to which the ego goes, so none brings about '{}'",
+                "no component mentions the side to which the ego goes, so none causes '{}'",
                 name.en
             ),
         )
         .hint(
             "补上那一侧的要素（空当、车道、路线），或把横向决策改为“无决策变化”",
-            "add what is on that side (a gap, a lane, the route), or leave the lateral decision out",
+            "add what is on that side (a gap, a lane, the route), or remove the lateral decision",
         )
     });
 }

@@ -26,7 +26,7 @@ pub(in crate::check) fn hindsight(scope: &TextScope<'_>, after: Option<(usize, u
             let phrase = text[start..end].trim();
             Words::new(
                 format!("“{phrase}”说的是关键帧之后才知道的事"),
-                format!("'{phrase}' speaks of what was only known after the keyframe"),
+                format!("'{phrase}' describes something that was only known after the keyframe"),
             )
             .hint(
                 "只写关键帧当时或之前看得到的内容；因果描述以决策结尾",
@@ -130,11 +130,11 @@ pub(in crate::check) fn unobserved(label: &View<'_>, words: &LabelWords, sink: &
         sink.report(Finding::error("label.cause.unobserved", at), &|| {
             Words::new(
                 format!("“{text}”没有说明为什么看不到原因"),
-                format!("'{text}' does not say why the cause could not be observed"),
+                format!("'{text}' does not state why the cause could not be observed"),
             )
             .hint(
                 "写明原因在哪里、为何看不到，例如“原因在画面之外，摄像头没有拍到”",
-                "say where the cause is and why it cannot be seen, such as \"outside the field of view of the cameras\"",
+                "state where the cause is and why it cannot be seen, such as \"outside the field of view of the cameras\"",
             )
         });
     }
@@ -160,11 +160,11 @@ pub(in crate::check) fn unobserved_in_trace(scope: &TextScope<'_>, sink: &mut dy
         let mark = &text[start..end];
         Words::new(
             format!("因果描述写了“{mark}”，却没有说明为什么看不到原因"),
-            format!("the trace says '{mark}' and not why the cause could not be observed"),
+            format!("the trace says '{mark}', but not why the cause could not be observed"),
         )
         .hint(
             "在同一句里写明为何看不到，例如“右侧摄像头被泥糊住”",
-            "say in the same sentence why it could not be seen, such as \"the camera on the right is iced over\"",
+            "state in the same sentence why it could not be seen, such as \"the camera on the right is iced over\"",
         )
     });
     true
@@ -202,7 +202,7 @@ pub(in crate::check) fn proximate(scope: &TextScope<'_>, sink: &mut dyn Sink) {
         )
         .hint(
             "停在前车之后是“跟车”；自车是头车时，删去前车这一要素",
-            "stopping behind a lead is lead following; where the ego is first in line, leave the lead out",
+            "stopping behind a lead is lead following; if the ego is first in line, remove the lead",
         )
     });
 }
@@ -257,7 +257,7 @@ pub(in crate::check) fn distant(scope: &TextScope<'_>, sink: &mut dyn Sink) -> b
             format!("近因是“{nearer}”；“{text}”（“{phrase}”）太远，不是本次决策的原因"),
             format!("the proximate cause is '{nearer}'; '{text}' is too far away ('{phrase}') to be one"),
         )
-        .hint("删去远处的要素，只留引起决策的那一个", "leave the distant component out")
+        .hint("删去远处的要素，只留引起决策的那一个", "remove the distant component")
     });
     true
 }
@@ -332,9 +332,9 @@ pub(in crate::check) fn around(scope: &TextScope<'_>, decision_from: usize, sink
     sink.report(Finding::warning("label.cause.proximate", pointer::COC_TRACE).part(0, decision_from), &|| {
         Words::new(
             format!("因果描述的理由没有提到近因“{given}”，只说了它周围的情形"),
-            format!("the reason of the trace leaves out the proximate cause, '{given}', and tells only what is around it"),
+            format!("the reason in the trace does not mention the proximate cause, '{given}', only what is around it"),
         )
-        .hint("写出直接引起决策的那一个要素", "name the component that brings the decision about")
+        .hint("写出直接引起决策的那一个要素", "name the component that causes the decision")
     });
     true
 }
@@ -367,11 +367,11 @@ pub(in crate::check) fn denied(scope: &TextScope<'_>, reading: &Reading, sink: &
         let phrase = &text[start..end];
         Words::new(
             format!("因果描述说“{phrase}”，与决策的理由相反，又没有给出别的原因"),
-            format!("the trace says '{phrase}', which speaks against its decision, and gives no other cause"),
+            format!("the trace says '{phrase}', which contradicts its decision, and gives no other cause"),
         )
         .hint(
             "写出真正引起决策的是什么，或删去这句否认",
-            "say what does bring the decision about, or leave the denial out",
+            "state what causes the decision, or remove the denial",
         )
     });
     true
@@ -491,7 +491,7 @@ pub(in crate::check) fn kind(
             let name = framework.decisions.name(decision);
             Words::new(
                 format!("“{which}”不会引起“{}”", name.zh),
-                format!("'{which}' does not bring about '{}'", name.en),
+                format!("'{which}' does not cause '{}'", name.en),
             )
             .hint(
                 "关联真正引起该决策的要素，或检查决策",

@@ -93,9 +93,9 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
         sink.report(Finding::warning("label.component.duplicate", at), &|| {
             Words::new(
                 format!("关键要素 {} 与 {} 说的是同一件事", first + 1, index + 1),
-                format!("components {} and {} say the same", first + 1, index + 1),
+                format!("components {} and {} have the same meaning", first + 1, index + 1),
             )
-            .hint("合并为一个要素", "make one component of them")
+            .hint("合并为一个要素", "merge them into one component")
         });
     }
 }

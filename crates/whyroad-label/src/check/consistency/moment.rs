@@ -139,7 +139,7 @@ fn keyframe_range(label: &View<'_>, sink: &mut dyn Sink) {
                     )
                     .hint(
                         "删去，或把关键帧改为区间型",
-                        "leave it out, or make the keyframe a range (proactive)",
+                        "remove it, or make the keyframe a range (proactive)",
                     )
                 });
             }

@@ -79,9 +79,9 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
             let thing = &text[n.start..n.end];
             Words::new(
                 format!("因果描述提到“{thing}”，但没有任何关键要素提到它"),
-                format!("the trace speaks of '{thing}', which no critical component names"),
+                format!("the trace mentions '{thing}', which no critical component names"),
             )
-            .hint("补上该要素，或从因果描述中删去", "add it as a component, or leave it out of the trace")
+            .hint("补上该要素，或从因果描述中删去", "add it as a component, or remove it from the trace")
         },
     );
 }
@@ -318,7 +318,7 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         Words::new(
             format!("因果描述中的“{thing}”与关键要素所说的不同（方位、距离、颜色、数量或动作）"),
             format!(
-                "the trace says otherwise of '{thing}' than the component does (side, distance, color, number or what it does)"
+                "'{thing}' differs between the trace and the component (side, distance, color, number or action)"
             ),
         )
         .hint("改正其中有误的一处", "correct the one that is wrong")

@@ -33,7 +33,7 @@ pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn S
         let phrase = text[start..end].trim();
         Words::new(
             format!("关键要素说“{phrase}”，与决策相反"),
-            format!("the component says '{phrase}', which speaks against the decision"),
+            format!("the component says '{phrase}', which contradicts the decision"),
         )
         .hint("改正要素，或检查决策", "correct the component, or check the decision")
     });

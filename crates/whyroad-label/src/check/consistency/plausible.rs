@@ -109,7 +109,7 @@ pub(in crate::check) fn start(
                 name.zh, -wanted_s, -found_s
             ),
             format!(
-                "'{}' starts {:.1} s before the keyframe ({due}); here it is {:.1} s",
+                "'{}' starts {:.1} s before the keyframe ({due}), but this label {:.1} s",
                 name.en, -wanted_s, -found_s
             ),
         )

@@ -41,7 +41,7 @@ pub(in crate::check) fn against_texts(
         sink.report(Finding::warning("label.record.value", pointer::records_of(id)), &|| {
             Words::new(
                 format!("“{}”与文字不符：文字说“{said}”", title.zh),
-                format!("the {} is not what the texts say: '{said}'", title.en),
+                format!("the {} does not agree with the texts: '{said}'", title.en),
             )
             .hint("改正其中有误的一处", "correct the one that is wrong")
         });

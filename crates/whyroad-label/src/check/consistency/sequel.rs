@@ -54,11 +54,11 @@ pub(super) fn second_action(
         Words::new(
             format!("因果描述在决策之后又说“{phrase}”（{}）：标注只写关键帧之后的第一个动作", name.zh),
             format!(
-                "behind the decision the trace goes on to '{phrase}' ({}): a label has the first action only",
+                "after the decision the trace continues with '{phrase}' ({}): a label has only the first action",
                 name.en
             ),
         )
-        .hint("删去后面的动作", "leave the later action out")
+        .hint("删去后面的动作", "remove the later action")
     });
     true
 }
@@ -93,11 +93,11 @@ fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink)
         &|| {
             Words::new(
                 format!("因果描述说自车“{word}”，这不是任何驾驶决策"),
-                format!("the trace says of the ego '{word}', which is no driving decision"),
+                format!("the trace says that the ego '{word}', which is not a driving decision"),
             )
             .hint(
                 "因果描述以决策结尾，删去别的动作",
-                "the trace ends with the decision: leave other actions out",
+                "the trace ends with the decision: remove other actions",
             )
         },
     );

@@ -76,7 +76,7 @@ pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sin
     sink.report(Finding::warning("label.text.unrelated", pointer::COC_TRACE), &|| {
         Words::new(
             "因果描述与关键要素无关：没有提到其中任何一个",
-            "the trace has nothing to do with the components: it names none of them",
+            "the trace is unrelated to the components: it names none of them",
         )
         .hint("按要素写出状态、原因、决策", "write state, reason and decision from the components")
     });
@@ -185,7 +185,7 @@ fn without_reason(label: &View<'_>, (start, end): (usize, usize), none: bool, si
             ),
             false => Words::new(
                 format!("因果描述给出的原因“{reason}”与关键要素无关"),
-                format!("the reason of the trace, '{reason}', has nothing to do with the components"),
+                format!("the reason in the trace, '{reason}', is unrelated to the components"),
             ),
         }
         .hint("按要素写出状态、原因、决策", "write state, reason and decision from the components")
@@ -239,7 +239,7 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
             let phrase = &text[start..end];
             Words::new(
                 format!("因果描述说“{phrase}”：自车只是保持原状，没有做出新的决策"),
-                format!("the trace says '{phrase}': the ego goes on as before, which is no new decision"),
+                format!("the trace says '{phrase}': the ego continues as before, which is not a new decision"),
             )
             .hint(
                 "选“无决策变化”；或把关键帧移到自车开始减速之前",
@@ -288,7 +288,7 @@ pub(in crate::check) fn class(scope: &TextScope<'_>, prescribed: &Prescribed, si
         Words::new(
             format!("“{}”的文字应提到：{}；这里没有", prescribed.title.zh, list(|b| &b.zh, "、")),
             format!(
-                "the texts of '{}' should speak of: {}; these do not",
+                "the texts of '{}' should mention: {}; these do not",
                 prescribed.title.en,
                 list(|b| &b.en, ", ")
             ),

@@ -93,7 +93,7 @@ pub(in crate::check) fn trace(
         sink.report(Finding::error("label.trace.empty", pointer::COC_TRACE), &|| {
             Words::new("因果描述为空", "the trace is empty").hint(
                 "按“状态、原因、决策”的顺序写 50 至 100 字",
-                "write the state, why it matters, and the decision, in some 30 to 60 words",
+                "write the state, why it matters, and the decision, in about 30 to 60 words",
             )
         });
         return Said::TooLittle;
@@ -105,9 +105,9 @@ pub(in crate::check) fn trace(
         sink.report(Finding::warning("label.trace.too_long", pointer::COC_TRACE), &|| {
             Words::new(
                 format!("因果描述过长（约 {} 字）", seen.length),
-                format!("the trace is long (about {} words)", seen.length / 2),
+                format!("the trace is too long (about {} words)", seen.length / 2),
             )
-            .hint("只留影响决策的内容，50 至 100 字", "keep what bears on the decision, some 30 to 60 words")
+            .hint("只留影响决策的内容，50 至 100 字", "keep only what affects the decision, about 30 to 60 words")
         });
     }
     if limits.too_long_above > 0 && seen.numbers > limits.numbers_above {
@@ -267,11 +267,11 @@ pub(in crate::check) fn trace(
             Words::new(
                 format!("因果描述太短（约 {} 字），写不下状态、原因和决策", seen.length),
                 format!(
-                    "the trace is too short to hold state, reason and decision ({} words or so)",
+                    "the trace is too short for state, reason and decision (about {} words)",
                     seen.length / 2
                 ),
             )
-            .hint("写 50 至 100 字", "write some 30 to 60 words")
+            .hint("写 50 至 100 字", "write about 30 to 60 words")
         });
     }
     match (too_short, none) {
@@ -462,7 +462,7 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
                 let (phrase, label) = (&text[*start..*end], name(label));
                 check_end(Words::new(
                     format!("决策是“{}”，因果描述却否定了“{phrase}”", label.zh),
-                    format!("the decision is '{}', but the trace says not to '{phrase}'", label.en),
+                    format!("the decision is '{}', but the trace negates '{phrase}'", label.en),
                 ))
             });
         }
@@ -472,7 +472,7 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
                 let (phrase, label) = (&text[*start..*end], name(label));
                 check_end(Words::new(
                     format!("决策是“{}”，因果描述却说自车“{phrase}”", label.zh),
-                    format!("the decision is '{}', but the trace says of the ego '{phrase}'", label.en),
+                    format!("the decision is '{}', but the trace says that the ego '{phrase}'", label.en),
                 ))
             });
         }
@@ -483,7 +483,7 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
                 let (label, says) = (direction_name(*label), direction_name(*says));
                 Words::new(
                     format!("决策的方向是“{}”，因果描述却说“{phrase}”（{}）", label.zh, says.zh),
-                    format!("the decision goes {}, but the trace says '{phrase}' ({})", label.en, says.en),
+                    format!("the direction of the decision is {}, but the trace says '{phrase}' ({})", label.en, says.en),
                 )
                 .hint("改正其中有误的一处", "correct the one that is wrong")
             });
@@ -516,7 +516,7 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
                 let (label, ending) = (name(label), excerpt(&text[*start..*end]));
                 Words::new(
                     format!("因果描述写的决策是“{ending}”，没有说出“{}”", label.zh),
-                    format!("the trace decides '{ending}', which does not state '{}'", label.en),
+                    format!("the trace ends with '{ending}', which does not state '{}'", label.en),
                 )
                 .hint(
                     "以决策结尾，例如“因此减速让行”；或检查决策",

@@ -41,7 +41,7 @@ pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
                     format!("“{text}”太短，没有说明看到了什么"),
                     format!("'{text}' is too short to say what was seen"),
                 )
-                .hint("写看到了什么、在哪里、在做什么", "write what was seen, where, and what it does")
+                .hint("写看到了什么、在哪里、在做什么", "write what was seen, where, and what it was doing")
             });
         } else if facts.words == 0 && !says_something(text, lexicon) && !words.is_of_driving(text) {
             // In a few words this is empty; in more, it may be something in words that are in no list.
@@ -69,9 +69,9 @@ pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
             sink.report(finding, &|| {
                 Words::new(
                     format!("“{text}”没有提到任何与驾驶有关的事物"),
-                    format!("'{text}' names nothing that has to do with driving"),
+                    format!("'{text}' names nothing related to driving"),
                 )
-                .hint("写看到了什么、在哪里、在做什么", "write what was seen, where, and what it does")
+                .hint("写看到了什么、在哪里、在做什么", "write what was seen, where, and what it was doing")
             });
         }
     }
@@ -138,16 +138,16 @@ fn unfinished(at: String, text: &str, (start, end): (usize, usize), sink: &mut d
         let part = &text[start..end];
         Words::new(
             format!("“{part}”是没有写完的占位文字"),
-            format!("'{part}' is a placeholder that nobody filled in"),
+            format!("'{part}' is a placeholder that was not filled in"),
         )
-        .hint("写出实际内容，或删去这一处", "write what is meant, or leave it out")
+        .hint("写出实际内容，或删去这一处", "write the content, or remove it")
     });
 }
 
 fn placeholder(at: String, text: &str, sink: &mut dyn Sink) {
     sink.report(Finding::error("label.text.placeholder", at), &|| {
         Words::new(format!("“{text}”是占位文字"), format!("'{text}' is a placeholder"))
-            .hint("写实际内容；没有内容时删去该项", "write what is meant, or leave the item out")
+            .hint("写实际内容；没有内容时删去该项", "write the content, or remove the item")
     });
 }
 

@@ -64,7 +64,7 @@ fn report(
             )
             .hint(
                 "没有新的动作时选“无决策变化”；否则检查关键帧",
-                "where nothing changes choose 'no change of decision'; otherwise check the keyframe",
+                "if nothing changes choose 'no change of decision'; otherwise check the keyframe",
             )
         });
         return;
@@ -73,7 +73,7 @@ fn report(
     sink.report(Finding::error("label.motion.contradicts", at), &|| {
         Words::new(
             format!("标注为“{}”，但记录显示：{}", name.zh, shown.zh),
-            format!("the label says '{}', but the recording shows: {}", name.en.to_lowercase(), shown.en),
+            format!("the label is '{}', but the recording shows: {}", name.en.to_lowercase(), shown.en),
         )
         .hint("对照车速曲线检查决策和关键帧", "check the decision and the keyframe against the speed plot")
     });
@@ -114,12 +114,12 @@ fn in_words(w: &Driven<'_>, conflict: Conflict) -> Bilingual {
             let t = w.seconds(frame);
             Bilingual::new(
                 format!("自车由 {from:.0} km/h 减速，{t:.1} s 后停下"),
-                format!("the ego slows from {from:.0} km/h and stands {t:.1} s after the keyframe"),
+                format!("the ego slows from {from:.0} km/h and stops {t:.1} s after the keyframe"),
             )
         }
         Conflict::Moves => Bilingual::new(
             format!("关键帧时自车正以 {from:.0} km/h 行驶，并未停车"),
-            format!("the ego moves at {from:.0} km/h at the keyframe; it does not stand"),
+            format!("the ego moves at {from:.0} km/h at the keyframe; it is not stationary"),
         ),
         Conflict::Stays => Bilingual::new(
             "关键帧后 6 s 内自车一直没有起步",
@@ -169,7 +169,7 @@ fn lead_before_line(w: &Driven<'_>, sink: &mut dyn Sink) {
     sink.report(Finding::warning("label.cause.proximate", pointer::DRIVING_DECISION_LONGITUDINAL), &|| {
         Words::new(
             format!("自车与停止线（{line:.0} m）之间有停着的前车（{gap:.0} m）：近因是前车"),
-            format!("a stopped lead ({gap:.0} m) stands between the ego and the stop line ({line:.0} m): it is the proximate cause"),
+            format!("a stopped lead ({gap:.0} m) is between the ego and the stop line ({line:.0} m): it is the proximate cause"),
         )
         .hint("停在前车之后是“跟车”", "stopping behind a lead is lead following")
     });

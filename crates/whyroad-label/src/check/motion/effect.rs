@@ -62,7 +62,7 @@ pub(super) fn check(
         let m = other.distance_m;
         Words::new(
             format!("去掉标注的原因，自车的行驶不变；去掉{}，自车在 8 s 内会多行驶 {m:.0} m", what.zh),
-            format!("without the named cause the ego would drive the same; without {} it would come {m:.0} m farther in 8 s", what.en),
+            format!("without the named cause the ego would drive the same; without {} it would drive {m:.0} m farther in 8 s", what.en),
         )
         .hint("关联真正限制自车的目标", "link the object that held the ego")
     });

@@ -36,7 +36,7 @@ pub(super) fn check(label: &View<'_>, w: &Driven<'_>, names: &DecisionSets, sink
     sink.report(Finding::error("label.motion.contradicts", pointer::DRIVING_DECISION_LATERAL), &|| {
         Words::new(
             format!("标注为“{}”，但记录显示：{}", name.zh, shown.zh),
-            format!("the label says '{}', but the recording shows: {}", name.en.to_lowercase(), shown.en),
+            format!("the label is '{}', but the recording shows: {}", name.en.to_lowercase(), shown.en),
         )
         .hint(
             "对照行驶轨迹检查决策、方向和关键帧",
@@ -57,12 +57,12 @@ fn in_words(w: &Driven<'_>, direction: Option<LateralDirection>, conflict: Confl
             let (t, side) = (w.seconds(frame), side_words(left));
             Bilingual::new(
                 format!("关键帧后 {t:.1} s 自车向{}换道", side.zh),
-                format!("the ego changes lane to the {} {t:.1} s after the keyframe", side.en),
+                format!("the ego changes lanes to the {} {t:.1} s after the keyframe", side.en),
             )
         }
         Conflict::NoLaneChange => Bilingual::new(
             format!("关键帧后 {last:.0} s 内自车没有换道"),
-            format!("the ego does not change lane within {last:.0} s of the keyframe"),
+            format!("the ego does not change lanes within {last:.0} s of the keyframe"),
         ),
         Conflict::TurnsOther { degrees } => {
             let side = side_words(degrees > 0.0);
@@ -78,7 +78,7 @@ fn in_words(w: &Driven<'_>, direction: Option<LateralDirection>, conflict: Confl
                 degrees.abs()
             ),
         ),
-        Conflict::NoReverse => Bilingual::new("自车没有后退", "the ego does not drive backwards"),
+        Conflict::NoReverse => Bilingual::new("自车没有后退", "the ego does not reverse"),
         Conflict::MovesOther { away_m } => {
             let side = side_words(direction != Some(LateralDirection::Left));
             Bilingual::new(

@@ -39,7 +39,7 @@ pub(super) fn check(
                     sink.report(Finding::error("label.object.unknown", at), &|| {
                         Words::new(
                             format!("该行程中没有编号为 {id} 的目标"),
-                            format!("the drive has no object with the number {id}"),
+                            format!("the drive has no object with the id {id}"),
                         )
                         .hint("在画面上重新选择该目标", "choose the object in the scene again")
                     });
@@ -118,7 +118,7 @@ fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driv
             let name = class_name(class);
             Words::new(
                 format!("关联的目标是{}，与描述不符", name.zh),
-                format!("the linked object is a {}, which is not what the text names", name.en),
+                format!("the linked object is of class '{}', which is not what the text names", name.en),
             )
             .hint("改正描述，或关联另一个目标", "correct the text, or link another object")
         });
@@ -163,7 +163,7 @@ fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driv
             Words::new(
                 format!("该目标在证据时间的车速为 {v:.0} km/h，与描述的状态不符"),
                 format!(
-                    "the object moves at {v:.0} km/h at the evidence times, which is not what the text says"
+                    "the object moves at {v:.0} km/h at the evidence times, which differs from the text"
                 ),
             )
         });
@@ -289,7 +289,7 @@ fn light<'n>(
         Words::new(
             format!("关键帧时本车道的信号灯为{zh}，与描述不符"),
             format!(
-                "the light for the ego's lane is {state} at the keyframe, which is not what the text says"
+                "the light for the ego's lane is {state} at the keyframe, which differs from the text"
             ),
         )
     });
