@@ -1,5 +1,5 @@
-//! States the version of the signals: a hash of the code that derives them and of the catalog. What a lake keeps of
-//! an older version is then derived again, without anybody having to remember to count a number up.
+//! Defines the version of the signals: a hash of the code that derives them and of the catalog. Signals that a lake has
+//! stored from an older version are then derived again, without a version number that must be increased by hand.
 
 #[path = "../whyroad-model/build/code_version.rs"]
 mod code_version;

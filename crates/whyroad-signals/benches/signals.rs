@@ -1,7 +1,7 @@
-//! How fast signals are derived from a drive, by number of objects: `cargo bench -p whyroad-signals --bench signals`.
-//! Told are rows (an object in a frame) a second on one core, and the ratio to reading the same drive from its log in
-//! the same run. No harness: the fastest of some rounds, because on a shared machine the rest measures the
-//! neighbors. Recorded AV2 logs are measured where they are.
+//! Speed of deriving signals from a drive, by number of objects: `cargo bench -p whyroad-signals --bench signals`.
+//! Reports rows (an object in a frame) per second on one core, and the ratio to reading the same drive from its log in
+//! the same run. It has no harness: it reports the fastest of several rounds, because on a shared machine other
+//! measures include the load of other processes. Recorded AV2 logs are included if they are present.
 #![allow(clippy::print_stdout)] // printing is what a bench is for
 
 use std::hint::black_box;
@@ -17,7 +17,7 @@ fn milliseconds(f: &mut dyn FnMut()) -> f64 {
 }
 
 /// `drive` with every track copied until there are `objects`, each copy some meters farther along the world's x: they
-/// lie over one another, but each costs what an object costs.
+/// overlap, but each costs as much as a separate object.
 fn crowded(drive: &Drive, objects: usize) -> Drive {
     let mut crowd = drive.clone();
     let own = drive.tracks.len().max(1);
@@ -60,7 +60,7 @@ fn recorded() -> Vec<PathBuf> {
 }
 
 fn main() {
-    // `cargo test --benches` runs this too; then once is enough to see that it works.
+    // `cargo test --benches` also runs this; one round is enough for a test.
     let quick = std::env::args().any(|a| a == "--test");
     let rounds = if quick { 1 } else { 7 };
     println!(

@@ -1,5 +1,5 @@
-//! Prints a hash over the bits of all signals of each drive below the given folders, in any format that `whyroad
-//! ingest` reads: equal before and after a change that makes nothing but the time different.
+//! Prints a hash over the bits of all signals of each drive in the given folders, in any format that `whyroad ingest`
+//! reads: equal before and after a change that affects only the run time.
 //!
 //! `cargo run --release -p whyroad-signals --example digest -- LOG...`
 #![allow(clippy::print_stdout, reason = "an example's output is for the reader")]

@@ -1,6 +1,6 @@
-//! Prints chosen signals of the first drive in a log as CSV, for looking at them: seconds since the first frame, then
-//! a column a signal; for `target.` signals of the target whose id begins with the given text, or of every one by
-//! itself (`all`, its id in a column of its own). Unknown is empty.
+//! Prints selected signals of the first drive in a log as CSV, for inspection: seconds since the first frame, then one
+//! column per signal; `target.` signals are those of the target whose id begins with the given text, or of every target
+//! (`all`, with its id in a separate column). Unknown is empty.
 //!
 //! `cargo run -p whyroad-signals --example dump -- LOG TARGET_PREFIX|all|- SIGNAL...`, where LOG is a
 //! log folder or a simulation in any format that `whyroad ingest` reads.

@@ -1,4 +1,4 @@
-//! What the ego and others do over time: stops, lane changes, passing, traffic, responses.
+//! Behavior of the ego and others over time: stops, lane changes, passing, traffic, responses.
 
 pub mod ego_offset;
 pub mod fair_speed;
@@ -32,7 +32,7 @@ const AFTER_LEAD: &[Family] = &[
     (wanted::RESPONDS, responds::write),
 ];
 
-/// Writes all families of this folder.
+/// Writes the signals of all families in this folder.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     write_asked(&[(wanted::STOPS, stops::write)], scene, table);
     let by_themselves = table.asks(wanted::TARGETS_BY_THEMSELVES);

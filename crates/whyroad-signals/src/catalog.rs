@@ -1,6 +1,6 @@
-//! The catalog of signals, read from `schema/signals.yaml`: what each signal means, in what unit it is displayed, and
-//! what a log must have for it. How a value is computed is code; name, scope and type of a signal are compiled in
-//! ([`SignalId`]), so a framework folder's catalog is checked against them.
+//! The catalog of signals, read from `schema/signals.yaml`: the meaning of each signal, the unit in which it is
+//! displayed, and the data that a log must have for it. The computation of a value is code; name, scope and type of a
+//! signal are compiled in ([`SignalId`]), so a framework folder's catalog is checked against them.
 
 mod page;
 mod read;
@@ -14,7 +14,7 @@ use whyroad_model::{Bilingual, Diagnostic, Displayed, Need, SignalId};
 pub use read::CODES;
 pub use whyroad_model::catalog::SignalScope;
 
-/// What values a signal has.
+/// Type of a signal's values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SignalKind {
     /// A number in the base unit of the dimension.
@@ -28,23 +28,23 @@ pub enum SignalKind {
 /// One entry of the catalog.
 #[derive(Clone, Debug)]
 pub struct SignalDef {
-    /// Which signal it is.
+    /// The signal.
     pub id: SignalId,
     /// Full name: `ego.speed`, `target.gap`.
     pub name: String,
-    /// Over what it has values.
+    /// Its scope.
     pub scope: SignalScope,
-    /// What values it has.
+    /// Type of its values.
     pub kind: SignalKind,
     /// Unit in which a number is displayed; `None` for flags and categories. Values are stored in the base unit.
     pub unit: Option<&'static Unit>,
-    /// What people are shown of it: a noun of a number or category, a clause of a flag.
+    /// Its title for people: a noun for a number or category, a clause for a flag.
     pub title: Bilingual,
-    /// What it means, with its formula.
+    /// Its meaning, with its formula.
     pub meaning: Bilingual,
-    /// What the log must have.
+    /// Data that the log must have.
     pub needs: Vec<Need>,
-    /// Where the definition comes from.
+    /// Source of the definition.
     pub source: String,
     /// Typical magnitude in the base unit, for normalizing margins; 1 for flags and categories.
     pub scale: f64,
@@ -53,7 +53,7 @@ pub struct SignalDef {
 }
 
 impl SignalDef {
-    /// A stored value of this signal as people read it; `None` for flags and categories.
+    /// A stored value of this signal in its display unit; `None` for flags and categories.
     pub fn displayed(&self, base: f64) -> Option<Displayed> {
         self.unit.map(|unit| Displayed::of_base(base, unit))
     }
@@ -64,7 +64,7 @@ impl SignalDef {
     }
 }
 
-/// To which targets a name restricts a rule: `target_vehicle.gap` is `target.gap` of vehicles.
+/// Targets to which a name restricts a rule: `target_vehicle.gap` is `target.gap` of vehicles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetRestriction {
     /// Any target.
@@ -89,14 +89,13 @@ static BUNDLED: LazyLock<Catalog> =
     LazyLock::new(|| Catalog::parse(include_str!("../../../schema/signals.yaml")).0);
 
 impl Catalog {
-    /// The catalog that this build was made with; the one [`crate::derive`] follows. A test asserts that it has no
-    /// errors.
+    /// The catalog of this build, which [`crate::derive`] follows. A test asserts that it has no errors.
     pub fn bundled() -> &'static Catalog {
         &BUNDLED
     }
 
     /// Reads the text of `schema/signals.yaml`, from the repository or from a framework folder. Entries with errors are
-    /// left out and reported; the rest is usable. A folder may change meanings, units for display, scales, aliases and
+    /// skipped and reported; the others are usable. A folder may change meanings, display units, scales, aliases and
     /// sources; an unknown or missing signal and a changed scope, type or need are errors.
     pub fn parse(text: &str) -> (Catalog, Vec<Diagnostic>) {
         read::read(text)
@@ -107,12 +106,12 @@ impl Catalog {
         self.defs.iter()
     }
 
-    /// What people are shown of a value of a category; the value's own word without a name for it.
+    /// The display name of a category's value; the value itself if it has no name.
     pub fn value_name(&self, value: &str) -> Bilingual {
         self.values.get(value).cloned().unwrap_or_else(|| Bilingual::same(value.replace('_', " ")))
     }
 
-    /// What people are shown of a signal; its name without a title for it.
+    /// The title of a signal; its name if it has no title.
     pub fn title(&self, name: &str) -> Bilingual {
         let title = self.get(name).map(|def| def.title.clone());
         title.filter(|t| !t.zh.is_empty()).unwrap_or_else(|| Bilingual::same(name))
@@ -136,7 +135,7 @@ impl Catalog {
         self.by_name.get(name).map(|&i| (&self.defs[i], TargetRestriction::Any))
     }
 
-    /// Up to three known names that look like `name`, the nearest first: for "did you mean".
+    /// Up to three known names similar to `name`, the nearest first: for "did you mean".
     pub fn similar(&self, name: &str) -> Vec<&str> {
         let mut scored: Vec<(f64, &str)> =
             self.by_name.keys().map(|known| (similarity(name, known), known.as_str())).collect();

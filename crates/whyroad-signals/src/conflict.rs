@@ -19,7 +19,7 @@ const FAMILIES: &[Family] = &[
     (wanted::TIME_TO_LINE, time_to_line::write),
 ];
 
-/// Writes the families on conflicts of pairs.
+/// Writes the signals about conflicts of pairs.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     write_asked(FAMILIES, scene, table);
 }

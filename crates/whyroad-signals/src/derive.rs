@@ -1,5 +1,5 @@
-//! One drive to its signal table, in stages: the ego alone, the road under it, the targets placed around it, and pairs.
-//! Each stage is a struct that the next one takes.
+//! Derives the signal table of one drive, in stages: the ego alone, the road under it, the targets placed around it,
+//! and pairs. Each stage is a struct that the next one takes.
 
 use crate::catalog::Catalog;
 use crate::conflict::{self, pet, ttc, ttc_lane};
@@ -31,32 +31,32 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::catalog::id;
 use whyroad_model::{Drive, Need, SignalTable};
 
-/// All signals that `drive` supports; the others are in `unavailable` with what the log lacks. Takes the drive as the
-/// lake has it: what it did not measure is estimated here, from this drive alone.
+/// All signals that `drive` supports; the others are in `unavailable` with the data that the log lacks. Takes the drive
+/// as stored in the lake: missing values are estimated here, from this drive alone.
 ///
-/// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
+/// Pure, and independent of any order except that of time: tracks are ordered by id.
 pub fn derive(drive: &Drive) -> SignalTable {
     derive_wanted(drive, &Wanted::all())
 }
 
-/// Of [`derive`] the signals that are asked for, with their standard deviations, each with the same values. What only
-/// other signals follow from is not worked out.
+/// The requested signals of [`derive`], with their standard deviations and the same values. Inputs that only other
+/// signals need are not computed.
 pub fn derive_wanted(drive: &Drive, wanted: &Wanted) -> SignalTable {
     let mut table = derive_part(drive, Part::All, wanted);
     wanted.keep(&mut table);
     table
 }
 
-/// Of the last frame of [`derive`], only what says what is where and how it moves: the ego, the road under it with its
-/// lights, and of each target that is seen then the place, the motion and the lines that it crosses. What they do to
-/// each other, which is most of the work, is left out, and targets that were gone by then. Each value in the last frame
-/// is that of [`derive`]; of the other frames and columns nothing is said.
+/// The last frame of [`derive`], with only positions and motion: the ego, the road under it with its lights, and of
+/// each target that is observed then the position, the motion and the lines that it crosses. Interactions, which are
+/// most of the work, are left out, and so are targets that had disappeared by then. Each value in the last frame is
+/// equal to that of [`derive`]; other frames and columns are unspecified.
 pub fn derive_last_frame(drive: &Drive) -> SignalTable {
     let table = derive_part(drive, Part::LastFrame, &Wanted::all());
     SignalTable { unavailable: BTreeMap::new(), ..table }
 }
 
-/// How much of a table is wanted.
+/// Extent of a requested table.
 #[derive(Clone, Copy)]
 enum Part {
     /// See [`derive_last_frame`].
@@ -116,7 +116,7 @@ pub fn meta_actions(drive: &Drive) -> Option<MetaActions> {
     EgoStage::new(drive, &missing(drive)).map(|ego| ego.actions)
 }
 
-/// What needs no pose of the ego: its bus, the context, the targets relative to it.
+/// Signals that need no pose of the ego: its bus, the context, the targets relative to it.
 fn write_without_ego(
     drive: &Drive,
     ego: Option<&EgoStage<'_>>,
@@ -174,7 +174,7 @@ impl<'d> EgoStage<'d> {
 pub(crate) struct RoadStage<'a> {
     /// The stage before.
     pub ego: &'a EgoStage<'a>,
-    /// The map made ready; `None` without one.
+    /// The prepared map; `None` without one.
     pub road: Option<&'a Road>,
     /// The ego's lanes; `None` without a map.
     pub lanes: Option<EgoLane>,
@@ -211,7 +211,7 @@ impl<'a> RoadStage<'a> {
 }
 
 impl RoadStage<'_> {
-    /// What is ahead on the road, and how much room the targets leave on it.
+    /// Signals of the road ahead, and of the room that the targets leave on it.
     fn write_ahead(&self, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
         let Self { ego, road, lanes, path } = self;
         let (drive, times, motion) = (ego.drive, &ego.times[..], &ego.motion);
@@ -237,7 +237,7 @@ impl RoadStage<'_> {
 pub(crate) struct PlacedStage<'a> {
     /// The stage before.
     pub on_road: &'a RoadStage<'a>,
-    /// What they are placed around.
+    /// Their surroundings.
     pub around: Surroundings<'a>,
     /// The targets in the table's order.
     pub targets: Vec<Target<'a>>,
@@ -261,14 +261,14 @@ impl<'a> PlacedStage<'a> {
         Self { on_road, around, targets, near }
     }
 
-    /// Notes how well the states of the targets are known; one entry per track of the drive.
+    /// Records the accuracy of the states of the targets; one entry per track of the drive.
     fn note_deviations(&mut self, tracks: &'a [Option<Deviations>]) {
         let all = self.on_road.ego.drive.tracks.iter().zip(tracks);
         let observed = all.filter(|(t, _)| !t.frames.is_empty()).map(|(_, sd)| sd.as_ref());
         self.targets.iter_mut().zip(observed).for_each(|(target, sd)| target.sd = sd);
     }
 
-    /// What the families on visibility read.
+    /// Input of the families on visibility.
     pub fn scene(&self) -> sight::Scene<'_> {
         let RoadStage { ego, road, path, .. } = self.on_road;
         sight::Scene {
@@ -282,7 +282,7 @@ impl<'a> PlacedStage<'a> {
         }
     }
 
-    /// What of the targets follows from their places alone.
+    /// Signals of the targets that depend only on their positions.
     fn write_places(&self, table: &mut TableBuilder<'_>) {
         let drive = self.on_road.ego.drive;
         if table.asks(wanted::MOTION) {
@@ -321,7 +321,7 @@ impl<'a> PlacedStage<'a> {
     }
 }
 
-/// Stage 4: what the ego and the targets do to each other.
+/// Stage 4: interactions of the ego and the targets.
 fn write_pairs(placed: &PlacedStage<'_>, table: &mut TableBuilder<'_>) {
     let ego = placed.on_road.ego;
     let scene = Interaction {

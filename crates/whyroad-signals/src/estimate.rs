@@ -1,17 +1,17 @@
-//! States of the ego and the objects from what the log measured: the step before any signal.
+//! States of the ego and the objects, estimated from the measurements in the log: the step before all signals.
 //!
-//! The lake holds measurements only; velocities, accelerations and yaw rates that a log does not have are unknown in
-//! it, and what it has may be noisy, late or lost. [`estimated`] makes states with standard deviations of it, from the
-//! drive that it is given and nothing else: on a drive cut at the keyframe ([`Drive::until`]) it is causal, on a
-//! whole drive it may use both sides of a row. What reads motion calls it first: [`crate::derive`] and
-//! [`crate::meta_actions`] do so themselves and take drives as the lake has them; so do `whyroad_engine::states` and
-//! the engine's `estimated` for pictures and summaries. An estimated drive must not be estimated again.
+//! The lake contains only measurements; velocities, accelerations and yaw rates that a log does not have are unknown in
+//! it, and measurements may be noisy, late or lost. [`estimated`] computes states with standard deviations from the
+//! given drive only: on a drive cut at the keyframe ([`Drive::until`]) it is causal, on a whole drive it may use both
+//! sides of a row. Code that reads motion calls it first: [`crate::derive`] and [`crate::meta_actions`] call it
+//! themselves and take drives as stored in the lake; so do `whyroad_engine::states` and the engine's `estimated` for
+//! pictures and summaries. An estimated drive must not be estimated again.
 //!
-//! An object of which all that is stated is exact and complete keeps it; what the log does not state of it (`vx`, `vy`,
-//! `accel`, `yaw_rate` of [`Motion`]) is completed row by row from its neighbors. Any other object is smoothed.
-//! In a drive cut between two measurements, rows that rest on the later one are missing at the end (`known_at` in the
-//! scene tables); they are predicted until the next measurement is due.
-//! docs/explanation/estimates.md says how. Not here: signals, and everything that needs a map.
+//! An object whose measurements are exact and complete keeps them; missing values (`vx`, `vy`, `accel`, `yaw_rate` of
+//! [`Motion`]) are completed row by row from neighboring rows. Any other object is smoothed. In a drive cut between two
+//! measurements, rows that depend on the later one are missing at the end (`known_at` in the scene tables); they are
+//! predicted until the next measurement is due. The method is described in docs/explanation/estimates.md. Not here:
+//! signals, and everything that needs a map.
 #![allow(
     clippy::needless_range_loop,
     reason = "rows of several columns and components of matrices go by index"
@@ -51,23 +51,23 @@ use std::borrow::Cow;
 use whyroad_model::scene::Motion;
 use whyroad_model::{Drive, ObjectClass};
 
-/// A sideways step of more than this in 0.1 s is a jump (simulators change lanes so), not a motion, m.
+/// A lateral step of more than this in 0.1 s is a jump (simulators change lanes this way), not a motion, m.
 pub(crate) const MAX_SIDE_STEP_M: f64 = 1.0;
 
-/// The drive with its estimated states. Borrowed when nothing is to be estimated: when the log states all of it
-/// exactly, or has no pose of the ego, so that positions are relative to a moving car and say nothing of velocities
+/// The drive with its estimated states. Borrowed when there is nothing to estimate: when the log states everything
+/// exactly, or has no pose of the ego, so that positions are relative to a moving car and do not determine velocities
 /// over ground.
 pub fn estimate(drive: &Drive) -> Cow<'_, Drive> {
     estimated(drive).drive
 }
 
-/// True when every row states all of its motion.
+/// True when every row has all motion values.
 fn is_stated(m: &Motion) -> bool {
     m.forward.is_empty()
         && [&m.vx, &m.vy, &m.accel, &m.yaw_rate].iter().all(|v| v.iter().all(|x| !x.is_nan()))
 }
 
-/// Completes what is unknown of one object's motion; `seconds` ascend, a row each, as `lengths`.
+/// Completes the unknown values of one object's motion; `seconds` ascend, one per row, as `lengths`.
 fn complete_motion(m: &mut Motion, seconds: &[f64], lengths: &[f64], class: ObjectClass) {
     let on_wheels =
         !matches!(class, ObjectClass::Pedestrian | ObjectClass::WheeledPedestrian | ObjectClass::Animal);
@@ -79,14 +79,15 @@ fn complete_motion(m: &mut Motion, seconds: &[f64], lengths: &[f64], class: Obje
         if m.vx[row].is_nan() || m.vy[row].is_nan() {
             (m.vx[row], m.vy[row]) = (derived.vx[row], derived.vy[row]);
             if !forward.is_nan() {
-                // The log states the speed along the heading; the positions say how much it goes sideways, if they do.
+                // The log states the speed along the heading; the lateral part comes from the positions, if they show
+                // one.
                 let (s, c) = m.heading[row].sin_cos();
                 let sideways = Some(m.vy[row] * c - m.vx[row] * s).filter(|v| !v.is_nan()).unwrap_or(0.0);
                 (m.vx[row], m.vy[row]) = (forward * c - sideways * s, forward * s + sideways * c);
             }
         }
     }
-    // One derivative of what the log states is less noisy than two of the positions.
+    // The first derivative of a stated velocity is less noisy than the second derivative of the positions.
     let accel =
         if stated { kinematics::acceleration(seconds, &m.vx, &m.vy, &m.heading) } else { derived.accel };
     fill(&mut m.accel, &accel);
@@ -94,12 +95,12 @@ fn complete_motion(m: &mut Motion, seconds: &[f64], lengths: &[f64], class: Obje
     forget_impossible(class, m);
 }
 
-/// Takes `estimated` where `stated` is unknown.
+/// Fills unknown values of `stated` with those of `estimated`.
 fn fill(stated: &mut [f64], estimated: &[f64]) {
     stated.iter_mut().zip(estimated).filter(|(s, _)| s.is_nan()).for_each(|(s, e)| *s = *e);
 }
 
-/// Speeds that cannot be are an identity switch or a bad box, not a motion: the position stays, the motion is unknown.
+/// Impossible speeds come from an identity switch or a bad box: the position is kept, the motion is unknown.
 fn forget_impossible(class: ObjectClass, m: &mut Motion) {
     let limit = class.max_speed_mps();
     for row in (0..m.len()).filter(|&row| m.speed(row) > limit).collect::<Vec<_>>() {
@@ -109,7 +110,7 @@ fn forget_impossible(class: ObjectClass, m: &mut Motion) {
     }
 }
 
-/// True when the front bumper went sideways, since the row before, faster than any vehicle can.
+/// True when the front bumper moved sideways, since the row before, faster than any vehicle can.
 fn jumps_sideways(m: &Motion, seconds: &[f64], lengths: &[f64], row: usize) -> bool {
     let dt = seconds[row] - seconds[row - 1];
     let front = |i: usize| {

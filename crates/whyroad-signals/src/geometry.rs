@@ -1,5 +1,5 @@
 //! Plane geometry that the signals share: angles, points, polylines by arc length, polygons, oriented boxes.
-//! Nothing here knows of driving.
+//! Independent of driving.
 
 mod angle;
 mod box_grid;
@@ -49,7 +49,7 @@ impl P2 {
     pub fn norm(self) -> f64 {
         self.x.hypot(self.y)
     }
-    /// True when its length is at most `reach`: `norm() <= reach`, mostly told by the square of the length.
+    /// True when its length is at most `reach`: `norm() <= reach`, mostly decided by the square of the length.
     pub fn is_within(self, reach: f64) -> bool {
         let (length2, reach2) = (self.dot(self), reach * reach);
         if length2 < reach2 * (1.0 - 1e-12) {
@@ -60,7 +60,7 @@ impl P2 {
             self.norm() <= reach
         }
     }
-    /// True for the same bits, so that whatever is worked out from either is the same.
+    /// True for equal bits, so that all results computed from either are equal.
     pub fn has_bits_of(self, o: P2) -> bool {
         self.x.to_bits() == o.x.to_bits() && self.y.to_bits() == o.y.to_bits()
     }

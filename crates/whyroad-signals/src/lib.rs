@@ -1,11 +1,11 @@
-//! Scene tables to signal tables: what each leaf's rule asks about, as named quantities over time.
+//! Derives signal tables from scene tables: the quantities that the rules of the L3 classes use, by name and over time.
 //!
-//! Pure functions of one [`Drive`]; nothing here reads a file, knows an input format or decides what a scenario is.
-//! What the log did not measure is estimated first (`estimate`), from the drive that is given and nothing else.
-//! Names and meanings are in `schema/signals.yaml`; one file per signal family, in folders by stage (`ego`, `road`,
-//! `target`, `conflict`, `behavior`, `sight`, `refav`) in the order in which they build on one another. Signals are
-//! derived over the whole drive, before it is cut into clips. `object` derives signals of any object and of pairs, for
-//! the rules that ask for them.
+//! Pure functions of one [`Drive`]; nothing here reads a file, depends on an input format or decides what a scenario
+//! is. Values that the log did not measure are estimated first (`estimate`), only from the given drive. Names and
+//! meanings are in `schema/signals.yaml`; one file per signal family, in folders by stage (`ego`, `road`, `target`,
+//! `conflict`, `behavior`, `sight`, `refav`) in the order in which they depend on one another. Signals are derived over
+//! the whole drive, before it is cut into clips. `object` derives signals of any object and of pairs, for rules that
+//! use them.
 
 pub mod catalog;
 pub mod estimate;
@@ -15,7 +15,7 @@ mod series;
 mod table;
 mod wanted;
 
-// Stages in the order in which they build on one another; a test forbids imports against this order.
+// Stages in the order in which they depend on one another; a test forbids imports against this order.
 mod ego;
 mod road;
 mod target;

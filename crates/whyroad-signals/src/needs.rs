@@ -1,4 +1,4 @@
-//! What a log lacks of the parts that signals need.
+//! The data that signals need and a log lacks.
 
 use std::collections::BTreeSet;
 use whyroad_model::road_map::{Lane, LaneMark, MapLayer};
@@ -6,7 +6,7 @@ use whyroad_model::scene::FrameOfReference;
 use whyroad_model::vocabulary::{FACILITY_KINDS, SIGN_KINDS};
 use whyroad_model::{Drive, Need, ObjectClass};
 
-/// What this log lacks.
+/// The data that this log lacks.
 pub fn missing(drive: &Drive) -> BTreeSet<Need> {
     let mut missing = BTreeSet::new();
     let ego = drive.ego.as_ref().filter(|e| e.motion.x.iter().any(|x| x.is_finite()));
@@ -22,7 +22,7 @@ pub fn missing(drive: &Drive) -> BTreeSet<Need> {
     if !drive.meta.can && ego.is_none_or(|e| !has_bus(&e.bus)) {
         missing.insert(Need::VehicleBus);
     }
-    // A log without any track has nothing whose size could be missing.
+    // In a log without tracks no size can be missing.
     let sized = |t: &whyroad_model::scene::Track| t.length_m.iter().any(|l| l.is_finite());
     let ego_sized = ego.is_none_or(|e| e.length_m.is_finite() && e.width_m.is_finite());
     if !ego_sized || (!drive.tracks.is_empty() && !drive.tracks.iter().any(sized)) {
@@ -50,7 +50,7 @@ fn missing_layers(drive: &Drive) -> impl Iterator<Item = Need> {
     MapLayer::ALL.into_iter().filter(absent).filter_map(MapLayer::need)
 }
 
-/// What the map, the heights and the route lack.
+/// Missing data of the map, the heights and the route.
 fn missing_of_road(drive: &Drive) -> impl Iterator<Item = Need> {
     let map = drive.map.as_ref();
     let ego_z = drive.ego.iter().any(|e| e.motion.z.iter().any(|z| z.is_finite()));
@@ -71,7 +71,7 @@ fn missing_of_road(drive: &Drive) -> impl Iterator<Item = Need> {
     .filter_map(|(need, there)| (!there).then_some(need))
 }
 
-/// Needs that one kind of context state meets each; a log that never states the kind lacks it.
+/// Needs that one kind of context state satisfies each; a log that never states the kind lacks it.
 const CONTEXT_NEEDS: [(Need, &str); 10] = [
     (Need::Weather, "weather"),
     (Need::Surface, "surface"),
@@ -86,7 +86,7 @@ const CONTEXT_NEEDS: [(Need, &str); 10] = [
 ];
 
 fn missing_context(drive: &Drive) -> impl Iterator<Item = Need> {
-    // What another kind of state, or the lanes' tags, state as well.
+    // Data that another kind of state, or the lanes' tags, also state.
     let also = |need: Need| match need {
         Need::Weather => states(drive, "visibility"),
         Need::Pavement => drive.map.iter().flat_map(|m| &m.lanes).any(|l| l.is_tagged("unpaved")),

@@ -1,6 +1,6 @@
-//! Signals of any object and of pairs of near objects, the ego being one of the objects: derived only when a rule asks
-//! for them, and only those that it asks for. Definitions follow RefAV's functions where there is one (see
-//! `schema/signals.yaml`); no code of it is used.
+//! Signals of any object and of pairs of near objects, including the ego as an object: derived only when a rule uses
+//! them, and only the used ones. Definitions follow RefAV's functions if there is one (see `schema/signals.yaml`); none
+//! of its code is used.
 
 mod body;
 mod lanes;
@@ -28,7 +28,7 @@ use whyroad_model::signal::{EGO_ID, TargetSpan};
 use whyroad_model::{Column, Drive, Need, SignalTable};
 
 /// A table of the `object.` and `pair.` signals that are `wanted`, and of `object.observed`. It has no other signals;
-/// those that the drive cannot support are in `unavailable`. Pairs are in it where `pairs` asks for them.
+/// those that the drive cannot support are in `unavailable`. It contains pairs if `pairs` requires them.
 pub fn derive_objects(
     drive: &Drive,
     wanted: &BTreeSet<String>,
@@ -96,7 +96,7 @@ pub fn derive_objects(
     table
 }
 
-/// The pairs of objects of these classes with these signals, and those of the signals that cannot be known.
+/// The pairs of objects of these classes with these signals, and the signals that cannot be known.
 fn pair_table<'n>(
     scene: &Scene<'_>,
     between: Option<&PairClasses>,
@@ -113,7 +113,7 @@ fn pair_table<'n>(
     (PairTable { spans, near, columns }, lost)
 }
 
-/// The signal that says in which frames an object was observed.
+/// The signal that states in which frames an object was observed.
 const OBSERVED: &str = "object.observed";
 
 fn needs_map(name: &str) -> bool {

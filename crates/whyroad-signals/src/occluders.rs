@@ -1,6 +1,6 @@
-//! Who hides a target, by its id: what `target.occluder` gives the kind of. For pictures and for evidence in labels.
-//! Not a signal: a category has one closed set of values in all drives, and which tracks there are each drive has its
-//! own of; no rule may ask for one.
+//! The object that hides a target, by its id: `target.occluder` only states its kind. For pictures and for evidence in
+//! labels. This is not a signal: a category has the same closed set of values in all drives, but each drive has its own
+//! tracks; no rule may use it.
 
 use crate::derive::{EgoStage, PlacedStage, RoadStage};
 use crate::road::network::Road;
@@ -9,8 +9,8 @@ use crate::target::placement::PlacedRows;
 use std::collections::BTreeMap;
 use whyroad_model::{Drive, TrackId};
 
-/// For each track the frames in which something hides a part of it, ascending, with what hides most. Nothing where the
-/// drive has no ego pose.
+/// For each track the frames in which something hides a part of it, ascending, with the object that hides most. Empty
+/// if the drive has no ego pose.
 pub fn occluders(drive: &Drive) -> BTreeMap<TrackId, Vec<(usize, Occluder)>> {
     let Some(own) = &drive.ego else { return BTreeMap::new() };
     let ego = EgoStage::of(drive, own);

@@ -1,6 +1,6 @@
-//! RefAV's questions in its own definitions and thresholds (`refAV/atomic_functions.py`), with the ego as the one that
-//! is asked about: so that the same question can be put to both. Left out is its median filter over seven positions,
-//! which works along the world's axes and would make an answer depend on how they lie; and exactly 180 deg is opposite.
+//! RefAV's functions with its own definitions and thresholds (`refAV/atomic_functions.py`), applied to the ego, so that
+//! the results of both can be compared. Its median filter over seven positions is left out, because it works along the
+//! world's axes and would make a result depend on their orientation; and exactly 180 deg is opposite.
 
 pub mod turning;
 
@@ -20,27 +20,27 @@ use whyroad_model::road_map::LaneKind;
 use whyroad_model::scene::Motion;
 use whyroad_model::{ObjectClass, Tri};
 
-/// Others within this have a relative direction, box to box, m.
+/// Maximum distance of objects with a relative direction, box to box, m.
 const DIRECTION_REACH_M: f64 = 50.0;
-/// Following reaches this far ahead of the front, m.
+/// Maximum distance of following ahead of the front, m.
 pub(crate) const FOLLOWING_M: f64 = 25.0;
-/// ... and this far beside, m.
+/// ... and beside, m.
 pub(crate) const FOLLOWING_BESIDE_M: f64 = 5.0;
-/// ... within this cosine of directions.
+/// ... and minimum cosine of the angle between directions.
 pub(crate) const FOLLOWING_COS: f64 = 0.5;
-/// From this speed on the velocity is the direction, m/s.
+/// Minimum speed at which the velocity is the direction, m/s.
 pub(crate) const HEADING_SPEED_MPS: f64 = 0.5;
-/// Crossing happens within this ahead of the front, m.
+/// Maximum distance of crossing ahead of the front, m.
 const CROSSED_AHEAD_M: f64 = 10.0;
-/// ... and goes on to this far beside, m.
+/// ... and beside, m.
 const CROSSED_BESIDE_M: f64 = 5.0;
-/// ... faster than this across, m/s.
+/// ... and minimum lateral speed, m/s.
 const CROSSED_MPS: f64 = 0.2;
 /// A track whose bounding diagonal is shorter is stationary, m.
 const STATIONARY_M: f64 = 3.0;
-/// This near a junction lane is near an intersection, m.
+/// Maximum distance from a junction lane for being near an intersection, m.
 const INTERSECTION_M: f64 = 5.0;
-/// From this speed on a motion has a direction, m/s.
+/// Minimum speed of a motion with a direction, m/s.
 pub(crate) const DIRECTED_MPS: f64 = 1.0;
 
 /// A vector of the world in the ego's axes, x forward, y left.
@@ -74,7 +74,7 @@ fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<TargetRe
     })
 }
 
-/// Lanes that a target is on: the assigned one, else all that hold its center.
+/// Lanes of a target: the assigned one, else all that contain its center.
 fn lanes_of(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, center: P2) -> Vec<usize> {
     if let Some(place) = scene.lanes().and_then(|l| l.at(k, r)) {
         return vec![place.lane];
@@ -86,7 +86,7 @@ fn lanes_of(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, center: P2
     road.lanes_near(center, 0.0).into_iter().filter(holds).collect()
 }
 
-/// Where an object goes: its velocity where it moves, else its heading.
+/// Direction of an object: its velocity if it moves, else its heading.
 pub(crate) fn direction(velocity: P2, heading: f64) -> P2 {
     let speed = velocity.norm();
     if speed > HEADING_SPEED_MPS { velocity * (1.0 / speed) } else { P2::from_heading(heading) }
@@ -113,8 +113,8 @@ fn following(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, p: &Place
     Tri::from((same && at.y.abs() < FOLLOWING_BESIDE_M) || (beside && reaches_in))
 }
 
-/// An object seen from another in one row: where its center is and how fast it goes across (to the left), in the axes
-/// of the other one, whose half length and half width are `front` and `side`; m, m/s.
+/// An object in one row relative to another: the position of its center and its lateral speed (to the left), in the
+/// axes of the other one, whose half length and half width are `front` and `side`; m, m/s.
 pub(crate) struct Passing {
     pub row: usize,
     pub at: P2,
@@ -123,13 +123,13 @@ pub(crate) struct Passing {
     pub side: f64,
 }
 
-/// The rows in which an object crosses in front of another one, of those in which it is seen, in order.
+/// The rows in which an object crosses in front of another one, among those in which it is observed, in order.
 pub(crate) fn crossing(seen: &[Passing]) -> BTreeSet<usize> {
     let mut rows = BTreeSet::new();
     for (i, pair) in seen.windows(2).enumerate() {
         let [before, now] = pair else { continue };
         let (y0, y1) = (before.at.y, now.at.y);
-        // RefAV asks for both sides strictly, and so misses who is exactly on the line in a frame.
+        // RefAV requires both sides strictly, and so misses an object that is exactly on the line in a frame.
         let over = |line: f64| (y0 < line) != (y1 < line);
         let ahead = (now.front..=now.front + CROSSED_AHEAD_M).contains(&now.at.x);
         if !ahead || !(over(now.side) || over(-now.side)) || now.across.abs() <= CROSSED_MPS {
@@ -179,7 +179,7 @@ fn is_junction(lane: &LaneShape) -> bool {
     lane.in_junction && lane.kind != LaneKind::Sidewalk
 }
 
-/// Near a junction lane; of a map that draws junctions as areas only, near one of these.
+/// Near a junction lane; for a map that draws junctions only as areas, near one of these.
 fn near_intersection(road: &Road, has_junction_lanes: bool, p: P2) -> Tri {
     if !p.is_finite() {
         return Tri::Unknown;

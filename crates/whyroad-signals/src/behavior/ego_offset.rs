@@ -1,11 +1,11 @@
-//! The ego's sideways position in its lane as one unbroken quantity: where it changes to the lane beside, the offset
-//! goes on instead of jumping by a lane's width.
+//! The ego's lateral position in its lane as a continuous quantity: when it changes to the adjacent lane, the offset
+//! continues instead of jumping by a lane's width.
 
 use crate::geometry::P2;
 use crate::series::GAP_S;
 use crate::target::interaction::Interaction;
 
-/// By frame, m, left positive: the lane offset, continued over lane changes; NaN where the ego has no lane. The value
+/// Lane offset by frame, m, left positive, continued over lane changes; NaN where the ego has no lane. The value
 /// restarts (with the offset in the lane) after a gap.
 pub fn unrolled(scene: &Interaction<'_>) -> Vec<f64> {
     let (ego, times) = (scene.around.ego, scene.times);
@@ -21,7 +21,7 @@ pub fn unrolled(scene: &Interaction<'_>) -> Vec<f64> {
             if lane == on.lane || road.lanes[lane].successors.contains(&on.lane) {
                 return offset - values_at(lanes, j) + on.lateral;
             }
-            // Another lane: what it moved across, not where the lines are.
+            // Another lane: the lateral movement of the ego counts, not the positions of the lines.
             let left = P2::from_heading(on.corridor.line.smooth_heading_at(on.s, 2.0)).left();
             offset + (ego.position[i] - ego.position[j]).dot(left)
         });

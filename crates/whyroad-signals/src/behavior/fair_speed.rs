@@ -1,20 +1,20 @@
-//! How fast the ego drives the same kind of road in fair conditions, on the same drive: what a slower speed in rain, in
-//! the dark or on a wet road is compared with.
+//! The ego's speed on the same kind of road in fair conditions, on the same drive: the reference for a lower speed in
+//! rain, in the dark or on a wet road.
 
 use crate::road::context::Channels;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use whyroad_model::catalog::id;
 
-/// What fair means, by kind of context that the log states.
+/// Values that count as fair, by kind of context in the log.
 const FAIR: [(&str, &str); 3] = [("weather", "clear"), ("surface", "dry"), ("lighting", "day")];
-/// Slower, the ego does not cruise, m/s.
+/// Minimum speed of cruising, m/s.
 const CRUISING_MPS: f64 = 5.0;
-/// Changes of speed beyond this are not cruising, m/s2.
+/// Maximum acceleration of cruising, m/s2.
 const STEADY_MPS2: f64 = 0.5;
-/// A lead within this headway sets the speed, s.
+/// A lead within this headway determines the speed, s.
 const FREE_HEADWAY_S: f64 = 3.0;
-/// Roads whose limits differ by less are of one kind, m/s.
+/// Roads whose limits differ by less are of the same kind, m/s.
 const SAME_LIMIT_MPS: f64 = 0.5;
 /// Minimum number of frames: 3 s at 10 Hz.
 const LEAST_FRAMES: usize = 30;

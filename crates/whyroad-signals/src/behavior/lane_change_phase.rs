@@ -1,4 +1,4 @@
-//! Phases of the ego's lane changes (LABELING.md 4), and lane changes that it gave up.
+//! Phases of the ego's lane changes (LABELING.md 4), and aborted lane changes.
 
 use crate::behavior::lane_change_intention::formed;
 use crate::road::ego_lane::{OVER_LINE_M, lateral_extent};
@@ -13,19 +13,19 @@ use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::EgoLaneChangePhase};
 use whyroad_model::road_map::LaneKind;
 
-/// Within this of the lane's center it is centered, m (LABELING.md 4).
+/// Maximum distance from the lane's center at which the ego is centered, m (LABELING.md 4).
 const CENTERED_M: f64 = 0.3;
-/// Farther off the center than this it has left it, m.
+/// Minimum distance from the center at which the ego has left it, m.
 const LEFT_CENTER_M: f64 = 0.5;
-/// A peak is the largest of many values: this many standard deviations of it are noise.
+/// A peak is the maximum of many values: this many standard deviations of it are noise.
 const PEAK_DEVIATIONS: f64 = 2.5;
-/// Share of its offset that an attempt must have been steered.
+/// Minimum share of the offset of an attempt that the ego's own steering caused.
 const OWN_SHARE: f64 = 0.4;
 /// Rows before and after an attempt in which the ego drives along its lane: 2 s at 10 Hz.
 const ALONG_ROWS: usize = 20;
-/// An excursion longer than this is a way of driving, s.
+/// A longer excursion is not an attempt but a way of driving, s.
 const LONGEST_S: f64 = 20.0;
-/// The turn back is where the offset falls this much under its peak, m.
+/// The ego turns back where the offset is this much below its peak, m.
 const TURNED_BACK_M: f64 = 0.05;
 
 /// A lane change or an attempt at one, by its phases.
@@ -62,7 +62,7 @@ fn codes(
     codes
 }
 
-/// A stretch off the lane's center, to one side.
+/// A period off the lane's center, on one side.
 struct Excursion {
     first: usize,
     /// One past the last frame off the center: there it is centered again.
@@ -70,7 +70,7 @@ struct Excursion {
     side: usize,
 }
 
-/// Unbroken stretches off the center of one lane (and its successors), that begin and end centered.
+/// Uninterrupted periods off the center of one lane (and its successors), that begin and end centered.
 fn excursions(scene: &Interaction<'_>, road: &Road) -> Vec<Excursion> {
     let Some(lanes) = scene.around.lanes else { return Vec::new() };
     let (mut found, mut open): (Vec<Excursion>, Option<Excursion>) = (Vec::new(), None);
@@ -100,7 +100,7 @@ fn excursions(scene: &Interaction<'_>, road: &Road) -> Vec<Excursion> {
     found
 }
 
-/// Frames from the turn back until centered, for an excursion that was an attempt.
+/// Frames from turning back until centered, for an excursion that was an attempt.
 fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::ops::Range<usize>> {
     let (lanes, ego) = (scene.around.lanes?, scene.around.ego);
     let sign = if x.side == 0 { 1.0 } else { -1.0 };
@@ -122,10 +122,11 @@ fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::
     if off(peak) <= LEFT_CENTER_M + noise && !over {
         return None;
     }
-    // What it steered itself: beside a lane that widens or forks, who drives straight on gave nothing up.
+    // Only the ego's own steering counts: in a lane that widens or forks, an ego that drives straight on has aborted
+    // nothing.
     let place = |i: usize| OnWay { position: ego.position[i], direction: scene.around.path.ego_heading[i] };
     let span = |from: usize, to: usize| (from..=to).step_by(3).map(place).collect::<Vec<_>>();
-    // From before it left the center to after it was back, where it drives along the lane.
+    // From before it left the center until after it was back, where it drives along the lane.
     let (first, last) = (x.first.saturating_sub(ALONG_ROWS), (x.end + ALONG_ROWS).min(ego.len() - 1));
     let out = most_shifted(&span(first, peak), &span(peak, peak), sign);
     let back = most_shifted(&span(peak, peak), &span(peak, last), -sign);

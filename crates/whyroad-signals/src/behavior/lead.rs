@@ -1,4 +1,5 @@
-//! More about the lead for rules without a target: what it is, whether it brakes, stands, changes lanes or has left.
+//! More signals of the lead for rules without a target: its class, whether it brakes, stands, changes lanes or has
+//! left.
 
 use crate::behavior::stops::Standing;
 use crate::table::TableBuilder;
@@ -9,12 +10,13 @@ use whyroad_model::catalog::{
     value::{LeadClass, TargetLaneChange},
 };
 
-/// Braking from this on is hard, m/s2 (SUMO SSM and ScenarioCharacterization: 3 m/s2).
+/// Braking at least this hard is hard braking, m/s2 (SUMO SSM and ScenarioCharacterization: 3 m/s2).
 const HARD_MPS2: f64 = -3.0;
-/// A lead of at most this long ago has just left, s; slightly more than ten frames of a jittered clock.
+/// A vehicle that was the lead at most this long ago has just left, s; slightly more than ten frames of a jittered
+/// clock.
 const JUST_S: f64 = 1.02;
 
-/// The last lead within the last second that is no lead any more is seen, ahead, out of the lane.
+/// The last lead within the last second, which is no longer the lead, is observed ahead and outside of the lane.
 fn left_lane(scene: &Interaction<'_>, i: usize) -> Tri {
     if !scene.around.ego.is_known(i) {
         return Tri::Unknown;
@@ -30,7 +32,7 @@ fn left_lane(scene: &Interaction<'_>, i: usize) -> Tri {
             return Tri::True;
         }
     }
-    // A lead that is not seen any more may have left or be hidden.
+    // A lead that is no longer observed may have left or be hidden.
     let lost = |k: usize| scene.targets[k].track.row_at(i).is_none();
     let gone = seen
         && (0..i)

@@ -1,4 +1,4 @@
-//! Targets that the ego has passed: wholly ahead a while ago, wholly behind now, going the same way.
+//! Targets that the ego has passed: completely ahead a while ago, completely behind now, moving in the same direction.
 
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
@@ -8,17 +8,17 @@ use std::f64::consts::FRAC_PI_4;
 use whyroad_model::Tri;
 use whyroad_model::catalog::id;
 
-/// Passing takes no longer than this, s.
+/// Maximum duration of passing, s.
 const WITHIN_S: f64 = 10.0;
 /// It is reported for this long, s.
 const PULSE_S: f64 = 2.0;
-/// Farther beside the path than this it was on another road, m.
+/// A target farther beside the path than this was on another road, m.
 const BESIDE_M: f64 = 8.0;
 
-/// Moments at which the target has fallen wholly behind, s.
+/// Times at which the target is completely behind for the first time, s.
 fn passed(target: &Target<'_>, ego_length: f64, times: &[f64]) -> Vec<f64> {
     let half = ego_length / 2.0;
-    // When it was last wholly ahead, and whether it has moved since.
+    // When it was last completely ahead, and whether it has moved since.
     let mut ahead: Option<(f64, bool)> = None;
     let mut moments = Vec::new();
     for p in target.places.iter().flatten() {

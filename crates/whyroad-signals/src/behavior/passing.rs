@@ -1,5 +1,5 @@
-//! Targets beside the ego's way: how much room is between them and the band that the ego's body sweeps, and whether
-//! the two pass each other in opposite directions.
+//! Targets beside the ego's path: the distance between them and the area that the ego's body sweeps, and whether the
+//! two pass each other in opposite directions.
 
 use crate::table::TableBuilder;
 use crate::target::gaps;
@@ -10,14 +10,14 @@ use crate::target::rows::Rows;
 use whyroad_model::catalog::id;
 use whyroad_model::{ObjectClass, Tri};
 
-/// From this distance ahead of the front bumper on two pass each other, m.
+/// Maximum distance ahead of the front bumper at which two pass each other, m.
 const AHEAD_M: f64 = 30.0;
 /// Maximum distance beside the path for passing, m: center to path.
 const BESIDE_M: f64 = 6.0;
-/// Two that near each other slower than this do not pass, m/s.
+/// Minimum closing speed of two that pass each other, m/s.
 const CLOSING_LEAST_MPS: f64 = 0.5;
 
-/// From the footprint's nearest edge to the side of the body's band, m; negative where it reaches into it.
+/// Distance from the footprint's nearest edge to the side of the body's band, m; negative inside the band.
 fn clearance(p: &Placement, ego_width: f64) -> f64 {
     let half = ego_width / 2.0;
     p.path.low.max(-p.path.high) - half

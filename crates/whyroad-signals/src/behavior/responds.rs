@@ -1,4 +1,4 @@
-//! Decision moments: changes of the ego's meta action that come to something (LABELING.md 5).
+//! Decision moments: changes of the ego's meta action that have an effect (LABELING.md 5).
 
 use crate::behavior::ego_offset::unrolled;
 use crate::geometry::P2;
@@ -8,21 +8,21 @@ use crate::target::interaction::Interaction;
 use whyroad_model::Tri;
 use whyroad_model::catalog::id;
 
-/// The effect is looked for in this time after the change, s.
+/// Time after the change in which the effect is searched, s.
 const WITHIN_S: f64 = 3.0;
-/// A change of speed that is one, m/s.
+/// Minimum change of speed that is an effect, m/s.
 const SPEED_MPS: f64 = 1.0;
-/// A sideways move that is one, m (LABELING.md 4: lateral displacement > 0.3 m).
+/// Minimum lateral movement that is an effect, m (LABELING.md 4: lateral displacement > 0.3 m).
 const SIDEWAYS_M: f64 = 0.3;
 /// A decision moment is reported for this long, s.
 const PULSE_S: f64 = 0.5;
 
-/// True in the first frame of another action.
+/// True in the first frame of a new action.
 fn changes<C: PartialEq>(actions: &[Option<C>], i: usize) -> bool {
     i > 0 && matches!((&actions[i - 1], &actions[i]), (Some(before), Some(now)) if before != now)
 }
 
-/// Whether what begins in frame `i` comes to something; unknown where the recording ends before it could.
+/// Whether the action that begins in frame `i` has an effect; unknown where the recording ends too early.
 fn effect(scene: &Interaction<'_>, offset: &[f64], i: usize) -> Tri {
     let (ego, times) = (scene.around.ego, scene.times);
     let in_lane = |j: usize| {

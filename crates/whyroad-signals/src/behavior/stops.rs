@@ -1,4 +1,4 @@
-//! Standing and moving off, of the ego and of targets: how long, how often, when it ends.
+//! Standing and moving off of the ego and of targets: duration, number, end.
 
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
@@ -9,25 +9,25 @@ use whyroad_model::catalog::id;
 const COUNT_OVER_S: f64 = 60.0;
 /// The mean speed is taken over this time, s.
 const MEAN_OVER_S: f64 = 20.0;
-/// ... of which this much must be known, s.
+/// ... with at least this much of it known, s.
 const MEAN_LEAST_S: f64 = 1.0;
-/// A standstill shorter than this does not end in moving off, s.
+/// Minimum duration of a standstill that ends in moving off, s.
 const STOOD_LEAST_S: f64 = 1.0;
 /// Moving off is reported for this long, s.
 const PULSE_S: f64 = 1.0;
-/// Stop and go is slower than this: 30 km/h (LABELING.md 4).
+/// Maximum mean speed of stop and go: 30 km/h (LABELING.md 4).
 const CONGESTED_MPS: f64 = 30.0 / 3.6;
-/// A lead that was there this long ago still makes it stop and go, s.
+/// Maximum time since the last lead for stop and go, s.
 const LEAD_WITHIN_S: f64 = 5.0;
 
-/// Standing over the rows of one actor.
+/// Standstill over the rows of one actor.
 pub struct Standing {
-    /// Seconds since it came to stand; 0 while it moves, NaN where not known.
+    /// Seconds since it stopped; 0 while it moves, NaN where unknown.
     pub time: Vec<f64>,
     /// Within [`PULSE_S`] after a standstill of at least [`STOOD_LEAST_S`].
     pub moves_off: Vec<Tri>,
-    /// The stand that is or was last: seconds it lasted (so far), the row's time since its end (0 during it), and
-    /// whether it was already under way in the first row.
+    /// The current or last standstill: its duration in seconds (so far), the row's time since its end (0 during it),
+    /// and whether it was already in progress in the first row.
     pub last: Vec<Option<(f64, f64, bool)>>,
 }
 
@@ -37,7 +37,7 @@ impl Standing {
         let n = times.len();
         let mut found =
             Self { time: vec![f64::NAN; n], moves_off: vec![Tri::Unknown; n], last: vec![None; n] };
-        // Since when it stands, and whether that was so from the first row on.
+        // Start of the standstill, and whether it had begun by the first row.
         let mut since: Option<(f64, bool)> = None;
         let mut ended: Option<(f64, f64, bool)> = None;
         for i in 0..n {
@@ -66,7 +66,7 @@ impl Standing {
     }
 }
 
-/// Standing of all targets.
+/// Standstill of all targets.
 pub fn targets_standing(scene: &Interaction<'_>) -> Vec<Standing> {
     scene.targets.iter().map(|t| Standing::new(&t.times, &t.standstill)).collect()
 }
@@ -121,7 +121,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
             return Tri::Unknown;
         }
         let Some(first) = recent(i).next().filter(|_| recent(i).count() >= 2) else { return Tri::False };
-        // Stops are counted over no longer than the mean is taken.
+        // Stops are counted over the same time as the mean.
         let slow = mean_of(&times[first..=i], &ego.speed[first..=i]) < CONGESTED_MPS;
         Tri::from(slow && with_lead(i))
     };

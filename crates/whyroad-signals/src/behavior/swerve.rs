@@ -1,4 +1,4 @@
-//! How far the ego is off its own usual line, and whether it jerks the wheel.
+//! Deviation of the ego from its usual line, and abrupt steering.
 
 use crate::behavior::ego_offset::unrolled;
 use crate::ego::motion::DERIVATIVE_REACH_S;
@@ -12,21 +12,21 @@ use whyroad_model::catalog::id;
 
 /// The usual line is the median over this time, s.
 const MEDIAN_OVER_S: f64 = 5.0;
-/// ... of which this much must be known, s.
+/// ... with at least this much of it known, s.
 const MEDIAN_LEAST_S: f64 = 1.0;
-/// What it steered itself is looked for from 5 s before to this long after, s, in steps of
+/// The ego's own steering is measured from 5 s before to this long after, s, in steps of
 const AFTER_S: f64 = 2.0;
 /// this, s.
 const STEP_S: f64 = 0.5;
-/// Lateral acceleration beyond the road's that is an emergency, m/s2.
+/// Minimum lateral acceleration beyond the road's that is an emergency, m/s2.
 const SWERVE_MPS2: f64 = 3.0;
-/// Its rate that is one, m/s3, with a deviation of
+/// Minimum rate of it that is one, m/s3, with a deviation of
 const SWERVE_MPS3: f64 = 5.0;
 /// this much, m.
 const DEVIATION_M: f64 = 0.3;
 /// Minimum speed for swerving, m/s.
 const LEAST_MPS: f64 = 3.0;
-/// The road's curvature is measured over this much either side, m.
+/// The road's curvature is measured over this distance on either side, m.
 const CURVATURE_REACH_M: f64 = 5.0;
 
 fn median(values: &mut [f64]) -> f64 {
@@ -35,7 +35,7 @@ fn median(values: &mut [f64]) -> f64 {
     (values[(n - 1) / 2] + values[n / 2]) / 2.0
 }
 
-/// Offset minus the median of the frames before in the last [`MEDIAN_OVER_S`]; NaN until enough is known.
+/// Offset minus the median of the earlier frames in the last [`MEDIAN_OVER_S`]; NaN until enough is known.
 fn deviations(times: &[f64], offset: &[f64]) -> Vec<f64> {
     let mut first = 0;
     (0..times.len())
@@ -55,8 +55,8 @@ fn deviations(times: &[f64], offset: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Each deviation from the line of the lane, but no more of it than the ego's own steering made: where lines wander or
-/// lanes fork, an ego that drives straight on deviates from nothing.
+/// The deviations from the line of the lane, limited to the part that the ego's own steering caused: where lines wander
+/// or lanes fork, an ego that drives straight on does not deviate.
 fn steered(scene: &Interaction<'_>, deviations: Vec<f64>) -> Vec<f64> {
     let (ego, times, path) = (scene.around.ego, scene.times, scene.around.path);
     let place = |i: usize| OnWay { position: ego.position[i], direction: path.ego_heading[i] };
@@ -95,7 +95,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
         if lateral[i].is_nan() {
             return Tri::Unknown;
         }
-        // Beyond its noise; a rate over 0.4 s of what is known so badly says nothing.
+        // Beyond its noise; with such a large deviation the rate over 0.4 s is not usable.
         let noise = ego.sd.as_ref().map_or(0.0, |sd| ego.forward_speed[i].abs() * stated(sd.yaw_rate[i]));
         let jerks = rate[i].abs() - 2.0 * noise / DERIVATIVE_REACH_S >= SWERVE_MPS3
             && deviation[i].abs() - ego.place_sd(i) >= DEVIATION_M;

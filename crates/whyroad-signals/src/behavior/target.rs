@@ -1,4 +1,4 @@
-//! What a target does by itself along its own way: reversing, standing, moving off, braking.
+//! Motion of a target along its own path: reversing, standing, moving off, braking.
 
 use crate::behavior::stops::Standing;
 use crate::series::smooth;
@@ -10,37 +10,37 @@ use whyroad_model::catalog::id;
 
 /// Below this forward speed a vehicle reverses, m/s (as `ego.meta_longitudinal`).
 const REVERSE_MPS: f64 = -0.3;
-/// Who drives forwards faster than this, m/s,
+/// A target that drives forward faster than this, m/s,
 const FORWARD_MPS: f64 = 2.0;
-/// less than this long before or after does not go backwards: its box jumps, s.
+/// less than this long before or after does not reverse: its box jumps, s.
 const CHANGE_OF_GEAR_S: f64 = 1.0;
-/// The same where it drives forwards faster than this both before and after, m/s.
+/// The same where it drives forward faster than this both before and after, m/s.
 const ROCKING_MPS: f64 = 1.0;
-/// A standing box that slides back is where it stood again after at most this long, s,
+/// A stationary box that slides back returns to its position after at most this long, s,
 const SLIDES_BACK_S: f64 = 5.0;
-/// to this, m.
+/// to within this distance, m.
 const SAME_PLACE_M: f64 = 0.3;
-/// Less than this backwards is a tracker's jitter or a car that rocks as it stops, m.
+/// A shorter distance backwards is a tracker's jitter or a car that rocks as it stops, m.
 const REVERSE_LEAST_M: f64 = 1.0;
-/// Who gains more speed than this, m/s,
+/// A vehicle that gains more speed than this, m/s,
 const HEAVY_GAIN_MPS: f64 = 3.0;
-/// in this time is no loaded lorry (1 m/s in a second) and no bus (1.5 m/s), s.
+/// in this time is neither a loaded truck (1 m/s in a second) nor a bus (1.5 m/s), s.
 const HEAVY_GAIN_S: f64 = 2.0;
-/// Boxes that jump do so again after this long, s: the pace of such jumps in recorded drives.
+/// Boxes that jump do so again within this time, s: the interval of such jumps in recorded drives.
 const JUMPS_AGAIN_S: f64 = 3.0;
-/// A stand of at least this long is parking or waiting, s.
+/// Minimum duration of a standstill that is parking or waiting, s.
 const PARKED_S: f64 = 5.0;
-/// ... and counts for this long after its end, s.
+/// ... which counts for this long after its end, s.
 const PARKED_WITHIN_S: f64 = 10.0;
-/// Braking from this on is sudden, m/s2.
+/// Braking at least this hard is sudden, m/s2.
 const SUDDEN_MPS2: f64 = -4.0;
 /// Minimum speed for sudden braking, m/s.
 const SUDDEN_LEAST_MPS: f64 = 1.0;
-/// Half width of the mean over the acceleration, s.
+/// Half width of the mean of the acceleration, s.
 const MEAN_REACH_S: f64 = 0.2;
 
-/// Whether what stood before frame `start` and went backwards until frame `end` stands where it had stood soon after:
-/// its box slid, or it only made room for somebody.
+/// Whether a target that was stationary before frame `start` and moved backwards until frame `end` is soon stationary
+/// at its old position: its box slid, or it only made room for another road user.
 fn slides(times: &[f64], forward_speed: &[f64], start: usize, end: usize) -> bool {
     let stands = |i: usize| forward_speed[i].abs() < -REVERSE_MPS;
     let just_before = (0..start).rev().take_while(|&i| times[start] - times[i] <= CHANGE_OF_GEAR_S);
@@ -60,8 +60,8 @@ fn slides(times: &[f64], forward_speed: &[f64], start: usize, end: usize) -> boo
     false
 }
 
-/// By row, whether a vehicle goes backwards: in one stretch for at least [`REVERSE_LEAST_M`]. A shorter stretch that
-/// the beginning or the end of the track cuts off is unknown.
+/// By row, whether a vehicle reverses: for at least [`REVERSE_LEAST_M`] without interruption. A shorter distance that
+/// is cut off by the beginning or the end of the track is unknown.
 fn reverses(is_vehicle: bool, times: &[f64], forward_speed: &[f64]) -> Vec<Tri> {
     let n = forward_speed.len();
     if !is_vehicle {
@@ -101,7 +101,7 @@ fn reverses(is_vehicle: bool, times: &[f64], forward_speed: &[f64]) -> Vec<Tri> 
     out
 }
 
-/// By row, whether a long vehicle's box jumped along the road just before: it gained speed as no such vehicle does.
+/// By row, whether a long vehicle's box jumped along the road just before: it gained speed as no such vehicle can.
 fn box_jumps(is_large: bool, times: &[f64], speed: &[f64]) -> Vec<Tri> {
     if !is_large {
         return vec![Tri::False; speed.len()];
@@ -123,7 +123,7 @@ fn was_parked(standing: &Standing, r: usize) -> Tri {
         None => Tri::False,
         Some((_, ended, _)) if ended > PARKED_WITHIN_S => Tri::False,
         Some((lasted, _, _)) if lasted >= PARKED_S - 1e-6 => Tri::True,
-        // It stood when it was first seen: the start is unknown.
+        // It was stationary when it was first observed: the start is unknown.
         Some((_, _, true)) => Tri::Unknown,
         Some(_) => Tri::False,
     }

@@ -1,4 +1,4 @@
-//! Traffic around the ego: how many, how fast, whether it is congested, and the queue before the ego's stop line.
+//! Traffic around the ego: density, speed, congestion, and the queue before the ego's stop line.
 
 use crate::geometry::{P2, p2};
 use crate::road::ego_lane::OnCorridor;
@@ -12,22 +12,22 @@ use std::f64::consts::FRAC_PI_4;
 use whyroad_model::catalog::id;
 use whyroad_model::{RoadMap, Tri};
 
-/// Vehicles within this of the ego make up the density, m.
+/// Vehicles within this distance of the ego count for the density, m.
 const DENSITY_REACH_M: f64 = 50.0;
-/// Vehicles within this along and beside the path make up the flow, m.
+/// Vehicles within these distances along and beside the path count for the flow, m.
 const FLOW_REACH_M: (f64, f64) = (80.0, 12.0);
-/// What stands farther beside the path than this is parked, m.
+/// A stationary vehicle farther beside the path than this is parked, m.
 const PARKED_BESIDE_M: f64 = 6.0;
-/// Congestion is slower than this: 30 km/h (LABELING.md 4).
+/// Maximum mean speed of congestion: 30 km/h (LABELING.md 4).
 const CONGESTED_MPS: f64 = 30.0 / 3.6;
 /// Minimum number of vehicles of a flow.
 const CONGESTED_LEAST: usize = 3;
-/// A stop line farther ahead has no queue for the ego yet, m.
+/// Maximum distance of a stop line with a queue for the ego, m.
 const LINE_REACH_M: f64 = 100.0;
-/// The queue is remembered for this long after the ego moved off, s.
+/// The queue position is kept for this long after the ego moved off, s.
 const QUEUE_HELD_S: f64 = 5.0;
 
-/// In the flow that the ego is part of.
+/// The target belongs to the same traffic flow as the ego.
 fn flows(p: &Placement) -> bool {
     let beside = p.path.lateral.abs();
     let near = p.ahead.abs() <= FLOW_REACH_M.0 && beside <= FLOW_REACH_M.1 && p.same_level;
@@ -35,7 +35,7 @@ fn flows(p: &Placement) -> bool {
     near && same_way && (p.speed() >= MOVING_MPS || p.in_way || beside <= PARKED_BESIDE_M)
 }
 
-/// Where the stop lines of the map are: the middle of each, by lane.
+/// The center of each stop line of the map, by lane.
 fn stop_lines(map: &RoadMap) -> BTreeMap<&str, P2> {
     let mut found = BTreeMap::new();
     for line in map.stop_lines.iter().filter(|l| !l.line.is_empty()) {
@@ -46,7 +46,7 @@ fn stop_lines(map: &RoadMap) -> BTreeMap<&str, P2> {
     found
 }
 
-/// Distance from the ego's front bumper to the next stop line of its lane, or to the junction where none is drawn, m.
+/// Distance from the ego's front bumper to the next stop line of its lane, or to the junction if none is drawn, m.
 fn next_line(road: &Road, lines: &BTreeMap<&str, P2>, on: OnCorridor<'_>, front: f64) -> Option<f64> {
     let corridor = on.corridor;
     let ahead = |s: f64| Some(s - on.s - front).filter(|d| *d > -front && *d <= LINE_REACH_M);
@@ -70,7 +70,7 @@ fn next_line(road: &Road, lines: &BTreeMap<&str, P2>, on: OnCorridor<'_>, front:
     None
 }
 
-/// Number of standing vehicles, bicycles included, between the ego and its line in each frame; NaN where the ego has
+/// Number of stationary vehicles, including bicycles, between the ego and its line in each frame; NaN where the ego has
 /// no lane.
 fn queue(scene: &Interaction<'_>, road: &Road, map: &RoadMap) -> Vec<f64> {
     let ego = scene.around.ego;
@@ -95,7 +95,7 @@ fn queue(scene: &Interaction<'_>, road: &Road, map: &RoadMap) -> Vec<f64> {
     count
 }
 
-/// At standstill, and shortly after, the greatest count of that standstill holds.
+/// During a standstill, and shortly after it, the maximum count of that standstill is kept.
 fn hold(count: &mut [f64], standstill: &[Tri], times: &[f64]) {
     let mut i = 0;
     while i < count.len() {

@@ -1,5 +1,5 @@
-//! How far the ego's heading has turned once a moment of steering is over: an evasive swerve comes back to the way it
-//! went, an ordinary turn does not.
+//! Change of the ego's heading over a steering action: an evasive swerve returns to its original direction, an ordinary
+//! turn does not.
 
 use crate::geometry::unwrap;
 use crate::series::GAP_S;
@@ -11,7 +11,7 @@ use whyroad_model::catalog::id;
 const BEFORE_S: f64 = 1.0;
 /// ... until this long after, s.
 const AFTER_S: f64 = 3.0;
-/// Of which this much after must be recorded, s.
+/// Minimum time after it that must be recorded, s.
 const LEAST_AFTER_S: f64 = 1.0;
 
 /// Writes `ego.net_turn`.

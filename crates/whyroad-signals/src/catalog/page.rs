@@ -30,25 +30,25 @@ fn row(def: &SignalDef) -> String {
     )
 }
 
-/// A vertical bar would end the cell.
+/// A vertical bar would end the table cell.
 fn escape(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
 impl Catalog {
-    /// The page in Markdown: what holds for all signals, then one table per scope.
+    /// The page in Markdown: the text about all signals, then one table per scope.
     pub fn page(&self) -> String {
         let mut out = format!("{}\n", include_str!("preface.md").trim_end());
         let sections = [
-            (SignalScope::Frame, "Signals of the ego, the map, the light and the lead (one value a frame)"),
-            (SignalScope::Target, "Signals of each target (one value a target and frame)"),
+            (SignalScope::Frame, "Signals of the ego, the map, the light and the lead (one value per frame)"),
+            (SignalScope::Target, "Signals of each target (one value per target and frame)"),
             (
                 SignalScope::Object,
-                "Signals of any object (one value an object and frame, the ego included; derived on demand)",
+                "Signals of any object (one value per object and frame, the ego included; derived on demand)",
             ),
             (
                 SignalScope::Pair,
-                "Signals of pairs of objects within 50 m (one value a pair and frame; derived on demand)",
+                "Signals of pairs of objects within 50 m (one value per pair and frame; derived on demand)",
             ),
         ];
         for (scope, title) in sections {

@@ -37,7 +37,7 @@ static FORM: FormCodes = FormCodes {
 /// The catalog's file, relative to the framework's folder.
 const FILE: &str = "schema/signals.yaml";
 
-/// The usable entries, and what is wrong with the others.
+/// The usable entries, and the errors of the others.
 pub(super) fn read(text: &str) -> (Catalog, Vec<Diagnostic>) {
     let mut report = FileReport::new(FILE, text, &FORM);
     let catalog = report.parse(text).and_then(|root| document(&root, &mut report)).unwrap_or_default();
@@ -52,7 +52,7 @@ fn document(root: &Node, report: &mut FileReport<'_>) -> Option<Catalog> {
     fields.close(report);
     let mut catalog = Catalog { version, values, ..Catalog::default() };
     let signals = signals?;
-    // An entry with another fault is not missing.
+    // An entry with another error is not missing.
     let mut listed: BTreeSet<SignalId> = BTreeSet::new();
     for node in report.items(signals) {
         listed.extend(node.get("name").and_then(Node::text).and_then(|n| SignalId::from_name(n.trim())));
@@ -71,7 +71,7 @@ fn document(root: &Node, report: &mut FileReport<'_>) -> Option<Catalog> {
     Some(catalog)
 }
 
-/// What an entry says, before it is checked against the signal that is compiled in.
+/// The content of an entry before it is checked against the compiled-in signal.
 struct Written<'n> {
     name: String,
     name_node: &'n Node,
@@ -165,7 +165,7 @@ fn scale(node: &Node, report: &mut FileReport<'_>) -> Option<f64> {
     value
 }
 
-/// `values`: what people are shown of the values of categories.
+/// `values`: display names of the values of categories.
 fn value_names(node: &Node, report: &mut FileReport<'_>) -> BTreeMap<String, Bilingual> {
     let entries = report.entries(node).unwrap_or_default();
     entries.into_iter().filter_map(|e| Some((e.key.clone(), bilingual(&e.node, report)?))).collect()
@@ -240,7 +240,7 @@ fn beginning(meaning: &Bilingual) -> Bilingual {
     Bilingual::new(short(&meaning.zh), short(&meaning.en))
 }
 
-/// The type of the entry, if it is the one that is compiled in, with the unit of a number.
+/// The type of the entry, if it is the compiled-in type, with the unit of a number.
 fn kind(
     w: &Written<'_>,
     id: SignalId,
@@ -312,7 +312,7 @@ fn number_unit(w: &Written<'_>, report: &mut FileReport<'_>) -> Option<&'static 
     Some(unit)
 }
 
-/// A framework folder may not change this field: the code that derives the signal would not follow.
+/// A framework folder may not change this field, because the code that derives the signal would not follow.
 fn changed(report: &mut FileReport<'_>, node: &Node, id: SignalId, field: &str, fixed: &str) {
     let message = Bilingual::new(
         format!("信号 '{id}' 的 {field} 由程序决定，不能更改"),
@@ -332,7 +332,7 @@ impl Catalog {
         if let Some(taken) = names.iter().find(taken) {
             let message = Bilingual::new(
                 format!("信号名 '{taken}' 重复"),
-                format!("signal name '{taken}' is used twice"),
+                format!("signal name '{taken}' is used more than once"),
             );
             report.push(Diagnostic::error("signals.name", message), mark, &node.pointer);
             return;

@@ -1,4 +1,4 @@
-//! The bundled catalog is sound, and broken ones are refused with their own codes.
+//! The bundled catalog has no errors, and invalid ones are rejected with separate codes.
 
 use super::*;
 
@@ -25,7 +25,7 @@ fn the_bundled_catalog_has_no_errors_and_the_named_signals() {
     }
 }
 
-/// The bundled text with `from`, which it holds, replaced once by `to`; what is wrong with it, and the catalog.
+/// The bundled text with `from`, which it contains, replaced once by `to`; its errors, and the catalog.
 fn changed(from: &str, to: &str) -> (Catalog, Vec<Diagnostic>) {
     let text = include_str!("../../../../schema/signals.yaml");
     assert!(text.contains(from), "{from}");

@@ -1,5 +1,5 @@
-//! What it takes to avoid contact, and how long the danger lasted: required deceleration, brake and steer threat
-//! numbers, deceleration to safety time, time exposed to and integrated under a TTC of 2 s.
+//! Effort for avoiding contact, and duration of the danger: required deceleration, brake and steer threat numbers,
+//! deceleration to safety time, time exposed to and integrated under a TTC of 2 s.
 
 use crate::conflict::ttc::ttc;
 use crate::conflict::ttc_accel::accel_along;
@@ -11,15 +11,15 @@ use crate::target::placement::{Approach, Placement, Target};
 use crate::target::rows::Rows;
 use whyroad_model::catalog::id;
 
-/// What a car can brake, m/s2 (CriMe BTN, from CommonRoad's vehicle).
+/// Maximum braking of a car, m/s2 (CriMe BTN, from CommonRoad's vehicle).
 const BRAKE_MPS2: f64 = 11.5;
-/// What it can steer, m/s2 (CriMe STN).
+/// Maximum lateral acceleration of a car, m/s2 (CriMe STN).
 const STEER_MPS2: f64 = 8.0;
 /// Safety time of DST, s (CriMe).
 const SAFETY_TIME_S: f64 = 2.0;
 /// TTC under which a pair is exposed, s (CriMe tau).
 const TAU_S: f64 = 2.0;
-/// No frame counts for longer than this, s: what happened in a pause is not known.
+/// Maximum duration that is counted for a frame, s: the motion during a pause is not known.
 const LONGEST_FRAME_S: f64 = 0.25;
 
 /// Gap and closing speed of one row; `None` where a part is unknown.
@@ -40,7 +40,7 @@ fn a_long_req(Approach { gap, closing }: Approach, accel: impl FnOnce() -> f64) 
         f64::NEG_INFINITY
     } else {
         let needed = accel() - closing * closing / (2.0 * gap);
-        // `min` would take the unknown for a zero.
+        // `min` would turn NaN into 0.
         if needed.is_nan() { f64::NAN } else { needed.min(0.0) }
     }
 }
@@ -54,8 +54,8 @@ fn dst(Approach { gap, closing }: Approach, theirs: impl FnOnce() -> f64) -> f64
     if room <= 0.0 { f64::INFINITY } else { 3.0 * closing * closing / (2.0 * room) }
 }
 
-/// Least lateral acceleration with which the ego (its center on the path) is beside the target after `ttc`, m/s2. The
-/// target keeps its sideways speed.
+/// Minimum lateral acceleration with which the ego (its center on the path) is beside the target after `ttc`, m/s2. The
+/// target keeps its lateral speed.
 fn a_lat_req(p: &Placement, ttc: f64, ego_width: f64) -> f64 {
     if ttc.is_nan() || ttc.is_infinite() {
         return if ttc.is_nan() { ttc } else { 0.0 };
@@ -78,7 +78,7 @@ fn exposure(target: &Target<'_>, ttc: impl Fn(&Placement) -> f64, times: &[f64])
             && let t = ttc(p)
             && t <= TAU_S
         {
-            // A frame lasts until the next one; the last as long as the one before.
+            // A frame lasts until the next one; the last one as long as the one before.
             let (now, next) = (times[p.frame], times.get(p.frame + 1));
             let before = p.frame.checked_sub(1).map_or(0.1, |i| now - times[i]);
             let lasts = next.map_or(before, |n| n - now).min(LONGEST_FRAME_S);

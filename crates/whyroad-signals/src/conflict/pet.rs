@@ -1,5 +1,6 @@
-//! Post-encroachment time from what both parties really drove: the shortest time between one box's leaving a place and
-//! the other's coming to overlap the same place. Entries and exits are taken half way between frames: good to a frame.
+//! Post-encroachment time from the recorded motion of both parties: the shortest time between one box leaving a
+//! position and the other overlapping the same position. Entries and exits are half way between frames, so the accuracy
+//! is one frame.
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{OrientedBox, P2, wrap};
@@ -9,27 +10,27 @@ use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
 use std::collections::BTreeSet;
 
-/// Longer than this there is no encounter, s.
+/// Maximum time of an encounter, s.
 const LONGEST_S: f64 = 10.0;
 /// A target that moves less than this over the drive crosses no path, m.
 const LEAST_TRAVEL_M: f64 = 1.0;
-/// Poses nearer than this are one stand, m.
+/// Poses nearer than this are one position, m.
 const STAND_M: f64 = 0.1;
-/// Ways that never differ in direction by more than this follow one another: 15 deg.
+/// Paths whose directions never differ by more than this follow one another: 15 deg.
 const FOLLOWING_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
-/// A stretch of time in one place.
+/// A period in one position.
 #[derive(Clone, Copy)]
 struct Stand {
     footprint: OrientedBox,
     /// Height, m; NaN where it is not known.
     z: f64,
-    /// First and last moment in this place, half way to the frames around, s.
+    /// First and last time at this position, half way to the adjacent frames, s.
     from: f64,
     until: f64,
 }
 
-/// Poses in order of time, those in one place joined.
+/// Poses in order of time; those at one position are joined.
 fn stands(poses: impl Iterator<Item = (f64, f64, OrientedBox)>) -> Vec<Stand> {
     let mut found: Vec<Stand> = Vec::new();
     for (t, z, footprint) in poses {
@@ -56,7 +57,7 @@ pub struct Encounter {
     pub until: f64,
 }
 
-/// The ego's swept way, made once for all targets.
+/// The ego's swept area, computed once for all targets.
 pub struct EgoSweep {
     stands: Vec<Stand>,
     tree: RTree<GeomWithData<[f64; 2], usize>>,
@@ -87,7 +88,7 @@ impl EgoSweep {
             let reach = self.radius + other.footprint.radius();
             pairs.extend(
                 self.near(other.footprint.center, reach)
-                    // On a bridge one passes over the other.
+                    // Under or on a bridge the paths do not meet.
                     .filter(|&i| {
                         let apart = (self.stands[i].z - other.z).abs();
                         apart.is_nan() || apart <= LEVEL_M
@@ -113,8 +114,8 @@ impl EgoSweep {
                     let turned = self.stands[i].footprint.heading - theirs[j].footprint.heading;
                     wrap(turned).abs() > FOLLOWING_RAD
                 });
-                // From box to box: the shortest time between one party's leaving a place and the other's coming to
-                // the same place. Where ways join, the whole area that both sweep says nothing of how near they came.
+                // From box to box: the shortest time between one party leaving a position and the other reaching the
+                // same position. Where paths merge, the whole area that both sweep does not show how near they came.
                 let apart = |&(i, j): &(usize, usize)| {
                     (theirs[j].from - self.stands[i].until).max(self.stands[i].from - theirs[j].until)
                 };
@@ -128,8 +129,8 @@ impl EgoSweep {
         found
     }
 
-    /// PET of `target` for each of its rows: the least of the encounters under way, infinite outside, NaN where
-    /// its size is unknown.
+    /// PET of `target` for each of its rows: the minimum of the encounters in progress, infinite outside, NaN where its
+    /// size is unknown.
     pub fn pet(&self, target: &Target<'_>, times: &[f64]) -> Vec<f64> {
         let known: Vec<_> = target.places.iter().flatten().filter(|p| p.is_sized()).collect();
         let traveled = known.first().is_some_and(|first| {
@@ -147,7 +148,7 @@ impl EgoSweep {
     }
 }
 
-/// Unbroken runs of indices, breaks of one index bridged.
+/// Uninterrupted runs of indices; breaks of one index are bridged.
 fn runs(indices: BTreeSet<usize>) -> Vec<(usize, usize)> {
     let mut found: Vec<(usize, usize)> = Vec::new();
     for i in indices {

@@ -1,5 +1,5 @@
-//! Where a target's straight course crosses the ego's path, and when both get there; whether it does cross, as
-//! recorded; and the time that an oncoming vehicle leaves to a turning ego.
+//! The point where a target's straight course crosses the ego's path, and when both get there; whether it really
+//! crosses, as recorded; and the time gap that an oncoming vehicle leaves to a turning ego.
 
 use crate::geometry::{P2, Ray, angle_between_lines, wrap};
 use crate::road::junction::{self, Stretch};
@@ -11,38 +11,38 @@ use std::ops::Range;
 use whyroad_model::Tri;
 use whyroad_model::catalog::id;
 
-/// Courses that meet at less than this run along each other: 20 deg.
+/// Courses that meet at a smaller angle run along each other: 20 deg.
 const CROSSING_LEAST_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
-/// A course is followed this far, m.
+/// Maximum distance along a course, m.
 const REACH_M: f64 = 100.0;
-/// A crossing later than this is none, s.
+/// Maximum time until a crossing, s.
 const SOON_S: f64 = 10.0;
-/// A target that has crossed still does for this long, s.
+/// A target that has crossed is still reported for this long, s.
 const JUST_S: f64 = 3.0;
-/// At this speed the ego is at standstill, m/s.
+/// Below this speed the ego is at standstill, m/s.
 const STANDS_MPS: f64 = 0.1;
-/// A junction farther ahead is not the ego's yet, m (LABELING.md 4: 60 m before a junction).
+/// A junction farther ahead does not concern the ego yet, m (LABELING.md 4: 60 m before a junction).
 const JUNCTION_REACH_M: f64 = 60.0;
-/// A crossing this near a junction's border is in it, m.
+/// A crossing within this distance of a junction's border is in it, m.
 const BORDER_M: f64 = 3.0;
-/// Who comes towards the junction at this angle or more to the ego's entry is oncoming: 115 deg, as
+/// A target that approaches the junction at this angle or more to the ego's entry is oncoming: 115 deg, as for
 /// `map.opposing_arm`.
 const ONCOMING_RAD: f64 = 115.0 * std::f64::consts::PI / 180.0;
-/// Rows farther apart than this do not show a crossing between them, s.
+/// Rows farther apart in time than this show no crossing between them, s.
 const JOINED_S: f64 = 0.55;
 
 /// A crossing ahead of both.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
-    /// Until the target's front end is there, s.
+    /// Time until the target's front end is there, s.
     theirs: f64,
-    /// Until the ego's front bumper is there, s.
+    /// Time until the ego's front bumper is there, s.
     own: f64,
-    /// Where it is on the path, arc length, m.
+    /// Its position on the path, arc length, m.
     s: f64,
 }
 
-/// The segments of the path on which a crossing can be while the ego is at `ego_s`: from its rear to 150 m ahead.
+/// The segments of the path on which a crossing is possible while the ego is at `ego_s`: from its rear to 150 m ahead.
 fn ahead(around: &Surroundings<'_>, ego_s: f64) -> Range<usize> {
     let at = around.path.line.arc_lengths();
     let first = at.partition_point(|&s| s <= ego_s - around.ego.length / 2.0).saturating_sub(1);
@@ -66,7 +66,7 @@ fn crossing(p: &Placement, around: &Surroundings<'_>, among: &Range<usize>) -> O
     for i in line.segments_met(Ray { from: rear, direction, reach: REACH_M }, among.clone()) {
         let segment = points[i + 1] - points[i];
         let across = direction.cross(segment);
-        // sin of the angle, times the segment's length.
+        // Sine of the angle, times the segment's length.
         if across.abs() < least_sine * lengths[i] {
             continue;
         }
@@ -93,7 +93,7 @@ fn crossing(p: &Placement, around: &Surroundings<'_>, among: &Range<usize>) -> O
     Some(Crossing { theirs: (x - length).max(0.0) / p.speed(), own, s })
 }
 
-/// Times at which the target's center is recorded to pass over the path ahead of the ego, s.
+/// Times at which the target's center passes over the path ahead of the ego in the recording, s.
 fn recorded(target: &Target<'_>, around: &Surroundings<'_>, times: &[f64]) -> Vec<f64> {
     let known: Vec<&Placement> = target.places.iter().flatten().collect();
     let crosses = |a: &Placement, b: &Placement| {

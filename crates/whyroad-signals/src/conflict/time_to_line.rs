@@ -13,7 +13,7 @@ use whyroad_model::catalog::id;
 /// Minimum speed across the lane for approaching its edge, m/s.
 const LATERAL_LEAST_MPS: f64 = 0.05;
 
-/// Seconds to cover `distance` at `speed`; infinite when not nearing, 0 when there.
+/// Seconds to cover `distance` at `speed`; infinite when not approaching, 0 when there.
 fn time_over(distance: f64, speed: f64) -> f64 {
     if distance <= 0.0 {
         0.0
@@ -40,7 +40,7 @@ fn of_ego(scene: &Interaction<'_>, frame: usize) -> f64 {
     if high > left + OVER_LINE_M || low < -right - OVER_LINE_M {
         return 0.0;
     }
-    // Already touching the line, but not over it: it gets over at once if it moves that way, else it does not.
+    // If it touches the line but is not over it, it crosses at once if it moves that way, else not at all.
     let sides = [(left - high, speed), (low + right, -speed)];
     sides
         .into_iter()

@@ -1,5 +1,5 @@
-//! Time and effort until contact: TTC along the path, TTC of oriented boxes, headway, DRAC. A pair that is known
-//! not to close has an infinite time, never an unknown or a zero one.
+//! Time and effort until contact: TTC along the path, TTC of oriented boxes, headway, DRAC. A pair that is known not to
+//! close has an infinite time, not an unknown or zero one.
 
 use crate::ego::motion::EgoMotion;
 use crate::table::TableBuilder;
@@ -54,8 +54,8 @@ fn thw(gap: f64, speed: f64) -> f64 {
     }
 }
 
-/// Contact time of the boxes at constant velocity and heading, s. Vehicles roll where they point: the sideways part
-/// of their velocity is the annotation's, and is left out.
+/// Contact time of the boxes at constant velocity and heading, s. Vehicles move in the direction of their heading: the
+/// lateral part of their velocity comes from the annotation, and is ignored.
 fn ttc_box(p: &Placement, class: ObjectClass, ego: &EgoMotion) -> f64 {
     let own = ego.footprint(p.frame);
     if !p.is_sized() || !p.velocity.is_finite() || !ego.velocity[p.frame].is_finite() {

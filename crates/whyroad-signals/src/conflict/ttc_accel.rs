@@ -1,4 +1,4 @@
-//! Time to collision when both go on with their present accelerations: along the path, and of the boxes. Who brakes
+//! Time to collision when both keep their current accelerations: along the path, and of the boxes. A braking road user
 //! stops and stays stopped. At equal accelerations the path's time is `target.ttc`.
 
 use crate::conflict::ttc::ttc;
@@ -12,15 +12,15 @@ use crate::target::rows::Rows;
 use whyroad_model::ObjectClass;
 use whyroad_model::catalog::id;
 
-/// Accelerations that differ by no more are equal, m/s2 (CriMe TTC).
+/// Accelerations that differ by at most this are equal, m/s2 (CriMe TTC).
 const EQUAL_MPS2: f64 = 0.1;
-/// Contacts later than this are none, s: no acceleration lasts as long.
+/// Maximum time to contact, s: no acceleration lasts as long.
 const HORIZON_S: f64 = 30.0;
 /// The same for boxes, s.
 const BOX_HORIZON_S: f64 = 10.0;
 /// Boxes nearer than this touch, m.
 const TOUCH_M: f64 = 0.01;
-/// Boxes are not looked at more often than this, s: what it can hide is a graze of centimeters.
+/// Minimum time between two checks of the boxes, s: it can only hide a contact of centimeters.
 const LEAST_STEP_S: f64 = 0.02;
 
 /// Motion along a line: speed m/s and acceleration m/s2; it ends where the speed reaches zero.
@@ -31,7 +31,7 @@ struct Line {
 }
 
 impl Line {
-    /// When the acceleration has used up the speed, s; infinite when it adds to it.
+    /// Time until the speed is zero, s; infinite when the acceleration increases it.
     fn stops_after(self) -> f64 {
         if self.speed * self.accel < 0.0 { -self.speed / self.accel } else { f64::INFINITY }
     }
@@ -50,7 +50,7 @@ impl Line {
         Line { speed: self.speed + self.accel * t, accel: self.accel }
     }
 
-    /// The greatest speed within `t` seconds, without sign, m/s.
+    /// The maximum speed within `t` seconds, without sign, m/s.
     fn fastest(self, t: f64) -> f64 {
         self.speed.abs().max(self.after(t).speed.abs())
     }
@@ -90,7 +90,7 @@ fn first_root(gap: f64, gain: f64, more: f64) -> Option<f64> {
     [t1.min(t2), t1.max(t2)].into_iter().find(|t| *t >= 0.0)
 }
 
-/// Acceleration of a target along the ego's path where it is, m/s2; 0 for what goes across it.
+/// Acceleration of a target along the ego's path at its position, m/s2; 0 for a target that moves across it.
 pub fn accel_along(p: &Placement, accel: f64) -> f64 {
     if course_of(p) == Course::Across {
         0.0
@@ -122,15 +122,15 @@ fn along_path(p: &Placement, accel: f64, around: &Surroundings<'_>) -> f64 {
     if meets { t } else { f64::INFINITY }
 }
 
-/// The shadow on an axis of what a box sweeps on its way, m.
+/// The projection onto an axis of the area that a box sweeps, m.
 fn swept(footprint: &OrientedBox, way: P2, axis: P2) -> (f64, f64) {
     let ((low, high), along) = (footprint.shadow(axis), way.dot(axis));
     if along < 0.0 { (low + along, high) } else { (low, high + along) }
 }
 
-/// True where what the two sweep is apart on some axis, by more than rounding can do.
+/// True if the swept areas are separate on some axis, by more than rounding errors.
 fn stay_apart(a: &OrientedBox, da: P2, ma: Line, b: &OrientedBox, db: P2, mb: Line) -> bool {
-    // Nobody turns back: the way is longest at the end.
+    // The direction never reverses, so the distance is longest at the end.
     let (of_a, of_b) = (da * ma.covered(BOX_HORIZON_S), db * mb.covered(BOX_HORIZON_S));
     [da.left(), db.left(), da, db].into_iter().any(|axis| {
         let (a, b) = (swept(a, of_a, axis), swept(b, of_b, axis));
@@ -138,7 +138,8 @@ fn stay_apart(a: &OrientedBox, da: P2, ma: Line, b: &OrientedBox, db: P2, mb: Li
     })
 }
 
-/// First contact of two boxes that move along straight lines, s. Steps by how near they can have come at most.
+/// First contact of two boxes that move along straight lines, s. The step is the minimum time in which they can come
+/// into contact.
 fn contact(a: &OrientedBox, da: P2, ma: Line, b: &OrientedBox, db: P2, mb: Line) -> f64 {
     if stay_apart(a, da, ma, b, db, mb) {
         return f64::INFINITY;
@@ -149,7 +150,7 @@ fn contact(a: &OrientedBox, da: P2, ma: Line, b: &OrientedBox, db: P2, mb: Line)
     while t <= BOX_HORIZON_S {
         let at = |c: P2, direction: P2, line: Line| c + direction * line.covered(t);
         let (x, y) = (a.moved_to(at(a.center, da, ma)), b.moved_to(at(b.center, db, mb)));
-        // Circles first: far apart they tell enough.
+        // Circles first: they are sufficient for boxes that are far apart.
         let circles = (x.center - y.center).norm() - around;
         let apart = if circles > 1.0 { circles } else { x.distance(&y) };
         if apart <= TOUCH_M {
@@ -172,7 +173,7 @@ fn boxes(p: &Placement, class: ObjectClass, accel: f64, ego: &EgoMotion) -> f64 
     if !p.same_level || !p.within_reach() {
         return f64::INFINITY;
     }
-    // Vehicles roll where they point; whoever walks may look elsewhere.
+    // Vehicles move in the direction of their heading; pedestrians may face another direction.
     let forward = p.footprint.direction();
     let (direction, speed) = if class.is_vehicle() || p.speed() < 1e-6 {
         (forward, p.velocity.dot(forward))
@@ -211,12 +212,12 @@ mod tests {
         // 20 m, 10 m/s faster, lead brakes at 4: 10 t + 2 t^2 = 20, t = (-10 + sqrt 260) / 4 = 1.5311 s.
         let t = time_to_close(20.0, line(20.0, 0.0), line(10.0, -4.0));
         assert!((t - (260.0_f64.sqrt() - 10.0) / 4.0).abs() < 1e-9);
-        // The lead of 4 m/s brakes at 4 and stands after 1 s and 2 m; 8 m ahead, ego 4 m/s: 10 m at 4 m/s = 2.5 s.
+        // The lead at 4 m/s brakes at 4 and stops after 1 s and 2 m; 8 m ahead, ego 4 m/s: 10 m at 4 m/s = 2.5 s.
         assert!((time_to_close(8.0, line(4.0, 0.0), line(4.0, -4.0)) - 2.5).abs() < 1e-9);
-        // The ego stops 12.5 m on (10 m/s at -4): 13 m short of nothing, 12 m a contact: 10 t - 2 t^2 = 12 at t = 2 s.
+        // The ego stops after 12.5 m (10 m/s at -4): 13 m give no contact, 12 m do: 10 t - 2 t^2 = 12 at t = 2 s.
         assert_eq!(time_to_close(13.0, line(10.0, -4.0), line(0.0, 0.0)), f64::INFINITY);
         assert!((time_to_close(12.0, line(10.0, -4.0), line(0.0, 0.0)) - 2.0).abs() < 1e-9);
-        // It draws away, but will be caught: -2 t + t^2 = 8, t = 4.
+        // It moves away, but will be reached: -2 t + t^2 = 8, t = 4.
         assert!((time_to_close(8.0, line(8.0, 2.0), line(10.0, 0.0)) - 4.0).abs() < 1e-9);
     }
 
@@ -233,7 +234,7 @@ mod tests {
 
     #[test]
     fn who_stays_apart_has_no_contact() {
-        // Against stepping through the ten seconds, from all sides.
+        // Compared with small steps through the ten seconds, from all sides.
         let (mut apart, mut met) = (0, 0);
         for k in 0..4000_u32 {
             let turn = |n: u32| f64::from(k * n % 63) * 0.1;

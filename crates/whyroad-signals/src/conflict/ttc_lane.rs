@@ -1,7 +1,7 @@
-//! TTC along the lane: how soon the ego would be at a target if it went on in its lane as it is now. The driven path
-//! knows that the ego will go round a cyclist, TTC along it counts who rides at the lane's side though the ego would
-//! slip by, and boxes at constant velocity leave a bend: none gives the moment when the cyclist began to concern the
-//! ego.
+//! TTC along the lane: time until the ego would reach a target if it continued in its lane as it is now. The driven
+//! path already contains the evasion of a cyclist, TTC along it counts a cyclist at the lane's side although the ego
+//! would pass, and boxes at constant velocity leave a bend: none of these gives the time when the cyclist became
+//! relevant for the ego.
 
 use crate::geometry::{OrientedBox, P2, wrap};
 use crate::road::ego_lane::lateral_extent;
@@ -13,18 +13,18 @@ use std::f64::consts::FRAC_PI_4;
 use whyroad_model::catalog::id;
 use whyroad_model::scene::Drive;
 
-/// Half the length that a box takes up along a direction, m.
+/// Half the extent of a box along a direction, m.
 fn reach_along(footprint: &OrientedBox, heading: f64) -> f64 {
     let angle = wrap(footprint.heading - heading);
     (footprint.length * angle.cos().abs() + footprint.width * angle.sin().abs()) / 2.0
 }
 
-/// The ego in its lane in one frame, once for all targets.
+/// The ego in its lane in one frame, computed once for all targets.
 #[derive(Clone, Copy)]
 struct Own {
     /// Lateral extent of its box, left positive, m.
     extent: (f64, f64),
-    /// Half the length that it takes up along the lane, m.
+    /// Half its extent along the lane, m.
     reach: f64,
     /// m/s.
     forward_speed: f64,
@@ -43,7 +43,7 @@ impl Own {
     }
 }
 
-/// Seconds; infinite where the ego does not come up to the target, 0 beside it, NaN without a lane or a size.
+/// Seconds; infinite where the ego does not approach the target, 0 beside it, NaN without a lane or a size.
 fn ttc_lane(p: &Placement, own: Option<Own>) -> f64 {
     let (Some((at, _, _)), Some(own), true) = (p.lane, own, p.is_sized()) else { return f64::NAN };
     if !p.velocity.is_finite() {
@@ -71,7 +71,7 @@ fn ttc_lane(p: &Placement, own: Option<Own>) -> f64 {
         return f64::INFINITY;
     }
     let time = gap / closing;
-    // What goes across, or towards the ego, must still be before it by then.
+    // A target that moves across, or towards the ego, must still be ahead of it by then.
     let across = wrap(p.course() - at.heading).abs() > FRAC_PI_4;
     if across && !meets(p.velocity.dot(direction.left()) * time) { f64::INFINITY } else { time }
 }

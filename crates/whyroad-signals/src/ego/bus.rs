@@ -1,5 +1,5 @@
-//! What the ego's vehicle bus says: indicators, brake, automatic emergency braking, cruise control and when the driver
-//! takes over from it. Copied, never guessed.
+//! Signals of the ego's vehicle bus: indicators, brake, automatic emergency braking, cruise control and takeovers by
+//! the driver. Copied, never guessed.
 
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
@@ -7,13 +7,13 @@ use whyroad_model::catalog::id;
 use whyroad_model::catalog::value::EgoTurnSignal;
 use whyroad_model::scene::{EgoBus, TurnSignal};
 
-/// The driver takes over when the brake is pressed this near in time to the end of cruise control, frames.
+/// The driver takes over when the brake is pressed within this many frames of the end of cruise control.
 const TAKES_OVER_FRAMES: usize = 5;
 /// A takeover is reported for this long, frames.
 const REPORTED_FRAMES: usize = 10;
 
 /// Writes `ego.turn_signal`, `ego.brake`, `ego.aeb`, `ego.cruise`, `ego.takeover`; a channel that the bus lacks is
-/// unknown throughout.
+/// always unknown.
 pub fn write(bus: &EgoBus, frames: usize, table: &mut TableBuilder<'_>) {
     let flag = |v: &[Option<bool>]| (0..frames).map(|i| Tri::from(v.get(i).copied().flatten())).collect();
     table.flag(id::EGO_BRAKE, flag(&bus.brake));
@@ -24,7 +24,7 @@ pub fn write(bus: &EgoBus, frames: usize, table: &mut TableBuilder<'_>) {
     table.category(id::EGO_TURN_SIGNAL, (0..frames).map(indicator));
 }
 
-/// True from where cruise control ends with the driver's brake on, for a second. Unknown without either channel.
+/// True for one second from where cruise control ends with the driver's brake on. Unknown without either channel.
 fn takeovers(bus: &EgoBus, frames: usize) -> Vec<Tri> {
     let cruise = |i: usize| bus.cruise.get(i).copied().flatten();
     let brake = |i: usize| bus.brake.get(i).copied().flatten();

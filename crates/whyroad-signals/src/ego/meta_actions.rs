@@ -1,5 +1,5 @@
-//! Meta actions of the ego on every frame (LABELING.md 5, after AR1 table 5). The names are theirs, the
-//! thresholds ours: AR1 does not print any.
+//! Meta actions of the ego in every frame (LABELING.md 5, after AR1 table 5). The names are from AR1, the thresholds
+//! are ours: AR1 does not state any.
 
 use crate::ego::motion::EgoMotion;
 use crate::series::{absorb_short_runs, smooth};
@@ -12,17 +12,17 @@ use whyroad_model::catalog::{
 
 /// Below this |acceleration| the speed is maintained, m/s2.
 const MAINTAIN_MPS2: f64 = 0.4;
-/// From this |acceleration| on it is strong, m/s2.
+/// Minimum |acceleration| that is strong, m/s2.
 const STRONG_MPS2: f64 = 2.0;
 /// Forward speed below which the ego reverses, m/s.
 const REVERSE_MPS: f64 = -0.3;
 /// Below this |yaw rate| the ego goes straight: 2 deg/s.
 const STRAIGHT_RADPS: f64 = 2.0 * std::f64::consts::PI / 180.0;
-/// From this |yaw rate| on it steers sharply: 15 deg/s.
+/// Minimum |yaw rate| of sharp steering: 15 deg/s.
 const SHARP_RADPS: f64 = 15.0 * std::f64::consts::PI / 180.0;
-/// Half width of the mean over acceleration and yaw rate, s.
+/// Half width of the mean of acceleration and yaw rate, s.
 const MEAN_REACH_S: f64 = 0.3;
-/// Runs shorter than this join the one before, s.
+/// Shorter runs are merged with the run before, s.
 const LEAST_RUN_S: f64 = 0.5;
 
 fn longitudinal(standstill: Tri, forward_speed: f64, accel: f64) -> Option<EgoMetaLongitudinal> {
@@ -53,7 +53,7 @@ fn lateral(standstill: Tri, forward_speed: f64, yaw_rate: f64) -> Option<EgoMeta
         return Some(EgoMetaLateral::GoStraight);
     }
     if forward_speed < REVERSE_MPS {
-        // Backing with a clockwise turn moves the tail to the ego's left.
+        // Reversing with a clockwise turn moves the rear to the ego's left.
         return Some(if yaw_rate < 0.0 { EgoMetaLateral::ReverseLeft } else { EgoMetaLateral::ReverseRight });
     }
     Some(match (yaw_rate > 0.0, yaw_rate.abs() >= SHARP_RADPS) {

@@ -48,22 +48,22 @@ pub struct EgoMotion {
     footprints: Vec<OrientedBox>,
 }
 
-/// `given` where it is known anywhere, else the slope of `values`.
+/// `given` if any of its values is known, else the slope of `values`.
 pub(crate) fn given_or_slope(given: &[f64], times: &[f64], values: &[f64]) -> Vec<f64> {
     if given.iter().any(|v| !v.is_nan()) { given.to_vec() } else { slope(times, values, DERIVATIVE_REACH_S) }
 }
 
-/// Speed and distance that no vehicle exceeds between two known positions, m/s and m. What is derived walks along the
-/// driven path in steps of a meter or less: a position that leaps to another continent would make it walk there.
+/// Maximum speed and distance between two known positions, m/s and m. Derivation walks along the driven path in steps
+/// of a meter or less: an outlier on another continent would make it walk there.
 const LEAP_MPS: f64 = 150.0;
 const LEAP_M: f64 = 500.0;
 /// Maximum length of the driven path, m.
 const LONGEST_PATH_M: f64 = 1_000_000.0;
-/// Known positions after which a path counts as settled; before, a leap shows that the first ones were wrong.
+/// Number of known positions after which a path is reliable; before that, a leap shows that the first ones were wrong.
 const SETTLED: usize = 10;
 
-/// The positions, unknown where they lie a leap away from what came before, or beyond the longest path; the first few
-/// are unknown where what comes after them lies a leap away.
+/// The positions, unknown where they are a leap away from the previous ones, or beyond the longest path; the first few
+/// are unknown where the next ones are a leap away.
 fn without_leaps(mut positions: Vec<P2>, times: &[f64]) -> Vec<P2> {
     let unknown = p2(f64::NAN, f64::NAN);
     let (mut last, mut settled, mut length) = (None::<usize>, 0, 0.0);
@@ -122,13 +122,13 @@ impl EgoMotion {
         self.sd.as_ref().map_or(0.0, |sd| stated(sd.position[frame]))
     }
 
-    /// How well its motion to the side is known, by frame; empty where it is exact.
+    /// Accuracy of its lateral motion, by frame; empty where it is exact.
     pub fn asides(&self) -> Vec<Aside> {
         let of = |sd: &Deviations| (0..self.len()).map(|i| Aside::new(sd, i, self.speed[i])).collect();
         self.sd.as_ref().map_or_else(Vec::new, of)
     }
 
-    /// From the box center to the front bumper, m; 0 where the length is unknown.
+    /// Distance from the box center to the front bumper, m; 0 where the length is unknown.
     pub fn front(&self) -> f64 {
         if self.length.is_finite() { self.length / 2.0 } else { 0.0 }
     }
@@ -138,7 +138,7 @@ impl EgoMotion {
         self.position.len()
     }
 
-    /// The box on the ground in `frame`.
+    /// The footprint in `frame`.
     pub fn footprint(&self, frame: usize) -> OrientedBox {
         self.footprints[frame]
     }
@@ -174,7 +174,7 @@ pub fn write(ego: &EgoMotion, times: &[f64], table: &mut TableBuilder<'_>) {
 mod tests {
     use super::*;
 
-    /// Which positions of a drive along x at 10 Hz stay known.
+    /// Which positions of a drive along x at 10 Hz remain known.
     fn known(x: &[f64]) -> Vec<bool> {
         let times: Vec<f64> = (0..x.len()).map(|i| i as f64 * 0.1).collect();
         let positions = x.iter().map(|x| p2(*x, 0.0)).collect();
@@ -188,10 +188,10 @@ mod tests {
         x[30] = 1e9;
         assert_eq!(known(&x).iter().position(|k| !k), Some(30));
         assert_eq!(known(&x).iter().filter(|k| !**k).count(), 1);
-        // Gone for good: nothing is invented there.
+        // It does not come back: nothing is invented there.
         x[30..].fill(1e9);
         assert_eq!(known(&x).iter().filter(|k| **k).count(), 30);
-        // A receiver that begins at the origin before it has a fix.
+        // A receiver that reports the origin before it has a fix.
         let mut late: Vec<f64> = (0..60).map(|i| 4e6 + f64::from(i)).collect();
         late[..3].fill(0.0);
         assert_eq!(known(&late).iter().position(|k| *k), Some(3));

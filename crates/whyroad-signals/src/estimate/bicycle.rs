@@ -1,6 +1,6 @@
-//! How a vehicle moves: a bicycle whose rear axle follows its heading. State: position of the box center (m), heading
-//! (rad), forward speed (m/s, negative in reverse), yaw rate (rad/s), acceleration along the heading (m/s2).
-//! Acceleration changes by white jerk, yaw rate so that the lateral acceleration does.
+//! Motion model of a vehicle: a bicycle whose rear axle follows its heading. State: position of the box center (m),
+//! heading (rad), forward speed (m/s, negative in reverse), yaw rate (rad/s), acceleration along the heading (m/s2).
+//! Acceleration changes by white jerk, the yaw rate by a white change of the lateral acceleration.
 
 use super::kalman::Model;
 use super::matrix::{Matrix, identity, zero};
@@ -18,26 +18,26 @@ pub const YAW_RATE: usize = 4;
 /// m/s2.
 pub const ACCEL: usize = 5;
 
-/// From the rear axle to the middle of a vehicle, as a share of its length.
+/// Distance from the rear axle to the center of a vehicle, as a share of its length.
 pub const REAR_TO_CENTER: f64 = 0.27;
-/// Change of acceleration within a second, one standard deviation, m/s2. On the speeds of 43 simulated drives with
-/// noise of 0.2 m and 0.3 m/s, 0.5 % of the speeds are more than three of their deviations off; with 1.2 it was 1.6 %.
+/// Change of acceleration within a second, one standard deviation, m/s2. For the speeds of 43 simulated drives with
+/// noise of 0.2 m and 0.3 m/s, 0.5 % of the errors exceed three standard deviations; with 1.2 it was 1.6 %.
 const JERK: f64 = 2.0;
 /// Change of lateral acceleration within a second, one standard deviation, m/s2.
 const LATERAL_JERK: f64 = 0.8;
-/// Below this speed the yaw rate changes no faster, m/s.
+/// Speed below which the limit on yaw rate changes does not grow further, m/s.
 const LEAST_SPEED_MPS: f64 = 2.0;
-/// Sideways slip within a second, m: what is not as the model says.
+/// Sideways slip within a second, m: deviation from the model.
 const SLIP_M: f64 = 0.05;
-/// How well it is known about which point of its length a vehicle turns, as a share of what lies between that and its
-/// middle: trailers, boxes drawn by hand and a simulator whose vehicles follow their lane with both ends differ by all
-/// of it. Held to one point, the places of such a vehicle would turn its heading back.
+/// Uncertainty of the point about which a vehicle turns, as a share of the distance between that point and its center:
+/// trailers, hand-drawn boxes and a simulator whose vehicles follow their lane with both ends differ by the whole
+/// distance. With a fixed point, the positions of such a vehicle would turn its heading back.
 const LEVER_SHARE: f64 = 1.0;
-/// Drift of the heading within a second beside the yaw rate, rad.
+/// Drift of the heading within a second in addition to the yaw rate, rad.
 const DRIFT_RAD: f64 = 0.005;
 
-/// On which other components each depends a moment later: the derivatives that `predict` sets beside the ones on the
-/// diagonal; the others are zero.
+/// For each component, the other components on which it depends: the off-diagonal derivatives that `predict` sets; the
+/// others are zero.
 const COUPLED: [(usize, &[usize]); 4] = [
     (X, &[HEADING, SPEED, YAW_RATE, ACCEL]),
     (Y, &[HEADING, SPEED, YAW_RATE, ACCEL]),
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_matrix_is_moved_as_by_the_whole_product() {
-        // A covariance of no particular form, moved on curves to either side, at a stand and in reverse.
+        // A covariance without structure, moved on curves to either side, at standstill and in reverse.
         let matrix: Matrix<6> =
             std::array::from_fn(|i| std::array::from_fn(|j| (7.0 * i as f64 - 3.0 * j as f64).sin()));
         let bicycle = Bicycle { rear_to_center_m: 1.2 };
@@ -146,7 +146,7 @@ mod tests {
         {
             let (_, f) = bicycle.predict(&[3.0, -4.0, heading, speed, yaw_rate, 0.7], 0.1);
             assert_eq!(Bicycle::moved(&f, &matrix), product(&f, &matrix), "{heading} {speed} {yaw_rate}");
-            // Added in another order.
+            // Summed in another order.
             let (back, whole) = (Bicycle::moved_back(&f, &matrix), product(&transposed(&f), &matrix));
             for (value, expected) in back.as_flattened().iter().zip(whole.as_flattened()) {
                 assert!((value - expected).abs() < 1e-14, "{heading} {speed} {yaw_rate}");

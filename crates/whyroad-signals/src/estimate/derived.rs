@@ -1,6 +1,6 @@
-//! What a log does not state but its other channels allow to conclude: daylight and glare from place, time and heading;
-//! rain from the wipers; a rough place from vertical acceleration; emergency braking from deceleration, jerk and the
-//! pedals. What the log states is never replaced, and what cannot be concluded stays unknown.
+//! Values that a log does not state but that follow from its other channels: daylight and glare from position, time and
+//! heading; rain from the wipers; a rough surface from vertical acceleration; emergency braking from deceleration, jerk
+//! and the pedals. Stated values are never replaced, and values that do not follow stay unknown.
 
 mod braking;
 mod bumps;
@@ -12,7 +12,7 @@ use whyroad_model::Drive;
 use whyroad_model::scene::ContextState;
 use whyroad_model::vocabulary::UNKNOWN;
 
-/// Adds what can be concluded to a drive with estimated states; the drive is copied only if there is something to add.
+/// Adds derived values to a drive with estimated states; the drive is copied only if there is something to add.
 pub fn add_derived(drive: &mut Cow<'_, Drive>) {
     let mut states = Vec::new();
     for (kind, derive) in KINDS {
@@ -31,10 +31,10 @@ pub fn add_derived(drive: &mut Cow<'_, Drive>) {
     }
 }
 
-/// A value of a kind of context by frame; nothing at all where the log has nothing to conclude from.
+/// Values of a kind of context by frame; empty if the log has no data for it.
 type Derivation = fn(&Drive) -> Vec<Option<&'static str>>;
 
-/// Kinds of context states with what concludes them.
+/// Kinds of context states with their derivations.
 const KINDS: &[(&str, Derivation)] =
     &[("lighting", sun::lighting), ("weather", wipers::weather), ("surface", bumps::surface)];
 

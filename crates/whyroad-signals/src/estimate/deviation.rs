@@ -1,6 +1,6 @@
-//! Standard deviations of signals: of each number that follows from estimated states, the deviation that these give it
-//! (first order, states taken as independent). Columns beside the signals' own; a drive whose states are exact has
-//! none.
+//! Standard deviations of signals: for each number computed from estimated states, the resulting deviation (first
+//! order, states treated as independent). They are columns in addition to the signals' own; a drive with exact states
+//! has none.
 
 mod objects;
 
@@ -11,7 +11,7 @@ use whyroad_model::scene::Track;
 use whyroad_model::signal::{TargetSpan, deviation_name};
 use whyroad_model::{Column, Drive, SignalTable};
 
-/// What a signal of the ego is made of.
+/// Inputs of a signal of the ego.
 #[derive(Clone, Copy)]
 enum OfEgo {
     Position,
@@ -27,7 +27,7 @@ enum OfEgo {
     Curvature,
 }
 
-/// What a signal of a target is made of; the ego's share is added where both are compared.
+/// Inputs of a signal of a target; the ego's share is added where both are compared.
 #[derive(Clone, Copy)]
 enum OfTarget {
     Distance,
@@ -91,7 +91,7 @@ const LEAD: [(&str, &str); 5] = [
     ("lead.thw", "target.thw"),
 ];
 
-/// A speed below this divides by no less, m/s.
+/// Minimum speed for a division, m/s.
 const LEAST_SPEED_MPS: f64 = 0.5;
 
 /// Standard deviations of the states of a drive.
@@ -140,7 +140,7 @@ fn of_ego(of: &OfDrive<'_>, table: &mut SignalTable) {
     }
 }
 
-/// What is known of one observed row of a target, for all signals.
+/// Data of one observed row of a target, for all signals.
 struct OfRow {
     /// Row of the table.
     row: usize,
@@ -203,7 +203,7 @@ fn of_targets(of: &OfDrive<'_>, table: &mut SignalTable) {
         }
         column
     };
-    // Half of them are of a distance.
+    // Half of the signals use a distance.
     let mut of_distance: Option<Vec<f64>> = None;
     for (name, made) in TARGET {
         let Some(Column::Number(values)) = table.target_columns.get(*name) else { continue };
@@ -223,7 +223,7 @@ fn of_targets(of: &OfDrive<'_>, table: &mut SignalTable) {
             }
             OfTarget::TimeToCollision => spread(values, &|r, _, _| {
                 let time = values[r.row].abs();
-                // Where no time is known or it is infinite, the deviation of it is not known either.
+                // Where a time is unknown or infinite, its deviation is unknown, too.
                 if !time.is_finite() {
                     return 0.0;
                 }

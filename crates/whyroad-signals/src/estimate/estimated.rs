@@ -1,5 +1,5 @@
-//! A drive to its estimated states: noise of each kind of object, ids joined, each object smoothed unless what the log
-//! states of it is exact and complete.
+//! Estimates the states of a drive: determines the noise of each kind of object, joins ids, and smooths each object
+//! unless its measurements are exact and complete.
 
 use super::bicycle::{Bicycle, REAR_TO_CENTER};
 use super::deviation;
@@ -17,29 +17,30 @@ use whyroad_model::{Column, Drive, ObjectClass, SignalTable, Tri};
 
 /// The same where the length is unknown, m.
 const REAR_TO_CENTER_M: f64 = 1.2;
-/// Rows from which the noise of one kind of object is told by that kind alone.
+/// Minimum number of rows for estimating the noise of one kind of object from that kind alone.
 const ENOUGH_ROWS: usize = 300;
 
-/// Rows from which one object's own noise is told.
+/// Minimum number of rows for estimating one object's own noise.
 const ENOUGH_OF_ONE: usize = 23;
-/// A track this much noisier than its kind, and by this much in all, m, is badly tracked: its own noise counts.
+/// A track that is noisier than its kind by this factor, and by this much in absolute terms, m, is badly tracked: its
+/// own noise is used.
 const BADLY_TRACKED: f64 = 2.0;
 const BADLY_TRACKED_M: f64 = 0.05;
-/// The same per second between its rows: over longer steps maneuvers leave residuals too, m/s.
+/// The same per second between its rows: over longer steps maneuvers also leave residuals, m/s.
 const BADLY_TRACKED_MPS: f64 = 0.5;
-/// Rows further apart than this are few: a maneuver shows in two or three of them, s.
+/// Rows further apart than this are coarse: a maneuver covers only two or three of them, s.
 const COARSE_S: f64 = 0.25;
-/// What is known of the kind counts as this many rows of the track.
+/// The noise of the kind counts as this many rows of the track.
 const EXPECTED_ROWS: f64 = 4.0;
-/// A coarse track noisier than this, m, and by this factor noisier than its kind, is badly tracked. A stop from 36 km/h
-/// at 4 m/s2 leaves 0.10 m at two rows a second.
+/// A coarse track that is noisier than this, m, and noisier than its kind by this factor, is badly tracked. A stop from
+/// 36 km/h at 4 m/s2 leaves 0.10 m at two rows per second.
 const COARSE_M: f64 = 0.12;
 const COARSE_TIMES: f64 = 1.2;
-/// Where most of a coarse log lies on straight lines that somebody drew between boxes set by hand, its median residual
-/// tells of no noise at all: then a track that alternates by this much, m, is badly tracked. One place in twenty that
-/// is 0.6 m off alternates by 0.15 m; a stop at 8 m/s2 from 14 km/h by 0.06 m, from more by nothing.
+/// If most of a coarse log consists of straight lines drawn between hand-set boxes, its median residual shows no noise
+/// at all: then a track that alternates by this much, m, is badly tracked. One position in twenty that is 0.6 m off
+/// alternates by 0.15 m; a stop at 8 m/s2 from 14 km/h by 0.06 m, from higher speeds not at all.
 const ALTERNATES_M: f64 = 0.12;
-/// ... over so many pairs of neighboring differences: seconds, at two rows each.
+/// ... over this many pairs of neighboring differences: seconds, at two rows each.
 const ENOUGH_PAIRS: usize = 4;
 
 /// Noise of the measurements of a drive, estimated from its own residuals.
@@ -53,10 +54,10 @@ pub struct DriveNoise {
     pub others: LogNoise,
 }
 
-/// What is estimated of a drive.
+/// Estimates of a drive.
 #[derive(Clone, Debug)]
 pub struct Estimated<'a> {
-    /// The drive with estimated states. Rows that were not observed are among them: see `bridged`.
+    /// The drive with estimated states. It includes rows that were not observed: see `bridged`.
     pub drive: Cow<'a, Drive>,
     /// Standard deviations of the ego's states, one per frame; `None` where they are exact.
     pub ego: Option<Deviations>,
@@ -64,13 +65,13 @@ pub struct Estimated<'a> {
     pub tracks: Vec<Option<Deviations>>,
     /// Of each track, the frames between two observations in which it was not observed.
     pub bridged: Vec<Vec<u32>>,
-    /// Later ids of objects whose ids broke, with the id that the object keeps.
+    /// Later ids of objects whose track was interrupted, with the id that the object keeps.
     pub joined: Joined,
     /// Noise of the log.
     pub noise: DriveNoise,
 }
 
-/// The noise of a drive's measurements; nothing is said of one without a pose of the ego.
+/// The noise of a drive's measurements; empty for a drive without a pose of the ego.
 pub fn noise(drive: &Drive) -> DriveNoise {
     estimated(drive).noise
 }
@@ -80,13 +81,13 @@ impl Estimated<'_> {
         deviation::OfDrive { drive: &self.drive, ego: self.ego.as_ref(), tracks: &self.tracks }
     }
 
-    /// Completes a table of signals of any object and of pairs with their standard deviations.
+    /// Adds standard deviations to a table of signals of any object and of pairs.
     pub(crate) fn complete_objects(&self, table: &mut SignalTable) {
         deviation::write_objects(&self.with_deviations(), table);
     }
 
-    /// Completes the signals that were derived from the estimated drive: standard deviations, and that objects were not
-    /// observed in rows that are bridged.
+    /// Completes the signals that were derived from the estimated drive: adds standard deviations, and marks objects as
+    /// not observed in bridged rows.
     pub(crate) fn complete(&self, table: &mut SignalTable) {
         deviation::write(&self.with_deviations(), table);
         let spans = table.targets.iter();
@@ -103,7 +104,7 @@ impl Estimated<'_> {
     }
 }
 
-/// True for what moves along its heading.
+/// True for objects that move along their heading.
 fn on_wheels(class: ObjectClass) -> bool {
     class.is_vehicle()
         || matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::Motorcyclist)
@@ -119,7 +120,7 @@ pub(crate) fn estimated_at_the_end(drive: &Drive) -> Estimated<'_> {
     let last = drive.times.len().checked_sub(1);
     let reaches = |frames: &[u32]| frames.last().map(|f| *f as usize) == last;
     let mut all = estimated_of(drive, |measured| reaches(&measured.frames));
-    // Where nothing was to be estimated, all are there.
+    // If nothing was estimated, all tracks are present.
     let stay: Vec<bool> = all.drive.tracks.iter().map(|t| reaches(&t.frames)).collect();
     let drive = all.drive.to_mut();
     keep(&mut drive.tracks, &stay);
@@ -133,7 +134,7 @@ fn keep<T>(all: &mut Vec<T>, stay: &[bool]) {
     all.retain(|_| stay.next().is_none_or(|s| *s));
 }
 
-/// The states of a drive, its ego's and those of the tracks that are `wanted`; the noise is that of all.
+/// The states of a drive, for its ego and the tracks that are `wanted`; the noise is estimated from all tracks.
 fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<'_> {
     let none = Estimated {
         drive: Cow::Borrowed(drive),
@@ -193,7 +194,7 @@ fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<
         let mut states = states_of(measured, model_of(track.class, &track.length_m), &noise);
         let mut smoothed = track_of(track, measured, &states);
         if noise.is_negligible() && measured.lacks_only_rows() {
-            // Only what lies between the rows is estimated.
+            // Only the values between the rows are estimated.
             let mut exact = track.motion.clone();
             let own: Vec<f64> = track.frames.iter().map(|&f| seconds[f as usize]).collect();
             complete_motion(&mut exact, &own, &track.length_m, track.class);
@@ -225,7 +226,7 @@ fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<
     out
 }
 
-/// Takes the rows of `exact` where the source has one.
+/// Copies the rows of `exact` where the source has one.
 fn keep_rows(to: &mut Motion, sd: &mut Deviations, exact: &Motion, source: &[Option<usize>]) {
     for (i, row) in source.iter().enumerate() {
         let Some(row) = *row else { continue };
@@ -292,8 +293,8 @@ fn states_of(measured: &Measured, model: MotionModel, noise: &LogNoise) -> State
     out
 }
 
-/// The ego has a row for every frame: a stretch without a measurement that is too long to be bridged is left unknown,
-/// and the motion after it starts by itself.
+/// The ego has a row for every frame: a period without measurements that is too long to be bridged is left unknown, and
+/// the motion after it is estimated separately.
 fn within_reach(measured: &Measured, run: std::ops::Range<usize>) -> Vec<std::ops::Range<usize>> {
     let mut cuts = vec![run.start];
     let mut last: Option<usize> = None;
@@ -313,12 +314,12 @@ fn within_reach(measured: &Measured, run: std::ops::Range<usize>) -> Vec<std::op
     cuts.windows(2).map(|w| w[0]..w[1]).filter(|r| !r.is_empty()).collect()
 }
 
-/// Of each object the measured rows alone.
+/// Only the measured rows of each object.
 fn without_gaps(measured: &[Measured]) -> Vec<Measured> {
     measured.iter().map(|m| if m.is_complete() { m.clone() } else { m.compact() }).collect()
 }
 
-/// Noise of each kind of object, by their measured rows; of a kind that is rare, that of all objects together.
+/// Noise of each kind of object, from its measured rows; for a rare kind, that of all objects together.
 fn noise_of(drive: &Drive, only_measured: &[Measured], ego: Option<&Measured>) -> DriveNoise {
     let all = only_measured.iter().map(|m| m.rows(0..m.times.len()));
     let classes = drive.tracks.iter().map(|t| on_wheels(t.class));
@@ -335,8 +336,9 @@ fn noise_of(drive: &Drive, only_measured: &[Measured], ego: Option<&Measured>) -
     }
 }
 
-/// The noise of one track: that of its kind, or its own where it is badly tracked (a box that jumps to and fro along a
-/// long vehicle, or one far off that is placed again twice a second). `only_measured` are the measured rows alone.
+/// The noise of one track: that of its kind, or its own if it is badly tracked (a box that jumps back and forth along a
+/// long vehicle, or a distant one that is placed again twice a second). `only_measured` contains only the measured
+/// rows.
 fn of_one(kind: LogNoise, measured: &Measured, only_measured: &Measured) -> LogNoise {
     let known = measured.x.iter().filter(|x| x.is_finite()).count();
     let (Some(first), Some(last)) = (measured.times.first(), measured.times.last()) else { return kind };
@@ -353,7 +355,8 @@ fn of_one(kind: LogNoise, measured: &Measured, only_measured: &Measured) -> LogN
     if bad { LogNoise { position: own, ..kind } } else { kind }
 }
 
-/// The same for few rows a second, of which a track has few: its residuals count beside what is expected of its kind.
+/// The same for a low rate, at which a track has few rows: its residuals are combined with the expected noise of its
+/// kind.
 fn of_coarse(kind: LogNoise, compact: &Measured) -> LogNoise {
     if kind.position.is_negligible() {
         let (variance, pairs) = noise::alternation(compact.rows(0..compact.times.len()));
@@ -391,7 +394,7 @@ fn next_of(
     joins(&candidates, |i| kind(tracks[i].class))
 }
 
-/// The tracks with those that are one object made one, ordered by id.
+/// The tracks, with those of one object merged into one, ordered by id.
 fn chained(tracks: &[Track], next: &[Option<usize>]) -> (Vec<Track>, Joined) {
     let mut is_later = vec![false; tracks.len()];
     next.iter().flatten().for_each(|&k| is_later[k] = true);

@@ -1,25 +1,25 @@
-//! Ids that break: an object that vanishes and one that appears soon after where the first one would be, moving as it
-//! did and of the same kind and size, are one object. Each end is joined to at most one beginning and the reverse, the
-//! nearest first; what fits two equally well is left apart.
+//! Interrupted ids: an object that disappears and one that appears soon after at the predicted position, with the same
+//! motion, kind and size, are one object. Each end is joined to at most one beginning and vice versa, the nearest
+//! first; ambiguous candidates are not joined.
 
 use super::noise::{LogNoise, Rows};
 use whyroad_model::ObjectClass;
 
-/// An object that has been away longer than this is another one, s.
+/// Maximum time between the end and the beginning, s.
 pub const MAX_AWAY_S: f64 = 1.05;
 /// Rows over which the motion at an end is fitted, s.
 const FIT_S: f64 = 1.0;
-/// Acceleration that an object may have had unseen, m/s2.
+/// Maximum acceleration of an object while it is not observed, m/s2.
 const UNSEEN_ACCEL_MPS2: f64 = 3.0;
-/// Sizes differ by less than this share of the larger one.
+/// Maximum difference of sizes, as a share of the larger one.
 const SIZE_SHARE: f64 = 0.3;
-/// Standard deviations within which places and velocities agree.
+/// Standard deviations within which positions and velocities agree.
 const DEVIATIONS: f64 = 3.0;
 
 /// One track as joining sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate<'a> {
-    /// What was measured.
+    /// Its measurements.
     pub rows: Rows<'a>,
     /// Class.
     pub class: ObjectClass,
@@ -27,17 +27,17 @@ pub struct Candidate<'a> {
     pub size: (f64, f64),
 }
 
-/// Place and velocity at one end of a track.
+/// Position and velocity at one end of a track.
 #[derive(Clone, Copy, Debug)]
 struct End {
     time: f64,
     place: (f64, f64),
     velocity: (f64, f64),
-    /// Variance of a coordinate of the place, and of the velocity.
+    /// Variance of a coordinate of the position, and of the velocity.
     variances: (f64, f64),
 }
 
-/// Index of the track that continues each track, if one does. `of` has the noise of each candidate's kind.
+/// Index of the track that continues each track, if there is one. `of` returns the noise of each candidate's kind.
 pub fn joins(tracks: &[Candidate<'_>], of: impl Fn(usize) -> LogNoise) -> Vec<Option<usize>> {
     let first_time =
         tracks.iter().filter_map(|t| t.rows.times.first()).copied().fold(f64::INFINITY, f64::min);
@@ -59,7 +59,7 @@ pub fn joins(tracks: &[Candidate<'_>], of: impl Fn(usize) -> LogNoise) -> Vec<Op
             }
             let noise = of(i);
             let Some(end) = *last.get_or_insert_with(|| end(track.rows, &noise)) else { break };
-            // Far apart whatever the motion: not worth a fit.
+            // Too far apart for any motion, so a fit is not needed.
             let far = 80.0 * MAX_AWAY_S + 5.0;
             let (Some(x), Some(y)) = (tracks[k].rows.x.first(), tracks[k].rows.y.first()) else { continue };
             if (x - end.place.0).abs() > far || (y - end.place.1).abs() > far {
@@ -78,7 +78,7 @@ pub fn joins(tracks: &[Candidate<'_>], of: impl Fn(usize) -> LogNoise) -> Vec<Op
         if next[i].is_some() || taken[k] {
             continue;
         }
-        // Two that fit about equally well: neither is known to be the one.
+        // Two candidates that fit about equally well: it is unknown which one is right.
         let rivals = fits.iter().filter(|(d, a, b)| (*a == i) != (*b == k) && *d < 1.5 * distance + 0.1);
         if rivals.count() == 0 {
             (next[i], taken[k]) = (Some(k), true);
@@ -96,7 +96,8 @@ fn alike(a: &Candidate<'_>, b: &Candidate<'_>) -> bool {
     classes && close(a.size.0, b.size.0) && close(a.size.1, b.size.1)
 }
 
-/// In standard deviations, how far what begins is from where what ended would be; `None` beyond the gate.
+/// Distance, in standard deviations, between the beginning and the predicted position of the ended track; `None` beyond
+/// the gate.
 fn distance(end: &End, start: &End) -> Option<f64> {
     let away = start.time - end.time;
     let mean = |a: f64, b: f64| 0.5 * (a + b);
@@ -113,7 +114,7 @@ fn distance(end: &End, start: &End) -> Option<f64> {
     let (dvx, dvy) = (start.velocity.0 - end.velocity.0, start.velocity.1 - end.velocity.1);
     let place = off.0.hypot(off.1) / spread.sqrt();
     let speed = dvx.hypot(dvy) / speed_spread.sqrt();
-    // Two coordinates: the gate is a little wider than for one.
+    // Two coordinates: the gate is slightly wider than for one.
     let gate = DEVIATIONS * 1.25;
     (place <= gate && speed <= gate).then_some(place.hypot(speed))
 }
@@ -156,11 +157,11 @@ fn fit(rows: Rows<'_>, range: std::ops::Range<usize>, time: f64, noise: &LogNois
     } else if known.len() >= 3 && spread > 0.0 {
         ((along(rows.x), along(rows.y)), variance / spread)
     } else {
-        // A single place: any velocity.
+        // A single position: any velocity.
         ((0.0, 0.0), 100.0)
     };
     let ahead = time - middle;
-    // A line over a second is off by this at its end for what accelerates.
+    // Error at the end of a line over one second for an accelerating object.
     let bend = (0.25 * UNSEEN_ACCEL_MPS2 * ahead * ahead).powi(2);
     Some(End {
         time,
@@ -175,7 +176,7 @@ mod tests {
     use super::super::noise::Noise;
     use super::*;
 
-    /// A car at 10 m/s along x from `from` to `to` seconds, `y` m aside.
+    /// A car at 10 m/s along x from `from` to `to` seconds, with an offset of `y` m.
     fn car(from: f64, to: f64, y: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let n = ((to - from) * 10.0).round() as usize;
         let times: Vec<f64> = (0..n).map(|i| from + i as f64 / 10.0).collect();
@@ -200,7 +201,7 @@ mod tests {
     #[test]
     fn an_id_that_breaks_is_joined_and_a_neighbor_is_not() {
         use ObjectClass::{Car, Pedestrian};
-        // Gone for 0.3 s; its neighbor in the next lane goes on.
+        // Missing for 0.3 s; the car in the adjacent lane is observed without interruption.
         let broken = [car(0.0, 4.0, 0.0), car(4.3, 9.0, 0.1), car(0.0, 9.0, 3.5)];
         assert_eq!(found(&broken, &[Car; 3]), [Some(1), None, None]);
         assert_eq!(found(&broken, &[Car, Pedestrian, Car]), [None; 3], "another kind");

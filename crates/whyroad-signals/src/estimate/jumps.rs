@@ -1,6 +1,5 @@
-//! Steps to the side that no vehicle makes: a simulator's change of lane in one step, a swapped id. The motion before
-//! and the motion after are smoothed by themselves: one smooth way through both would swing about each of them for
-//! seconds.
+//! Lateral steps that no vehicle can make: a simulator's lane change in one step, a swapped id. The motion before and
+//! the motion after are smoothed separately, because one smooth path through both would oscillate for seconds.
 
 use super::MAX_SIDE_STEP_M;
 use super::bicycle::REAR_TO_CENTER;
@@ -11,15 +10,15 @@ use crate::geometry::wrap;
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 use std::ops::Range;
 
-/// Slower logs: a step over a longer time may be this much greater, times. A change of lane in a second, 1.75 m in 0.5
-/// s, is motion; one of 3 m in 0.5 s is not.
+/// Slower logs: a step over a longer time may be larger by at most this factor. A lane change in one second, 1.75 m in
+/// 0.5 s, is motion; one of 3 m in 0.5 s is not.
 const MOST_STEPS: f64 = 2.0;
-/// Rows further apart than this say nothing of a jump, s.
+/// Rows further apart than this are not checked for jumps, s.
 const LONGEST_S: f64 = 0.55;
-/// Standard deviations of the noise that are no jump.
+/// Standard deviations of the noise below which there is no jump.
 const DEVIATIONS: f64 = 4.0;
 
-/// The parts of `run` between jumps; the whole run where there is none, or where what moves may go any way.
+/// The parts of `run` between jumps; the whole run if there is none, or if the object can move in any direction.
 pub(super) fn between_jumps(
     measured: &Measured,
     run: Range<usize>,
@@ -35,13 +34,13 @@ pub(super) fn between_jumps(
     let jumps = |a: usize, b: usize| {
         let (dt, turned) =
             (measured.times[b] - measured.times[a], wrap(measured.heading[b] - measured.heading[a]));
-        // A box that is turned round is another fault: the same place, front and rear exchanged.
+        // A reversed box is another error: the same position with front and rear exchanged.
         if dt > LONGEST_S || turned.is_nan() || turned.abs() > FRAC_PI_2 {
             return false;
         }
         let moved = (measured.x[b] - measured.x[a]).abs() + (measured.y[b] - measured.y[a]).abs();
         if moved + half.abs() * turned.abs() < MAX_SIDE_STEP_M {
-            // The front moved no further than that, in whichever direction.
+            // The front moved no further than that, in any direction.
             return false;
         }
         let (from, to) = (front(a), front(b));
@@ -73,8 +72,8 @@ mod tests {
 
     const CAR: MotionModel = MotionModel::Bicycle(Bicycle { rear_to_center_m: 1.3 });
 
-    /// A car at 15 m/s along x, a row every `step` tenths of a second, 3.2 m further left from `at` s on within
-    /// `lasts` s.
+    /// A car at 15 m/s along x, with one row every `step` tenths of a second, that moves 3.2 m to the left from `at` s
+    /// on within `lasts` s.
     fn car(step: usize, at: f64, lasts: f64) -> Measured {
         let times: Vec<f64> = (0..80).map(|i| i as f64 / 10.0).collect();
         let sampled = |v: fn(f64, f64, f64) -> f64| -> Vec<f64> {

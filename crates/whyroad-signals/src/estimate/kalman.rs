@@ -1,32 +1,32 @@
-//! An extended Kalman filter and its fixed-interval smoother over any motion model of fixed size. Observations are
-//! single components of the state, so that no matrix is inverted, neither on the way forward nor on the way back.
+//! An extended Kalman filter and its fixed-interval smoother for any motion model of fixed size. Observations are
+//! single components of the state, so that no matrix is inverted, in the forward or the backward pass.
 //!
-//! The way back is that of Bierman (1973, "Fixed interval smoothing with discrete measurements"), often called the
-//! modified Bryson-Frazier smoother: it carries what later rows say as the vector and the matrix of [`Later`], not as a
-//! smoothed state. But for rounding the result is that of Rauch, Tung and Striebel (1965), which solves for a matrix
-//! per row.
+//! The backward pass is that of Bierman (1973, "Fixed interval smoothing with discrete measurements"), often called the
+//! modified Bryson-Frazier smoother: it carries the information of later rows as the vector and the matrix of
+//! [`Later`], not as a smoothed state. Except for rounding the result is that of Rauch, Tung and Striebel (1965), which
+//! solves for one matrix per row.
 
 use super::matrix::{Matrix, product, sum, symmetric, transposed, zero};
 use crate::geometry::wrap;
 use std::f64::consts::PI;
 
-/// How a state moves.
+/// Motion model of a state.
 pub trait Model<const N: usize> {
     /// Component that is an angle: its innovations are taken the shorter way round.
     const ANGLE: Option<usize>;
 
-    /// The state `dt` seconds later, and the derivatives of that by the state.
+    /// The state `dt` seconds later, and its derivatives with respect to the state.
     fn predict(&self, state: &[f64; N], dt: f64) -> ([f64; N], Matrix<N>);
 
-    /// Covariance that `dt` seconds add, equal to its own transpose to the bit.
+    /// Covariance that `dt` seconds add, exactly symmetric.
     fn noise(&self, state: &[f64; N], dt: f64) -> Matrix<N>;
 
-    /// The product of a matrix of derivatives, as [`Model::predict`] gives it, and `matrix`.
+    /// The product of a matrix of derivatives, from [`Model::predict`], and `matrix`.
     fn moved(derivatives: &Matrix<N>, matrix: &Matrix<N>) -> Matrix<N> {
         product(derivatives, matrix)
     }
 
-    /// The product of the transpose of a matrix of derivatives, as [`Model::predict`] gives it, and `matrix`.
+    /// The product of the transpose of a matrix of derivatives, from [`Model::predict`], and `matrix`.
     fn moved_back(derivatives: &Matrix<N>, matrix: &Matrix<N>) -> Matrix<N> {
         product(&transposed(derivatives), matrix)
     }
@@ -52,40 +52,40 @@ pub struct Smoothed<const N: usize> {
     pub variances: Vec<[f64; N]>,
 }
 
-/// Measurements further than this from what is expected count less (standard deviations): a jump or a swapped id moves
-/// the estimate, but does not drag it along at once.
+/// Measurements further than this from the expected value have less weight (standard deviations): a jump or a swapped
+/// id shifts the estimate, but not at once.
 const GATE: f64 = 4.0;
-/// So many rows in a row that are that far off are no faults of measurement: what moves did what the model holds for
-/// impossible, as on a drawn corner of a road, and what was known of that component no longer holds. Else the estimate
-/// would go its own way for good, since what is farther off counts less.
+/// If this many consecutive rows are that far off, it is no measurement error: the motion contradicts the model, as at
+/// a drawn corner of a road, and the earlier knowledge about that component is discarded. Otherwise the estimate would
+/// diverge permanently, because distant measurements have less weight.
 const PATIENCE: usize = 3;
-/// An angle this far off is a box turned round, rad.
+/// An angle error of at least this is a reversed box, rad.
 const TURNED_ROUND_RAD: f64 = 0.75 * PI;
 
-/// A row as the filter left it.
+/// A row after filtering.
 struct Step<const N: usize> {
-    /// Derivatives of the predicted state by that of the row before; zero in the first row.
+    /// Derivatives of the predicted state with respect to that of the row before; zero in the first row.
     transition: Matrix<N>,
     state: [f64; N],
     covariance: Matrix<N>,
-    /// Number of observations up to and with this row.
+    /// Number of observations up to and including this row.
     taken: usize,
-    /// Of each component, in how many rows up to this one its measurements were far off.
+    /// For each component, the number of consecutive rows up to this one whose measurements were far off.
     rows_off: [usize; N],
 }
 
-/// An observation as the filter took it.
+/// An observation after filtering.
 struct Taken<const N: usize> {
     index: usize,
-    /// What is added to the state per unit of innovation.
+    /// Change of the state per unit of innovation.
     gain: [f64; N],
-    /// Measured less expected.
+    /// Measured minus expected value.
     innovation: f64,
-    /// Variance of the innovation, as it was counted.
+    /// Variance of the innovation, as used.
     variance: f64,
 }
 
-/// The way forward over some rows, and from there the way back.
+/// The forward pass over some rows, and the start of the backward pass.
 pub struct Filter<'a, const N: usize, M> {
     model: &'a M,
     /// s, ascending.
@@ -97,8 +97,8 @@ pub struct Filter<'a, const N: usize, M> {
 }
 
 impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
-    /// Filters the rows at `times`. `observe` puts what was measured in a row into the list; a row without observations
-    /// is bridged.
+    /// Filters the rows at `times`. `observe` adds the measurements of a row to the list; a row without observations is
+    /// bridged.
     pub fn new(
         model: &'a M,
         times: &'a [f64],
@@ -111,7 +111,7 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
         filter
     }
 
-    /// Filters the rows from `start` on, again where they were filtered before: something else was measured in them.
+    /// Filters the rows from `start` on, again if they were filtered before with other measurements.
     pub fn filter_from(&mut self, start: usize, mut observe: impl FnMut(usize, &mut Vec<Observation>)) {
         self.steps.truncate(start);
         self.taken.truncate(self.steps.last().map_or(0, |step| step.taken));
@@ -126,8 +126,8 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
                 let dt = self.times[row] - self.times[row - 1];
                 let noise = self.model.noise(&state, dt);
                 (state, transition) = self.model.predict(&state, dt);
-                // The transpose of F P F', with the mostly empty F on the left both times; what is made symmetric next
-                // need not be turned back.
+                // The transpose of F P F', with the sparse F on the left both times; the matrix is made symmetric next,
+                // so it need not be transposed back.
                 let moved = M::moved(&transition, &transposed(&M::moved(&transition, &covariance)));
                 covariance = symmetric(&sum(&moved, &noise));
             }
@@ -149,7 +149,7 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
         }
     }
 
-    /// The states of all rows, given what was measured in all of them.
+    /// The states of all rows, given all measurements.
     pub fn smoothed(&self) -> Smoothed<N> {
         let (steps, n) = (&self.steps, self.steps.len());
         let mut out = Smoothed { states: vec![[0.0; N]; n], variances: vec![[0.0; N]; n] };
@@ -167,8 +167,8 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
     }
 }
 
-/// What later measurements say of a state that the filter estimates as `x` with covariance `P`: the smoothed state is
-/// `x - P gradient`, its covariance `P - P information P`.
+/// Information of later measurements about a state that the filter estimates as `x` with covariance `P`: the smoothed
+/// state is `x - P gradient`, its covariance `P - P information P`.
 struct Later<const N: usize> {
     gradient: [f64; N],
     information: Matrix<N>,
@@ -219,7 +219,7 @@ impl<const N: usize> Later<N> {
         self.information[k][k] = corner;
     }
 
-    /// From a row to the one before, of which it was predicted: `F' gradient` and `F' information F`.
+    /// From a row to the row before it, from which it was predicted: `F' gradient` and `F' information F`.
     fn step_back<M: Model<N>>(&mut self, transition: &Matrix<N>) {
         let mut gradient = [0.0; N];
         for i in 0..N {
@@ -233,13 +233,13 @@ impl<const N: usize> Later<N> {
     }
 }
 
-/// How far the measurement is from what is expected.
+/// Difference between the measurement and the expected value.
 fn innovation<const N: usize>(state: &[f64; N], o: &Observation, angle: Option<usize>) -> f64 {
     let off = o.value - state[o.index];
     if angle == Some(o.index) { wrap(off) } else { off }
 }
 
-/// Takes an observation into a state and its covariance.
+/// Updates a state and its covariance with an observation.
 fn update<const N: usize>(
     state: &mut [f64; N],
     covariance: &mut Matrix<N>,

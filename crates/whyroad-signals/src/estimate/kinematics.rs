@@ -1,25 +1,25 @@
-//! Motion from positions, when a log has positions and no velocities. Real timestamps, never across a gap.
+//! Motion from positions, for logs with positions and without velocities. Real timestamps, never across a gap.
 //!
-//! Velocity and yaw rate are the slope, at the frame itself, of a parabola fitted by least squares to the rows
-//! within two frames either side; acceleration is the curvature of one over three frames either side (a local
-//! quadratic regression, Savitzky and Golay 1964, for uneven spacing). So motion at constant velocity or constant
-//! acceleration is exact, also at the first and last row (there the window is one-sided), nothing is a frame late,
-//! and 1 cm of noise in the positions leaves about 0.03 m/s and 0.2 m/s2. Nothing here knows a format.
+//! Velocity and yaw rate are the slope, at the frame itself, of a parabola fitted by least squares to the rows within
+//! two frames on either side; acceleration is the curvature of one over three frames on either side (a local quadratic
+//! regression, Savitzky and Golay 1964, for uneven spacing). So motion at constant velocity or constant acceleration is
+//! exact, also at the first and last row (where the window is one-sided), there is no delay, and 1 cm of noise in the
+//! positions leaves about 0.03 m/s and 0.2 m/s2. Independent of input formats.
 
 use crate::geometry::{unwrap, wrap};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
-/// Rows further apart than this are not of one motion, s.
+/// Maximum time between rows of one motion, s.
 pub const MAX_GAP_S: f64 = 0.25;
 /// Rows either side of the frame in the fit for velocity and yaw rate.
 const VELOCITY_REACH: usize = 2;
 /// Rows either side of the frame in the fit for acceleration: wider, because noise grows with the second derivative.
 const ACCELERATION_REACH: usize = 3;
-/// A heading that turns by more than this between two rows was re-labeled (front and rear swapped), not turned, rad.
+/// A heading that changes by more than this between two rows was re-labeled (front and rear swapped), rad.
 const MAX_HEADING_STEP_RAD: f64 = FRAC_PI_2;
 
-/// What follows from positions; one value a row, NaN where a row has too few neighbors.
+/// Motion from positions; one value per row, NaN where a row has too few neighbors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Derived {
     /// m/s along x.
@@ -32,8 +32,8 @@ pub struct Derived {
     pub yaw_rate: Vec<f64>,
 }
 
-/// Motion of one object. `times_s` ascend, relative to any origin; `breaks(i)` says that row `i` does not continue
-/// row `i - 1` for a reason other than a gap in time (a jump that the source makes).
+/// Motion of one object. `times_s` ascend, relative to any origin; `breaks(i)` is true if row `i` does not continue row
+/// `i - 1` for a reason other than a gap in time (a jump of the source).
 pub fn derive(
     times_s: &[f64],
     x: &[f64],
@@ -100,7 +100,7 @@ fn runs(times_s: &[f64], breaks: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     runs
 }
 
-/// `2 * reach + 1` rows around `i`, moved inwards at the run's ends so that the fit keeps its strength there.
+/// `2 * reach + 1` rows around `i`, shifted inwards at the run's ends so that the fit keeps its number of rows.
 fn window(run: &Range<usize>, i: usize, reach: usize) -> Range<usize> {
     let size = (2 * reach + 1).min(run.len());
     let start = i.saturating_sub(reach).clamp(run.start, run.end - size);
@@ -113,13 +113,13 @@ struct Fit {
     bend: f64,
 }
 
-/// Least squares parabola through the rows of `window`, differentiated at row `at`. Two rows give a line.
+/// Least-squares parabola through the rows of `window`, differentiated at row `at`. Two rows give a line.
 fn fit(t: &[f64], v: &[f64], window: Range<usize>, at: usize) -> Fit {
     let none = Fit { slope: f64::NAN, bend: f64::NAN };
     if window.len() < 2 {
         return none;
     }
-    // Values are taken relative to the row itself: far from the origin of a city frame the sums would lose digits.
+    // Values are relative to the row itself: far from the origin of a city frame the sums would lose digits.
     let rows = window.clone().map(|k| (t[k] - t[at], v[k] - v[at]));
     if window.len() == 2 {
         let (a, b) = (window.start, window.start + 1);

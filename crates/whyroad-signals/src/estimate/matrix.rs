@@ -1,4 +1,4 @@
-//! Small square matrices of fixed size, by hand: what a Kalman filter of two to six states needs, and nothing else.
+//! Small square matrices of fixed size: the operations that a Kalman filter with two to six states needs.
 
 /// Rows of a square matrix.
 pub type Matrix<const N: usize> = [[f64; N]; N];
@@ -30,7 +30,7 @@ pub fn diagonal<const N: usize>(values: [f64; N]) -> Matrix<N> {
 pub fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     let mut out = zero();
     for i in 0..N {
-        // A row at a time: it stays in registers.
+        // One row at a time: it stays in registers.
         let mut row = [0.0; N];
         for k in 0..N {
             let factor = a[i][k];

@@ -1,31 +1,32 @@
-//! How noisy a log is, by its own residuals: what is left of positions, headings and velocities when smooth motion is
-//! taken away. Differences of third order (of second order for headings and velocities) remove constant velocity and
-//! constant acceleration; their median is not moved by maneuvers. White noise gives the same variance at every stride,
-//! noise that is correlated over [`CORRELATION_S`] a variance that grows with the stride: two strides tell them apart.
+//! Noise of a log, estimated from its own residuals: the remainder of positions, headings and velocities after smooth
+//! motion is removed. Differences of third order (second order for headings and velocities) remove constant velocity
+//! and constant acceleration; their median is not affected by maneuvers. White noise gives the same variance at every
+//! stride, noise that is correlated over [`CORRELATION_S`] a variance that grows with the stride: two strides
+//! distinguish them.
 
 use crate::geometry::wrap;
 
-/// Correlated noise counts as that of at most this many rows in a maneuver. Of 1, 3, 6, 10 and 20, 6 leaves the least
-/// errors of speed and acceleration with deviations that are true (speeds of simulated drives, noise correlated over a
-/// second).
+/// In a maneuver, correlated noise counts as that of at most this many rows. Of 1, 3, 6, 10 and 20, 6 gives the
+/// smallest errors of speed and acceleration with correct deviations (speeds of simulated drives, noise correlated over
+/// a second).
 const MANEUVER_ROWS: f64 = 6.0;
-/// Time over which correlated noise is taken to be so, s (first-order Gauss-Markov).
+/// Assumed correlation time of correlated noise, s (first-order Gauss-Markov).
 pub const CORRELATION_S: f64 = 1.0;
 /// Strides at which differences are taken, rows.
 const STRIDES: [usize; 2] = [1, 4];
-/// The variance at the longer stride is this many times that at the shorter one, or the noise counts as white.
+/// Minimum ratio of the variance at the longer stride to that at the shorter one; below it the noise counts as white.
 const LEAST_GROWTH: f64 = 1.2;
-/// Fewer differences say nothing about a log.
+/// Minimum number of differences for an estimate.
 const LEAST_SAMPLES: usize = 40;
-/// More are not needed.
+/// Maximum number of differences that are used.
 const MOST_SAMPLES: usize = 40_000;
 /// Median of the square of a standard normal variable.
 const MEDIAN_OF_SQUARE: f64 = 0.454_936;
-/// Variance of a difference of third order of white noise of variance 1.
+/// Variance of a third-order difference of white noise of variance 1.
 const OF_WHITE_THIRD: f64 = 20.0;
-/// Of two such neighbors, the covariance with its sign turned.
+/// Negative covariance of two neighboring differences.
 const OF_WHITE_THIRD_NEXT: f64 = 15.0;
-/// Steps further apart than this are no neighbors, s.
+/// Steps further apart in time than this are not neighbors, s.
 const MAX_STEP_S: f64 = 1.1;
 
 /// Noise of one measured quantity, standard deviations in its unit.
@@ -35,25 +36,25 @@ pub struct Noise {
     pub white: f64,
     /// Correlated over [`CORRELATION_S`].
     pub correlated: f64,
-    /// Below this the quantity counts as exact.
+    /// Below this value the quantity counts as exact.
     pub negligible: f64,
 }
 
 impl Noise {
-    /// True when there is too little to be smoothed away: the measurement is the estimate.
+    /// True when the noise is too small to be smoothed: the measurement is the estimate.
     pub fn is_negligible(&self) -> bool {
         self.white <= self.negligible && self.correlated <= 4.0 * self.negligible
     }
 
-    /// Variance of white noise, one value per `dt` seconds, that disturbs slow motion as much as this noise does.
+    /// Variance of white noise, one value per `dt` seconds, with the same effect on slow motion as this noise.
     pub fn variance(&self, dt: f64) -> f64 {
         let kept = (-dt / CORRELATION_S).exp();
         let floor = 0.5 * self.negligible;
         self.white.powi(2) + self.correlated.powi(2) * (1.0 + kept) / (1.0 - kept).max(1e-6) + floor * floor
     }
 
-    /// The same for motion that changes within a second, such as a maneuver: noise that is correlated over a second
-    /// hides less of that.
+    /// The same for motion that changes within a second, such as a maneuver: noise that is correlated over a second has
+    /// less effect on it.
     pub fn variance_in_maneuvers(&self, dt: f64) -> f64 {
         let kept = (-dt / CORRELATION_S).exp();
         let floor = 0.5 * self.negligible;
@@ -79,7 +80,7 @@ pub struct LogNoise {
 }
 
 impl LogNoise {
-    /// True when all that the log states is exact.
+    /// True when all measurements in the log are exact.
     pub fn is_negligible(&self) -> bool {
         self.position.is_negligible() && self.heading.is_negligible() && self.velocity.is_negligible()
     }
@@ -104,12 +105,12 @@ pub struct Rows<'a> {
     pub forward: &'a [f64],
 }
 
-/// What counts as exact: 1.5 cm, 0.3 degrees, 5 cm/s.
+/// Noise below these values counts as exact: 1.5 cm, 0.3 degrees, 5 cm/s.
 const NEGLIGIBLE: [f64; 3] = [0.015, 0.005, 0.05];
-/// What smooth motion itself leaves per `dt` to the power of the order: jerk, yaw acceleration, jerk.
+/// Contribution of smooth motion itself per `dt` to the power of the order: jerk, yaw acceleration, jerk.
 const OF_MOTION: [f64; 3] = [0.5, 0.05, 0.5];
 
-/// The noise of objects of one kind, estimated from all of them together. What too few rows can tell is zero.
+/// The noise of objects of one kind, estimated from all of them together. Zero where there are too few rows.
 pub fn estimate<'a>(objects: impl Iterator<Item = Rows<'a>> + Clone) -> LogNoise {
     let step = median_step(objects.clone());
     let velocity = if stated(objects.clone()) { VELOCITY } else { SPEED };
@@ -120,7 +121,7 @@ pub fn estimate<'a>(objects: impl Iterator<Item = Rows<'a>> + Clone) -> LogNoise
     }
 }
 
-/// [`LogNoise::position`] of one object by itself.
+/// [`LogNoise::position`] of one object alone.
 pub fn of_positions(rows: Rows<'_>) -> Noise {
     let rows = std::iter::once(rows);
     noise_in(POSITION, rows.clone(), median_step(rows))
@@ -129,7 +130,7 @@ pub fn of_positions(rows: Rows<'_>) -> Noise {
 /// A measured quantity.
 #[derive(Clone, Copy)]
 struct Quantity {
-    /// In [`OF_MOTION`] and [`NEGLIGIBLE`].
+    /// Index in [`OF_MOTION`] and [`NEGLIGIBLE`].
     index: usize,
     order: Order,
     values: for<'a> fn(Rows<'a>) -> [&'a [f64]; 2],
@@ -157,19 +158,19 @@ fn noise_in<'a>(of: Quantity, objects: impl Iterator<Item = Rows<'a>> + Clone, s
     order.split(variances, step, NEGLIGIBLE[index])
 }
 
-/// Sum of the squares, and number, of what one object's positions are off smooth motion, in m of one coordinate along
-/// the way: not their median, since the worst of few rows is what looks like a maneuver.
+/// Sum of squares, and number, of the deviations of one object's positions from smooth motion, in m of one coordinate
+/// along the path: not the median, because the worst of few rows is the one that looks like a maneuver.
 pub fn residuals(rows: Rows<'_>) -> (f64, f64) {
     let step = median_step(std::iter::once(rows));
     let mut squares = Vec::new();
     Order::Third.squares(rows.times, [rows.x, rows.y], 1, step, &mut squares);
-    // Either coordinate has its own difference: the way runs along one direction.
+    // Each coordinate has its own difference: the path runs along one direction.
     (squares.iter().sum::<f64>() / OF_WHITE_THIRD, 0.5 * squares.len() as f64)
 }
 
-/// The variance, m2, by which one object's positions alternate about smooth motion, and the number of pairs that say
-/// so. Of independent noise neighboring differences of third order are opposed (covariance -15 of 20); of motion they
-/// are not, however hard it brakes, as long as that lasts for two rows. Zero and less: nothing alternates.
+/// The variance, m2, by which one object's positions alternate about smooth motion, and the number of pairs used. For
+/// independent noise neighboring third-order differences have opposite signs (covariance -15 of 20); for motion they do
+/// not, however hard the braking, if it lasts for two rows. Zero and less: nothing alternates.
 pub fn alternation(rows: Rows<'_>) -> (f64, usize) {
     let step = median_step(std::iter::once(rows));
     let ascending = rows.times.windows(5).enumerate();
@@ -185,12 +186,12 @@ pub fn alternation(rows: Rows<'_>) -> (f64, usize) {
     (-sum / OF_WHITE_THIRD_NEXT / f64::from(pairs.max(1)), pairs as usize)
 }
 
-/// True when a velocity is stated, and not only a speed.
+/// True when the log states a velocity, and not only a speed.
 fn stated<'a>(mut objects: impl Iterator<Item = Rows<'a>>) -> bool {
     objects.any(|rows| rows.vx.iter().any(|v| v.is_finite()))
 }
 
-/// Median time from row to row, s; 0.1 where there is none.
+/// Median time between rows, s; 0.1 if there are none.
 fn median_step<'a>(objects: impl Iterator<Item = Rows<'a>>) -> f64 {
     let mut steps: Vec<f64> = Vec::new();
     for rows in objects {
@@ -222,7 +223,7 @@ impl Order {
         let span = step * reach as f64;
         let known = values.iter().filter(|v| !v.is_empty()).count();
         out.reserve(known * times.len().saturating_sub(reach));
-        // What a source holds still, parked cars, says nothing of what moves.
+        // Objects that a source keeps still, such as parked cars, do not show the noise of moving ones.
         let still = |v: &[f64], end: usize| match self {
             Self::Third => v.get(end).is_none_or(|x| *x == v[end - stride]),
             Self::Second => v.get(end).is_none_or(|x| *x == 0.0 && v[end - stride] == 0.0),
@@ -247,7 +248,7 @@ impl Order {
         }
     }
 
-    /// What one unit of correlated variance leaves in a difference at this stride.
+    /// Contribution of one unit of correlated variance to a difference at this stride.
     fn of_correlated(self, stride: f64) -> f64 {
         let kept = |k: f64| (-k * stride / CORRELATION_S).exp();
         if self == Self::Third {
@@ -282,7 +283,7 @@ fn robust_variance(squares: &mut [f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A car twice a second along x: its places, m.
+    /// A car along x with two rows per second: its positions, m.
     fn residual(x: &[f64]) -> f64 {
         let times: Vec<f64> = (0..x.len()).map(|i| i as f64 / 2.0).collect();
         let y = vec![0.0; x.len()];
@@ -297,7 +298,7 @@ mod tests {
         // From 10 m/s with 4 m/s2 to a stop: differences of third order of 1 m where it begins and ends.
         let stop = [0.0, 5.0, 10.0, 14.5, 18.0, 20.5, 22.0, 22.5, 22.5, 22.5];
         assert!(residual(&stop) < 0.12, "{}", residual(&stop));
-        // The same mean speed, one place 1.2 m off.
+        // The same mean speed, with one position 1.2 m off.
         let mut jumps = steady;
         jumps[4] += 1.2;
         assert!(residual(&jumps) > 0.3, "{}", residual(&jumps));
@@ -313,7 +314,7 @@ mod tests {
         // From 12 m/s with 8 m/s2 to a stop: differences -1, -1, 0, 1, 1, 0 m, neighbors agree: -(1 + 1) / 15 / 5.
         let stop = [0.0, 6.0, 12.0, 17.0, 20.0, 21.0, 21.0, 21.0, 21.0];
         assert!((of(&stop).0 + 2.0 / 75.0).abs() < 1e-9, "{}", of(&stop).0);
-        // 6 m a row, every second place 0.3 m off: differences of 1.2 m of alternating sign, 1.2^2 / 15.
+        // 6 m per row, every second position 0.3 m off: differences of 1.2 m of alternating sign, 1.2^2 / 15.
         let weaves: Vec<f64> =
             (0..9).map(|i| 6.0 * f64::from(i) + if i % 2 == 0 { 0.3 } else { 0.0 }).collect();
         let (variance, pairs) = of(&weaves);

@@ -1,7 +1,7 @@
-//! From a drive's rows to what the smoother takes and back: the rows of one object on the frames of the drive, with
-//! those between left open for what was not measured (lost rows, rows that the log's lower rate made ingest
-//! interpolate), cut where the object was away for long. A drive that was cut between two measurements lacks the rows
-//! that rest on the later one; they are left open too, until that measurement is due.
+//! Converts a drive's rows to the smoother's input and back: the rows of one object on the frames of the drive, with
+//! unmeasured rows between them left empty (lost rows, rows that ingest interpolated because of the log's lower rate),
+//! split where the object was missing for long. A drive that was cut between two measurements lacks the rows that
+//! depend on the later one; they are left empty, too, until that measurement is due.
 
 use super::noise::Rows;
 use super::smoother::{Deviations, States};
@@ -11,10 +11,10 @@ use whyroad_model::{Nanos, TrackId};
 
 /// A frame, with the jitter of real logs, s.
 const FRAME_S: f64 = 0.11;
-/// A little less than a frame: the frame of the next measurement is not one to predict, s.
+/// Slightly less than a frame: the frame of the next measurement is not predicted, s.
 const UNDER_A_FRAME_S: f64 = 0.09;
 
-/// Rows that were known within this rest on the same measurement: sums of tenths are not exact, ns.
+/// Rows that were known within this time depend on the same measurement: sums of tenths are not exact, ns.
 const SAME_NS: i64 = 1_000;
 
 /// Rows of one object on consecutive frames; NaN where nothing was measured.
@@ -22,7 +22,7 @@ const SAME_NS: i64 = 1_000;
 pub(super) struct Measured {
     /// Frame of each row.
     pub frames: Vec<u32>,
-    /// Row of the source of each row; `None` where there is none.
+    /// Source row of each row; `None` if there is none.
     pub source: Vec<Option<usize>>,
     pub times: Vec<f64>,
     pub x: Vec<f64>,
@@ -34,7 +34,7 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// The rows `range` as the smoother takes them.
+    /// The rows `range` as the smoother's input.
     pub fn rows(&self, range: Range<usize>) -> Rows<'_> {
         Rows {
             times: &self.times[range.clone()],
@@ -47,7 +47,7 @@ impl Measured {
         }
     }
 
-    /// Only the measured rows: what residuals are taken of.
+    /// Only the measured rows, for residuals.
     pub fn compact(&self) -> Measured {
         let rows: Vec<usize> = (0..self.times.len()).filter(|&i| self.x[i].is_finite()).collect();
         let some = |v: &[f64]| rows.iter().map(|&i| v[i]).collect();
@@ -69,12 +69,12 @@ impl Measured {
         self.x.iter().all(|x| x.is_finite())
     }
 
-    /// True when every row that the source has was measured.
+    /// True when every row in the source was measured.
     pub fn lacks_only_rows(&self) -> bool {
         self.x.iter().zip(&self.source).all(|(x, source)| x.is_finite() || source.is_none())
     }
 
-    /// Rows on the frames from the first to the last of `frames`, but for gaps longer than `max_gap_s`.
+    /// Rows on the frames from the first to the last of `frames`, except for gaps longer than `max_gap_s`.
     pub fn new(
         frames: &[u32],
         motion: &Motion,
@@ -98,7 +98,7 @@ impl Measured {
         out
     }
 
-    /// Adds the last frames of the drive when what was measured there is not known yet.
+    /// Adds the last frames of the drive when their measurements are not known yet.
     fn leave_open_what_is_due(
         &mut self,
         frames: &[u32],
@@ -117,7 +117,7 @@ impl Measured {
         }
     }
 
-    /// The frames without a row of the source between two that have one.
+    /// The frames without a source row between two frames that have one.
     pub fn bridged(&self) -> Vec<u32> {
         let end = self.source.iter().rposition(Option::is_some).unwrap_or(0);
         let rows = self.frames.iter().zip(&self.source).take(end);
@@ -139,7 +139,7 @@ impl Measured {
         self.forward.push(of(&m.forward));
     }
 
-    /// Stretches without a gap in the frames.
+    /// Ranges without a gap in the frames.
     pub fn runs(&self) -> Vec<Range<usize>> {
         let mut out = Vec::new();
         let mut start = 0;
@@ -154,8 +154,8 @@ impl Measured {
     }
 }
 
-/// False for a row that lies between two samples of the log: it says nothing that these do not. Where samples do not
-/// fall on frames, the last row before a sample is the nearest to it and stands for it.
+/// False for a row between two samples of the log, which contains no additional information. Where samples are not on
+/// frames, the last row before a sample is the nearest to it and represents it.
 fn is_measured(row: usize, frame: u32, known_at: &[Nanos], times: &[Nanos]) -> bool {
     match known_at.get(row) {
         Some(at) if *at > times[frame as usize] => {
@@ -165,7 +165,7 @@ fn is_measured(row: usize, frame: u32, known_at: &[Nanos], times: &[Nanos]) -> b
     }
 }
 
-/// Takes the estimated rows into a motion; heights are interpolated.
+/// Copies the estimated rows into a motion; heights are interpolated.
 pub(super) fn motion_of(states: &States, measured: &Measured, given: &Motion) -> Motion {
     let n = measured.frames.len();
     let mut out = Motion::unknown(n);
@@ -177,7 +177,7 @@ pub(super) fn motion_of(states: &States, measured: &Measured, given: &Motion) ->
     out.accel.clone_from(&states.accel);
     out.yaw_rate.clone_from(&states.yaw_rate);
     out.z = spread(&given.z, measured);
-    // What the log states is not estimated.
+    // Stated values are not estimated.
     for (i, row) in measured.source.iter().enumerate() {
         let Some(row) = *row else { continue };
         for (to, from) in [(&mut out.accel, &given.accel), (&mut out.yaw_rate, &given.yaw_rate)] {
@@ -189,7 +189,7 @@ pub(super) fn motion_of(states: &States, measured: &Measured, given: &Motion) ->
     out
 }
 
-/// A column of the source on the rows, between them linearly, after the last one as there.
+/// A column of the source on the rows: linear between source rows, constant after the last one.
 pub(super) fn spread(given: &[f64], measured: &Measured) -> Vec<f64> {
     let n = measured.frames.len();
     if given.is_empty() {
@@ -216,7 +216,7 @@ pub(super) fn spread(given: &[f64], measured: &Measured) -> Vec<f64> {
     out
 }
 
-/// A column of states: those between keep the value before.
+/// A column of states: rows between keep the previous value.
 pub(super) fn held<T: Clone>(given: &[T], measured: &Measured) -> Vec<T> {
     let mut last = None;
     let mut out = Vec::new();
@@ -227,9 +227,9 @@ pub(super) fn held<T: Clone>(given: &[T], measured: &Measured) -> Vec<T> {
     out
 }
 
-/// The track with estimated rows; `bridged` are those that were not observed.
+/// The track with estimated rows; `bridged` are the unobserved ones.
 pub(super) fn track_of(given: &Track, measured: &Measured, states: &States) -> Track {
-    // Counts and shares of what was seen: unknown where nothing was.
+    // Counts and shares of observations: unknown in unobserved rows.
     let seen = |v: &[f64]| -> Vec<f64> {
         if v.is_empty() {
             return Vec::new();
@@ -260,7 +260,7 @@ pub(super) fn track_of(given: &Track, measured: &Measured, states: &States) -> T
     }
 }
 
-/// Two tracks that are one object, one after the other; the id and the class of the first, unless that is unknown.
+/// Two tracks of one object, joined; the id and the class of the first, unless that class is unknown.
 pub(super) fn joined(first: &Track, next: &Track) -> Track {
     let offset = first.frames.len() as u32;
     let both = |a: &[f64], b: &[f64]| [a, b].concat();
@@ -317,7 +317,7 @@ fn optional<T: Clone>(a: &[Option<T>], n: usize, b: &[Option<T>], m: usize) -> V
     [full(a, n), full(b, m)].concat()
 }
 
-/// Rows one after another.
+/// Appends rows.
 pub(super) fn append(to: &mut States, rows: States) {
     let States { x, y, heading, vx, vy, accel, yaw_rate, sd } = rows;
     let Deviations { position, heading: sd_heading, speed, accel: sd_accel, yaw_rate: sd_yaw } = sd;
@@ -339,5 +339,5 @@ pub(super) fn append(to: &mut States, rows: States) {
     }
 }
 
-/// Ids that joined ones were known by: of the later to that of the first.
+/// Ids of joined tracks: from the later id to the first one.
 pub type Joined = std::collections::BTreeMap<TrackId, TrackId>;

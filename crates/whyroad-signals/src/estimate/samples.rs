@@ -1,16 +1,15 @@
-//! The way between the samples of a log that is exact and slower than the frames of the lake. Nothing is smoothed: a
-//! smooth motion model swings for seconds about a step that the samples state. Between two samples the way is the cubic
-//! with their places and velocities (Hermite); across the heading these never pass what the samples reach (Fritsch and
-//! Carlson 1980).
+//! The path between the samples of an exact log that is slower than the frames of the lake. Nothing is smoothed: a
+//! smooth motion model oscillates for seconds after a step in the samples. Between two samples the path is the cubic
+//! with their positions and velocities (Hermite); across the heading it never exceeds the samples (Fritsch and Carlson
+//! 1980).
 
 use super::join::MAX_AWAY_S;
 use super::objects::Measured;
 use crate::geometry::wrap;
 use whyroad_model::scene::Motion;
 
-/// Places, velocities, headings and yaw rates of `motion`, a row for each of `measured`, from the samples. `given` is
-/// the source's motion: yaw rates that it states stay. Rows before the first and after the last sample stay as they
-/// are.
+/// Positions, velocities, headings and yaw rates of `motion`, one row for each of `measured`, from the samples. `given`
+/// is the source's motion: its stated yaw rates are kept. Rows before the first and after the last sample are kept.
 pub(super) fn follow(measured: &Measured, given: &Motion, motion: &mut Motion) {
     let rows: Vec<usize> = (0..measured.x.len())
         .filter(|&i| measured.x[i].is_finite() && measured.heading[i].is_finite())
@@ -57,8 +56,8 @@ pub(super) fn follow(measured: &Measured, given: &Motion, motion: &mut Motion) {
     }
 }
 
-/// Velocity at a sample: what the log states of it; else along the heading the mean of the slopes either side, and
-/// across it one that passes neither neighbor.
+/// Velocity at a sample: the stated one; else along the heading the mean of the slopes on either side, and across it
+/// one that exceeds neither neighbor.
 fn velocity(
     measured: &Measured,
     row: usize,
@@ -79,7 +78,7 @@ fn velocity(
     Some((forward * cos - aside * sin, forward * sin + aside * cos))
 }
 
-/// Value and rate of the cubic with these values and rates at its ends, `dt` s apart, at `share` of the way.
+/// Value and rate of the cubic with these values and rates at its ends, `dt` s apart, at the fraction `share`.
 fn hermite((p, v): (f64, f64), (q, w): (f64, f64), dt: f64, share: f64) -> (f64, f64) {
     let (s, rest) = (share, 1.0 - share);
     let value =
@@ -92,8 +91,8 @@ fn hermite((p, v): (f64, f64), (q, w): (f64, f64), dt: f64, share: f64) -> (f64,
 mod tests {
     use super::*;
 
-    /// A car at 15 m/s along x that is 3.2 m further left within half a second from 4 s on, without turning, as
-    /// simulators change lanes; sampled every `step` tenths of a second, with the speed that they state.
+    /// A car at 15 m/s along x that moves 3.2 m to the left within half a second from 4 s on, without turning, as
+    /// simulators change lanes; sampled every `step` tenths of a second, with the stated speed.
     fn estimated(step: usize) -> (Measured, Motion) {
         let n = 101;
         let times: Vec<f64> = (0..n).map(|i| i as f64 / 10.0).collect();
@@ -117,7 +116,7 @@ mod tests {
         (measured, motion)
     }
 
-    /// How far left the car is, m.
+    /// Lateral position of the car, left positive, m.
     fn left(t: f64) -> f64 {
         3.2 * ((t - 4.0) / 0.5).clamp(0.0, 1.0)
     }
@@ -132,7 +131,7 @@ mod tests {
                     (motion.x[i] - 15.0 * t).abs() < 1e-9 && (motion.vx[i] - 15.0).abs() < 1e-9,
                     "at {t}"
                 );
-                // A sample away from the step all is as it was.
+                // One sample away from the step the motion is unchanged.
                 if t < 4.0 - aside || t > 4.5 + aside {
                     assert!((motion.y[i] - left(t)).abs() < 1e-9 && motion.vy[i].abs() < 1e-9, "at {t}");
                 }

@@ -1,9 +1,9 @@
-//! Truth for the tests of this folder: motion by plain integration in steps of a millisecond, and seeded noise.
+//! Ground truth for the tests of this folder: motion by integration in steps of a millisecond, and seeded noise.
 
 use crate::geometry::wrap;
 use whyroad_model::random::SplitMix64;
 
-/// A car as it really moved, at 10 Hz.
+/// The real motion of a car, at 10 Hz.
 #[derive(Default)]
 pub struct Truth {
     pub times: Vec<f64>,
@@ -15,7 +15,8 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// 12 m/s, a left bend from 5 s to 9 s, braking with 3 m/s2 from 12 s to standstill, off again at 21 s with 2 m/s2.
+    /// 12 m/s, a left bend from 5 s to 9 s, braking with 3 m/s2 from 12 s to standstill, moving off at 21 s with 2
+    /// m/s2.
     pub fn car(seconds: f64) -> Self {
         let mut out = Self::default();
         let (mut x, mut y, mut heading, mut v) = (0.0, 0.0, 0.4, 12.0);

@@ -1,13 +1,13 @@
-//! Sizes of boxes that can be. Derivation works along boxes, so its work grows with them: a box of a billion meters,
-//! which a damaged or malicious lake may have, must not cost more than another.
+//! Plausible box sizes. Derivation works along boxes, so its work grows with them: a box of a billion meters, which a
+//! damaged or malicious lake may contain, must not cost more than another.
 
 use std::borrow::Cow;
 use whyroad_model::Drive;
 
-/// Longer and wider than any road user, m (road trains are some 54 m long). A box beyond has no size that is known.
+/// Maximum length and width of a road user, m (road trains have about 54 m). The size of a larger box is unknown.
 const MOST_M: f64 = 100.0;
 
-/// `drive` with sizes that cannot be set to unknown; borrowed where there is none.
+/// `drive` with implausible sizes set to unknown; borrowed if there are none.
 pub(crate) fn with_possible_sizes(drive: &Drive) -> Cow<'_, Drive> {
     let odd = |m: f64| m > MOST_M;
     let of_ego = drive.ego.as_ref().is_some_and(|e| odd(e.length_m) || odd(e.width_m));

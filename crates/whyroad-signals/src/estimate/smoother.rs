@@ -1,6 +1,6 @@
-//! States of one object, with standard deviations, from what was measured of it: a fixed-interval smoother with the
-//! motion model of its class, stands found and held, rows without a measurement bridged. A quantity that the log states
-//! exactly is left as it is.
+//! States of one object, with standard deviations, from its measurements: a fixed-interval smoother with the motion
+//! model of its class, with standstills detected and held, and rows without a measurement bridged. A quantity that the
+//! log states exactly is kept.
 
 use super::bicycle::{ACCEL, Bicycle, HEADING, SPEED, X, Y, YAW_RATE};
 use super::kalman::{Filter, Observation, Smoothed};
@@ -12,12 +12,12 @@ use crate::geometry::{unwrap, wrap};
 use crate::series::slope;
 use std::ops::Range;
 
-/// How an object moves, by its class.
+/// Motion model of an object, by its class.
 #[derive(Clone, Copy, Debug)]
 pub enum MotionModel {
     /// Vehicles: along their heading.
     Bicycle(Bicycle),
-    /// People, two-wheelers pushed or ridden slowly, small objects: any way, at a steady velocity.
+    /// People, two-wheelers pushed or ridden slowly, small objects: any direction, at constant velocity.
     ConstantVelocity,
 }
 
@@ -44,7 +44,7 @@ impl Deviations {
     }
 }
 
-/// How well motion to the side is known in a row, standard deviations; zero is exact.
+/// Accuracy of lateral motion in a row, standard deviations; zero is exact.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Aside {
     /// Of a coordinate, m.
@@ -54,14 +54,14 @@ pub struct Aside {
 }
 
 impl Aside {
-    /// In `row`, of what moves at `speed` m/s along its heading.
+    /// In `row`, for an object that moves at `speed` m/s along its heading.
     pub fn new(sd: &Deviations, row: usize, speed: f64) -> Self {
         let across = stated(speed) * stated(sd.heading[row]);
         Self { place_m: stated(sd.position[row]), speed_mps: across }
     }
 }
 
-/// A deviation that is not known counts as none.
+/// The deviation, or zero if it is unknown.
 pub fn stated(deviation: f64) -> f64 {
     if deviation.is_finite() { deviation } else { 0.0 }
 }
@@ -87,14 +87,14 @@ pub struct States {
     pub sd: Deviations,
 }
 
-/// Headings are never trusted more than this as the direction of motion, rad: boxes and paths differ.
+/// Minimum standard deviation of a heading as the direction of motion, rad: boxes and paths differ.
 const LEAST_HEADING_SD_RAD: f64 = 0.035;
 /// Reach of the slopes where a quantity is exact, s.
 const SLOPE_REACH_S: f64 = 0.2;
-/// Deviation of the speed of what stands, m/s.
+/// Standard deviation of the speed at standstill, m/s.
 const STANDING_SD_MPS: f64 = 0.03;
 
-/// Smooths rows that follow one another without a long gap; rows without a position are bridged.
+/// Smooths consecutive rows without a long gap; rows without a position are bridged.
 pub fn smooth(rows: Rows<'_>, model: MotionModel, noise: &LogNoise) -> States {
     let n = rows.times.len();
     let measured = (0..n).filter(|&i| rows.x[i].is_finite()).count();
@@ -140,7 +140,7 @@ fn at(values: &[f64], row: usize) -> f64 {
     values.get(row).copied().unwrap_or(f64::NAN)
 }
 
-/// True when nothing in the rows says that the object moved.
+/// True when no row shows that the object moved.
 fn stands_all_along(rows: Rows<'_>, noise: &LogNoise, variances: &Variances) -> bool {
     let n = rows.times.len();
     if n < 5 || rows.times[n - 1] - rows.times[0] < 0.4 {
@@ -197,7 +197,7 @@ fn standing(rows: Rows<'_>, variances: &Variances, measured: usize) -> States {
     }
 }
 
-/// Velocity over the first second or so, by a line through what was measured; zero where there is only one row.
+/// Velocity over about the first second, by a line through the measurements; zero if there is only one row.
 fn first_velocity(rows: Rows<'_>) -> (f64, f64) {
     let known: Vec<usize> = (0..rows.times.len()).filter(|&i| rows.x[i].is_finite()).take(10).collect();
     let (Some(&a), Some(&b)) = (known.first(), known.last()) else { return (0.0, 0.0) };
@@ -213,7 +213,7 @@ fn first_velocity(rows: Rows<'_>) -> (f64, f64) {
     (line(rows.x), line(rows.y))
 }
 
-/// `of_mean` is the variance of a coordinate where places are averaged.
+/// `of_mean` is the variance of a coordinate where positions are averaged.
 fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances, of_mean: f64) -> States {
     let n = rows.times.len();
     let start = (0..n).find(|&i| rows.x[i].is_finite()).unwrap_or(0);
@@ -278,7 +278,7 @@ fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances, of_mean: f6
     out
 }
 
-/// A stand without its first and last row, which may belong to the motion around it.
+/// A standstill without its first and last row, which may belong to the motion around it.
 fn within(stand: &Range<usize>, n: usize) -> Range<usize> {
     let start = if stand.start == 0 { 0 } else { stand.start + 1 };
     start..if stand.end == n { n } else { (stand.end - 1).max(start) }
@@ -365,7 +365,7 @@ fn turning(rows: Rows<'_>, variances: &Variances) -> (Vec<f64>, Vec<f64>, Vec<f6
     )
 }
 
-/// What the log states exactly is kept as it states it, and what follows from it alone follows from it exactly.
+/// Exactly stated values are kept, and values that depend only on them are computed from them exactly.
 fn keep_exact(rows: Rows<'_>, noise: &LogNoise, out: &mut States) {
     let n = rows.times.len();
     if noise.position.is_negligible() {
@@ -389,7 +389,7 @@ fn keep_exact(rows: Rows<'_>, noise: &LogNoise, out: &mut States) {
             if at(rows.vx, i).is_finite() && at(rows.vy, i).is_finite() {
                 (out.vx[i], out.vy[i]) = (rows.vx[i], rows.vy[i]);
             } else if forward.is_finite() && out.heading[i].is_finite() {
-                // The positions say how much it goes sideways.
+                // The positions show the lateral part.
                 let (sin, cos) = out.heading[i].sin_cos();
                 let aside = out.vy[i] * cos - out.vx[i] * sin;
                 (out.vx[i], out.vy[i]) = (forward * cos - aside * sin, forward * sin + aside * cos);
@@ -408,10 +408,10 @@ fn keep_exact(rows: Rows<'_>, noise: &LogNoise, out: &mut States) {
 }
 
 impl Rows<'_> {
-    /// Stated speed along the heading, m/s; NaN where none is stated.
+    /// Stated speed along the heading, m/s; NaN if none is stated.
     fn forward_speed(&self, row: usize) -> f64 {
         let (vx, vy, h) = (at(self.vx, row), at(self.vy, row), self.heading[row]);
-        // Most logs state no velocity: then no direction is asked for.
+        // Most logs state no velocity; then the direction is not computed.
         let along = if vx.is_nan() || vy.is_nan() { f64::NAN } else { vx * h.cos() + vy * h.sin() };
         if along.is_finite() { along } else { at(self.forward, row) }
     }
@@ -442,7 +442,7 @@ impl States {
         }
     }
 
-    /// Makes these rows stand.
+    /// Sets these rows to standstill.
     fn hold(&mut self, rows: Range<usize>) {
         let Some((x, y)) = mean(&self.x, &self.y, rows.clone()) else { return };
         for i in rows {

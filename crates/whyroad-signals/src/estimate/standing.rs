@@ -1,20 +1,21 @@
-//! When an object stands: its smoothed speed does not exceed its noise, and what was measured does not move on. With
-//! exact positions hardly anything counts as standing that does not; with noisy ones nothing drives off by noise alone.
+//! Standstills of an object: its smoothed speed does not exceed its noise, and its measurements do not drift. With
+//! exact positions hardly any moving object counts as stationary; with noisy ones no stationary object moves by noise
+//! alone.
 
 use std::ops::Range;
 
-/// A stand lasts at least this long, s.
+/// Minimum duration of a standstill, s.
 const LEAST_S: f64 = 0.8;
-/// Speed that counts as none however exact the log is, m/s.
+/// Speed that counts as zero even in an exact log, m/s.
 const LEAST_SPEED_MPS: f64 = 0.1;
-/// And that is never counted as none however noisy it is, m/s.
+/// Speed that never counts as zero, however noisy it is, m/s.
 const GREATEST_SPEED_MPS: f64 = 0.7;
-/// Standard deviations of the speed within which it counts as none.
+/// Standard deviations of the speed within which it counts as zero.
 const DEVIATIONS: f64 = 2.5;
-/// Drift over a stand beyond what noise explains, m/s.
+/// Maximum drift during a standstill beyond the noise, m/s.
 const DRIFT_MPS: f64 = 0.05;
 
-/// Ranges of rows in which the object stands. `speed` and `speed_sd` are smoothed, `x` and `y` measured (NaN is
+/// Ranges of rows in which the object is stationary. `speed` and `speed_sd` are smoothed, `x` and `y` measured (NaN is
 /// unknown), `variance` is that of one measured coordinate, as white noise.
 pub fn stands(
     times: &[f64],
@@ -50,7 +51,7 @@ pub fn stands(
     out
 }
 
-/// True when the mean place of the first third of the rows is that of the last third, but for noise.
+/// True when the mean position of the first third of the rows equals that of the last third, except for noise.
 pub fn stays(times: &[f64], x: &[f64], y: &[f64], variance: f64, rows: Range<usize>) -> bool {
     let third = (rows.len() / 3).max(1);
     let (first, last) = (rows.start..rows.start + third, rows.end - third..rows.end);
@@ -60,7 +61,7 @@ pub fn stays(times: &[f64], x: &[f64], y: &[f64], variance: f64, rows: Range<usi
     (b.0 - a.0).hypot(b.1 - a.1) <= 3.0 * spread.sqrt() + DRIFT_MPS * apart
 }
 
-/// Mean of the known places in these rows.
+/// Mean of the known positions in these rows.
 pub fn mean(x: &[f64], y: &[f64], rows: Range<usize>) -> Option<(f64, f64)> {
     let known = rows.filter(|&i| x[i].is_finite() && y[i].is_finite());
     let (sx, sy, n) = known.fold((0.0, 0.0, 0.0), |(sx, sy, n), i| (sx + x[i], sy + y[i], n + 1.0));

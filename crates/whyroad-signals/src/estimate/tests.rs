@@ -1,4 +1,4 @@
-//! Expected values are those of the motions by hand.
+//! Expected values are computed by hand from the motions.
 
 use super::*;
 use std::f64::consts::FRAC_PI_2;
@@ -71,7 +71,7 @@ fn what_the_log_states_stays_and_what_it_does_not_is_completed_row_by_row() {
 #[test]
 fn a_speed_along_the_heading_is_kept_and_the_positions_add_what_goes_sideways() {
     let n = times().len();
-    // Northwards at 10 m/s by the log, 9.8 m/s by the positions, drifting 0.5 m/s to the right (east).
+    // Northwards at 10 m/s in the log, 9.8 m/s by the positions, drifting 0.5 m/s to the right (east).
     let moving = Motion {
         x: times().iter().map(|t| 0.5 * t).collect(),
         y: times().iter().map(|t| 9.8 * t).collect(),
@@ -81,7 +81,7 @@ fn a_speed_along_the_heading_is_kept_and_the_positions_add_what_goes_sideways() 
     };
     let full = estimate(&drive(moving.clone(), vec![])).into_owned().ego.unwrap().motion;
     assert!(close(full.vx[10], 0.5) && close(full.vy[10], 10.0) && close(full.accel[10], 0.0));
-    // A single row says nothing of sideways motion.
+    // A single row does not show lateral motion.
     let once = track("a", ObjectClass::Car, moving.rows(0, 1));
     let full = estimate(&drive(moving, vec![once])).into_owned().tracks.remove(0).motion;
     assert!(close(full.vy[0], 10.0) && close(full.vx[0], 0.0));
@@ -97,7 +97,7 @@ fn speeds_that_cannot_be_are_unknown() {
 
 #[test]
 fn a_sideways_jump_is_no_motion() {
-    // A simulator moves a car to the next lane, 3.2 m aside, from one frame to the next.
+    // A simulator moves a car to the next lane, 3.2 m to the side, from one frame to the next.
     let motion =
         Motion { y: (0..20).map(|i| if i < 10 { 0.0 } else { 3.2 }).collect(), ..along(|t| 10.0 * t) };
     let full = estimate(&drive(motion, vec![])).into_owned().ego.unwrap().motion;

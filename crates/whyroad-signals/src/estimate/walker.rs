@@ -1,5 +1,5 @@
-//! How people and small objects move: at constant velocity, which changes by white acceleration, each axis by itself;
-//! and a heading that turns at a constant rate.
+//! Motion model of people and small objects: constant velocity, which changes by white acceleration, separately on each
+//! axis; and a heading that changes at a constant rate.
 
 use super::kalman::Model;
 use super::matrix::Matrix;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 /// The same direction in (-pi, pi]; exactly opposite is +pi, from either side.
 pub fn wrap(angle: f64) -> f64 {
     const TURN: f64 = 2.0 * PI;
-    // Nearly all angles are within a turn: there the remainder is the angle itself, and division is slow.
+    // Nearly all angles are within one turn: there the remainder is the angle itself, and division is slow.
     let a = if (0.0..TURN).contains(&angle) {
         angle
     } else if angle < 0.0 && angle > -TURN {

@@ -1,5 +1,5 @@
-//! Which of many bounding boxes a place may be in: a grid of square cells, each with the boxes that reach into it. Made
-//! once for a map, asked for every row of every object.
+//! Finds the bounding boxes that may contain a position: a grid of square cells, each with the boxes that overlap it.
+//! Created once per map, queried for every row of every object.
 
 use super::P2;
 use std::ops::RangeInclusive;
@@ -7,30 +7,30 @@ use std::ops::RangeInclusive;
 /// A bounding box: lower left and upper right corner, m.
 pub type Bounds = (P2, P2);
 
-/// Length of a cell's side, m; more where the boxes lie far apart.
+/// Length of a cell's side, m; larger if the boxes are far apart.
 const CELL_M: f64 = 16.0;
 /// Maximum number of cells.
 const MOST_CELLS: f64 = 65_536.0;
 /// Maximum number of entries in all cells, per box.
 const MOST_ENTRIES: usize = 64;
-/// Room for the boxes near a place: more are rare.
+/// Usual maximum number of boxes near a position.
 const MOSTLY_NEAR: usize = 32;
 
-/// The boxes by cell. Numbers of boxes are those of the order in which they were given.
+/// The boxes by cell. Boxes are numbered in the given order.
 #[derive(Clone, Debug, Default)]
 pub struct BoxGrid {
     origin: P2,
     cell: f64,
     columns: usize,
     rows: usize,
-    /// Where the entries of each cell begin; one more at the end.
+    /// Index of the first entry of each cell; one more at the end.
     starts: Vec<u32>,
     entries: Vec<u32>,
     boxes: Vec<(u32, Bounds)>,
 }
 
 impl BoxGrid {
-    /// Of boxes with their numbers; corners are finite.
+    /// From boxes with their numbers; corners are finite.
     pub fn new(boxes: impl IntoIterator<Item = (usize, Bounds)>) -> Self {
         let boxes: Vec<(u32, Bounds)> = boxes.into_iter().map(|(k, bounds)| (k as u32, bounds)).collect();
         let (mut low, mut high) = match boxes.first() {
@@ -47,7 +47,7 @@ impl BoxGrid {
         loop {
             let count = |length: f64| ((length / cell) as usize).saturating_add(1);
             (grid.cell, grid.columns, grid.rows) = (cell, count(extent.x), count(extent.y));
-            // Boxes at the ends of the world are looked at one by one.
+            // Boxes at extreme coordinates are checked one by one.
             if !cell.is_finite() || grid.columns.saturating_mul(grid.rows) > 4 * MOST_CELLS as usize {
                 (grid.columns, grid.rows) = (1, 1);
             }
@@ -75,13 +75,13 @@ impl BoxGrid {
         }
     }
 
-    /// Column or row of a coordinate; the nearest one for what is outside, the first for what is not known.
+    /// Column or row of a coordinate; the nearest one if it is outside, the first if it is unknown.
     fn index(&self, along: f64, count: usize) -> usize {
         ((along / self.cell) as usize).min(count - 1)
     }
 
-    /// Columns and rows that a box touches. However it is rounded, [`BoxGrid::index`] does not fall where the
-    /// coordinate grows, so that no place of the box is in another cell.
+    /// Columns and rows that a box touches. Despite rounding, [`BoxGrid::index`] never decreases when the coordinate
+    /// grows, so that no position in the box is in another cell.
     fn ranges(&self, (low, high): &Bounds) -> [RangeInclusive<usize>; 2] {
         let (from, to) = (*low - self.origin, *high - self.origin);
         [
@@ -105,7 +105,7 @@ impl BoxGrid {
         self.entries[entries].iter().map(|&at| &self.boxes[at as usize])
     }
 
-    /// Numbers of the boxes that `p` is in, in their order.
+    /// Numbers of the boxes that contain `p`, in their order.
     pub fn at(&self, p: P2) -> impl Iterator<Item = usize> {
         let cell = (!self.boxes.is_empty()).then(|| self.cells(&(p, p)).next()).flatten();
         let holds = move |(_, (low, high)): &&(u32, Bounds)| {
@@ -114,7 +114,7 @@ impl BoxGrid {
         cell.into_iter().flat_map(|cell| self.in_cell(cell)).filter(holds).map(|(k, _)| *k as usize)
     }
 
-    /// Numbers of the boxes within `reach` meters of `p` on each axis, ascending, each once.
+    /// Numbers of the boxes within `reach` meters of `p` on each axis, ascending, without repetition.
     pub fn near(&self, p: P2, reach: f64) -> Vec<usize> {
         if self.boxes.is_empty() {
             return Vec::new();

@@ -1,19 +1,19 @@
-//! Answers about places, asked for one place many times in a row: what stands is where it was in the frame before.
+//! Cache for repeated queries of one position: a stationary object is where it was in the frame before.
 
 use super::P2;
 use std::cell::Cell;
 
-/// The answer for the place that was asked about last.
+/// The answer for the last queried position.
 #[derive(Debug, Default)]
 pub struct LastPlace<T: Copy>(Cell<Option<([u64; 2], T)>>);
 
 impl<T: Copy> LastPlace<T> {
-    /// Nothing was asked yet.
+    /// Without an answer yet.
     pub fn new() -> Self {
         Self(Cell::new(None))
     }
 
-    /// `answer`, or what it gave for the same place the last time. It must depend on the place alone.
+    /// The result of `answer`, or the last result if the position is the same. It must depend only on the position.
     pub fn at(&self, place: P2, answer: impl FnOnce() -> T) -> T {
         let key = [place.x.to_bits(), place.y.to_bits()];
         if let Some((last, known)) = self.0.get()

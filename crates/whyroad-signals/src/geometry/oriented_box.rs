@@ -7,8 +7,8 @@
 use super::P2;
 use super::polyline::segment_distance2;
 
-/// A rectangle with a heading: the footprint of an object. Its direction and its radius are worked out once, when it is
-/// made: each box is asked for them many times.
+/// A rectangle with a heading: the footprint of an object. Its direction and its radius are computed once at its
+/// creation, because they are used many times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
     /// Center, m.
@@ -24,7 +24,7 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// A box; sizes in m, `heading` in rad. What is not known is NaN.
+    /// A box; sizes in m, `heading` in rad. Unknown values are NaN.
     pub fn new(center: P2, heading: f64, length: f64, width: f64) -> Self {
         let (direction, radius) = (P2::from_heading(heading), length.hypot(width) / 2.0);
         Self { center, heading, length, width, direction, radius }
@@ -35,13 +35,13 @@ impl OrientedBox {
         Self { center, heading: 0.0, length: 0.0, width: 0.0, direction: P2 { x: 1.0, y: 0.0 }, radius: 0.0 }
     }
 
-    /// True for the same bits, so that whatever is worked out from either is the same.
+    /// True for equal bits, so that all results computed from either are equal.
     pub fn has_bits_of(&self, other: &OrientedBox) -> bool {
         let bits = |b: &OrientedBox| [b.heading, b.length, b.width].map(f64::to_bits);
         self.center.has_bits_of(other.center) && bits(self) == bits(other)
     }
 
-    /// The same box elsewhere.
+    /// The same box at another position.
     pub fn moved_to(&self, center: P2) -> Self {
         Self { center, ..*self }
     }
@@ -64,12 +64,12 @@ impl OrientedBox {
         self.radius
     }
 
-    /// True when the two share at least a point.
+    /// True when the two have a point in common.
     pub fn overlaps(&self, other: &OrientedBox) -> bool {
         (other.center - self.center).is_within(self.radius + other.radius) && self.shadows_overlap(other)
     }
 
-    /// [`OrientedBox::overlaps`] of two boxes that are near each other.
+    /// [`OrientedBox::overlaps`] for two boxes that are near each other.
     fn shadows_overlap(&self, other: &OrientedBox) -> bool {
         axes(self.direction, other.direction).into_iter().all(|axis| {
             let (a, b) = (self.shadow(axis), other.shadow(axis));
@@ -77,23 +77,23 @@ impl OrientedBox {
         })
     }
 
-    /// Shortest distance between the two, 0 when they overlap, m.
+    /// Shortest distance between the two, 0 if they overlap, m.
     pub fn distance(&self, other: &OrientedBox) -> f64 {
         if self.overlaps(other) {
             return 0.0;
         }
         let (a, b) = (self.corners(), other.corners());
-        // Apart, the shortest way between convex shapes ends at a corner of one of them. First to within rounding,
-        // without division, corner by corner; exactly only for corners that can be nearest.
+        // The shortest line between separate convex shapes ends at a corner of one of them. First computed to within
+        // rounding, without division, corner by corner; exactly only for corners that can be nearest.
         let about = [other.about_distances2(&a), self.about_distances2(&b)];
         let least = about.as_flattened().iter().copied().fold(f64::INFINITY, f64::min);
-        // Corners are rounded as their coordinates are.
+        // The rounding error of corners depends on their coordinates.
         let size = |b: &OrientedBox| b.center.x.abs() + b.center.y.abs() + b.length.abs() + b.width.abs();
         let enough = (least.sqrt() * (1.0 + 1e-9) + 1e-6 + 1e-14 * (size(self) + size(other))).powi(2);
         let mut d2 = f64::INFINITY;
         for (about, corners, sides) in [(about[0], &a, &b), (about[1], &b, &a)] {
             for i in 0..4 {
-                // What is not known is not left out.
+                // Unknown values are kept.
                 if about[i] > enough {
                     continue;
                 }
@@ -119,16 +119,16 @@ impl OrientedBox {
         out
     }
 
-    /// Seconds until the two first touch when each keeps its velocity (m/s) and heading: 0 when they overlap
-    /// now, infinity when they never touch. On each separating axis the shadows overlap during one interval;
-    /// the boxes touch where all intervals do.
+    /// Seconds until the two first touch when each keeps its velocity (m/s) and heading: 0 if they overlap now,
+    /// infinity if they never touch. On each separating axis the projections overlap during one interval; the boxes
+    /// touch where all intervals do.
     pub fn time_to_contact(&self, velocity: P2, other: &OrientedBox, other_velocity: P2) -> f64 {
         let relative = other_velocity - velocity;
         let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
         for axis in axes(self.direction, other.direction) {
             let (a, b) = (self.shadow(axis), other.shadow(axis));
             let v = relative.dot(axis);
-            // Shadows: [b0 + v t, b1 + v t] against [a0, a1].
+            // Projections: [b0 + v t, b1 + v t] against [a0, a1].
             if v.abs() < 1e-9 {
                 if a.0 > b.1 || b.0 > a.1 {
                     return f64::INFINITY;
@@ -142,7 +142,7 @@ impl OrientedBox {
         if enter <= leave { enter } else { f64::INFINITY }
     }
 
-    /// Lowest and highest place on an axis of length 1, m.
+    /// Lowest and highest position on an axis of length 1, m.
     pub fn shadow(&self, axis: P2) -> (f64, f64) {
         let half = (self.direction.dot(axis) * self.length).abs() / 2.0
             + (self.direction.left().dot(axis) * self.width).abs() / 2.0;
@@ -175,11 +175,11 @@ mod tests {
         assert!((a.distance(&box_at(10.0, 0.0, 0.0, 4.0, 2.0)) - 6.0).abs() < 1e-12);
         // Corner (2, 1) to corner (5, 5): 3-4-5.
         assert!((a.distance(&box_at(6.0, 6.0, FRAC_PI_2, 2.0, 2.0)) - 5.0).abs() < 1e-12);
-        // A square on its tip, half diagonal sqrt 2: tip at 4 - sqrt 2, side at 2.
+        // A square standing on its corner, half diagonal sqrt 2: corner at 4 - sqrt 2, side at 2.
         let tip = box_at(4.0, 0.0, FRAC_PI_4, 2.0, 2.0);
         assert!((a.distance(&tip) - (2.0 - 2.0_f64.sqrt())).abs() < 1e-12);
         assert_eq!(a.distance(&box_at(1.0, 1.0, 0.3, 4.0, 2.0)), 0.0);
-        // A plus sign: they overlap though no corner is inside the other.
+        // A plus sign: they overlap although no corner is inside the other.
         assert_eq!(box_at(0.0, 0.0, 0.0, 10.0, 1.0).distance(&box_at(0.0, 0.0, FRAC_PI_2, 10.0, 1.0)), 0.0);
     }
 
@@ -223,11 +223,11 @@ mod tests {
         // Next lane: parallel and 3.5 m beside, never.
         let beside = box_at(24.0, 3.5, 0.0, 4.0, 2.0);
         assert_eq!(ego.time_to_contact(p2(15.0, 0.0), &beside, still), f64::INFINITY);
-        // From the right at a right angle, 2 x 1 m walker: its top edge at y = -9 reaches y = -1 after 8 s at 1 m/s,
-        // and is over the ego's length then.
+        // From the right at a right angle, a pedestrian of 2 x 1 m: its top edge at y = -9 reaches y = -1 after 8 s at
+        // 1 m/s, and is within the ego's length then.
         let walker = box_at(0.0, -10.0, FRAC_PI_2, 2.0, 1.0);
         assert!((ego.time_to_contact(still, &walker, p2(0.0, 1.0)) - 8.0).abs() < 1e-12);
-        // The ego drives out of the way first: rear at x = -2 passes the walker's right edge x = 0.5 after 1.25 s.
+        // The ego drives away first: its rear at x = -2 passes the pedestrian's right edge x = 0.5 after 1.25 s.
         assert_eq!(ego.time_to_contact(p2(2.0, 0.0), &walker, p2(0.0, 1.0)), f64::INFINITY);
         assert_eq!(ego.time_to_contact(still, &box_at(1.0, 0.0, 0.0, 4.0, 2.0), p2(9.0, 0.0)), 0.0);
     }

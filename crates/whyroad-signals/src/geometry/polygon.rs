@@ -12,7 +12,7 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// The polygon with these corners (a repeated first corner at the end is fine); `None` under three corners.
+    /// The polygon with these corners (a repeated first corner at the end is accepted); `None` under three corners.
     pub fn new(corners: impl IntoIterator<Item = P2>) -> Option<Self> {
         let mut corners: Vec<P2> = corners.into_iter().filter(|p| p.is_finite()).collect();
         if corners.len() > 1 && corners.first() == corners.last() {
@@ -54,7 +54,7 @@ impl Polygon {
         inside
     }
 
-    /// Not more than the distance of `p`, m: that of its bounding box, less what rounding can do.
+    /// A lower bound for the distance of `p`, m: that of its bounding box, minus possible rounding errors.
     pub fn least_distance(&self, p: P2) -> f64 {
         let more = |a: f64, b: f64| if a > b { a } else { b };
         let x = more(self.low.x - p.x, p.x - self.high.x);

@@ -1,5 +1,5 @@
-//! A polyline by arc length: the driven path, a lane's center line, an edge. Beyond its ends it goes on straight. The
-//! search for the point on it that is nearest to a place is in `nearest`.
+//! A polyline by arc length: the driven path, a lane's center line, an edge. It is extended straight beyond its ends.
+//! The search for the point nearest to a position is in `nearest`.
 
 mod nearest;
 
@@ -21,14 +21,14 @@ pub struct Polyline {
     places: Places,
 }
 
-/// Up to this number of points in a stretch are looked at one by one: mostly there is one.
+/// Up to this number of points in an interval are searched linearly: usually there is one.
 const FEW_POINTS: usize = 8;
 
-/// Where to begin to look for an arc length: as many stretches of one length as there are points.
+/// Start of the search for an arc length: as many intervals of equal length as there are points.
 #[derive(Clone, Debug, Default)]
 struct Places {
     per_m: f64,
-    /// By stretch, the number of points before it; one more at the end.
+    /// By interval, the number of points before it; one more at the end.
     before: Vec<u32>,
 }
 
@@ -40,26 +40,26 @@ impl Places {
         Self { per_m, before: (0..=s.len()).map(begin).collect() }
     }
 
-    /// Points among which the first one beyond arc length `s` is, to within rounding.
+    /// Range of points that contains the first one beyond arc length `s`, to within rounding.
     fn about(&self, s: f64) -> Range<usize> {
         let stretch = ((s * self.per_m) as usize).min(self.before.len() - 2);
         self.before[stretch] as usize..self.before[stretch + 1] as usize
     }
 }
 
-/// A straight way from a point, up to some distance.
+/// A straight line from a point, up to some distance.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it begins.
+    /// Its beginning.
     pub from: P2,
     /// Its direction, of length 1.
     pub direction: P2,
-    /// How far it goes, m.
+    /// Its length, m.
     pub reach: f64,
 }
 
 impl Ray {
-    /// False where it surely does not touch the circle: by more than rounding can do.
+    /// False if it certainly does not touch the circle: by more than rounding errors.
     fn may_touch(&self, block: &Block) -> bool {
         let to = block.center - self.from;
         let (along, radius) = (to.dot(self.direction), block.radius + 1e-3);
@@ -68,7 +68,7 @@ impl Ray {
 }
 
 impl Polyline {
-    /// A polyline through `points`, repeated ones dropped; `None` when fewer than two distinct points are left.
+    /// A polyline through `points` without repeated ones; `None` if fewer than two distinct points are left.
     pub fn new(points: impl IntoIterator<Item = P2>) -> Option<Self> {
         let mut kept: Vec<P2> = Vec::new();
         let (mut s, mut lengths) = (Vec::new(), Vec::new());
@@ -120,7 +120,7 @@ impl Polyline {
         self.s.last().copied().unwrap_or(0.0)
     }
 
-    /// Number of points up to arc length `s`, those at it included; none where it is not known.
+    /// Number of points up to arc length `s`, including those at it; 0 if it is unknown.
     fn points_up_to(&self, s: f64) -> usize {
         let about = self.places.about(s);
         let mut count = about.start;
@@ -140,12 +140,12 @@ impl Polyline {
         self.points_up_to(s).clamp(1, self.points.len() - 1) - 1
     }
 
-    /// Linear interpolation at arc length `s` of `values`, of which there is one per point; constant beyond the ends.
+    /// Linear interpolation at arc length `s` of `values`, one per point; constant beyond the ends.
     pub fn interpolate(&self, values: &[f64], s: f64) -> f64 {
         between(&self.s, values, s, self.points_up_to(s))
     }
 
-    /// [`Polyline::interpolate`] of two kinds of values at the same place.
+    /// [`Polyline::interpolate`] of two kinds of values at the same position.
     pub fn interpolate_both(&self, values: [&[f64]; 2], s: f64) -> (f64, f64) {
         let count = self.points_up_to(s);
         (between(&self.s, values[0], s, count), between(&self.s, values[1], s, count))
@@ -162,10 +162,10 @@ impl Polyline {
         self.directions[self.segment_at(s)].heading()
     }
 
-    /// Direction of the chord from `s - reach` to `s + reach`, rad: bends drawn with few points do not jump.
+    /// Direction of the chord from `s - reach` to `s + reach`, rad: bends drawn with few points cause no jumps.
     pub fn smooth_heading_at(&self, s: f64, reach: f64) -> f64 {
         let chord = self.point_at(s + reach) - self.point_at(s - reach);
-        // The square mostly tells that there is a chord.
+        // The square is mostly sufficient to show that there is a chord.
         let known = chord.dot(chord) > 1e-11 || chord.norm() > 1e-6;
         if known { chord.heading() } else { self.heading_at(s) }
     }
@@ -175,8 +175,8 @@ impl Polyline {
         self.project_within(p, Window { first: 0, end: self.points.len() - 1 })
     }
 
-    /// Nearest foot point of `p` among the segments that touch arc lengths `from..=to`. Keeps lines that cross
-    /// themselves (a loop, a roundabout) unambiguous.
+    /// Nearest foot point of `p` among the segments that touch arc lengths `from..=to`. This keeps the result unique
+    /// for lines that cross themselves (a loop, a roundabout).
     pub fn project_between(&self, p: P2, from: f64, to: f64) -> Projection {
         self.project_within(p, self.window(from, to))
     }
@@ -191,7 +191,7 @@ impl Polyline {
         self.foot(p, window, None).at
     }
 
-    /// The segments that touch arc lengths `from..=to`, to find several places on.
+    /// The segments that touch arc lengths `from..=to`, for several searches.
     pub fn nearby(&self, from: f64, to: f64) -> Nearby {
         self.segments.nearby(self.window(from, to))
     }
@@ -202,7 +202,7 @@ impl Polyline {
         self.segments.foot_nearby(p, nearby, near)
     }
 
-    /// [`Polyline::project_nearby`] of each of several places, which are near each other.
+    /// [`Polyline::project_nearby`] of several positions that are near each other.
     pub fn project_each<const N: usize>(&self, places: [P2; N], nearby: &Nearby) -> [Projection; N] {
         let mut near = nearby.middle();
         places.map(|p| {
@@ -212,37 +212,37 @@ impl Polyline {
         })
     }
 
-    /// Nearest foot point of `p` among these segments; the search begins near `before`, the foot point of a place that
-    /// was near. The result does not depend on it.
+    /// Nearest foot point of `p` among these segments; the search begins near `before`, the foot point of an earlier
+    /// position nearby. The result does not depend on it.
     pub fn foot(&self, p: P2, window: Window, before: Option<&Foot>) -> Foot {
         self.segments.foot(p, window, before)
     }
 
-    /// [`Polyline::foot`] of the place `p` whose foot point was `before`, now among other segments: only those are
-    /// looked at that were not among the ones before.
+    /// [`Polyline::foot`] of the position `p` whose foot point was `before`, now among other segments: only segments
+    /// that were not among the earlier ones are searched.
     pub fn foot_again(&self, p: P2, window: Window, before: &Foot) -> Foot {
         self.segments.foot_again(p, window, before)
     }
 
-    /// Those of these segments that the ray can meet, and some more, ascending.
+    /// The segments among these that the ray can meet, and some more, ascending.
     pub fn segments_met(&self, ray: Ray, among: Range<usize>) -> impl Iterator<Item = usize> {
         let blocks = among.start / BLOCK..among.end.div_ceil(BLOCK);
         let touched = blocks.filter(move |b| ray.may_touch(&self.segments.blocks[*b]));
         touched.flat_map(move |b| (b * BLOCK).max(among.start)..((b + 1) * BLOCK).min(among.end))
     }
 
-    /// Smallest distance of `p` from the line itself (not its continuation), m.
+    /// Minimum distance of `p` from the line itself (without its extension), m.
     pub fn distance(&self, p: P2) -> f64 {
         let d2 =
             self.points.windows(2).map(|w| segment_distance2(p, w[0], w[1])).fold(f64::INFINITY, f64::min);
         d2.sqrt()
     }
 
-    /// Signed curvature at `s` from the change of direction over `reach` either side, 1/m, left positive.
+    /// Signed curvature at `s` from the change of direction over `reach` on either side, 1/m, left positive.
     pub fn curvature_at(&self, s: f64, reach: f64) -> f64 {
         let before = self.point_at(s) - self.point_at(s - reach);
         let after = self.point_at(s + reach) - self.point_at(s);
-        // Each chord stands for the direction half way along it: the two are `reach` apart.
+        // Each chord represents the direction at its center: the two centers are `reach` apart.
         super::wrap(after.heading() - before.heading()) / reach
     }
 }
@@ -252,7 +252,7 @@ pub fn interpolate(at: &[f64], values: &[f64], s: f64) -> f64 {
     between(at, values, s, at.partition_point(|&v| v <= s))
 }
 
-/// Between the values before and at `i`, the first of `at` that is greater than `s`.
+/// Interpolates between the values before and at `i`, the first of `at` that is greater than `s`.
 fn between(at: &[f64], values: &[f64], s: f64, i: usize) -> f64 {
     if i == 0 {
         return values[0];

@@ -1,4 +1,4 @@
-//! An object's motion, dense over the frames from its first to its last observation; NaN where it was not observed.
+//! An object's motion, with one entry per frame from its first to its last observation; NaN where it was not observed.
 
 use crate::geometry::{OrientedBox, P2, p2};
 use whyroad_model::scene::{Ego, Motion};
@@ -56,7 +56,7 @@ impl Body {
         self.width[at] = width;
     }
 
-    /// Index of a frame in the vectors, where the object is observed in it.
+    /// Index of a frame in the vectors, if the object is observed in it.
     pub fn at(&self, frame: usize) -> Option<usize> {
         let i = self.frames.contains(frame).then(|| frame - self.frames.start)?;
         self.position[i].is_finite().then_some(i)
@@ -79,7 +79,7 @@ impl Body {
     }
 }
 
-/// All objects: the tracks that have rows in their order, then the ego where it is given and its pose is ever known.
+/// All objects: the tracks that have rows in their order, then the ego if it is given and any of its poses is known.
 pub fn bodies(drive: &Drive, ego: Option<&Ego>) -> Vec<Body> {
     let mut all = Vec::with_capacity(drive.tracks.len() + 1);
     for (k, track) in drive.tracks.iter().enumerate().filter(|(_, t)| !t.frames.is_empty()) {

@@ -1,5 +1,5 @@
-//! Lanes of all objects, and what lanes are to each other for somebody who looks at the whole road: one lane of several
-//! segments, the same side or the opposite side of a road.
+//! Lanes of all objects, and relations of lanes on the whole road: one lane of several segments, the same side or the
+//! opposite side of a road.
 
 use super::body::Body;
 use crate::geometry::{P2, wrap};
@@ -11,31 +11,31 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use whyroad_model::road_map::LaneKind;
 
-/// A lane in a junction that turns by more than this does not go straight on, rad (RefAV: 30 deg).
+/// Minimum change of direction of a junction lane that turns, rad (RefAV: 30 deg).
 const TURN_RAD: f64 = std::f64::consts::FRAC_PI_6;
-/// Lanes whose directions differ by more than this run against each other, rad.
+/// Minimum difference of directions of opposite lanes, rad.
 const AGAINST_RAD: f64 = 0.75 * std::f64::consts::PI;
-/// The opposite side begins at most this far beyond the edge, m: a median strip.
+/// Maximum distance of the opposite side beyond the edge, m: a median strip.
 const MEDIAN_M: f64 = 6.0;
-/// Segments are followed this far at most in each direction.
+/// Maximum number of segments in each direction.
 const MOST_SEGMENTS: usize = 200;
 
 /// Lanes of the objects by their rows.
 pub struct BodyLanes {
-    /// Places assigned to what drives in lanes, by object and row.
+    /// Assigned positions of objects that drive in lanes, by object and row.
     pub places: Vec<Vec<Option<LanePlace>>>,
-    /// The lane of each, by object and row: the assigned one, else that under the center.
+    /// The lane of each object, by object and row: the assigned one, else the one under the center.
     pub lanes: Vec<Vec<Option<usize>>>,
     chains: RefCell<BTreeMap<usize, Rc<BTreeSet<usize>>>>,
     sides: RefCell<BTreeMap<usize, Rc<Sides>>>,
 }
 
-/// The lanes of a road as seen from one of them.
+/// The lanes of a road, relative to one of them.
 #[derive(Debug, Default)]
 pub struct Sides {
-    /// Those of the same direction.
+    /// Lanes in the same direction.
     pub same: BTreeSet<usize>,
-    /// Those of the other.
+    /// Lanes in the opposite direction.
     pub opposite: BTreeSet<usize>,
 }
 
@@ -51,7 +51,7 @@ impl BodyLanes {
         Self { places, lanes, chains: RefCell::default(), sides: RefCell::default() }
     }
 
-    /// The segments that are one lane with this one: going straight on over joints, forward and back.
+    /// The segments that form one lane with this one: straight on over joints, forward and backward.
     pub fn chain(&self, road: &Road, lane: usize) -> Rc<BTreeSet<usize>> {
         if let Some(done) = self.chains.borrow().get(&lane) {
             return done.clone();
@@ -74,7 +74,7 @@ impl BodyLanes {
         sides
     }
 
-    /// The lanes of the same direction beside one another, with the segments that continue them.
+    /// The adjacent lanes of the same direction, with the segments that continue them.
     fn beside(&self, road: &Road, lane: usize) -> BTreeSet<usize> {
         let mut found = BTreeSet::new();
         let mut todo = vec![lane];
@@ -154,7 +154,7 @@ fn chain(road: &Road, lane: usize) -> BTreeSet<usize> {
     found
 }
 
-/// A lane of the other direction beside this one: beyond the edge that has no neighbor of the same direction.
+/// A lane of the opposite direction beside this one: beyond the edge that has no neighbor of the same direction.
 fn opposite_of(road: &Road, lane: usize) -> Option<usize> {
     let own = &road.lanes[lane];
     if own.in_junction {

@@ -1,5 +1,5 @@
-//! Which objects come near each other. Two by two: what two objects never come near by the boxes around all their
-//! positions is never compared frame by frame.
+//! Objects that come near each other. Two objects whose bounding boxes over all their positions are never near are not
+//! compared frame by frame.
 
 use super::body::Body;
 use crate::geometry::{P2, p2};
@@ -7,19 +7,19 @@ use std::collections::BTreeSet;
 use whyroad_model::pair::{PAIR_REACH_M, PairSpan};
 use whyroad_model::{FrameRange, ObjectClass};
 
-/// Classes between which pairs are asked for: one object of `first` and one of `second`, in either order.
+/// Classes between which pairs are required: one object of `first` and one of `second`, in either order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PairClasses {
-    /// Classes of the object that a rule is about.
+    /// Classes of the object of a rule.
     pub first: BTreeSet<ObjectClass>,
-    /// Classes of the objects that it looks for near that object.
+    /// Classes of the objects that the rule searches near it.
     pub second: BTreeSet<ObjectClass>,
 }
 
 /// The pairs in the order of a pair table, and by row whether they are near. Without classes: pairs of all objects.
 pub fn pairs(bodies: &[Body], between: Option<&PairClasses>) -> (Vec<PairSpan>, Vec<bool>) {
     let outlines: Vec<Outline> = bodies.iter().map(|b| Outline::new(b, between)).collect();
-    // First object, second object, frames in which they are near; and the same exchanged.
+    // First object, second object, frames in which they are near; and the same in reverse order.
     let mut met: Vec<(usize, usize, usize)> = Vec::new();
     let mut frames: Vec<Vec<usize>> = Vec::new();
     for i in 0..bodies.len() {
@@ -52,13 +52,13 @@ pub fn pairs(bodies: &[Body], between: Option<&PairClasses>) -> (Vec<PairSpan>, 
     (spans, near)
 }
 
-/// What is asked of an object against each other one.
+/// Data of an object for the comparison with each other one.
 struct Outline {
     is_first: bool,
     is_second: bool,
-    /// From the box center to a corner by frame, m; 0 where a size is unknown.
+    /// Distance from the box center to a corner by frame, m; 0 where a size is unknown.
     radius: Vec<f64>,
-    /// The least and greatest position of a box, with its radius.
+    /// The minimum and maximum position of a box, with its radius.
     least: P2,
     greatest: P2,
 }
@@ -78,7 +78,7 @@ impl Outline {
         Self { is_first: admits(|c| &c.first), is_second: admits(|c| &c.second), radius, least, greatest }
     }
 
-    /// True where no box of one can be near one of the other, whenever that is.
+    /// True if no box of one can be near one of the other at any time.
     fn is_far(&self, other: &Self) -> bool {
         let apart = |a: f64, b: f64| a - b > PAIR_REACH_M + 1e-6;
         apart(other.least.x, self.greatest.x)
@@ -109,7 +109,7 @@ fn radius_of(body: &Body, i: usize) -> f64 {
     if radius.is_finite() { radius } else { 0.0 }
 }
 
-/// Box to box within reach; by the centers where a size is unknown.
+/// Distance of the boxes within reach; of the centers where a size is unknown.
 fn is_near((a, i, of_a): (&Body, usize, f64), (b, k, of_b): (&Body, usize, f64)) -> bool {
     let apart = b.position[k] - a.position[i];
     if apart.dot(apart) <= PAIR_REACH_M * PAIR_REACH_M * (1.0 - 1e-9) {

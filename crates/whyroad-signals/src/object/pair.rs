@@ -1,4 +1,4 @@
-//! The `pair.` signals: what two near objects are to each other, seen from the first.
+//! The `pair.` signals: relations of two near objects, relative to the first.
 
 use super::body::Body;
 use super::scene::Scene;
@@ -14,7 +14,7 @@ use whyroad_model::catalog::value::{PairDirection, PairRoadSide, PairSector};
 use whyroad_model::pair::PairSpan;
 use whyroad_model::{Column, Tri};
 
-/// Slower than this an object goes nowhere, m/s.
+/// Minimum speed of an object with a direction of motion, m/s.
 const COURSE_MPS: f64 = 0.1;
 
 /// Two objects in a frame in which both are observed and near each other.
@@ -43,7 +43,7 @@ impl Meeting<'_> {
     }
 }
 
-/// The column of a signal; `None` where nothing of it can be known.
+/// The column of a signal; `None` if none of its values can be known.
 pub(super) fn column(scene: &Scene<'_>, name: &str, spans: &[PairSpan], near: &[bool]) -> Option<Column> {
     let rows = Rows { scene, spans, near };
     Some(match name {
@@ -126,7 +126,7 @@ impl Rows<'_> {
         }
     }
 
-    /// A number that is the same from both sides, computed once.
+    /// A number that is symmetric, computed once.
     fn symmetric(&self, far: f64, f: impl Fn(&Meeting<'_>) -> f64) -> Vec<f64> {
         let mut out: Vec<f64> = Vec::with_capacity(self.near.len());
         let mut done: HashMap<(usize, usize), usize> = HashMap::new();
@@ -252,7 +252,7 @@ fn crosses(rows: &Rows<'_>) -> Vec<Tri> {
     for span in rows.spans {
         let (walker, car) = (&rows.scene.bodies[span.first], &rows.scene.bodies[span.second]);
         let start = flags.len();
-        // Rows in which it is known where the first is in the axes of the second, and how fast it goes across.
+        // Rows with a known position of the first object in the axes of the second, and a known lateral speed.
         let mut seen: Vec<refav::Passing> = Vec::new();
         for (row, frame) in (start..).zip(span.frames.start..span.frames.end) {
             let (Some(i), Some(k)) = (walker.at(frame), car.at(frame)) else {

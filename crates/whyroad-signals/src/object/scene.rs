@@ -1,4 +1,4 @@
-//! What the signals of objects are computed from, and which of them are wanted.
+//! Inputs of the signals of objects, and the requested signals.
 
 use super::body::Body;
 use super::lanes::BodyLanes;
@@ -6,7 +6,7 @@ use super::near::PairClasses;
 use crate::road::network::Road;
 use whyroad_model::Drive;
 
-/// Which objects a table of objects has.
+/// Objects in a table of objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Objects {
     /// The tracks, in the rows of [`crate::derive`]: for rules that read `target.` signals as well.
@@ -20,14 +20,14 @@ pub enum Objects {
 pub enum WithPairs {
     /// Those of all objects.
     Yes,
-    /// Those between objects of these classes. Where nothing is known of them, those of all objects: what a signal
-    /// can be known of never depends on who asks.
+    /// Pairs between objects of these classes. If nothing is known about the classes, pairs of all objects: whether a
+    /// signal can be known never depends on the request.
     Between(PairClasses),
     /// Only objects by themselves.
     No,
 }
 
-/// What the signals of objects are computed from.
+/// Inputs of the signals of objects.
 pub(super) struct Scene<'a> {
     /// The estimated drive.
     pub drive: &'a Drive,
@@ -35,7 +35,7 @@ pub(super) struct Scene<'a> {
     pub times: &'a [f64],
     /// The objects in the table's order.
     pub bodies: &'a [Body],
-    /// The map made ready; `None` where it is not needed or not there.
+    /// The prepared map; `None` if it is not needed or missing.
     pub road: Option<&'a Road>,
     /// Lanes of the objects; as `road`.
     pub lanes: Option<&'a BodyLanes>,

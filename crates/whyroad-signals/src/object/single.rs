@@ -1,4 +1,4 @@
-//! The `object.` signals: what an object does by itself, and where it is on the road.
+//! The `object.` signals: the motion of an object, and its position on the road.
 
 use super::body::Body;
 use super::scene::Scene;
@@ -14,20 +14,20 @@ use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::road_map::LaneKind;
 use whyroad_model::{Column, ObjectClass, Tri};
 
-/// Slower than this is stopped, m/s.
+/// Below this speed an object is stopped, m/s.
 const MOVING_MPS: f64 = 0.5;
 /// A track whose bounding diagonal is shorter is stationary, m.
 const STATIONARY_M: f64 = 3.0;
-/// Junctions and crosswalks farther than this are not looked for, m.
+/// Maximum distance of junctions and crosswalks that are searched, m.
 const REACH_M: f64 = 50.0;
-/// A stop sign governs this far in front of it, m ...
+/// A stop sign applies this far in front of it, m ...
 const SIGN_FORWARD_M: f64 = 10.0;
 /// ... and behind it, m ...
 const SIGN_BEHIND_M: f64 = 1.0;
 /// ... to its right, m.
 const SIGN_RIGHT_M: f64 = 7.0;
 
-/// The column of a signal; `None` where nothing of it can be known.
+/// The column of a signal; `None` if none of its values can be known.
 pub(super) fn column(scene: &Scene<'_>, name: &str) -> Option<Column> {
     let numbers =
         |f: &dyn Fn(&Body, usize) -> f64| Some(Column::Number(each(scene, f64::NAN, |_, b, i| f(b, i))));
@@ -129,7 +129,7 @@ impl CategoryValue for ObjectClassCode {
     }
 }
 
-/// A comparison that is unknown where the number is.
+/// A comparison that is unknown where the number is unknown.
 fn below(x: f64, bound: f64) -> Tri {
     if x.is_nan() { Tri::Unknown } else { Tri::from(x < bound) }
 }
@@ -165,7 +165,7 @@ fn turns(scene: &Scene<'_>) -> Vec<Option<EgoRefavTurning>> {
     scene.bodies.iter().flat_map(|b| turning(times(scene, b), &b.heading)).collect()
 }
 
-/// A turn crosses lanes without being a change of lanes.
+/// A turn crosses lanes without being a lane change.
 fn lane_changes(scene: &Scene<'_>) -> Option<Vec<Option<EgoLaneChange>>> {
     let (road, lanes) = (scene.road?, scene.lanes?);
     let mut out = Vec::new();
@@ -181,7 +181,7 @@ fn lane_changes(scene: &Scene<'_>) -> Option<Vec<Option<EgoLaneChange>>> {
         };
         let mut own = vec![None; places.len()];
         for (i, value) in seen.iter().zip(lane_change::changes(road, &rows)) {
-            // Off all lanes nobody changes lanes.
+            // Outside of all lanes there is no lane change.
             own[*i] = Some(value.unwrap_or(EgoLaneChange::None));
         }
         let turns = turning(all, &body.heading);
@@ -213,7 +213,7 @@ fn distance_to(area: &Polygon, of: &OrientedBox) -> f64 {
     to_area.chain(to_box).fold(f64::INFINITY, f64::min)
 }
 
-/// Some edge of one ring crosses an edge of the other.
+/// Some edge of one ring intersects an edge of the other.
 fn crossing(a: &[P2], b: &[P2]) -> bool {
     let edges = |ring: &[P2]| -> Vec<(P2, P2)> {
         (0..ring.len()).map(|i| (ring[i], ring[(i + 1) % ring.len()])).collect()
@@ -225,7 +225,7 @@ fn crossing(a: &[P2], b: &[P2]) -> bool {
         .any(|e| b.iter().any(|f| side(e, f.0) * side(e, f.1) <= 0.0 && side(*f, e.0) * side(*f, e.1) <= 0.0))
 }
 
-/// A stop sign: where it stands and the direction that its face looks to, and the lane that it governs.
+/// A stop sign: its position, the direction that it faces, and the lane to which it applies.
 struct StopSign {
     at: P2,
     facing: f64,
@@ -274,7 +274,7 @@ fn at_stop_sign(scene: &Scene<'_>) -> Option<Column> {
     stated.then(|| flags(scene, |k, b, i| Tri::from(signs.iter().any(|s| governs(s, k, b, i)))))
 }
 
-/// The lane outside junctions whose right edge ends nearest to a place, within 10 m of it.
+/// The lane outside of junctions whose right edge ends nearest to a position, within 10 m of it.
 fn nearest_end(road: &crate::road::network::Road, at: P2) -> Option<usize> {
     if !at.is_finite() {
         return None;

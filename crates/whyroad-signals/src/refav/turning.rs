@@ -1,10 +1,10 @@
-//! RefAV's turning: unbroken runs of yaw of one sign that add up to a turn.
+//! RefAV's turning: uninterrupted runs of yaw of one sign that sum up to a turn.
 
 use crate::geometry::wrap;
 use std::f64::consts::FRAC_PI_4;
 use whyroad_model::catalog::value::EgoRefavTurning;
 
-/// A mean of more than this is turning at a track's edge: 5 deg/s.
+/// Minimum mean yaw rate of a turn at a track's edge: 5 deg/s.
 const EDGE_RADPS: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// Yaw rate by central differences, one-sided at the ends, rad/s.
@@ -18,7 +18,7 @@ fn yaw_rates(times: &[f64], headings: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The turn that a run makes: its sum as RefAV forms it (each rate times the first step of the track).
+/// The turn of a run: its sum as computed by RefAV (each rate times the first time step of the track).
 fn turn_of(rates: &[f64], step: f64, at_start: bool, at_end: bool) -> EgoRefavTurning {
     let turned = rates.iter().sum::<f64>() * step;
     let sign = turned.signum();
@@ -54,7 +54,7 @@ pub fn turning(times: &[f64], headings: &[f64]) -> Vec<Option<EgoRefavTurning>> 
             end += 1;
             continue;
         }
-        // RefAV's runs hold the first row of the next sign too.
+        // RefAV's runs also contain the first row of the next sign.
         let code = turn_of(&rates[start..=end], step, start == 0, end == n - 1);
         if code != EgoRefavTurning::None {
             for &row in &known[start..=end] {

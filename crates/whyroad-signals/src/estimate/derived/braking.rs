@@ -1,19 +1,19 @@
 //! Emergency braking by the system, where the bus does not state it: the car brakes hard and suddenly although the
-//! driver's foot is not on the brake. Whether a hard braking was the driver's or the system's, the pedals alone tell;
-//! that there was none, the deceleration alone.
+//! driver's foot is not on the brake. The pedals alone show whether the driver or the system braked hard; the
+//! deceleration alone shows that there was no hard braking.
 
 use whyroad_model::Nanos;
 use whyroad_model::scene::Ego;
 
 /// The system decelerates by 4 m/s2 and more while it is active (taxonomy, aeb), m/s2.
 const HARD_MPS2: f64 = -4.0;
-/// A braking that gets hard is one from here on, m/s2.
+/// Hard braking begins where the deceleration exceeds this, m/s2.
 const BRAKES_MPS2: f64 = -2.0;
-/// Systems build up deceleration faster than nearly all drivers, m/s3.
+/// Systems increase the deceleration faster than nearly all drivers, m/s3.
 const SUDDEN_MPS3: f64 = -10.0;
-/// Within this time of the begin of braking the jerk is looked for, and before it the pedals, s.
+/// Time from the beginning of braking in which the jerk is searched, and before it in which the pedals are, s.
 const ONSET_S: f64 = 1.0;
-/// The throttle is pressed from this share on.
+/// Minimum throttle position that is pressed, as a share.
 const PRESSED: f64 = 0.05;
 
 /// `ego.aeb` by frame: false where the car does not brake hard or the driver does, true where it brakes hard and
@@ -62,7 +62,7 @@ fn by_system(ego: &Ego, times: &[Nanos], braking: std::ops::Range<usize>) -> Opt
         (!stated.is_empty()).then(|| stated.iter().all(|pressed| !pressed))
     };
     match (on_throttle, brakes_before, never_brakes) {
-        // The foot is still on the throttle, or never comes to the brake.
+        // The foot is still on the throttle, or is never on the brake.
         (Some(true), _, _) | (_, Some(false), Some(true)) => sudden.then_some(true),
         // The driver was braking already.
         (_, Some(true), _) => Some(false),

@@ -1,16 +1,16 @@
-//! A rough place in the road from the vertical acceleration of the body.
+//! A rough road surface from the vertical acceleration of the body.
 
 use whyroad_model::Drive;
 
-/// From this on it is a hole or hump and not the texture of the road, m/s2: 0.4 g, the threshold of Mednis et al.,
-/// "Real time pothole detection using Android smartphones with accelerometers" (DCOSS 2011).
+/// Minimum vertical acceleration of a hole or hump, in contrast to the texture of the road, m/s2: 0.4 g, the threshold
+/// of Mednis et al., "Real time pothole detection using Android smartphones with accelerometers" (DCOSS 2011).
 const SHOCK_MPS2: f64 = 3.92;
-/// Slower, doors and loading shake the car as much, m/s.
+/// Below this speed, doors and loading shake the car as much, m/s.
 const DRIVING_MPS: f64 = 2.0;
-/// The place lasts until the rear axle is over it: frames after the last shock.
+/// The rough surface lasts until the rear axle is over it: frames after the last shock.
 const AFTER_FRAMES: usize = 5;
 
-/// `context.surface`: rough while and just after a shock is felt; what the surface is elsewhere, nobody can tell.
+/// `context.surface`: rough during and just after a shock; unknown elsewhere.
 pub(super) fn surface(drive: &Drive) -> Vec<Option<&'static str>> {
     let Some(ego) = drive.ego.as_ref().filter(|e| !e.bus.vertical_accel.is_empty()) else {
         return Vec::new();

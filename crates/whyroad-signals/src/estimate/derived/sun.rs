@@ -1,7 +1,7 @@
 //! Daylight and glare from the position of the sun over the ego.
 //!
-//! The sun's place is that of the Astronomical Almanac's low-precision formulas as Michalsky gives them ("The
-//! Astronomical Almanac's algorithm for approximate solar position (1950-2050)", Solar Energy 40 (3), 1988), good to
+//! The sun's position uses the Astronomical Almanac's low-precision formulas as given by Michalsky ("The Astronomical
+//! Almanac's algorithm for approximate solar position (1950-2050)", Solar Energy 40 (3), 1988), with an accuracy of
 //! 0.01 degrees.
 
 use crate::geometry::wrap;
@@ -9,28 +9,29 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use whyroad_model::scene::GeoPosition;
 use whyroad_model::{Drive, Nanos, Need};
 
-/// 2000-01-01 12:00 UTC, from which the formulas count days, s since 1970.
+/// 2000-01-01 12:00 UTC, the epoch of the formulas, s since 1970.
 const J2000_S: f64 = 946_728_000.0;
 const DAY_S: f64 = 86_400.0;
-/// Dates outside these years are clocks that were never set, s since 1970.
+/// Plausible dates; others come from clocks that were never set, s since 1970.
 const PLAUSIBLE_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;
 /// Radius of the Earth, m.
 const EARTH_M: f64 = 6_371_000.0;
-/// The sun is this far under the horizon at the end of civil twilight, deg.
+/// Elevation of the sun at the end of civil twilight, deg.
 const NIGHT_DEG: f64 = -6.0;
-/// Nearer than this to the direction of driving, the sun dazzles, deg. Higher up, the roof shades the driver's eyes.
+/// Maximum angle between the sun and the driving direction for glare, deg. If the sun is higher, the roof shades the
+/// driver's eyes.
 const DAZZLES_DEG: f64 = 25.0;
 
-/// Place of the sun seen from a place on Earth.
+/// Position of the sun seen from a place on Earth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sun {
-    /// Over the horizon, without refraction, rad.
+    /// Above the horizon, without refraction, rad.
     pub elevation: f64,
     /// Clockwise from north, 0 to 2 pi.
     pub azimuth: f64,
 }
 
-/// Where the sun is at `time` (UTC).
+/// Position of the sun at `time` (UTC).
 pub(super) fn sun(place: GeoPosition, time: Nanos) -> Sun {
     let days = (time.0 as f64 / 1e9 - J2000_S) / DAY_S;
     let degrees = |x: f64| x.rem_euclid(360.0).to_radians();
@@ -53,7 +54,7 @@ pub(super) fn sun(place: GeoPosition, time: Nanos) -> Sun {
     Sun { elevation, azimuth: east.atan2(north).rem_euclid(TAU) }
 }
 
-/// Angle between the direction of driving (counter-clockwise from east) and the sun, rad.
+/// Angle between the driving direction (counter-clockwise from east) and the sun, rad.
 fn off_course(sun: Sun, heading: f64) -> f64 {
     let aside = wrap(FRAC_PI_2 - sun.azimuth - heading);
     (sun.elevation.cos() * aside.cos()).clamp(-1.0, 1.0).acos()
@@ -68,8 +69,8 @@ fn moved(origin: GeoPosition, x: f64, y: f64) -> GeoPosition {
     }
 }
 
-/// `context.lighting` out of doors: day, dusk, night; glare where a clear sky is stated and the sun stands ahead. Where
-/// it stands ahead and nothing is known of the sky, the light is unknown.
+/// `context.lighting` outdoors: day, dusk, night; glare where the log states a clear sky and the sun is ahead. If the
+/// sun is ahead and the sky is unknown, the lighting is unknown.
 pub(super) fn lighting(drive: &Drive) -> Vec<Option<&'static str>> {
     let (Some(origin), Some(ego), Some(first)) = (drive.meta.position, &drive.ego, drive.times.first())
     else {
@@ -134,7 +135,7 @@ mod tests {
     }
 
     /// On the equator at the March equinox of 2024 (20 March, 03:06 UTC) the sun passes the zenith within a degree;
-    /// half a day later it is under the horizon.
+    /// half a day later it is below the horizon.
     #[test]
     fn at_the_equinox_the_sun_passes_over_the_equator() {
         // Noon at longitude 0 is 12:07:30 UTC that day: the equation of time is -7.5 min.

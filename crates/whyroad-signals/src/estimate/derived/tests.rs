@@ -1,4 +1,4 @@
-//! Expected values: the taxonomy's thresholds, and what each channel means.
+//! Expected values: the taxonomy's thresholds, and the meaning of each channel.
 use super::*;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, GeoPosition, Motion};
 use whyroad_model::{Drive, Nanos};
@@ -57,7 +57,7 @@ fn light_follows_from_place_time_and_heading() {
     assert_eq!(at("2024-03-20T04:00:00Z", east, None), "day");
     assert_eq!(at("2024-03-20T16:00:00Z", east, None), "night");
     assert_eq!(at("2024-03-20T10:40:00Z", east, None), "dusk", "16 minutes after sunset");
-    // An hour after sunrise and an hour before sunset the sun is some 10 degrees up.
+    // One hour after sunrise and one hour before sunset the sun is about 10 degrees above the horizon.
     assert_eq!(at("2024-03-19T23:14:00Z", east, Some("clear")), "glare");
     assert_eq!(at("2024-03-19T23:14:00Z", west, Some("clear")), "day", "the sun is behind");
     assert_eq!(at("2024-03-20T09:24:00Z", west, Some("clear")), "glare");

@@ -1,13 +1,13 @@
-//! Rain from wipers that run on (taxonomy, weather_adaptation.rain). A single wipe cleans the windscreen, and wipers
-//! that stand still say nothing of the weather: fog, snow and a light drizzle need none.
+//! Rain from wipers that run continuously (taxonomy, weather_adaptation.rain). A single wipe cleans the windscreen, and
+//! wipers that are off do not determine the weather: fog, snow and light drizzle need none.
 
 use whyroad_model::Drive;
 
-/// Wipers that run for this long, with pauses no longer than the second, run on, s. Washing takes a few wipes.
+/// Minimum time for which wipers run, and the maximum pause between wipes, s. Washing takes a few wipes.
 const RUN_ON_S: f64 = 15.0;
 const PAUSE_S: f64 = 12.0;
 
-/// `context.weather`: rain from when the wipers have run on for long enough until they have paused for too long.
+/// `context.weather`: rain from when the wipers have run long enough until they have paused too long.
 pub(super) fn weather(drive: &Drive) -> Vec<Option<&'static str>> {
     let Some(ego) = drive.ego.as_ref().filter(|e| !e.bus.wipers.is_empty()) else { return Vec::new() };
     let mut since = None;

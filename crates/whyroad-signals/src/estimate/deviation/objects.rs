@@ -1,4 +1,5 @@
-//! Standard deviations of the signals of any object and of pairs of objects: first order, states taken as independent.
+//! Standard deviations of the signals of any object and of pairs of objects: first order, states treated as
+//! independent.
 
 use super::{LEAST_SPEED_MPS, OfDrive, number};
 use crate::estimate::smoother::Deviations;
@@ -7,10 +8,10 @@ use whyroad_model::scene::Motion;
 use whyroad_model::signal::{EGO_ID, TargetSpan, deviation_name};
 use whyroad_model::{Column, SignalTable};
 
-/// Nearer than this divides by no less, m.
+/// Minimum distance for a division, m.
 const LEAST_DISTANCE_M: f64 = 0.5;
 
-/// What a signal of one object is made of.
+/// Inputs of a signal of one object.
 #[derive(Clone, Copy)]
 enum OfObject {
     Position,
@@ -20,11 +21,11 @@ enum OfObject {
     LateralAccel,
 }
 
-/// What a signal of two objects is made of.
+/// Inputs of a signal of two objects.
 #[derive(Clone, Copy)]
 enum OfPair {
     Distance,
-    /// Along the first one's axes: its heading counts with the distance across.
+    /// Along the first object's axes: its heading's deviation counts with the lateral distance.
     Forward,
     Lateral,
     /// An angle at the first one.

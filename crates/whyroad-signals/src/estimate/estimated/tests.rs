@@ -1,4 +1,4 @@
-//! Whole drives: a car that drives by the truth of `simulated`, seen by another one that stands.
+//! Whole drives: a car with the motion of `simulated`, observed by a stationary one.
 
 use super::*;
 use crate::estimate::simulated::{Truth, white};
@@ -64,7 +64,7 @@ fn signals_of_a_noisy_log_have_deviations_and_those_of_an_exact_one_have_none() 
     let noisy = crate::derive(&drive(&truth, vec![seen(&truth, "a", 0..n, 0.2, 0.035)]));
     assert!(deviations(&noisy) > 3);
     let column = |name: &str, row| noisy.target_columns[name].number(row).unwrap();
-    // At 8 s it goes 12 m/s; at 20 s it stands.
+    // At 8 s it drives at 12 m/s; at 20 s it is stationary.
     assert!((column("target.speed", 80) - 12.0).abs() < 4.0 * column("target.speed.sd", 80));
     assert!(column("target.speed", 200) == 0.0 && column("target.speed.sd", 200) < 0.1);
     assert!(

@@ -1,5 +1,5 @@
-//! The smoothed states are those of the joint distribution of all rows, given all that was measured: worked out here
-//! without any recursion over rows, by conditioning one dense normal distribution on one number after another.
+//! The smoothed states are those of the joint distribution of all rows, given all measurements: computed here without
+//! recursion over rows, by conditioning one dense normal distribution on one measurement after another.
 
 use super::*;
 use crate::estimate::bicycle::{Bicycle, HEADING, X, Y};
@@ -13,8 +13,8 @@ struct Normal {
 }
 
 impl Normal {
-    /// States of all rows before anything is measured, by derivatives and noise along `states`: row by row what the row
-    /// before says, moved.
+    /// States of all rows before any measurement, with derivatives and noise along `states`: row by row the prediction
+    /// from the row before.
     fn of_rows<const N: usize, M: Model<N>>(
         model: &M,
         times: &[f64],
@@ -35,7 +35,7 @@ impl Normal {
             for i in 0..N {
                 let off = (0..N).map(|k| f[i][k] * (out.mean[before + k] - along[row - 1][k])).sum::<f64>();
                 out.mean[at + i] = next[i] + off;
-                // With all rows so far.
+                // With all earlier rows.
                 for j in 0..at {
                     let value = (0..N).map(|k| f[i][k] * out.covariance[before + k][j]).sum::<f64>();
                     (out.covariance[at + i][j], out.covariance[j][at + i]) = (value, value);
@@ -51,7 +51,7 @@ impl Normal {
         out
     }
 
-    /// Given that number `k` was measured.
+    /// Conditions on the measurement of number `k`.
     fn measure(&mut self, k: usize, value: f64, variance: f64) {
         let column: Vec<f64> = self.covariance.iter().map(|row| row[k]).collect();
         let (off, spread) = (value - self.mean[k], column[k] + variance);
@@ -68,7 +68,7 @@ fn assert_near(smoothed: f64, joint: f64, what: &str) {
     assert!((smoothed - joint).abs() < 1e-9 * (1.0 + joint.abs()), "{what}: {smoothed} {joint}");
 }
 
-/// The states of all rows are those of `joint`, given what each row `measured`.
+/// The states of all rows are those of `joint`, given the measurements `measured` of each row.
 fn assert_is_joint<const N: usize>(
     smoothed: &Smoothed<N>,
     mut joint: Normal,
@@ -92,7 +92,7 @@ fn assert_is_joint<const N: usize>(
 fn a_walker_is_smoothed_as_by_the_joint_distribution() {
     let times = [0.0, 0.1, 0.2, 0.35, 0.8, 0.9, 1.0, 1.1];
     let first = ([2.0, 1.1], diagonal([25.0, 9.0]));
-    // Places about 2 + 1.3 t with a little noise; two rows without, one row with two.
+    // Positions near 2 + 1.3 t with small noise; two rows without, one row with two.
     let measured = |row: usize| -> Vec<Observation> {
         let value = 2.0 + 1.3 * times[row] + 0.05 * (7.0 * row as f64).sin();
         let place = Observation { index: 0, value, variance: 0.01 };
@@ -103,7 +103,7 @@ fn a_walker_is_smoothed_as_by_the_joint_distribution() {
         }
     };
     let smoothed = Filter::new(&WALKER, &times, first, |row, seen| seen.extend(measured(row))).smoothed();
-    // The model is linear: it does not matter along which states.
+    // The model is linear: the states used for linearization do not matter.
     let joint = Normal::of_rows(&WALKER, &times, &[[0.0; 2]; 8], first);
     assert_is_joint(&smoothed, joint, measured);
 }
@@ -127,8 +127,8 @@ fn a_vehicle_is_smoothed_as_by_the_joint_distribution() {
         vec![of(X, 0.01), of(Y, 0.01), of(HEADING, 0.001)]
     };
     let smoothed = Filter::new(&bicycle, &times, first, |row, seen| seen.extend(measured(row))).smoothed();
-    // Derivatives are taken where the filter takes them: at what is known in each row from the rows up to it. For each
-    // row these are the states of a smoother that ends there.
+    // Derivatives are taken at the same states as in the filter: the estimate of each row from the rows up to it. For
+    // each row these are the states of a smoother that ends there.
     let filtered: Vec<[f64; 6]> = (0..times.len())
         .map(|last| {
             let part = Filter::new(&bicycle, &times[..=last], first, |row, seen| seen.extend(measured(row)));

@@ -41,7 +41,7 @@ fn constant_acceleration_is_exact_to_the_ends_and_not_late() {
         assert!(close(d.vx[i], 10.0 - 3.0 * t, 1e-9), "row {i}");
         assert!(close(d.accel[i], -3.0, 1e-9), "row {i}");
     }
-    // Driving the same backwards (heading turned round): braking is an acceleration along the heading.
+    // The same in reverse (heading reversed): braking is an acceleration along the heading.
     let back = derive(&t, &sample(&t, |t| 10.0 * t - 1.5 * t * t), &[0.0; 20], &[PI; 20], |_| false);
     assert!(close(back.accel[7], 3.0, 1e-9));
 }
@@ -74,7 +74,7 @@ fn a_circle_has_its_speed_its_yaw_rate_and_no_acceleration_along_the_heading() {
 
 #[test]
 fn nothing_is_derived_across_a_gap_or_a_break() {
-    // 10 m/s, unseen for 1 s, then standing 50 m on: the jump of 50 m must not become a speed.
+    // 10 m/s, unobserved for 1 s, then stationary 50 m farther: the jump of 50 m must not become a speed.
     let t: Vec<f64> = (0..10).chain(20..30).map(|i| f64::from(i) * 0.1).collect();
     let x: Vec<f64> = (0..20).map(|i| if i < 10 { f64::from(i) } else { 60.0 }).collect();
     let d = derive(&t, &x, &[0.0; 20], &[0.0; 20], |_| false);

@@ -1,6 +1,6 @@
-//! The point of a polyline that is nearest to a place. Segments are compared to within rounding first, without
-//! division, block by block; only those that can be the nearest are worked out exactly, so that the result is that of
-//! asking every segment.
+//! The point of a polyline that is nearest to a position. Segments are first compared to within rounding, without
+//! division, block by block; only those that can be the nearest are computed exactly, so that the result equals a
+//! search of all segments.
 #![allow(
     clippy::needless_range_loop,
     reason = "several arrays go by one index, and are kept in registers so"
@@ -12,11 +12,11 @@ use std::ops::Range;
 /// Number of segments per block.
 pub(super) const BLOCK: usize = 16;
 
-/// Up to this number of segments are looked at together.
+/// Maximum number of segments that are compared together.
 pub(super) const MOST: usize = 2 * BLOCK;
 
-/// The search from segment to segment needs segments of at least this length, m: those that it leaves out are then
-/// farther by more than rounding.
+/// The search from segment to segment requires segments of at least this length, m: the segments that it skips are then
+/// farther by more than rounding errors.
 const LEAST_LENGTH_M: f64 = 0.1;
 /// That search finds the nearest segment up to this distance, as a share of the radius of the line's sharpest bend:
 /// from the center of a bend all of it is equally near.
@@ -24,14 +24,14 @@ pub(super) const MOST_BENT: f64 = 0.25;
 /// A foot point that is this far inside its segment is on no other segment, m.
 const INSIDE_M: f64 = 0.02;
 
-/// Some segments of a polyline, one after another.
+/// Consecutive segments of a polyline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     pub(super) first: usize,
     pub(super) end: usize,
 }
 
-/// Some segments of a polyline, to find several places on.
+/// Consecutive segments of a polyline, for several searches.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearby {
     window: Window,
@@ -47,7 +47,7 @@ impl Nearby {
     }
 }
 
-/// Where a point lies along and beside a polyline.
+/// Position of a point along and beside a polyline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
     /// Arc length of the foot point, m; negative before the start, beyond the length after the end.
@@ -58,27 +58,27 @@ pub struct Projection {
     pub segment: usize,
 }
 
-/// The segments as the search reads them: their coordinates side by side, so that several are compared at once.
+/// The segments in the layout for the search: coordinates in separate arrays, so that several are compared at once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Segments {
     /// Circles around each [`BLOCK`] of them.
     pub blocks: Vec<Block>,
     /// Arc length at each point.
     s: Vec<f64>,
-    /// Where each begins.
+    /// Start points.
     from_x: Vec<f64>,
     from_y: Vec<f64>,
-    /// From its first point to its second.
+    /// Vectors from the first to the second point.
     along_x: Vec<f64>,
     along_y: Vec<f64>,
     /// One divided by its squared length.
     inverse: Vec<f64>,
-    /// How sharply the line bends where each begins; see [`bend`].
+    /// Sharpness of the line's bend at the beginning of each; see [`bend`].
     bends: Vec<f64>,
 }
 
 impl Segments {
-    /// Between these points with these arc lengths.
+    /// Segments between these points with these arc lengths.
     pub fn new(points: &[P2], s: &[f64]) -> Self {
         let last = points.len() - 1;
         let blocks = (0..last).step_by(BLOCK).map(|i| Block::around(&points[i..=(i + BLOCK).min(last)]));
@@ -95,14 +95,14 @@ impl Segments {
         out
     }
 
-    /// Squared distances of `p` from these segments, to within rounding, without division. The first segment goes on
-    /// straight before its beginning, the last one beyond its end.
+    /// Squared distances of `p` from these segments, to within rounding, without division. The first segment is
+    /// extended straight before its beginning, the last one beyond its end.
     fn about(&self, p: P2, range: Range<usize>, about: &mut [f64]) {
         let some = range.clone();
         let (from_x, from_y) = (&self.from_x[some.clone()], &self.from_y[some.clone()]);
         let (along_x, along_y) = (&self.along_x[some.clone()], &self.along_y[some.clone()]);
         let inverse = &self.inverse[some];
-        // One length for all, so that no index is checked.
+        // One length for all, so that no index check is needed.
         let n = about.len().min(inverse.len());
         let about = &mut about[..n];
         let (from_x, from_y, along_x, along_y) = (&from_x[..n], &from_y[..n], &along_x[..n], &along_y[..n]);
@@ -133,8 +133,8 @@ fn bend(points: &[P2]) -> f64 {
     (to * (1.0 / to.norm()) - from * (1.0 / from.norm())).norm() / shorter
 }
 
-/// Squared distance, to within rounding, of a place `to` from the beginning of a segment; its foot point is at a share
-/// of the segment between `low` and `high`.
+/// Squared distance, to within rounding, of a position `to` from the beginning of a segment; its foot point is at a
+/// share of the segment between `low` and `high`.
 fn squared(to: (f64, f64), along: (&f64, &f64), inverse: f64, low: f64, high: f64) -> f64 {
     let share = (to.0 * along.0 + to.1 * along.1) * inverse;
     let share = if share < low { low } else { share };
@@ -143,7 +143,7 @@ fn squared(to: (f64, f64), along: (&f64, &f64), inverse: f64, low: f64, high: f6
     away.0 * away.0 + away.1 * away.1
 }
 
-/// A circle around some segments: who is farther from it than from a segment elsewhere need not look at these.
+/// A circle around some segments: a position that is farther from it than from another segment need not check these.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
     pub center: P2,
@@ -164,15 +164,15 @@ impl Block {
         away.dot(away)
     }
 
-    /// True when a segment of it can be as near to `p` as `distance`. Sometimes true where it is not: the foot points
-    /// are rounded too, and one that is left out must not have been the nearest.
+    /// True when one of its segments can be at most `distance` from `p`. May be true although none is: foot points are
+    /// rounded, too, and the nearest one must not be skipped.
     fn may_be_within(&self, p: P2, distance: f64) -> bool {
         let reach = (self.radius + distance) * (1.0 + 1e-8) + 1e-5;
         self.away2(p) <= reach * reach
     }
 }
 
-/// The nearest foot point of a place among some segments, with what the search for the next one can begin with.
+/// The nearest foot point of a position among some segments, with the data for starting the next search.
 #[derive(Clone, Copy, Debug)]
 pub struct Foot {
     /// Where it is.
@@ -188,8 +188,8 @@ impl Foot {
 }
 
 impl Segments {
-    /// Nearest foot point of `p` among these segments; the search begins near `before`, the foot point of a place that
-    /// was near. The result does not depend on it.
+    /// Nearest foot point of `p` among these segments; the search begins near `before`, the foot point of an earlier
+    /// position nearby. The result does not depend on it.
     pub fn foot(&self, p: P2, window: Window, before: Option<&Foot>) -> Foot {
         let Window { first, end } = window;
         let mut best = Foot::none(window);
@@ -197,7 +197,7 @@ impl Segments {
             self.look(p, first..end, &mut best);
             return best;
         }
-        // The block that is nearest first: with what is found there, most of the others need no look.
+        // The nearest block first: its result excludes most of the others.
         let blocks = first / BLOCK..end.div_ceil(BLOCK);
         let segments = |b: usize| (b * BLOCK).max(first)..((b + 1) * BLOCK).min(end);
         let begin = before.map(|foot| foot.at.segment / BLOCK).filter(|b| blocks.contains(b));
@@ -212,7 +212,7 @@ impl Segments {
             nearest.1
         });
         self.look(p, segments(begin), &mut best);
-        // The ends go on beyond their blocks.
+        // The ends extend beyond their blocks.
         let open = |b: usize| b == 0 || b + 1 == self.blocks.len();
         let mut distance = best.d2.sqrt();
         for b in blocks {
@@ -224,8 +224,8 @@ impl Segments {
         best
     }
 
-    /// [`Segments::foot`] of the place `p` whose foot point was `before`, now among other segments: only those are
-    /// looked at that were not among the ones before.
+    /// [`Segments::foot`] of the position `p` whose foot point was `before`, now among other segments: only segments
+    /// that were not among the earlier ones are searched.
     pub fn foot_again(&self, p: P2, window: Window, before: &Foot) -> Foot {
         let (Window { first, end }, known) = (window, before.window);
         if before.d2.is_infinite() || !(first..end).contains(&before.at.segment) {
@@ -240,10 +240,10 @@ impl Segments {
         best
     }
 
-    /// Looks for a nearer foot point on these segments, at most [`MOST`]; of equally near ones the first on the line is
-    /// taken.
+    /// Searches these segments, at most [`MOST`], for a nearer foot point; of equally near ones the first on the line
+    /// is used.
     fn look(&self, p: P2, segments: Range<usize>, best: &mut Foot) {
-        // Without division, to within rounding: which segments can be the nearest.
+        // Without division, to within rounding: the segments that can be the nearest.
         let mut about = [f64::INFINITY; MOST];
         self.about(p, segments.clone(), &mut about);
         let filled = segments.len().next_multiple_of(4).min(MOST);
@@ -256,13 +256,13 @@ impl Segments {
         }
     }
 
-    /// Takes the foot point of `p` on this segment if it is nearer; of equally near ones the first on the line.
+    /// Uses the foot point of `p` on this segment if it is nearer; of equally near ones the first on the line.
     fn take_if_nearer(&self, p: P2, i: usize, best: &mut Foot) {
         let a = P2 { x: self.from_x[i], y: self.from_y[i] };
         let ab = P2 { x: self.along_x[i], y: self.along_y[i] };
         let length = self.s[i + 1] - self.s[i];
         let mut along = (p - a).dot(ab) / length;
-        // The first and last segment go on straight; between them the foot stays on the segment.
+        // The first and last segment are extended straight; between them the foot point stays on the segment.
         if i > 0 {
             along = along.max(0.0);
         }
@@ -279,16 +279,16 @@ impl Segments {
         }
     }
 
-    /// These segments, to find several places on.
+    /// These segments, for several searches.
     pub fn nearby(&self, window: Window) -> Nearby {
         let Window { first, end } = window;
         let bend = self.bends[first + 1..end].iter().copied().fold(0.0, f64::max);
         Nearby { window, length: self.s[end] - self.s[first], bend }
     }
 
-    /// Nearest foot point of `p` among these, as [`Segments::foot`] finds it; the search begins at segment `near`. If
-    /// the line hardly bends as seen from `p`, it goes from segment to segment: along the line the distance first falls
-    /// and then grows, but for segments beside each other.
+    /// Nearest foot point of `p` among these, equal to the result of [`Segments::foot`]; the search begins at segment
+    /// `near`. If the line hardly bends as seen from `p`, it goes from segment to segment: along the line the distance
+    /// first decreases and then increases, except for adjacent segments.
     pub fn foot_nearby(&self, p: P2, nearby: &Nearby, near: usize) -> Projection {
         let Window { first, end } = nearby.window;
         let mut k = near.clamp(first, end - 1);
@@ -320,21 +320,21 @@ impl Segments {
         best.at
     }
 
-    /// Greatest distance of `p` from the points of these segments, as a share of the radius of the sharpest bend; `k`
-    /// is one of them.
+    /// Maximum distance of `p` from the points of these segments, as a share of the radius of the sharpest bend; `k` is
+    /// one of them.
     pub(super) fn bent(&self, p: P2, nearby: &Nearby, k: usize) -> f64 {
-        // Any distance will do that is not too short; the sum of both costs no root.
+        // Any upper bound of the distance is sufficient; the sum of both needs no square root.
         let away = (p.x - self.from_x[k]).abs() + (p.y - self.from_y[k]).abs();
         (away + nearby.length) * nearby.bend
     }
 
-    /// At which share of a segment the foot point of `p` on its line is, to within rounding.
+    /// Share of a segment at which the foot point of `p` on its line is, to within rounding.
     fn share(&self, p: P2, i: usize) -> f64 {
         let to = (p.x - self.from_x[i], p.y - self.from_y[i]);
         (to.0 * self.along_x[i] + to.1 * self.along_y[i]) * self.inverse[i]
     }
 
-    /// Between which shares of a segment a foot point on it can be: the first and the last go on straight.
+    /// Range of shares of a segment in which a foot point on it can be: the first and the last are extended straight.
     fn ends(&self, i: usize) -> (f64, f64) {
         let low = if i == 0 { f64::NEG_INFINITY } else { 0.0 };
         let high = if i + 1 == self.inverse.len() { f64::INFINITY } else { 1.0 };
@@ -342,9 +342,9 @@ impl Segments {
     }
 }
 
-/// The least of some values, of which there are a multiple of four.
+/// The minimum of some values, whose number is a multiple of four.
 fn least_of(values: &[f64]) -> f64 {
-    // Four by four: none waits for the one before it.
+    // In groups of four: no value waits for the one before it.
     let mut least = [f64::INFINITY; 4];
     for four in values.chunks_exact(4) {
         for k in 0..4 {

@@ -1,4 +1,4 @@
-//! The search for the nearest segment against asking every one, and cases by hand.
+//! The search for the nearest segment compared with a search of all segments, and hand-made cases.
 
 use super::nearest::{MOST, MOST_BENT};
 use super::*;
@@ -31,7 +31,7 @@ fn the_ends_go_on_straight() {
 
 #[test]
 fn a_window_keeps_the_right_branch() {
-    // Out along y = 0, back along y = 4: the point is nearer to the way back, but asked on the way out.
+    // Out along y = 0, back along y = 4: the point is nearer to the way back, but the query is on the way out.
     let line = Polyline::new([p2(0.0, 0.0), p2(50.0, 0.0), p2(50.0, 4.0), p2(0.0, 4.0)]).unwrap();
     assert_eq!(line.project_between(p2(20.0, 3.0), 0.0, 40.0).s, 20.0);
     assert!(line.project(p2(20.0, 3.0)).s > 80.0);
@@ -62,8 +62,7 @@ fn one_by_one(line: &Polyline, p: P2, segments: Range<usize>) -> Projection {
 
 #[test]
 fn a_long_line_is_searched_as_a_short_one() {
-    // Loops and straights, with points that are equally near to several segments: leaving blocks out changes
-    // nothing.
+    // Loops and straights, with points that are equally near to several segments: skipping blocks changes nothing.
     let wave = |i: usize| {
         let t = i as f64 * 0.05;
         p2(30.0 * t.cos() + 3.0 * t, 20.0 * (1.3 * t).sin())
@@ -72,7 +71,7 @@ fn a_long_line_is_searched_as_a_short_one() {
         Polyline::new((0..900).map(wave)).unwrap(),
         Polyline::new((0..400).map(|i| p2(f64::from(i), 0.0))).unwrap(),
         Polyline::new((0..400).map(|i| p2(f64::from(i % 20), f64::from(i / 20)))).unwrap(),
-        // In the coordinates of a country, with steps of a few millimeters.
+        // In national coordinates, with steps of a few millimeters.
         Polyline::new((0..900).map(|i| wave(i) * 0.01 + p2(682_312.7, 3_412_990.3))).unwrap(),
         Polyline::new((0..20).map(wave)).unwrap(),
     ];
@@ -83,16 +82,16 @@ fn a_long_line_is_searched_as_a_short_one() {
             let p = p2(f64::from(k % 71) * 3.5 - 80.0, f64::from(k % 37) * 2.5 - 40.0);
             let p = if line.points[0].x > 1e5 { p * 0.02 + line.points[0] } else { p };
             let (a, b) = ((k as usize * 7) % n, (k as usize * 13) % n);
-            // All of the line, some of it, and as little as is around a box.
+            // The whole line, a part of it, and as little as is around a box.
             for (first, end) in [(0, n), (a.min(b), a.max(b) + 1), (a, (a + 1 + b % MOST).min(n))] {
                 let (window, nearest) = (Window { first, end }, one_by_one(line, p, first..end));
                 assert_eq!(line.project_within(p, window), nearest, "{p:?} {first}..{end}");
-                // From segment to segment, wherever that begins.
+                // From segment to segment, with any start.
                 for near in [first, end, (first + end) / 2, nearest.segment] {
                     let found = line.project_nearby(p, &line.segments.nearby(window), near);
                     assert_eq!(found, nearest, "{p:?} {first}..{end}");
                 }
-                // Whatever the search begins with.
+                // With any start of the search.
                 let found = line.foot(p, window, before.as_ref());
                 assert_eq!(found.at, nearest, "{p:?} {first}..{end}");
                 before = Some(found);
@@ -110,8 +109,8 @@ fn a_long_line_is_searched_as_a_short_one() {
 
 #[test]
 fn the_way_to_the_nearest_segment_finds_it() {
-    // A slight bend to both sides with unequal steps, and a corner; places on points, beside them and far off; in the
-    // coordinates of a country too.
+    // A slight bend to both sides with unequal steps, and a corner; positions on points, beside them and far away; also
+    // in national coordinates.
     let mut s = 0.0;
     let at = |i: u32| {
         s += [0.5, 0.9, 0.6, 1.1, 0.7][(i % 5) as usize];
@@ -164,7 +163,7 @@ fn a_ray_meets_no_segment_that_was_left_out() {
 
 #[test]
 fn places_are_those_of_asking_every_point() {
-    // Steps of a millimeter beside steps of a kilometer.
+    // Steps of a millimeter next to steps of a kilometer.
     let steps = |i: u32| if i % 50 == 49 { 1000.0 } else { 0.002 + f64::from(i % 7) };
     let mut x = 0.0;
     let points = (0..300).map(|i| {

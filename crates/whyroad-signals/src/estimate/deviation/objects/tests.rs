@@ -1,5 +1,5 @@
-//! Two cars with known ways and noise of known size: the errors of what two objects are to each other must be of the
-//! size that the deviations say. Expected values are geometry.
+//! Two cars with known paths and noise of known size: the errors of the signals of pairs must match the standard
+//! deviations. Expected values are geometry.
 
 use crate::estimate::simulated::{Truth, white};
 use crate::geometry::wrap;
@@ -7,10 +7,10 @@ use crate::{Objects, WithPairs, derive_objects};
 use whyroad_model::scene::{Ego, Motion, Track};
 use whyroad_model::{Drive, Nanos, ObjectClass, SignalTable};
 
-/// Where the ego stands: m, m, rad.
+/// Position of the stationary ego: m, m, rad.
 const BESIDE: (f64, f64, f64) = (30.0, -10.0, 0.0);
 
-/// A car that moves by the truth, measured with noise of these sizes, and an ego that stands and is exact.
+/// A car with the motion `truth`, measured with noise of these sizes, and an exact stationary ego.
 fn drive(truth: &Truth, ego: (f64, f64, f64), place: f64, turn: f64) -> Drive {
     let n = truth.times.len();
     let noisy =
@@ -94,7 +94,7 @@ fn errors_are_of_the_size_that_the_deviations_say() {
 #[test]
 fn the_time_to_a_collision_is_as_uncertain_as_it_says() {
     let truth = Truth::car(40.0);
-    // 55 m straight ahead of where the car begins, in its direction: it goes 12 m/s there.
+    // 55 m straight ahead of the car's start, in its direction: it drives at 12 m/s there.
     let ego = (truth.x[0] + 55.0 * 0.4f64.cos(), truth.y[0] + 55.0 * 0.4f64.sin(), 0.4);
     let noisy = table(&drive(&truth, ego, 0.2, 0.035));
     let pairs = noisy.pairs.as_ref().unwrap();
