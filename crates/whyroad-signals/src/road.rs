@@ -1,5 +1,4 @@
-//! The road: the map made ready, the lanes, and the path of the ego on it, and what the map states beside it
-//! and ahead.
+//! The road: the prepared map, the lanes, the ego's path on it, and the map's data beside and ahead of it.
 
 pub mod beside_path;
 pub mod context;
@@ -33,7 +32,7 @@ use on_road::OnRoad;
 use whyroad_model::catalog::{id, value::MapDrivingSide};
 use whyroad_model::scene::DrivingSide;
 
-/// Writes the families on road, map parts, signs and route.
+/// Writes the signals about road, map parts, signs and route.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let channels = Channels::new(on.drive);
     profile::write(on, table);

@@ -1,14 +1,14 @@
-//! Series over real timestamps: slopes, means, hysteresis, removal of short runs. Gaps stay gaps: no window
-//! reaches over a pause in the recording.
+//! Series over real timestamps: slopes, means, hysteresis, removal of short runs. Gaps are kept: no window extends over
+//! a pause in the recording.
 
 use whyroad_model::{Drive, Tri};
 
-/// Two neighboring samples further apart than this are not neighbors: 2.5 nominal frames.
+/// Maximum time between two neighboring samples: 2.5 nominal frames.
 pub const GAP_S: f64 = 0.25;
 
-/// Rows `[first, last]` around `row` within `reach` seconds, not reaching over gaps or unknown values.
+/// Rows `[first, last]` around `row` within `reach` seconds, not across gaps or unknown values.
 fn window(times: &[f64], values: &[f64], row: usize, reach: f64) -> (usize, usize) {
-    // A tolerance: 10 Hz logs are jittered (0.100196 s), and the second neighbor still belongs to 0.2 s.
+    // A tolerance: 10 Hz logs have jitter (0.100196 s), and the second neighbor still belongs to 0.2 s.
     let reach = reach + 0.02;
     let joined =
         |a: usize, b: usize| times[b] - times[a] <= GAP_S && !values[a].is_nan() && !values[b].is_nan();
@@ -60,8 +60,8 @@ pub fn smooth(times: &[f64], values: &[f64], reach: f64) -> Vec<f64> {
         .collect()
 }
 
-/// True from below `set` until above `release` (`set < release`). Unknown values give unknown and forget the state;
-/// a first value between the two counts as released.
+/// True from below `set` until above `release` (`set < release`). Unknown values give unknown and reset the state; a
+/// first value between the two counts as released.
 pub fn below_with_hysteresis(values: &[f64], set: f64, release: f64) -> Vec<Tri> {
     let mut state = false;
     values
@@ -77,8 +77,8 @@ pub fn below_with_hysteresis(values: &[f64], set: f64, release: f64) -> Vec<Tri>
         .collect()
 }
 
-/// Merges runs shorter than `least` seconds into the run before them (the first run into the one after).
-/// `None` rows are borders and stay.
+/// Merges runs shorter than `least` seconds into the run before them (the first run into the one after). `None` rows
+/// are borders and are kept.
 pub fn absorb_short_runs<T: Copy + PartialEq>(times: &[f64], values: &mut [Option<T>], least: f64) {
     let n = values.len();
     let mut start = 0;
@@ -94,7 +94,7 @@ pub fn absorb_short_runs<T: Copy + PartialEq>(times: &[f64], values: &mut [Optio
             let after = values.get(end).copied().flatten();
             if let Some(fill) = before.or(after) {
                 values[start..end].fill(Some(fill));
-                // Absorbed forward, the run may have joined the next one: look at the joined run.
+                // Merged forward, the run may have joined the next one: the joined run is checked.
                 if before.is_none() {
                     continue;
                 }

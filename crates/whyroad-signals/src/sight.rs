@@ -1,6 +1,6 @@
-//! Sight: what of each target the ego can see, what hides it, when it comes out; how far and how wide the ego sees of
-//! the road ahead and beside. Seen from the center of the ego's box over the ground plan: heights matter only for
-//! crests, for what is too low to hide anything, and for what is on another level.
+//! Sight: the visible part of each target, the object that hides it, when it comes out; how far and how wide the ego
+//! sees the road ahead and beside it. Seen from the center of the ego's box in the ground plane: heights matter only
+//! for crests, for objects that are too low to hide anything, and for other levels.
 
 mod ahead;
 mod beside;
@@ -17,7 +17,7 @@ use obstacles::Obstacles;
 
 pub use scene::{Occluder, Scene};
 
-/// By target: the frames in which something hides a part of it, and what hides most.
+/// By target: the frames in which something hides a part of it, with the object that hides most.
 pub fn hidden_by(scene: &Scene<'_>) -> Vec<Vec<(usize, Occluder)>> {
     let obstacles = Obstacles::new(scene);
     let mut occlusion = occlusion::Occlusion::new(scene);

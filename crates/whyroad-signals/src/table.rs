@@ -1,5 +1,5 @@
-//! Collects columns into a [`SignalTable`]. Scope and type of a column are checked by the compiler: each signal's
-//! constant in [`whyroad_model::catalog::id`] carries them. A family only computes.
+//! Collects columns into a [`SignalTable`]. The compiler checks scope and type of a column, which are in each signal's
+//! constant in [`whyroad_model::catalog::id`]. A family only computes values.
 
 use crate::catalog::{Catalog, SignalKind};
 use crate::wanted::Wanted;
@@ -17,13 +17,13 @@ use whyroad_model::{Column, Drive, Need, SignalId, SignalTable, Tri};
 pub struct TargetRows<T>(pub Vec<T>);
 
 impl<T> TargetRows<T> {
-    /// Each value changed by `f`.
+    /// Each value mapped by `f`.
     pub fn map<U>(&self, f: impl Fn(&T) -> U) -> TargetRows<U> {
         TargetRows(self.0.iter().map(f).collect())
     }
 }
 
-/// What holds the values of a signal of this scope.
+/// Container for the values of a signal of this scope.
 pub trait Scoped {
     /// One value per frame, or one per target row.
     type Values<T>: Into<Vec<T>>;
@@ -74,8 +74,8 @@ pub struct TableBuilder<'a> {
 }
 
 impl<'a> TableBuilder<'a> {
-    /// An empty table for `drive`: one target per track, dense from its first to its last frame. It is for signals that
-    /// are `wanted`; others may be missing.
+    /// An empty table for `drive`: one target per track, dense from its first to its last frame. It is for the `wanted`
+    /// signals; others may be missing.
     pub fn new(catalog: &'a Catalog, drive: &Drive, wanted: &'a Wanted) -> Self {
         let mut rows = 0;
         let mut targets = Vec::with_capacity(drive.tracks.len());
@@ -93,7 +93,7 @@ impl<'a> TableBuilder<'a> {
         Self { catalog, table, rows, wanted }
     }
 
-    /// True where something of a family of signals is asked for.
+    /// True if some signal of the family is requested.
     pub fn asks(&self, family: &[SignalId]) -> bool {
         self.wanted.any(family)
     }
@@ -121,7 +121,7 @@ impl<'a> TableBuilder<'a> {
         self.column(id.id()).is_some()
     }
 
-    /// A number of target `k` already in the table, in `frame`; NaN where there is none.
+    /// A number of target `k` already in the table, in `frame`; NaN if there is none.
     pub fn target_number(&self, id: Signal<PerTarget, Number>, k: usize, frame: usize) -> f64 {
         let row = self.table.targets[k].row(frame);
         row.zip(self.column(id.id())).and_then(|(row, c)| c.number(row)).unwrap_or(f64::NAN)
@@ -190,13 +190,13 @@ impl<'a> TableBuilder<'a> {
         columns.insert(id.name().to_owned(), column);
     }
 
-    /// The finished table: a signal that the log cannot support is listed with what is missing instead of given. A
-    /// signal that nothing computed is listed with what it lacks, or with all that it needs when each part is there but
-    /// not enough of it.
+    /// The finished table: a signal that the log cannot support is listed with the missing data instead. A signal
+    /// without computed values is listed with its missing needs, or with all its needs if each of them is present but
+    /// insufficient.
     pub fn finish(mut self, missing: &BTreeSet<Need>) -> SignalTable {
         let mut unavailable = BTreeMap::new();
         for def in self.catalog.iter().filter(|d| !d.scope.is_on_demand() && self.wanted.has(&d.name)) {
-            // A bus that never reports a channel lacks it: "AEB never seen active" must not read as "never active".
+            // A bus that never reports a channel lacks it: "AEB never seen active" must not be read as "never active".
             let silent = |need: &Need| {
                 *need == Need::VehicleBus
                     && self.table.frame_columns.get(&def.name).is_none_or(|c| c.known_count() == 0)

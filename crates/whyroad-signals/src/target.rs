@@ -1,4 +1,4 @@
-//! The targets: their rows, their placement around the ego, its path and its lanes, and what each does by itself.
+//! The targets: their rows, their placement around the ego, its path and its lanes, and the motion of each.
 
 pub mod approach;
 pub mod band;

@@ -1,31 +1,31 @@
-//! Which signals of a drive are asked for. Signals are derived in families, one file each: a family of which nothing is
-//! asked for, and from which nothing follows that is, is left out. Families that cost little are always derived; none
-//! of them is here.
+//! The requested signals of a drive. Signals are derived in families, one file each: a family is skipped if none of its
+//! signals, nor any signal that depends on them, is requested. Inexpensive families are always derived; they are not
+//! listed here.
 
 use std::collections::BTreeSet;
 use whyroad_model::catalog::id;
 use whyroad_model::signal::is_deviation;
 use whyroad_model::{SignalId, SignalTable};
 
-/// Signals that are asked for.
+/// Requested signals.
 #[derive(Clone, Debug)]
 pub struct Wanted(Option<Chosen>);
 
 #[derive(Clone, Debug)]
 struct Chosen {
-    /// Those asked for.
+    /// The requested ones.
     asked: BTreeSet<SignalId>,
-    /// The same with those that they follow from.
+    /// The same with those on which they depend.
     derived: BTreeSet<SignalId>,
 }
 
 impl Wanted {
-    /// All that the drive supports.
+    /// All signals that the drive supports.
     pub const fn all() -> Self {
         Self(None)
     }
 
-    /// The signals of these names; names that are none of a signal are passed over.
+    /// The signals with these names; names that are not signals are ignored.
     pub fn only<'n>(names: impl IntoIterator<Item = &'n str>) -> Self {
         let asked: BTreeSet<SignalId> = names.into_iter().filter_map(SignalId::from_name).collect();
         let (mut derived, mut open) = (asked.clone(), asked.iter().copied().collect::<Vec<_>>());
@@ -36,18 +36,18 @@ impl Wanted {
         Self(Some(Chosen { asked, derived }))
     }
 
-    /// True where one of these is asked for, or something that follows from it.
+    /// True if one of these is requested, or a signal that depends on it.
     pub(crate) fn any(&self, family: &[SignalId]) -> bool {
         self.0.as_ref().is_none_or(|some| family.iter().any(|signal| some.derived.contains(signal)))
     }
 
-    /// [`Wanted::any`] of a signal by its name.
+    /// [`Wanted::any`] for a signal by its name.
     pub(crate) fn has(&self, name: &str) -> bool {
         let derived = |some: &Chosen| SignalId::from_name(name).is_some_and(|id| some.derived.contains(&id));
         self.0.as_ref().is_none_or(derived)
     }
 
-    /// Takes from a table what was not asked for.
+    /// Removes the signals that were not requested from a table.
     pub(crate) fn keep(&self, table: &mut SignalTable) {
         let Some(some) = &self.0 else { return };
         let asked = |name: &str| SignalId::from_name(name).is_some_and(|id| some.asked.contains(&id));
@@ -62,7 +62,7 @@ impl Wanted {
     }
 }
 
-/// What is read from the table when a signal or its standard deviation is worked out.
+/// Signals that are read from the table when a signal or its standard deviation is computed.
 const FOLLOWS: &[(SignalId, &[SignalId])] = &[
     (id::TARGET_TTC.id(), &[id::TARGET_GAP.id(), id::TARGET_RELATIVE_SPEED.id()]),
     (id::TARGET_TTC_LANE.id(), &[id::TARGET_GAP.id(), id::TARGET_RELATIVE_SPEED.id()]),
@@ -80,7 +80,7 @@ const FOLLOWS: &[(SignalId, &[SignalId])] = &[
     (id::MAP_MEAN_GRADE.id(), &[id::MAP_GRADE.id(), id::EGO_IN_JUNCTION.id()]),
 ];
 
-/// Lists of signals, each of one family; with `in LIST`, also the list of these families.
+/// Lists of signals, one per family; with `in LIST`, also the list of these families.
 macro_rules! families {
     ($(#[$list_doc:meta])* in $list:ident; $($(#[$doc:meta])* $name:ident: $($signal:ident)+;)+) => {
         families! { $($(#[$doc])* $name: $($signal)+;)+ }
@@ -92,7 +92,7 @@ macro_rules! families {
 }
 
 families! {
-    /// What the map states ahead of the ego and beside it.
+    /// Map data ahead of the ego and beside it.
     ROAD_AHEAD: CONTEXT_PAVEMENT EGO_IN_JUNCTION EGO_MOVEMENT EGO_TURN_ANGLE GATE_STATE MAP_CROSSWALK_SIGNALISED
         MAP_DEAD_END_DISTANCE MAP_DISTANCE_TO_ACCIDENT MAP_DISTANCE_TO_BARRIER_GAP MAP_DISTANCE_TO_CONSTRUCTION
         MAP_DISTANCE_TO_CROSSWALK MAP_DISTANCE_TO_DRIVEWAY MAP_DISTANCE_TO_GATE MAP_DISTANCE_TO_JUNCTION
@@ -116,7 +116,7 @@ families! {
 families! {
     /// Families for which targets are placed around the ego, its path and its lane.
     in PLACED;
-    /// Room beside and between targets.
+    /// Free space beside and between targets.
     FREE_WIDTH: MAP_FREE_WIDTH_AHEAD MAP_FREE_WIDTH_LEFT MAP_FREE_WIDTH_RIGHT MAP_MEETING_WIDTH_AHEAD;
     MOTION: TARGET_SPEED TARGET_ACCEL TARGET_STANDSTILL TARGET_PATH_LONGITUDINAL TARGET_PATH_LATERAL
         TARGET_CROSSING_ANGLE;

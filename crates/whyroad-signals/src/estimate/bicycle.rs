@@ -25,7 +25,7 @@ pub const REAR_TO_CENTER: f64 = 0.27;
 const JERK: f64 = 2.0;
 /// Change of lateral acceleration within a second, one standard deviation, m/s2.
 const LATERAL_JERK: f64 = 0.8;
-/// Speed below which the limit on yaw rate changes does not grow further, m/s.
+/// Minimum speed by which the change of lateral acceleration is divided for that of the yaw rate, m/s.
 const LEAST_SPEED_MPS: f64 = 2.0;
 /// Sideways slip within a second, m: deviation from the model.
 const SLIP_M: f64 = 0.05;

@@ -1,4 +1,5 @@
-//! The stretches of a path beside which something stands: not only what is driven over or through bears on who passes.
+//! The ranges of a path beside which something is located: it affects passing traffic even if the path does not lead
+//! over or through it.
 
 use crate::geometry::{P2, Polygon, p2};
 use crate::road::junction::Stretch;
@@ -19,7 +20,7 @@ fn meet(a: P2, b: P2, c: P2, d: P2) -> bool {
     (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)
 }
 
-/// The ground beside one step of the path, to both sides.
+/// The area beside one step of the path, on both sides.
 fn strip(path: &DrivenPath, s: f64, reach: f64) -> [P2; 4] {
     let end = |s: f64| {
         let side = P2::from_heading(path.line.heading_at(s)).left() * reach;
@@ -34,7 +35,7 @@ fn touches(edge: &(P2, P2), strip: &[P2; 4]) -> bool {
     (0..4).any(|i| meet(edge.0, edge.1, strip[i], strip[(i + 1) % 4])) || inside()
 }
 
-/// Parts of the path that lie in the facility or have some of it straight beside them, no farther than `reach` m. To
+/// Ranges of the path inside the facility or with a part of it directly beside them, at most `reach` m away. Accuracy:
 /// half a meter.
 pub fn parts(path: &DrivenPath, facility: &Facility, reach: f64) -> Vec<Stretch> {
     let corners: Vec<P2> = facility.boundary.iter().map(|p| p2(p.x, p.y)).collect();

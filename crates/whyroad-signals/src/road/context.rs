@@ -1,5 +1,5 @@
-//! Context channels: what a log or a perception model states of weather, surface, light, works. A state holds by time
-//! until the next of its kind, also over missing frames; before the first nothing is known.
+//! Context channels: states of weather, surface, light and road works from a log or a perception model. A state is
+//! valid until the next one of its kind, also over missing frames; before the first one nothing is known.
 
 use crate::table::TableBuilder;
 use whyroad_model::catalog::{Category, CategoryValue, PerFrame, Signal};
@@ -8,7 +8,7 @@ use whyroad_model::scene::ContextState;
 use whyroad_model::vocabulary::UNKNOWN;
 use whyroad_model::{Drive, Nanos, Tri};
 
-/// A state is believed from this confidence on: it is more likely so than not.
+/// Minimum confidence of a state that is used: more likely true than false.
 const LEAST_CONFIDENCE: f64 = 0.5;
 
 /// A change is reported for this long, s.
@@ -25,7 +25,7 @@ pub struct Channels<'a> {
 }
 
 impl<'a> Channels<'a> {
-    /// Of `drive`.
+    /// The context of `drive`.
     pub fn new(drive: &'a Drive) -> Self {
         let mut states: Vec<&ContextState> = drive.context.iter().flatten().collect();
         states.sort_by_key(|s| s.time);
@@ -41,7 +41,7 @@ impl<'a> Channels<'a> {
         self.states.iter().copied().filter(|s| s.kind == kind).collect()
     }
 
-    /// What holds in each frame; `None` before the first state and where it is unknown.
+    /// The valid state in each frame; `None` before the first state and where it is unknown.
     pub fn values(&self, kind: &str) -> Vec<Option<&'a str>> {
         let states = self.of(kind);
         let at = |t: &Nanos| {
@@ -57,7 +57,7 @@ impl<'a> Channels<'a> {
         self.values(kind).into_iter().map(|v| v.and_then(C::from_name)).collect()
     }
 
-    /// Writes the signal whose values are the names of the state, if the log states the kind at all.
+    /// Writes the signal whose values are the names of the states, if the log has this kind.
     fn write<C: CategoryValue>(
         &self,
         kind: &str,
@@ -75,14 +75,14 @@ impl<'a> Channels<'a> {
         self.values(kind).into_iter().map(|v| v.and_then(number).unwrap_or(f64::NAN)).collect()
     }
 
-    /// True while the last change from one known value to another is at most 3 s old; unknown where a value in that
-    /// time is.
+    /// True while the last change from one known value to another is at most 3 s old; unknown if a value in that time
+    /// is unknown.
     fn changed(&self, kind: &str) -> Vec<Tri> {
         let states = self.of(kind);
         let at = |t: &Nanos| {
             let since = states.partition_point(|s| s.time.seconds_since(*t) < -CHANGE_S);
             let until = states.partition_point(|s| s.time <= *t);
-            // The state that held when the window began, and those that began in it.
+            // The state at the beginning of the window, and those that began in it.
             let held = &states[since.saturating_sub(1)..until];
             let known = |s: &&ContextState| s.value != UNKNOWN && is_sure(s);
             if held.windows(2).any(|w| w.iter().all(known) && w[0].value != w[1].value) {
@@ -119,7 +119,7 @@ pub fn write(channels: &Channels<'_>, table: &mut TableBuilder<'_>) {
     }
 }
 
-/// Writes `context.pavement` where the lanes' tags state it too, by frame; what is stated counts first.
+/// Writes `context.pavement` if the lanes' tags also state it, by frame; the channel has priority.
 pub fn write_pavement(channels: &Channels<'_>, unpaved: &[Option<bool>], table: &mut TableBuilder<'_>) {
     let stated = channels.categories("pavement");
     let drawn = |unpaved: bool| if unpaved { ContextPavement::Unpaved } else { ContextPavement::Paved };

@@ -1,13 +1,13 @@
-//! A lane continued along a route: ahead through the successors that the actor takes (else the straightest),
-//! behind through the lanes it came from. One line with the widths to both edges.
+//! A lane continued along a route: ahead through the successors that the actor takes (else the straightest), behind
+//! through the lanes from which it came. One line with the widths to both edges.
 
 use crate::geometry::{P2, Polyline, wrap};
 use crate::road::lanes::LanePlace;
 use crate::road::network::{LaneShape, Road};
 
-/// How far a corridor reaches ahead of its lane's start, beyond the lane's own length, m.
+/// Length of a corridor ahead of its lane's start, in addition to the lane's own length, m.
 pub const AHEAD_M: f64 = 160.0;
-/// How far it reaches behind the lane's start, m.
+/// Length of a corridor behind the lane's start, m.
 pub const BEHIND_M: f64 = 110.0;
 
 /// A lane and its continuation, by arc length.
@@ -22,12 +22,12 @@ pub struct Corridor {
     base_start: f64,
 }
 
-/// How much a lane turns from its start to its end, rad, without sign.
+/// Absolute change of direction of a lane from its start to its end, rad.
 fn turn_of(lane: &LaneShape) -> f64 {
     wrap(lane.center.heading_at(lane.center.length()) - lane.center.heading_at(0.0)).abs()
 }
 
-/// The continuation to take: one on the route, else one beside the route, else the straightest.
+/// The continuation: one on the route, else one beside the route, else the straightest.
 fn choose(road: &Road, options: &[usize], route: &[usize]) -> Option<usize> {
     let rank = |&i: &usize| {
         let beside = road.lanes[i].neighbors.iter().flatten().any(|n| route.contains(n));
@@ -48,7 +48,7 @@ impl Corridor {
     pub fn new(road: &Road, base: usize, route: &[usize]) -> Option<Self> {
         let mut chain = vec![base];
         let mut reach = 0.0;
-        // The lane itself may be shorter than what is wanted ahead of any place on it.
+        // The lane itself may be shorter than the required length ahead of any position on it.
         while reach < AHEAD_M {
             let Some(next) = choose(road, &road.lanes[*chain.last()?].successors, route) else { break };
             reach += road.lanes[next].center.length();
@@ -82,7 +82,7 @@ impl Corridor {
         }
         let line = Polyline::new(points)?;
         let s_at = |i: usize| line.arc_lengths().get(i).copied().unwrap_or(line.length());
-        // A lane's first point was dropped when it repeats the last of the one before: it begins there.
+        // A lane's first point is dropped when it repeats the last one of the lane before; the lane begins there.
         let lanes: Vec<(usize, f64)> = starts
             .iter()
             .enumerate()
@@ -92,7 +92,7 @@ impl Corridor {
         Some(Self { line, left, right, lanes, base_start })
     }
 
-    /// Arc length on the corridor of a place on its base lane, m.
+    /// Arc length on the corridor of a position on its base lane, m.
     pub fn s_of(&self, place: &LanePlace) -> f64 {
         self.base_start + place.s
     }

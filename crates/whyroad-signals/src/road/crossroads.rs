@@ -1,5 +1,5 @@
-//! The junction here or next on the ego's path: lights, arms, exits; and whether the next crosswalk belongs to one
-//! with lights.
+//! The current or next junction on the ego's path: lights, arms, exits; and whether the next crosswalk belongs to a
+//! junction with lights.
 
 use crate::road::beside_path;
 use crate::road::junction::{HORIZON_M, Stretch, distance_to_next};
@@ -13,14 +13,13 @@ use std::collections::BTreeSet;
 use whyroad_model::Tri;
 use whyroad_model::catalog::id;
 
-/// A junction farther ahead than this is not asked for its lights, m.
+/// Maximum distance of a junction whose lights are considered, m.
 const LIGHTS_REACH_M: f64 = 100.0;
-/// A crosswalk this near to a junction on the path belongs to it, m.
+/// Maximum distance between a crosswalk and the junction on the path to which it belongs, m.
 const CROSSWALK_REACH_M: f64 = 15.0;
-/// A light drawn in the map stands no farther than this beside the path, and no farther before or behind its
-/// junction, m.
+/// Maximum distance of a light in the map beside the path, and before or behind its junction, m.
 const LIGHT_REACH_M: f64 = 10.0;
-/// Step in which the path is probed inside a junction, m.
+/// Sampling step of the path inside a junction, m.
 const STEP_M: f64 = 1.0;
 
 /// A junction on the path.
@@ -29,7 +28,7 @@ struct Crossing {
     lights: Tri,
 }
 
-/// The group of junction lanes that the path crosses most of between two arc lengths.
+/// The group of junction lanes of which the path crosses most between two arc lengths.
 fn group_on_path(road: &Road, path: &DrivenPath, groups: &[Vec<usize>], from: f64, to: f64) -> Vec<usize> {
     let steps = ((to - from) / STEP_M) as usize;
     let mut hits = vec![0usize; groups.len()];
@@ -43,7 +42,7 @@ fn group_on_path(road: &Road, path: &DrivenPath, groups: &[Vec<usize>], from: f6
     best.map(|k| groups[k].clone()).unwrap_or_default()
 }
 
-/// Where the path passes lights that the map draws; `None` if it has none.
+/// Ranges where the path passes lights in the map; `None` if the map has none.
 fn drawn_lights(on: &OnRoad<'_>) -> Option<Vec<Stretch>> {
     let lights = on.map.facilities.iter().filter(|f| f.kind == "traffic_light");
     on.map
@@ -65,7 +64,7 @@ fn crossings(on: &OnRoad<'_>) -> Vec<Crossing> {
                 controlled.as_ref().map(|c| lanes.any(|&l| c.contains(on.road.lanes[l].id.as_str())));
             let near = |l: &Stretch| l.to >= j.from - LIGHT_REACH_M && l.from <= j.to + LIGHT_REACH_M;
             let shown = lights == Some(true) || drawn.as_ref().is_some_and(|d| d.iter().any(near));
-            // That there is none, a log with light states says, or a map that has all lights.
+            // Only a log with light states, or a map with all lights, shows that there is none.
             let lights = match shown {
                 true => Tri::True,
                 false if lights.is_some() || on.map.tells_all("traffic_light") => Tri::False,
@@ -76,13 +75,13 @@ fn crossings(on: &OnRoad<'_>) -> Vec<Crossing> {
         .collect()
 }
 
-/// Lanes of the approach by which the ego comes to junction `crossing`: its last lane before it with those beside it.
+/// Lanes of the approach by which the ego enters junction `crossing`: its last lane before it and the adjacent ones.
 fn approach(on: &OnRoad<'_>, crossing: &Crossing, frame: usize) -> Option<Vec<usize>> {
     let (way, s) = on.ways.at(frame)?;
     let here = way.step_at(s);
     let inside = |lane: usize| crossing.arms.inside.binary_search(&lane).is_ok();
     let last = if inside(way.steps[here].lane) {
-        // Already inside: whence its lane comes.
+        // Already inside: the lane from which its lane leads.
         let mut lane = way.steps[here].lane;
         for _ in 0..8 {
             let Some(&before) = on.road.lanes[lane].predecessors.first().filter(|_| inside(lane)) else {
@@ -116,7 +115,7 @@ fn crosswalk_lights(on: &OnRoad<'_>, crossings: &[Crossing], frame: usize) -> Tr
         .junctions
         .iter()
         .position(|j| j.from - CROSSWALK_REACH_M <= walk.to && walk.from <= j.to + CROSSWALK_REACH_M);
-    // Beside no junction: a light of its own would be one of a lane that it crosses, which maps do not state.
+    // Not at a junction: its own light would be one of a lane that it crosses, which maps do not state.
     near.map_or(Tri::False, |k| crossings[k].lights)
 }
 
@@ -142,7 +141,7 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
         let of = |i: usize| within(i, HORIZON_M).map_or(0.0, |c| value(i, c));
         frames().map(|i| if on.ego.is_known(i) { of(i) } else { f64::NAN }).collect()
     };
-    // A junction area without lanes inside has no known arms.
+    // The arms of a junction area without lanes inside are unknown.
     let known = |c: &Crossing, value: usize| if c.arms.inside.is_empty() { f64::NAN } else { value as f64 };
     table.number(id::MAP_JUNCTION_ARMS, number(&|_, c| known(c, c.arms.count())));
     let exits = |i: usize, c: &Crossing| {

@@ -1,4 +1,4 @@
-//! Curvature of the road, here and ahead: of the ego's lane where there is one, else of its driven path. From
+//! Curvature of the road, here and ahead: of the ego's lane if there is one, else of its driven path. Computed from
 //! geometry, so that it is known at standstill and before the ego gets there.
 
 use crate::geometry::Polyline;
@@ -7,11 +7,11 @@ use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
 use whyroad_model::catalog::id;
 
-/// The chords whose directions are compared are this long, m.
+/// Length of the chords whose directions are compared, m.
 const REACH_M: f64 = 5.0;
-/// How far ahead is looked, m.
+/// Look-ahead distance, m.
 const AHEAD_M: f64 = 50.0;
-/// Step of the look ahead, m.
+/// Sampling step of the look-ahead, m.
 const STEP_M: f64 = 2.0;
 
 fn at(line: &Polyline, s: f64) -> f64 {

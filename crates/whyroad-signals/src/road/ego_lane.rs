@@ -1,5 +1,5 @@
-//! The ego's lane in each frame with its corridor, and the signals about the ego in it: offset, width, lateral
-//! speed, wheel over line, lane count. Left is positive, as seen in driving direction.
+//! The ego's lane in each frame with its corridor, and the signals about the ego in it: offset, width, lateral speed,
+//! wheel over line, lane count. Left is positive, in driving direction.
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{OrientedBox, P2, wrap};
@@ -12,22 +12,22 @@ use whyroad_model::Tri;
 use whyroad_model::catalog::{Number, PerFrame, Signal, id};
 use whyroad_model::road_map::LaneKind;
 
-/// A side must be this far over a line to count, m: boxes and maps are good to about a decimeter.
+/// Minimum distance of a side over a line, m: boxes and maps are accurate to about a decimeter.
 pub const OVER_LINE_M: f64 = 0.1;
 
-/// A side must be this far inside a lane of oncoming traffic to take up room there, m.
+/// Minimum distance of a side inside a lane of oncoming traffic at which it uses that lane, m.
 const INSIDE_M: f64 = 0.3;
-/// From this angle between the headings on, a lane is one of oncoming traffic: 120 deg.
+/// Minimum angle between the headings for a lane of oncoming traffic: 120 deg.
 const ONCOMING_RAD: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
 
-/// Where the ego is on its lane.
+/// Position of the ego on its lane.
 pub struct EgoLane {
     /// By frame; `None` where no lane is assigned.
     pub places: Vec<Option<LanePlace>>,
     corridors: BTreeMap<usize, Corridor>,
 }
 
-/// A corridor and a place on it.
+/// A corridor and a position on it.
 #[derive(Clone, Copy)]
 pub struct OnCorridor<'a> {
     /// The corridor of the ego's lane.
@@ -71,12 +71,12 @@ pub fn lateral_extent(corridor: &Corridor, footprint: &OrientedBox, s: f64) -> (
     })
 }
 
-/// Lanes for vehicles and buses beside one another in the direction of `lane`, itself included.
+/// Number of adjacent lanes for vehicles and buses in the direction of `lane`, including itself.
 pub fn lane_count(road: &Road, lane: usize) -> f64 {
     let mut count = 1;
     for side in 0..2 {
         let mut at = lane;
-        // Bounded: a map whose neighbors form a ring must not hang us.
+        // Bounded: in a map whose neighbors form a ring the loop would not end.
         for _ in 0..16 {
             let Some(next) = road.lanes[at].neighbors[side] else { break };
             at = next;

@@ -1,5 +1,5 @@
-//! Facilities on the ego's path: tunnels, toll stations, gates, roundabouts and the like. A kind on which the map has
-//! no data stays unavailable: a map without speed bumps drawn is not a road without speed bumps.
+//! Facilities on the ego's path: tunnels, toll stations, gates, roundabouts and the like. A kind for which the map has
+//! no data stays unavailable: a map without speed bumps does not show that the road has none.
 
 use crate::geometry::{P2, Polygon, p2};
 use crate::road::beside_path;
@@ -16,10 +16,10 @@ use whyroad_model::catalog::{
 };
 use whyroad_model::road_map::Facility;
 
-/// The state of a gate farther ahead than this is not asked for, m.
+/// Maximum distance of a gate whose state is reported, m.
 const GATE_REACH_M: f64 = 100.0;
 
-/// Signals of a distance, with the kinds of facilities that they are about.
+/// Distance signals, with the kinds of facilities that they measure.
 const DISTANCES: &[(Signal<PerFrame, Number>, &[&str])] = &[
     (id::MAP_DISTANCE_TO_TUNNEL, &["tunnel"]),
     (id::MAP_DISTANCE_TO_SPEED_BUMP, &["speed_bump"]),
@@ -31,7 +31,7 @@ const DISTANCES: &[(Signal<PerFrame, Number>, &[&str])] = &[
     (id::MAP_DISTANCE_TO_DRIVEWAY, &["driveway"]),
     (id::MAP_DISTANCE_TO_ROUNDABOUT, &["roundabout"]),
 ];
-/// Kinds of facilities that are toll stations; a plaza, the last, holds booths.
+/// Kinds of toll facilities; the last one, a plaza, contains booths.
 const TOLLS: &[&str] = &["toll_etc", "toll_manual", "toll_plaza"];
 /// The values of `map.toll_kind` in the same order.
 const TOLL_KINDS: [MapTollKind; 3] = [MapTollKind::Etc, MapTollKind::Manual, MapTollKind::Plaza];
@@ -59,7 +59,7 @@ pub fn line_crossings(path: &DrivenPath, corners: &[P2]) -> Vec<f64> {
     found
 }
 
-/// The parts of the path inside a facility; a line is a part without length.
+/// The ranges of the path inside a facility; a line gives a range without length.
 fn parts(path: &DrivenPath, facility: &Facility) -> Vec<Stretch> {
     let mut corners: Vec<P2> = facility.boundary.iter().map(|p| p2(p.x, p.y)).collect();
     if corners.len() == 2 {
@@ -79,9 +79,9 @@ fn parts(path: &DrivenPath, facility: &Facility) -> Vec<Stretch> {
         .collect()
 }
 
-/// How far beside the path a facility of this kind still bears on who drives there, m. Works and crashes take room
-/// from the edge of a lane, half of which is 1.75 m; behind an opening in the barrier someone may stand, and that
-/// counts within 7 m of the path (taxonomy, blind_spot_slowdown). The others are driven over or through.
+/// Maximum distance beside the path at which a facility of this kind affects traffic there, m. Road works and crashes
+/// use space from the edge of a lane, half of which is 1.75 m; behind an opening in the barrier a person may stand,
+/// which counts within 7 m of the path (taxonomy, blind_spot_slowdown). The path leads over or through the others.
 fn reach_beside(kind: &str) -> f64 {
     match kind {
         "construction" | "accident" => 3.0,
@@ -90,7 +90,7 @@ fn reach_beside(kind: &str) -> f64 {
     }
 }
 
-/// Facilities of these kinds on the path, in order of their beginning; of some kinds, beside it too.
+/// Facilities of these kinds on the path, in order of their beginning; for some kinds also beside it.
 fn on_path(on: &OnRoad<'_>, kinds: &[&str]) -> Vec<Stretch> {
     let wanted = on.map.facilities.iter().filter(|f| kinds.contains(&f.kind.as_str()));
     let stretches = |f: &Facility| match reach_beside(&f.kind) {
@@ -122,7 +122,7 @@ fn next(on: &OnRoad<'_>, stretches: &[Stretch], frame: usize) -> f64 {
     if on.path.ego_s[frame].is_nan() {
         return f64::NAN;
     }
-    // One may lie within another (a booth in its plaza): the first that begins is not always the next to come.
+    // One may be inside another (a booth in its plaza): the first that begins is not always the next one.
     stretches.iter().map(ahead).fold(f64::INFINITY, f64::min)
 }
 
@@ -131,7 +131,7 @@ fn write_tolls(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let by_kind: Vec<Vec<Stretch>> = TOLLS.iter().map(|k| on_path(on, &[k])).collect();
     let toll = |i: usize| {
         let distance: Vec<f64> = by_kind.iter().map(|s| next(on, s, i)).collect();
-        // A booth on the path says more than the plaza around it.
+        // A booth on the path is more specific than the plaza around it.
         let booth = (0..2).filter(|&k| distance[k].is_finite());
         let nearest = booth.min_by(|&a, &b| distance[a].total_cmp(&distance[b]));
         let found = nearest.or_else(|| distance[2].is_finite().then_some(2));
@@ -190,7 +190,7 @@ fn write_gate(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder
     );
 }
 
-/// Writes the signals about facilities for which the map, or for works and gates the context, has data.
+/// Writes the signals about facilities for which the map has data, or for road works and gates the context.
 pub fn write(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder<'_>) {
     for (id, kinds) in DISTANCES.iter().filter(|(_, kinds)| covers(on, kinds)) {
         table.number(*id, distances(on, &on_path(on, kinds)));

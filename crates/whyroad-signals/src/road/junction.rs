@@ -1,5 +1,5 @@
-//! Junctions and crosswalks along the ego's driven path, as stretches of arc length; the distance to the next one,
-//! and the way that the ego takes across each junction.
+//! Junctions and crosswalks along the ego's driven path, as ranges of arc length; the distance to the next one, and the
+//! ego's movement through each junction.
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{unwrap, wrap};
@@ -10,25 +10,25 @@ use std::f64::consts::PI;
 use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::EgoMovement};
 
-/// Step in which the path is probed, m.
+/// Sampling step of the path, m.
 const STEP_M: f64 = 0.5;
-/// Stretches of one kind with less than this between them are one, m.
+/// Ranges of one kind with a smaller distance are merged, m.
 pub const MERGE_M: f64 = 5.0;
-/// Farther ahead than this there is none, m.
+/// Maximum look-ahead, m.
 pub const HORIZON_M: f64 = 150.0;
-/// A turn's heading begins to change a little before the area and ends a little behind it, m.
+/// A turn's heading begins to change slightly before the area and ends slightly behind it, m.
 pub const TURN_MARGIN_M: f64 = 3.0;
-/// Farther from the area a turn is not the junction's, m.
+/// A turn farther from the area does not belong to the junction, m.
 const TURN_REACH_M: f64 = 15.0;
-/// A turn goes on while its radius is under this, m.
+/// Maximum radius of a continuing turn, m.
 const TURN_RADIUS_M: f64 = 40.0;
-/// From this angle on a turn has begun: 10 deg.
+/// Minimum angle at which a turn has begun: 10 deg.
 const BEGUN_RAD: f64 = PI / 18.0;
-/// A U-turn takes at most this much way, m: half a circle of 13 m radius.
+/// Maximum path length of a U-turn, m: half a circle of 13 m radius.
 const TURN_ROUND_M: f64 = 40.0;
-/// From this angle on a traversal is a turn: 45 deg (RefAV).
+/// Minimum angle of a turn: 45 deg (RefAV).
 const TURN_RAD: f64 = PI / 4.0;
-/// From this angle on it is a U-turn: 135 deg.
+/// Minimum angle of a U-turn: 135 deg.
 const UTURN_RAD: f64 = 3.0 * PI / 4.0;
 
 /// Part of the path, arc lengths in m.
@@ -40,7 +40,7 @@ pub struct Stretch {
     pub to: f64,
 }
 
-/// The stretches of the path for which `inside` holds, in order.
+/// The ranges of the path for which `inside` is true, in order.
 pub fn stretches(
     path: &DrivenPath,
     inside: impl Fn(crate::geometry::P2) -> bool,
@@ -61,7 +61,7 @@ pub fn stretches(
     found
 }
 
-/// Distance from the front bumper to the next stretch, 0 from reaching it until the center has left it.
+/// Distance from the front bumper to the next range, 0 from reaching it until the center has left it.
 pub fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
     if ego_s.is_nan() {
         return f64::NAN;
@@ -71,9 +71,9 @@ pub fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
     if distance > HORIZON_M { f64::INFINITY } else { distance }
 }
 
-/// Heading turned over one traversal and whether the recording holds it from entry to exit. A turn that begins before
-/// the area or ends behind it is counted as far as it goes on; where the recording begins or ends in the midst of it,
-/// as in a slip lane before the area, nobody knows how far it goes.
+/// Change of heading over one traversal and whether the recording covers it from entry to exit. A turn that begins
+/// before the area or ends behind it is counted completely; if the recording begins or ends during it, as in a slip
+/// lane before the area, its angle is unknown.
 fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64, bool)> {
     let s = &path.ego_s;
     let near = |&i: &usize| s[i] >= stretch.from - TURN_MARGIN_M && s[i] <= stretch.to + TURN_MARGIN_M;
@@ -107,7 +107,7 @@ fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64,
     let known = |i: &usize| headings[*i].is_finite() && s[*i].is_finite();
     let (edge_first, edge_last) = ((0..headings.len()).find(known)?, (0..headings.len()).rfind(known)?);
     let turns_over = |a: usize, b: usize| goes_on(headings[a], headings[b], s[b] - s[a]);
-    // Whether the recording's first and last meters are part of it.
+    // Whether the first and last meters of the recording are part of it.
     let after_edge = || (edge_first..=last).find(|&i| s[i] - s[edge_first] >= TURN_MARGIN_M);
     let before_edge = || (first..=edge_last).rfind(|&i| s[edge_last] - s[i] >= TURN_MARGIN_M);
     let begins_in_it =
@@ -117,8 +117,8 @@ fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64,
     Some((headings[ends] - headings[begins], whole && !begins_in_it && !ends_in_it))
 }
 
-/// Where the path turns round outside of junctions, as at an opening of the median, and no lane leads round there (a
-/// hairpin does): heading turned by 135 deg and more within [`TURN_ROUND_M`].
+/// U-turns of the path outside of junctions, as at an opening of the median, where no lane makes the turn (as in a
+/// hairpin): the heading changes by at least 135 deg within [`TURN_ROUND_M`].
 fn turns_round(road: &Road, path: &DrivenPath) -> Vec<Stretch> {
     let steps = ((path.driven.1 - path.driven.0) / STEP_M) as usize;
     let at = |k: usize| path.driven.0 + k as f64 * STEP_M;
@@ -133,7 +133,7 @@ fn turns_round(road: &Road, path: &DrivenPath) -> Vec<Stretch> {
             k += 1;
             continue;
         };
-        // The turn begins where the heading has changed a little.
+        // The turn begins where the heading has changed slightly.
         let begins = (k..j).find(|&i| (headings[i] - headings[k]).abs() >= BEGUN_RAD).unwrap_or(k);
         let middle = path.line.point_at(at((begins + j) / 2));
         let course = headings[(begins + j) / 2];
@@ -150,8 +150,8 @@ fn turns_round(road: &Road, path: &DrivenPath) -> Vec<Stretch> {
     found
 }
 
-/// Junction stretches and U-turns in one list: a U-turn joins what it touches, since its way may leave the area of the
-/// junction and come back to it.
+/// Junction ranges and U-turns in one list: a U-turn is merged with the ranges that it touches, because its path may
+/// leave the junction area and return to it.
 fn with_turns_round(junctions: Vec<Stretch>, turns: Vec<Stretch>) -> Vec<Stretch> {
     let mut all: Vec<Stretch> = junctions;
     for turn in turns {
@@ -165,7 +165,7 @@ fn with_turns_round(junctions: Vec<Stretch>, turns: Vec<Stretch>) -> Vec<Stretch
     all
 }
 
-/// The movement of a traversal that turned by `angle` (rad) and was seen as a `whole`.
+/// The movement of a traversal with a change of heading by `angle` (rad) that was completely recorded if `whole`.
 pub fn movement(angle: f64, whole: bool) -> Option<EgoMovement> {
     if angle.abs() > UTURN_RAD {
         Some(EgoMovement::Uturn)
@@ -178,17 +178,17 @@ pub fn movement(angle: f64, whole: bool) -> Option<EgoMovement> {
 
 /// The junctions and crosswalks on the ego's path, in order.
 pub struct Encounters {
-    /// Junctions; those with less than 5 m between them are one, and so is what a U-turn touches. A U-turn outside of
-    /// junctions counts as one.
+    /// Junctions; those with less than 5 m between them are merged, and so are those that a U-turn touches. A U-turn
+    /// outside of junctions counts as one.
     pub junctions: Vec<Stretch>,
     /// Crosswalks.
     pub crosswalks: Vec<Stretch>,
-    /// Heading turned across each junction, rad, and whether the recording holds it from entry to exit.
+    /// Change of heading across each junction, rad, and whether the recording covers it from entry to exit.
     ways: Vec<Option<(f64, bool)>>,
 }
 
 impl Encounters {
-    /// Along the whole path, its continuations included.
+    /// Along the whole path, including its continuations.
     pub fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion) -> Self {
         let areas = stretches(path, |p| road.in_junction(p), MERGE_M);
         let junctions = with_turns_round(areas, turns_round(road, path));
@@ -198,14 +198,14 @@ impl Encounters {
         Self { junctions, crosswalks, ways }
     }
 
-    /// The junction in which the ego's center is at `ego_s`, else the next whose distance from its front is within
-    /// `reach`.
+    /// The junction that contains the ego's center at `ego_s`, else the next one whose distance from its front is
+    /// within `reach`.
     pub fn here_or_next(&self, ego_s: f64, front: f64, reach: f64) -> Option<usize> {
         let next = self.junctions.iter().position(|j| j.to >= ego_s)?;
         (self.junctions[next].from - ego_s - front <= reach).then_some(next)
     }
 
-    /// How the ego crosses junction `k`, if the recording shows it.
+    /// The ego's movement through junction `k`, if the recording shows it.
     pub fn movement(&self, k: usize) -> Option<EgoMovement> {
         self.ways[k].and_then(|(angle, whole)| movement(angle, whole))
     }

@@ -1,6 +1,6 @@
-//! A junction by its lanes: those inside it, where they come in and go out, and the arms that these make. Arms are
-//! distinguished by where they meet the junction and in which direction they leave it, not by road names, which maps
-//! split as they like.
+//! A junction by its lanes: those inside it, where they enter and leave, and the resulting arms. Arms are distinguished
+//! by the position at which they meet the junction and by their direction, not by road names, which maps split
+//! arbitrarily.
 
 use crate::geometry::{P2, wrap};
 use crate::road::network::Road;
@@ -8,18 +8,18 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use whyroad_model::road_map::LaneKind;
 
-/// Links to the outside belong to one arm when their directions differ by less than this, rad: 25 deg.
+/// Maximum difference of directions of links to the outside in one arm, rad: 25 deg.
 const SAME_ARM_RAD: f64 = 25.0 * PI / 180.0;
-/// And when they are no farther apart than this: two carriageways with a strip between them, m.
+/// And their maximum distance: two carriageways with a strip between them, m.
 const SAME_ARM_M: f64 = 20.0;
-/// The direction of an arm is that of its first meters, m.
+/// Length from which the direction of an arm is computed, m.
 const DIRECTION_M: f64 = 10.0;
-/// Two arms this near to a straight line are opposite, rad: 30 deg.
+/// Maximum deviation from a straight line of two opposite arms, rad: 30 deg.
 const OPPOSITE_RAD: f64 = 30.0 * PI / 180.0;
-/// Who comes in at this angle or more comes from opposite, rad: 115 deg, so that of three arms at equal angles, 120
-/// deg, the other two do.
+/// Minimum angle of an oncoming approach, rad: 115 deg, so that of three arms at equal angles, 120 deg, the other two
+/// are oncoming.
 const AGAINST_RAD: f64 = 115.0 * PI / 180.0;
-/// Adjacent arms nearer than this make an acute corner, rad: 50 deg.
+/// Maximum angle between adjacent arms at an acute corner, rad: 50 deg.
 const ACUTE_RAD: f64 = 50.0 * PI / 180.0;
 
 /// Where a lane outside meets the junction.
@@ -37,7 +37,7 @@ pub struct JunctionArms {
     pub inside: Vec<usize>,
     /// Lanes outside that lead in.
     pub entries: Vec<usize>,
-    /// By arm: the lanes outside that meet it there, and its bearing as seen from the junction, rad.
+    /// By arm: the outside lanes of the arm, and its bearing as seen from the junction, rad.
     arms: Vec<(Vec<usize>, f64)>,
 }
 
@@ -73,7 +73,7 @@ impl JunctionArms {
     /// From the lanes inside the junction.
     pub fn new(road: &Road, inside: Vec<usize>) -> Self {
         let (links, entries) = links(road, &inside);
-        // Single linkage: the lanes of a wide road hold together one by one.
+        // Single linkage: the lanes of a wide road are connected one by one.
         let mut group: Vec<usize> = (0..links.len()).collect();
         for i in 0..links.len() {
             for j in 0..i {
@@ -102,8 +102,8 @@ impl JunctionArms {
         self.arms.len()
     }
 
-    /// 5 arms or more, no two of them opposite, or two of them less than 50 deg apart. With two arms it is a bend, or
-    /// a crosswalk that the map draws as a junction.
+    /// At least 5 arms, or no two opposite arms, or two arms less than 50 deg apart. With two arms it is a bend, or a
+    /// crosswalk that the map draws as a junction.
     pub fn is_irregular(&self) -> bool {
         let mut bearings: Vec<f64> = self.arms.iter().map(|a| a.1).collect();
         bearings.sort_by(f64::total_cmp);
@@ -115,7 +115,7 @@ impl JunctionArms {
             || (n >= 3 && pairs().any(|(i, j)| apart(i, j) < ACUTE_RAD))
     }
 
-    /// Arms that the lanes `from` (of one approach) lead to, other than the one that they are of.
+    /// Number of arms to which the lanes `from` (of one approach) lead, other than their own arm.
     pub fn reached(&self, road: &Road, from: &[usize]) -> usize {
         let own: BTreeSet<usize> = from.iter().filter_map(|l| self.arm_of(*l)).collect();
         let mut seen: BTreeSet<usize> = BTreeSet::new();
@@ -134,8 +134,8 @@ impl JunctionArms {
         reached.difference(&own).count()
     }
 
-    /// True when some lane leads in against the direction in which `approach` does: traffic may come from opposite. Who
-    /// comes from the arm into which the ego turns (that of its lane `exit`) does not cross its way.
+    /// True when some lane enters in the direction opposite to that of `approach`: there may be oncoming traffic.
+    /// Traffic from the arm into which the ego turns (that of its lane `exit`) does not cross its path.
     pub fn is_opposed(&self, road: &Road, approach: usize, exit: Option<usize>) -> bool {
         let into = |lane: usize| {
             let line = &road.lanes[lane].center;
@@ -143,10 +143,10 @@ impl JunctionArms {
             (line.point_at(line.length()) - line.point_at(before)).heading()
         };
         let own = into(approach);
-        // A junction of two arms is a bend, in which both ways of the one road meet.
+        // A junction of two arms is a bend, in which both directions of the one road meet.
         let left_by = exit.and_then(|e| self.arm_of(e)).filter(|_| self.count() > 2);
         let crosses = |l: usize| {
-            // Straight on, the arm by which the ego leaves is the one opposite: it says nothing of other turns.
+            // For an ego that goes straight on, its exit arm is the opposite one, which does not limit other turns.
             let against = wrap(into(l) - own).abs();
             against >= AGAINST_RAD
                 && (against >= PI - OPPOSITE_RAD || left_by.is_none() || self.arm_of(l) != left_by)

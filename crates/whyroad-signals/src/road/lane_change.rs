@@ -1,6 +1,6 @@
-//! Lane changes of an actor from its sequence of lanes: from where it leaves the old lane's center until it is
-//! stable in the new one (LABELING.md 4: phases execute and complete). The two lanes lie beside each other and run
-//! the same way; a successor is no lane change, however the map draws the joint.
+//! Lane changes of an actor from its sequence of lanes: from where it leaves the old lane's center until it is stable
+//! in the new one (LABELING.md 4: phases execute and complete). The two lanes are adjacent and have the same direction;
+//! a transition to a successor is not a lane change, whatever the geometry of the joint.
 
 use crate::estimate::Aside;
 use crate::geometry::P2;
@@ -11,27 +11,28 @@ use crate::road::own_shift::{OnWay, most_shifted};
 use crate::series::GAP_S;
 use whyroad_model::catalog::value::EgoLaneChange;
 
-/// Lateral speed from which an actor moves across, and below which it is stable, m/s (LABELING.md 4, RefAV).
+/// Minimum lateral speed of an actor that moves across, below which it is stable, m/s (LABELING.md 4, RefAV).
 const LATERAL_MPS: f64 = 0.1;
-/// Standard deviations that the speed across and the offset must exceed too.
+/// Standard deviations that the lateral speed and the offset must also exceed.
 const DEVIATIONS: f64 = 1.5;
-/// Within this of the new lane's center it has arrived, m (LABELING.md 4).
+/// Maximum distance from the new lane's center at which the actor has arrived, m (LABELING.md 4).
 const CENTERED_M: f64 = 0.3;
-/// Without lateral motion for this long it is stable too, if not in the center, s.
+/// Time without lateral motion after which it is stable outside of the center, too, s.
 const SETTLED_S: f64 = 2.0;
-/// A pause in the lateral motion shorter than this does not part the beginning, s.
+/// A shorter pause in the lateral motion does not end the beginning phase, s.
 const PAUSE_S: f64 = 0.5;
-/// It must move across by this much, m: less is the map's joint, not the actor.
+/// Minimum lateral movement, m: less is caused by the map's joint, not by the actor.
 const LEAST_SHIFT_M: f64 = 1.5;
-/// Of it, this much by its own steering, m: where a lane forks off or ends, who drives straight on is in another lane.
+/// Minimum share of it by the actor's own steering, m: where a lane forks off or ends, an actor that drives straight on
+/// is in another lane.
 const LEAST_OWN_SHIFT_M: f64 = 0.7;
-/// Its steering is looked at from this long before it crosses to this long after, s.
+/// Its steering is measured from this long before the crossing to this long after it, s.
 const AROUND_S: f64 = 5.0;
-/// Slower, its velocity does not tell its direction, m/s.
+/// Minimum speed at which the velocity determines the direction, m/s.
 const DIRECTION_MPS: f64 = 0.5;
-/// Time in the new lane to count, s, unless the recording ends.
+/// Minimum time in the new lane, s, unless the recording ends.
 const LEAST_STAY_S: f64 = 1.0;
-/// No lane change is longer on either side of the line, s.
+/// Maximum duration of a lane change on either side of the line, s.
 const LONGEST_HALF_S: f64 = 10.0;
 
 /// To which side an actor changes lanes.
@@ -48,7 +49,7 @@ pub enum Side {
 pub struct Change {
     /// First row: it leaves the old lane's center.
     pub start: usize,
-    /// First row in the new lane: half of it is there.
+    /// First row with half of the actor in the new lane.
     pub crossing: usize,
     /// One past the last row: it is stable in the new lane.
     pub end: usize,
@@ -66,11 +67,11 @@ pub struct Rows<'a> {
     pub velocity: &'a [P2],
     /// Assigned lanes.
     pub places: &'a [Option<LanePlace>],
-    /// How well its motion to the side is known; empty where the log is exact.
+    /// Accuracy of its lateral motion; empty where the log is exact.
     pub aside: &'a [Aside],
 }
 
-/// On which side of lane `a` lane `b` lies, 0 left, 1 right; `None` when `b` follows `a` or lies elsewhere.
+/// On which side of lane `a` lane `b` is, 0 left, 1 right; `None` when `b` follows `a` or is elsewhere.
 fn side_of(road: &Road, a: usize, b: usize) -> Option<usize> {
     let mut front = vec![a];
     for _ in 0..3 {
@@ -94,25 +95,25 @@ impl Rows<'_> {
         self.times[row + 1] - self.times[row] > GAP_S
     }
 
-    /// Speed across from which it moves in this row, and below which it is still, m/s: more than its noise.
+    /// Lateral speed from which it moves in this row, and below which it is stable, m/s: more than its noise.
     fn moving_mps(&self, row: usize) -> f64 {
         self.aside.get(row).map_or(LATERAL_MPS, |a| LATERAL_MPS.max(DEVIATIONS * a.speed_mps))
     }
 
-    /// Distance from the center within which it has arrived, m: not less than its noise.
+    /// Distance from the center within which it has arrived, m: at least its noise.
     fn centered_m(&self, row: usize) -> f64 {
         self.aside.get(row).map_or(CENTERED_M, |a| CENTERED_M.max(DEVIATIONS * a.place_m))
     }
 
-    /// Offset from a corridor's center and speed across it, both positive towards `sign`.
+    /// Offset from a corridor's center and lateral speed, both positive towards `sign`.
     fn across(&self, corridor: &Corridor, row: usize, sign: f64) -> (f64, f64) {
         let at = corridor.line.project(self.position[row]);
         let left = P2::from_heading(corridor.line.smooth_heading_at(at.s, 2.0)).left();
         (sign * at.lateral, sign * self.velocity[row].dot(left))
     }
 
-    /// How far it moved towards `sign` by its own steering around row `k`, at most, m; `None` where it stands
-    /// meanwhile, so that its direction is not known all the time.
+    /// Maximum lateral movement towards `sign` by its own steering around row `k`, m; `None` if it is stationary
+    /// meanwhile, so that its direction is not always known.
     fn by_own_steering(&self, k: usize, sign: f64) -> Option<f64> {
         let near = |row: &usize| (self.times[*row] - self.times[k]).abs() <= AROUND_S;
         let rows = |all: std::ops::Range<usize>| all.filter(near).step_by(3);
@@ -135,7 +136,7 @@ impl Rows<'_> {
             && self.times[k] - self.times[row - 1] <= LONGEST_HALF_S
         {
             row -= 1;
-            // What moves across while it comes out of a junction's turn is still settling into its lane.
+            // An actor that moves across while it leaves a junction's turn is still settling into its lane.
             if self.places[row].is_some_and(|p| road.lanes[p.lane].in_junction) {
                 break;
             }
@@ -195,7 +196,7 @@ pub fn found(road: &Road, rows: &Rows<'_>) -> Vec<Change> {
         if let Some((before, old)) = last
             && old != place.lane
             && rows.times[row] - rows.times[before] < 2.0
-            // Inside a junction lanes overlap and have no lines: cutting its corner is no lane change.
+            // Inside a junction lanes overlap and have no lines: cutting a corner is not a lane change.
             && !road.lanes[old].in_junction
             && !road.lanes[place.lane].in_junction
             && let Some(side) = side_of(road, old, place.lane)

@@ -1,5 +1,5 @@
-//! The lane behind the lane signals, by its id in the map: for tests and tools that compare lane assignment with
-//! another source. Not a signal, because its values are the map's own and no rule may ask for one.
+//! The lane that the lane signals use, by its id in the map: for tests and tools that compare lane assignment with
+//! another source. This is not a signal, because its values are ids of the map and no rule may use one.
 
 use crate::ego::motion::EgoMotion;
 use crate::road::ego_lane::EgoLane;

@@ -1,5 +1,5 @@
-//! What the ego's lane is, allows and is bounded by: kind, turns at the next junction, speed limits, marks, the lanes
-//! beside it. What the map does not state is unknown.
+//! Attributes of the ego's lane: kind, turns at the next junction, speed limits, markings, adjacent lanes. Values that
+//! the map does not state are unknown.
 
 use crate::geometry::wrap;
 use crate::road::context::Channels;
@@ -16,14 +16,14 @@ use whyroad_model::catalog::{
 };
 use whyroad_model::road_map::{Lane, LaneKind, LaneMark, TurnKind};
 
-/// Limits that differ by less are one: 30 km/h is written as 8.33 or 8.34 m/s.
+/// Limits that differ by less are equal: 30 km/h is written as 8.33 or 8.34 m/s.
 const SAME_LIMIT_MPS: f64 = 0.1;
-/// A lane shorter than this can be a joint between two roads, without a limit of its own, m.
+/// A lane shorter than this may be a joint between two roads, without a limit of its own, m.
 const JOINT_M: f64 = 20.0;
-/// A junction's lanes lead across it over no more links than this.
+/// Maximum number of links across a junction.
 const MOST_LINKS: usize = 8;
 
-/// The value of `map.lane_turns` for a set of turns; `None` when there is no turn at all.
+/// The value of `map.lane_turns` for a set of turns; `None` if the set is empty.
 fn turns_value(turns: &BTreeSet<EgoMovement>) -> Option<MapLaneTurns> {
     let has = |t: EgoMovement| turns.contains(&t);
     Some(match (has(EgoMovement::Straight), has(EgoMovement::Left), has(EgoMovement::Right)) {
@@ -40,8 +40,8 @@ fn turns_value(turns: &BTreeSet<EgoMovement>) -> Option<MapLaneTurns> {
     })
 }
 
-/// Turns (as in `ego.movement`) that junction lane `lane` leads to: as the map states, else by the heading that it
-/// changes by.
+/// Turns (as in `ego.movement`) to which junction lane `lane` leads: as stated in the map, else from its change of
+/// heading.
 fn turns_of(on: &OnRoad<'_>, lane: usize, entry: f64, left: usize, found: &mut BTreeSet<EgoMovement>) {
     if let Some(turn) = on.lane(lane).and_then(|l| l.turn) {
         found.insert(match turn {
@@ -56,11 +56,11 @@ fn turns_of(on: &OnRoad<'_>, lane: usize, entry: f64, left: usize, found: &mut B
     let onward: Vec<usize> =
         shape.successors.iter().copied().filter(|&l| on.road.lanes[l].in_junction && left > 0).collect();
     if onward.is_empty() {
-        // As the road behind the junction goes; some maps draw the lanes inside as straight lines.
+        // In the direction of the road behind the junction; some maps draw the lanes inside as straight lines.
         let behind = shape.successors.first().map(|&l| heading_near(on.road, l, 0.0));
         let exit = behind.unwrap_or_else(|| heading_near(on.road, lane, shape.center.length()));
         let turned = wrap(exit - entry).to_degrees();
-        // The bounds of `ego.movement`.
+        // The thresholds of `ego.movement`.
         found.insert(match turned {
             a if a.abs() > 135.0 => EgoMovement::Uturn,
             a if a >= 45.0 => EgoMovement::Left,
@@ -73,7 +73,7 @@ fn turns_of(on: &OnRoad<'_>, lane: usize, entry: f64, left: usize, found: &mut B
     }
 }
 
-/// Direction of a lane near arc length `s`, from within it.
+/// Direction of a lane near arc length `s`, measured inside it.
 fn heading_near(road: &Road, lane: usize, s: f64) -> f64 {
     let line = &road.lanes[lane].center;
     line.smooth_heading_at(s.clamp(1.0, (line.length() - 1.0).max(1.0)), 1.0)
@@ -92,8 +92,8 @@ fn entry_heading(road: &Road, lane: usize) -> f64 {
     heading_near(road, at, 0.0)
 }
 
-/// What the lane allows at the junction here or next within `reach` of the front bumper; `None` without one. Empty
-/// where the ego's lane ends before it.
+/// Turns that the lane allows at the current or next junction within `reach` of the front bumper; `None` without one.
+/// Empty if the ego's lane ends before it.
 pub fn turns_ahead(on: &OnRoad<'_>, way: &Way, front: f64, reach: f64) -> Option<BTreeSet<EgoMovement>> {
     let here = way.step_at(front - on.ego.front());
     let mut found = BTreeSet::new();
@@ -147,7 +147,7 @@ fn mark_value(mark: LaneMark) -> Option<MapLeftMark> {
     })
 }
 
-/// The lane beside the ego's; unknown where the map names one that it does not have.
+/// The lane beside the ego's; unknown if the map refers to one that it does not contain.
 fn beside_value(on: &OnRoad<'_>, index: usize, side: usize) -> Option<MapLeftLane> {
     let own = on.lane(index)?;
     let Some(id) = [&own.left_neighbor, &own.right_neighbor][side] else { return Some(MapLeftLane::None) };
@@ -163,7 +163,7 @@ fn beside_value(on: &OnRoad<'_>, index: usize, side: usize) -> Option<MapLeftLan
     })
 }
 
-/// The limit here: the lane's own; a lane inside a junction has that of the lane that led to it.
+/// The limit here: the lane's own; a lane inside a junction has the limit of the lane before it.
 fn limits(on: &OnRoad<'_>) -> Vec<Option<f64>> {
     let stated = |lane: usize| on.lane(lane).and_then(|l| l.speed_limit_mps);
     let mut before = None;
@@ -172,7 +172,7 @@ fn limits(on: &OnRoad<'_>) -> Vec<Option<f64>> {
             let lane = on.lanes.at(i)?.lane;
             let from = || {
                 let shape = &on.road.lanes[lane];
-                // As does a short piece that only joins two roads.
+                // A short lane that only joins two roads does, too.
                 if !shape.in_junction && shape.center.length() > JOINT_M {
                     return None;
                 }
@@ -185,7 +185,7 @@ fn limits(on: &OnRoad<'_>) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// The next other limit on the way and the distance to it from the front bumper.
+/// The next different limit along the way and its distance from the front bumper.
 fn next_limit(on: &OnRoad<'_>, way: &Way, front: f64, here: f64) -> Option<(f64, f64)> {
     let own = way.step_at(front - on.ego.front());
     way.steps[own + 1..].iter().find_map(|step| {
@@ -209,7 +209,7 @@ fn write_limits(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     table.number(id::MAP_DISTANCE_TO_LIMIT_CHANGE, on.ahead(distance));
 }
 
-/// Whether both edges of the lane are marked, as the map has it.
+/// Whether both edges of the lane are marked, according to the map.
 fn marked(lane: &Lane) -> Tri {
     let of = |m: LaneMark| match m {
         LaneMark::Unknown => Tri::Unknown,
@@ -222,7 +222,7 @@ fn marked(lane: &Lane) -> Tri {
     }
 }
 
-/// On a lane inside a junction one of whose edges is drawn.
+/// On a lane inside a junction with a marking on at least one edge.
 fn guided(on: &OnRoad<'_>, frame: usize) -> Tri {
     let Some(at) = on.lanes.at(frame) else { return Tri::Unknown };
     if !on.road.lanes[at.lane].in_junction {
@@ -237,7 +237,7 @@ fn guided(on: &OnRoad<'_>, frame: usize) -> Tri {
     }
 }
 
-/// Writes `map.lane_marked`: as the channel says, else the map.
+/// Writes `map.lane_marked`: from the channel, else from the map.
 pub fn write_marked(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder<'_>) {
     let stated = channels.values("lane_marks");
     let drawn = |i: usize| match stated[i] {

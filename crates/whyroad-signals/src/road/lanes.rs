@@ -1,7 +1,7 @@
-//! Which lane an actor is in, over its whole track: the cheapest sequence of lanes (Viterbi) under position,
-//! heading and continuity. That gives hysteresis (a short swing over a line is no lane change), tells the
-//! overlapping lanes of a junction apart by where the actor came from and goes to, and leaves an actor that
-//! is off the road, or stands or drives against the lane, without one.
+//! The lane of an actor over its whole track: the cheapest sequence of lanes (Viterbi) by position, heading and
+//! continuity. This gives hysteresis (a short swing over a line is not a lane change), distinguishes the overlapping
+//! lanes of a junction by the actor's origin and destination, and assigns no lane to an actor that is off the road, or
+//! is stationary or drives against the lane.
 
 use crate::geometry::{P2, wrap};
 use crate::road::network::Road;
@@ -18,14 +18,14 @@ pub struct LanePlace {
     pub lateral: f64,
 }
 
-/// How firmly an actor is held to lanes. Costs are per frame and without unit; only their ratios matter.
+/// Parameters for assigning an actor to lanes. Costs are per frame and without unit; only their ratios matter.
 #[derive(Clone, Copy, Debug)]
 pub struct Tether {
-    /// Cost of having no lane. A lane beyond whose edge the center is by about this many meters loses.
+    /// Cost of having no lane. A lane is not assigned if the center is farther beyond its edge than about this, m.
     none: f64,
     /// Lanes are considered until the center is this far beyond their edge, m.
     reach_m: f64,
-    /// What the actor's kind pays for a bicycle lane.
+    /// Cost of a bicycle lane for this kind of actor.
     bike_lane: f64,
 }
 
@@ -38,16 +38,16 @@ impl Tether {
     pub const BICYCLE: Tether = Tether { none: 0.8, reach_m: 1.0, bike_lane: 0.0 };
 }
 
-/// Headings that differ more than this from the lane's cannot be in it.
+/// Maximum difference between the actor's heading and the lane's.
 const HEADING_LIMIT_RAD: f64 = 75.0 * std::f64::consts::PI / 180.0;
-/// Slack at lane ends, so that a center between two joints has a lane, m.
+/// Tolerance at lane ends, so that a center between two joints has a lane, m.
 const END_SLACK_M: f64 = 0.5;
 const CHANGE_COST: f64 = 1.5;
 const ENTER_OR_LEAVE_COST: f64 = 1.5;
 const BACKWARD_COST: f64 = 1.0;
 const UNRELATED_COST: f64 = 4.0;
 
-/// Lanes at a place, on whatever level, and what each costs.
+/// Candidate lanes at a position, on any level, with their costs.
 fn candidates(road: &Road, p: P2, heading: f64, tether: Tether, found: &mut Vec<(LanePlace, f64)>) {
     found.clear();
     for index in road.lanes_near(p, tether.reach_m) {
@@ -74,12 +74,12 @@ fn candidates(road: &Road, p: P2, heading: f64, tether: Tether, found: &mut Vec<
     }
 }
 
-/// What it costs to be in lane `b` one row after lane `a`.
+/// Cost of being in lane `b` one row after lane `a`.
 fn transition(road: &Road, a: usize, b: usize) -> f64 {
     if a == b {
         return 0.0;
     }
-    // Lanes can be shorter than what a fast actor drives between two rows.
+    // Lanes can be shorter than the distance that a fast actor covers between two rows.
     let mut front = vec![a];
     for hop in 0..3 {
         front = front.iter().flat_map(|&i| road.lanes[i].successors.iter().copied()).collect();
@@ -100,10 +100,10 @@ fn transition(road: &Road, a: usize, b: usize) -> f64 {
     if road.lanes[b].successors.contains(&a) { BACKWARD_COST } else { UNRELATED_COST }
 }
 
-/// What steps between lanes cost, remembered: the same few are asked about row after row.
+/// Cache of the costs of transitions between lanes: the same few are needed row after row.
 #[derive(Default)]
 struct Steps {
-    /// By the lane that is left: the lanes entered, and what it costs.
+    /// By the lane that is left: the entered lanes, with the cost.
     known: Vec<(usize, Vec<(usize, f64)>)>,
 }
 
@@ -130,7 +130,7 @@ impl Steps {
 /// The lane of each row, `None` where the actor is in no lane or its pose is unknown.
 /// `rows` gives position (m), height (m) and heading (rad) of an actor in ascending time.
 pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Option<LanePlace>> {
-    // The states of all rows, one after another: for each row the candidates and, last, "no lane".
+    // The states of all rows, one after another: for each row the candidates, followed by "no lane".
     let mut states: Vec<State> = Vec::with_capacity(3 * rows.len());
     let mut starts: Vec<usize> = Vec::with_capacity(rows.len());
     let mut steps = Steps::default();
@@ -138,7 +138,7 @@ pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Optio
     let mut last: Option<[u64; 3]> = None;
     for &(p, z, heading) in rows {
         let known = p.is_finite() && heading.is_finite();
-        // What stands is where it was in the row before.
+        // A stationary actor has the same position as in the row before.
         let at = known.then(|| [p.x, p.y, heading].map(f64::to_bits));
         if known && at != last {
             candidates(road, p, heading, tether, &mut here);
@@ -182,7 +182,7 @@ pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Optio
 /// A lane, or none, in one row.
 struct State {
     place: Option<LanePlace>,
-    /// Of the cheapest sequence that ends here.
+    /// Cost of the cheapest sequence that ends here.
     cost: f64,
     /// The state of the row before in that sequence.
     from: usize,

@@ -1,5 +1,5 @@
-//! The traffic light for the ego's own movement: the next one on its lane's continuation that the log knows, its
-//! state and what is known of its history.
+//! The traffic light for the ego's own movement: the next one on its lane's continuation in the log, its state and its
+//! known history.
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::p2;
@@ -11,12 +11,12 @@ use whyroad_model::catalog::{id, value};
 use whyroad_model::scene::{LightColor, LightState};
 use whyroad_model::{Nanos, RoadMap};
 
-/// Lights farther ahead do not concern the ego yet, m: 6 s at 90 km/h. Rules ask for less where the ego is slower.
+/// Maximum distance of a light that concerns the ego, m: 6 s at 90 km/h. Rules require less where the ego is slower.
 const REACH_M: f64 = 150.0;
 
-/// A state that was seen for this long without a change has lasted at least as long, s.
+/// A state that was observed for this long without a change has lasted at least as long, s.
 const LASTED_S: f64 = 5.0;
-/// Slower than this the ego is at standstill, m/s.
+/// Below this speed the ego is at standstill, m/s.
 const STANDS_MPS: f64 = 0.1;
 
 /// The value of light.state; `None` if the log does not know the color.
@@ -36,20 +36,20 @@ fn shown_value(color: LightColor) -> Option<value::LightState> {
     })
 }
 
-/// What a light shows, and what it showed before.
+/// The state of a light, and its previous state.
 #[derive(Clone, Copy)]
 struct Shown {
     color: LightColor,
     /// `None` when no change was recorded.
     previous: Option<LightColor>,
-    /// Since the change, or since it was first seen, s.
+    /// Time since the change, or since it was first observed, s.
     lasted_s: f64,
-    /// Until the next color, as its countdown shows, s; NaN without one.
+    /// Time until the next color, from its countdown, s; NaN without one.
     countdown_s: f64,
 }
 
 impl Shown {
-    /// Time since the change, s; a lower bound where none was recorded, NaN while that says nothing.
+    /// Time since the change, s; a lower bound if none was recorded, NaN while there is no useful bound.
     fn since_change(self) -> f64 {
         let told = self.previous.is_some() || self.lasted_s >= LASTED_S - 1e-6;
         if told && self.color != LightColor::Unknown { self.lasted_s } else { f64::NAN }
@@ -59,7 +59,7 @@ impl Shown {
 struct Lights<'a> {
     by_lane: BTreeMap<&'a str, Vec<&'a LightState>>,
     stop_lines: BTreeMap<&'a str, crate::geometry::P2>,
-    /// Lanes that stop at a line for no sign: they have a light, whether or not the log has its states.
+    /// Lanes with a stop line but without a sign: they have a light, whether or not the log contains its states.
     lit: BTreeSet<&'a str>,
 }
 
@@ -85,7 +85,7 @@ impl<'a> Lights<'a> {
         Self { by_lane, stop_lines, lit }
     }
 
-    /// The latest state at `time` of the light on `lane` that concerns a way over the lanes `onward`, with its history.
+    /// The latest state at `time` of the light on `lane` for a way over the lanes `onward`, with its history.
     fn shown(&self, lane: &str, onward: &[&str], time: Nanos) -> Option<Shown> {
         let concerns = |s: &&&LightState| s.to_lane_id.as_deref().is_none_or(|to| onward.contains(&to));
         let states =
@@ -93,7 +93,7 @@ impl<'a> Lights<'a> {
         let latest = states().max_by_key(|s| s.time)?;
         let color = latest.color;
         let passed_s = time.seconds_since(latest.time);
-        // One that has run out and was not replaced shows nothing.
+        // A countdown that has ended and was not replaced is not shown.
         let countdown_s = latest.countdown_s.map(|s| s - passed_s).filter(|s| *s >= 0.0).unwrap_or(f64::NAN);
         let before = states().filter(|s| s.color != color).max_by_key(|s| s.time);
         let since = states()
@@ -104,8 +104,8 @@ impl<'a> Lights<'a> {
         Some(Shown { color, previous: before.map(|b| b.color), lasted_s, countdown_s })
     }
 
-    /// The next light on the corridor: what it shows, when known at `time`, and the distance of its stop line from
-    /// the ego's front bumper, m.
+    /// The next light on the corridor: its state, if known at `time`, and the distance of its stop line from the ego's
+    /// front bumper, m.
     fn next(&self, road: &Road, on: OnCorridor<'_>, front: f64, time: Nanos) -> Option<(Option<Shown>, f64)> {
         let chain = &on.corridor.lanes;
         for (k, &(lane, start)) in chain.iter().enumerate() {
@@ -114,7 +114,7 @@ impl<'a> Lights<'a> {
             if end < on.s || !(self.by_lane.contains_key(id) || self.lit.contains(id)) {
                 continue;
             }
-            // A light on a junction's lane is met at its beginning, one on an approach at its end.
+            // A light on a junction lane is at the lane's beginning, one on an approach at its end.
             let drawn = self
                 .stop_lines
                 .get(id)

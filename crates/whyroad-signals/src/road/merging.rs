@@ -1,6 +1,5 @@
-//! Ramps, merges and splits outside junctions: where another stream of traffic joins the ego's way, where its lanes
-//! part, and on what kind of lane it is meanwhile. From the lanes' links and neighbors; tags where the source has
-//! them.
+//! Ramps, merges and splits outside of junctions: where another stream of traffic joins the ego's way, where its lanes
+//! split, and the kind of the current lane. From the lanes' links and neighbors; from tags if the source has them.
 
 use crate::road::network::Road;
 use crate::road::on_road::{OnRoad, within_horizon};
@@ -15,13 +14,13 @@ use whyroad_model::catalog::{
 };
 use whyroad_model::road_map::LaneKind;
 
-/// A lane that gains or loses speed reaches no farther than this, m.
+/// Maximum length of an acceleration or deceleration lane, m.
 const ZONE_M: f64 = 500.0;
-/// Ahead of where the ego's lane ends this counts as lane_drop, m.
+/// Maximum distance from the end of the ego's lane that counts as lane_drop, m.
 const DROP_M: f64 = 150.0;
-/// A piece between the main road and a ramp is no longer than this, m.
+/// Maximum length of a connection between the main road and a ramp, m.
 const CONNECTOR_M: f64 = 100.0;
-/// The change between ramp and main road is reported this long before and after it, s.
+/// The change between ramp and main road is reported for this long before and after it, s.
 const CHANGE_S: f64 = 1.0;
 
 fn for_vehicles(road: &Road, lane: usize) -> bool {
@@ -33,7 +32,7 @@ fn whole_road(road: &Road, lane: usize) -> Vec<usize> {
     std::iter::once(lane).chain(beside(road, lane)).collect()
 }
 
-/// Lanes that lead into step `k` of the way, other than the step before and those inside junctions.
+/// Lanes that lead into step `k` of the way, except the step before and those inside junctions.
 fn others_into<'a>(road: &'a Road, way: &'a Way, k: usize) -> impl Iterator<Item = usize> + 'a {
     let own = way.steps[k - 1].lane;
     let lane = way.steps[k].lane;
@@ -42,26 +41,26 @@ fn others_into<'a>(road: &'a Road, way: &'a Way, k: usize) -> impl Iterator<Item
     others.filter(|&p| !road.lanes[p].in_junction && for_vehicles(road, p))
 }
 
-/// True when the lanes run side by side just before they become one: they are neighbors, or those before them are.
+/// True when the lanes are adjacent just before they merge: they are neighbors, or the lanes before them are.
 fn side_by_side(road: &Road, a: usize, b: usize) -> bool {
     let before = |lane: usize| road.lanes[lane].predecessors.clone();
     beside(road, a).contains(&b)
         || before(a).iter().any(|&p| before(b).iter().any(|&q| p != q && beside(road, p).contains(&q)))
 }
 
-/// How far the lane shifts sideways to reach the start of `into`, m.
+/// Lateral shift of the lane to the start of `into`, m.
 fn shift(road: &Road, lane: usize, into: usize) -> f64 {
     let start = road.lanes[into].center.point_at(0.0);
     let shift_of = |lane: usize| {
         let line = &road.lanes[lane].center;
-        // Against the line's own beginning: what bends only to end in the other lane has shifted by its width.
+        // Relative to the line's own beginning: a lane that bends to end in the other lane is shifted by its width.
         let (origin, heading) = (line.point_at(0.0), line.smooth_heading_at(0.0, 0.5));
         crate::geometry::P2::from_heading(heading).cross(start - origin).abs()
     };
     shift_of(lane)
 }
 
-/// True when the lane of step `k` ends by becoming one with its neighbor, and is the one of the two that gives way.
+/// True when the lane of step `k` ends by merging with its neighbor, and is the one that yields.
 pub fn merges_away(on: &OnRoad<'_>, way: &Way, k: usize) -> bool {
     let (road, own, into) = (on.road, way.steps[k].lane, way.steps[k + 1].lane);
     others_into(road, way, k + 1).any(|other| {
@@ -78,14 +77,14 @@ pub fn merges_away(on: &OnRoad<'_>, way: &Way, k: usize) -> bool {
     })
 }
 
-/// Distance from the front bumper to where another lane leads into the way, or the ego's lane ends.
+/// Distance from the front bumper to where another lane leads into the way, or where the ego's lane ends.
 fn to_merge(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
     let joins = |k: &usize| way.steps[*k].hopped || others_into(on.road, way, *k).next().is_some();
     let at = (1..way.steps.len()).filter(|&k| way.steps[k].from >= front).find(joins);
     at.map_or(f64::INFINITY, |k| within_horizon(way.steps[k].from - front))
 }
 
-/// True when the lanes of the road at `lane` lead on into more than one road.
+/// True when the lanes of the road at `lane` lead into more than one road.
 fn parts(road: &Road, lane: usize) -> bool {
     let next: BTreeSet<usize> = whole_road(road, lane)
         .into_iter()
@@ -97,13 +96,13 @@ fn parts(road: &Road, lane: usize) -> bool {
     let after = |l: usize| road.lanes[l].successors.iter().copied().collect::<BTreeSet<usize>>();
     let (joined, beyond) = (|l: &usize| same.contains(l), after(first));
     next.iter().any(|l| {
-        // Short pieces between two roads are not always stated to be neighbors; those behind them are.
+        // Short pieces between two roads are not always stated to be neighbors; the lanes behind them are.
         let meets = after(*l).iter().any(|b| beyond.iter().any(|a| a == b || beside(road, *a).contains(b)));
         !joined(l) && !meets
     })
 }
 
-/// `splits` has by lane what [`parts`] says, once it was asked.
+/// `splits` caches the results of [`parts`] by lane.
 fn to_split(on: &OnRoad<'_>, splits: &[OnceCell<bool>], way: &Way, front: f64) -> f64 {
     let splits = |k: &usize| {
         let lane = way.steps[*k].lane;
@@ -113,8 +112,9 @@ fn to_split(on: &OnRoad<'_>, splits: &[OnceCell<bool>], way: &Way, front: f64) -
     at.map_or(f64::INFINITY, |k| within_horizon(way.steps[k].to - front))
 }
 
-/// True for a short piece that all traffic on it takes from or to a ramp: who is on it has left the main road's lane,
-/// or has not reached it yet. A lane for gaining or losing speed is not one: through lanes run beside it.
+/// True for a short piece whose whole traffic goes to or comes from a ramp: an actor on it has left the main road's
+/// lane, or has not reached it yet. An acceleration or deceleration lane is not one, because through lanes are adjacent
+/// to it.
 fn connects_ramp(road: &Road, lane: usize, is_ramp: impl Fn(usize) -> bool) -> bool {
     let all_ramps = |next: &[usize]| !next.is_empty() && next.iter().all(|&l| is_ramp(l));
     let one_way = |links: fn(&crate::road::network::LaneShape) -> &Vec<usize>| {
@@ -125,7 +125,7 @@ fn connects_ramp(road: &Road, lane: usize, is_ramp: impl Fn(usize) -> bool) -> b
         && (one_way(|l| &l.successors) || one_way(|l| &l.predecessors))
 }
 
-/// What a lane is for traffic that joins or leaves, apart from where the ego is on it.
+/// Role of a lane for traffic that joins or leaves, independent of the ego's position.
 #[derive(Clone, Copy, Default)]
 struct Role {
     ramp: bool,
@@ -133,7 +133,7 @@ struct Role {
     joined: bool,
     /// It leads to a ramp.
     leaves: bool,
-    /// It is stated to be one.
+    /// The map states that it is an acceleration lane.
     acceleration: bool,
     deceleration: bool,
 }
@@ -142,7 +142,7 @@ impl Role {
     fn of(on: &OnRoad<'_>, lane: usize) -> Self {
         let road = on.road;
         let tagged = |l: usize, tag: &str| on.lane(l).is_some_and(|l| l.is_tagged(tag));
-        // Over a short piece between the two roads as well.
+        // Also over a short piece between the two roads.
         let near = |links: fn(&crate::road::network::LaneShape) -> &Vec<usize>| -> Vec<usize> {
             let first = links(&road.lanes[lane]);
             first
@@ -166,19 +166,19 @@ impl Role {
         (self.joined || self.acceleration) && (self.leaves || self.deceleration)
     }
 
-    /// Weaves, and no tag says that it is a lane of its own.
+    /// It is a weaving lane without a tag for a separate lane.
     fn weaving_only(self) -> bool {
         self.weaves() && !self.aside()
     }
 
-    /// Beside the through lanes: a ramp, or a lane to gain or lose speed.
+    /// Not a through lane: a ramp, or an acceleration or deceleration lane.
     fn aside(self) -> bool {
         self.ramp || self.acceleration || self.deceleration
     }
 }
 
-/// True when the lane begins beside a through lane: nothing leads to it, or whatever does leads on into the lane beside
-/// it as well, at once or over a short piece. Where nothing leads to the lanes beside it either, the map begins there.
+/// True when the lane begins beside a through lane: no lane leads to it, or the lane that does also leads into the
+/// adjacent lane, directly or over a short piece. If no lane leads to the adjacent lanes either, the map begins there.
 fn begins_beside(road: &Road, lane: usize) -> bool {
     let next = |l: usize| road.lanes[l].successors.iter().copied();
     let before = |l: usize| road.lanes[l].predecessors.iter().copied();
@@ -190,7 +190,8 @@ fn begins_beside(road: &Road, lane: usize) -> bool {
     before(lane).all(goes_on) && near.iter().any(|&l| before(l).next().is_some())
 }
 
-/// True when whoever stays in the lane comes onto a ramp; one that may drive on along the main road is in a lane of it.
+/// True when an actor that stays in the lane gets onto a ramp; a lane that may also continue along the main road
+/// belongs to the main road.
 fn only_leaves(on: &OnRoad<'_>, lane: usize) -> bool {
     let ramp = |l: usize| on.lane(l).is_some_and(|l| l.is_tagged("ramp"));
     let next = |l: usize| on.road.lanes[l].successors.iter().copied();
@@ -217,13 +218,13 @@ fn zone(on: &OnRoad<'_>, roles: &[Role], lane: usize, ends: f64) -> MapMergeZone
     }
 }
 
-/// A merge or split nearer than this may be that of a ramp, m.
+/// A merge or split nearer than this may belong to a ramp, m.
 const CALM_M: f64 = 30.0;
-/// Between two frames of this much time apart the ego passes one that was as near, s: 30 m at 10 m/s.
+/// Between two frames with this time difference the ego may pass a merge or split at that distance, s: 30 m at 10 m/s.
 const CALM_S: f64 = 3.0;
 
-/// Where nothing tells which lanes are ramps: no change while no other road joins the ego's or parts from it, unknown
-/// near places where one does.
+/// If no data show which lanes are ramps: no change while no other road joins or leaves the ego's road, unknown near
+/// places where one does.
 fn calm(on: &OnRoad<'_>, merges: &[f64], splits: &[f64]) -> Vec<Option<MapFacilityChange>> {
     let apart: Vec<bool> = merges.iter().zip(splits).map(|(m, s)| *m > CALM_M && *s > CALM_M).collect();
     let around = |i: usize| {
@@ -235,8 +236,9 @@ fn calm(on: &OnRoad<'_>, merges: &[f64], splits: &[f64]) -> Vec<Option<MapFacili
 }
 
 /// Whether the ego is beside the main road, by frame; unknown in junctions and off the lanes. A weaving lane belongs to
-/// the ramp for an ego that comes from a ramp or leaves by one: it joins where it moves off that lane, leaves where it
-/// moves onto it, and does neither when it goes from ramp to ramp. For one that only uses it, it is a lane like others.
+/// the ramp for an ego that comes from a ramp or leaves by one: it joins when it leaves that lane for the main road,
+/// leaves when it enters it, and does neither when it drives from ramp to ramp. For an ego that only uses it, it is an
+/// ordinary lane.
 fn sides(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<bool>> {
     let lane_at = |i: usize| on.lanes.at(i).map(|at| at.lane).filter(|&l| !on.road.lanes[l].in_junction);
     let frames: Vec<usize> = (0..on.frames()).filter(|&i| lane_at(i).is_some()).collect();

@@ -1,12 +1,12 @@
-//! The map made ready for questions: lanes with center line, widths and links by index, areas as polygons,
-//! and a spatial index over the lanes. Frame: world, plane.
+//! The map prepared for queries: lanes with center line, widths and links by index, areas as polygons, and a spatial
+//! index over the lanes. Frame: world, plane.
 
 use crate::geometry::{BoxGrid, P2, Polygon, Polyline, p2};
 use whyroad_model::road_map::{Area, Lane, LaneKind, Point3, RoadMap};
 
 /// Half width of a lane whose source states neither edges nor width, m: half of 3.5 m.
 pub const DEFAULT_HALF_WIDTH_M: f64 = 1.75;
-/// An object this far below or above a lane is on another level, m (a storey of an interchange is 5 m and more).
+/// Minimum height difference of an object on another level than a lane, m (a level of an interchange has at least 5 m).
 pub const LEVEL_M: f64 = 4.0;
 
 /// One lane's geometry and links; indices are into [`Road::lanes`].
@@ -20,13 +20,13 @@ pub struct LaneShape {
     pub left_width: Vec<f64>,
     /// The same to the right edge.
     pub right_width: Vec<f64>,
-    /// The map states its width or its edges; where it does not, the width is that of an ordinary lane.
+    /// The map states its width or its edges; otherwise it has the default width.
     pub width_is_known: bool,
     /// The lane's area.
     pub area: Option<Polygon>,
     /// Lowest and highest point of the center line, m; NaN when the map is flat.
     pub height: (f64, f64),
-    /// Who it is for.
+    /// Its users.
     pub kind: LaneKind,
     /// Inside a junction.
     pub in_junction: bool,
@@ -51,7 +51,7 @@ impl LaneShape {
     }
 }
 
-/// The map of one drive, ready for questions.
+/// The map of one drive, prepared for queries.
 pub struct Road {
     /// Lanes with usable geometry, in the map's order.
     pub lanes: Vec<LaneShape>,
@@ -124,7 +124,7 @@ fn shape(lane: &Lane) -> Option<LaneShape> {
     })
 }
 
-/// Half way along, both lanes point the same way (neighbors in a map may run against each other).
+/// Both lanes have the same direction at their middle (neighbors in a map may have opposite directions).
 fn same_direction(a: &LaneShape, b: &LaneShape) -> bool {
     let middle = a.center.length() / 2.0;
     let there = b.center.project(a.center.point_at(middle));
@@ -133,8 +133,7 @@ fn same_direction(a: &LaneShape, b: &LaneShape) -> bool {
 }
 
 impl Road {
-    /// From the scene table. Lanes without a center line and links to lanes that are not there are left out
-    /// (ingest reports them).
+    /// From the scene table. Lanes without a center line and links to missing lanes are left out (ingest reports them).
     pub fn new(map: &RoadMap) -> Self {
         let usable: Vec<(&Lane, LaneShape)> = map.lanes.iter().filter_map(|l| Some((l, shape(l)?))).collect();
         // Usable lanes keep the map's order, so they are sorted by id.
@@ -171,17 +170,17 @@ impl Road {
         self.lane_grid.near(p, reach)
     }
 
-    /// The junction area that `p` is in.
+    /// The junction area that contains `p`.
     pub fn junction_at(&self, p: P2) -> Option<&Polygon> {
         self.junction_grid.at(p).map(|j| &self.junctions[j]).find(|area| area.contains(p))
     }
 
-    /// The drivable area that `p` is in.
+    /// The drivable area that contains `p`.
     pub fn drivable_at(&self, p: P2) -> Option<&Polygon> {
         self.drivable_grid.at(p).map(|d| &self.drivable[d]).find(|area| area.contains(p))
     }
 
-    /// The area of a lane for which `wanted` holds, where `p` is on one.
+    /// The area of a lane that meets `wanted` and contains `p`.
     pub fn lane_at(&self, p: P2, wanted: impl Fn(&LaneShape) -> bool) -> Option<&Polygon> {
         let lanes = self.lane_grid.at(p).map(|l| &self.lanes[l]).filter(|lane| wanted(lane));
         lanes.filter_map(|lane| lane.area.as_ref()).find(|area| area.contains(p))
@@ -202,7 +201,7 @@ impl Road {
 
     /// Distance from `p` to the nearest crosswalk, 0 on it; infinite when there is none, m.
     pub fn distance_to_crosswalk(&self, p: P2) -> f64 {
-        // With the one that seems nearest, most of the others need no look.
+        // The apparently nearest one excludes most of the others.
         let mut seems: (f64, Option<&Polygon>) = (f64::INFINITY, None);
         for crosswalk in &self.crosswalks {
             let least = crosswalk.least_distance(p);

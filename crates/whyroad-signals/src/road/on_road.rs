@@ -1,4 +1,4 @@
-//! What the families on road, map parts, signs and route read: the drive with its map, the ego on its lane, on its
+//! Input of the families on road, map parts, signs and route: the drive with its map, the ego on its lane, on its
 //! driven path and on its way over the lanes ahead.
 
 use crate::ego::motion::EgoMotion;
@@ -16,7 +16,7 @@ pub struct OnRoad<'a> {
     pub drive: &'a Drive,
     /// Its map.
     pub map: &'a RoadMap,
-    /// The map made ready.
+    /// The prepared map.
     pub road: &'a Road,
     /// The ego's path.
     pub path: &'a DrivenPath,
@@ -57,7 +57,7 @@ impl<'a> OnRoad<'a> {
             .collect()
     }
 
-    /// A flag per frame; unknown where the ego's pose is.
+    /// A flag per frame; unknown where the ego's pose is unknown.
     pub fn flags(&self, value: impl Fn(usize) -> Tri) -> Vec<Tri> {
         (0..self.frames()).map(|i| if self.ego.is_known(i) { value(i) } else { Tri::Unknown }).collect()
     }
@@ -82,5 +82,5 @@ pub fn time_to(distance: f64, forward_speed: f64) -> f64 {
     }
 }
 
-/// Under this forward speed nothing is reached: the threshold of standstill, m/s.
+/// Below this forward speed no point is reached: the threshold of standstill, m/s.
 const LEAST_SPEED_MPS: f64 = crate::ego::motion::STANDSTILL_SET_MPS;

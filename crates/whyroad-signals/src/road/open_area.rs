@@ -1,4 +1,4 @@
-//! Whether the ego is where there are no lanes by design: a car park, a yard, a square.
+//! Whether the ego is in an area that has no lanes by design: a car park, a yard, a square.
 
 use crate::geometry::{P2, Polygon, p2};
 use crate::road::on_road::OnRoad;
@@ -8,14 +8,14 @@ use whyroad_model::Tri;
 use whyroad_model::catalog::id;
 use whyroad_model::road_map::LaneKind;
 
-/// A lane this near makes it a roadside, m: a parking strip and a lane beside it are narrower.
+/// A position within this distance of a lane is a roadside, m: a parking strip and the lane beside it are narrower.
 const LANE_NEAR_M: f64 = 5.0;
 
-/// Lanes of the map that lead this near to a place into lanes that it does not have, m: a wide junction of which the
-/// map has the arms on one side only.
+/// Maximum distance of lanes that continue in lanes outside of the map, m: a wide junction for which the map has the
+/// arms on one side only.
 const CUT_NEAR_M: f64 = 40.0;
 
-/// Where the map's lanes lead on to, or come from, lanes that it does not have.
+/// Ends of the map's lanes that continue in, or come from, lanes outside of the map.
 fn cut_ends(on: &OnRoad<'_>) -> Vec<P2> {
     let mut ends = Vec::new();
     for (i, lane) in on.road.lanes.iter().enumerate() {
@@ -34,7 +34,7 @@ fn cut_ends(on: &OnRoad<'_>) -> Vec<P2> {
     ends
 }
 
-/// Whether the map ends before this place: its lanes are far off, and all of them lie to one side.
+/// Whether the map ends before this position: its lanes are far away, and all of them are on one side.
 fn beyond_all_lanes(on: &OnRoad<'_>, at: P2) -> bool {
     if !on.road.lanes_near(at, CUT_NEAR_M).is_empty() {
         return false;
@@ -47,7 +47,7 @@ fn beyond_all_lanes(on: &OnRoad<'_>, at: P2) -> bool {
     directions.windows(2).map(|pair| pair[1] - pair[0]).fold(round, f64::max) > PI
 }
 
-/// Writes `map.open_area`; nothing for maps that state neither car parks nor where one can drive.
+/// Writes `map.open_area`; nothing for maps that state neither car parks nor drivable areas.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     if on.road.drivable.is_empty() && !on.map.covers("parking") {
         return;
@@ -56,7 +56,7 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let mut areas: Vec<Polygon> =
         parks.filter_map(|f| Polygon::new(f.boundary.iter().map(|p| p2(p.x, p.y)))).collect();
     areas.extend(on.road.drivable.iter().cloned());
-    // The lane that the ego was on last leads on to lanes that the map does not have.
+    // The ego's last lane continues in lanes outside of the map.
     let mut cut = false;
     let cut_off: Vec<bool> = (0..on.frames())
         .map(|frame| {

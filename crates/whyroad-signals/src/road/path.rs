@@ -1,21 +1,21 @@
-//! The ego's driven path: the recorded ("posterior") trajectory of its box center by arc length. Before its
-//! first and beyond its last recorded point it goes on along the lane (fading in from the ego's own offset),
-//! or straight where there is no lane. What was driven and what is continuation is marked.
+//! The ego's driven path: the recorded ("posterior") trajectory of its box center by arc length. Before its first and
+//! beyond its last recorded point it continues along the lane (starting at the ego's own offset), or straight if there
+//! is no lane. Driven part and continuation are distinguished.
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{P2, Polyline, Projection, Window, interpolate};
 use crate::road::corridor::Corridor;
 use crate::road::ego_lane::EgoLane;
 
-/// Points closer than this are one: at a crawl, noise would bend the path, m.
+/// Minimum distance of points, m: at very low speed, noise would bend the path.
 const SPACING_M: f64 = 0.5;
 /// Length of the continuation at either end, m.
 const CONTINUATION_M: f64 = 160.0;
-/// Heights are means over this far either side, m: altitude is the noisiest part of a pose.
+/// Heights are means over this distance on either side, m: altitude is the noisiest part of a pose.
 const HEIGHT_REACH_M: f64 = 3.0;
-/// Over this distance the continuation comes from the ego's offset to the lane's center, m.
+/// Distance over which the continuation moves from the ego's offset to the lane's center, m.
 const FADE_M: f64 = 20.0;
-/// Targets are sought on the path this far behind and ahead of the ego, m.
+/// Targets are searched on the path from this far behind to this far ahead of the ego, m.
 pub const WINDOW_M: (f64, f64) = (110.0, 160.0);
 
 /// The path by arc length; arc length 0 is where the backward continuation begins.
@@ -27,12 +27,12 @@ pub struct DrivenPath {
     pub driven: (f64, f64),
     /// Arc length of the ego's center in each frame; NaN where its pose is unknown.
     pub ego_s: Vec<f64>,
-    /// Direction of the path where the ego is in each frame, rad; NaN where its pose is unknown.
+    /// Direction of the path at the ego's position in each frame, rad; NaN where its pose is unknown.
     pub ego_heading: Vec<f64>,
     z: Vec<f64>,
 }
 
-/// The lane to continue along from a place: the corridor, the arc length there, and the offset from it.
+/// The lane along which to continue from a position: the corridor, the arc length there, and the offset from it.
 pub type Continuation<'a> = Option<(&'a Corridor, f64, f64)>;
 
 fn continue_from(start: P2, heading: f64, lane: Continuation<'_>, sign: f64) -> Vec<P2> {
@@ -65,7 +65,7 @@ impl DrivenPath {
         let mut frames = vec![first];
         for &i in &known {
             let step = ego.position[i] - ego.position[*frames.last()?];
-            // Backing up does not fold the path: only what leads forward extends it.
+            // Reversing does not fold the path: only forward motion extends it.
             if step.norm() >= SPACING_M && step.dot(P2::from_heading(ego.heading[i])) > 0.0 {
                 frames.push(i);
             }
@@ -75,7 +75,7 @@ impl DrivenPath {
         points.reverse();
         let lead_in = points.len();
         points.extend(frames.iter().map(|&i| ego.position[i]));
-        // After backing up, the last frame is not the path's end; the heading at its end counts.
+        // After reversing, the last frame is not the path's end; the heading at its end counts.
         let after = if end == last || (ego.position[end] - ego.position[last]).norm() < SPACING_M {
             after
         } else {
@@ -102,7 +102,7 @@ impl DrivenPath {
                 self.ego_s.push(f64::NAN);
                 continue;
             }
-            // Far enough for 60 m/s over the time since the last pose; narrow enough not to skip a loop.
+            // Sufficient for 60 m/s over the time since the last pose; narrow enough not to skip a loop.
             let reach = 5.0 + 60.0 * (now - t);
             s = self.line.project_between(ego.position[i], s - 5.0, s + reach).s;
             t = now;
@@ -127,12 +127,12 @@ impl DrivenPath {
         if self.z.is_empty() { f64::NAN } else { self.line.interpolate(&self.z, s) }
     }
 
-    /// Foot point of `p` on the part of the path around the ego in a frame where its arc length is `ego_s`.
+    /// Foot point of `p` on the part of the path around the ego, in a frame where its arc length is `ego_s`.
     pub fn project_near(&self, p: P2, ego_s: f64) -> Projection {
         self.line.project_within(p, self.window_near(ego_s))
     }
 
-    /// The part of the path on which targets are sought while the ego is at `ego_s`.
+    /// The part of the path on which targets are searched while the ego is at `ego_s`.
     pub fn window_near(&self, ego_s: f64) -> Window {
         self.line.window(ego_s - WINDOW_M.0, ego_s + WINDOW_M.1)
     }
@@ -143,13 +143,13 @@ impl DrivenPath {
     }
 }
 
-/// Heights with the noise of single poses taken out: at each place the line through those around it.
+/// Heights without the noise of single poses: at each position the value of a line through those around it.
 fn evened(s: &[f64], z: &[f64]) -> Vec<f64> {
     let at = |i: usize| {
         let reach = HEIGHT_REACH_M.min(s[i] - s[0]).min(s[s.len() - 1] - s[i]) + 1e-9;
         let (from, to) =
             (s.partition_point(|v| *v < s[i] - reach), s.partition_point(|v| *v <= s[i] + reach));
-        // Where the car crawled there are many poses in one place: weighted by what each covers of the way.
+        // At very low speed many poses are at one position: each is weighted by the path length that it covers.
         let weight = |k: usize| s[(k + 1).min(s.len() - 1)] - s[k.saturating_sub(1)];
         let total: f64 = (from..to).map(weight).sum();
         if total <= 0.0 { z[i] } else { (from..to).map(|k| weight(k) * z[k]).sum::<f64>() / total }

@@ -1,4 +1,4 @@
-//! The shape of the road here and ahead: grade, least width, number of lanes, where the ego's lane or the road itself
+//! The shape of the road here and ahead: grade, minimum width, number of lanes, where the ego's lane or the road itself
 //! ends. Along the ego's lane (`corridor.rs`) for grade and width, along its way (`way.rs`) for the rest.
 
 use crate::geometry::{interpolate, p2};
@@ -13,15 +13,15 @@ use whyroad_model::road_map::Lane;
 
 /// The grade is that of a chord from this far behind to this far ahead, m.
 const GRADE_REACH_M: f64 = 5.0;
-/// A chord this much shorter at the end of the map still gives a grade, m.
+/// Minimum length of a chord at the end of the map, m.
 const LEAST_CHORD_M: f64 = 3.0;
-/// No road is steeper; beyond it the heights are wrong. The steepest street of the world has 0.35.
+/// Maximum plausible grade; with a steeper one the heights are wrong. The steepest street of the world has 0.35.
 const STEEPEST: f64 = 0.35;
-/// How far ahead grades are looked at, m.
+/// Look-ahead distance for grades, m.
 const GRADE_AHEAD_M: f64 = 60.0;
-/// How far ahead widths are looked at, m.
+/// Look-ahead distance for widths, m.
 const WIDTH_AHEAD_M: f64 = 50.0;
-/// Where lanes are counted ahead, m.
+/// Distance ahead at which lanes are counted, m.
 const COUNT_AHEAD_M: f64 = 100.0;
 const STEP_M: f64 = 2.0;
 
@@ -38,7 +38,7 @@ impl Heights {
         for p in &lane.center {
             let here = p2(p.x, p.y);
             let step = before.map_or(f64::INFINITY, |b| (here - b).norm());
-            // As `Polyline` drops repeated points.
+            // As in `Polyline`, which drops repeated points.
             if step <= 1e-3 {
                 continue;
             }
@@ -75,7 +75,7 @@ impl Profile<'_> {
         Some((self.z(at, high)? - self.z(at, low)?) / (high - low))
     }
 
-    /// Grade of the road at `ds` ahead of the ego's center; of its path where it has no lane with heights.
+    /// Grade of the road at `ds` ahead of the ego's center; of its path if it has no lane with heights.
     fn grade(&self, frame: usize, ds: f64) -> Option<f64> {
         self.raw_grade(frame, ds).filter(|g| g.abs() <= STEEPEST)
     }
@@ -97,7 +97,7 @@ impl Profile<'_> {
     }
 }
 
-/// Least width of the lane from the ego's front on; lanes inside junctions have no width of their own.
+/// Minimum width of the lane from the ego's front on; lanes inside junctions have no width of their own.
 fn least_width(on: &OnRoad<'_>, at: OnCorridor<'_>) -> f64 {
     let from = at.s + on.ego.front();
     let to = (from + WIDTH_AHEAD_M).min(at.corridor.line.length());
@@ -121,19 +121,19 @@ fn count_ahead(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
     if s > way.steps.last().map_or(0.0, |step| step.to) {
         return f64::NAN;
     }
-    // Lanes inside a junction cross one another; what follows it counts.
+    // Lanes inside a junction cross one another; the lanes behind it count.
     let road_lane = way.steps[way.step_at(s)..].iter().find(|step| !on.road.lanes[step.lane].in_junction);
     road_lane.map_or(f64::NAN, |step| lane_count(on.road, step.lane))
 }
 
-/// Where the lane ends in which the ego is, on its way.
+/// Position on the way where the ego's lane ends.
 fn lane_end(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
     let ends = |k: &usize| way.steps[*k + 1].hopped || merges_away(on, way, *k);
     let end = (0..way.steps.len() - 1).find(ends);
     end.map_or(f64::INFINITY, |k| within_horizon(way.steps[k].to - front))
 }
 
-/// Where the road ends: NaN when the map says that it leads on beyond what the map holds.
+/// Position where the road ends; NaN if the map states that it continues outside of the map.
 fn dead_end(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
     let Some(last) = way.steps.last().filter(|_| way.ends) else { return f64::INFINITY };
     let distance = within_horizon(last.to - front);
@@ -142,19 +142,19 @@ fn dead_end(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
     if leaves && distance.is_finite() { f64::NAN } else { distance }
 }
 
-/// Distance to the first lane that leads nowhere but back, seen along the way.
+/// Distance to the first lane that leads only back, along the way.
 fn turns_back(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
     use whyroad_model::road_map::TurnKind;
     let only_back = |lane: usize| {
         let next = &on.road.lanes[lane].successors;
         let back = |&n: &usize| on.lane(n).is_some_and(|l| l.turn == Some(TurnKind::Uturn));
-        // A way that leads out of the map is a way on.
+        // A way that leaves the map continues.
         let all_here = on.lane(lane).is_some_and(|l| l.successors.len() == next.len());
         !next.is_empty() && all_here && next.iter().all(back)
     };
     let ends = |lane: usize| {
         let road: Vec<usize> = std::iter::once(lane).chain(beside(on.road, lane)).collect();
-        // A lane of the road that leads nowhere does not open a way.
+        // A lane of the road without successors does not continue the way.
         road.iter().any(|&l| only_back(l))
             && road.iter().all(|&l| only_back(l) || on.lane(l).is_some_and(|l| l.successors.is_empty()))
     };

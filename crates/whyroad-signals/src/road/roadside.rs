@@ -16,7 +16,7 @@ use whyroad_model::road_map::{Point3, Sign};
 use whyroad_model::scene::Track;
 use whyroad_model::vocabulary::{PROHIBITIONS, WARNINGS};
 
-/// Signals of a distance, with the kinds of signs that each is about.
+/// Distance signals, with the kinds of signs that each measures.
 const DISTANCES: [(Signal<PerFrame, Number>, &[&str]); 6] = [
     (id::SIGN_STOP_DISTANCE, &["stop"]),
     (id::SIGN_YIELD_DISTANCE, &["yield"]),
@@ -26,7 +26,7 @@ const DISTANCES: [(Signal<PerFrame, Number>, &[&str]); 6] = [
     (id::SIGN_WARNING_DISTANCE, WARNINGS),
 ];
 
-/// Signs that concern the ego, in the order in which its path passes them.
+/// Signs that apply to the ego, in the order in which its path passes them.
 struct OnPath<'a> {
     signs: Vec<&'a Sign>,
     stretches: Vec<Stretch>,
@@ -43,7 +43,7 @@ impl<'a> OnPath<'a> {
         Self { signs: found.into_iter().map(|(_, sign)| sign).collect(), stretches }
     }
 
-    /// The kind of the next one, without the prefix of its group; `None` where the ego's place is unknown.
+    /// The kind of the next one, without the prefix of its group; `None` where the ego's position is unknown.
     fn next_kind<C: CategoryValue>(&self, on: &OnRoad<'_>, frame: usize, prefix: &str) -> Option<C> {
         let s = on.path.ego_s[frame];
         if s.is_nan() {
@@ -57,7 +57,7 @@ impl<'a> OnPath<'a> {
     }
 }
 
-/// Stop signs that the log has as objects (AV2 does), where they were first seen.
+/// Stop signs that the log contains as objects (as in AV2), at the position of their first observation.
 fn tracked_stop_signs(on: &OnRoad<'_>) -> Vec<Sign> {
     let tracks = on.drive.tracks.iter().filter(|t| t.source_class.eq_ignore_ascii_case("stop_sign"));
     let sign = |t: &Track| {
@@ -73,7 +73,8 @@ fn tracked_stop_signs(on: &OnRoad<'_>) -> Vec<Sign> {
     tracks.filter_map(sign).collect()
 }
 
-/// Where the path crosses a stop line; one that is given by a point alone, where the path passes it within half a lane.
+/// Positions where the path crosses a stop line; for one given only as a point, where the path passes it within half a
+/// lane.
 fn stop_lines(on: &OnRoad<'_>) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
     for line in &on.map.stop_lines {
@@ -115,7 +116,7 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
         }
     }
     let lines = stop_lines(on);
-    // A map without any has none drawn; that is not to say that there is none.
+    // A map without stop lines does not show that there are none.
     let distance = if on.map.stop_lines.is_empty() { vec![f64::NAN; on.frames()] } else { next(&lines) };
     let time = distance.iter().zip(&on.ego.forward_speed).map(|(&d, &v)| time_to(d, v)).collect();
     table.number(id::MAP_DISTANCE_TO_STOP_LINE, distance);

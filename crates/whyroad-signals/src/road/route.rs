@@ -1,4 +1,4 @@
-//! The route: what the guidance says, and whether the ego's lane allows it.
+//! The route: the guidance's commands, and whether the ego's lane fits them.
 
 use crate::road::context::Channels;
 use crate::road::lane_rules::turns_ahead;
@@ -13,11 +13,11 @@ use whyroad_model::catalog::{
 use whyroad_model::scene::EgoBus;
 use whyroad_model::{Drive, Tri};
 
-/// Junctions farther ahead do not ask for a lane yet, m.
+/// Maximum distance of a junction that requires a lane, m.
 const REACH_M: f64 = 300.0;
-/// Nor does a fork or an exit farther ahead, m: the last sign that announces an exit stands there.
+/// Maximum distance of a fork or an exit that requires a lane, m: the position of the last sign before an exit.
 const FORK_M: f64 = 500.0;
-/// Pieces of lane this short are links between roads, whose neighbors the map does not state, m.
+/// Maximum length of a link between roads, whose neighbors the map does not state, m.
 const PIECE_M: f64 = 30.0;
 
 fn command(bus: &EgoBus, frame: usize) -> Option<&str> {
@@ -36,7 +36,7 @@ pub fn write_stated(drive: &Drive, channels: &Channels<'_>, table: &mut TableBui
     }
 }
 
-/// Turn of the route at the next junction: by the command, else as the ego then turned.
+/// Turn of the route at the next junction: from the command, else the ego's later turn.
 fn turn(on: &OnRoad<'_>, frame: usize) -> Option<EgoMovement> {
     let commanded =
         on.drive.ego.as_ref().and_then(|e| command(&e.bus, frame)).and_then(EgoMovement::from_name);
@@ -46,7 +46,7 @@ fn turn(on: &OnRoad<'_>, frame: usize) -> Option<EgoMovement> {
     })
 }
 
-/// The lanes behind the next junction to which `lane` leads without a change of lane; empty where the map does not say.
+/// The lanes behind the next junction to which `lane` leads without a lane change; empty if the map has no data.
 fn exits(on: &OnRoad<'_>, lane: usize) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     let mut seen = BTreeSet::from([lane]);
@@ -64,8 +64,8 @@ fn exits(on: &OnRoad<'_>, lane: usize) -> BTreeSet<usize> {
     found
 }
 
-/// Whether the ego's lane leads to the exit of the next junction that the ego then takes, or to a lane beside that one;
-/// `None` where the map or the recording does not tell. Two exits may lie in one direction.
+/// Whether the ego's lane leads to the exit of the next junction that the ego takes later, or to an adjacent lane;
+/// `None` if the map or the recording does not show it. Two exits may have the same direction.
 fn leads_to_exit(on: &OnRoad<'_>, lane: usize, frame: usize) -> Option<bool> {
     let next = on.encounters.here_or_next(on.path.ego_s[frame], on.ego.front(), REACH_M)?;
     let behind = on.encounters.junctions[next].to;
@@ -78,8 +78,8 @@ fn leads_to_exit(on: &OnRoad<'_>, lane: usize, frame: usize) -> Option<bool> {
     (!reached.is_empty()).then(|| !reached.is_disjoint(&road))
 }
 
-/// The lane in which the ego is last before it has driven [`FORK_M`] or comes to a junction, links apart; `visits` are
-/// the first frames of its stays in lanes.
+/// The ego's last lane before it has driven [`FORK_M`] or reaches a junction, without links; `visits` are the first
+/// frames of its stays in lanes.
 fn taken(on: &OnRoad<'_>, visits: &[usize], frame: usize) -> Option<(usize, f64)> {
     let next = visits.partition_point(|&first| first <= frame);
     let driven = |i: usize| on.path.ego_s[i] - on.path.ego_s[frame];
@@ -91,12 +91,12 @@ fn taken(on: &OnRoad<'_>, visits: &[usize], frame: usize) -> Option<(usize, f64)
         .last()
 }
 
-/// Whether the lane leads along the road on which the ego then drives, where roads part or a lane leaves; `None` where
-/// the map does not say how the lane goes on. `s` is where the ego is on it.
+/// Whether the lane leads along the road on which the ego drives later, where roads split or a lane leaves; `None` if
+/// the map does not show how the lane continues. `s` is the ego's position on it.
 fn leads_along(on: &OnRoad<'_>, visits: &[usize], (lane, s): (usize, f64), frame: usize) -> Option<bool> {
     let (taken, driven) = taken(on, visits, frame)?;
     let length = |lane: usize| on.road.lanes[lane].center.length();
-    // How far off the lanes end to which it leads.
+    // Distances of the ends of the lanes to which it leads.
     let mut ends = BTreeMap::from([(lane, length(lane) - s)]);
     let mut open = vec![lane];
     while let Some(at) = open.pop().filter(|_| ends.len() < 500) {

@@ -1,37 +1,38 @@
-//! Speed constraints from road geometry: how fast its next bend may be taken, how far the ego needs to stop, how long
-//! the slope is that it is on, how the road winds and climbs around it. From what was driven: the signals of each
-//! frame, put where the ego was in it. What lies beyond the recording is not known here.
+//! Speed constraints from road geometry: speed of the next bend, stopping distance, length of the current slope, bends
+//! and grades around the ego. Computed from the driven path: the signals of each frame at the ego's position. Nothing
+//! beyond the recording is known here.
 
 use crate::geometry::wrap;
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
 use whyroad_model::catalog::{Number, PerFrame, Signal, id};
 
-/// Lateral acceleration beyond which a bend limits speed, m/s2 (taxonomy, high_curvature).
+/// Maximum lateral acceleration in a bend, above which it limits speed, m/s2 (taxonomy, high_curvature).
 const BEND_ACCEL: f64 = 2.0;
 /// Reaction time, s, and deceleration, m/s2, of a stop (taxonomy, blind_spot_slowdown.curve).
 const REACTION_S: f64 = 2.0;
 const STOPPING: f64 = 3.0;
-/// From this grade on a road is a slope (taxonomy, slope_up).
+/// Minimum grade of a slope (taxonomy, slope_up).
 const SLOPE: f64 = 0.04;
-/// From this curvature on it bends, 1/m (taxonomy, high_curvature).
+/// Minimum curvature of a bend, 1/m (taxonomy, high_curvature).
 const BEND: f64 = 0.01;
-/// Bends of one direction that are nearer together are one, m: the middle of a bend made of two arcs is no straight.
+/// Bends in one direction with a smaller distance are merged, m: the middle of a bend made of two arcs is not a
+/// straight.
 const BEND_MERGE_M: f64 = 10.0;
-/// A bend turns the road by at least this, rad: 15 deg; less is a wiggle of the way driven.
+/// Minimum change of direction of a bend, rad: 15 deg; less is a variation of the driven path.
 const LEAST_TURN_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
-/// Half of the 500 m over which a mountain road is judged, m.
+/// Half of the 500 m over which a mountain road is determined, m.
 const AROUND_M: f64 = 250.0;
-/// Number of bends that suffices although not all of the 500 m was driven (taxonomy, mountain).
+/// Number of bends that is sufficient although not all of the 500 m was driven (taxonomy, mountain).
 const ENOUGH_BENDS: usize = 3;
 /// Minimum length for a mean grade, m.
 const LEAST_MEAN_M: f64 = 100.0;
-/// Standing and creeping put many frames in one place; places this near are one, m.
+/// At standstill and very low speed many frames are at one position; positions within this distance are merged, m.
 const SAME_PLACE_M: f64 = 0.2;
 
-/// Speed at which a curvature takes 2 m/s2, m/s.
+/// Speed at which a curvature gives 2 m/s2, m/s.
 fn bend_speed(curvature: f64) -> f64 {
-    // Lines of maps are straight to some 0.1 mm; a radius of 100 km is.
+    // Lines of maps are accurate to about 0.1 mm, so they are straight above a radius of 100 km.
     if curvature < 1e-5 { f64::INFINITY } else { (BEND_ACCEL / curvature).sqrt() }
 }
 
@@ -39,7 +40,7 @@ fn stopping_distance(speed: f64) -> f64 {
     REACTION_S * speed + speed * speed / (2.0 * STOPPING)
 }
 
-/// A place on the driven path.
+/// A position on the driven path.
 struct PathPoint {
     s: f64,
     curvature: f64,
@@ -47,7 +48,7 @@ struct PathPoint {
     in_junction: bool,
 }
 
-/// PathPart of the path, arc lengths in m.
+/// Part of the path, arc lengths in m.
 struct PathPart {
     from: f64,
     to: f64,
@@ -55,12 +56,12 @@ struct PathPart {
     sign: f64,
 }
 
-/// Numbers of a frame column; all unknown where the table has none.
+/// Numbers of a frame column; all unknown if the table does not have it.
 fn numbers(table: &TableBuilder<'_>, id: Signal<PerFrame, Number>, frames: usize) -> Vec<f64> {
     table.numbers(id).map_or_else(|| vec![f64::NAN; frames], <[f64]>::to_vec)
 }
 
-/// Where the ego was, in order of arc length.
+/// Positions of the ego, in order of arc length.
 fn places(path: &DrivenPath, table: &TableBuilder<'_>) -> Vec<PathPoint> {
     let frames = path.ego_s.len();
     let (curvature, grade) =
@@ -80,7 +81,7 @@ fn places(path: &DrivenPath, table: &TableBuilder<'_>) -> Vec<PathPoint> {
     places
 }
 
-/// Maximal runs of places to which `sign` gives one sign; 0 belongs to none.
+/// Maximal runs of positions with the same `sign`; 0 belongs to none.
 fn runs(places: &[PathPoint], sign: impl Fn(&PathPoint) -> f64) -> Vec<PathPart> {
     let mut parts: Vec<PathPart> = Vec::new();
     let mut before = 0.0;
@@ -117,7 +118,7 @@ fn bends(places: &[PathPoint], path: &DrivenPath) -> Vec<PathPart> {
     parts
 }
 
-/// Bends around `s`; NaN where too little was driven.
+/// Number of bends around `s`; NaN where too little was driven.
 fn bends_around(bends: &[PathPart], driven: (f64, f64), s: f64) -> f64 {
     let (from, to) = (s - AROUND_M, s + AROUND_M);
     let count = bends.iter().filter(|b| b.to >= from && b.from <= to).count();
@@ -125,7 +126,7 @@ fn bends_around(bends: &[PathPart], driven: (f64, f64), s: f64) -> f64 {
     if all_driven || count >= ENOUGH_BENDS { count as f64 } else { f64::NAN }
 }
 
-/// Mean of the grade's magnitude around `s` by the trapezoid rule; NaN over less than 100 m.
+/// Mean of the absolute grade around `s` by the trapezoid rule; NaN over less than 100 m.
 fn mean_grade(places: &[PathPoint], s: f64) -> f64 {
     let (mut sum, mut length) = (0.0, 0.0);
     for pair in places.windows(2) {

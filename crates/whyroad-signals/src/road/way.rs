@@ -1,12 +1,12 @@
-//! The ego's way ahead over the lanes of the map: from its lane through the lanes that it takes later, else through
-//! those beside them, else the straightest. Where a lane ends and its neighbor goes on, the way goes on there.
-//! Inside the corridor of a lane (`corridor.rs`) one stays in a lane; the way follows the road.
+//! The ego's way ahead over the lanes of the map: from its lane through the lanes that it takes later, else through the
+//! adjacent ones, else the straightest. Where a lane ends and its neighbor continues, the way continues there. A
+//! corridor (`corridor.rs`) stays in one lane; the way follows the road.
 
 use crate::geometry::wrap;
 use crate::road::ego_lane::EgoLane;
 use crate::road::network::Road;
 
-/// How far ahead of the lane's start, beyond the lane's own length, a way reaches, m.
+/// Length of a way ahead of the lane's start, in addition to the lane's own length, m.
 pub const REACH_M: f64 = 320.0;
 
 /// One lane of a way, arc lengths from the start of the way's first lane, m.
@@ -18,7 +18,7 @@ pub struct Step {
     pub from: f64,
     /// Where it ends.
     pub to: f64,
-    /// The way came here from the lane beside, because that one ended.
+    /// The way changed here from the adjacent lane, because that one ended.
     pub hopped: bool,
 }
 
@@ -27,17 +27,17 @@ pub struct Step {
 pub struct Way {
     /// At least the lane that it begins on.
     pub steps: Vec<Step>,
-    /// Nothing follows the last lane: the reach was not the reason for ending.
+    /// Nothing follows the last lane: the way did not end because of its maximum length.
     pub ends: bool,
 }
 
-/// How much a lane turns from its start to its end, rad, without sign.
+/// Absolute change of direction of a lane from its start to its end, rad.
 fn turn_of(road: &Road, lane: usize) -> f64 {
     let line = &road.lanes[lane].center;
     wrap(line.heading_at(line.length()) - line.heading_at(0.0)).abs()
 }
 
-/// The one of `options` to take: the first on the coming route, else the first beside it, else the straightest.
+/// The one of `options` to take: the first on the later route, else the first beside it, else the straightest.
 fn choose(road: &Road, options: &[usize], coming: &[usize]) -> Option<usize> {
     let rank = |&lane: &usize| {
         let on = coming.iter().position(|&l| l == lane);
@@ -59,7 +59,7 @@ pub fn beside(road: &Road, lane: usize) -> Vec<usize> {
     let mut sides: [Vec<usize>; 2] = Default::default();
     for (side, found) in sides.iter_mut().enumerate() {
         let mut at = lane;
-        // Bounded: a map whose neighbors form a ring must not hang us.
+        // Bounded: in a map whose neighbors form a ring the loop would not end.
         while let Some(next) = road.lanes[at].neighbors[side].filter(|_| found.len() < 16) {
             found.push(next);
             at = next;
@@ -89,7 +89,7 @@ impl Way {
         Self { steps, ends: false }
     }
 
-    /// Index of the step that holds arc length `s`; the last one beyond the end.
+    /// Index of the step that contains arc length `s`; the last one beyond the end.
     pub fn step_at(&self, s: f64) -> usize {
         self.steps.partition_point(|step| step.to <= s).min(self.steps.len() - 1)
     }
@@ -102,7 +102,7 @@ pub struct Ways {
 }
 
 impl Ways {
-    /// One way for each stay of the ego in a lane.
+    /// One way per stay of the ego in a lane.
     pub fn new(road: &Road, lanes: &EgoLane) -> Self {
         let mut stays: Vec<usize> = Vec::new();
         let mut by_frame = Vec::with_capacity(lanes.places.len());
@@ -118,7 +118,7 @@ impl Ways {
         Self { ways, by_frame }
     }
 
-    /// The way on which the ego is in `frame`, and its arc length there.
+    /// The way of the ego in `frame`, and its arc length there.
     pub fn at(&self, frame: usize) -> Option<(&Way, f64)> {
         self.by_frame.get(frame)?.map(|(way, s)| (&self.ways[way], s))
     }

@@ -1,4 +1,4 @@
-//! How far the ego sees of its own path. Writes `map.sight_distance` and `map.curve_hidden`.
+//! Visible distance along the ego's path. Writes `map.sight_distance` and `map.curve_hidden`.
 
 use super::obstacles::{ObstacleKind, Obstacles};
 use super::profile::Profile;
@@ -13,13 +13,13 @@ use whyroad_model::catalog::id;
 const HORIZON_M: f64 = 150.0;
 /// Sampling step along the path, m.
 const STEP_M: f64 = 1.0;
-/// A bend within this distance, and sight cut within it, m.
+/// Maximum distance of a bend, and of the end of sight, m.
 const CURVE_M: f64 = 50.0;
-/// From this curvature on there is a bend, 1/m (a radius of 100 m).
+/// Minimum curvature of a bend, 1/m (a radius of 100 m).
 const CURVE_PER_M: f64 = 0.01;
-/// Chords by which curvature is measured, m; as `map.curvature`.
+/// Length of the chords by which curvature is measured, m; as for `map.curvature`.
 const CHORD_M: f64 = 5.0;
-/// What is this near to the middle of the path is on it, not beside it, m: half a car and a little.
+/// An object within this distance of the center of the path is on it, not beside it, m: half a car plus a margin.
 const ON_PATH_M: f64 = 1.5;
 
 /// Sight along the path by frame.
@@ -32,12 +32,12 @@ pub struct Ahead<'a> {
 }
 
 impl<'a> Ahead<'a> {
-    /// Before anything was looked at.
+    /// Before the first frame.
     pub fn new(scene: &'a Scene<'a>, profile: &'a Profile, obstacles: &'a Obstacles<'a>) -> Self {
         Self { scene, profile, obstacles, distance: Vec::new(), curve_hidden: Vec::new() }
     }
 
-    /// Looks along the path in one frame; frames come in order.
+    /// Processes one frame; frames come in order.
     pub fn look(&mut self, frame: usize, view: Option<&View>) {
         let s = self.scene.path.ego_s[frame];
         let Some(view) = view.filter(|_| s.is_finite()) else {
@@ -62,7 +62,8 @@ impl<'a> Ahead<'a> {
         self.curve_hidden.push(curve);
     }
 
-    /// Whether `cut`, the place first hidden and what hides it, is by something on the inner side of a bend ahead.
+    /// Whether `cut`, the first hidden position and the object that hides it, is caused by something on the inner side
+    /// of a bend ahead.
     fn curve(&self, s: f64, cut: Option<(f64, Owner)>, frame: usize) -> Tri {
         let path = &self.scene.path.line;
         let bend = (0..=(CURVE_M / 2.0) as usize)
@@ -72,15 +73,15 @@ impl<'a> Ahead<'a> {
             return Tri::False;
         }
         match cut {
-            // Sight lines round a bend run on its inner side: what cuts one away from the path stands there.
+            // Sight lines in a bend are on its inner side: an object that blocks one off the path is there.
             Some((_, owner)) => Tri::from(self.side(owner, s, frame).is_none_or(|side| side * bend > 0.0)),
-            // Nothing that is known; but a hedge or a house may stand there if the map has no data.
+            // No known object; but if the map has no data, there may be a hedge or a house.
             None if self.obstacles.covers_buildings => Tri::False,
             None => Tri::Unknown,
         }
     }
 
-    /// How far beside the path ahead the box of a target is, left positive, 0 on it; `None` for a building.
+    /// Lateral distance of a target's box from the path ahead, left positive, 0 on it; `None` for a building.
     fn side(&self, owner: Owner, s: f64, frame: usize) -> Option<f64> {
         let Owner::Target(k) = owner else { return None };
         let target = &self.scene.targets[k];

@@ -1,5 +1,5 @@
-//! How much of the ground beside the path ahead is hidden, by what, and how soon the ego is there. Writes
-//! `map.hidden_beside`, `map.hidden_beside_by` and `map.time_to_hidden_beside`.
+//! Hidden share of the ground beside the path ahead, the object that hides it, and the time until the ego is there.
+//! Writes `map.hidden_beside`, `map.hidden_beside_by` and `map.time_to_hidden_beside`.
 
 use super::obstacles::{ObstacleKind, Obstacles};
 use super::scene::Scene;
@@ -11,7 +11,7 @@ use whyroad_model::catalog::{CategoryValue, id, value::MapHiddenBesideBy};
 
 /// Length of the strip from the front bumper on, m.
 const LENGTH_M: f64 = 30.0;
-/// Its width, from the edge of the band that the ego sweeps outwards, m.
+/// Its width, outwards from the edge of the band that the ego sweeps, m.
 const WIDTH_M: f64 = 4.0;
 /// Margin of the band beside the ego, m; as for `target.gap`.
 const MARGIN_M: f64 = 0.3;
@@ -20,7 +20,7 @@ const STEP_M: f64 = 1.0;
 /// Limits of the search for hidden ground ahead, by time and distance, s and m.
 const AHEAD_S: f64 = 10.0;
 const AHEAD_M: f64 = 100.0;
-/// Under this share nothing is said to hide it.
+/// Minimum hidden share for reporting an occluder.
 const LEAST_SHARE: f64 = 0.05;
 
 /// What is hidden beside the path by frame.
@@ -32,7 +32,7 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Looks beside the path in one frame; frames come in order.
+    /// Processes one frame; frames come in order.
     pub fn look(&mut self, frame: usize, view: Option<&View>, scene: &Scene<'_>, obstacles: &Obstacles<'_>) {
         let s = scene.path.ego_s[frame];
         let (length, width) = (scene.ego.length, scene.ego.width);
@@ -53,7 +53,7 @@ impl Beside {
         let places = (long * wide) as f64;
         let speed = scene.ego.forward_speed[frame];
         let far = (AHEAD_M.min(AHEAD_S * speed.max(0.0)) / STEP_M) as usize;
-        // Both sides are looked at from the same places on the path.
+        // Both sides are sampled at the same positions of the path.
         let mut stations: Vec<Option<(P2, P2)>> = vec![None; long.max(far)];
         let mut station = |i: usize| {
             let at = s + length / 2.0 + (i as f64 + 0.5) * STEP_M;
@@ -65,7 +65,7 @@ impl Beside {
         for side in [1.0, -1.0] {
             let mut counts = [0_usize; 5];
             for i in 0..long.max(far) {
-                // Beyond the strip only the first hidden place counts, to 2 m.
+                // Beyond the strip only the first hidden position counts, to 2 m.
                 if i >= long && (i as f64) * STEP_M >= first_hidden {
                     break;
                 }

@@ -1,8 +1,8 @@
-//! How far into the crossing arms of the next junction the ego sees. Writes `map.sight_angle`.
+//! Visible distance into the crossing arms of the next junction. Writes `map.sight_angle`.
 //!
-//! The arms are where the road leaves a circle around the junction's middle; those that lead left or right of the
-//! direction of approach are looked into, along their middle up to 40 m. The angle of a side is that of the outermost
-//! place seen there; an arm seen to its end is free (90 deg), and so is a side without an arm.
+//! The arms are where the road leaves a circle around the junction's center; those to the left or right of the
+//! direction of approach are examined along their center line up to 40 m. The angle of a side is that of the outermost
+//! visible position; an arm that is visible to its end is free (90 deg), and so is a side without an arm.
 
 use super::obstacles::{ObstacleKind, Obstacles};
 use super::scene::Scene;
@@ -14,20 +14,19 @@ use crate::table::TableBuilder;
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::catalog::id;
 
-/// The junction is looked at from this distance on, m.
+/// Maximum distance of a junction that is examined, m.
 const REACH_M: f64 = 60.0;
-/// Stretches of the path in junctions with less than this between them are one junction, m; as
-/// `map.distance_to_junction`.
+/// Ranges of the path in junctions with a smaller distance are one junction, m; as for `map.distance_to_junction`.
 const MERGE_M: f64 = 5.0;
-/// Arms are looked into up to this far from the junction's middle, m.
+/// Maximum distance along an arm from the junction's center, m.
 const ARM_M: f64 = 40.0;
-/// Places on an arm are so far apart, m.
+/// Distance between positions on an arm, m.
 const STEP_M: f64 = 1.0;
-/// Arms are sought this far outside of the junction, m.
+/// Distance outside of the junction at which arms are searched, m.
 const OUTSIDE_M: f64 = 8.0;
-/// Directions tried around the junction.
+/// Number of directions tested around the junction.
 const DIRECTIONS: usize = 120;
-/// Arms within this of straight on or straight back are not crossing, rad: 30 deg.
+/// Arms within this angle of straight on or straight back are not crossing, rad: 30 deg.
 const ALONG_RAD: f64 = PI / 6.0;
 
 /// One junction on the path.
@@ -48,14 +47,14 @@ pub struct CrossingArms<'a> {
 }
 
 impl<'a> CrossingArms<'a> {
-    /// Of the junctions on the scene's path.
+    /// For the junctions on the scene's path.
     pub fn new(scene: &'a Scene<'a>, road: &Road, obstacles: &'a Obstacles<'a>) -> Self {
         let found = stretches(scene.path, |p| road.in_junction(p), MERGE_M);
         let crossings = found.into_iter().map(|s| crossing(scene, road, s)).collect();
         Self { scene, obstacles, crossings, angle: Vec::new() }
     }
 
-    /// Looks into the arms of the next junction; frames come in order.
+    /// Processes the arms of the next junction in one frame; frames come in order.
     pub fn look(&mut self, frame: usize, view: Option<&View>) {
         let s = self.scene.path.ego_s[frame];
         let Some(view) = view.filter(|_| s.is_finite()) else {
@@ -63,14 +62,14 @@ impl<'a> CrossingArms<'a> {
             return;
         };
         let front = if self.scene.ego.length.is_finite() { self.scene.ego.length / 2.0 } else { 0.0 };
-        // Past its middle a junction is behind: its arms are no longer looked into.
+        // A junction whose center is behind the ego is not examined any more.
         let next = self.crossings.iter().find(|c| (c.stretch.from + c.stretch.to) / 2.0 >= s);
         let Some(crossing) = next.filter(|c| c.stretch.from - s - front <= REACH_M) else {
             self.angle.push(f64::INFINITY);
             return;
         };
         let eye = self.scene.ego.position[frame];
-        // Somebody on foot does not cut the view of a road, and who drives in the ego's lane goes on.
+        // A pedestrian does not block the view of a road, and a vehicle in the ego's lane drives on.
         let counts = |owner: Owner| {
             !matches!(self.obstacles.kind(owner), ObstacleKind::Vru) && !self.in_way(owner, frame)
         };
@@ -96,7 +95,7 @@ impl<'a> CrossingArms<'a> {
     }
 }
 
-/// The junction of a stretch: where its middle is, how the ego comes to it, which arms cross.
+/// The junction of a range: its center, the ego's approach, the crossing arms.
 fn crossing(scene: &Scene<'_>, road: &Road, stretch: Stretch) -> Crossing {
     let line = &scene.path.line;
     let middle = line.point_at((stretch.from + stretch.to) / 2.0);
@@ -116,7 +115,7 @@ fn crossing(scene: &Scene<'_>, road: &Road, stretch: Stretch) -> Crossing {
     Crossing { stretch, middle, approach, radius, arms }
 }
 
-/// Directions of the middles of the runs of `true` around a ring. None when all or nothing is road: an open square.
+/// Directions of the centers of the runs of `true` around a ring. None if all or nothing is road: an open square.
 fn middles(ring: &[bool]) -> Vec<f64> {
     let n = ring.len();
     let Some(gap) = ring.iter().position(|on| !on) else { return Vec::new() };
@@ -135,8 +134,8 @@ fn middles(ring: &[bool]) -> Vec<f64> {
     arms
 }
 
-/// Angle from the direction of approach to the outermost place of an arm that is seen, rad; a right angle when its far
-/// end is.
+/// Angle from the direction of approach to the outermost visible position of an arm, rad; a right angle if its far end
+/// is visible.
 fn into(crossing: &Crossing, arm: f64, eye: P2, view: &View, counts: &impl Fn(Owner) -> bool) -> f64 {
     let direction = P2::from_heading(arm);
     let place = |away: f64| crossing.middle + direction * away;

@@ -1,4 +1,4 @@
-//! When a target comes out from behind something, and from behind what. Writes `target.emerges`, `emergence`,
+//! When a target comes out from behind an object, and from which kind of object. Writes `target.emerges`, `emergence`,
 //! `hidden_by_lead`.
 
 use super::obstacles::Obstacles;
@@ -10,19 +10,19 @@ use crate::target::rows::Rows;
 use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::TargetEmergence};
 
-/// From this visible share on a target is seen.
+/// Minimum visible share of a visible target.
 const VISIBLE_SHARE: f64 = 0.2;
-/// Below this share it is hidden.
+/// Maximum visible share of a hidden target.
 const HIDDEN_SHARE: f64 = 0.1;
-/// Below this share a lead hides it.
+/// Maximum visible share of a target that is hidden by a lead.
 const HIDDEN_BY_LEAD_SHARE: f64 = 0.3;
 /// Maximum distance for emergence, m.
 const REACH_M: f64 = 60.0;
-/// How long the cause is reported, s.
+/// Time for which the cause is reported, s.
 const HELD_S: f64 = 3.0;
-/// An occluder that moved within this time is dynamic, s (TAXONOMY.md vru_emergence: parked is 3 s and more).
+/// An occluder that moved within this time is dynamic, s (TAXONOMY.md vru_emergence: parked means at least 3 s).
 const STOOD_S: f64 = 3.0;
-/// Who was the lead this long ago counts as lead, s.
+/// A vehicle that was the lead at most this long ago counts as lead, s.
 const LEAD_S: f64 = 2.0;
 
 /// The three signals of one row.
@@ -103,7 +103,7 @@ fn hidden_by_lead(scene: &Scene<'_>, seen: &Seen) -> Tri {
     Tri::from(seen.share < HIDDEN_BY_LEAD_SHARE && is_lead(scene, seen.occluder, seen.frame))
 }
 
-/// True when `who` is the ego's lead in `frame` or was in the time before.
+/// True when `who` is the ego's lead in `frame` or was shortly before.
 fn is_lead(scene: &Scene<'_>, who: Option<Owner>, frame: usize) -> bool {
     let Some(Owner::Target(k)) = who else { return false };
     (0..=frame)
@@ -112,7 +112,7 @@ fn is_lead(scene: &Scene<'_>, who: Option<Owner>, frame: usize) -> bool {
         .any(|f| scene.near.lead[f].is_some_and(|(lead, _)| lead == k))
 }
 
-/// Whether what hid it stood or moved in the time before.
+/// Whether the occluder was stationary or moved before.
 fn cause(scene: &Scene<'_>, obstacles: &Obstacles<'_>, hidden: &Seen) -> Option<TargetEmergence> {
     let owner = hidden.occluder?;
     let known: Vec<bool> = (0..=hidden.frame)

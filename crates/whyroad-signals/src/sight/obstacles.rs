@@ -1,5 +1,5 @@
-//! What is tracked in each frame with its box, what of it can hide something, and of what kind it is; the buildings of
-//! the map.
+//! The tracked objects in each frame with their boxes, whether they can hide something, and their kinds; the buildings
+//! of the map.
 
 use super::scene::Occluder;
 use super::scene::Scene;
@@ -11,19 +11,19 @@ use rstar::{AABB, RTree};
 
 /// Maximum distance from the ego that is examined, m.
 const REACH_M: f64 = 150.0;
-/// What is known to be lower than this hides nothing: a driver's eye is at 1.1 to 1.2 m, a child's head above it.
+/// Minimum height of an object that hides something: a driver's eye is at 1.1 to 1.2 m, a child's head is above it.
 const LEAST_HEIGHT_M: f64 = 1.0;
 
-/// What an occluder is.
+/// Kind of an occluder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ObstacleKind {
     /// Any other motor vehicle.
     Vehicle,
-    /// Truck, bus, odd vehicle.
+    /// Truck, bus, special vehicle.
     LargeVehicle,
-    /// Somebody on foot or on two light wheels.
+    /// Pedestrian or light two-wheeler.
     Vru,
-    /// Anything else that is tracked.
+    /// Any other tracked object.
     Object,
     /// A building of the map.
     Building,
@@ -38,13 +38,13 @@ pub struct Tracked<'a> {
     pub target: usize,
     /// Row of its track.
     pub row: usize,
-    /// Its box, where it is known.
+    /// Its box, if it is known.
     pub footprint: Option<&'a OrientedBox>,
     /// Whether it can hide something.
     hides: bool,
 }
 
-/// Everything that is tracked and everything that hides, over the whole drive.
+/// All tracked objects and all occluders, over the whole drive.
 pub struct Obstacles<'a> {
     scene: &'a Scene<'a>,
     by_frame: Vec<Vec<Tracked<'a>>>,
@@ -87,12 +87,12 @@ impl<'a> Obstacles<'a> {
         Self { scene, by_frame, walls: RTree::bulk_load(walls), covers_buildings }
     }
 
-    /// What is tracked in `frame`, in the order of the targets.
+    /// The tracked objects in `frame`, in the order of the targets.
     pub fn tracked(&self, frame: usize) -> &[Tracked<'a>] {
         &self.by_frame[frame]
     }
 
-    /// What the ego has around it in `frame`; `None` while its pose is unknown.
+    /// The surroundings of the ego in `frame`; `None` while its pose is unknown.
     pub fn view(&self, frame: usize) -> Option<View> {
         let ego = self.scene.ego;
         if !ego.is_known(frame) {
@@ -113,7 +113,7 @@ impl<'a> Obstacles<'a> {
             .locate_in_envelope_intersecting(&around)
             .map(|w| (w.data, p2(w.geom().from[0], w.geom().from[1]), p2(w.geom().to[0], w.geom().to[1])))
             .collect();
-        // The tree's order does not matter: the view's is by building and place.
+        // The view's order is by building and position, independent of the tree's order.
         walls.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
         for (k, a, b) in walls {
             view.add_wall(Owner::Building(k), a, b);
@@ -121,7 +121,7 @@ impl<'a> Obstacles<'a> {
         Some(view)
     }
 
-    /// Of what kind the owner is.
+    /// The kind of the owner.
     pub fn kind(&self, owner: Owner) -> ObstacleKind {
         let Owner::Target(k) = owner else { return ObstacleKind::Building };
         match self.scene.targets[k].track.class {

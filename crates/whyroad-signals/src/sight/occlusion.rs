@@ -1,5 +1,6 @@
-//! The visible share of each target and what hides it; also where a target must have been before it was first seen,
-//! to report behind what it appeared. Writes `target.visible_share`, `occluder`, `occluder_moving`.
+//! The visible share of each target and its occluder; also the position that a target must have had before its first
+//! observation, to report the object from behind which it appeared. Writes `target.visible_share`, `occluder`,
+//! `occluder_moving`.
 
 use super::obstacles::{ObstacleKind, Obstacles, Tracked};
 use super::scene::Scene;
@@ -10,25 +11,25 @@ use crate::target::rows::Rows;
 use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::TargetOccluder};
 
-/// Farther targets are not looked at, m.
+/// Maximum distance of targets that are examined, m.
 const REACH_M: f64 = 80.0;
-/// Targets first seen within this distance are traced back, m.
+/// Maximum distance of the first observation of targets that are traced back, m.
 const TRACED_REACH_M: f64 = 60.0;
-/// For so long before they were first seen, s.
+/// Time before the first observation for which they are traced back, s.
 pub const TRACED_BACK_S: f64 = 1.0;
 
-/// How much of a target is seen in one frame.
+/// Visibility of a target in one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     /// The frame.
     pub frame: usize,
     /// Visible share; NaN when unknown.
     pub share: f64,
-    /// What hides most of it; `None` when nothing does, or when `share` is below 1 and it is not known what.
+    /// The object that hides most of it; `None` if nothing does, or if `share` is below 1 and the occluder is unknown.
     pub occluder: Option<Owner>,
 }
 
-/// A place where a target must have been while it was not observed.
+/// A position that a target must have had while it was not observed.
 struct Trace {
     target: usize,
     row: usize,
@@ -40,13 +41,13 @@ pub struct Occlusion<'a> {
     scene: &'a Scene<'a>,
     /// By target and row.
     pub rows: Vec<Vec<Seen>>,
-    /// By target: before which row, and what was seen of the place then; frames ascend.
+    /// By target: the row before which it was traced, and the visibility of the position then; frames ascend.
     pub traced: Vec<Vec<(usize, Seen)>>,
     traces: Vec<Vec<Trace>>,
 }
 
 impl<'a> Occlusion<'a> {
-    /// Before anything was looked at.
+    /// Before the first frame.
     pub fn new(scene: &'a Scene<'a>) -> Self {
         let unseen = |frame: &u32| Seen { frame: *frame as usize, share: f64::NAN, occluder: None };
         let rows = scene.targets.iter().map(|t| t.track.frames.iter().map(unseen).collect()).collect();
@@ -55,7 +56,7 @@ impl<'a> Occlusion<'a> {
         Self { scene, rows, traced: vec![Vec::new(); scene.targets.len()], traces }
     }
 
-    /// Looks at all targets of one frame.
+    /// Processes all targets of one frame.
     pub fn look(&mut self, frame: usize, view: Option<&View>, obstacles: &Obstacles<'_>) {
         let eye = self.scene.ego.position[frame];
         for &Tracked { target: k, row, footprint, .. } in obstacles.tracked(frame) {
@@ -77,7 +78,7 @@ impl<'a> Occlusion<'a> {
         }
     }
 
-    /// What the source's own sensor model says goes before what we work out.
+    /// The source's own sensor model has priority over our computation.
     fn take_told(&mut self, k: usize, row: usize) {
         let track = self.scene.targets[k].track;
         let seen = &mut self.rows[k][row];
@@ -129,8 +130,8 @@ fn code(kind: ObstacleKind) -> TargetOccluder {
     }
 }
 
-/// Where the target must have been in the frames before it was seen, by its first velocity: before its first row and in
-/// the gaps between rows.
+/// The positions that the target must have had in the frames before its observation, from its first velocity: before
+/// its first row and in the gaps between rows.
 fn trace_back(scene: &Scene<'_>, k: usize, traces: &mut [Vec<Trace>]) {
     let target = &scene.targets[k];
     let frames = &target.track.frames;

@@ -1,7 +1,7 @@
-//! The road's heights along the driven path and how far the eye sees over them. Writes `map.crest_ahead`.
+//! The road's heights along the driven path and the visible distance over crests. Writes `map.crest_ahead`.
 //!
-//! Heights are the ego's own where it drove; beyond the recording's end they go on by the map's, set level with the
-//! ego's at the joint. Only differences count, so it does not matter how high the box's center is over the road.
+//! Heights are the ego's own where it drove; beyond the recording's end they continue with the map's, aligned with the
+//! ego's at the joint. Only differences count, so the height of the box's center over the road does not matter.
 
 use super::scene::Scene;
 use crate::geometry::{P2, p2};
@@ -10,17 +10,17 @@ use whyroad_model::Tri;
 use whyroad_model::catalog::id;
 use whyroad_model::road_map::{Point3, RoadMap};
 
-/// Driver's eye over the road, m (AASHTO Green Book: 1.08; RASt: 1.0; a van's 1.2).
+/// Height of the driver's eye over the road, m (AASHTO Green Book: 1.08; RASt: 1.0; a van's 1.2).
 const EYE_M: f64 = 1.2;
-/// What is to be seen over the road, m: a car's tail light (AASHTO Green Book: 0.60).
+/// Height of the object to be seen over the road, m: a car's tail light (AASHTO Green Book: 0.60).
 const OBJECT_M: f64 = 0.6;
-/// Points along the path are so far apart, m.
+/// Distance between points along the path, m.
 const STEP_M: f64 = 2.0;
-/// Sight is followed this far, m.
+/// Maximum look-ahead, m.
 const HORIZON_M: f64 = 150.0;
-/// A crest nearer than this counts for `map.crest_ahead`, m.
+/// Maximum distance of a crest for `map.crest_ahead`, m.
 const CREST_M: f64 = 60.0;
-/// A lane's center line this near gives the height, m.
+/// Maximum distance of a lane's center line that gives the height, m.
 const MAP_REACH_M: f64 = 4.0;
 
 /// Heights by arc length of the path.
@@ -29,12 +29,12 @@ pub struct Profile {
     heights: Vec<f64>,
 }
 
-/// How far is seen over the profile.
+/// Visible distance over the profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverCrest {
-    /// Distance of the first place that cannot be seen; infinite when there is none, m.
+    /// Distance of the first position that is not visible; infinite if there is none, m.
     pub hidden_at: f64,
-    /// Up to this distance heights are known, m.
+    /// Distance up to which heights are known, m.
     pub known_to: f64,
 }
 
@@ -69,7 +69,7 @@ impl Profile {
         }
     }
 
-    /// How far the eye sees from arc length `s`.
+    /// Visible distance from arc length `s`.
     pub fn sight(&self, s: f64) -> OverCrest {
         let eye = self.at(s) + EYE_M;
         let mut steepest = f64::NEG_INFINITY;
@@ -79,7 +79,7 @@ impl Profile {
             if road.is_nan() || eye.is_nan() {
                 return OverCrest { hidden_at: f64::INFINITY, known_to: distance - STEP_M };
             }
-            // The line from the eye to the object is stopped where the road between is seen under a steeper angle.
+            // The line from the eye to the object is blocked where the road between them has a larger elevation angle.
             if (road + OBJECT_M - eye) / distance < steepest - 1e-9 {
                 return OverCrest { hidden_at: distance, known_to: distance };
             }
@@ -120,10 +120,10 @@ impl<'a> Lanes<'a> {
         Self { map, bounds: bounds.collect() }
     }
 
-    /// Height of the nearest lane's center line at `p`; of several levels the one nearest to `about`. NaN when there is
+    /// Height of the nearest lane's center line at `p`; with several levels the one nearest to `about`. NaN if there is
     /// none.
     fn height_at(&self, p: P2, about: f64) -> f64 {
-        // A little more than the reach: rounding must not leave a lane out.
+        // Slightly more than the reach: rounding must not exclude a lane.
         let reach = MAP_REACH_M + 1e-3;
         let near = |(low, high): &(P2, P2)| {
             p.x >= low.x - reach && p.x <= high.x + reach && p.y >= low.y - reach && p.y <= high.y + reach
@@ -134,7 +134,7 @@ impl<'a> Lanes<'a> {
     }
 }
 
-/// Height of the segment's point nearest to `p`, when that is near.
+/// Height of the segment's point nearest to `p`, if it is near enough.
 fn near_segment(w: &[Point3], p: P2) -> Option<f64> {
     let (a, b) = (w[0], w[1]);
     let (dx, dy) = (b.x - a.x, b.y - a.y);

@@ -1,4 +1,4 @@
-//! What the families on visibility read, and what can hide a target.
+//! Input of the families on visibility, and objects that can hide a target.
 
 use crate::ego::motion::EgoMotion;
 use crate::road::network::Road;
@@ -7,7 +7,7 @@ use crate::target::placement::Target;
 use crate::target::relations::Neighbors;
 use whyroad_model::{Drive, TrackId};
 
-/// What the family is computed from.
+/// Input of the family.
 pub struct Scene<'a> {
     /// The drive.
     pub drive: &'a Drive,
@@ -19,13 +19,13 @@ pub struct Scene<'a> {
     pub road: Option<&'a Road>,
     /// The targets in row order.
     pub targets: &'a [Target<'a>],
-    /// Who leads.
+    /// Lead and follower.
     pub near: &'a Neighbors,
     /// Seconds by frame.
     pub times: &'a [f64],
 }
 
-/// What hides a target.
+/// An object that hides a target.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Occluder {
     /// Another track.

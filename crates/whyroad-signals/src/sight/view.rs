@@ -1,17 +1,17 @@
-//! What stands around one eye in one frame, by the angles that it fills, and what of a place or a box is seen past it.
-//! Plane geometry: heights play no part.
+//! The surroundings of one eye point in one frame, by the angles that they occupy, and the visible part of a position
+//! or a box behind them. Plane geometry without heights.
 //!
-//! Everything that can hide something is cut into convex pieces: boxes as they are, buildings by their walls. Two
-//! convex pieces that do not overlap are never before one another on one sight line and behind on another, so which
-//! of the two is nearer is decided on one line, and the visible share of a box is exact: one minus the union of the
-//! angles of the pieces before it. Nothing is sampled.
+//! Everything that can hide something is divided into convex pieces: boxes as they are, buildings by their walls. Of
+//! two convex pieces that do not overlap, the same one is in front on all common sight lines, so one line is enough to
+//! determine which is nearer, and the visible share of a box is exact: one minus the union of the angles of the pieces
+//! in front of it. Nothing is sampled.
 
 use crate::geometry::{OrientedBox, P2, wrap};
 
-/// Angles smaller than this are none, rad (negligible at 80 m).
+/// Smaller angles are ignored, rad (negligible at 80 m).
 const LEAST_ANGLE_RAD: f64 = 1e-9;
 
-/// What can hide something, as the rest of the family sees it.
+/// An object that can hide something, for the rest of the family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Owner {
     /// Index of a target.
@@ -20,12 +20,12 @@ pub enum Owner {
     Building(usize),
 }
 
-/// Directions around the eye are divided into this number of ranges, so that a line meets few pieces.
+/// Number of ranges into which the directions around the eye are divided, so that a line meets few pieces.
 const RANGES: usize = 64;
-/// What a sector is widened by before its ranges are told, rad: more than rounding and [`Sector::contains`] allow.
+/// Margin added to a sector before its ranges are determined, rad: more than rounding and [`Sector::contains`] allow.
 const RANGE_SLACK_RAD: f64 = 1e-5;
 
-/// Which of the ranges a direction is in: by a number that grows with the angle and costs no trigonometry.
+/// Range of a direction, from a number that increases with the angle and needs no trigonometry.
 fn range_of(direction: P2) -> usize {
     let around = direction.x.abs() + direction.y.abs();
     let share = direction.y / around;
@@ -37,7 +37,7 @@ fn range_of(direction: P2) -> usize {
     ((turned * (RANGES as f64 / 4.0)) as usize).min(RANGES - 1)
 }
 
-/// Angles around the eye: `mid` in (-pi, pi] and as much either side, rad.
+/// Angles around the eye: `mid` in (-pi, pi] and the same angle on either side, rad.
 #[derive(Clone, Copy, Debug)]
 struct Sector {
     mid: f64,
@@ -47,11 +47,11 @@ struct Sector {
     ranges: Ranges,
 }
 
-/// First range that a sector touches, and how many.
+/// First range that a sector touches, and their number.
 type Ranges = (usize, usize);
 
 impl Sector {
-    /// The angles under which a convex shape is seen from the origin, which is outside of it.
+    /// The angles at which a convex shape outside of the origin is seen from it.
     fn of(corners: &[P2]) -> Self {
         let first = corners[0].heading();
         let (mut low, mut high) = ((0.0, corners[0]), (0.0, corners[0]));
@@ -66,12 +66,12 @@ impl Sector {
         }
         let ((low, from), (high, to)) = (low, high);
         let (mid, half) = (wrap(first + (low + high) / 2.0), (high - low) / 2.0);
-        // A line along the very edge counts as within.
+        // A line along the edge counts as inside.
         let (direction, least_cosine) = (P2::from_heading(mid), half.cos() - 1e-12);
         Self { mid, half, direction, least_cosine, ranges: ranges(half, from, to) }
     }
 
-    /// The part of `other` in this sector, relative to this one's middle.
+    /// The part of `other` in this sector, relative to this one's center.
     fn shared(&self, other: &Sector) -> Option<(f64, f64)> {
         let turned = wrap(other.mid - self.mid);
         let (low, high) = ((turned - other.half).max(-self.half), (turned + other.half).min(self.half));
@@ -83,18 +83,18 @@ impl Sector {
     }
 }
 
-/// The ranges from one corner to the other, which are seen twice `half` apart.
+/// The ranges from one corner to the other, which are seen at an angle of twice `half`.
 fn ranges(half: f64, from: P2, to: P2) -> Ranges {
     if half.is_nan() || half + RANGE_SLACK_RAD >= std::f64::consts::FRAC_PI_2 {
         return (0, RANGES);
     }
-    // Turned by a small angle, almost: a little of the vector across is added.
+    // Rotated by a small angle, approximately: a small part of the perpendicular vector is added.
     let (from, to) = (from - from.left() * RANGE_SLACK_RAD, to + to.left() * RANGE_SLACK_RAD);
     let (from, to) = (range_of(from), range_of(to));
     (from, (to + RANGES - from) % RANGES + 1)
 }
 
-/// Something convex that hides, relative to the eye.
+/// A convex occluder, relative to the eye.
 #[derive(Clone, Copy, Debug)]
 enum Outline {
     Wall([P2; 2]),
@@ -110,7 +110,7 @@ impl Outline {
     }
 }
 
-/// A convex piece of something that hides.
+/// A convex piece of an occluder.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     owner: Owner,
@@ -120,7 +120,7 @@ struct Piece {
     footprint: Option<OrientedBox>,
 }
 
-/// Between which distances from the eye a shape is, m.
+/// Range of distances of a shape from the eye, m.
 #[derive(Clone, Copy, Debug)]
 struct Reach {
     nearest: f64,
@@ -132,13 +132,13 @@ impl Reach {
         Self { nearest: nearest_point(corners), farthest: farthest_corner(corners) }
     }
 
-    /// True where all of this is nearer than any of `other`, by more than rounding can do.
+    /// True if all of this is nearer than any of `other`, by more than rounding errors.
     fn is_before(&self, other: &Reach) -> bool {
         self.farthest * (1.0 + 1e-9) + 1e-6 < other.nearest
     }
 }
 
-/// Where a line from the origin with this direction first meets the shape; infinite when it misses, m.
+/// Distance at which a line from the origin with this direction first meets the shape; infinite if it misses, m.
 fn entry(corners: &[P2], direction: P2) -> f64 {
     let n = corners.len();
     let sides = if n == 2 { 1 } else { n };
@@ -170,7 +170,7 @@ fn nearest_point(corners: &[P2]) -> f64 {
     for (i, nearest) in nearest[..n].iter_mut().enumerate() {
         *nearest = to_origin(corners[i], corners[(i + 1) % n]);
     }
-    // A root only of what can be the least.
+    // A square root only for candidates for the minimum.
     let least = nearest[..n].iter().map(|p| p.dot(*p)).fold(f64::INFINITY, f64::min) * (1.0 + 1e-12);
     nearest[..n].iter().filter(|p| p.dot(**p) <= least).map(|p| p.norm()).fold(f64::INFINITY, f64::min)
 }
@@ -181,23 +181,23 @@ fn farthest_corner(corners: &[P2]) -> f64 {
     corners.iter().filter(|c| c.dot(**c) >= most).map(|c| c.norm()).fold(0.0, f64::max)
 }
 
-/// How much of a box is seen.
+/// Visibility of a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
     /// Visible share, 0 to 1.
     pub share: f64,
-    /// What hides most of it, the nearest one of equals; `None` when nothing hides any of it.
+    /// The object that hides most of it, the nearest one if equal; `None` if nothing hides any of it.
     pub occluder: Option<Owner>,
 }
 
-/// Everything that hides, around one eye.
+/// All occluders around one eye point.
 #[derive(Clone, Debug)]
 pub struct View {
     eye: P2,
     pieces: Vec<Piece>,
-    /// For each 64 pieces, by range of directions, which of them are there.
+    /// For each 64 pieces, by range of directions, the pieces in the range.
     ranges: Vec<[u64; RANGES]>,
-    /// By range of directions, how near the nearest of them is, m; infinite where there is none.
+    /// By range of directions, the distance of the nearest piece, m; infinite if there is none.
     nearest: [f64; RANGES],
 }
 
@@ -240,7 +240,7 @@ impl View {
         }
     }
 
-    /// The pieces that some direction in these ranges may meet, in their order.
+    /// The pieces that a direction in these ranges may meet, in their order.
     fn pieces_in(&self, (first, count): Ranges) -> impl Iterator<Item = &Piece> {
         let words = self.ranges.iter().enumerate();
         let set = words.map(move |(k, by_range)| {
@@ -257,8 +257,8 @@ impl View {
         })
     }
 
-    /// How much of `target`'s box is seen past everything but itself. A box that overlaps it (a rider and the bicycle)
-    /// hides nothing of it. `None` when the eye is inside.
+    /// Visible share of `target`'s box behind all pieces except itself. A box that overlaps it (a rider and the
+    /// bicycle) hides nothing of it. `None` if the eye is inside.
     pub fn sight(&self, own: Option<Owner>, target: &OrientedBox) -> Option<Sight> {
         let corners = target.corners().map(|c| c - self.eye);
         let (sector, reach) = match self.piece_of(own, target) {
@@ -270,7 +270,8 @@ impl View {
         let around = self.pieces_in(sector.ranges);
         for piece in around.filter(|p| Some(p.owner) != own && p.reach.nearest < reach.farthest) {
             let Some((low, high)) = sector.shared(&piece.sector) else { continue };
-            // Most are apart in distance: then no line tells which is nearer, and they do not overlap.
+            // Most are separate in distance: then no sight line is needed to determine which is nearer, and they do not
+            // overlap.
             let is_before = piece.reach.is_before(&reach) || {
                 let direction = P2::from_heading(sector.mid + (low + high) / 2.0);
                 entry(piece.outline.corners(), direction) < entry(&corners, direction)
@@ -288,22 +289,22 @@ impl View {
         Some(Sight { share, occluder: most_hiding(hidden) })
     }
 
-    /// The piece of this view that the box itself is, which is not around the eye. Targets are mostly added in the
-    /// order of their numbers: where they are not, it may not be found.
+    /// The piece of this view for the box itself, if it is not around the eye. Targets are usually added in the order
+    /// of their numbers; otherwise it may not be found.
     fn piece_of(&self, own: Option<Owner>, target: &OrientedBox) -> Option<&Piece> {
         let at = self.pieces.binary_search_by_key(&own?, |piece| piece.owner).ok()?;
         let piece = &self.pieces[at];
         (piece.footprint == Some(*target)).then_some(piece)
     }
 
-    /// The first thing for which `counts` holds that stands before `place` as seen from the eye.
+    /// The first object that meets `counts` and is in front of `place` as seen from the eye.
     pub fn before(&self, place: P2, counts: impl Fn(Owner) -> bool) -> Option<Owner> {
         let to = place - self.eye;
-        // To within rounding, without a root.
+        // To within rounding, without a square root.
         let reach = to.dot(to) * (1.0 + 1e-9);
         let near = |nearest: f64| nearest * nearest < reach;
         let range = range_of(to);
-        // Most places are before everything or before an open sky: then nothing more is worked out.
+        // Most positions are in front of everything, or nothing is in that direction: then nothing more is computed.
         if !near(self.nearest[range]) {
             return None;
         }
@@ -330,7 +331,7 @@ fn union(mut intervals: Vec<(f64, f64)>) -> f64 {
     covered
 }
 
-/// The owner whose pieces together hide the greatest angle; of equals the nearest.
+/// The owner whose pieces together hide the largest angle; if equal, the nearest.
 fn most_hiding(mut hidden: Vec<(Owner, f64, (f64, f64))>) -> Option<Owner> {
     hidden.sort_by_key(|h| h.0);
     hidden

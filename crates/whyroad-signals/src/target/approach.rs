@@ -1,5 +1,5 @@
-//! How a target and the ego near each other along the ego's path: the gap and the closing speed, once per row for all
-//! measures that ask for them.
+//! Approach of a target and the ego along the ego's path: the gap and the closing speed, computed once per row for all
+//! measures that use them.
 
 use crate::geometry::wrap;
 use crate::target::gaps::{self, gap};
@@ -7,17 +7,17 @@ use crate::target::placement::{Approach, PlacedRows, Placement, Surroundings, Ta
 use std::f64::consts::PI;
 use whyroad_model::scene::Track;
 
-/// Closing slower than this is not closing, m/s: it is within what differentiated positions can tell.
+/// Minimum closing speed, m/s: a smaller one is within the accuracy of differentiated positions.
 pub const CLOSING_LEAST_MPS: f64 = 0.1;
-/// Motion within this of the path's direction is along it: 45 deg (RefAV).
+/// Motion within this angle of the path's direction is along it: 45 deg (RefAV).
 const ALONG_RAD: f64 = PI / 4.0;
-/// An oncoming target meets the ego head-on only where both are aligned to within this: 20 deg.
+/// Maximum angle for a head-on approach of an oncoming target: 20 deg.
 const HEAD_ON_RAD: f64 = 20.0 * PI / 180.0;
 
-/// How a target goes relative to the ego's path where it is.
+/// Direction of a target relative to the ego's path at its position.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Course {
-    /// With it, to within 45 deg.
+    /// In the path's direction, within 45 deg.
     Along,
     /// Against it, nearly in line with the ego.
     HeadOn,
@@ -25,21 +25,21 @@ pub enum Course {
     Across,
 }
 
-/// How `p` goes.
+/// The course of `p`.
 pub fn course_of(p: &Placement) -> Course {
     let turned = p.turned();
     let straight = || wrap(p.path.heading - p.heading_at_ego).abs() < HEAD_ON_RAD;
     if turned <= ALONG_RAD {
         Course::Along
     } else if turned > PI - HEAD_ON_RAD && straight() {
-        // A car of the same direction that backs up goes against the path as well.
+        // A car of the same direction that reverses also moves against the path.
         Course::HeadOn
     } else {
         Course::Across
     }
 }
 
-/// Speed of a target along the path, of what can be closed on: what goes across recedes at best, m/s.
+/// Speed of a target along the path, m/s; never negative for a target that moves across, which can only recede.
 pub fn along(p: &Placement) -> f64 {
     let along = gaps::along_signed(p);
     if course_of(p) == Course::Across { along.max(0.0) } else { along }
@@ -55,11 +55,11 @@ pub fn place<'t>(around: &Surroundings<'_>, track: &'t Track, times: &[f64], row
     target
 }
 
-/// Closing speed of an in-path pair along the path, m/s; 0 when the two will not meet there. A target that goes
-/// across recedes at best: its sideways motion brings it out of the path, not nearer along it. Whatever does not go
-/// along the path must still be in it when the ego gets there: a car that passes the mouth of the ego's left turn, or
-/// a walker who has crossed by then, is on no collision course along the path (`target.ttc_box` and `target.pet`
-/// look at those). Most targets are not in the path: of an infinite gap nothing is asked.
+/// Closing speed of an in-path pair along the path, m/s; 0 if the two will not meet there. A target that moves across
+/// can only recede: its lateral motion moves it out of the path, not nearer along it. A target that does not move along
+/// the path must still be in it when the ego gets there: a car that passes the end of the ego's left turn, or a
+/// pedestrian who has crossed by then, is not on a collision course along the path (`target.ttc_box` and `target.pet`
+/// cover these). Most targets are not in the path: for an infinite gap nothing is computed.
 fn closing(p: &Placement, gap: f64, around: &Surroundings<'_>) -> f64 {
     if gap.is_infinite() {
         return 0.0;

@@ -1,16 +1,16 @@
-//! The part of a box that is in the band which the ego sweeps along its path.
+//! The part of a box inside the band that the ego sweeps along its path.
 
 use crate::geometry::{Nearby, OrientedBox, P2, Projection};
 use crate::road::path::DrivenPath;
 use crate::target::on_lines::{Beside, around_foot};
 
-/// The band is this much wider than the ego on either side, m.
+/// Margin of the band on either side of the ego, m.
 pub const PATH_MARGIN_M: f64 = 0.3;
-/// Points around a footprint are this close, m.
+/// Maximum distance of points around a footprint, m.
 const BAND_STEP_M: f64 = 0.5;
-/// Room is made for no more of them at once, however long a box is said to be.
+/// Maximum preallocated number of points, however long a box is.
 const MOST_ROOM: usize = 1024;
-/// More than rounding does to a distance, m.
+/// More than the rounding error of a distance, m.
 const ROUNDED_M: f64 = 1e-6;
 
 /// The band while the ego's center is at an arc length of its path.
@@ -26,8 +26,8 @@ pub struct Band<'a> {
     pub ego_width: f64,
 }
 
-/// Points around a footprint, from its last corner on. Where they are on the path is worked out when it is asked for;
-/// who stands is asked for the same points frame after frame.
+/// Points around a footprint, from its last corner on. Their positions on the path are computed when needed; for a
+/// stationary object the same points are needed frame after frame.
 #[derive(Default)]
 pub struct Outline {
     points: Vec<P2>,
@@ -36,7 +36,7 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Forgets the box.
+    /// Clears the box.
     pub fn clear(&mut self) {
         self.nearby = None;
     }
@@ -60,7 +60,7 @@ impl Outline {
         self.on_path.resize(self.points.len(), None);
     }
 
-    /// Where point `k` is on the path.
+    /// Position of point `k` on the path.
     fn at(&mut self, path: &DrivenPath, k: usize) -> Option<Projection> {
         if self.on_path[k].is_none() {
             let nearby = self.nearby.as_ref()?;
@@ -73,9 +73,9 @@ impl Outline {
 }
 
 impl Band<'_> {
-    /// First and last arc length of the points around a footprint that are in the band; `at` and `beside` say where it
-    /// is on the path. Points, not corners: where the path bends away, a car beside the ego can have corners on either
-    /// side of it and yet be clear. Beside the ego's own body the band has no margin.
+    /// First and last arc length of the points around a footprint that are in the band; `at` and `beside` state the
+    /// footprint's position relative to the path. Points, not only corners: where the path bends away, a car beside the
+    /// ego can have corners on both sides of it and still be outside. Beside the ego's own body the band has no margin.
     pub fn part_of(
         &self,
         footprint: &OrientedBox,
@@ -84,13 +84,13 @@ impl Band<'_> {
         outline: &mut Outline,
     ) -> Option<(f64, f64)> {
         let half = self.ego_width / 2.0;
-        // A little more than the corners tell, for what bulges between them.
+        // Slightly more than the corners give, for parts between them.
         let widest = half + PATH_MARGIN_M + 1.0;
         if beside.low > widest || beside.high < -widest {
             return None;
         }
         outline.begin(self.path, footprint, at);
-        // How far inside the band (negative: outside).
+        // Distance inside the band (negative: outside).
         let depth = |on: &Projection| {
             let margin = if (on.s - self.ego_s).abs() <= self.ego_length / 2.0 { 0.0 } else { PATH_MARGIN_M };
             half + margin - on.lateral.abs()
@@ -108,13 +108,13 @@ impl Band<'_> {
                 include(now.s);
             }
             if k > 0 && inside != was_inside {
-                // Where the side leaves the band, between two points.
+                // Point where the side leaves the band, between two points.
                 let before = outline.at(self.path, k - 1)?;
                 let (from, to) = (depth(&before), depth(&now));
                 include(before.s + (now.s - before.s) * (from / (from - to)));
             }
             was_inside = inside;
-            // Who is outside by more than the way to the next points is outside there too.
+            // If a point is outside by more than the distance to the next points, these are outside, too.
             let outside = now.lateral.abs() - half - PATH_MARGIN_M - ROUNDED_M;
             let here = outline.points[k];
             k += 1;

@@ -1,4 +1,4 @@
-//! Places of targets on the map: crosswalks, road, junction. Distances are to the target's box center.
+//! Positions of targets on the map: crosswalks, road, junction. Distances are to the target's box center.
 
 use crate::geometry::{LastPlace, p2};
 use crate::road::network::Road;
@@ -8,7 +8,7 @@ use whyroad_model::Tri;
 use whyroad_model::catalog::id;
 use whyroad_model::scene::{Drive, Track};
 
-/// This near a crosswalk's edge still is on it: 1 m (RefAV at_pedestrian_crossing).
+/// Maximum distance from a crosswalk's edge that counts as on it: 1 m (RefAV at_pedestrian_crossing).
 const ON_CROSSWALK_M: f64 = 1.0;
 
 /// Writes `target.on_crosswalk`, `distance_to_crosswalk`, `on_road`, `in_junction`.

@@ -1,8 +1,9 @@
-//! Whether the way that the ego drove goes round a target: how far it bulges away from it where it passes it.
+//! Whether the ego's driven path goes around a target: lateral deviation of the path away from it where the ego passes
+//! it.
 //!
-//! It is measured on the driven path alone, so that neither a lane drawn off its place nor a bend of the road looks
-//! like going round: the path where it is level with the target, against the curve of constant curvature through its
-//! points before and behind.
+//! It is measured on the driven path alone, so that neither an inaccurate lane nor a bend of the road looks like a
+//! detour: the path where it is level with the target, compared with the curve of constant curvature through its points
+//! before and behind.
 
 use crate::geometry::{LastPlace, P2, p2};
 use crate::road::path::DrivenPath;
@@ -12,11 +13,11 @@ use crate::target::placement::Placement;
 use crate::target::rows::Rows;
 use whyroad_model::catalog::id;
 
-/// The points before and behind are this far, and twice this far, from where the two are level, m.
+/// Distances of the points before and behind from the level position (the outer ones at twice the distance), m.
 const REACHES_M: [f64; 6] = [8.0, 12.0, 20.0, 30.0, 45.0, 60.0];
 
-/// Bulge of the path at arc length `s`, where it is `here`, over points `reach` apart, left positive, m: the fourth
-/// difference, which a line and a curve of constant curvature leave at zero. `None` where the points were not all
+/// Lateral deviation of the path at arc length `s`, where it is `here`, over points `reach` apart, left positive, m:
+/// the fourth difference, which is zero for a line and a curve of constant curvature. `None` if the points were not all
 /// driven.
 fn bulge(path: &DrivenPath, (s, here): (f64, P2), reach: f64) -> Option<f64> {
     let inside = s - 2.0 * reach >= path.driven.0 && s + 2.0 * reach <= path.driven.1;
@@ -32,7 +33,7 @@ fn bulge(path: &DrivenPath, (s, here): (f64, P2), reach: f64) -> Option<f64> {
     Some(height(here) - (inner - outer))
 }
 
-/// How far the path bulges at arc length `s`, to the left (`away` 1) or to the right (-1), m.
+/// Lateral deviation of the path at arc length `s`, to the left (`away` 1) or to the right (-1), m.
 fn bulges(path: &DrivenPath, s: f64, away: f64) -> f64 {
     let here = path.line.point_at(s);
     let found = REACHES_M.iter().filter_map(|&reach| bulge(path, (s, here), reach)).map(|b| b * away);
@@ -43,7 +44,7 @@ fn bulges(path: &DrivenPath, s: f64, away: f64) -> f64 {
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let path = scene.around.path;
-    // While both stand, they are level in the same place.
+    // While both are stationary, they are level at the same position.
     let last = LastPlace::new();
     let value = |p: &Placement| {
         if !p.within_reach() {

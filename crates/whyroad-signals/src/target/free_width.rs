@@ -1,5 +1,5 @@
-//! Room beside the ego and ahead of it: to the edge of the road and to tracked objects. Sideways is across the ego's
-//! box for the room beside it, across its driven path for the room ahead.
+//! Free space beside the ego and ahead of it: to the edge of the road and to tracked objects. Lateral means across the
+//! ego's box for the space beside it, across its driven path for the space ahead.
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{OrientedBox, P2, Polygon};
@@ -13,24 +13,24 @@ use std::f64::consts::FRAC_PI_3;
 use whyroad_model::catalog::id;
 use whyroad_model::road_map::LaneKind;
 
-/// Farther than this to one side is free, m.
+/// Maximum free space to one side that is measured, m.
 const FREE_M: f64 = 10.0;
-/// Ground is probed in steps of this, sideways and along the path, m.
+/// Sampling step of the ground, lateral and along the path, m.
 const PROBE_M: f64 = 0.25;
 const STATION_M: f64 = 1.0;
-/// The corridor ahead reaches this far from the front bumper, m.
+/// Length of the corridor ahead from the front bumper, m.
 const AHEAD_M: f64 = 40.0;
 
 /// Distances from the path to the road's edges, left then right, at stations along it; NaN where the path is off the
-/// road, and where the ego never comes near.
+/// road, and where the ego is never near.
 struct Edges {
     stations: Vec<[f64; 2]>,
 }
 
-/// The ground that counts as road: drivable areas, junctions, lanes for all that rolls, shoulders.
+/// The ground that counts as road: drivable areas, junctions, lanes for all wheeled traffic, shoulders.
 struct Ground<'a> {
     road: &'a Road,
-    /// The area that held the place asked about last: it mostly holds the next one too.
+    /// The area that contained the last position: it usually contains the next one, too.
     last: Cell<Option<&'a Polygon>>,
 }
 
@@ -51,13 +51,14 @@ impl Ground<'_> {
     }
 }
 
-/// How far the road goes on from `p` in direction `across`, at most [`FREE_M`] beyond `within`, m.
+/// Distance that the road continues from `p` in direction `across`, at most [`FREE_M`] beyond `within`, m.
 fn edge(ground: &Ground<'_>, p: P2, across: P2, within: f64) -> f64 {
     let steps = ((FREE_M + within) / PROBE_M) as usize;
     let off = |k: usize| !ground.is_road(p + across * (k as f64 * PROBE_M));
-    // Two probes in a row: between lanes that are drawn one by one there are seams.
+    // Two consecutive samples: between separately drawn lanes there are seams.
     let Some(k) = (1..=steps).find(|&k| off(k) && off(k + 1)) else { return FREE_M + within };
-    // Between the last probe on the road and the first off it; as sharp as positions are, so that no step shows.
+    // Between the last sample on the road and the first off it; as accurate as positions are, so that no step is
+    // visible.
     let (mut on, mut out) = ((k - 1) as f64 * PROBE_M, k as f64 * PROBE_M);
     while out - on > 1e-6 {
         let middle = (on + out) / 2.0;
@@ -67,7 +68,7 @@ fn edge(ground: &Ground<'_>, p: P2, across: P2, within: f64) -> f64 {
 }
 
 impl Edges {
-    /// From the ego's rear in its first place on the path to [`AHEAD_M`] before its front bumper in the last one.
+    /// From the ego's rear at its first position on the path to [`AHEAD_M`] before its front bumper at the last one.
     fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion) -> Self {
         let (half_width, front) = (ego.width / 2.0, ego.front());
         let count = (path.line.length() / STATION_M) as usize + 1;
@@ -77,7 +78,7 @@ impl Edges {
         let to = known().fold(f64::NEG_INFINITY, f64::max) + front + AHEAD_M + STATION_M;
         let at = |k: usize| {
             let s = k as f64 * STATION_M;
-            // What is asked for beyond the ends is asked of the first and the last station.
+            // Queries beyond the ends use the first or the last station.
             let is_asked_for = (from..=to).contains(&s) || k == 0 || k + 1 == count;
             let p = path.line.point_at(s);
             if !is_asked_for || !ground.is_road(p) {
@@ -97,12 +98,12 @@ impl Edges {
     }
 }
 
-/// The part of `other` beside the ego's box: nearest distance from the side of the ego, left then right, m. What
+/// The part of `other` beside the ego's box: minimum distance from the side of the ego, left then right, m. A part that
 /// overlaps the ego's box has distance 0 on the side of its center.
 fn beside(ego: &OrientedBox, other: &OrientedBox) -> [f64; 2] {
     let (forward, left) = (ego.direction(), ego.direction().left());
     let half = ego.length / 2.0;
-    // Clip the footprint to the stretch along the ego's box.
+    // Clips the footprint to the extent of the ego's box.
     let mut ring: Vec<P2> = other
         .corners()
         .map(|c| P2 { x: (c - ego.center).dot(forward), y: (c - ego.center).dot(left) })
@@ -133,12 +134,12 @@ fn beside(ego: &OrientedBox, other: &OrientedBox) -> [f64; 2] {
     }
 }
 
-/// Goes the way of the path where it is: it will be elsewhere when the ego gets there.
+/// Moves along the path: it will be elsewhere when the ego gets there.
 fn moves_along(p: &Placement) -> bool {
     p.speed() >= MOVING_MPS && p.turned() < FRAC_PI_3
 }
 
-/// Everything placed, by frame.
+/// All placements, by frame.
 fn by_frame<'t>(targets: &'t [Target<'_>], frames: usize) -> Vec<Vec<&'t Placement>> {
     let mut found: Vec<Vec<&Placement>> = vec![Vec::new(); frames];
     for p in targets.iter().flat_map(|t| t.places.iter().flatten()) {
@@ -154,7 +155,7 @@ fn room_beside(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize
     let s = on.path.ego_s[frame];
     let mut room = [FREE_M; 2];
     for k in edges.between(s - ego.length / 2.0, s + ego.length / 2.0) {
-        // NaN, where the path is off the road, must stay: `min` would pass over it.
+        // NaN, where the path is off the road, must be kept: `min` would ignore it.
         let edge = edges.stations[k].map(|e| (e - ego.width / 2.0).clamp(0.0, FREE_M));
         room = [0, 1].map(|i| if edge[i] < room[i] || edge[i].is_nan() { edge[i] } else { room[i] });
     }
@@ -174,14 +175,14 @@ fn corridor_ahead(on: &OnRoad<'_>, frame: usize) -> (f64, f64) {
     (s, s + on.ego.front())
 }
 
-/// Those of the objects that are along the corridor ahead.
+/// The objects along the corridor ahead.
 fn along_corridor<'t>(on: &OnRoad<'_>, near: &[&'t Placement], frame: usize) -> Vec<&'t Placement> {
     let (s, from) = corridor_ahead(on, frame);
     let beyond = |p: &Placement| s + p.far < from || s + p.near > from + AHEAD_M;
     near.iter().copied().filter(|p| !beyond(p)).collect()
 }
 
-/// Least width of the corridor ahead between the road's edges and those objects that `counts` tells.
+/// Minimum width of the corridor ahead between the road's edges and the objects that meet `counts`.
 fn room_ahead(
     on: &OnRoad<'_>,
     edges: &Edges,
@@ -199,8 +200,8 @@ fn room_ahead(
             continue;
         }
         let covered = edges.between(first.max(from).floor(), last.min(from + AHEAD_M).ceil());
-        // Where the path was really driven, what lies across it was gone when the ego came; beyond, the wider side is
-        // left.
+        // Where the path was really driven, an object across it was gone when the ego came; beyond that, the wider side
+        // remains.
         let across = p.path.low <= 0.0 && p.path.high >= 0.0;
         if across && first <= on.path.driven.1 {
             continue;
@@ -217,7 +218,7 @@ fn room_ahead(
             }
         }
     }
-    // Where the path leaves the road nothing is known of its width.
+    // Where the path leaves the road, its width is unknown.
     room.iter()
         .map(|r| r[0] + r[1])
         .fold(f64::INFINITY, |least, w| if least.is_nan() || w.is_nan() { f64::NAN } else { least.min(w) })

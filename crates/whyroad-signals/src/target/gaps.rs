@@ -1,16 +1,16 @@
-//! Which targets are in the ego's path ahead, and the clear distance to them: from the ego's front bumper to the
-//! target's nearest corner, along the driven path.
+//! Targets in the ego's path ahead, and the clear distance to them: from the ego's front bumper to the target's nearest
+//! corner, along the driven path.
 
 use crate::geometry::wrap;
 use crate::target::placement::Placement;
 
-/// A target that moves across the lane faster than this towards its center is coming in, m/s.
+/// Minimum lateral speed towards the lane's center of a target that enters the lane, m/s.
 const COMING_IN_MPS: f64 = 0.1;
 
-/// Arc length from the ego's center to the nearest part of a target ahead in its path, m; `None` when the target is
-/// not. In path is what is in the band that the ego sweeps along its driven path; what has its center in the ego's
-/// lane; and what is partly over the line into the lane and moving in. A car parked with one wheel in the lane,
-/// which the ego passes, is none of these.
+/// Arc length from the ego's center to the nearest part of a target ahead in its path, m; `None` if the target is not
+/// in path. In path are targets in the band that the ego sweeps along its driven path; targets whose center is in the
+/// ego's lane; and targets that are partly over the line into the lane and moving in. A car parked with one wheel in
+/// the lane, which the ego passes, is none of these.
 fn nearest_in_path(p: &Placement) -> Option<f64> {
     if !p.same_level || !p.within_reach() {
         return None;
@@ -30,8 +30,8 @@ pub fn lane_lateral_speed(p: &Placement) -> Option<f64> {
     Some(if at.lateral > 0.0 { -across } else { across })
 }
 
-/// The gap of a target: bumper to bumper along the path, negative when overlapping, infinite when known not to be
-/// ahead in path, NaN when its size is unknown.
+/// The gap of a target: bumper to bumper along the path, negative if overlapping, infinite if known not to be ahead in
+/// path, NaN if its size is unknown.
 pub fn gap(p: &Placement, ego_length: f64) -> f64 {
     if p.is_sized() {
         nearest_in_path(p).map_or(f64::INFINITY, |near| near - ego_length / 2.0)
@@ -40,7 +40,7 @@ pub fn gap(p: &Placement, ego_length: f64) -> f64 {
     }
 }
 
-/// Velocity of a target along the path where it is, m/s, forward positive.
+/// Velocity of a target along the path at its position, m/s, forward positive.
 pub fn along_signed(p: &Placement) -> f64 {
     p.speed() * wrap(p.direction() - p.path.heading).cos()
 }

@@ -1,4 +1,4 @@
-//! What the families on pairs read: the ego, its road and the targets placed around it, found once by `derive`.
+//! Input of the families on pairs: the ego, its road and the targets placed around it, computed once by `derive`.
 
 use crate::ego::meta_actions::MetaActions;
 use crate::table::TableBuilder;
@@ -8,7 +8,7 @@ use crate::target::relations::Neighbors;
 use std::cell::OnceCell;
 use whyroad_model::{Drive, SignalId};
 
-/// One drive with all that was found before.
+/// One drive with the results of the earlier stages.
 pub struct Interaction<'a> {
     /// The scene tables.
     pub drive: &'a Drive,
@@ -22,22 +22,22 @@ pub struct Interaction<'a> {
     pub actions: &'a MetaActions,
     /// Lead and follower by frame.
     pub near: &'a Neighbors,
-    /// Behind [`Interaction::lanes`].
+    /// Cache of [`Interaction::lanes`].
     pub assigned: OnceCell<Option<TargetLanes>>,
 }
 
 impl Interaction<'_> {
-    /// Lanes of the targets by row, assigned when they are first asked for; `None` without a map.
+    /// Lanes of the targets by row, assigned at the first call; `None` without a map.
     pub fn lanes(&self) -> Option<&TargetLanes> {
         let assign = || Some(TargetLanes::new(self.around.road?, self.targets));
         self.assigned.get_or_init(assign).as_ref()
     }
 }
 
-/// Signals of a family, and what writes them.
+/// Signals of a family, and the function that writes them.
 pub type Family = (&'static [SignalId], fn(&Interaction<'_>, &mut TableBuilder<'_>));
 
-/// Writes these families, in their order: those of which something is asked for.
+/// Writes these families, in their order, if any of their signals is requested.
 pub fn write_asked(families: &[Family], scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     for (signals, write) in families {
         if table.asks(signals) {

@@ -1,4 +1,4 @@
-//! What a target does relative to its lane: changing it, weaving in it, driving it the wrong way.
+//! Motion of a target relative to its lane: lane changes, weaving, wrong-way driving.
 
 use crate::estimate::{Aside, stated};
 use crate::geometry::{P2, Polyline, p2, wrap};
@@ -18,23 +18,23 @@ use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::TargetLaneChange};
 use whyroad_model::road_map::LaneKind;
 
-/// A swing across the lane counts from this width on, m.
+/// Minimum width of a swing across the lane, m.
 const SWING_M: f64 = 0.5;
-/// ... and is more than the noise of the places at this many of its standard deviations.
+/// ... and minimum number of standard deviations of the positions.
 const SWING_DEVIATIONS: f64 = 5.0;
-/// This number of swings is weaving.
+/// Minimum number of swings for weaving.
 const SWINGS: usize = 3;
 /// ... within this time, s.
 const SWINGS_WITHIN_S: f64 = 8.0;
-/// Half lengths of the chords by which a lane's line is smoothed, besides half the vehicle's own length, m. A line drawn
-/// with corners is not what anybody drives: whoever rounds them swings about it.
+/// Half lengths of the chords by which a lane's line is smoothed, in addition to half the vehicle's own length, m. No
+/// vehicle follows a line drawn with corners exactly: a vehicle that rounds them swings about it.
 const CHORDS_M: [f64; 3] = [5.0, 10.0, 20.0];
-/// Minimum speed for weaving, m/s: what seems to is the annotation's noise.
+/// Minimum speed for weaving, m/s: below it, swings are annotation noise.
 const WEAVING_LEAST_MPS: f64 = 1.0;
-/// Against the lanes for longer than this is wrong-way driving, s.
+/// Minimum time against the lanes for wrong-way driving, s.
 const WRONG_WAY_S: f64 = 2.0;
 
-/// Lane changes of a target, one value per row; empty for what does not drive in lanes.
+/// Lane changes of a target, one value per row; empty for objects that do not drive in lanes.
 fn changes(
     road: &Road,
     target: &Target<'_>,
@@ -60,7 +60,7 @@ fn changes(
     lane_change::changes(road, &rows)
 }
 
-/// Sideways travel of a target across the lanes' direction by row, m; NaN where a stretch ends.
+/// Lateral movement of a target across the lanes' direction by row, m; NaN where a range ends.
 fn sideways(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times: &[f64]) -> Vec<f64> {
     let m = &target.track.motion;
     let time = |r: usize| times[target.track.frames[r] as usize];
@@ -88,7 +88,7 @@ fn swings(values: &[f64], least: f64) -> usize {
     let (mut low, mut high, mut rising, mut count) = (start, start, None, 0);
     for &v in values {
         (low, high) = (low.min(v), high.max(v));
-        // A swing is counted when it is wide enough; from then on its end moves along with it.
+        // A swing is counted when it is wide enough; from then on its end moves with it.
         if rising != Some(true) && v - low >= least {
             (rising, count, high) = (Some(true), count + 1, v);
         } else if rising != Some(false) && high - v >= least {
@@ -125,8 +125,8 @@ fn off_chords(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], ha
         .collect()
 }
 
-/// Lateral position in the lanes by row, m, without the step from one lane's center line to the next: a move across a
-/// line counts with the sideways travel `across`. `offsets` are those in each row's lane.
+/// Lateral position in the lanes by row, m, without the step from one lane's center line to the next: a movement across
+/// a line is continued with the lateral movement `across`. `offsets` are those in each row's lane.
 fn within_lanes(places: &[Option<LanePlace>], offsets: &[f64], across: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
     (0..places.len())
@@ -177,7 +177,7 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
     let across = sideways(road, target, places, times);
     let time = |r: usize| times[target.track.frames[r] as usize];
     // A lane that shifts to the side moves its vehicles across its own direction, and a center line with a corner moves
-    // them in it for a moment; who weaves swings in both, and about the line without its corners as well.
+    // them in it for a moment; a weaving vehicle swings in both, and also about the line without its corners.
     let own_half = target.track.length_m.iter().copied().find(|l| l.is_finite()).map(|l| l / 2.0);
     let weaving = |least: &dyn Fn(usize) -> f64| {
         let mut weaving = swings_often(&across, &across, time, least);
@@ -199,7 +199,7 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
         weaving
     };
     let seen = weaving(&|_| SWING_M);
-    // What swings no more than its noise may weave or not.
+    // A vehicle that swings no more than its noise may weave or not.
     let least =
         |r: usize| target.sd.map_or(SWING_M, |sd| SWING_M.max(SWING_DEVIATIONS * stated(sd.position[r])));
     let is_noisy = (0..seen.len()).any(|r| seen[r] && least(r) > SWING_M);
@@ -207,7 +207,7 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
     seen.into_iter().zip(certain).map(|(s, c)| if s && !c { Tri::Unknown } else { Tri::from(s) }).collect()
 }
 
-/// Against every lane for vehicles that is here, outside junctions.
+/// Against all lanes for vehicles at its position, outside of junctions.
 fn against(road: &Road, p: &Placement) -> bool {
     if p.speed() < MOVING_MPS || road.in_junction(p.footprint.center) {
         return false;

@@ -1,4 +1,4 @@
-//! The lanes of the targets, assigned once for all families that read them.
+//! The lanes of the targets, assigned once for all families that use them.
 
 use crate::geometry::{P2, p2};
 use crate::road::lanes::{LanePlace, Tether, assign};
@@ -6,14 +6,14 @@ use crate::road::network::Road;
 use crate::target::placement::Target;
 use whyroad_model::ObjectClass;
 
-/// True for what drives in lanes.
+/// True for objects that drive in lanes.
 pub fn drives(class: ObjectClass) -> bool {
     class.is_vehicle() || matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::EBike)
 }
 
-/// Lanes of all targets: by target, then by row of its track. Empty for what does not drive in lanes.
+/// Lanes of all targets: by target, then by row of its track. Empty for objects that do not drive in lanes.
 pub struct TargetLanes {
-    /// Assigned places.
+    /// Assigned positions.
     pub places: Vec<Vec<Option<LanePlace>>>,
 }
 
@@ -34,7 +34,7 @@ impl TargetLanes {
         Self { places: places.collect() }
     }
 
-    /// The place of target `k` in its row `r`.
+    /// The position of target `k` in its row `r`.
     pub fn at(&self, k: usize, r: usize) -> Option<&LanePlace> {
         self.places[k].get(r)?.as_ref()
     }

@@ -1,5 +1,5 @@
-//! A target at the edge of the ego's lane: whether it is across the line, how deep it has come in, how far from
-//! the lane's center it is and how fast it comes nearer. All against the lane as the map draws it.
+//! A target at the edge of the ego's lane: whether it is across the line, how far it is inside, its distance from the
+//! lane's center and its approach speed. All relative to the lane in the map.
 
 use crate::road::ego_lane::OVER_LINE_M;
 use crate::table::TableBuilder;

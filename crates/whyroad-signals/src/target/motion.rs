@@ -1,5 +1,5 @@
-//! What a target is and does by itself, and where it is in the ego's axes (x forward, y left of the ego's box
-//! center). In logs without an ego pose, positions are given relative to the log's own ego reference point.
+//! Identity and motion of a target, and its position in the ego's axes (x forward, y left of the ego's box center). In
+//! logs without an ego pose, positions are relative to the log's own ego reference point.
 
 use crate::ego::bus::turn_signal;
 use crate::ego::motion::EgoMotion;
@@ -11,13 +11,13 @@ use whyroad_model::catalog::{CategoryValue, id, value::TargetClass};
 use whyroad_model::scene::Drive;
 use whyroad_model::{ObjectClass, Tri};
 
-/// From this difference of headings on the target goes the opposite way: 135 deg (RefAV).
+/// Minimum difference of headings of a target with the opposite direction: 135 deg (RefAV).
 pub const OPPOSITE_RAD: f64 = 135.0 * std::f64::consts::PI / 180.0;
-/// Below this speed a direction of motion means nothing, m/s.
+/// Minimum speed for a direction of motion, m/s.
 const DIRECTION_LEAST_SPEED_MPS: f64 = 0.3;
 
-/// Writes what needs no ego pose: identity, visibility, indicators, position and heading relative to the ego.
-/// Without `ego` the positions of the drive are taken as relative to it already.
+/// Writes signals that need no ego pose: identity, visibility, indicators, position and heading relative to the ego.
+/// Without `ego` the positions of the drive are already relative to it.
 pub fn write_relative(drive: &Drive, ego: Option<&EgoMotion>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     table.flag(id::TARGET_OBSERVED, rows.flags_or(Tri::False, |_, _| Tri::True));
@@ -60,7 +60,7 @@ fn known_class(class: ObjectClass, value: bool) -> Tri {
     if class == ObjectClass::Unknown { Tri::Unknown } else { Tri::from(value) }
 }
 
-/// Writes the targets' motion over ground and their place along the ego's path.
+/// Writes the targets' motion over ground and their positions along the ego's path.
 pub fn write(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     let [speed, accel] = rows.columns(|k, r, _| [targets[k].speed[r], targets[k].accel[r]]);

@@ -1,13 +1,13 @@
-//! Where a box is along and beside the ego's path and the ego's lane. What stands is where it was in the row before:
-//! then only those stretches of the lines are looked at that the ego has come near since, and what follows from the
-//! same foot point is not worked out again. The result is that of looking at all of it.
+//! Position of a box along and beside the ego's path and the ego's lane. A stationary object has the same position as
+//! in the row before: then only the parts of the lines that the ego has come near since are searched, and results for
+//! the same foot point are reused. The result equals a complete search.
 
 use crate::geometry::{Foot, Nearby, OrientedBox, P2, Polyline, Projection, Window};
 use crate::road::corridor::Corridor;
 use crate::road::ego_lane::{EgoLane, lateral_extent};
 use crate::road::path::DrivenPath;
 
-/// A place beside a line: signed distances, left positive, m.
+/// A position beside a line: signed distances, left positive, m.
 #[derive(Clone, Copy, Debug)]
 pub struct Beside {
     /// Of the center.
@@ -25,7 +25,7 @@ pub struct OnLines<'a> {
     footprint: OrientedBox,
     /// Foot point of its center on the path.
     pub foot: Foot,
-    /// First and last arc length of the box along the path, m, and its place beside it.
+    /// First and last arc length of the box along the path, m, and its position beside it.
     pub extents: (f64, f64, Beside),
     /// Beside the ego's lane; `None` while it has none.
     pub lane: Option<OnLane<'a>>,
@@ -36,11 +36,11 @@ pub struct OnLane<'a> {
     corridor: &'a Corridor,
     /// Foot point of its center on the lane's line.
     pub foot: Foot,
-    /// Its place, and the distances from the lane's line to the left and right edge there, m.
+    /// Its position, and the distances from the lane's line to the left and right edge there, m.
     pub beside: (Beside, f64, f64),
 }
 
-/// The foot point of `place`; `before` is that of a place that was asked about before.
+/// The foot point of `place`; `before` is that of an earlier position.
 fn foot_of(line: &Polyline, place: P2, window: Window, before: Option<(P2, &Foot)>) -> Foot {
     match before {
         Some((same, foot)) if same.has_bits_of(place) => line.foot_again(place, window, foot),
@@ -48,13 +48,13 @@ fn foot_of(line: &Polyline, place: P2, window: Window, before: Option<(P2, &Foot
     }
 }
 
-/// Where on the path a part of a footprint can be whose center is there.
+/// The part of the path on which parts of a footprint with this center can be.
 pub fn around_foot(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> Nearby {
     let reach = footprint.radius() + 3.0;
     path.line.nearby(at.s - reach, at.s + reach)
 }
 
-/// Extents of a footprint along and beside the path around its foot point: first and last arc length, and place.
+/// Extents of a footprint along and beside the path around its foot point: first and last arc length, and position.
 pub fn extents(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> (f64, f64, Beside) {
     let heading = path.heading_at(at.s);
     let mut beside = Beside { lateral: at.lateral, low: at.lateral, high: at.lateral, heading };
@@ -68,7 +68,7 @@ pub fn extents(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> (
 }
 
 impl<'a> OnLines<'a> {
-    /// Where a box is in `frame`; the flag says whether it has a direction and an extent. `before` is what was found
+    /// Position of a box in `frame`; the flag states whether it has a direction and an extent. `before` is the result
     /// for the same object in another frame.
     pub fn new(
         path: &DrivenPath,
@@ -104,7 +104,7 @@ impl<'a> OnLines<'a> {
         OnLines { footprint, foot, extents, lane }
     }
 
-    /// True where the same box was found in the same place on the path.
+    /// True if the same box was found at the same position on the path.
     pub fn is_where(&self, other: &OnLines<'_>) -> bool {
         self.footprint.has_bits_of(&other.footprint) && self.foot.at == other.foot.at
     }
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn what_is_remembered_changes_nothing() {
-        // The ego drives round two loops, at 8 m/s, and stands in between.
+        // The ego drives through two loops, at 8 m/s, and is stationary in between.
         let n = 300;
         let times: Vec<f64> = (0..n).map(|i| f64::from(i) * 0.1).collect();
         let turned: Vec<f64> = (0..n).map(|i| 0.04 * f64::from(i.min(120) + (i - 180).max(0))).collect();
@@ -141,7 +141,7 @@ mod tests {
         let ego = EgoMotion::new(&ego, &times);
         let path = DrivenPath::new(&ego, &times, None, None).unwrap();
         for k in 0..40_i32 {
-            // Stands, turns where it stands, drives off, loses its size.
+            // Stationary, turns on the spot, drives off, loses its size.
             let (x, y) = (f64::from(k % 8) * 9.0 - 30.0, f64::from(k / 8) * 12.0 - 10.0);
             let mut before: Option<OnLines<'_>> = None;
             for frame in 0..n {

@@ -1,5 +1,5 @@
-//! Where each target is in each frame, once for all signals that ask: in the ego's axes, along and beside the
-//! ego's driven path, and along and beside the ego's lane.
+//! Position of each target in each frame, computed once for all signals: in the ego's axes, along and beside the ego's
+//! driven path, and along and beside the ego's lane.
 
 use crate::ego::motion::{EgoMotion, STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS, given_or_slope};
 use crate::estimate::Deviations;
@@ -15,7 +15,7 @@ use whyroad_model::scene::Track;
 
 pub use crate::target::on_lines::Beside;
 
-/// From this speed on a target moves, m/s.
+/// Minimum speed of a moving target, m/s.
 pub const MOVING_MPS: f64 = 0.5;
 
 /// One target over its observed rows.
@@ -32,13 +32,13 @@ pub struct Target<'a> {
     pub accel: Vec<f64>,
     /// As [`EgoMotion::standstill`].
     pub standstill: Vec<Tri>,
-    /// One entry a row of the track; `None` where the ego's or the target's pose is unknown.
+    /// One entry per row of the track; `None` where the ego's or the target's pose is unknown.
     pub places: Vec<Option<Placement>>,
     /// Standard deviations of its states; `None` where they are exact.
     pub sd: Option<&'a Deviations>,
 }
 
-/// Where a target is in one frame.
+/// Position of a target in one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
     /// The frame.
@@ -59,19 +59,19 @@ pub struct Placement {
     pub lane: Option<(Beside, f64, f64)>,
     /// Arc length from the ego's center to the target's along the ego's lane, m; NaN while the ego has none.
     pub lane_ahead: f64,
-    /// Nearest and farthest arc length (from the ego's center) of the part of the footprint that is in the band which
-    /// the ego sweeps along its path, m; `None` when no part is.
+    /// Nearest and farthest arc length (from the ego's center) of the part of the footprint inside the band that the
+    /// ego sweeps along its path, m; `None` if no part is.
     pub band: Option<(f64, f64)>,
-    /// In the ego's lane, see [`Placement::center_in_way`]; inside junctions, where no lines are drawn, a target
-    /// that was in the lane stays in it until its whole footprint has left.
+    /// In the ego's lane, see [`Placement::center_in_way`]; inside junctions, where no lines are drawn, a target that
+    /// was in the lane stays in it until its whole footprint has left.
     pub in_way: bool,
-    /// There is room beside it for the ego within the ego's lane, or no lane is known.
+    /// The ego can pass it within its lane, or no lane is known.
     pub leaves_room: bool,
-    /// Height, m; NaN where it is not known.
+    /// Height, m; NaN if it is unknown.
     pub z: f64,
     /// At the height of the ego's path.
     pub same_level: bool,
-    /// Direction of the path where the ego is, rad.
+    /// Direction of the path at the ego's position, rad.
     pub heading_at_ego: f64,
     /// Shortest distance between the boxes of the ego and the target, m; NaN where the target's size is unknown.
     pub distance: f64,
@@ -83,13 +83,13 @@ pub struct Placement {
 /// Gap and closing speed of one row.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
-    /// As [`crate::target::gaps::gap`] gives it, m; NaN where it is unknown.
+    /// From [`crate::target::gaps::gap`], m; NaN where it is unknown.
     pub gap: f64,
-    /// Closing speed along the path, m/s; 0 when the two will not meet there.
+    /// Closing speed along the path, m/s; 0 if the two will not meet there.
     pub closing: f64,
 }
 
-/// How a target goes in one frame: many signals ask it of every row.
+/// Motion of a target in one frame, which many signals use in every row.
 #[derive(Clone, Copy, Debug)]
 struct Going {
     speed: f64,
@@ -112,9 +112,9 @@ impl Placement {
         self.footprint.length.is_finite() && self.footprint.width.is_finite()
     }
 
-    /// In the ego's lane, and not one that stands at its side with room for the ego to pass within the lane: lanes
-    /// with room for parking are drawn as wide lanes. What stands in the middle of a lane blocks it, though the ego
-    /// may later have changed lanes.
+    /// In the ego's lane, and not stationary at its side with room for the ego to pass within the lane: lanes with room
+    /// for parking are drawn as wide lanes. A stationary target in the center of a lane blocks it, even if the ego
+    /// changes lanes later.
     pub fn blocks_way(&self) -> bool {
         let may_pass = self.leaves_room && self.band.is_none();
         self.in_way && (!may_pass || self.speed() >= MOVING_MPS)
@@ -130,7 +130,7 @@ impl Placement {
         self.going.direction
     }
 
-    /// The ego's lane where there is one, else a band along the driven path: place and edges.
+    /// The ego's lane if there is one, else a band along the driven path: position and edges.
     pub fn way(&self) -> (Beside, f64, f64) {
         self.lane.unwrap_or((self.path, DEFAULT_HALF_WIDTH_M, DEFAULT_HALF_WIDTH_M))
     }
@@ -142,20 +142,20 @@ impl Placement {
         self.same_level && self.within_reach() && inside && self.is_as_far_by_lane()
     }
 
-    /// False for one who is beside the path here and in the ego's lane only where that comes back, as behind a
-    /// U-turn: oncoming traffic. True where there is no lane to tell.
+    /// False for a target that is beside the path here and in the ego's lane only where the lane comes back, as behind
+    /// a U-turn: oncoming traffic. True if there is no lane.
     fn is_as_far_by_lane(&self) -> bool {
         let detour = (self.lane_ahead - self.ahead).abs();
         detour.is_nan() || detour <= MOST_DETOUR_M + MOST_DETOUR * self.ahead.abs()
     }
 
-    /// True within 150 m ahead and 100 m behind: farther targets are known to be out of relation.
+    /// True within 150 m ahead and 100 m behind: farther targets have no relation to the ego.
     pub fn within_reach(&self) -> bool {
         self.near <= 150.0 && self.far >= -100.0
     }
 
-    /// How far the innermost side has come over the edge into the ego's lane, never negative, m. `None` without
-    /// a lane or a size.
+    /// Distance of the innermost side over the edge into the ego's lane, never negative, m. `None` without a lane or a
+    /// size.
     pub fn intrusion(&self) -> Option<f64> {
         let (at, left, right) = self.lane?;
         if !self.is_sized() {
@@ -166,18 +166,18 @@ impl Placement {
         Some(if there { depth.max(0.0) } else { 0.0 })
     }
 
-    /// Direction in which the target goes: of its velocity when it moves, else of its box, rad.
+    /// Direction of the target's motion: of its velocity if it moves, else of its box, rad.
     pub fn course(&self) -> f64 {
         self.going.course
     }
 
-    /// Angle between its course and the path where it is, 0 to pi.
+    /// Angle between its course and the path at its position, 0 to pi.
     pub fn turned(&self) -> f64 {
         self.going.turned
     }
 }
 
-/// In which rows of its track a target is placed.
+/// Rows of its track in which a target is placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlacedRows {
     /// In all.
@@ -186,7 +186,7 @@ pub enum PlacedRows {
     Last,
 }
 
-/// What a placement is made from.
+/// Input of a placement.
 pub struct Surroundings<'a> {
     /// The ego.
     pub ego: &'a EgoMotion,
@@ -198,18 +198,18 @@ pub struct Surroundings<'a> {
     pub road: Option<&'a Road>,
 }
 
-/// What was found for a row, with which the next one begins.
+/// Results of a row, with which the next one starts.
 #[derive(Default)]
 struct Before<'a> {
     on: Option<OnLines<'a>>,
     outline: Outline,
 }
 
-/// A lane may be this much longer or shorter than the driven path that follows it, m, and times the distance: lines
-/// drawn with corners, lanes on the outside of bends.
+/// Maximum difference between the lengths of a lane and of the driven path that follows it, m, and as a factor of the
+/// distance: lines drawn with corners, lanes on the outside of bends.
 const MOST_DETOUR_M: f64 = 15.0;
 const MOST_DETOUR: f64 = 0.25;
-/// No car is narrower than twice this, m.
+/// Minimum half width of a car, m.
 const LEAST_HALF_WIDTH_M: f64 = 0.75;
 
 impl<'a> Surroundings<'a> {
@@ -241,8 +241,8 @@ impl<'a> Surroundings<'a> {
         places
     }
 
-    /// The last of [`Surroundings::all_rows`]; the others are `None`. Earlier rows are looked at only as far as they
-    /// say whether the target was in the ego's way.
+    /// The last of [`Surroundings::all_rows`]; the others are `None`. Earlier rows are only used to determine whether
+    /// the target was in the ego's way.
     fn last_row(&self, track: &Track) -> Vec<Option<Placement>> {
         let mut places = vec![None; track.motion.len()];
         let mut before = Before::default();
@@ -253,7 +253,7 @@ impl<'a> Surroundings<'a> {
         last.in_way = last.center_in_way();
         let mut held = !last.in_way && self.is_held_in_way(&last);
         while held && let Some(row) = rows.next() {
-            // A row without a place changes nothing.
+            // A row without a position changes nothing.
             if let Some(p) = self.at(track, row, &mut before) {
                 last.in_way = p.center_in_way();
                 held = !last.in_way && self.is_held_in_way(&p);
@@ -265,7 +265,8 @@ impl<'a> Surroundings<'a> {
         places
     }
 
-    /// Inside junctions, where no lines are drawn, who was in the ego's way stays in it until they have left it whole.
+    /// Inside junctions, where no lines are drawn, a target that was in the ego's way stays in it until its whole
+    /// footprint has left.
     fn is_held_in_way(&self, p: &Placement) -> bool {
         p.intrusion().is_some_and(|d| d > 0.0) && self.road.is_some_and(|r| r.in_junction(p.footprint.center))
     }
@@ -275,20 +276,20 @@ impl<'a> Surroundings<'a> {
         Band { path: self.path, ego_s, ego_length: self.ego.length, ego_width: self.ego.width }
     }
 
-    /// True when the target, keeping its velocity, is in the swept band where the ego is after `seconds`.
+    /// True when the target, at constant velocity, is in the swept band at the ego's position after `seconds`.
     pub fn meets(&self, p: &Placement, seconds: f64) -> bool {
         let ego_s = self.path.ego_s[p.frame] + self.ego.forward_speed[p.frame] * seconds;
         let footprint = p.footprint.moved_to(p.footprint.center + p.velocity * seconds);
         let at = self.path.project_near(footprint.center, ego_s);
         let (_, _, beside) = extents(self.path, &footprint, &at);
         let front = ego_s + self.ego.length / 2.0;
-        // A meter of grace: the gap was closed along the path, which is not quite where the target moved.
+        // A tolerance of one meter: the gap was closed along the path, which is not exactly the target's path.
         self.band(ego_s)
             .part_of(&footprint, &at, &beside, &mut Outline::default())
             .is_some_and(|(near, far)| near <= front + 1.0 && far >= ego_s - self.ego.length / 2.0)
     }
 
-    /// `before` is what was found for the row before, and then for this one.
+    /// `before` is the result for the row before, and then for this one.
     fn at(&self, track: &Track, row: usize, before: &mut Before<'a>) -> Option<Placement> {
         let frame = track.frames[row] as usize;
         let m = &track.motion;
@@ -315,11 +316,11 @@ impl<'a> Surroundings<'a> {
             _ => f64::NAN,
         };
         let (z, path_z) = (m.z[row], self.path.z_at(on_path.s));
-        // Where the path is only continued, the road may climb: 6 % over the distance beyond what was driven.
+        // Where the path is only continued, the road may climb: 6 % over the distance beyond the driven part.
         let beyond = (on_path.s - self.path.driven.1).max(self.path.driven.0 - on_path.s).max(0.0);
         let off_level = (z - path_z).abs() > LEVEL_M + 0.06 * beyond;
         let needed = self.ego.width + 2.0 * PATH_MARGIN_M;
-        // What has no known width is at least this wide.
+        // Minimum width of an object whose width is unknown.
         let side = if sized { 0.0 } else { LEAST_HALF_WIDTH_M };
         let leaves_room = lane.is_none_or(|(at, left, right)| {
             let room = (left - at.high).max(right + at.low) - side;

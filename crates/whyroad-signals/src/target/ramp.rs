@@ -1,5 +1,5 @@
-//! Whether a target drives where traffic joins the main road: on a ramp, or on the lane in which it gains speed. By
-//! the map's tags and what they lead to; where the ego is in this is `merging`'s part.
+//! Whether a target drives where traffic joins the main road: on a ramp, or on the acceleration lane. From the map's
+//! tags and the lanes to which they lead; the ego's position is handled in `merging`.
 
 use crate::road::network::Road;
 use crate::table::TableBuilder;
@@ -9,11 +9,11 @@ use whyroad_model::Tri;
 use whyroad_model::catalog::id;
 use whyroad_model::road_map::RoadMap;
 
-/// A lane that a ramp leads onto is one to gain speed in when it is no longer than this, m (as for `map.merge_zone`).
+/// Maximum length of an acceleration lane behind a ramp, m (as for `map.merge_zone`).
 const ZONE_M: f64 = 500.0;
 
-/// Which lanes traffic joins from: ramps, acceleration lanes, and short lanes onto which a ramp leads, over one piece
-/// more or none.
+/// Lanes from which traffic joins: ramps, acceleration lanes, and short lanes onto which a ramp leads, directly or over
+/// one more piece.
 fn joining(road: &Road, map: &RoadMap) -> Vec<bool> {
     let tagged = |l: usize, tag: &str| map.lane(&road.lanes[l].id).is_some_and(|lane| lane.is_tagged(tag));
     let after_ramp = |l: usize| {

@@ -1,5 +1,5 @@
-//! What a target is to the ego: lead, follower, beside, oncoming, crossing. Lead and follower are the nearest
-//! vehicles in the ego's lane (see `Placement::way`) that head the way the lane goes.
+//! Relation of a target to the ego: lead, follower, beside, oncoming, crossing. Lead and follower are the nearest
+//! vehicles in the ego's lane (see `Placement::way`) in the lane's direction.
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::wrap;
@@ -11,11 +11,11 @@ use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::TargetRelation};
 use whyroad_model::scene::Drive;
 
-/// A lead or follower heads within this of the lane: 60 deg (RefAV following: cos > 0.5).
+/// Maximum angle between a lead or follower and the lane: 60 deg (RefAV following: cos > 0.5).
 const SAME_WAY_RAD: f64 = PI / 3.0;
-/// Headings from here on cross: 45 deg (RefAV).
+/// Minimum angle between headings for crossing: 45 deg (RefAV).
 const CROSSING_RAD: f64 = PI / 4.0;
-/// Headings from here on are oncoming: 135 deg (RefAV).
+/// Minimum angle between headings for oncoming: 135 deg (RefAV).
 const ONCOMING_RAD: f64 = 3.0 * PI / 4.0;
 const CROSSING_REACH_M: f64 = 50.0;
 const ONCOMING_REACH_M: f64 = 100.0;
@@ -34,8 +34,8 @@ fn leads_or_follows(p: &Placement) -> bool {
     p.blocks_way() && wrap(p.footprint.heading - at.heading).abs() <= SAME_WAY_RAD
 }
 
-/// The nearest vehicles ahead and behind in the ego's lane, frame by frame. Ties go to the target that comes
-/// first by id, so that the order of candidates changes nothing.
+/// The nearest vehicles ahead and behind in the ego's lane, frame by frame. If equal, the target with the first id is
+/// used, so that the order of candidates changes nothing.
 pub fn neighbors(targets: &[Target<'_>], frames: usize) -> Neighbors {
     let mut found = Neighbors { lead: vec![None; frames], follower: vec![None; frames] };
     let (mut nearest, mut farthest) = (vec![f64::INFINITY; frames], vec![f64::NEG_INFINITY; frames]);
@@ -72,7 +72,7 @@ fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> TargetRelation {
         return if distance <= ONCOMING_REACH_M { TargetRelation::Oncoming } else { TargetRelation::None };
     }
     if turned >= CROSSING_RAD {
-        // Standing across is not crossing.
+        // A stationary object across the path is not crossing.
         return if p.speed() >= MOVING_MPS && distance <= CROSSING_REACH_M {
             TargetRelation::Crossing
         } else {

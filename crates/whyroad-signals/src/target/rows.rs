@@ -1,5 +1,5 @@
-//! From observed rows of tracks to the dense rows of target columns: frames in which a target was not seen
-//! stay unknown.
+//! From observed rows of tracks to the dense rows of target columns: frames in which a target was not observed stay
+//! unknown.
 
 use crate::table::{TableBuilder, TargetRows};
 use crate::target::placement::{Placement, Target};
@@ -15,7 +15,7 @@ pub struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// The layout of `table`, which was made for `drive`.
+    /// The layout of `table`, which was created for `drive`.
     pub fn new(drive: &'a Drive, table: &TableBuilder<'_>) -> Self {
         Self {
             tracks: observed_tracks(drive).collect(),

@@ -1,4 +1,4 @@
-//! On which side of the ego a target is, in which lane beside it, and which way it moves along the ego's path.
+//! Side of the ego on which a target is, adjacent lane in which it is, and its direction along the ego's path.
 
 use crate::geometry::{p2, wrap};
 use crate::table::TableBuilder;
@@ -13,10 +13,10 @@ use whyroad_model::catalog::{
     value::{TargetLaneSide, TargetMovesAlong, TargetSide},
 };
 
-/// Below this a target does not move, m/s.
+/// Below this speed a target is stationary, m/s.
 const STILL_MPS: f64 = 0.3;
 
-/// The value of target.side of a target seen at `bearing` from the ego's heading, rad, left positive.
+/// The value of target.side of a target at `bearing` from the ego's heading, rad, left positive.
 fn side(bearing: f64) -> TargetSide {
     match bearing.abs() {
         b if b <= FRAC_PI_4 => TargetSide::Front,

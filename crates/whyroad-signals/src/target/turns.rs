@@ -1,4 +1,4 @@
-//! The way that a target takes across a junction, by its heading integrated over the whole traversal.
+//! Movement of a target through a junction, by its heading integrated over the whole traversal.
 
 use crate::geometry::{LastPlace, P2, p2, unwrap};
 use crate::road::junction::{self, MERGE_M, TURN_MARGIN_M};
@@ -32,7 +32,7 @@ fn turns(road: &Road, target: &Target<'_>) -> Vec<Option<TargetTurns>> {
     if !drives(target.track.class) {
         return codes;
     }
-    // Distance traveled; what stands does not add its noise up to a way.
+    // Distance traveled; the noise of a stationary target must not add up to a distance.
     let mut traveled = vec![0.0; n];
     for r in 1..n {
         let step = (p2(m.x[r], m.y[r]) - p2(m.x[r - 1], m.y[r - 1])).norm();

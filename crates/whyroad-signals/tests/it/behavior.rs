@@ -1,5 +1,5 @@
-//! What targets and the ego do over time, traffic and the light's history, against motions
-//! given by formulas. Expected values are worked out in the comments.
+//! Behavior of targets and the ego over time, traffic and the light's history, compared with motions given by formulas.
+//! Expected values are computed in the comments.
 use crate::scene::{Table, add, car, drive, lane, map, near, road};
 use std::f64::consts::PI;
 use whyroad_model::Nanos;
@@ -31,7 +31,7 @@ fn off_the_usual_line_and_a_jerk_of_the_wheel() {
     let t = Table::of(&d);
     assert!(t.ego("ego.lateral_deviation", 5).is_nan(), "half a second is no habit");
     near(t.ego("ego.lateral_deviation", 39), 0.0, 1e-6);
-    // Half way over: 1.75 m from the usual line, though the lane is another.
+    // Half way over: 1.75 m from the usual line, although it is in another lane.
     near(t.ego("ego.lateral_deviation", 60), 1.75, 0.03);
     assert_eq!(when(&t, "ego.swerve", 120), None);
     // 15 m/s, yaw rate 0.25 rad/s from 5 to 5.6 s on a straight road: 3.75 m/s2.
@@ -80,9 +80,10 @@ fn a_change_of_mind_with_an_effect() {
     let t = Table::of(&d);
     let (first, _) = when(&t, "ego.responds", 60).unwrap();
     assert!((37..=44).contains(&first), "{first}");
-    // At 7 s it goes on at a constant speed: a change of action, but nothing comes of it.
+    // At 7 s it continues at a constant speed: a change of action, but without an effect.
     assert_eq!(t.ego_flag("ego.responds", 72), False);
-    // Nor of a speed that wavers by 0.4 m/s either way, though its acceleration of 0.8 m/s2 is a change of action.
+    // The same for a speed that varies by 0.4 m/s either way, although its acceleration of 0.8 m/s2 is a change of
+    // action.
     let mut d = drive(120, |t| (10.0 * t + 0.2 * (2.0 * t).sin(), 0.0, 0.0));
     d.map = Some(road());
     assert_eq!(when(&Table::of(&d), "ego.responds", 80), None);
@@ -95,9 +96,9 @@ fn what_targets_do() {
     car(&mut d, "backs", |t| (40.0 - (t - 7.0).clamp(0.0, 3.0), 3.5, 0.0));
     // 0.2 m/s and 1.5 m/s more or less every 4 s: its box goes back by 1.5 m at a time.
     car(&mut d, "rocks", |t| (20.0 + 0.2 * t - 3.0 / PI * (PI * t / 2.0).cos(), 3.5, 0.0));
-    // Stands, and from 6 s on its box slides back by 2 m and returns to its place, all within 4 s.
+    // Stationary, and from 6 s on its box slides back by 2 m and returns to its position, all within 4 s.
     car(&mut d, "slides", |t| (50.0 - (1.0 - (PI / 2.0 * (t - 6.0).clamp(0.0, 4.0)).cos()), 3.5, 0.0));
-    // A lorry at 5 m/s whose box runs ahead at 10 m/s for a second from 8 s on; a car may speed up that fast.
+    // A truck at 5 m/s whose box runs ahead at 10 m/s for a second from 8 s on; a car may speed up that fast.
     let jump = |t: f64| (60.0 + 5.0 * t + 5.0 * (t - 8.0).clamp(0.0, 1.0), -3.5, 0.0);
     add(&mut d, "lorry", Truck, (8.0, 2.5), jump);
     car(&mut d, "sprints", jump);
@@ -119,7 +120,7 @@ fn what_targets_do() {
     assert!((70..=71).contains(&from) && (98..=100).contains(&to), "{from} {to}");
     assert_eq!(when_of(&t, "brakes", "target.reverses", 150), None);
     assert_eq!(when_of(&t, "slides", "target.reverses", 150), None, "it stands where it stood");
-    // Between two stretches forwards; what it does as the record ends is not known.
+    // Between two periods of forward motion; its motion at the end of the recording is unknown.
     assert_eq!(when_of(&t, "rocks", "target.reverses", 140), None);
     let (from, to) = when_of(&t, "lorry", "target.box_jumps", 150).unwrap();
     assert!((78..=84).contains(&from) && (115..=125).contains(&to), "{from} {to}, 3 s after it");
@@ -127,7 +128,7 @@ fn what_targets_do() {
     near(t.num("backs", "target.time_standing", 60), 6.0, 1e-6);
     let (from, to) = when_of(&t, "backs", "target.starts", 150).unwrap();
     assert!((70..=71).contains(&from) && to == from + 9, "{from} {to}");
-    // It stood when first seen: for 5 s nobody knows since when.
+    // It was stationary when first observed: for 5 s the start is unknown.
     assert_eq!(t.flag("backs", "target.was_parked", 40), Unknown);
     assert_eq!(t.flag("backs", "target.was_parked", 55), True);
     assert_eq!(t.flag("backs", "target.was_parked", 90), True, "until 2 s ago");
@@ -159,7 +160,7 @@ fn sides_and_lanes() {
         ("right", "right", "right"),
     ] {
         assert_eq!(t.category(id, "target.side", 5), Some(side), "{id}");
-        // There is no lane to the right, but one lane's width beyond the edge is beside.
+        // There is no lane to the right, but within one lane's width beyond the edge it is beside.
         assert_eq!(t.category(id, "target.lane_side", 5), Some(lane), "{id}");
     }
 }
@@ -198,7 +199,7 @@ fn the_queue_before_the_line() {
     let t = Table::of(&d);
     assert_eq!(t.ego("traffic.queue_position", 10), 2.0);
     assert_eq!(t.ego("traffic.queue_position", 60), 2.0);
-    // Both have gone, but it was third when it stood.
+    // Both have gone, but it was third when it was stationary.
     assert_eq!(t.ego("traffic.queue_position", 105), 2.0);
     assert_eq!(t.ego("traffic.density", 60), 4.0);
 }
@@ -217,7 +218,7 @@ fn congestion_is_slow_company() {
     assert_eq!(run(5.0, 3).0, True);
     assert_eq!(run(9.0, 3).0, False, "32 km/h");
     assert_eq!(run(5.0, 2).0, False, "two are no traffic");
-    // What is parked off the road does not slow the mean.
+    // Vehicles parked off the road do not reduce the mean.
     near(run(5.0, 3).1, 5.0, 1e-6);
     assert!(run(5.0, 0).1.is_nan());
 }
@@ -238,7 +239,7 @@ fn the_light_remembers_its_change() {
     };
     d.lights = Some(vec![at(0, LightColor::Green), at(8, LightColor::Yellow), at(11, LightColor::Red)]);
     let t = Table::of(&d);
-    // Green since before the recording: for 5 s nobody knows, then at least as long as seen.
+    // Green since before the recording: unknown for 5 s, then at least as long as observed.
     assert!(t.ego("light.time_since_change", 30).is_nan());
     near(t.ego("light.time_since_change", 60), 6.0, 1e-6);
     assert_eq!(t.ego_category("light.previous", 60), None);
@@ -296,8 +297,8 @@ fn a_target_turns_by_its_heading() {
 
 #[test]
 fn lanes_that_shift_to_and_fro_make_nobody_weave() {
-    // The road itself swings by 3 m to either side every 80 m, with corners; who keeps its center does not weave, who
-    // swings by 1 m about it does.
+    // The road itself swings by 3 m to either side every 80 m, with corners; a vehicle on its center line does not
+    // weave, one that swings by 1 m about it does.
     let kink = |x: f64| 3.0 * (1.0 - ((x / 40.0).rem_euclid(2.0) - 1.0).abs() * 2.0);
     let points: Vec<(f64, f64)> = (0..=8).map(|i| (f64::from(i) * 40.0, kink(f64::from(i) * 40.0))).collect();
     let mut d = drive(150, |t| (10.0 * t, kink(10.0 * t), 0.0));
@@ -314,8 +315,8 @@ fn lanes_that_shift_to_and_fro_make_nobody_weave() {
 
 #[test]
 fn who_rounds_the_corners_of_a_drawn_loop_does_not_weave() {
-    // A loop of straight pieces of 25 m, 40 degrees between them. A lorry of 12 m has both ends on the line: at each
-    // corner its middle swings 2 m inwards and back.
+    // A loop of straight pieces of 25 m, 40 degrees between them. A truck of 12 m has both ends on the line: at each
+    // corner its center swings 2 m inwards and back.
     let turn = 40_f64.to_radians();
     let mut points = vec![(0.0, 0.0)];
     for i in 0..8 {
@@ -335,7 +336,7 @@ fn who_rounds_the_corners_of_a_drawn_loop_does_not_weave() {
         let (dx, dy) = (front.0 - rear.0, front.1 - rear.1);
         ((front.0 + rear.0) / 2.0, (front.1 + rear.1) / 2.0, dy.atan2(dx))
     };
-    // Behind it on the line, pointing where it goes.
+    // Behind it on the line, pointing in its direction of motion.
     let mut d = drive(150, move |t| {
         let (a, b) = (at(3.0 + 10.0 * t), at(5.0 + 10.0 * t));
         ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0, (b.1 - a.1).atan2(b.0 - a.0))

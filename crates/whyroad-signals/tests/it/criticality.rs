@@ -1,5 +1,5 @@
-//! Conflict and criticality of pairs, against motions given by formulas. Expected values are worked out in the
-//! comments; the ego is 4 m x 2 m, cars too.
+//! Conflict and criticality of pairs, compared with motions given by formulas. Expected values are computed in the
+//! comments; the ego is 4 m x 2 m, as are cars.
 use crate::scene::{Table, add, add_seen, area, car, drive, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::ObjectClass::{Bus, Car, Pedestrian};
@@ -26,7 +26,7 @@ fn a_braking_lead_shortens_the_time_and_an_accelerating_one_lengthens_it() {
         near(t.num(id, "target.a_long_req", 0), a, 1e-3);
         near(t.num(id, "target.btn", 0), -a / 11.5, 1e-3);
     }
-    // The gap of 20 m is just what 10 m/s cover in the safety time of 2 s: none is left.
+    // The gap of 20 m is exactly the distance covered at 10 m/s in the safety time of 2 s: nothing is left.
     assert_eq!(t.num("keeps", "target.dst", 3), f64::INFINITY);
     // Both 2 m wide, in line: 2 m to a side within 2 s: 2 * 2 / 4 = 1 m/s2, of 8.
     near(t.num("keeps", "target.stn", 0), 0.125, 1e-6);
@@ -65,7 +65,7 @@ fn exposure_adds_up_while_the_time_is_short() {
     car(&mut d, "lead", |t| (29.0 + 10.0 * t, 0.0, 0.0));
     let t = Table::of(&d);
     assert_eq!(t.num("lead", "target.tet", 4), 0.0);
-    // A gap that is exactly 20 m may be a rounding's width beside it: one frame of the ten.
+    // A gap of exactly 20 m may differ by a rounding error: one frame of the ten.
     near(t.num("lead", "target.tet", 14), 1.0, 0.1 + 1e-9);
     near(t.num("lead", "target.tit", 14), 0.45, 1e-6);
 }
@@ -170,7 +170,7 @@ fn time_to_line_by_hand() {
 fn the_unknown_stays_unknown() {
     // No size: no gap. A size but no acceleration, on a collision course: no required acceleration.
     let mut d = drive(10, |t| (20.0 * t, 0.0, 0.0));
-    // Seen once: its speed is stated, its acceleration cannot be estimated.
+    // Observed once: its speed is stated, its acceleration cannot be estimated.
     add_seen(&mut d, "braked", Car, (4.0, 2.0), |frame| frame == 3, |t| (44.0 + 10.0 * t, 0.0, 0.0));
     add(&mut d, "point", Car, (f64::NAN, f64::NAN), |t| (44.0 + 10.0 * t, 0.0, 0.0));
     let lead = d.tracks.iter_mut().find(|t| t.id.as_str() == "braked").unwrap();

@@ -1,5 +1,5 @@
-//! Gaps, times to contact and relations, against geometry done by hand: the ego is 4 m long and 2 m wide and drives
-//! along x in the right lane of `crate::scene::road`. Many are DESIGN.md's known traps.
+//! Gaps, times to contact and relations, compared with geometry done by hand: the ego is 4 m long and 2 m wide and
+//! drives along x in the right lane of `crate::scene::road`. Many are DESIGN.md's known traps.
 use crate::scene::{Table, add, add_seen, car, drive, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::ObjectClass::{Bus, Car, Pedestrian};
@@ -40,7 +40,7 @@ fn gap_is_bumper_to_bumper_and_distance_is_box_to_box() {
     assert_eq!(t.num("behind", "target.ttc", 0), INF);
     assert_eq!(t.flag("behind", "target.is_follower", 0), True);
     assert_eq!(t.flag("behind", "target.is_lead", 0), False);
-    // Without sizes the centers tell who leads and who follows, but nobody how long the gap is.
+    // Without sizes the centers show lead and follower, but the gap is unknown.
     for track in &mut d.tracks {
         track.length_m.fill(f64::NAN);
         track.width_m.fill(f64::NAN);
@@ -127,7 +127,7 @@ fn a_car_that_passes_the_mouth_of_the_egos_turn_is_not_on_collision_course_along
     let mut d = drive(120, turn);
     car(&mut d, "oncoming", |t| (60.0 - 12.0 * t, 3.5, PI));
     let t = Table::of(&d);
-    // It crosses the ego's way at 2 to 4 s, when the ego is before the turn, and is gone when the ego gets there.
+    // It crosses the ego's path at 2 to 4 s, when the ego is before the turn, and is gone when the ego gets there.
     for frame in 0..60 {
         assert_eq!(t.num("oncoming", "target.ttc", frame), INF, "frame {frame}");
     }
@@ -224,10 +224,10 @@ fn post_encroachment_time_by_hand() {
     // The ego's conflict with a crossing 4 m x 2 m car at x = 50 lies between x = 49 and 51: the ego's front (2 m
     // ahead) enters at 4.7 s, its rear leaves at 5.3 s. The other's front (2 m) enters y = -1 at 7.0 s.
     car(&mut d, "later", |t| (50.0, -73.0 + 10.0 * t, FRAC_PI_2));
-    // Stops 5 m short of the ego's way: no encounter.
+    // Stops 5 m before the ego's path: no encounter.
     car(&mut d, "stops", |t| (80.0, -30.0 + 5.0 * t.min(4.0), FRAC_PI_2));
     car(&mut d, "leads", |t| (30.0 + 10.0 * t, 0.0, 0.0));
-    // Seen ahead for 1.5 s only, and gone before the ego drives over the same ground.
+    // Observed ahead for 1.5 s only, and gone before the ego drives over the same ground.
     add_seen(&mut d, "lost", Car, (4.0, 2.0), |i| i < 15, |t| (30.0 + 10.0 * t, 0.0, 0.0));
     // Meets the ego at x = 20 at 2 s.
     car(&mut d, "hits", |t| (20.0, -10.0 + 5.0 * t, FRAC_PI_2));

@@ -1,5 +1,5 @@
-//! Phases of the ego's lane changes, and lane changes given up, against motions given by formulas. Expected values
-//! are worked out in the comments.
+//! Phases of the ego's lane changes, and aborted lane changes, compared with motions given by formulas. Expected values
+//! are computed in the comments.
 use crate::scene::{Table, drive, lane, map, road};
 use std::f64::consts::PI;
 use whyroad_model::Drive;
@@ -43,8 +43,8 @@ fn phases_of_a_lane_change() {
     assert_eq!(prepares(&d), Some((31, 40)));
     bus(&mut d, on(12, TurnSignal::Right).collect());
     assert_eq!(prepares(&d), None);
-    // The route asks for the left from 2 s on; when it was told from the beginning, nobody knows since when. To the
-    // right is another matter.
+    // The route requires the left from 2 s on; if it did so from the beginning, the time of the command is unknown. A
+    // command to the right does not count.
     let route = |from: usize, command: &str| -> Vec<Option<String>> {
         (0..120).map(|i| Some(if i >= from { command } else { "straight" }.to_owned())).collect()
     };
@@ -92,11 +92,11 @@ fn a_lane_change_given_up() {
     // completed.
     assert_eq!(t.span("ego.lane_change_phase", "execute"), Some((47, first - 1)));
     assert_eq!(t.span("ego.lane_change_phase", "complete"), None);
-    // To the right is no lane: keeping off the edge is nothing given up.
+    // There is no lane to the right: keeping away from the edge is no aborted lane change.
     let mut d = drive(120, move |t| (12.0 * t, -out(t), 0.0));
     d.map = Some(road());
     assert_eq!(when(&Table::of(&d), "ego.lane_change_aborted", 120), None);
-    // Nor is a lane change that is carried through.
+    // Nor is a completed lane change.
     let mut d = drive(120, |t| (12.0 * t, shift(t), 0.0));
     d.map = Some(road());
     assert_eq!(when(&Table::of(&d), "ego.lane_change_aborted", 120), None);

@@ -1,5 +1,5 @@
-//! The ego's own motion, lanes, lane changes and turns, against motions given by formulas. Expected values are
-//! worked out in the comments.
+//! The ego's own motion, lanes, lane changes and turns, compared with motions given by formulas. Expected values are
+//! computed in the comments.
 use crate::scene::{Table, add, area, car, drive, lane, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::Need;
@@ -196,7 +196,7 @@ fn turns_by_integrated_heading() {
     let mut d = drive(120, |t| (8.0 * t, 0.0, 0.0));
     d.map = Some(crossing());
     assert_eq!(Table::of(&d).ego_category("ego.movement", 60), Some("straight"));
-    // The recording breaks off in the junction after 0.3 m: it cannot be told.
+    // The recording ends in the junction after 0.3 m: the movement is unknown.
     let mut d = drive(52, |t| (8.0 * t, 0.0, 0.0));
     d.map = Some(crossing());
     let t = Table::of(&d);
@@ -311,7 +311,7 @@ fn what_a_log_lacks_is_named_and_never_given() {
     assert_eq!(t.0.unavailable["ego.brake"], [Need::VehicleBus]);
     assert_eq!(t.flag("lead", "target.is_lead", 5), True, "without a map the driven path serves as lane");
 
-    // A bus that tells the brake but nothing of emergency braking: a car that does not brake has none.
+    // A bus that reports the brake but not emergency braking: a car that does not brake has no emergency braking.
     d.ego.as_mut().unwrap().bus.brake = vec![Some(false); 20];
     let t = Table::of(&d);
     assert_eq!(t.ego_flag("ego.brake", 3), False);
@@ -327,7 +327,7 @@ fn what_a_log_lacks_is_named_and_never_given() {
     assert_eq!(t.0.unavailable["target.speed"], [Need::EgoPose]);
     assert!(!t.0.target_columns.contains_key("target.gap"));
 
-    // Sizes unknown: no gap, but a place.
+    // Sizes unknown: no gap, but a position.
     let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
     add(&mut d, "point", whyroad_model::ObjectClass::Car, (f64::NAN, f64::NAN), |t| {
         (20.0 + 10.0 * t, 0.0, 0.0)
@@ -337,7 +337,8 @@ fn what_a_log_lacks_is_named_and_never_given() {
     near(t.num("point", "target.path_longitudinal", 5), 20.0, 1e-6);
     assert_eq!(t.flag("point", "target.in_ego_lane", 5), True);
 
-    // A radar gives no classes: whether what drives ahead is a vehicle is not known, and so not that there is no lead.
+    // A radar gives no classes: it is unknown whether the object ahead is a vehicle, so it is unknown that there is no
+    // lead.
     let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
     add(&mut d, "blip", whyroad_model::ObjectClass::Unknown, (4.0, 1.8), |t| (20.0 + 10.0 * t, 0.0, 0.0));
     let t = Table::of(&d);

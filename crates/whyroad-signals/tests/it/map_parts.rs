@@ -1,5 +1,5 @@
-//! Junctions, facilities, signs, stop lines, route and context on maps drawn by hand. Expected values are worked out
-//! in the comments. The ego is 4 m x 2 m, so its front bumper is 2 m ahead of its pose.
+//! Junctions, facilities, signs, stop lines, route and context on hand-drawn maps. Expected values are computed in the
+//! comments. The ego is 4 m x 2 m, so its front bumper is 2 m ahead of its pose.
 use crate::scene::{Table, area, drive, lane, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::Need;
@@ -18,7 +18,8 @@ fn star(bearings: &[f64]) -> RoadMap {
     };
     let mut lanes = Vec::new();
     for (i, &b) in bearings.iter().enumerate() {
-        // Right-hand traffic: who drives inwards keeps right, which is left of the arm as seen from the middle.
+        // Right-hand traffic: a vehicle that drives inwards keeps right, which is left of the arm as seen from the
+        // center.
         lanes.push(lane(&format!("in{i}"), &[at(b, 150.0, 2.0), at(b, 15.0, 2.0)], 3.5));
         lanes.push(lane(&format!("out{i}"), &[at(b, 15.0, -2.0), at(b, 150.0, -2.0)], 3.5));
         for (j, &other) in bearings.iter().enumerate().filter(|(j, _)| *j != i) {
@@ -54,7 +55,7 @@ fn through(m: RoadMap) -> Drive {
 
 #[test]
 fn arms_and_exits_of_stars() {
-    // Arms at 0, 90, 180, 270: a plain crossroads; from the west one can go on to three.
+    // Arms at 0, 90, 180, 270: an ordinary crossroads; from the west there are three exits.
     let t = Table::of(&through(star(&[0.0, 90.0, 180.0, 270.0])));
     assert_eq!((t.ego("map.junction_arms", 30), t.ego("map.junction_exits", 30)), (4.0, 3.0));
     assert_eq!(t.ego_flag("map.junction_irregular", 30), False);
@@ -112,7 +113,7 @@ fn turns_that_the_lane_allows_and_the_route_that_needs_them() {
     let t = Table::of(&through(left_only.clone()));
     assert_eq!(t.ego_category("map.lane_turns", 30), Some("left"));
     assert_eq!((t.ego("map.junction_exits", 30), t.ego_flag("route.lane_fits", 30)), (1.0, False));
-    // The guidance wants left: then the lane fits.
+    // The guidance requires left: then the lane fits.
     let mut d = through(left_only);
     d.ego.as_mut().unwrap().bus.route_command = vec![Some("left".into()); 200];
     let t = Table::of(&d);
@@ -121,7 +122,7 @@ fn turns_that_the_lane_allows_and_the_route_that_needs_them() {
         (True, Some("left"))
     );
     assert!(t.0.unavailable.contains_key("route.distance"));
-    // No junction within 300 m: any lane does.
+    // No junction within 300 m: any lane fits.
     let mut d = drive(50, |t| (10.0 * t, 0.0, 0.0));
     d.map = Some(road());
     let t = Table::of(&d);
@@ -157,9 +158,9 @@ fn a_lane_that_leaves_the_road_does_not_fit_who_stays_on_it() {
         d.map = Some(parting());
         Table::of(&d).ego_flag("route.lane_fits", t)
     };
-    // 525 m before x = 1000 nothing asks for a lane yet; 475 m before, the right one does not fit, the left one does.
+    // 525 m before x = 1000 no lane is required yet; 475 m before, the right one does not fit, the left one does.
     assert_eq!([190, 210, 300, 360].map(|t| fits(&stays, t)), [True, False, False, True]);
-    // Who takes the ramp is right there, and the one in the left lane who then takes it is not.
+    // An ego that takes the ramp fits in the right lane, and does not fit in the left one.
     let bend = |x: f64| {
         if x < 1000.0 { 0.0 } else { -0.15 * (x - 1000.0).min(200.0) - 0.45 * (x - 1200.0).max(0.0) }
     };
@@ -187,10 +188,10 @@ fn lights_stop_lines_and_times() {
     near(t.ego("map.time_to_junction", 30), 5.3, 0.06);
     near(t.ego("map.time_to_crosswalk", 30), 4.8, 0.06);
     assert_eq!((t.ego("map.distance_to_stop_line", 100), t.ego("map.time_to_junction", 100)), (INF, 0.0));
-    // Lights that nobody recorded may be there.
+    // Lights that nobody recorded may exist.
     assert_eq!(t.ego_flag("map.junction_signalised", 30), Unknown);
     assert_eq!(t.ego_flag("map.junction_signalised", 140), False, "no junction, no light");
-    // A map that has all lights: this junction has none, or the one that it draws.
+    // A map that has all lights: this junction has none, or the one in the map.
     let mut told = d.clone();
     let map = told.map.as_mut().unwrap();
     map.complete_for = vec!["traffic_light".into()];
@@ -277,7 +278,7 @@ fn facilities_on_the_path_and_those_that_nobody_drew() {
     assert_eq!((t.ego_flag("map.in_tunnel", 59), t.ego_flag("map.in_tunnel", 75)), (False, True));
     assert_eq!((t.ego("map.distance_to_tunnel", 75), t.ego("map.distance_to_tunnel", 95)), (0.0, INF));
     assert_eq!((t.ego_flag("map.in_construction", 5), t.ego_flag("map.in_construction", 15)), (True, False));
-    // The map has all gates: there is none. Of accidents and roundabouts it says nothing.
+    // The map has all gates: there is none. It has no data on accidents and roundabouts.
     assert_eq!(t.ego("map.distance_to_gate", 20), INF);
     for name in ["map.distance_to_accident", "map.in_roundabout", "map.distance_to_barrier_gap"] {
         assert!(t.0.unavailable.contains_key(name), "{name}");
@@ -410,7 +411,7 @@ fn context_holds_by_time_also_across_a_gap() {
     assert_eq!(t.ego_category("context.weather", 10), Some("rain"));
     assert_eq!(t.ego_category("context.lighting", 49), Some("day"));
     assert_eq!(t.ego_category("context.lighting", 50), Some("tunnel"));
-    // The change at 7 s is told until 10 s: frames 50 to 60. From 2 s on it is known that nothing changed.
+    // The change at 7 s is reported until 10 s: frames 50 to 60. From 2 s on it is known that nothing changed.
     let change = |i: usize| t.ego_flag("context.lighting_change", i);
     assert_eq!((change(10), change(30), change(49)), (Unknown, False, False));
     assert_eq!((change(50), change(60), change(61)), (True, True, False));
@@ -419,7 +420,7 @@ fn context_holds_by_time_also_across_a_gap() {
     near(t.ego("nav.speed_limit", 20), 16.67, 0.0);
     near(t.ego("route.distance", 20), 320.0, 0.0);
     assert_eq!(t.ego_category("context.warning_light", 20), Some("flashing_yellow"));
-    // Works are told without a map; only from when they are is it known.
+    // Road works are reported without a map; they are known only from when they are reported.
     assert_eq!(
         (t.ego_category("context.construction", 20), t.ego_category("context.construction", 19)),
         (Some("here"), None)

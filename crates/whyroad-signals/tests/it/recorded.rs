@@ -1,5 +1,6 @@
-//! The recorded AV2 logs: what was seen in the raw data with Python (positions turned into the city frame with the
-//! recorded poses, points against the map's lane polygons) must come out of the signals. Skipped where the data is not.
+//! The recorded AV2 logs: observations in the raw data with Python (positions transformed to the city frame with the
+//! recorded poses, points compared with the map's lane polygons) must be reproduced by the signals. Skipped if the data
+//! is not present.
 use crate::scene::{Table, near};
 use std::path::PathBuf;
 use whyroad_ingest::{Options, find_sources, read};
@@ -58,7 +59,7 @@ fn pittsburgh_adcf7d18_waits_behind_one_car_and_a_bus_comes_in() {
     for i in 0..100 {
         assert_eq!(t.flag(&lead, "target.is_lead", i), True, "frame {i}");
     }
-    // Stands until about 5 s; the lead moves off at about 3 s.
+    // Stationary until about 5 s; the lead moves off at about 3 s.
     assert_eq!(
         (0..156).find(|&i| t.ego_flag("ego.standstill", i) == False).map(|i| (48..56).contains(&i)),
         Some(true)

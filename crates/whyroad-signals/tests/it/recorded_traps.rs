@@ -1,6 +1,6 @@
-//! What went wrong on recorded drives: swerves against turns, going round against a bent lane, U-turns, turns that
-//! reach beyond their junction, and post-encroachment time where ways join. Paths are given by formulas; expected
-//! values are worked out in the comments.
+//! Errors found on recorded drives: swerves against turns, detours against a bent lane, U-turns, turns that extend
+//! beyond their junction, and post-encroachment time where paths merge. Paths are given by formulas; expected values
+//! are computed in the comments.
 use crate::scene::{EGO_LENGTH, Table, add, car, drive, lane, map, near};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 use whyroad_model::ObjectClass::Car;
@@ -46,10 +46,10 @@ fn a_path_bulges_away_from_what_it_goes_round() {
     let t = Table::of(&d);
     // With points 20 and 40 m away the bump is all there is.
     near(t.num("right", "target.detour", 80), 0.6, 0.03);
-    // Towards the other it comes nearer: at best the points 8 m away see 0.24 m of it.
+    // The path comes nearer to the other: at best the points 8 m away show 0.24 m of it.
     assert!(t.num("left", "target.detour", 80) < 0.0);
     near(t.num("later", "target.detour", 150), 0.0, 0.02);
-    // A bend of 200 m goes round nothing: what its curvature leaves is far below the 0.25 m that rules ask for.
+    // A bend of 200 m is no detour: the remainder of its curvature is far below the 0.25 m that rules require.
     let mut d = drive(250, |t| arc(10.0 * t - 50.0, 200.0, PI));
     let (x, y, _) = arc(80.0, 197.0, PI);
     add(&mut d, "inside", Car, (4.0, 2.0), move |_| (x, y + 3.0, 0.4));
@@ -73,7 +73,7 @@ fn a_u_turn_through_an_opening_of_the_median_is_one() {
     assert_eq!(t.ego_category("ego.movement", 115), Some("uturn"));
     assert_eq!(t.ego_flag("ego.in_junction", 115), True);
     assert_eq!(t.ego_flag("ego.in_junction", 60), False);
-    // Where the lane itself leads round, it is a hairpin.
+    // Where the lane itself makes the turn, it is a hairpin.
     let fine: Vec<(f64, f64)> = (0..=120)
         .map(|i| {
             let (x, y, _) = arc(f64::from(i) - 60.0, 5.0, PI);

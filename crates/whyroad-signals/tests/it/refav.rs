@@ -1,6 +1,6 @@
-//! RefAV's definitions at their borders (the ego is 4 m x 2 m), and on recorded AV2 logs against an independent
-//! computation in NumPy (examples/truth/refav/make.py), whose answers are kept beside it. Skipped where the logs are
-//! not.
+//! RefAV's definitions at their thresholds (the ego is 4 m x 2 m), and on recorded AV2 logs compared with an
+//! independent computation in NumPy (examples/truth/refav/make.py), whose results are stored beside it. Skipped if the
+//! logs are not present.
 use crate::scene::{Table, add, add_seen, car, drive, map, near, road};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -137,7 +137,7 @@ fn log(prefix: &str) -> Option<Table> {
     Some(Table::of(&read(sources.first()?, &Options::default()).0?))
 }
 
-/// How many rows answer `value` to a question about `who` (ego or target).
+/// Number of rows with `value` for a question about `who` (ego or target).
 fn count(t: &Table, who: &str, question: &str, value: &str) -> usize {
     let (columns, name) = match who {
         "ego" => (&t.0.frame_columns, format!("ego.refav_{question}")),
@@ -155,8 +155,8 @@ fn count(t: &Table, who: &str, question: &str, value: &str) -> usize {
 
 #[test]
 fn recorded_logs_give_refavs_counts() {
-    // Row by row the agreement is printed by compare.py; here the counts of each log and answer are held, so that
-    // nothing of the logs need be kept in the repository.
+    // compare.py prints the agreement row by row; here the counts of each log and value are stored, so that the
+    // repository needs no data of the logs.
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/truth/refav/counts.csv");
     let text = std::fs::read_to_string(file).unwrap();
     let mut tables: BTreeMap<String, Option<Table>> = BTreeMap::new();

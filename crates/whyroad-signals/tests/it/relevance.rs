@@ -1,4 +1,4 @@
-//! Signs that the ego has to mind, countdowns, and lanes of oncoming traffic.
+//! Signs that apply to the ego, countdowns, and lanes of oncoming traffic.
 
 use crate::scene::{Table, drive, near, road};
 use whyroad_model::Tri::{False, True};
@@ -43,7 +43,7 @@ fn a_board_beyond_the_oncoming_lane_is_for_those_who_come_there() {
 #[test]
 fn a_board_concerns_whom_it_faces() {
     let pi = std::f64::consts::PI;
-    // On the right curb with its back to the ego, and on the left with its face to it.
+    // On the right curb facing away from the ego, and on the left facing it.
     let t = Table::of(&east(vec![
         sign("no_entry", 60.0, -4.0, Some(0.0), None),
         sign("no_left_turn", 80.0, 10.0, Some(pi), None),

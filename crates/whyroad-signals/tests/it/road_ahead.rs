@@ -1,6 +1,5 @@
-//! The road ahead of the ego on roads drawn by hand: grade, widths, lanes that end, limits, ramps, free room.
-//! Expected values are worked out in the comments. The ego is 4 m x 2 m, so its front bumper is 2 m ahead of its
-//! pose.
+//! The road ahead of the ego on hand-drawn roads: grade, widths, lanes that end, limits, ramps, free space. Expected
+//! values are computed in the comments. The ego is 4 m x 2 m, so its front bumper is 2 m ahead of its pose.
 use crate::scene::{Table, add, car, drive, lane, map, near, road};
 use std::f64::consts::PI;
 use whyroad_model::Need;
@@ -46,7 +45,7 @@ fn a_ramp_of_five_percent() {
     near(t.ego("map.grade", 150), 0.05, 1e-9);
     // At x = 100 the chord from 95 to 105 rises 0.25 m.
     near(t.ego("map.grade", 100), 0.025, 1e-9);
-    // From x = 20 one sees to 80; from x = 50 to 110, where the chord is wholly on the slope.
+    // From x = 20 the look-ahead extends to 80; from x = 50 to 110, where the chord is completely on the slope.
     near(t.ego("map.grade_ahead", 20), 0.0, 1e-9);
     near(t.ego("map.grade_ahead", 50), 0.05, 1e-9);
     // Down the other way: the same with the other sign.
@@ -61,7 +60,7 @@ fn a_ramp_of_five_percent() {
     ego.motion.vx.iter_mut().for_each(|v| *v = -*v);
     // Frame 49 is at x = 150.
     near(Table::of(&back).ego("map.grade", 49), -0.05, 1e-9);
-    // Heights that nobody states make no grade, not a flat road.
+    // Without stated heights there is no grade, not a flat road.
     let mut flat = with_map;
     flat.ego.as_mut().unwrap().motion.z.fill(f64::NAN);
     flat.map.as_mut().unwrap().lanes[0].center.iter_mut().for_each(|p: &mut Point3| p.z = f64::NAN);
@@ -143,10 +142,10 @@ fn an_acceleration_lane_that_becomes_one_with_its_neighbor() {
     d.map = Some(map(tagged));
     let t = Table::of(&d);
     let (first, last) = t.span("map.facility_change", "ramp_to_main").unwrap();
-    // It changes lanes half way, at 16.5 s, give or take the hysteresis; told for 1 s either side.
+    // It changes lanes half way, at 16.5 s, with a tolerance for the hysteresis; reported for 1 s on either side.
     assert!((150..=162).contains(&first) && last - first == 20, "{first} {last}");
     assert!(t.span("map.facility_change", "main_to_ramp").is_none());
-    // A map that tags nothing does not say where its ramps are.
+    // A map without tags does not show its ramps.
     d.map = Some(map(lane_drop()));
     assert!(Table::of(&d).0.unavailable.contains_key("map.on_ramp"));
 }
@@ -213,7 +212,7 @@ fn an_exit_begins_where_the_ego_leaves_the_main_road() {
     });
     d.map = Some(map(exit()));
     let (first, last) = Table::of(&d).span("map.facility_change", "main_to_ramp").unwrap();
-    // Told from 1 s before until 1 s after, give or take a frame.
+    // Reported from 1 s before until 1 s after, with a tolerance of one frame.
     assert!((89..=91).contains(&first) && (124..=126).contains(&last), "{first} {last}");
 }
 
@@ -226,7 +225,7 @@ fn the_end_of_the_road_and_the_end_of_the_map() {
     leaves.successors = vec!["beyond".into()];
     d.map = Some(map(vec![leaves.clone()]));
     assert!(Table::of(&d).ego("map.dead_end_distance", 20).is_nan(), "the map ends, the road does not");
-    // 150 m are looked at: from x = -152 the end is farther.
+    // The look-ahead is 150 m: from x = -152 the end is farther.
     leaves.successors.clear();
     let mut far = drive(10, |t| (-48.0 + t, 0.0, 0.0));
     leaves.center[2].x = 200.0;
@@ -311,8 +310,8 @@ fn room_between_two_boxes() {
     near(t.ego("map.free_width_ahead", 70), 10.5, 0.03);
     // Frame 78: ego front at 80, the car at 122 with its near end at 120: its side 2.5 left, the edge 1.75 right.
     near(t.ego("map.free_width_ahead", 78), 4.25, 0.03);
-    // For a meeting only what stands counts: the same two at 30, the whole road at 78, where only the oncoming car is
-    // ahead.
+    // For a meeting only stationary objects count: the same two at 30, the whole road at 78, where only the oncoming
+    // car is ahead.
     near(t.ego("map.meeting_width_ahead", 30), 3.6, 1e-6);
     near(t.ego("map.meeting_width_ahead", 78), 10.5, 0.03);
 

@@ -1,5 +1,5 @@
-//! Drives made by hand for tests: motion as a formula of time, roads as lines. Velocities and accelerations come
-//! from the formulas by difference quotients with a step of 0.1 ms, not from our code.
+//! Hand-made drives for tests: motion as a formula of time, roads as lines. Velocities and accelerations come from the
+//! formulas by difference quotients with a step of 0.1 ms, not from our code.
 #![allow(dead_code, missing_docs, reason = "each test file uses its part")]
 
 use whyroad_model::road_map::{Area, Lane, Point3, RoadMap};
@@ -40,7 +40,7 @@ fn push(motion: &mut Motion, pose: &dyn Fn(f64) -> Pose, t: f64) {
     motion.yaw_rate.push(wrapped(at(t + STEP).2 - at(t - STEP).2) / (2.0 * STEP));
 }
 
-/// A drive of `frames` frames at 10 Hz whose ego is 4 m x 2 m and moves as `pose` says.
+/// A drive of `frames` frames at 10 Hz whose ego is 4 m x 2 m and moves by `pose`.
 pub fn drive(frames: usize, pose: impl Fn(f64) -> Pose) -> Drive {
     let mut drive = Drive {
         times: (0..frames).map(|i| Nanos(1_000_000_000 + i as i64 * 100_000_000)).collect(),
@@ -61,12 +61,12 @@ pub fn drive(frames: usize, pose: impl Fn(f64) -> Pose) -> Drive {
     drive
 }
 
-/// Adds a target seen in all frames.
+/// Adds a target that is observed in all frames.
 pub fn add(drive: &mut Drive, id: &str, class: ObjectClass, size: (f64, f64), pose: impl Fn(f64) -> Pose) {
     add_seen(drive, id, class, size, |_| true, pose);
 }
 
-/// Adds a target seen in the frames for which `seen` holds.
+/// Adds a target that is observed in the frames for which `seen` is true.
 pub fn add_seen(
     drive: &mut Drive,
     id: &str,
@@ -92,7 +92,7 @@ pub fn car(drive: &mut Drive, id: &str, pose: impl Fn(f64) -> Pose) {
     add(drive, id, ObjectClass::Car, (4.0, 2.0), pose);
 }
 
-/// A lane along `centre`, 3.5 m wide unless `width` says otherwise.
+/// A lane along `center` with this width, m.
 pub fn lane(id: &str, center: &[(f64, f64)], width: f64) -> Lane {
     let side = |sign: f64| -> Vec<Point3> {
         (0..center.len())
@@ -152,7 +152,7 @@ pub fn area(id: &str, corners: &[(f64, f64)]) -> Area {
     Area { id: id.into(), boundary: corners.iter().map(|&(x, y)| Point3 { x, y, z: 0.0 }).collect() }
 }
 
-/// Reading a table by name, frame and target.
+/// Reads a table by name, frame and target.
 pub struct Table(pub SignalTable);
 
 impl Table {

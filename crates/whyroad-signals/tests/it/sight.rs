@@ -1,5 +1,5 @@
-//! Sight by hand geometry: every expected value is trigonometry of the scene as it was set up, or a formula of road
-//! design that the test names.
+//! Sight with geometry by hand: every expected value is trigonometry of the scene, or a formula of road design that the
+//! test names.
 use crate::scene::{Table, add, add_seen, area, car, drive, lane, map, near};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::ObjectClass::{Bus, Car, Cone, Pedestrian, Truck};
@@ -8,7 +8,7 @@ use whyroad_model::road_map::{Facility, RoadMap};
 use whyroad_model::{Drive, ObjectClass};
 use whyroad_signals::Occluder;
 
-/// An ego that stands at the origin and looks along x, for 6 s.
+/// A stationary ego at the origin, with its heading along x, for 6 s.
 fn standing() -> Drive {
     drive(60, |_| (0.0, 0.0, 0.0))
 }
@@ -81,7 +81,8 @@ fn each_kind_of_occluder_has_its_name() {
     assert_eq!(with(None), names("building", "building"));
 }
 
-/// A parked van (x from 17 to 23, y from 2 to 4) and somebody who walks out from behind it at 1.5 m/s, seen in `seen`.
+/// A parked van (x from 17 to 23, y from 2 to 4) and a pedestrian who walks out from behind it at 1.5 m/s, observed in
+/// `seen`.
 fn dash_out(seen: impl Fn(usize) -> bool) -> Drive {
     let mut d = standing();
     add(&mut d, "van", Car, (6.0, 2.0), |_| (20.0, 3.0, 0.0));
@@ -125,7 +126,7 @@ fn who_was_never_seen_before_came_from_where_he_must_have_been() {
         assert_eq!(t.flag("walker", "target.emerges", frame), (frame <= hidden + 10).into(), "{frame}");
     }
     assert_eq!(t.category("walker", "target.emergence", out), Some("static"));
-    // Somebody who first shows long after he had come out does not emerge then.
+    // A pedestrian who is first observed long after coming out does not emerge then.
     let late = Table::of(&dash_out(|f| f >= hidden + 12));
     assert_eq!(late.flag("walker", "target.emerges", hidden + 12), False);
 }
@@ -212,12 +213,12 @@ fn the_corner_of_a_house_limits_the_view_into_the_cross_road() {
         let eye = frame as f64 - 40.0;
         near(t.ego("map.sight_angle", frame), (7.0 / (38.0 - eye)).atan(), 0.01);
     }
-    // Too far off yet: the front bumper is 62 m and more from the junction.
+    // Still too far away: the front bumper is at least 62 m from the junction.
     assert_eq!(t.ego("map.sight_angle", 14), f64::INFINITY);
     // Level with the corner the arm is seen to its end.
     near(t.ego("map.sight_angle", 80), FRAC_PI_2, 1e-9);
     assert_eq!(t.ego("map.sight_angle", 95), f64::INFINITY, "past its middle it is behind");
-    // The house stands beside a straight road: it hides nothing of the road itself.
+    // The house is beside a straight road: it hides nothing of the road itself.
     near(t.ego("map.sight_distance", 60), 150.0, 0.0);
     assert_eq!(t.ego_flag("map.curve_hidden", 60), False);
 }

@@ -1,6 +1,6 @@
-//! Visible shares on the recorded AV2 logs against what the lidar really hit: points in each annotated box. The lidar
-//! is on the roof and sees over cars, our eye does not, so the two agree by tendency, not one to one. Prints the
-//! figures of docs/reference/accuracy.md. Skipped where the data is not.
+//! Visible shares on the recorded AV2 logs compared with lidar hits: points in each annotated box. The lidar is on the
+//! roof and sees over cars, the eye in our model does not, so the two agree statistically, not for each object. Prints
+//! the figures of docs/reference/accuracy.md. Skipped if the data is not present.
 use crate::scene::Table;
 use std::path::PathBuf;
 use whyroad_ingest::{Options, find_sources, read};
@@ -10,8 +10,7 @@ use whyroad_model::ObjectClass;
 struct Row {
     share: f64,
     points: f64,
-    /// Points for each square meter of a face across the line of sight at 1 m: what does not change with distance and
-    /// size.
+    /// Points per square meter of a face across the line of sight at 1 m: independent of distance and size.
     density: f64,
     tall: bool,
 }
@@ -81,7 +80,7 @@ fn visible_shares_go_with_lidar_points() {
         );
     }
     let typical = |from: f64, to: f64| median(of(from, to).map(|r| r.density).collect());
-    // What is hidden by our reckoning is hit far less often, and the more is seen the more it is hit.
+    // Targets that are hidden in our computation are hit far less often, and hits increase with the visible share.
     assert!(typical(0.0, 0.1) < 0.4 * typical(1.0, 2.0));
     assert!(typical(0.0, 0.1) < typical(0.1, 0.3) && typical(0.1, 0.3) < typical(0.3, 0.7));
     assert!(of(0.3, 2.0).filter(|r| r.points > 0.0).count() as f64 > 0.98 * of(0.3, 2.0).count() as f64);

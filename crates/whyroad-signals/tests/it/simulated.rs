@@ -1,5 +1,5 @@
-//! The bundled simulated drives: what the simulator itself wrote about them (`lanechange.xml.gz`, `tls.xml.gz`) and
-//! what `examples/drives/README.md` says happens must come out of the signals.
+//! The bundled simulated drives: the simulator's own outputs (`lanechange.xml.gz`, `tls.xml.gz`) and the events in
+//! `examples/drives/README.md` must be reproduced by the signals.
 use crate::scene::{Table, near};
 use std::path::Path;
 use whyroad_ingest::{Options, find_sources, read};

@@ -1,6 +1,5 @@
-//! The road as the signals see it in the simulated drives, against what `examples/truth/road.py` read from the
-//! networks: a Python reader of its own, by lane ids that the simulator wrote, where the signals find lanes by
-//! geometry.
+//! The road signals in the simulated drives, compared with data that `examples/truth/road.py` read from the networks:
+//! an independent Python reader that uses the simulator's lane ids, while the signals find lanes by geometry.
 use crate::scene::Table;
 use flate2::read::GzDecoder;
 use std::collections::BTreeMap;
@@ -89,7 +88,7 @@ fn compare(name: &str, tally: &mut Tally) {
         for (k, &row) in own.iter().enumerate() {
             let close = |i: &usize| (drive.times[*i].seconds_since(DEFAULT_START) - row.time).abs() < 0.01;
             let Some(i) = (0..drive.times.len()).find(close) else { continue };
-            // While the body is over a line, which lane it is in is a matter of a centimeter.
+            // While the body is over a line, the assigned lane may depend on a centimeter.
             if t.ego("ego.lane_offset", i).is_nan() || t.ego("ego.lane_offset", i).abs() > 1.2 {
                 continue;
             }
@@ -111,7 +110,7 @@ fn compare(name: &str, tally: &mut Tally) {
             }
             // The ego's front is at the end of its lane when it reaches the junction; the path there bends a little.
             let distance = t.ego("map.distance_to_junction", i);
-            // The way over a lane change is longer than the lane, by meters where it is made at a crawl.
+            // The path over a lane change is longer than the lane, by meters at very low speed.
             let edge = |lane: &str| lane.rsplit_once('_').unwrap().0.to_owned();
             let stays = own[k..]
                 .iter()

@@ -1,4 +1,4 @@
-//! Lane assignment on roads drawn by hand.
+//! Lane assignment on hand-drawn roads.
 
 use super::*;
 use crate::geometry::p2;

@@ -1,5 +1,5 @@
-//! Whether a sign is one that the ego has to mind: on its route, turned to it, beside its own direction of the road,
-//! and about a vehicle of its size.
+//! Whether a sign applies to the ego: on its route, facing it, beside its own direction of the road, and for a vehicle
+//! of its size.
 
 use crate::geometry::{p2, wrap};
 use crate::road::on_road::OnRoad;
@@ -7,13 +7,13 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
 use whyroad_model::road_map::{LaneKind, Sign};
 
-/// A sign that names no lane concerns who passes it no farther away than this, m.
+/// Maximum distance of a sign without a lane from the path to which it applies, m.
 const BESIDE_M: f64 = 12.0;
-/// A sign that names a lane of the ego's route stands no farther from its path than this, m.
+/// Maximum distance from the ego's path of a sign for a lane of its route, m.
 const OF_LANE_M: f64 = 40.0;
-/// Lanes that are farther from a sign than the nearest one by no more than this may be meant as well, m.
+/// Lanes that are farther from a sign than the nearest one by at most this may also be meant, m.
 const AS_NEAR_M: f64 = 1.0;
-/// A limit of height or width that leaves this much room asks nothing of the ego, m.
+/// A limit of height or width with this margin does not affect the ego, m.
 const ROOM_M: f64 = 0.5;
 
 /// Ids of the lanes that the ego is ever in, and of those ahead of its last one.
@@ -27,7 +27,7 @@ pub(super) fn route(on: &OnRoad<'_>) -> BTreeSet<String> {
     lanes
 }
 
-/// Where the ego's path passes a sign that concerns it, m along the path.
+/// Position at which the ego's path passes a sign that applies to it, m along the path.
 pub(super) fn concerned(on: &OnRoad<'_>, sign: &Sign, route: &BTreeSet<String>) -> Option<f64> {
     let at = on.path.line.project(p2(sign.position.x, sign.position.y));
     let course = on.path.heading_at(at.s);
@@ -43,8 +43,8 @@ pub(super) fn concerned(on: &OnRoad<'_>, sign: &Sign, route: &BTreeSet<String>) 
     (meant && binds(on, sign)).then_some(at.s)
 }
 
-/// The lane nearest to the sign leads as the ego drives: a board beyond the oncoming lanes, or beside a road that the
-/// ego only crosses, is for others. Where the map has no lane there, it is for who passes it.
+/// The lane nearest to the sign has the ego's direction: a sign beyond the oncoming lanes, or beside a road that the
+/// ego only crosses, is for others. If the map has no lane there, it applies to all passing traffic.
 fn beside_own_direction(on: &OnRoad<'_>, sign: &Sign, course: f64) -> bool {
     let place = p2(sign.position.x, sign.position.y);
     let near: Vec<(f64, f64)> = on
@@ -63,7 +63,7 @@ fn beside_own_direction(on: &OnRoad<'_>, sign: &Sign, course: f64) -> bool {
     near.is_empty() || near.iter().filter(as_near).any(|(_, along)| wrap(along - course).abs() <= FRAC_PI_4)
 }
 
-/// False for a limit of height or width under which the ego passes easily.
+/// False for a limit of height or width that the ego meets with a margin.
 fn binds(on: &OnRoad<'_>, sign: &Sign) -> bool {
     let own = on.drive.ego.as_ref().map_or(f64::NAN, |ego| match sign.kind.as_str() {
         "height_limit" => ego.height_m,

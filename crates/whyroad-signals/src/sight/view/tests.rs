@@ -1,4 +1,4 @@
-//! Shares by trigonometry, and against sight lines tried one by one.
+//! Shares by trigonometry, and compared with individual sight lines.
 
 use super::*;
 use crate::geometry::{p2, wrap};
@@ -25,8 +25,8 @@ fn a_share_by_angles() {
     let half = view(&[at(10.0, 1.0, 0.0, 2.0, 2.0)]).sight(None, &target).unwrap();
     assert!((half.share - 0.5).abs() < 1e-12);
     assert_eq!(half.occluder, Some(Owner::Target(0)));
-    // One whose lower left corner is (9, 0.2): it hides what is above atan(0.2 / 9) - but its lower edge runs along y
-    // = 0.2, whose far end (11, 0.2) is seen lower, at atan(0.2 / 11).
+    // One with the lower left corner (9, 0.2): it hides the part above atan(0.2 / 9) - but its lower edge is y = 0.2,
+    // whose far end (11, 0.2) appears lower, at atan(0.2 / 11).
     let angle = (1.0_f64 / 18.0).atan();
     let expected = ((0.2_f64 / 11.0).atan() + angle) / (2.0 * angle);
     let part = view(&[at(10.0, 1.2, 0.0, 2.0, 2.0)]).sight(None, &target).unwrap();
@@ -73,7 +73,8 @@ fn across_the_seam_of_angles() {
     assert_eq!(v.before(p2(-5.0, 0.0), |_| true), None);
 }
 
-/// Where a ray from the origin enters the box, by clipping against its two pairs of sides: another way than ours.
+/// Distance at which a ray from the origin enters the box, by clipping against its two pairs of sides: an independent
+/// method.
 fn slab(b: &OrientedBox, angle: f64) -> f64 {
     let (sin, cos) = b.heading.sin_cos();
     let turn = |x: f64, y: f64| (x * cos + y * sin, y * cos - x * sin);
@@ -93,7 +94,7 @@ fn boxes() -> impl Strategy<Value = Vec<OrientedBox>> {
     prop::collection::vec(one, 2..14)
 }
 
-/// [`View::before`] without ranges of directions: every piece is asked.
+/// [`View::before`] without ranges of directions: every piece is checked.
 fn before_one_by_one(v: &View, place: P2) -> Option<Owner> {
     let to = place - v.eye;
     let distance = to.norm();
@@ -122,7 +123,7 @@ proptest! {
                 v.add_box(Owner::Target(k), at(r * angle.cos(), r * angle.sin(), *h, l / 4.0 + 0.2, 1.0));
             }
         }
-        // Also along the very edges of pieces, and along the axes, where ranges border on each other.
+        // Also exactly along the edges of pieces, and along the axes, where ranges meet.
         let corners: Vec<P2> = v.pieces.iter().flat_map(|p| p.outline.corners()).map(|c| *c * 1.5).collect();
         let around = places.iter().map(|(angle, r)| P2::from_heading(*angle) * *r);
         let axes = [p2(50.0, 0.0), p2(0.0, 50.0), p2(-50.0, 0.0), p2(0.0, -50.0), p2(-50.0, -0.0)];
@@ -158,11 +159,11 @@ proptest! {
             };
             let tried = (0..LINES).filter(reaches).count() as f64 / LINES as f64;
             let sight = v.sight(Some(Owner::Target(k)), target).unwrap();
-            // Each edge between seen and hidden may fall between two lines.
+            // Each edge between visible and hidden may be between two lines.
             let tolerance = 2.0 * kept.len() as f64 / LINES as f64;
             prop_assert!((sight.share - tried).abs() <= tolerance, "{} against {tried}", sight.share);
             prop_assert_eq!(sight.occluder.is_none(), sight.share == 1.0);
-            // A place is hidden exactly when the line to it is stopped.
+            // A position is hidden exactly if the line to it is blocked.
             let stopped = kept.iter().enumerate().any(|(j, o)| {
                 let at = slab(o, target.center.heading());
                 j != k && at < target.center.norm() - 1e-9
@@ -175,7 +176,7 @@ proptest! {
 
 #[test]
 fn a_right_angle_in_a_corner() {
-    // A wall from (10, 3) away along y hides what is beyond it and not what is before it.
+    // A wall from (10, 3) along y hides positions behind it and not those in front of it.
     let mut v = View::from(p2(0.0, 0.0), 0);
     v.add_wall(Owner::Building(0), p2(10.0, 3.0), p2(10.0, 30.0));
     assert_eq!(v.before(p2(20.0, 5.9), |_| true), None);
