@@ -57,7 +57,7 @@ impl Driver {
             })
             .filter(|t| (0.3..4.0).contains(t))
             .collect();
-        // Headways of at least one second are enough for an estimate.
+        // Ten frames (one second) of following are enough for an estimate.
         if headways.len() >= 10 {
             headways.sort_by(f64::total_cmp);
             driver.headway_s = headways[headways.len() / 2].clamp(0.6, 3.0);
