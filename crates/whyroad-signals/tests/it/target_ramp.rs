@@ -1,5 +1,5 @@
-//! Targets on ramps and the lanes behind them, on a road drawn by hand: lanes r0 (to x = 100 m) and r1 (to 500 m)
-//! right of the ego's l0 and l1.
+//! Targets on ramps and the lanes behind them, on a hand-drawn road: lanes r0 (to x = 100 m) and r1 (to 500 m) right of
+//! the ego's l0 and l1.
 use crate::scene::{Table, car, drive, road};
 use whyroad_model::Drive;
 use whyroad_model::Tri::{False, True, Unknown};

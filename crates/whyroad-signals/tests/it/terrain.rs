@@ -1,12 +1,12 @@
-//! Speed constraints from road geometry, against roads made of straights, arcs and ramps. Expected values are worked
-//! out in the comments.
+//! Speed constraints from road geometry, compared with roads made of straights, arcs and ramps. Expected values are
+//! computed in the comments.
 use crate::scene::{Table, drive, lane, map, near};
 use whyroad_model::Tri::{False, True, Unknown};
 use whyroad_model::road_map::{Area, Facility, Lane, Point3};
 
 const SPEED: f64 = 10.0;
 
-/// A way of straights and arcs (length in m, curvature in 1/m), driven at 10 m/s from the origin along x.
+/// A path of straights and arcs (length in m, curvature in 1/m), driven at 10 m/s from the origin along x.
 fn winding(parts: &'static [(f64, f64)]) -> impl Fn(f64) -> (f64, f64, f64) {
     move |t| {
         let (mut x, mut y, mut heading, mut left) = (0.0_f64, 0.0_f64, 0.0_f64, SPEED * t);
@@ -55,9 +55,9 @@ fn bends_in_a_row_are_counted_over_500_m() {
         (160.0, 0.0),
     ];
     let t = Table::of(&drive(801, winding(WAY)));
-    // At 100 m: what was driven reaches from 0 to 350 m only, and holds two bends.
+    // At 100 m: the driven part extends from 0 to 350 m only, and contains two bends.
     assert!(t.ego("map.bends_around", 100).is_nan());
-    // At 180 m: to 430 m, three bends: enough to tell.
+    // At 180 m: to 430 m, three bends, which is enough.
     near(t.ego("map.bends_around", 180), 3.0, 0.0);
     // At 300 m: 50 to 550 m.
     near(t.ego("map.bends_around", 300), 3.0, 0.0);
@@ -110,7 +110,7 @@ fn an_open_area_has_no_lane_near() {
     let t = Table::of(&d);
     // The lane's edge is at 1.75 m; 5 m from it is 6.75 m.
     assert_eq!([0, 6, 7, 40].map(|i| t.ego_flag("map.open_area", i)), [False, False, True, True]);
-    // A lane on the far side leads on into lanes that the map does not have: a junction of which it knows half.
+    // A lane on the far side continues in lanes outside of the map: a junction of which the map has half.
     let mut cut = road.clone();
     cut.lanes.push(Lane { successors: vec!["gone".into()], ..lane("b", &[(90.0, 70.0), (50.0, 70.0)], 3.5) });
     let t = Table::of(&whyroad_model::Drive { map: Some(cut), ..d.clone() });
@@ -120,7 +120,7 @@ fn an_open_area_has_no_lane_near() {
     beyond.lanes = vec![lane("a", &[(-100.0, 0.0), (-10.0, 0.0)], 3.5)];
     let t = Table::of(&whyroad_model::Drive { map: Some(beyond.clone()), ..d.clone() });
     assert_eq!(t.ego_flag("map.open_area", 40), Unknown);
-    // Roads on two sides of it: the map has it.
+    // Roads on two sides of it: it is inside the map.
     beyond.lanes.push(lane("b", &[(110.0, -100.0), (110.0, 100.0)], 3.5));
     beyond.lanes.push(lane("c", &[(0.0, 110.0), (100.0, 110.0)], 3.5));
     let t = Table::of(&whyroad_model::Drive { map: Some(beyond), ..d.clone() });

@@ -1,11 +1,11 @@
-//! TTC, DRAC and PET against SUMO's surrogate safety measures, by encounter type. Where SUMO's definition is ours
-//! (following), values are held frame by frame; where it differs (crossing, merging), per conflict.
+//! TTC, DRAC and PET compared with SUMO's surrogate safety measures, by encounter type. Where SUMO's definition equals
+//! ours (following), values are compared frame by frame; where it differs (crossing, merging), per conflict.
 
 use super::errors::Errors;
 use super::simulation::{Conflict, Derived, Simulation, Step, Vehicle};
 use super::{GRID_RUN, MOTORWAY_RUN, Run, Tally};
 
-/// Longer times are of no interest, s.
+/// Maximum time that is compared, s.
 const LONGEST_S: f64 = 20.0;
 /// A vehicle that turns by more than this within 6 s does not keep its velocity vector, deg.
 const TURNING_DEG: f64 = 20.0;
@@ -87,8 +87,8 @@ fn turns(s: &Simulation, id: &str, step: Step) -> bool {
     (step..=step + 60).filter_map(|t| s.vehicle(t, id)).any(|v| turned(v) > TURNING_DEG)
 }
 
-/// Whether the two are on the crossing of their ways at the same time when both keep speed and direction: worked out
-/// here from FCD alone, as two strips that cross. `None` when the ways do not cross.
+/// Whether the two are at the crossing of their paths at the same time when both keep speed and direction: computed
+/// here from FCD alone, as two strips that cross. `None` when the paths do not cross.
 fn meet_at_constant_speed(s: &Simulation, derived: &Derived, c: &Conflict, step: Step) -> Option<bool> {
     let (a, b) = (s.vehicle(step, &c.ego)?, s.vehicle(step, &c.foe)?);
     let own = derived.drive.ego.as_ref()?;
@@ -100,7 +100,7 @@ fn meet_at_constant_speed(s: &Simulation, derived: &Derived, c: &Conflict, step:
         return None;
     }
     let (dx, dy) = (b.x - a.x, b.y - a.y);
-    // Way of each front to the point where the ways cross.
+    // Distance of each front from the point where the paths cross.
     let (to_a, to_b) = ((dx * by - dy * bx) / cross, (dx * ay - dy * ax) / cross);
     let there = |way: f64, speed: f64, length: f64, other_width: f64| {
         let half = other_width / 2.0;
@@ -111,7 +111,7 @@ fn meet_at_constant_speed(s: &Simulation, derived: &Derived, c: &Conflict, step:
     Some(a_in.max(b_in) <= a_out.min(b_out) && a_out > 0.0 && b_out > 0.0)
 }
 
-/// The least contact time of ours within half a second of SUMO's minimum, along the path or of the boxes.
+/// Our minimum contact time within half a second of SUMO's minimum, along the path or of the boxes.
 fn contact(d: &Derived, c: &Conflict, step: Step) -> Option<f64> {
     let values = ["target.ttc_box", "target.ttc"]
         .into_iter()
@@ -119,8 +119,8 @@ fn contact(d: &Derived, c: &Conflict, step: Step) -> Option<f64> {
     values.reduce(f64::min)
 }
 
-/// By what the two go on to do: both straight and on the crossing together at constant speed, both straight and not
-/// together (the simulator reckons with its drivers' speeding up and slowing down), or one of them turning.
+/// By the later motion of the two: both straight and at the crossing together at constant speed, both straight and not
+/// together (the simulator predicts its drivers' accelerations), or one of them turning.
 const KINDS: [&str; 3] = ["meet at constant speed", "do not meet at constant speed", "one turns or follows"];
 
 #[test]

@@ -1,6 +1,6 @@
 //! Distribution of differences.
 
-/// Differences, in the order in which they were met.
+/// Differences, in the order in which they were added.
 #[derive(Default)]
 pub struct Errors(Vec<f64>);
 
@@ -26,7 +26,7 @@ impl Errors {
         self.0.iter().sum::<f64>() / self.0.len().max(1) as f64
     }
 
-    /// For people.
+    /// As text for people.
     pub fn line(&self) -> String {
         let q = |q| self.quantile(q);
         format!(

@@ -1,5 +1,5 @@
-//! Our lane changes against `lanechange-output`. A change of SUMO's is the moment at which the vehicle is booked into
-//! the new lane; ours is the whole span of moving across.
+//! Our lane changes compared with `lanechange-output`. SUMO's change is the moment at which the vehicle is assigned to
+//! the new lane; ours is the whole period of moving across.
 
 use super::errors::Errors;
 use super::{GRID_RUN, MOTORWAY_RUN, Run, Tally, edge};
@@ -23,7 +23,7 @@ fn spans(table: &SignalTable) -> Vec<(usize, usize, i32)> {
     found
 }
 
-/// Frames in which our lane becomes another one of the same edge.
+/// Frames in which our lane changes to another one of the same edge.
 fn line_crossings(drive: &whyroad_model::Drive) -> Vec<usize> {
     let lanes = whyroad_signals::ego_lane_ids(drive);
     let changed = |f: &usize| match (&lanes[f - 1], &lanes[*f]) {
@@ -37,7 +37,7 @@ fn compare(run: &Run) -> (Tally, Errors) {
     let s = &run.truth;
     let (mut tally, mut moment) = (Tally::default(), Errors::default());
     for (&ego, derived) in &run.seen_from {
-        // Two changes in a row are one span.
+        // Two consecutive changes are one span.
         let mut ours: Vec<_> = spans(&derived.table).into_iter().map(|span| (span, false)).collect();
         let crossings = line_crossings(&derived.drive);
         for change in s.lane_changes.iter().filter(|c| c.vehicle == ego) {

@@ -1,6 +1,6 @@
-//! Our assigned lane against the lane in FCD. SUMO's lane is that of the front bumper, ours that of the box center:
-//! at the joint of two lanes ours follows half a car's length later, so the lane of the moment when the front was
-//! where the center is now counts too.
+//! Our assigned lane compared with the lane in FCD. SUMO's lane is that of the front bumper, ours that of the box
+//! center: at the joint of two lanes ours follows half a car's length later, so the lane at the time when the front was
+//! at the center's current position also counts.
 
 use super::{GRID_RUN, MOTORWAY_RUN, Run, Tally};
 

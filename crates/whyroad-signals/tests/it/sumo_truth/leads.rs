@@ -1,21 +1,20 @@
-//! Our in-path lead and its gap against SUMO's leader (`leaderID`, `leaderGap` of FCD).
+//! Our in-path lead and its gap compared with SUMO's leader (`leaderID`, `leaderGap` of FCD).
 //!
-//! SUMO's gap is bumper to bumper along the lanes (its `minGap` is not taken off in FCD: over 10 000 pairs in one
-//! straight lane it equals the distance of the front bumpers less the leader's length to 0.01 m).
+//! SUMO's gap is bumper to bumper along the lanes (its `minGap` is not subtracted in FCD: for 10 000 pairs in one
+//! straight lane it equals the distance of the front bumpers minus the leader's length, within 0.01 m).
 
 use super::errors::Errors;
 use super::{GRID_RUN, MOTORWAY_RUN, Run, Tally, edge};
 use std::collections::BTreeSet;
 
-/// Both sides are cut here: around the egos the log is 90 m wide.
+/// Both sides are limited to this: around the egos the log is 90 m wide.
 const REACH_M: f64 = 80.0;
 
 struct Figures {
     tally: Tally,
     /// All frames with the same lead.
     gaps: Errors,
-    /// Those of them in which both are in one lane between junctions and neither changes lanes before the ego gets
-    /// there.
+    /// Those in which both are in one lane between junctions and neither changes lanes before the ego gets there.
     gaps_in_lane: Errors,
 }
 
@@ -40,8 +39,8 @@ fn compare(run: &Run) -> Figures {
                     who.contains(&c.vehicle.as_str()) && (step - 40..=step + after).contains(&c.step)
                 })
             };
-            // The simulator also follows vehicles that will cross or join the ego's way ("link leaders"), and others on
-            // the rest of its planned route, which may lie beyond the end of the recording.
+            // The simulator also follows vehicles that will cross or join the ego's path ("link leaders"), and others
+            // on the rest of its planned route, which may be beyond the end of the recording.
             let off_route = theirs
                 .as_ref()
                 .and_then(|(id, _)| s.vehicle(step, id))

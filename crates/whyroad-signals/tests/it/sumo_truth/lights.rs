@@ -1,5 +1,5 @@
-//! `light.state` against the letters of `SaveTLSStates`. Which letter concerns the ego is known from where it drove
-//! in the end: the first lane inside the junction that FCD names has a link number in the network.
+//! `light.state` compared with the letters of `SaveTLSStates`. The letter for the ego is determined from its later
+//! path: the first lane inside the junction that FCD names has a link number in the network.
 
 use super::{GRID_RUN, Tally};
 
@@ -30,13 +30,13 @@ fn light_states_are_the_simulators() {
                 word(letters.as_bytes()[*link])
             };
             let expected = s.link_of.get(&next.lane).filter(|_| distance < 140.0).map(letter);
-            // Between 140 and 160 m either answer is right: our reach is 150 m from the center.
+            // Between 140 and 160 m either answer is accepted: our reach is 150 m from the center.
             if expected.is_none() && s.link_of.contains_key(&next.lane) {
                 continue;
             }
             let known = column.category(frame);
-            // Behind a junction without lights the next one within reach may already be seen. Which link of it
-            // concerns the ego is known only if the ego drives through it before its log ends.
+            // Behind a junction without lights the next one within reach may already be reported. Its link for the ego
+            // is known only if the ego drives through it before its log ends.
             let beyond = expected.is_none() && known.is_some_and(|k| k != "none");
             let lit = (step..).map_while(|t| s.vehicle(t, ego)).find_map(|v| s.link_of.get(&v.lane));
             if beyond && lit.is_none() {

@@ -1,6 +1,6 @@
-//! The simulator's own outputs, as read from the files beside the log: vehicles with lane and leader, lane changes,
-//! lights, surrogate safety measures. A line-wise reader that is no part of the adapter under test: SUMO writes
-//! an element a line.
+//! The simulator's own outputs, read from the files beside the log: vehicles with lane and leader, lane changes,
+//! lights, surrogate safety measures. A line-wise reader that is independent of the adapter under test: SUMO writes one
+//! element per line.
 
 #![allow(missing_docs, reason = "fields are named as SUMO's documentation names them")]
 
@@ -15,7 +15,7 @@ use whyroad_model::{Drive, SignalTable};
 /// Simulated time in steps of 0.1 s.
 pub type Step = i64;
 
-/// Of one vehicle at one step.
+/// Data of one vehicle at one step.
 pub struct Vehicle {
     pub x: f64,
     pub y: f64,
@@ -23,7 +23,7 @@ pub struct Vehicle {
     /// Clockwise from north.
     pub angle_deg: f64,
     pub lane: String,
-    /// Id and gap (m, bumper to bumper: SUMO does not take off its `minGap` here) of the leader within 100 m.
+    /// Id and gap (m, bumper to bumper: SUMO does not subtract its `minGap` here) of the leader within 100 m.
     pub leader: Option<(String, f64)>,
 }
 
@@ -34,7 +34,7 @@ pub struct LaneChange {
     pub side: i32,
 }
 
-/// One encounter as the SSM device of `ego` reports it. Codes: 2 following as follower, 3 as leader, 6 merging as
+/// One encounter as reported by the SSM device of `ego`. Codes: 2 following as follower, 3 as leader, 6 merging as
 /// leader, 7 as follower, 10 crossing as leader, 11 as follower, 12 to 17 in and behind the conflict area.
 #[derive(Default)]
 pub struct Conflict {

@@ -1,14 +1,14 @@
-//! Stops, the place in the queue and the light's history against FCD and `SaveTLSStates`: who stands between the ego
-//! and the end of its lane, how often it came to a stop, when the letter of its link changed.
+//! Stops, the position in the queue and the light's history compared with FCD and `SaveTLSStates`: vehicles that stand
+//! between the ego and the end of its lane, number of stops, times when the letter of its link changed.
 
 use super::simulation::{Derived, Simulation, Step};
 use super::{GRID_RUN, Tally};
 
-/// Under this a vehicle halts for SUMO, m/s.
+/// Below this speed a vehicle is halting in SUMO, m/s.
 const HALTING_MPS: f64 = 0.1;
 
-/// Steps at which the ego's speed in FCD falls under 0.3 m/s and was over 0.5 m/s since the last time (the catalog's
-/// standstill; SUMO's own halting, under 0.1 m/s, counts a car that creeps up by half a meter as stopping twice).
+/// Steps at which the ego's speed in FCD falls below 0.3 m/s and was above 0.5 m/s since the last time (the catalog's
+/// standstill; SUMO's own halting, below 0.1 m/s, counts two stops for a car that moves up by half a meter).
 fn stops(s: &Simulation, ego: &str, derived: &Derived) -> Vec<Step> {
     let (mut stands, mut found) = (false, Vec::new());
     for &step in derived.frames.keys() {
@@ -30,7 +30,7 @@ fn stops_are_the_simulators() {
         for (&step, &frame) in &derived.frames {
             let theirs = began.iter().filter(|&&b| b <= step && step - b <= 600).count();
             let ours = column.number(frame).expect("known");
-            // FCD writes speeds to 0.01 m/s, and a frame may be one to either side.
+            // FCD writes speeds to 0.01 m/s, and a frame may differ by one.
             let near = began.iter().any(|b| (b - step).abs() <= 1 || (b + 600 - step).abs() <= 1);
             tally.add(if ours == theirs as f64 {
                 "same"
@@ -64,7 +64,7 @@ fn the_place_in_the_queue_is_the_simulators() {
             if to_end(own.x, own.y) > 90.0 {
                 continue;
             }
-            // Most vehicles that stood ahead in the lane at one step of the stand.
+            // Maximum number of vehicles that stood ahead in the lane at one step of the standstill.
             let ahead = |t: &Step| {
                 s.vehicles[t]
                     .iter()
@@ -97,14 +97,14 @@ fn the_lights_history_is_the_simulators() {
             let Some(next) = ahead.filter(|_| !now.lane.starts_with(':')) else { continue };
             let Some((light, link)) = s.link_of.get(&next.lane) else { continue };
             let letters = |t: Step| s.lights[light].range(..=t).next_back().map(|(_, l)| l.as_bytes()[*link]);
-            // Only where the light is the one that ours speaks of.
+            // Only if both refer to the same light.
             if state.category(frame) != letters(step).map(word) {
                 continue;
             }
             let changed =
                 s.lights[light].keys().rev().copied().find(|&t| t <= step && letters(t - 1) != letters(t));
             let Some(changed) = changed.filter(|&t| letters(t - 1).is_some()) else { continue };
-            // The recording must hold the change.
+            // The recording must contain the change.
             let first = *derived.frames.keys().next().expect("frames");
             let known = since.number(frame);
             let theirs = (step - changed) as f64 / 10.0;
