@@ -160,8 +160,10 @@ fn components(channel: &CauseChannel, cause: &CauseView<'_>, known: &[&str], sin
             );
             match did_you_mean(id, known.iter().copied()) {
                 Some(near) => words.meant(near),
-                None if known.is_empty() => words
-                    .hint("在要素上写 \"id\"，再在此处引用", "give the component an \"id\" and refer to it here"),
+                None if known.is_empty() => words.hint(
+                    "在要素上写 \"id\"，再在此处引用",
+                    "give the component an \"id\" and refer to it here",
+                ),
                 None => words
                     .hint(format!("已有：{}", known.join("、")), format!("there are: {}", known.join(", "))),
             }

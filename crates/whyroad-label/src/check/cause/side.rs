@@ -40,10 +40,7 @@ pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework
         let name = framework.decisions.name(lateral.id());
         Words::new(
             format!("没有关键要素提到自车要去的一侧，因此没有要素会引起“{}”", name.zh),
-            format!(
-                "no component mentions the side to which the ego goes, so none causes '{}'",
-                name.en
-            ),
+            format!("no component mentions the side to which the ego goes, so none causes '{}'", name.en),
         )
         .hint(
             "补上那一侧的要素（空当、车道、路线），或把横向决策改为“无决策变化”",

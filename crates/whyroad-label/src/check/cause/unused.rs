@@ -27,7 +27,9 @@ pub(in crate::check) fn unused(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     sink.report(Finding::warning("label.cause.proximate", at), &|| {
         Words::new(
             format!("“{text}”与决策无关：它不在自车要走的路上，因果描述也没有用到它"),
-            format!("'{text}' is irrelevant for the decision: it is off the ego's path, and not in the trace"),
+            format!(
+                "'{text}' is irrelevant for the decision: it is off the ego's path, and not in the trace"
+            ),
         )
         .hint("删去无关的要素，只留引起决策的", "remove it: keep only what causes the decision")
     });

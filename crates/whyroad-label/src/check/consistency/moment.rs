@@ -137,10 +137,7 @@ fn keyframe_range(label: &View<'_>, sink: &mut dyn Sink) {
                         format!("单一时刻（reactive）的关键帧没有{}", names.0),
                         format!("a reactive keyframe is one moment and has no {}", names.1),
                     )
-                    .hint(
-                        "删去，或把关键帧改为区间型",
-                        "remove it, or make the keyframe a range (proactive)",
-                    )
+                    .hint("删去，或把关键帧改为区间型", "remove it, or make the keyframe a range (proactive)")
                 });
             }
         }

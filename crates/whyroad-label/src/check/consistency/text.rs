@@ -239,7 +239,9 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
             let phrase = &text[start..end];
             Words::new(
                 format!("因果描述说“{phrase}”：自车只是保持原状，没有做出新的决策"),
-                format!("the trace says '{phrase}': the ego continues as before, which is not a new decision"),
+                format!(
+                    "the trace says '{phrase}': the ego continues as before, which is not a new decision"
+                ),
             )
             .hint(
                 "选“无决策变化”；或把关键帧移到自车开始减速之前",

@@ -107,7 +107,10 @@ pub(in crate::check) fn trace(
                 format!("因果描述过长（约 {} 字）", seen.length),
                 format!("the trace is too long (about {} words)", seen.length / 2),
             )
-            .hint("只留影响决策的内容，50 至 100 字", "keep only what affects the decision, about 30 to 60 words")
+            .hint(
+                "只留影响决策的内容，50 至 100 字",
+                "keep only what affects the decision, about 30 to 60 words",
+            )
         });
     }
     if limits.too_long_above > 0 && seen.numbers > limits.numbers_above {
@@ -483,7 +486,10 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
                 let (label, says) = (direction_name(*label), direction_name(*says));
                 Words::new(
                     format!("决策的方向是“{}”，因果描述却说“{phrase}”（{}）", label.zh, says.zh),
-                    format!("the direction of the decision is {}, but the trace says '{phrase}' ({})", label.en, says.en),
+                    format!(
+                        "the direction of the decision is {}, but the trace says '{phrase}' ({})",
+                        label.en, says.en
+                    ),
                 )
                 .hint("改正其中有误的一处", "correct the one that is wrong")
             });

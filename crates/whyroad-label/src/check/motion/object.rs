@@ -162,9 +162,7 @@ fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driv
             let v = kmh(slowest);
             Words::new(
                 format!("该目标在证据时间的车速为 {v:.0} km/h，与描述的状态不符"),
-                format!(
-                    "the object moves at {v:.0} km/h at the evidence times, which differs from the text"
-                ),
+                format!("the object moves at {v:.0} km/h at the evidence times, which differs from the text"),
             )
         });
     }
@@ -288,9 +286,7 @@ fn light<'n>(
         };
         Words::new(
             format!("关键帧时本车道的信号灯为{zh}，与描述不符"),
-            format!(
-                "the light for the ego's lane is {state} at the keyframe, which differs from the text"
-            ),
+            format!("the light for the ego's lane is {state} at the keyframe, which differs from the text"),
         )
     });
 }
