@@ -37,8 +37,8 @@ pub(in crate::check) fn decisions(
                 usual.iter().map(|b| pick(b).as_str()).collect::<Vec<_>>().join(or)
             };
             Words::new(
-                format!("“{}”不可能是“{}”", class.zh, found.zh),
-                format!("the decision '{}' is not possible for '{}'", class.en, found.en),
+                format!("“{}”不允许决策“{}”", class.zh, found.zh),
+                format!("the class '{}' does not allow the decision '{}'", class.en, found.en),
             )
             .hint(
                 format!("通常为：{}；否则检查场景类别", list(|b| &b.zh, "、")),

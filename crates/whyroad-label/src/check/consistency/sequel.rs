@@ -93,7 +93,7 @@ fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink)
         &|| {
             Words::new(
                 format!("因果描述说自车“{word}”，这不是任何驾驶决策"),
-                format!("the trace says that the ego '{word}', which is not a driving decision"),
+                format!("the trace says '{word}' about the ego, which is not a driving decision"),
             )
             .hint(
                 "因果描述以决策结尾，删去别的动作",

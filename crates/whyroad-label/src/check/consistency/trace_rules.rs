@@ -475,7 +475,7 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
                 let (phrase, label) = (&text[*start..*end], name(label));
                 check_end(Words::new(
                     format!("决策是“{}”，因果描述却说自车“{phrase}”", label.zh),
-                    format!("the decision is '{}', but the trace says that the ego '{phrase}'", label.en),
+                    format!("the decision is '{}', but the trace says '{phrase}' about the ego", label.en),
                 ))
             });
         }
