@@ -134,7 +134,7 @@ pub(in crate::check) fn unobserved(label: &View<'_>, words: &LabelWords, sink: &
             )
             .hint(
                 "写明原因在哪里、为何看不到，例如“原因在画面之外，摄像头没有拍到”",
-                "state where the cause is and why it cannot be seen, such as \"outside the field of view of the cameras\"",
+                "state where it is and why it cannot be seen, such as \"outside the field of view of the cameras\"",
             )
         });
     }

@@ -42,7 +42,7 @@ pub(in crate::check) fn version(label: &View<'_>, sink: &mut dyn Sink) {
         sink.report(Finding::warning("label.version", pointer::VERSION), &|| {
             Words::new(
                 format!("格式版本 {text} 新于本程序所知的 {known_major}.{known_minor}；新增字段不会被检查"),
-                format!("format version {text} is newer than {known_major}.{known_minor}, which this program supports; its new fields are not checked"),
+                format!("format version {text} is newer than the supported {known_major}.{known_minor}; its new fields are not checked"),
             )
         });
     }
