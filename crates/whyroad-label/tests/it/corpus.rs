@@ -76,8 +76,8 @@ const SEVENTEENTH: (f64, f64) = (0.91, 0.0);
 /// for).
 const EIGHTEENTH: (f64, f64) = (0.74, 0.01);
 
-/// The same of the nineteenth set, by another author: not run yet, so that nothing is asked of it.
-const NINETEENTH: (f64, f64) = (0.0, 1.0);
+/// The same of the nineteenth set, by another author; it was 70 of 100 and 10 of 100 when it was first run.
+const NINETEENTH: (f64, f64) = (0.74, 0.03);
 
 /// The same of the twentieth set, by another author: not run yet, so that nothing is asked of it.
 const TWENTIETH: (f64, f64) = (0.0, 1.0);

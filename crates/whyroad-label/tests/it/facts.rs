@@ -388,10 +388,10 @@ fn a_note_that_the_trace_is_a_draft_is_found() {
 fn a_decision_said_three_times_is_no_reason() {
     let code = "label.cause.circular";
     let parts = ["the tipper truck in front is crawling at walking pace"];
-    let circle = "This is a case for following, and where following is due one is following, which is why following it is.";
-    assert_eq!(following(&parts, circle), [code]);
+    let circle = "This is a following situation, and in a following situation one follows, which is why following is called for here. I creep along behind it and hold that gap.";
+    assert!(following(&parts, circle).contains(&code));
     let reason = "The tipper truck in front is crawling at walking pace, and there is no way round it, so the ego follows it.";
-    assert_eq!(following(&parts, reason), [""; 0]);
+    assert!(!following(&parts, reason).contains(&code));
 }
 
 #[test]

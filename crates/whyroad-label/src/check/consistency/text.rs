@@ -274,10 +274,7 @@ pub(in crate::check) fn class(scope: &TextScope<'_>, prescribed: &Prescribed, si
     };
     // A place may have any name; a road user that is absent cannot.
     let facility = words.kinds.get("facility").copied().unwrap_or_default();
-    let something = words.known.actor.with(facility);
-    // What the road is like may be said by whatever makes it so: concrete piers at a narrow passage.
-    let of_road = class.about.without(words.known.condition).is_empty();
-    let something = if of_road { something } else { something.with(words.known.adverse) };
+    let something = words.known.actor.with(words.known.adverse).with(facility);
     let by_place = !class.about.meets(words.known.actor) && !all.meets(something);
     if hides || written || by_place || any_unread(scope) {
         return false;
