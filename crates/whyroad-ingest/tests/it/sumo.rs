@@ -310,27 +310,33 @@ fn buildings_signs_and_ramps_come_from_what_sumo_has() {
         format!(r#"<lane id="{id}" index="0" speed="22" length="9" {rest} shape="{shape}"/>"#)
     };
     // A ramp drawn by hand, known by the acceleration lane behind it; one imported, known by its type, in two parts
-    // with a joint that has no type; and a main road.
+    // with a joint that has no type; a main road; and a carriageway that joins it, by its type no ramp.
     let net = format!(
         r#"<net>
         <edge id=":n_0" function="internal">{}</edge>
         <edge id=":n_1" function="internal">{}</edge>
         <edge id="main" from="w" to="n">{}</edge>
+        <edge id=":n_2" function="internal">{}</edge>
         <edge id="drawn" from="y" to="n">{}</edge>
+        <edge id="joining" from="v" to="n" type="highway.motorway">{}</edge>
         <edge id="linked" from="y" to="z" type="highway.motorway_link">{}</edge>
         <edge id=":z_0" function="internal">{}</edge>
         <edge id="linked_on" from="z" to="x" type="highway.motorway_link">{}</edge>
         <edge id="on" from="n" to="e">{}{}</edge>
         <connection from="main" to="on" fromLane="0" toLane="1" via=":n_1_0" dir="s"/>
         <connection from="drawn" to="on" fromLane="0" toLane="0" via=":n_0_0" dir="s"/>
+        <connection from="joining" to="on" fromLane="0" toLane="0" via=":n_2_0" dir="s"/>
         <connection from="linked" to="linked_on" fromLane="0" toLane="0" via=":z_0_0" dir="s"/>
         <connection from=":z_0" to="linked_on" fromLane="0" toLane="0" dir="s"/>
         <connection from=":n_0" to="on" fromLane="0" toLane="0" dir="s"/>
+        <connection from=":n_2" to="on" fromLane="0" toLane="0" dir="s"/>
         <connection from=":n_1" to="on" fromLane="0" toLane="1" dir="s"/></net>"#,
         lane(":n_0_0", "", "100,-4 102,-4"),
         lane(":n_1_0", "", "100,-1 102,-1"),
         lane("main_0", "", "0,-1 100,-1"),
+        lane(":n_2_0", "", "100,-6 102,-4"),
         lane("drawn_0", "", "0,-30 100,-4"),
+        lane("joining_0", "", "0,-45 100,-6"),
         lane("linked_0", "", "0,-60 100,-60"),
         lane(":z_0_0", "", "100,-60 101,-60"),
         lane("linked_on_0", "", "101,-60 200,-60"),

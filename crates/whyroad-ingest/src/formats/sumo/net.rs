@@ -275,10 +275,11 @@ fn assemble(raw: Raw, net: &mut Net) {
             net.links.push(LightLink { tls, index, lane: c.from, to_lane: next });
         }
     }
-    let outside: Vec<&Vec<String>> =
-        edges.values().filter(|e| e.function.is_empty()).map(|e| &e.lanes).collect();
     let typed_ramps = lanes.values().any(|l| l.is_tagged("ramp"));
-    ramps::tag_feeders(&outside, &mut lanes);
+    // Where types name the ramps, an edge of another type that leads into acceleration lanes is a carriageway.
+    let may_feed = |e: &&Edge| e.function.is_empty() && (!typed_ramps || e.kind.is_empty());
+    let feeders: Vec<&Vec<String>> = edges.values().filter(may_feed).map(|e| &e.lanes).collect();
+    ramps::tag_feeders(&feeders, &mut lanes);
     if !typed_ramps {
         ramps::tag_branches(&meetings, &mut lanes);
     }
