@@ -1,7 +1,8 @@
 // Heights of the labeling form for each of the 122 leaves: `node e2e/heights.mjs [PART OF A LEAF'S ID]`, with what
 // `whyroad demo --out` wrote in WHYROAD_DEMO. An episode of the demo is named as each leaf in turn, so that records,
-// keyframes and decisions of all leaves are shown, in a window of 1280 x 800, in both languages: Stage I, Stage II as it
-// opens, and Stage II with what a submission without any work finds. Prints what is higher than its room; some 10 min.
+// keyframes and decisions of all leaves are shown, in a window of 1280 x 800, in both languages: Stage I, Stage II when
+// it opens, and Stage II with what a submission without any work finds. Prints what is higher than its room; takes some
+// ten minutes. SHOTS: folder for screenshots of these.
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
