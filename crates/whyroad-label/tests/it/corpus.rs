@@ -79,8 +79,8 @@ const EIGHTEENTH: (f64, f64) = (0.74, 0.01);
 /// The same of the nineteenth set, by another author; it was 70 of 100 and 10 of 100 when it was first run.
 const NINETEENTH: (f64, f64) = (0.74, 0.03);
 
-/// The same of the twentieth set, by two other authors, run once with the checks after the work on the nineteenth: 77 of
-/// 100 and 8 of 100.
+/// The same of the twentieth set, by two other authors, run once with the checks after the work on the nineteenth: 77
+/// of 100 and 8 of 100.
 const TWENTIETH: (f64, f64) = (0.77, 0.08);
 
 /// The same with one word in five missing from the lists; it was 3240 of 3575 and 124 of 1265 before the checks were
