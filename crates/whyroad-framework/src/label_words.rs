@@ -272,7 +272,7 @@ pub struct LabelWords {
     /// In lower case.
     instructions: Vec<String>,
     /// Notes in brackets that a text is a draft, in lower case.
-    pub draft_notes: Vec<String>,
+    draft_notes: Vec<String>,
     trie: Trie,
     roles: Vec<WordRole>,
     reasons: Trie,

@@ -18,8 +18,8 @@ pub struct Compared {
     pub of_no_scene: CharSet,
     /// Chinese characters of deciding and of reasons in general.
     pub of_deciding: CharSet,
-    /// Words of Latin letters without information about a scene, or about the ego's action and position.
-    plain: HashSet<String>,
+    /// Words of Latin letters without information about a scene.
+    scene: HashSet<String>,
     /// Words of Latin letters for what the ego does and where it is.
     own: HashSet<String>,
     /// Words of Latin letters of deciding and of reasons in general.
@@ -47,9 +47,10 @@ impl Compared {
         self.empty_bits[bit / 64] >> (bit % 64) & 1 != 0
     }
 
-    /// True for a word of Latin letters, in lower case, without information about a scene.
+    /// True for a word of Latin letters, in lower case, without information about a scene, or for what the ego does or
+    /// where it is.
     pub fn is_plain(&self, word: &str) -> bool {
-        self.plain.contains(word)
+        self.scene.contains(word) || self.is_own(word)
     }
 
     /// True for a word of Latin letters, in lower case, for what the ego does or where it is.
@@ -109,9 +110,9 @@ impl RawCompared {
             empty_bits,
             of_no_scene: chars(&self.scene),
             of_deciding: chars(&self.deciding),
+            scene: self.scene.en.iter().cloned().collect(),
             own: self.own.en.iter().cloned().collect(),
             deciding: self.deciding.en.iter().cloned().collect(),
-            plain: self.scene.en.iter().chain(&self.own.en).cloned().collect(),
         }
     }
 }

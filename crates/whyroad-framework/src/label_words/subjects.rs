@@ -47,6 +47,10 @@ pub struct Subjects {
     pub ordinals: CharSet,
     /// Before a name in Chinese that is an origin or destination.
     pub origins: CharSet,
+    /// Before a verb of Latin letters, in lower case.
+    pub auxiliaries: Vec<String>,
+    /// Before a name in Chinese of one character.
+    pub before_name: CharSet,
     /// Possible names of the ego where no component is about a vehicle; in lower case.
     pub may_be_ego: Vec<String>,
     /// Names that may also be a part of a vehicle, in lower case.
@@ -256,6 +260,8 @@ pub(super) struct RawSubjects {
     introduces: Words,
     ordinals: Words,
     origins: Words,
+    auxiliaries: Words,
+    before_name: Words,
     may_be_ego: Words,
     vague: Words,
     parts: Words,
@@ -319,6 +325,8 @@ impl RawSubjects {
             appears: chars(&self.introduces),
             ordinals: chars(&self.ordinals),
             origins: chars(&self.origins),
+            auxiliaries: self.auxiliaries.en.clone(),
+            before_name: chars(&self.before_name),
             may_be_ego: all(&self.may_be_ego),
             vague: self.vague.all().map(str::to_owned).collect(),
             ego: [self.ego.zh.clone(), self.ego.en.clone()],

@@ -50,13 +50,16 @@ fn shared_of<'t>(
     ours.iter().filter(|u| theirs.binary_search(u).is_ok()).count()
 }
 
+/// A Chinese character of the basic block of Unicode.
+pub(super) fn is_han(c: char) -> bool {
+    matches!(c, '\u{4e00}'..='\u{9fff}')
+}
+
 /// Most content characters of a Chinese trace are in the components: "红的。第一辆。线就在前头。停。".
 pub(super) fn shares_characters(label: &View<'_>, text: &str, words: &LabelWords) -> bool {
     const ENOUGH: usize = 3;
     let telling = |c: &char| {
-        ('\u{4e00}'..='\u{9fff}').contains(c)
-            && !words.compared.of_no_scene.contains(*c)
-            && !words.subjects.common.contains(*c)
+        is_han(*c) && !words.compared.of_no_scene.contains(*c) && !words.subjects.common.contains(*c)
     };
     let has = |c: &char| label.parts.iter().filter_map(|p| p.description.get()).any(|t| t.contains(*c));
     let mut all: Vec<char> = text.chars().take(MOST_UNITS).filter(telling).collect();

@@ -133,23 +133,18 @@ pub(super) fn is_introduced(text: &str, start: usize, words: &LabelWords) -> boo
     }) || near.first().is_some_and(|c| *c == '有')
 }
 
-/// Auxiliaries of English, behind which a verb follows.
-const AUXILIARIES: [&str; 12] =
-    ["will", "would", "can", "could", "may", "might", "must", "shall", "should", "ll", "cannot", "t"];
-
 /// The word at `start..end` is no name: a verb behind an auxiliary ("a pace the track will bear"), or one Chinese
 /// character inside another word ("立马"), that nothing counts and no clause begins with.
 pub(super) fn is_no_noun(text: &str, start: usize, end: usize, words: &LabelWords) -> bool {
-    let before = &text[..start];
+    let (before, subjects) = (&text[..start], &words.subjects);
     if text.is_ascii() {
         let last = before.trim_end().rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-        return before.ends_with(' ') && AUXILIARIES.iter().any(|w| last.eq_ignore_ascii_case(w));
+        return before.ends_with(' ') && subjects.auxiliaries.iter().any(|w| last.eq_ignore_ascii_case(w));
     }
     let is_single = text[start..end].chars().nth(1).is_none();
-    let stands_free = before.is_empty()
-        || before
-            .ends_with(|c: char| !c.is_alphanumeric() || c == '的' || words.subjects.counters.contains(c))
-        || before.ends_with(['有', '是', '让', '避', '跟', '和', '与', '等', '因', '怕']);
+    let begins_name =
+        |c: char| !c.is_alphanumeric() || subjects.counters.contains(c) || subjects.before_name.contains(c);
+    let stands_free = before.chars().next_back().is_none_or(begins_name);
     is_single && !text[start..end].is_ascii() && !stands_free && !is_introduced(text, start, words)
 }
 

@@ -107,7 +107,7 @@ pub(super) fn is_link_type(edge_type: &str) -> bool {
 }
 
 /// Tags the lanes of edges that lead into nothing but acceleration lanes, and the junction lanes on the way, as ramps.
-/// `edges` are the lanes of each edge that is not inside a junction.
+/// `edges` are the lanes of each edge outside junctions that may be a ramp.
 pub(super) fn tag_feeders(edges: &[&Vec<String>], lanes: &mut BTreeMap<String, Lane>) {
     let fast = |id: &String| lanes.get(id).is_some_and(|l| l.is_tagged("acceleration"));
     let mut ramps: BTreeSet<String> = BTreeSet::new();

@@ -6,6 +6,8 @@ use crate::check::consistency::trace_rules::{self, Said};
 use crate::check::overlap;
 use crate::check::reading::Named;
 use crate::check::texts::{TextScope, Texts};
+use crate::check::view::View;
+use std::collections::BTreeMap;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Clauses, Divider};
@@ -241,8 +243,7 @@ fn empty_reason(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     let left = content(text, from, to, &spoken, words);
     let same = |a: &str, b: &str| a == b || a.is_ascii() && a.get(..4).is_some_and(|s| b.starts_with(s));
     // A word that is also in a component belongs to the scene.
-    let given: Vec<String> =
-        label.parts.iter().filter_map(|c| c.description.get()).map(str::to_ascii_lowercase).collect();
+    let given = descriptions(label);
     let of_scene = |w: &String| given.iter().any(|text| text.contains(w.as_str()));
     decides && left.iter().all(|w| before.iter().any(|b| same(b, w)) && !of_scene(w))
 }
@@ -272,12 +273,8 @@ fn said_thrice(text: &str, scope: &TextScope<'_>) -> bool {
     let compared = &words.compared;
     let inside_name =
         |from: usize, to: usize| texts.trace.named.iter().any(|n| n.start <= from && to <= n.end);
-    let mut counts: std::collections::BTreeMap<String, usize> = std::collections::BTreeMap::new();
-    let mut at = 0;
-    for word in text.split(|c: char| !c.is_ascii_alphabetic()) {
-        let start = at;
-        at += word.len();
-        at += text[at..].chars().next().map_or(0, char::len_utf8);
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for (start, word) in latin_words(text) {
         let lower = word.to_ascii_lowercase();
         let is_empty = compared.is_deciding(&lower) || compared.is_plain(&lower) && !compared.is_own(&lower);
         if lower.len() >= 4 && !is_empty && !inside_name(start, start + word.len()) {
@@ -286,9 +283,7 @@ fn said_thrice(text: &str, scope: &TextScope<'_>) -> bool {
         }
     }
     let is_letter = |c: char| {
-        ('\u{4e00}'..='\u{9fff}').contains(&c)
-            && !compared.of_no_scene.contains(c)
-            && !words.subjects.counts.contains(c)
+        overlap::is_han(c) && !compared.of_no_scene.contains(c) && !words.subjects.counts.contains(c)
     };
     let chars: Vec<(usize, char)> = text.char_indices().collect();
     for w in chars.windows(2) {
@@ -297,8 +292,7 @@ fn said_thrice(text: &str, scope: &TextScope<'_>) -> bool {
             *counts.entry(text[from..to].to_owned()).or_default() += 1;
         }
     }
-    let given: Vec<String> =
-        label.parts.iter().filter_map(|c| c.description.get()).map(str::to_ascii_lowercase).collect();
+    let given = descriptions(label);
     counts.iter().any(|(unit, count)| *count >= 3 && !given.iter().any(|text| text.contains(unit.as_str())))
 }
 
@@ -314,26 +308,42 @@ fn part_bounds(text: &str, texts: &Texts, clauses: &Clauses) -> Vec<usize> {
     bounds
 }
 
+/// The words of Latin letters of a text, each with its first byte; empty ones between two other characters.
+fn latin_words(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut at = 0;
+    text.split(|c: char| !c.is_ascii_alphabetic()).map(move |word| {
+        let start = at;
+        // A separator is one character, of any length in bytes.
+        at += word.len();
+        at += text[at..].chars().next().map_or(0, char::len_utf8);
+        (start, word)
+    })
+}
+
+/// The texts of the label's components, in lower case.
+fn descriptions(label: &View<'_>) -> Vec<String> {
+    label.parts.iter().filter_map(|c| c.description.get()).map(str::to_ascii_lowercase).collect()
+}
+
 /// Content words (Latin words and Chinese characters) of a part, without those in the ranges `spoken`.
 fn content(text: &str, from: usize, to: usize, spoken: &[(usize, usize)], words: &LabelWords) -> Vec<String> {
     let hidden = |at: usize| spoken.iter().any(|(a, b)| (*a..*b).contains(&at));
     let (compared, common) = (&words.compared, &words.subjects.common);
     let mut out = Vec::new();
-    let mut at = from;
-    for word in text[from..to].split(|c: char| !c.is_ascii_alphabetic()) {
+    for (at, word) in latin_words(&text[from..to]) {
         let lower = word.to_ascii_lowercase();
-        let start = at;
-        // A separator is one character, of any length in bytes.
-        at += word.len();
-        at += text[at..].chars().next().map_or(0, char::len_utf8);
-        if lower.len() >= 3 && !hidden(start) && !compared.is_plain(&lower) && !compared.is_deciding(&lower) {
+        if lower.len() >= 3
+            && !hidden(from + at)
+            && !compared.is_plain(&lower)
+            && !compared.is_deciding(&lower)
+        {
             out.push(lower);
         }
     }
     for (i, c) in text[from..to].char_indices() {
         let is_empty =
             compared.of_no_scene.contains(c) || compared.of_deciding.contains(c) || common.contains(c);
-        if ('\u{4e00}'..='\u{9fff}').contains(&c) && !is_empty && !hidden(from + i) {
+        if overlap::is_han(c) && !is_empty && !hidden(from + i) {
             out.push(c.to_string());
         }
     }

@@ -2,8 +2,8 @@
 
 use super::meaning::Meaning;
 use crate::check::reading::{Named, TextFacts};
-use crate::check::subject;
 use crate::check::texts::TextScope;
+use crate::check::{overlap, subject};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Compared, GroupSet, hashed};
@@ -301,7 +301,7 @@ fn each_unit(text: &str, words: &Compared, mut take: impl FnMut(u64)) {
             word = 0;
         }
         // Particles make no difference.
-        let is_letter = matches!(c, '\u{4e00}'..='\u{9fff}') || (!c.is_ascii() && c.is_alphanumeric());
+        let is_letter = overlap::is_han(c) || (!c.is_ascii() && c.is_alphanumeric());
         if is_letter && !words.particles.contains(c) {
             take(u64::from(c) | 1 << 40);
         }

@@ -50,11 +50,9 @@ pub(in crate::check) fn leave_out_own_vehicle(text: &str, scope: &TextScope<'_>,
         return;
     }
     let own = |m: &Mention| {
-        let to = text[m.end..]
-            .trim_start()
-            .find(' ')
-            .map_or(text.len(), |at| m.end + (text[m.end..].len() - text[m.end..].trim_start().len()) + at);
-        let lower = text[m.start..to].to_ascii_lowercase();
+        // To the end of the word behind it.
+        let behind = text[m.end..].trim_start().split_once(' ').map_or(0, |(_, rest)| rest.len() + 1);
+        let lower = text[m.start..text.len() - behind].to_ascii_lowercase();
         lower.strip_prefix("let ").is_some_and(|object| words.subjects.may_be_ego.iter().any(|w| object == w))
     };
     reading.mentions.retain(|m| !own(m));

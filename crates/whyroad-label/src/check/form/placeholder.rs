@@ -167,7 +167,7 @@ pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mu
                 format!("因果描述注明“{note}”，还没有定稿"),
                 format!("the trace is marked as a draft: '{note}'"),
             )
-            .hint("定稿后删去这条备注", "finish the trace and leave the note out")
+            .hint("定稿后删去这条备注", "finish the trace and remove the note")
         });
         return true;
     }
