@@ -7,7 +7,7 @@ import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium as driver } from "playwright-core";
-import { ask, person, settled, signIn } from "./people.mjs";
+import { ask, makeFirstAccount, person, settled, signIn, tooHigh } from "./people.mjs";
 import { chromium, serve } from "./service.mjs";
 
 const PASSWORD = "大漠孤烟直长河落日圆-2026";
@@ -20,21 +20,12 @@ const higher = [];
 let leaves = 0;
 
 /** Notes by how much the form is higher than its room, in both languages. */
-async function measure(page, where) {
-  for (let n = 0; n < 2; n++) {
-    const [lang, px] = await page.evaluate(() => {
-      const form = document.querySelector(".form");
-      return [document.documentElement.lang.slice(0, 2), form.scrollHeight - form.clientHeight];
-    });
-    if (px > 0) {
-      higher.push(px);
-      console.log(`${where}, ${lang}: ${px} px`);
-      if (process.env.SHOTS) await page.screenshot({ path: join(process.env.SHOTS, `${where}-${lang}.png`) });
-    }
-    await page.keyboard.press("Alt+l");
-    await page.waitForFunction((before) => !document.documentElement.lang.startsWith(before), lang);
-  }
-}
+const measure = (page, where) =>
+  tooHigh(page, async (lang, px) => {
+    higher.push(px);
+    console.log(`${where}, ${lang}: ${px} px`);
+    if (process.env.SHOTS) await page.screenshot({ path: join(process.env.SHOTS, `${where}-${lang}.png`) });
+  });
 
 /** One task, by one person. */
 async function look(page, leaf) {
@@ -68,12 +59,7 @@ async function look(page, leaf) {
 
 try {
   const lead = await person(browser, service.url, { faults });
-  await lead.page.getByLabel("用户名").fill("wang");
-  await lead.page.getByLabel("显示名").fill("王芳");
-  await lead.page.getByLabel("密码", { exact: true }).fill(PASSWORD);
-  await lead.page.getByLabel("再次输入密码").fill(PASSWORD);
-  await lead.page.keyboard.press("Enter");
-  await lead.page.locator("header .who").waitFor();
+  await makeFirstAccount(lead.page, "wang", "王芳", PASSWORD);
   const api = (method, path, body) => ask(lead.page, method, path, body);
   const project = (await api("POST", "/projects", { name: "高度", settings: { history: "episode" } })).id;
   const mined = readFileSync(join(demo, "mined", "episodes.jsonl"), "utf8").trim().split("\n").map((line) => JSON.parse(line));

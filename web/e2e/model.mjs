@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { endpoint } from "./endpoint.mjs";
-import { ask, checkAccessibility, person, settled, signIn, tabTo } from "./people.mjs";
+import { ask, checkAccessibility, makeFirstAccount, person, settled, signIn, tabTo } from "./people.mjs";
 import { serve } from "./service.mjs";
 import { shot } from "./shots.mjs";
 
@@ -55,12 +55,7 @@ async function prepare(day) {
   const first = await person(day.browser, day.own.url, { faults: day.faults });
   day.people["m-lead"] = first;
   const { page } = first;
-  await page.getByLabel("用户名").fill("lead");
-  await page.getByLabel("显示名").fill("周负责");
-  await page.getByLabel("密码", { exact: true }).fill(PASSWORD);
-  await page.getByLabel("再次输入密码").fill(PASSWORD);
-  await page.keyboard.press("Enter");
-  await page.locator("header .who").waitFor();
+  await makeFirstAccount(page, "lead", "周负责", PASSWORD);
   const project = (await ask(page, "POST", "/projects", { name: "模型起草" })).id;
   for (const [name, display, role] of [["ann", "李标注", "annotator"], ["check", "陈质检", "checker"]]) {
     await ask(page, "POST", "/users", { name, display, password: PASSWORD });

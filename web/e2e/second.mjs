@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { ask, checkAccessibility, person, settled } from "./people.mjs";
+import { ask, checkAccessibility, makeFirstAccount, person, settled } from "./people.mjs";
 import { picture } from "./png.mjs";
 import { serve, whyroad } from "./service.mjs";
 import { shot } from "./shots.mjs";
@@ -31,11 +31,7 @@ async function prepare(day) {
   day.own = await serve({ data: join(day.scratch, "second-data"), lake, mined });
   const someone = await person(day.browser, day.own.url, { faults: day.faults });
   const { page } = (day.people.own = someone);
-  await page.getByLabel("用户名").fill("own");
-  await page.getByLabel("显示名").fill("一个人");
-  await page.getByLabel("密码", { exact: true }).fill(PASSWORD);
-  await page.getByLabel("再次输入密码").fill(PASSWORD);
-  await page.keyboard.press("Enter");
+  await makeFirstAccount(page, "own", "一个人", PASSWORD);
   await page.getByRole("button", { name: "新建项目" }).click();
   await page.getByRole("dialog").getByLabel("项目名").fill("两个关键帧");
   await page.getByRole("dialog").getByRole("button", { name: "创建" }).click();

@@ -9,7 +9,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium as driver } from "playwright-core";
-import { ask, person, settled, signIn, tabTo } from "./people.mjs";
+import { ask, makeFirstAccount, person, settled, signIn, tabTo, tooHigh } from "./people.mjs";
 import { chromium, serve } from "./service.mjs";
 
 const WANTED = Number(process.argv[2] ?? 20);
@@ -32,12 +32,7 @@ const done = [];
 const below = [];
 try {
   const lead = await person(browser, service.url, { faults });
-  await lead.page.getByLabel("用户名").fill("wang");
-  await lead.page.getByLabel("显示名").fill("王芳");
-  await lead.page.getByLabel("密码", { exact: true }).fill(PASSWORD);
-  await lead.page.getByLabel("再次输入密码").fill(PASSWORD);
-  await lead.page.keyboard.press("Enter");
-  await lead.page.locator("header .who").waitFor();
+  await makeFirstAccount(lead.page, "wang", "王芳", PASSWORD);
   const api = (method, path, body) => ask(lead.page, method, path, body);
   const project = (await api("POST", "/projects", { name: "速度", settings: { history: "episode" } })).id;
   const mined = (await api("GET", "/mined")).items[0].name;
@@ -82,14 +77,8 @@ try {
 }
 
 /** Notes by how much the form is higher than its room, in both languages. Not counted: nobody works in two. */
-async function fits(page, where) {
-  for (let n = 0; n < 2; n++) {
-    const px = await page.locator(".form").evaluate((form) => form.scrollHeight - form.clientHeight);
-    if (px > 0) below.push(`${where}, ${await page.evaluate(() => document.documentElement.lang)}: ${px} px`);
-    const before = await page.evaluate(() => document.documentElement.lang);
-    await page.keyboard.press("Alt+l");
-    await page.waitForFunction((before) => document.documentElement.lang !== before, before);
-  }
+function fits(page, where) {
+  return tooHigh(page, (lang, px) => below.push(`${where}, ${lang}: ${px} px`));
 }
 
 /** Labels the task that is open, counting. */
