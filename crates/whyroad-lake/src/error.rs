@@ -188,8 +188,8 @@ impl LakeError {
                 "write `s3://BUCKET/PREFIX`; credentials and endpoint come from the environment or ~/.aws",
             ),
             LakeError::NoS3(_) => Bilingual::new(
-                "使用发布的程序，或用 `cargo build --release --features s3` 编译",
-                "use a released binary, or build with `cargo build --release --features s3`",
+                "使用发布的程序，或编译时不加 `--no-default-features`",
+                "use a released binary, or build without `--no-default-features`",
             ),
             LakeError::Storage { .. } => Bilingual::new(
                 "检查凭据、AWS_REGION、AWS_ENDPOINT_URL 与存储桶；再次运行同一命令即可，已发布的不会重复",
