@@ -34,7 +34,7 @@ pub fn every_route_lets_in_only_whom_it_should(world: &World) {
     let other_lead = world.person(&admin, &elsewhere, "oz", &["lead", "annotator", "checker", "auditor"]);
     let callers: Vec<(&str, Person)> = vec![
         ("nobody", {
-            let mut p = world.stranger();
+            let mut p = world.unauthenticated();
             p.hello();
             p
         }),

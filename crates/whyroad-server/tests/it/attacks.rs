@@ -108,7 +108,7 @@ pub fn many_guesses_at_once_are_judged_like_one_after_another(world: &World) {
     let admin = world.admin();
     world.person(&admin, "", "ann", &[]);
     let guess = |i: usize| {
-        let mut p = world.stranger();
+        let mut p = world.unauthenticated();
         p.hello();
         p.post("/session", &json!({ "name": "ann", "password": format!("wrong horse {i}") })).status
     };
@@ -124,7 +124,7 @@ pub fn tokens_end_and_make_no_tokens(world: &World) {
     let admin = world.admin();
     let ann = world.person(&admin, "", "ann", &[]);
     let script = |made: &Value| {
-        let mut p = world.stranger();
+        let mut p = world.unauthenticated();
         p.token = Some(made["token"].as_str().unwrap().to_owned());
         p
     };

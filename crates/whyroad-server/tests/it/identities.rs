@@ -13,7 +13,7 @@ pub fn who_has_a_verified_address_signs_in_to_the_account_that_has_it(world: &Wo
     let ann_id = user_with(&admin, "ann", "ANN@example.com");
     for key in [Key::ec("one"), Key::rsa("one", 0)] {
         let (provider, service) = town(world, key, |_| {});
-        let offered = service.stranger().hello().json();
+        let offered = service.unauthenticated().hello().json();
         assert_eq!(offered["provider"], "Town");
         let (mut person, answer) = enter(&service, &provider);
         assert_eq!(answer.fine()["user"]["id"], ann_id);
@@ -34,11 +34,11 @@ pub fn who_has_a_verified_address_signs_in_to_the_account_that_has_it(world: &Wo
     let ann = world.sign_in("ann");
     assert!(ann.call("DELETE", "/session", None, &[]).fine()["provider_sign_out"].is_null());
     assert!(
-        world.stranger().hello().json()["provider"].is_null(),
+        world.unauthenticated().hello().json()["provider"].is_null(),
         "a service without a provider offers none"
     );
-    assert_eq!(world.stranger().hello().status, 200);
-    let mut nobody = world.stranger();
+    assert_eq!(world.unauthenticated().hello().status, 200);
+    let mut nobody = world.unauthenticated();
     nobody.hello();
     assert_eq!(
         nobody.post("/oidc/begin", &json!({ "purpose": "sign_in" })).refusal(),
@@ -114,7 +114,7 @@ pub fn who_is_signed_in_links_themselves_and_unlinks(world: &World) {
         person
     };
     let (ann, bob) = (at("ann"), at("bob"));
-    let mut nobody = service.stranger();
+    let mut nobody = service.unauthenticated();
     nobody.hello();
     assert_eq!(nobody.post("/oidc/begin", &json!({ "purpose": "link" })).refusal().0, 401);
     let link = |person: &Person| {
@@ -195,7 +195,7 @@ pub fn accounts_are_made_and_roles_given_where_the_set_up_says_so(world: &World)
         items.iter().find(|m| m["user"]["id"] == user["id"]).map(|m| m["roles"].clone())
     };
     assert_eq!(roles(), Some(json!(["annotator", "checker", "auditor"])));
-    let mut guess = world.stranger();
+    let mut guess = world.unauthenticated();
     guess.hello();
     assert_eq!(
         guess.post("/session", &json!({ "name": "ann-2", "password": "" })).refusal().1,

@@ -56,7 +56,7 @@ pub fn finish(person: &Person, returned: &Value) -> Reply {
 
 /// A new browser that signs in; and the service's response.
 pub fn enter(service: &World, provider: &Provider) -> (Person, Reply) {
-    let mut person = service.stranger();
+    let mut person = service.unauthenticated();
     person.hello();
     let returned = there_and_back(&person, provider, "sign_in");
     let answer = finish(&person, &returned);
@@ -136,7 +136,7 @@ pub fn an_answer_serves_once_and_in_one_browser(world: &World) {
     let (provider, service) = town(world, Key::ec("one"), |_| {});
     let stale = |answer: Reply| assert_eq!(answer.refusal(), (403, "oidc.state".into()));
     let browser = |service: &World| {
-        let mut person = service.stranger();
+        let mut person = service.unauthenticated();
         person.hello();
         person
     };
@@ -188,7 +188,7 @@ pub fn an_answer_serves_once_and_in_one_browser(world: &World) {
         finish(&victim, &json!({ "state": no["state"], "iss": no["iss"], "error": "<b>call 555</b>" }));
     assert!(!told.text().contains("555"));
     // Scripts sign in with tokens.
-    let mut script = service.stranger();
+    let mut script = service.unauthenticated();
     script.token = world.sign_in("ann").post("/tokens", &json!({ "name": "s" })).fine()["token"]
         .as_str()
         .map(Into::into);
@@ -269,7 +269,7 @@ pub fn a_provider_that_fails_or_lies_about_itself_is_said_to(world: &World) {
     ] {
         let (provider, service) = town(world, Key::ec("one"), |_| {});
         provider.goes_wrong(fault.clone());
-        let mut person = service.stranger();
+        let mut person = service.unauthenticated();
         person.hello();
         let begin = || person.post("/oidc/begin", &json!({ "purpose": "sign_in" }));
         assert_eq!(begin().refusal(), (502, "oidc.provider".into()), "{fault:?}");
@@ -298,7 +298,7 @@ pub fn attempts_are_counted_and_the_first_account_is_made_here(world: &World) {
     let (_, answer) = enter(&service, &provider);
     assert_eq!(answer.refusal(), (409, "oidc.first_run".into()));
     world.admin();
-    let mut guess = service.stranger();
+    let mut guess = service.unauthenticated();
     guess.hello();
     // Fifty failures of one address are free, as for passwords.
     for _ in 0..50 {
@@ -333,7 +333,7 @@ pub fn services_on_one_store_share_the_work(world: &World) {
     let second = world.beside(|app| {
         app.oidc = Some(whyroad_server::oidc::provider::Provider::new(settings, None).unwrap());
     });
-    let mut person = first.stranger();
+    let mut person = first.unauthenticated();
     person.hello();
     let returned = there_and_back(&person, &provider, "sign_in");
     // A load balancer sends the browser to the other one.

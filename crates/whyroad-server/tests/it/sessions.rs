@@ -5,27 +5,27 @@ use serde_json::json;
 use whyroad_server::values;
 
 pub fn the_first_run_makes_one_admin_and_no_second(world: &World) {
-    let mut stranger = world.stranger();
-    let first = stranger.hello();
+    let mut unauthenticated = world.unauthenticated();
+    let first = unauthenticated.hello();
     assert_eq!(first.json()["first_run"], true);
     assert!(first.json()["user"].is_null());
     let short = json!({ "name": "eve", "display": "Eve", "password": "short" });
-    assert_eq!(stranger.post("/setup", &short).refusal(), (422, "password.length".into()));
+    assert_eq!(unauthenticated.post("/setup", &short).refusal(), (422, "password.length".into()));
     // Another site whose host name was made to resolve to this machine.
     let body = json!({ "name": "eve", "display": "Eve", "password": PASSWORD }).to_string();
     for host in ["evil.example", "evil.example:8080", "localhost.evil.example", "[evil]", ""] {
-        let answer = stranger.call("POST", "/setup", Some(body.as_bytes()), &[("host", host)]);
+        let answer = unauthenticated.call("POST", "/setup", Some(body.as_bytes()), &[("host", host)]);
         assert_eq!(answer.refusal(), (403, "setup.host".into()), "{host}");
     }
     world.admin();
     let late = json!({ "name": "eve", "display": "Eve", "password": PASSWORD });
-    assert_eq!(stranger.post("/setup", &late).refusal(), (409, "setup.done".into()));
-    assert_eq!(stranger.hello().json()["first_run"], false);
+    assert_eq!(unauthenticated.post("/setup", &late).refusal(), (409, "setup.done".into()));
+    assert_eq!(unauthenticated.hello().json()["first_run"], false);
 }
 
 pub fn cookies_and_headers_are_safe(world: &World) {
-    let mut stranger = world.stranger();
-    let answer = stranger.hello();
+    let mut unauthenticated = world.unauthenticated();
+    let answer = unauthenticated.hello();
     let cookie = answer.header("set-cookie").unwrap();
     for word in ["HttpOnly", "SameSite=Lax", "Path=/"] {
         assert!(cookie.contains(word), "{cookie}");
@@ -33,22 +33,22 @@ pub fn cookies_and_headers_are_safe(world: &World) {
     assert_eq!(answer.header("x-content-type-options"), Some("nosniff"));
     assert_eq!(answer.header("content-type"), Some("application/json"));
     assert!(answer.header("content-security-policy").unwrap().contains("default-src 'none'"));
-    let page = stranger.raw("GET", "/projects/x/tasks", None, &[]);
+    let page = unauthenticated.raw("GET", "/projects/x/tasks", None, &[]);
     assert_eq!((page.status, page.header("content-type")), (200, Some("text/html; charset=utf-8")));
     let policy = page.header("content-security-policy").unwrap();
     assert!(policy.contains("default-src 'self'") && !policy.contains("script-src 'unsafe"), "{policy}");
-    assert_eq!(stranger.raw("GET", "/assets/none.js", None, &[]).status, 404);
-    assert_eq!(stranger.raw("GET", "/api/v2/session", None, &[]).refusal(), (404, "not_found".into()));
+    assert_eq!(unauthenticated.raw("GET", "/assets/none.js", None, &[]).status, 404);
+    assert_eq!(unauthenticated.raw("GET", "/api/v2/session", None, &[]).refusal(), (404, "not_found".into()));
     assert_eq!(
-        stranger.raw("GET", "/../../etc/passwd", None, &[]).header("content-type"),
+        unauthenticated.raw("GET", "/../../etc/passwd", None, &[]).header("content-type"),
         page.header("content-type")
     );
 
     // The cookie changes at sign-in: a planted one is useless.
-    let planted = stranger.cookie.clone();
+    let planted = unauthenticated.cookie.clone();
     let admin = world.admin();
     assert_ne!(admin.cookie, planted);
-    let mut second = world.stranger();
+    let mut second = world.unauthenticated();
     second.hello();
     let before = second.cookie.clone();
     let signed = second.post("/session", &json!({ "name": "admin", "password": PASSWORD }));
@@ -68,7 +68,7 @@ pub fn writing_needs_the_csrf_value_of_the_session(world: &World) {
         forged.csrf = csrf;
         assert_eq!(forged.post("/projects", &body).refusal(), (403, "session.csrf".into()));
     }
-    let mut other = world.stranger();
+    let mut other = world.unauthenticated();
     other.hello();
     let mut crossed = admin.clone();
     crossed.csrf.clone_from(&other.csrf);
@@ -97,9 +97,10 @@ pub fn sessions_end(world: &World) {
 pub fn guessing_passwords_is_slowed(world: &World) {
     let admin = world.admin();
     world.person(&admin, "", "ann", &[]);
-    let mut stranger = world.stranger();
-    stranger.hello();
-    let wrong = |name: &str| stranger.post("/session", &json!({ "name": name, "password": "wrong horse" }));
+    let mut unauthenticated = world.unauthenticated();
+    unauthenticated.hello();
+    let wrong =
+        |name: &str| unauthenticated.post("/session", &json!({ "name": name, "password": "wrong horse" }));
     for _ in 0..5 {
         assert_eq!(wrong("ann").refusal(), (401, "session.wrong".into()));
     }
@@ -107,10 +108,10 @@ pub fn guessing_passwords_is_slowed(world: &World) {
     assert_eq!(waits.refusal(), (429, "session.wait".into()));
     assert_eq!(waits.json()["more"]["retry_after_s"], 1);
     let right = json!({ "name": "ann", "password": PASSWORD });
-    assert_eq!(stranger.post("/session", &right).refusal().0, 429, "even the right one waits");
+    assert_eq!(unauthenticated.post("/session", &right).refusal().0, 429, "even the right one waits");
     assert_eq!(wrong("admin").refusal().0, 401, "others do not");
     world.wait(2);
-    stranger.post("/session", &right).fine();
+    unauthenticated.post("/session", &right).fine();
     assert_eq!(wrong("ann").refusal().0, 401, "and the count starts again");
     // An unknown user cannot be distinguished from a known one.
     assert_eq!(wrong("nobody").json()["detail_en"], wrong("ann").json()["detail_en"]);
@@ -135,7 +136,7 @@ pub fn passwords_and_tokens_are_kept_as_hashes(world: &World) {
     assert!(!admin.cookie.as_ref().unwrap().contains(&stored.2));
 
     // A token needs no cookie and no CSRF value; it is shown once.
-    let mut script = world.stranger();
+    let mut script = world.unauthenticated();
     script.token = Some(token);
     script.post("/projects", &json!({ "name": "by script" })).fine();
     let listed = script.get("/tokens").fine();
@@ -180,7 +181,7 @@ pub fn people_change_themselves_and_admins_everybody(world: &World) {
     let bob = world.person(&admin, "", "bob", &[]);
     admin.patch(&format!("/users/{}", bob.id), &json!({ "disabled": true })).fine();
     assert_eq!(bob.get("/users").refusal().0, 401);
-    let mut back = world.stranger();
+    let mut back = world.unauthenticated();
     back.hello();
     assert_eq!(back.post("/session", &json!({ "name": "bob", "password": PASSWORD })).refusal().0, 401);
 }

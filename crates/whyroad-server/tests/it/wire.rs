@@ -60,11 +60,11 @@ pub fn what_is_too_large_is_refused(world: &World) {
     assert_eq!(admin.post("/projects", &guide).refusal(), (422, "project.invalid".into()));
     let project = world.project(&admin, "town", &json!({}));
     // Many tasks at once may be large, if the sender is permitted.
-    let mut stranger = world.stranger();
-    stranger.hello();
+    let mut unauthenticated = world.unauthenticated();
+    unauthenticated.hello();
     let bulk = format!("/projects/{project}/tasks:create");
     let large = format!("{{\"episodes\": [], \"mined\": \"{}\"}}", "x".repeat(3_000_000));
-    let answer = stranger.call("POST", &bulk, Some(large.as_bytes()), &[]);
+    let answer = unauthenticated.call("POST", &bulk, Some(large.as_bytes()), &[]);
     assert_eq!(answer.refusal(), (401, "session.required".into()));
     assert_eq!(admin.call("POST", &bulk, Some(large.as_bytes()), &[]).refusal(), (404, "not_found".into()));
     let many: Vec<Value> = (0..101).map(|_| json!({ "path": "/coc_trace", "value": "x" })).collect();

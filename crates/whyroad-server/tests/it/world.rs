@@ -93,13 +93,13 @@ impl World {
     }
 
     /// A caller who is not signed in.
-    pub fn stranger(&self) -> Person {
+    pub fn unauthenticated(&self) -> Person {
         Person { address: self.address, cookie: None, csrf: None, token: None, id: String::new() }
     }
 
     /// The first admin.
     pub fn admin(&self) -> Person {
-        let mut p = self.stranger();
+        let mut p = self.unauthenticated();
         p.hello();
         let body = json!({ "name": "admin", "display": "Admin", "password": PASSWORD, "lang": "zh" });
         let answer = p.post("/setup", &body);
@@ -120,7 +120,7 @@ impl World {
     }
 
     pub fn sign_in(&self, name: &str) -> Person {
-        let mut p = self.stranger();
+        let mut p = self.unauthenticated();
         p.hello();
         let answer = p.post("/session", &json!({ "name": name, "password": PASSWORD }));
         assert_eq!(answer.status, 200, "{}", answer.text());

@@ -357,8 +357,8 @@ fn nothing_to_check_is_not_fine() {
 fn foreign_files_in_a_folder_are_left_alone_but_not_among_labels() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::create_dir(dir.path().join("d")).unwrap();
-    let stranger = "{\"rows\": 1}\n";
-    std::fs::write(dir.path().join("d/table.jsonl"), stranger.repeat(3)).unwrap();
+    let foreign = "{\"rows\": 1}\n";
+    std::fs::write(dir.path().join("d/table.jsonl"), foreign.repeat(3)).unwrap();
     let json = ["--format", "json"];
     let all = |o: &Output| -> Value { serde_json::from_slice(&o.stdout).unwrap() };
     // Alone in the folder: nothing was checked.
@@ -377,8 +377,7 @@ fn foreign_files_in_a_folder_are_left_alone_but_not_among_labels() {
     let o = validate(dir.path(), &["d/table.jsonl", json[0], json[1]], b"");
     assert_eq!((codes(&o), code(&o), &all(&o)["errors"]), (vec!["message.kind".to_owned()], 1, &3.into()));
     // Among labels in one file: errors.
-    std::fs::write(dir.path().join("d/table.jsonl"), format!("{stranger}{}\n{stranger}", label("a")))
-        .unwrap();
+    std::fs::write(dir.path().join("d/table.jsonl"), format!("{foreign}{}\n{foreign}", label("a"))).unwrap();
     let o = validate(dir.path(), &["d", json[0], json[1]], b"");
     assert_eq!(
         (codes(&o), &all(&o)["errors"], &all(&o)["documents"]),
