@@ -99,6 +99,37 @@ fn a_cause_that_is_denied_needs_another() {
     assert_eq!(yielding(&parts, other), [""; 0]);
 }
 
+/// A trace of a stop at a red light is reported to contradict its decision.
+fn denies_red(part: &str, trace: &str) -> bool {
+    let decision = json!({ "longitudinal": "stop_for_regulation", "lateral": null });
+    let found = codes(["reactive_rule", "traffic_light", "red_stop"], decision, &[part], trace);
+    found.contains(&"label.trace.contradicts")
+}
+
+#[test]
+fn a_light_for_others_is_no_cause() {
+    let (zh, en) = ("本车道的信号灯是红灯", "The light for our lane is red");
+    for (part, trace) in [
+        (
+            en,
+            "The light is red for the trams and does not apply to our lane, so the ego brakes and stops at the line.",
+        ),
+        (zh, "信号灯是红灯，但管不到我们这个方向，自车减速，在停止线前停下。"),
+    ] {
+        assert!(denies_red(part, trace), "{trace}");
+    }
+    // Another light applies.
+    for (part, trace) in [
+        (
+            en,
+            "The red light of the trams does not apply to us, but the light for our lane is red too, so the ego brakes and stops at the line.",
+        ),
+        (zh, "左转的绿灯管不到我们，本车道的信号灯是红灯，因此自车减速，在停止线前停下。"),
+    ] {
+        assert!(!denies_red(part, trace), "{trace}");
+    }
+}
+
 #[test]
 fn a_cause_is_denied_in_other_words() {
     let code = "label.trace.contradicts";
@@ -396,8 +427,15 @@ fn a_decision_said_three_times_is_no_reason() {
 
 #[test]
 fn what_may_come_is_no_hindsight() {
-    let wants = "老人推着车横穿马路，人家要过来就让他，自车减速让行。";
-    assert_eq!(yielding(CROSSING_ZH, wants), [""; 0]);
+    for trace in [
+        "老人推着车横穿马路，人家要过来就让他，自车减速让行。",
+        "老人推着车横穿马路，下一刻往哪边走无法判断，自车减速让行。",
+        "老人推着车横穿马路，这种时候容不得侥幸，自车减速让行。",
+    ] {
+        assert_eq!(yielding(CROSSING_ZH, trace), [""; 0], "{trace}");
+    }
+    let lucky = "老人推着车横穿马路，自车减速让行，侥幸没有碰到他。";
+    assert!(yielding(CROSSING_ZH, lucky).contains(&"label.text.hindsight"));
     let ahead = "An old man is walking across, with no room to get by without touching him, so the ego slows down and yields to him.";
     assert_eq!(yielding(CROSSING_EN, ahead), [""; 0]);
 }

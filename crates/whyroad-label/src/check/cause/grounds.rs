@@ -29,7 +29,8 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
     let text = label.trace.get()?;
     let trace = &texts.trace;
     let absent = trace.named.iter().any(|n| n.absent);
-    if trace.harmless.is_empty() && trace.clear.is_empty() && trace.acts.is_empty() && !absent {
+    let silent = trace.harmless.is_empty() && trace.clear.is_empty() && trace.irrelevant.is_none();
+    if silent && trace.acts.is_empty() && !absent {
         return None;
     }
     let there = texts.components.iter().flat_map(TextFacts::there);
@@ -72,7 +73,7 @@ pub(super) fn against(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize
     {
         return Some(around(a));
     }
-    if let Some(at) = hinders_nothing(scope, reading) {
+    if let Some(at) = hinders_nothing(scope, reading).or_else(|| rules_others(scope, reading)) {
         return Some(at);
     }
     let (mut from, mut first, mut named) = (0, None, false);
@@ -128,6 +129,25 @@ fn hinders_nothing(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, u
     let alone = !texts.trace.there().any(said) && !texts.trace.named.iter().any(|n| n.supposed && said(n));
     let twice = clear.iter().any(|c| *c != first);
     (alone || twice).then_some(first)
+}
+
+/// Bytes of the statement that the only light or sign of the trace does not apply to the ego, in a class about one: "the
+/// red is for the tram and does not apply to our lane". Not where another one is named after it.
+fn rules_others(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, about, .. } = *scope;
+    let text = label.trace.get()?;
+    let control = words.known.light.with(words.known.sign);
+    let at = texts.trace.irrelevant.filter(|_| about.meets(control))?;
+    let before = |at: usize| !reading.marked || at < reading.decision_from;
+    let named = texts.trace.there().filter(|n| before(n.start) && words.objects[n.group].own.meets(control));
+    let mut clauses: Vec<_> = named.map(|n| (n.clause, n.start)).collect();
+    clauses.dedup_by_key(|c| c.0);
+    let (from, to) = words.clauses.around(&texts.units, at.0..at.1, text.len(), &|d| d != Divider::Aside);
+    // "Nobody on the cross road makes no odds".
+    let about_another =
+        |n: &Named| (from..at.0).contains(&n.start) && !words.objects[n.group].own.meets(control);
+    let only = matches!(clauses[..], [(_, start)] if before(at.0) && start < at.0);
+    (only && !texts.trace.named.iter().any(about_another)).then_some((from, to))
 }
 
 /// Bytes of a sign that the trace says is missing although a component has it: "there is no speed limit sign".

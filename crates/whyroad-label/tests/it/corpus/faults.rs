@@ -31,7 +31,8 @@ const KINDS: &[(&str, &[&str])] = &[
     ("negated", &["label.trace.contradicts", "label.trace.decision_missing"]),
     ("paraphrased", &["label.trace.contradicts", "label.trace.unlabelled", "label.trace.decision_missing"]),
     ("action_other", &["label.trace.contradicts", "label.trace.unlabelled"]),
-    ("direction", &["label.trace.direction", "label.trace.contradicts"]),
+    // The class may forbid the direction as well.
+    ("direction", &["label.trace.direction", "label.trace.contradicts", "label.decision.impossible"]),
     ("text_direction", &["label.trace.direction", "label.trace.contradicts"]),
     ("unstated", &["label.trace.decision_missing", "label.trace.contradicts"]),
     ("unrelated", &["label.text.unrelated", "label.trace.decision_missing"]),
