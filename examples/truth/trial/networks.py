@@ -1,4 +1,4 @@
-"""Road networks of the trial: other makers' shapes, none of them used by `traffic/` or `roads/`.
+"""Road networks of the trial: of other shapes than those in `traffic/` or `roads/`.
 
 Each function writes plain node, edge and connection files into a folder and returns the options for netconvert. Towns
 of netgenerate get mixed kinds of junctions, lanes and limits from a seed, because netgenerate itself gives one kind
