@@ -131,8 +131,8 @@ fn hinders_nothing(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, u
     (alone || twice).then_some(first)
 }
 
-/// Bytes of the statement that the only light or sign of the trace does not apply to the ego, in a class about one: "the
-/// red is for the tram and does not apply to our lane". Not where another one is named after it.
+/// Bytes of the statement that the only light or sign of the trace does not apply to the ego, in a class about one:
+/// "the red is for the tram and does not apply to our lane". Not where another one is named after it.
 fn rules_others(scope: &TextScope<'_>, reading: &Reading) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, about, .. } = *scope;
     let text = label.trace.get()?;
