@@ -164,7 +164,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         calm,
         opposite,
         compared,
-        subjects: raw.subjects.compile(),
+        subjects: raw.subjects.compile(&mut problems),
         unchanged_course: raw.unchanged_course.all().map(str::to_owned).collect(),
         apart: super::apart::compile(&raw.apart, &mut problems),
         concepts: super::concepts::compile(&raw.concepts, &["unseen", "hides"], &mut problems),

@@ -1,8 +1,10 @@
 //! How to find the thing that a component describes (`subjects` of `schema/label_words.yaml`).
 
+use super::compile::expanded;
 use super::{CharSet, Words, has_one_of, has_word};
 use serde::Deserialize;
 use std::collections::HashSet;
+use whyroad_model::Bilingual;
 
 /// Words around the name of a thing.
 #[derive(Clone, Debug, Default)]
@@ -100,6 +102,10 @@ pub struct Subjects {
     pub free: Vec<String>,
     /// Words for missing room, in lower case.
     pub full: Vec<String>,
+    /// Somebody lets the ego go first, in lower case.
+    pub lets_ego_go: Vec<String>,
+    /// The ego's lane is free ahead, in lower case.
+    pub free_ahead: Vec<String>,
     /// Names of each part that has a left and a right one, in lower case.
     pub side_parts: Vec<Vec<String>>,
 }
@@ -295,15 +301,22 @@ pub(super) struct RawSubjects {
     lanes: Words,
     free: Words,
     full: Words,
+    #[serde(default)]
+    lets_ego_go: Words,
+    #[serde(default)]
+    free_ahead: Words,
     side_parts: Vec<Words>,
 }
 
 impl RawSubjects {
-    pub(super) fn compile(&self) -> Subjects {
+    pub(super) fn compile(&self, problems: &mut Vec<Bilingual>) -> Subjects {
         let list = |w: &Words| w.en.iter().cloned().collect();
         let chars = |w: &Words| CharSet::of(w.zh.iter().map(String::as_str));
         let all = |w: &Words| w.all().map(str::to_owned).collect::<Vec<_>>();
+        let mut patterns = |w: &Words| w.all().flat_map(|p| expanded(p, problems)).collect();
         Subjects {
+            lets_ego_go: patterns(&self.lets_ego_go),
+            free_ahead: patterns(&self.free_ahead),
             ends: list(&self.ends),
             pronouns: list(&self.pronouns),
             own: self.own.zh.clone(),

@@ -365,6 +365,28 @@ fn a_component_does_not_speak_against_the_decision() {
 }
 
 #[test]
+fn a_component_leaves_something_to_respond_to() {
+    let code = "label.trace.contradicts";
+    let goes_first = ["老人停下来让我们先走", "老人在路边等我们先过"];
+    for part in goes_first {
+        assert_eq!(yielding(&[CROSSING_ZH[0], part], YIELD_ZH), [code], "{part}");
+    }
+    assert_eq!(yielding(&[CROSSING_EN[0], "he stops to let us go by"], YIELD_EN), [code]);
+    assert_eq!(yielding(&[CROSSING_EN[0], "he does not stop for us"], YIELD_EN), [""; 0]);
+    let lead = "前车正在减速停车";
+    let trace = "前车正在减速停车，与自车越来越近，因此自车跟着减速停下。";
+    assert!(following(&[lead, "本车道前面已经空了出来"], trace).contains(&code));
+    assert!(!following(&[lead, "左侧车道前面没车"], trace).contains(&code));
+    let exit = |part: &str| {
+        let decision = json!({ "longitudinal": null, "lateral": "merge_or_split", "direction": "right" });
+        let trace = "导航提示从右侧匝道驶出，匝道口就在前面，因此自车向右驶出主路进入匝道。";
+        codes(["proactive", "merge_interaction", "split_exit"], decision, &[part, "匝道口就在前面"], trace)
+    };
+    assert!(exit("导航要求沿主路直行，不从匝道驶出").contains(&code));
+    assert!(!exit("导航提示从右侧匝道驶出，不走主路").contains(&code));
+}
+
+#[test]
 fn what_is_planned_next_is_no_hindsight() {
     for trace in [
         "老人推着车横穿马路，和自车路线相交，自车减速让行，随后继续右转。",

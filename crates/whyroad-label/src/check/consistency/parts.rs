@@ -24,7 +24,9 @@ pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn S
             .or_else(|| way_is_free(t, f, scope))
             .or_else(|| no_room(t, f, scope))
             .or_else(|| room_for_aborted(t, f, scope))
-            .or_else(|| against_another(i, t, f, scope))?;
+            .or_else(|| against_another(i, t, f, scope))
+            .or_else(|| nothing_to_respond_to(t, scope))
+            .or_else(|| route_refuses(t, f, scope))?;
         Some((i, t, at))
     });
     let Some((index, text, (start, end))) = found else { return false };
@@ -104,6 +106,38 @@ fn way_is_free(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(
     let elsewhere = words.subjects.opposite.iter().chain(&words.subjects.beside_ego);
     let opposite = elsewhere.into_iter().any(|w| lower.contains(w.as_str()));
     (!sided && !opposite).then_some(first)
+}
+
+/// Bytes of the statement that the other one lets the ego go first, where the ego yields, or that its lane is free
+/// ahead, where it follows.
+fn nothing_to_respond_to(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, .. } = *scope;
+    let said = match label.longitudinal.get().filter(|_| label.lateral.get().is_none())? {
+        Longitudinal::YieldToAgent => &words.subjects.lets_ego_go,
+        Longitudinal::LeadFollowing => &words.subjects.free_ahead,
+        _ => return None,
+    };
+    let lower = text.to_ascii_lowercase();
+    if words.subjects.unable.iter().any(|w| lower.contains(w.as_str())) {
+        return None;
+    }
+    said.iter().filter_map(|w| lower.find(w.as_str()).map(|at| (at, at + w.len()))).min()
+}
+
+/// Bytes of the statement that the route does not lead where the ego turns off: "the route does not take the exit".
+fn route_refuses(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, lexicon, .. } = *scope;
+    let across = label
+        .lateral
+        .get()
+        .filter(|d| matches!(d, Lateral::Turn | Lateral::MergeOrSplit | Lateral::LaneChange))?;
+    let route = facts.there().find(|n| words.objects[n.group].own.meets(words.known.route))?;
+    let behind = text[route.end..].to_ascii_lowercase();
+    let (at, length) =
+        words.subjects.route_not.iter().filter_map(|w| Some((behind.find(w.as_str())?, w.len()))).min()?;
+    let from = route.end + at;
+    let stem = lexicon.stems.find(&text[from + length..], None, Some(across))?;
+    Some((from, from + length + stem))
 }
 
 /// Bytes of the statement that there is no room on the side to which the ego goes.
