@@ -173,6 +173,12 @@ async function disagreeing(day) {
   await page.locator("tbody a").first().click();
   const both = page.locator("section.adjudicate");
   await both.getByText("周敏").waitFor();
+  // What the validator says of each label can be read there.
+  for (const findings of await both.locator("td details").all()) {
+    await findings.locator("summary").click();
+    await findings.locator("p").first().waitFor();
+  }
+  await shot(day, page, "compared-findings");
   await both.getByRole("button", { name: "采用这一份" }).first().click();
   await both.waitFor({ state: "detached" });
   await page.goto(`${day.service.url}/projects/${day.blind}/tasks?overlap=disagreeing`);
