@@ -155,9 +155,10 @@ async function disagreeing(day) {
       { path: "/time_range/start_timestamp", value: moment },
       { path: "/time_range/start_frame_idx", value: draft.keyframe.frame_idx - 10 * n },
     ];
-    // The drafted state and decision, with a reason of one's own.
+    // The drafted state and decision, with a custom reason.
     const [state] = open.draft.coc_trace.replace("【草稿】", "").split(/[；。]/);
-    const trace = `${state}；对方的路线与自车相交，两者的距离不足以先过，因此${open.draft.coc_trace.split(/因此|所以/).at(-1)}`;
+    // One of them also names what no component has: a finding.
+    const trace = `${state}${n > 0 ? "，旁边还有一辆公交车" : ""}；对方的路线与自车相交，两者的距离不足以先过，因此${open.draft.coc_trace.split(/因此|所以/).at(-1)}`;
     await ask(page, "PATCH", `${path}/draft`, { fence, base_version: open.version, changes: [...range, { path: "/coc_trace", value: trace }] });
     await ask(page, "POST", `${path}/actions`, { action: "submit", fence });
   }
@@ -174,10 +175,9 @@ async function disagreeing(day) {
   const both = page.locator("section.adjudicate");
   await both.getByText("周敏").waitFor();
   // What the validator says of each label can be read there.
-  for (const findings of await both.locator("td details").all()) {
-    await findings.locator("summary").click();
-    await findings.locator("p").first().waitFor();
-  }
+  const findings = both.locator("td details");
+  await findings.locator("summary").click();
+  await findings.getByText("公交车").waitFor();
   await shot(day, page, "compared-findings");
   await both.getByRole("button", { name: "采用这一份" }).first().click();
   await both.waitFor({ state: "detached" });

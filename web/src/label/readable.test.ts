@@ -28,6 +28,21 @@ test("values become words in both languages", () => {
   assert.equal(readable("前车刹车", words, "en"), "前车刹车", "free text stays as it was written");
 });
 
+test("records have the names, choices and units of the class", () => {
+  const spec = {
+    records: [
+      { id: "has_traffic_light", name: { zh: "有信号灯", en: "has a traffic light" } },
+      { id: "gap", name: { zh: "间距", en: "gap" }, unit: "m" },
+      { id: "reason", name: { zh: "原因", en: "reason" }, choices: [{ id: "queue", name: { zh: "排队", en: "a queue" } }] },
+      { id: "passed", name: { zh: "被超车辆", en: "overtaken vehicle" }, object: true },
+    ],
+  } as unknown as NonNullable<LabelContext["spec"]>;
+  const here: LabelContext = { ...words, spec, trackName: (id) => (id === "a1" ? "#1" : id) };
+  const records = { has_traffic_light: false, gap: 4.5, reason: "queue", passed: "a1", other: 2 };
+  assert.equal(readable(records, here, "zh"), "有信号灯 否；间距 4.5 m；原因 排队；被超车辆 #1；other 2");
+  assert.equal(readable(records, here, "en"), "has a traffic light no; gap 4.5 m; reason a queue; overtaken vehicle #1; other 2");
+});
+
 test("a finding speaks of seconds and names, as the screen does", () => {
   const leaf = { id: "a.cutin.urgent", name: { zh: "紧急", en: "urgent" }, path: [{ zh: "甲", en: "A" }, { zh: "切入", en: "cut-in" }, { zh: "紧急", en: "urgent" }], definition: null, condition: null, choices: null, decides: [] };
   const f = words.framework;

@@ -1,7 +1,7 @@
 // Values of a label as text, for conflicts, comparisons and earlier values.
 import type { TextPair } from "../text/screen_texts.ts";
 import type { Lang } from "../text/text.svelte.ts";
-import { categoryOf, className, type Framework } from "./framework.ts";
+import { categoryOf, className, type Framework, type RecordSpec, type Spec } from "./framework.ts";
 import { HIDDEN_MEMBERS, memberNames } from "./field_pointers.ts";
 import type { Json } from "./pointer.ts";
 import { signed } from "./times.ts";
@@ -10,6 +10,8 @@ import { signed } from "./times.ts";
 export interface LabelContext {
   framework: Framework | null;
   second(iso: unknown): number | null;
+  /** What the class records; without it records are shown by id. */
+  spec?: Spec | null;
   /** The name of an object on the screen; without it objects are shown by id. */
   trackName?(id: string): string;
 }
@@ -47,10 +49,21 @@ export function readable(value: Json | undefined, words: LabelContext, lang: Lan
     .filter(([key]) => !HIDDEN_MEMBERS.has(key))
     .sort(([a], [b]) => order(a) - order(b))
     .map(([key, v]) => {
+      const record = memberNames[key] ? undefined : words.spec?.records.find((r) => r.id === key);
+      if (record) return `${record.name[lang] || key} ${recorded(record, v, words, lang)}`;
       const text = readable(key === "linked_objects" ? named(v, words) : v, words, lang);
       return SELF_EVIDENT.has(key) ? text : `${memberNames[key]?.[zh ? 0 : 1] ?? key} ${text}`;
     });
   return id + parts.join(zh ? "；" : "; ");
+}
+
+/** A recorded value: the name of a choice, an object by its name, a number with its unit. */
+function recorded(record: RecordSpec, value: Json, words: LabelContext, lang: Lang): string {
+  const choice = record.choices?.find((c) => c.id === value);
+  if (choice) return choice.name[lang];
+  if (record.object && typeof value === "string") return words.trackName?.(value) ?? value;
+  const text = readable(value, words, lang);
+  return record.unit && typeof value === "number" ? `${text} ${record.unit}` : text;
 }
 
 /** Ids of objects as the names that the screen has for them. */
