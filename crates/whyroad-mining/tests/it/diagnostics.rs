@@ -36,7 +36,7 @@ fn a_wrong_rule_is_shown_where_it_stands() {
     let cases = [
         (CUTIN, "target.wheel_over_line and", "target.weel_over_line and", "rule.signal.unknown"),
         (CUTIN, "target.speed > moving", "target.speed > 3 s", "rule.unit.mismatch"),
-        (CUTIN, "target.is_lead within settle", "target.is_lead within inward", "rule.unit.mismatch"),
+        (CUTIN, "for briefly) within settle", "for briefly) within inward", "rule.unit.mismatch"),
         (CUTIN, "value: 50 m,", "value: 50 metres,", "rule.unit.unknown"),
         (CUTIN, "reason: \"TAXONOMY.md, cutin.urgent\"", "reason: \"\"", "rule.block"),
         (CUTIN, "  merge_gap: 2 s\n", "  merge_gap: 2 m\n", "rule.unit.mismatch"),
