@@ -158,6 +158,8 @@ fn make(
         target,
         is_safety: class.l1 == "safety",
         of_others: class.l1 == "reactive_agent",
+        of_roundabout: class.l2.as_deref() == Some("roundabout"),
+        of_crossing: matches!(class.l2.as_deref(), Some("vru_crossing" | "intersection_interaction")),
         of_variants: of_variants.as_ref(),
         lead,
         lead_is,
@@ -189,8 +191,7 @@ fn make(
         let label = label_of(framework, episode, clipped, nothing);
         return Draft { episode_id: episode.episode_id.clone(), label, doubt: Some(doubt), notes };
     }
-    let fits_gap = decision.longitudinal == Some(Longitudinal::GapMatching);
-    let moment = Moment::of(signals, keyframe, target_id, side).moving(motion, fits_gap);
+    let moment = Moment::of(signals, keyframe, target_id, side).deciding(&decision, motion);
     let lead = lead.filter(|lead| goes_on && lead_is == LeadIs::Nearer && how.names(lead.id));
     let goes_on_slowing = course.is_some_and(|course| {
         course.trend == Trend::Falls && course.first.is_some_and(|c| c.is_underway && c.trend == Trend::Falls)
@@ -198,7 +199,10 @@ fn make(
     let by_lead = lead.filter(|lead| {
         // If the ego was already slowing for a lead, what is seen at the keyframe is only an additional component.
         let slows = goes_on_slowing && lead.is_slower() && lead.is_cause_of(LongitudinalMotion::Slows);
-        is_because_of(lead, &decision, motion) || (decision.longitudinal.is_none() && slows)
+        let undecided = decision.longitudinal.is_none();
+        // A turn or a lane change needs a reason of its own.
+        is_because_of(lead, &decision, motion) && !(undecided && decision.lateral.is_some())
+            || (undecided && decision.lateral.is_none() && slows)
     });
     if class.l1 == ROAD && motion == LongitudinalMotion::Stops {
         notes.push(Bilingual::new(

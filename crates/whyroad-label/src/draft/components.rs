@@ -19,6 +19,10 @@ const FROM_A_SIDE_M: f64 = 1.0;
 /// Minimum difference of speeds that is mentioned, m/s.
 const NOTABLY_MPS: f64 = 1.0;
 
+/// Minimum speed and acceleration of a vehicle that is moving off, m/s, m/s2.
+const MOVING_OFF_MPS: f64 = 0.2;
+const MOVING_OFF_MPS2: f64 = 0.3;
+
 /// The L2 class about traffic lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
 
@@ -175,9 +179,12 @@ impl Scene<'_> {
             _ => class_name(class),
         };
         let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
+        // Its standstill ends only with the hysteresis of the signal.
+        let moves_off = number("target.speed").is_some_and(|v| v > MOVING_OFF_MPS)
+            && number("target.accel").is_some_and(|a| a > MOVING_OFF_MPS2);
         let doing = if let Some((zh, en)) = doing {
             Bilingual::new(zh, en)
-        } else if is_fixed || holds("target.standstill") {
+        } else if is_fixed || (holds("target.standstill") && !moves_off) {
             Bilingual::new("静止不动", "is standing still")
         } else if class.is_vru() && holds("target.on_crosswalk") {
             Bilingual::new("正在斑马线上通行", "is on the crosswalk")

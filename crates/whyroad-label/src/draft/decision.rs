@@ -48,6 +48,8 @@ const SOON_S: f64 = 2.0;
 const RISE_MPS: f64 = 1.0;
 /// An ego that moves off later than this waits first, s.
 const WAITS_S: f64 = 1.5;
+/// A U-turn this near to a roundabout, in frames, is the way round it.
+const ROUND_FRAMES: usize = 30;
 /// Maximum distance at which a road user in the next lane makes a gap, m.
 const GAP_M: f64 = 40.0;
 
@@ -64,6 +66,10 @@ pub(super) struct Asked<'a> {
     pub is_safety: bool,
     /// The class is about what the ego does because of another road user.
     pub of_others: bool,
+    /// The class is about a roundabout.
+    pub of_roundabout: bool,
+    /// The class is about a road user whose path crosses the ego's.
+    pub of_crossing: bool,
     /// Decisions that at least one variant allows, where the variant is not known.
     pub of_variants: Option<&'a ClassDecisions>,
     /// The lead.
@@ -176,7 +182,12 @@ pub(super) fn infer(
     // another road user does now.
     let own = lateral.is_none() && (asked.decides() || asked.is_safety);
     let clearly = !asked.of_others && changes_clearly(signals, keyframe);
-    if longitudinal.is_none() && (own || clearly) {
+    // An ego that slows nearly to a stop gives way, even if it began to slow before the keyframe.
+    let gives_way = asked.of_crossing
+        && asked.target.is_some()
+        && asked.typical.longitudinal.contains(&Longitudinal::YieldToAgent)
+        && course.is_some_and(|c| c.nearly_stands && c.now_mps > ROLLING_MPS);
+    if longitudinal.is_none() && (own || clearly || gives_way) {
         let counted = longitudinal_motion(signals, keyframe, course, Before::Counts);
         longitudinal = chosen(counted);
         if own || longitudinal.is_some() {
@@ -554,7 +565,19 @@ fn lateral(
     let ahead = |name: &str, none: &[&str]| {
         let column = signals.frame_columns.get(name)?;
         let end = (keyframe + HORIZON_FRAMES + 1).min(column.len());
-        let is_one = |f: usize| Some((f, column.category(f).filter(|c| !none.contains(c))?));
+        // An ego that goes round a roundabout makes no U-turn.
+        let goes_round = |f: usize| {
+            let inside = signals.frame_columns.get("map.in_roundabout");
+            let around = f.saturating_sub(ROUND_FRAMES)..f + ROUND_FRAMES;
+            inside.is_some_and(|c| around.clone().any(|f| f < c.len() && c.flag(f).is_true()))
+        };
+        let side = signals.frame_columns.get("map.driving_side").and_then(|c| c.category(keyframe));
+        let is_one = |f: usize| {
+            let value = column.category(f).filter(|c| !none.contains(c))?;
+            // It enters and leaves on the side on which it drives.
+            let round = value == LateralDirection::Uturn.id() || (asked.of_roundabout && Some(value) != side);
+            if round && name == "ego.movement" && goes_round(f) { Some((f, side?)) } else { Some((f, value)) }
+        };
         let (frame, value) = (keyframe..end).find_map(is_one)?;
         Some((LateralDirection::from_id(value)?, frame - keyframe))
     };

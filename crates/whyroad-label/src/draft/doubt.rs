@@ -4,6 +4,7 @@
 
 use super::motion::LongitudinalMotion;
 use crate::driven::Driven;
+use crate::driven::along::course;
 use crate::driven::other::{First, Moves, Other};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::messages::DrivingDecision;
@@ -26,6 +27,9 @@ const STOOD_MPS: f64 = 0.6;
 /// Minimum speed difference to a vehicle that the ego passes, m/s, and its maximum distance, m.
 const PASSED_MPS: f64 = 3.0;
 const PASSED_M: f64 = 40.0;
+
+/// Frames within which a lane change explains a rise of the speed, and the ego responds to hard braking: 2 s.
+const SOON_FRAMES: usize = 20;
 
 /// Why there is no draft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -59,6 +63,8 @@ pub enum Doubt {
     TurnsThere,
     /// The ego passes a slower vehicle.
     Passes,
+    /// The ego speeds up for a lane change.
+    ForLaneChange,
     /// The ego's motion is not that of the class.
     Motion,
 }
@@ -86,6 +92,7 @@ impl Doubt {
             Self::NobodyBeside => ("旁边没有挡住视线的车辆", "no vehicle beside the ego hides the view"),
             Self::TurnsThere => ("自车是为路口转弯而减速", "the ego slows for its turn at the junction"),
             Self::Passes => ("自车正在超过一辆慢车", "the ego is passing a slower vehicle"),
+            Self::ForLaneChange => ("自车是为换道而加速", "the ego speeds up to change lanes"),
             Self::Motion => ("自车的实际运动与场景不符", "the motion of the ego does not fit the class"),
         };
         Bilingual::new(zh, en)
@@ -205,7 +212,8 @@ fn just_started(other: &Other<'_>) -> bool {
 }
 
 fn brakes(other: &Other<'_>) -> bool {
-    other.least("target.accel", other.frames(5, 10)).is_none_or(|a| a < BRAKES_MPS2)
+    // What brakes only later is not seen at the keyframe.
+    other.least("target.accel", other.frames(5, 5)).is_none_or(|a| a < BRAKES_MPS2)
 }
 
 /// It is the lead at the keyframe, or one second before or after it.
@@ -271,7 +279,15 @@ pub(super) fn of_ego(
             first_of(&[
                 (l3 == "high_curvature" && slows && turns, Doubt::TurnsThere),
                 (faster && is_passing(w), Doubt::Passes),
+                (faster && changes_lane_soon(w), Doubt::ForLaneChange),
             ])
+        }
+        ("reactive_agent", "following" | "vehicle_abnormal")
+            if matches!(l3, "lead_sudden_brake" | "sudden_brake") && decision.longitudinal.is_some() =>
+        {
+            let begins = course(w).and_then(|c| c.new.or(c.first)).map(|c| c.from);
+            let late = begins.is_some_and(|f| f > w.keyframe + SOON_FRAMES);
+            (late || faster).then_some(Doubt::Motion)
         }
         ("reactive_agent", "vru_crossing" | "intersection_interaction")
             if decision.longitudinal == Some(Longitudinal::YieldToAgent) =>
@@ -279,8 +295,28 @@ pub(super) fn of_ego(
             let first = target.and_then(|id| Other::of(w, id)?.first());
             (first == Some(First::Ego)).then_some(Doubt::EgoFirst)
         }
+        ("reactive_agent", "vru_crossing" | "intersection_interaction")
+            if decision.longitudinal == Some(Longitudinal::Resume)
+                && motion == LongitudinalMotion::Starts =>
+        {
+            // An ego that moves off although the other still has to pass in front of it does so for another reason.
+            let green = w.category("light.state", w.keyframe).is_some_and(|s| s.starts_with("green"));
+            let other = target.and_then(|id| Other::of(w, id));
+            let ahead = other.is_some_and(|o| {
+                o.number("target.longitudinal", w.keyframe).is_some_and(|x| x > 0.0)
+                    && o.first() == Some(First::Other)
+                    && !o.is_through()
+            });
+            (ahead && !green).then_some(Doubt::Motion)
+        }
         _ => None,
     }
+}
+
+/// The ego changes lanes within two seconds.
+fn changes_lane_soon(w: &Driven<'_>) -> bool {
+    (w.keyframe..(w.keyframe + SOON_FRAMES).min(w.end))
+        .any(|f| matches!(w.category("ego.lane_change", f), Some("left" | "right")))
 }
 
 /// A vehicle is beside the ego or slightly ahead of it, in another lane.

@@ -10,6 +10,11 @@ const NEAR_S: f64 = 2.0;
 const NEAR_M: f64 = 8.0;
 /// Maximum time gap at which it does so even if it is not slower, s.
 const CLOSE_S: f64 = 1.0;
+/// Maximum time in which the ego would close in on a slower lead that is farther away, s, and its maximum distance, m.
+const CLOSING_S: f64 = 6.0;
+const CLOSING_M: f64 = 60.0;
+/// How far a driver extrapolates the braking of the lead, s.
+const AHEAD_S: f64 = 2.0;
 /// An ego that stands within this distance behind a lead waits for it, m.
 const QUEUE_M: f64 = 12.0;
 /// Maximum distance at which a lead is a reason to change lanes, m.
@@ -82,10 +87,13 @@ impl<'a> Lead<'a> {
         if self.ego_mps < STANDING_MPS {
             return self.gap_m < QUEUE_M;
         }
-        if self.gap_m >= NEAR_M.max(NEAR_S * self.ego_mps) {
+        let slower = self.is_slower();
+        let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);
+        let soon_mps = (self.speed_mps + self.accel_mps2.unwrap_or(0.0).min(0.0) * AHEAD_S).max(0.0);
+        let closing = slows && slower && self.gap_m < CLOSING_M.min(CLOSING_S * (self.ego_mps - soon_mps));
+        if !closing && self.gap_m >= NEAR_M.max(NEAR_S * self.ego_mps) {
             return false;
         }
-        let slower = self.is_slower();
         match motion {
             LongitudinalMotion::Slows | LongitudinalMotion::Stops => {
                 let brakes = self.accel_mps2.is_some_and(|a| a < BRAKING_MPS2);

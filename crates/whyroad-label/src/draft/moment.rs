@@ -4,7 +4,8 @@
 
 use super::motion::{LongitudinalMotion, changes_lane};
 use whyroad_framework::draft_texts::SignalCondition;
-use whyroad_model::decision::LateralDirection;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::messages::DrivingDecision;
 use whyroad_model::{SignalTable, TrackId, Tri};
 
 /// Objects ahead or crossing that are nearer than this block the way, m.
@@ -23,6 +24,8 @@ pub(super) struct Moment<'a> {
     motion: LongitudinalMotion,
     /// The decision adapts the speed to a gap.
     fits_gap: bool,
+    /// The ego turns.
+    turns: bool,
 }
 
 impl<'a> Moment<'a> {
@@ -39,12 +42,14 @@ impl<'a> Moment<'a> {
             side,
             motion: LongitudinalMotion::Unknown,
             fits_gap: false,
+            turns: false,
         }
     }
 
     /// The same, where the ego does this after the keyframe.
-    pub(super) fn moving(self, motion: LongitudinalMotion, fits_gap: bool) -> Self {
-        Self { motion, fits_gap, ..self }
+    pub(super) fn deciding(self, decision: &DrivingDecision, motion: LongitudinalMotion) -> Self {
+        let fits_gap = decision.longitudinal == Some(Longitudinal::GapMatching);
+        Self { motion, fits_gap, turns: decision.lateral == Some(Lateral::Turn), ..self }
     }
 
     /// The same, with the target in this row.
@@ -103,8 +108,13 @@ impl<'a> Moment<'a> {
         match name {
             "around.clear" => self.clear(),
             "around.target" => Tri::from(self.row.is_some()),
+            "around.green" => match self.category("light.state") {
+                Some(state) => Tri::from(state.starts_with("green")),
+                None => Tri::Unknown,
+            },
             "decided.changes_lane" => Tri::from(changes_lane(self.signals, self.frame)),
             "decided.fits_gap" => Tri::from(self.fits_gap),
+            "decided.turns" => Tri::from(self.turns),
             "around.indicator_against" => Tri::from(self.indicator_against()),
             _ if name.starts_with("decided.") => {
                 Tri::from(name.strip_prefix("decided.") == Some(self.motion.id()))

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::{Phrasings, SeenWhen, WhyKept};
 use whyroad_framework::label_words::WordRole;
-use whyroad_model::decision::{Lateral, Longitudinal};
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::{CriticalComponent, DrivingDecision, Uncertainty};
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable, TrackId};
@@ -387,12 +387,16 @@ impl<'a> DraftFacts<'a> {
     fn action(&self, seed: u64) -> String {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let DrivingDecision { longitudinal, lateral, lateral_direction } = self.decision;
+        // An ego that changes lanes does not stop behind what it leaves.
+        let leaves = *lateral == Some(Lateral::LaneChange) && self.motion == LongitudinalMotion::Stops;
+        let motion = if leaves { LongitudinalMotion::Slows } else { self.motion };
         let along = longitudinal
-            .and_then(|d| texts.longitudinal(self.class, d, self.motion.id()))
+            .and_then(|d| texts.longitudinal(self.class, d, motion.id()))
             .map(|p| p.pick(lang, seed).to_owned());
         let across = lateral.and_then(|d| texts.lateral(self.class, d)).map(|p| {
             let text = p.pick(lang, seed);
             match lateral_direction {
+                Some(LateralDirection::Uturn) => backwards(text),
                 Some(side) => text.replace("{side}", texts.side(*side, lang)),
                 None => without_side(text),
             }
@@ -447,6 +451,13 @@ fn without_side(text: &str) -> String {
         (" {side}", ""),
     ];
     parts.iter().fold(text.to_owned(), |text, (with, without)| text.replace(with, without))
+}
+
+/// The text of a turn that leads back.
+fn backwards(text: &str) -> String {
+    let parts = [("向{side}转弯", "掉头"), ("{side}转", "掉头"), ("turns {side}", "makes a U-turn")];
+    let text = parts.iter().fold(text.to_owned(), |text, (with, without)| text.replace(with, without));
+    without_side(&text)
 }
 
 fn capital(text: &str) -> String {

@@ -34,6 +34,8 @@ const UNDERWAY_MPS: f64 = 0.6;
 const ANSWER_MPS: f64 = 0.45;
 /// A change that continues after the keyframe and gets stronger by this is a response to it, m/s2.
 const STRONGER_MPS2: f64 = 1.2;
+/// A change that begins shortly before the keyframe and changes by this times as much after it is a response to it.
+const MOST_TO_COME: f64 = 2.0;
 /// Frames after the keyframe over which its strength is measured.
 const STRENGTH_FRAMES: usize = 15;
 /// Maximum number of frames after the keyframe at which an earlier change ends, if the next change is the first new
@@ -178,7 +180,11 @@ pub(crate) fn course(w: &Driven<'_>) -> Option<Course> {
     let new = match first {
         Some(change) if change.is_underway => {
             let end = turning_point(w, change);
-            first_change(w, end).filter(|c| end <= w.keyframe + ENDS_FRAMES && c.trend != change.trend)
+            // An ego that first goes on slowing clearly has not decided to speed up yet.
+            let goes_on = change.trend == Trend::Falls
+                && steady_speed(w, end).is_some_and(|v| v < now_mps - action(now_mps));
+            let ends = end <= w.keyframe + ENDS_FRAMES && !goes_on;
+            first_change(w, end).filter(|c| ends && c.trend != change.trend)
         }
         other => other,
     };
@@ -252,7 +258,21 @@ fn is_underway(w: &Driven<'_>, trend: Trend) -> bool {
     let (begin, middle) = (w.keyframe - BEFORE_FRAMES, w.keyframe - BEFORE_FRAMES / 2);
     let all_along = of(begin, middle).is_none_or(|v| v > ANSWER_MPS / 2.0);
     let after = of(w.keyframe, w.keyframe + STRENGTH_FRAMES).unwrap_or(before);
-    before > ANSWER_MPS && all_along && after < before + STRONGER_MPS2
+    before > ANSWER_MPS
+        && all_along
+        && after < before + STRONGER_MPS2
+        && !is_just_beginning(w, trend, sign, before)
+}
+
+/// The change began within the second before the keyframe, and most of it comes after: the response, slightly early.
+fn is_just_beginning(w: &Driven<'_>, trend: Trend, sign: f64, before: f64) -> bool {
+    let Some(begin) = w.keyframe.checked_sub(2 * BEFORE_FRAMES) else { return false };
+    let speeds = steady_speed(w, begin).zip(steady_speed(w, w.keyframe - BEFORE_FRAMES));
+    let earlier = speeds.map(|(a, b)| sign * (b - a));
+    let Some(now) = steady_speed(w, w.keyframe) else { return false };
+    let end = turning_point(w, Change { trend, from: w.keyframe, is_underway: true });
+    let to_come = steady_speed(w, end).map(|v| sign * (v - now));
+    earlier.is_some_and(|v| v < ANSWER_MPS / 2.0) && to_come.is_some_and(|v| v > MOST_TO_COME * before)
 }
 
 /// The frame in which a change that is under way ends: its extreme.

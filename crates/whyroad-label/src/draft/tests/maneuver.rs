@@ -3,6 +3,23 @@
 use super::*;
 
 #[test]
+fn the_way_round_a_roundabout_is_no_u_turn() {
+    // The heading of the fixture changes to the left, as where traffic drives on the left.
+    let exit = |inside: bool| {
+        draft_of("proactive.roundabout.exit", |s| {
+            turns(s, "uturn");
+            flag(s, "map.in_roundabout", inside);
+            s.frame_columns.insert("map.driving_side".into(), category(&["left"], vec![0; fixture::FRAMES]));
+        })
+        .label
+        .driving_decision
+        .lateral_direction
+    };
+    assert_eq!(exit(true), Some(LateralDirection::Left));
+    assert_ne!(exit(false), Some(LateralDirection::Left));
+}
+
+#[test]
 fn a_turn_has_its_side_and_a_lane_change_is_no_decision_of_a_cut_in() {
     let turn = draft_of("proactive.turn.left_normal", |s| {
         let codes = (0..fixture::FRAMES).map(|f| if f < 60 { u16::MAX } else { 0 }).collect();

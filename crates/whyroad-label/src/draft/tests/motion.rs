@@ -64,8 +64,21 @@ fn what_the_ego_was_already_doing_is_no_answer_to_the_keyframe() {
     let all_along =
         draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 20 { 2 } else { 1 }));
     assert_eq!(all_along.label.driving_decision.longitudinal, None);
-    let early = draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 37 { 2 } else { 1 }));
-    assert_eq!(early.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+    let early = |from: usize| {
+        draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < from { 2 } else { 1 }))
+    };
+    assert_eq!(early(37).label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+    // The same if it begins 0.8 s before, and most of it comes after the keyframe.
+    assert_eq!(early(32).label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+    // An ego that slows for its turn, and goes on slowing by 2.4 m/s, has not decided to speed up.
+    let corner =
+        |f: usize| 10.0 - 0.2 * f.clamp(20, 52).saturating_sub(20) as f64 + 0.2 * f.saturating_sub(52) as f64;
+    let turn = draft_of("proactive.turn.right_normal", |s| {
+        with_speed(s, corner);
+        turns(s, "right");
+    });
+    let decided = turn.label.driving_decision;
+    assert_eq!((decided.longitudinal, decided.lateral), (None, Some(Lateral::Turn)));
 }
 
 #[test]

@@ -22,7 +22,9 @@ fn a_lead_that_is_near_is_the_nearest_cause() {
         (cause, lead.linked_objects.as_slice()),
         (vec![lead.id.clone().unwrap()], &["d".to_owned()][..])
     );
-    let far = turn(20.7);
+    // Farther away it is if the ego would reach it within 6 s: 48 m to a standing lead.
+    assert_eq!(turn(52.6).driving_decision.longitudinal, Some(Longitudinal::LeadFollowing));
+    let far = turn(52.7);
     assert_eq!(far.driving_decision.longitudinal, Some(Longitudinal::RoadSpeedAdaptation));
     assert!(!far.coc_trace.contains("前车"), "{}", far.coc_trace);
     // An ego that stands behind a stationary lead remains stationary because of it.
@@ -134,6 +136,19 @@ fn whom_a_class_is_about_does_what_it_says_or_there_is_no_draft() {
     };
     assert_eq!(starts(|_| 12.0), Some(Doubt::NotStarting));
     assert_eq!(starts(|f| 0.1 * f.saturating_sub(20) as f64), None);
+    // Braking that begins 2.5 s after the lead brakes hard is no response to it, nor is speeding up.
+    let brakes = |from: usize, by: f64| {
+        draft_of("reactive_agent.following.lead_sudden_brake", |s| {
+            with_speed(s, |f| (12.0 + by * f.saturating_sub(from) as f64).max(0.0));
+            flag(s, "target.is_lead", true);
+            of_target(s, "target.longitudinal", 20.0);
+            of_target(s, "target.lateral", 0.0);
+            by_frame(s, "target.accel", |f| if (40..50).contains(&f) { -4.0 } else { 0.0 });
+        })
+        .doubt
+    };
+    assert_eq!((brakes(50, -0.2), brakes(65, -0.2)), (None, Some(Doubt::Motion)));
+    assert_eq!(brakes(50, 0.2), Some(Doubt::Motion));
     // The ego cannot yield if nobody is there.
     let nobody = behind_lead("proactive.merge_interaction.zipper_merge", 100.0, |s| {
         with_speed(s, |f| 17.0 - 0.1 * f.saturating_sub(44) as f64);
