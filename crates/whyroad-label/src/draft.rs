@@ -105,6 +105,12 @@ impl How<'_> {
         self.listed.is_none_or(|listed| listed.iter().any(links))
     }
 
+    /// The component may be named in addition to the subject of the class.
+    fn lists(&self, component: &CriticalComponent) -> bool {
+        let said = |c: &CriticalComponent| is_same(c, component) && c.description == component.description;
+        self.listed.is_none_or(|listed| listed.iter().any(said))
+    }
+
     /// Gives each component the text that it has in Stage I, for which less was known about the subject of the class.
     fn reword(&self, components: &mut [CriticalComponent]) {
         let mut left: Vec<&CriticalComponent> = self.listed.into_iter().flatten().collect();
@@ -224,8 +230,10 @@ fn make(
             "the signals show no critical component: add them",
         ));
     }
-    let mut components = with_cause(framework, class, components, goes_on.then_some(&moment), lang);
-    let mut also = trace::also(framework, class, &moment, lang);
+    // The words of one language decide what the components are about, so that both languages have the same ones.
+    let told = if lang == Lang::Zh { components.clone() } else { scene.observed(&moment, Lang::Zh) };
+    let mut components = with_cause(framework, class, (&told, components), goes_on.then_some(&moment), lang);
+    let mut also = trace::also(framework, class, &moment, lang).filter(|c| how.lists(c));
     let mut order = trace::StateOrder::FirstLast;
     let mut of_turn = None;
     if let Some(component) = by_lead.and_then(|lead| scene.lead(&lead, lang)) {
@@ -234,7 +242,7 @@ fn make(
         components.insert(components.len().min(1), component);
         also = None;
     } else if goes_on && components.len() < trace::MOST_IN_STATE && decision.lateral == Some(Lateral::Turn) {
-        let intent = scene.turn_intent(&moment, lang);
+        let intent = scene.turn_intent(&moment, lang).filter(|c| how.lists(c));
         of_turn = intent.is_some().then_some(components.len());
         components.extend(intent);
     }
@@ -333,6 +341,9 @@ fn label_of(
     }
 }
 
+/// An ego faster than this at the keyframe that then nearly stands has done something, m/s.
+const ROLLS_MPS: f64 = 1.0;
+
 /// The ego's motion after the keyframe does not fit the decision or, where nothing is decided, is not constant.
 fn is_of_other_motion(
     w: &Driven<'_>,
@@ -354,15 +365,17 @@ fn is_of_other_motion(
     }
     let slows = course.new.is_some_and(|c| c.trend == Trend::Falls);
     let moves_off = course.stands() && course.trend == Trend::Rises;
+    let falls_already = course.first.is_some_and(|c| c.is_underway && c.trend == Trend::Falls);
+    let stops = course.nearly_stands && course.now_mps > ROLLS_MPS && !falls_already;
     // The speed rises and falls within 3 s: something happens that the class does not cover.
     let both = course.trend == Trend::Unknown && !course.stands();
     // If the log has no turns and lane changes, the ego may have done what the class states.
     let known = ["ego.movement", "ego.lane_change"].iter().all(|s| w.signals.frame_columns.contains_key(*s));
-    slows || moves_off || both || (known && asked.decides())
+    slows || moves_off || stops || both || (known && asked.decides())
 }
 
 /// Only the critical components of [`draft`], for a drive that ends at the keyframe. It needs only the signals of
-/// `whyroad_signals::derive_last_frame`, and requests them only if they are used.
+/// `whyroad_signals::derive_last_frame`.
 pub fn components(
     framework: &Framework,
     drive: &Drive,
@@ -371,18 +384,19 @@ pub fn components(
     lang: Lang,
 ) -> Vec<CriticalComponent> {
     let class = &episode.scenario_id;
-    let mut all = if components::needs_signals(framework, episode) {
-        let (signals, keyframe) = (signals(), keyframe_of(drive, episode));
-        let (target, ..) = target_and_lead(framework, drive, &signals, episode, keyframe);
-        let moment = Moment::of(&signals, keyframe, target, None);
-        let scene = components::Scene { framework, drive, signals: &signals, episode, target, keyframe };
-        let observed = scene.observed(&moment, lang);
-        let mut all = with_cause(framework, class, observed, None, lang);
-        all.extend(trace::also(framework, class, &moment, lang));
-        all
-    } else {
-        with_cause(framework, class, Vec::new(), None, lang)
-    };
+    let (signals, keyframe) = (signals(), keyframe_of(drive, episode));
+    let (target, lead, lead_is) = target_and_lead(framework, drive, &signals, episode, keyframe);
+    let moment = Moment::of(&signals, keyframe, target, None);
+    let scene = components::Scene { framework, drive, signals: &signals, episode, target, keyframe };
+    let (observed, told) = (scene.observed(&moment, lang), scene.observed(&moment, Lang::Zh));
+    let mut all = with_cause(framework, class, (&told, observed), None, lang);
+    all.extend(trace::also(framework, class, &moment, lang));
+    // A near lead and the announced turn may be causes, whatever the ego then does.
+    let lead = lead.filter(|lead| lead_is == LeadIs::Nearer && lead.is_near());
+    all.extend(lead.and_then(|lead| scene.lead(&lead, lang)));
+    if class.l1 == "reactive_agent" && moment.is_at_junction() {
+        all.extend(scene.turn_intent(&moment, lang));
+    }
     let (_, moment) = clip::inside(drive, episode, &mut Vec::new());
     number(&mut all, moment.timestamp);
     all
@@ -393,15 +407,16 @@ fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
     frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1))
 }
 
-/// Inserts the component that every episode of the class has as the first one, if the signals do not show it.
+/// Inserts the component that every episode of the class has as the first one, if the signals do not show it: `told` are
+/// the observed ones in Chinese.
 fn with_cause(
     framework: &Framework,
     class: &ScenarioId,
-    mut observed: Vec<CriticalComponent>,
+    (told, mut observed): (&[CriticalComponent], Vec<CriticalComponent>),
     moment: Option<&Moment<'_>>,
     lang: Lang,
 ) -> Vec<CriticalComponent> {
-    if let Some(seen) = trace::seen(framework, class, &observed, moment, lang) {
+    if let Some(seen) = trace::seen(framework, class, told, moment, lang) {
         observed.insert(0, seen);
     }
     // LABELING.md 3: at least one component about a hidden road user is uncertain.

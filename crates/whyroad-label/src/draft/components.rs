@@ -29,16 +29,6 @@ const TRAFFIC_LIGHT: &str = "traffic_light";
 /// The L1 class about the road.
 pub(super) const ROAD: &str = "reactive_road";
 
-/// If this is false, [`observed`] finds nothing without reading signals.
-pub(super) fn needs_signals(framework: &Framework, episode: &EpisodeRecord) -> bool {
-    episode.target_id.is_some()
-        || is_of_lights(episode)
-        || is_of_bend(episode)
-        || framework.draft_texts.is_routed(&episode.scenario_id)
-        || !framework.draft_texts.seen_when(&episode.scenario_id).is_empty()
-        || !framework.draft_texts.also_when(&episode.scenario_id).is_empty()
-}
-
 fn is_of_lights(episode: &EpisodeRecord) -> bool {
     episode.scenario_id.l2.as_deref() == Some(TRAFFIC_LIGHT)
 }

@@ -574,8 +574,17 @@ fn lateral(
         let side = signals.frame_columns.get("map.driving_side").and_then(|c| c.category(keyframe));
         let is_one = |f: usize| {
             let value = column.category(f).filter(|c| !none.contains(c))?;
-            // It enters and leaves on the side on which it drives.
-            let round = value == LateralDirection::Uturn.id() || (asked.of_roundabout && Some(value) != side);
+            // A junction in which the ego stands has a direction already; it turns when it moves.
+            let speed = signals.frame_columns.get("ego.speed").and_then(|c| c.number(f));
+            if name == "ego.movement" && speed.is_some_and(|v| v < MOVED_OFF_MPS) {
+                return None;
+            }
+            // It enters and leaves a roundabout on the side on which it drives.
+            let round = match side {
+                Some(side) if asked.of_roundabout => value != side,
+                Some(_) => asked.of_crossing && value == LateralDirection::Uturn.id(),
+                None => false,
+            };
             if round && name == "ego.movement" && goes_round(f) { Some((f, side?)) } else { Some((f, value)) }
         };
         let (frame, value) = (keyframe..end).find_map(is_one)?;

@@ -4,7 +4,7 @@
 
 use super::motion::LongitudinalMotion;
 use crate::driven::Driven;
-use crate::driven::along::course;
+use crate::driven::along::{Trend, course};
 use crate::driven::other::{First, Moves, Other};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::messages::DrivingDecision;
@@ -30,6 +30,9 @@ const PASSED_M: f64 = 40.0;
 
 /// Frames within which a lane change explains a rise of the speed, and the ego responds to hard braking: 2 s.
 const SOON_FRAMES: usize = 20;
+
+/// Minimum decrease of the speed within these frames that is a response, m/s.
+const ANSWER_MPS: f64 = 0.4;
 
 /// Why there is no draft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -283,11 +286,14 @@ pub(super) fn of_ego(
             ])
         }
         ("reactive_agent", "following" | "vehicle_abnormal")
-            if matches!(l3, "lead_sudden_brake" | "sudden_brake") && decision.longitudinal.is_some() =>
+            if matches!(l3, "lead_sudden_brake" | "sudden_brake") =>
         {
-            let begins = course(w).and_then(|c| c.new.or(c.first)).map(|c| c.from);
-            let late = begins.is_some_and(|f| f > w.keyframe + SOON_FRAMES);
-            (late || faster).then_some(Doubt::Motion)
+            let k = w.keyframe;
+            let falls =
+                w.speed(k).zip(w.speed(k + SOON_FRAMES)).is_none_or(|(now, then)| then < now - ANSWER_MPS);
+            let late = decision.longitudinal.is_some() && !falls;
+            let rises = course(w).is_some_and(|c| c.trend == Trend::Rises);
+            (late || faster || rises).then_some(Doubt::Motion)
         }
         ("reactive_agent", "vru_crossing" | "intersection_interaction")
             if decision.longitudinal == Some(Longitudinal::YieldToAgent) =>

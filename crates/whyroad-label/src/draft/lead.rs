@@ -73,6 +73,20 @@ impl<'a> Lead<'a> {
         self.gap_m < REASON_M
     }
 
+    /// It is near enough to affect the speed of the ego, whatever the ego then does.
+    pub(super) fn is_near(&self) -> bool {
+        if self.ego_mps < STANDING_MPS {
+            return self.gap_m < QUEUE_M;
+        }
+        self.gap_m < NEAR_M.max(NEAR_S * self.ego_mps) || self.is_closed_in_on()
+    }
+
+    /// The ego would reach it soon, its braking extrapolated.
+    fn is_closed_in_on(&self) -> bool {
+        let soon_mps = (self.speed_mps + self.accel_mps2.unwrap_or(0.0).min(0.0) * AHEAD_S).max(0.0);
+        self.is_slower() && self.gap_m < CLOSING_M.min(CLOSING_S * (self.ego_mps - soon_mps))
+    }
+
     pub(super) fn stands(&self) -> bool {
         self.speed_mps < STANDING_MPS
     }
@@ -89,8 +103,7 @@ impl<'a> Lead<'a> {
         }
         let slower = self.is_slower();
         let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);
-        let soon_mps = (self.speed_mps + self.accel_mps2.unwrap_or(0.0).min(0.0) * AHEAD_S).max(0.0);
-        let closing = slows && slower && self.gap_m < CLOSING_M.min(CLOSING_S * (self.ego_mps - soon_mps));
+        let closing = slows && self.is_closed_in_on();
         if !closing && self.gap_m >= NEAR_M.max(NEAR_S * self.ego_mps) {
             return false;
         }

@@ -11,6 +11,9 @@ use whyroad_model::{SignalTable, TrackId, Tri};
 /// Objects ahead or crossing that are nearer than this block the way, m.
 const IN_THE_WAY_M: f64 = 40.0;
 
+/// A junction nearer than this is the one for which the ego indicates, m.
+const AT_JUNCTION_M: f64 = 40.0;
+
 /// One frame, one target.
 #[derive(Clone, Copy)]
 pub(super) struct Moment<'a> {
@@ -160,6 +163,12 @@ impl<'a> Moment<'a> {
             |row: &usize| lane.category(*row) == Some(side) && along.number(*row).is_some_and(&is_there);
         let near = self.rows().filter(there).filter_map(|row| distance.number(row));
         Some(near.fold(f64::INFINITY, f64::min))
+    }
+
+    /// The ego is at a junction or in it.
+    pub(super) fn is_at_junction(&self) -> bool {
+        self.flag("ego.in_junction").is_true()
+            || self.number("map.distance_to_junction").is_some_and(|d| d < AT_JUNCTION_M)
     }
 
     /// The indicator is on for the opposite side.

@@ -27,6 +27,8 @@ const SLOW_MPS: f64 = 15.0 / 3.6;
 const COMFORTABLE_MPS2: f64 = 2.0;
 /// Objects farther than this from the area that the ego sweeps do not block it, m.
 const BESIDE_PATH_M: f64 = 0.5;
+/// An object nearer than this is not far away at any speed, m.
+const NEAR_M: f64 = 15.0;
 /// Reaction time of a driver before braking, s.
 const REACTION_S: f64 = 1.5;
 /// Frames over which a change of a distance is measured.
@@ -108,11 +110,13 @@ pub(super) fn why_kept(
     let distance = |frame: usize| of_target("target.distance", frame);
     let now = distance(frame);
     let before = frame.checked_sub(BEFORE_FRAMES).and_then(distance);
-    if now.zip(before).is_some_and(|(now, before)| now > before - NOISE_M) {
+    // Where the recording has just begun, the speeds tell.
+    let faster = || of_target("target.relative_speed", frame).is_some_and(|v| v > 0.0);
+    if now.is_some() && before.map_or_else(faster, |before| now.is_some_and(|now| now > before - NOISE_M)) {
         return WhyKept::NotCloser;
     }
     let stopping = speed.map(|v| v * REACTION_S + v * v / (2.0 * COMFORTABLE_MPS2));
-    if now.zip(stopping).is_some_and(|(now, stopping)| now > stopping) {
+    if now.zip(stopping).is_some_and(|(now, stopping)| now > stopping.max(NEAR_M)) {
         WhyKept::FarAway
     } else if stays_beside(|frame| of_target("target.path_side_distance", frame), frame) {
         WhyKept::OffPath

@@ -39,6 +39,8 @@ pub(crate) fn conflict(
     }
     match decision {
         Lateral::LaneChange => lane_change(w, direction),
+        // The way round a roundabout bends to both sides.
+        Lateral::Turn if (w.keyframe..w.end).any(|f| w.flag("map.in_roundabout", f).is_true()) => None,
         Lateral::Turn => turn(w, direction),
         Lateral::LaneKeeping => {
             let (frame, left) = first_lane_change(w, w.keyframe..(w.keyframe + 31).min(w.end))?;

@@ -271,8 +271,12 @@ fn is_just_beginning(w: &Driven<'_>, trend: Trend, sign: f64, before: f64) -> bo
     let earlier = speeds.map(|(a, b)| sign * (b - a));
     let Some(now) = steady_speed(w, w.keyframe) else { return false };
     let end = turning_point(w, Change { trend, from: w.keyframe, is_underway: true });
-    let to_come = steady_speed(w, end).map(|v| sign * (v - now));
-    earlier.is_some_and(|v| v < ANSWER_MPS / 2.0) && to_come.is_some_and(|v| v > MOST_TO_COME * before)
+    // An ego that stops cannot lose more than it has.
+    let most = |v: f64| {
+        let to_come = sign * (v - now);
+        to_come > MOST_TO_COME * before || (v < NEARLY_STANDS_MPS && to_come > before)
+    };
+    earlier.is_some_and(|v| v < ANSWER_MPS / 2.0) && steady_speed(w, end).is_some_and(most)
 }
 
 /// The frame in which a change that is under way ends: its extreme.
@@ -303,15 +307,20 @@ fn steady_speed(w: &Driven<'_>, frame: usize) -> Option<f64> {
 /// the keyframe; unknown where these differ.
 fn trend(w: &Driven<'_>, now: f64) -> Trend {
     let held = (HELD_SHARE * now).max(if now < HARDLY_MOVES_MPS { ACTION_SLOW_MPS } else { HELD_MPS });
-    let goes = |from: usize, to: usize| {
+    let change = |from: usize, to: usize| {
         let known: Vec<f64> = (w.keyframe + from..=w.keyframe + to).filter_map(|f| w.speed(f)).collect();
-        match known.iter().sum::<f64>() / known.len().max(1) as f64 - now {
-            d if d < -held && !known.is_empty() => Trend::Falls,
-            d if d > held => Trend::Rises,
-            _ => Trend::Holds,
-        }
+        (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64 - now)
     };
-    match (goes(5, 15), goes(20, HELD_FRAMES)) {
+    let goes = |d: Option<f64>| match d {
+        Some(d) if d < -held => Trend::Falls,
+        Some(d) if d > held => Trend::Rises,
+        _ => Trend::Holds,
+    };
+    let (soon, later) = (change(5, 15), change(20, HELD_FRAMES));
+    // It falls and rises again, or the other way round.
+    let turns = soon.zip(later).is_some_and(|(soon, later)| soon * later < 0.0);
+    match (goes(soon), goes(later)) {
+        (Trend::Falls | Trend::Rises, Trend::Holds) if turns => Trend::Unknown,
         (soon, Trend::Holds) => soon,
         (Trend::Holds, later) => later,
         (soon, later) if soon == later => later,
