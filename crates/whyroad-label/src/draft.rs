@@ -407,8 +407,8 @@ fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
     frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1))
 }
 
-/// Inserts the component that every episode of the class has as the first one, if the signals do not show it: `told` are
-/// the observed ones in Chinese.
+/// Inserts the component that every episode of the class has as the first one, if the signals do not show it: `told`
+/// are the observed ones in Chinese.
 fn with_cause(
     framework: &Framework,
     class: &ScenarioId,
