@@ -177,7 +177,7 @@ fn make(
         || decision.lateral_direction.or_else(|| decision::side_without(decision.lateral, signals, keyframe));
     let side = goes_on.then(goes_to).flatten();
     let doubt = driven.as_ref().and_then(|w| {
-        let of_ego = || doubt::of_ego(class, w, drive, target_id, &decision, motion);
+        let of_ego = || doubt::of_ego(class, w, course.as_ref(), drive, target_id, &decision, motion);
         let is_no_motion =
             || course.is_some_and(|course| is_of_other_motion(w, &course, &decision, &asked, target_id));
         doubt::of_target(class, w, drive, target_id)
@@ -199,16 +199,14 @@ fn make(
     }
     let moment = Moment::of(signals, keyframe, target_id, side).deciding(&decision, motion);
     let lead = lead.filter(|lead| goes_on && lead_is == LeadIs::Nearer && how.names(lead.id));
-    let goes_on_slowing = course.is_some_and(|course| {
-        course.trend == Trend::Falls && course.first.is_some_and(|c| c.is_underway && c.trend == Trend::Falls)
-    });
+    let goes_on_slowing = course.is_some_and(|c| c.trend == Trend::Falls && c.is_underway(Trend::Falls));
     let by_lead = lead.filter(|lead| {
         // If the ego was already slowing for a lead, what is seen at the keyframe is only an additional component.
         let slows = goes_on_slowing && lead.is_slower() && lead.is_cause_of(LongitudinalMotion::Slows);
         let undecided = decision.longitudinal.is_none();
         // A turn or a lane change needs a reason of its own.
-        is_because_of(lead, &decision, motion) && !(undecided && decision.lateral.is_some())
-            || (undecided && decision.lateral.is_none() && slows)
+        let only_lateral = undecided && decision.lateral.is_some();
+        !only_lateral && (is_because_of(lead, &decision, motion) || (undecided && slows))
     });
     if class.l1 == ROAD && motion == LongitudinalMotion::Stops {
         notes.push(Bilingual::new(
@@ -230,9 +228,7 @@ fn make(
             "the signals show no critical component: add them",
         ));
     }
-    // The words of one language decide what the components are about, so that both languages have the same ones.
-    let told = if lang == Lang::Zh { components.clone() } else { scene.observed(&moment, Lang::Zh) };
-    let mut components = with_cause(framework, class, (&told, components), goes_on.then_some(&moment), lang);
+    let mut components = with_cause(&scene, components, (&moment, goes_on), lang);
     let mut also = trace::also(framework, class, &moment, lang).filter(|c| how.lists(c));
     let mut order = trace::StateOrder::FirstLast;
     let mut of_turn = None;
@@ -262,12 +258,14 @@ fn make(
         .is_some_and(|seen| seen.high || seen.category == Some(ComponentCategory::CriticalObjects));
     let kept = trace::why_kept(signals, keyframe, target_id, of_others, course.as_ref());
     how.reword(&mut components);
+    // An ego that changes lanes does not stop behind what it leaves.
+    let leaves = decision.lateral == Some(Lateral::LaneChange) && motion == LongitudinalMotion::Stops;
     let facts = trace::DraftFacts {
         framework,
         class,
         components: &components,
         decision: &decision,
-        motion,
+        motion: if leaves { LongitudinalMotion::Slows } else { motion },
         kept,
         trend: course.map_or(Trend::Unknown, |c| c.trend),
         brakes_hard: course.is_some_and(|c| c.braking_mps2 > trace::SMOOTH_MPS2),
@@ -341,9 +339,6 @@ fn label_of(
     }
 }
 
-/// An ego faster than this at the keyframe that then nearly stands has done something, m/s.
-const ROLLS_MPS: f64 = 1.0;
-
 /// The ego's motion after the keyframe does not fit the decision or, where nothing is decided, is not constant.
 fn is_of_other_motion(
     w: &Driven<'_>,
@@ -365,8 +360,8 @@ fn is_of_other_motion(
     }
     let slows = course.new.is_some_and(|c| c.trend == Trend::Falls);
     let moves_off = course.stands() && course.trend == Trend::Rises;
-    let falls_already = course.first.is_some_and(|c| c.is_underway && c.trend == Trend::Falls);
-    let stops = course.nearly_stands && course.now_mps > ROLLS_MPS && !falls_already;
+    let stops =
+        course.nearly_stands && course.now_mps > decision::ROLLING_MPS && !course.is_underway(Trend::Falls);
     // The speed rises and falls within 3 s: something happens that the class does not cover.
     let both = course.trend == Trend::Unknown && !course.stands();
     // If the log has no turns and lane changes, the ego may have done what the class states.
@@ -374,22 +369,21 @@ fn is_of_other_motion(
     slows || moves_off || stops || both || (known && asked.decides())
 }
 
-/// Only the critical components of [`draft`], for a drive that ends at the keyframe. It needs only the signals of
-/// `whyroad_signals::derive_last_frame`.
+/// The critical components that Stage I lists: those of [`draft`] for a drive that ends at the keyframe, a near lead,
+/// and the turn that the ego announces at a junction. Needs only the signals of `whyroad_signals::derive_last_frame`.
 pub fn components(
     framework: &Framework,
     drive: &Drive,
-    signals: impl FnOnce() -> SignalTable,
+    signals: &SignalTable,
     episode: &EpisodeRecord,
     lang: Lang,
 ) -> Vec<CriticalComponent> {
     let class = &episode.scenario_id;
-    let (signals, keyframe) = (signals(), keyframe_of(drive, episode));
-    let (target, lead, lead_is) = target_and_lead(framework, drive, &signals, episode, keyframe);
-    let moment = Moment::of(&signals, keyframe, target, None);
-    let scene = components::Scene { framework, drive, signals: &signals, episode, target, keyframe };
-    let (observed, told) = (scene.observed(&moment, lang), scene.observed(&moment, Lang::Zh));
-    let mut all = with_cause(framework, class, (&told, observed), None, lang);
+    let keyframe = keyframe_of(drive, episode);
+    let (target, lead, lead_is) = target_and_lead(framework, drive, signals, episode, keyframe);
+    let moment = Moment::of(signals, keyframe, target, None);
+    let scene = components::Scene { framework, drive, signals, episode, target, keyframe };
+    let mut all = with_cause(&scene, scene.observed(&moment, lang), (&moment, false), lang);
     all.extend(trace::also(framework, class, &moment, lang));
     // A near lead and the announced turn may be causes, whatever the ego then does.
     let lead = lead.filter(|lead| lead_is == LeadIs::Nearer && lead.is_near());
@@ -407,16 +401,19 @@ fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
     frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1))
 }
 
-/// Inserts the component that every episode of the class has as the first one, if the signals do not show it: `told`
-/// are the observed ones in Chinese.
+/// Inserts the component that every episode of the class has as the first one, if the `observed` ones do not show it;
+/// `detailed`: in the words for this moment. The Chinese texts decide what a component is about, so that drafts of both
+/// languages have the same ones.
 fn with_cause(
-    framework: &Framework,
-    class: &ScenarioId,
-    (told, mut observed): (&[CriticalComponent], Vec<CriticalComponent>),
-    moment: Option<&Moment<'_>>,
+    scene: &components::Scene<'_>,
+    mut observed: Vec<CriticalComponent>,
+    (moment, detailed): (&Moment<'_>, bool),
     lang: Lang,
 ) -> Vec<CriticalComponent> {
-    if let Some(seen) = trace::seen(framework, class, told, moment, lang) {
+    let (framework, class) = (scene.framework, &scene.episode.scenario_id);
+    let in_chinese = (lang != Lang::Zh).then(|| scene.observed(moment, Lang::Zh));
+    let found = in_chinese.as_ref().unwrap_or(&observed);
+    if let Some(seen) = trace::seen(framework, class, found, detailed.then_some(moment), lang) {
         observed.insert(0, seen);
     }
     // LABELING.md 3: at least one component about a hidden road user is uncertain.

@@ -92,8 +92,8 @@ pub trait Recordings: Send + Sync {
         listed: Option<&[CriticalComponent]>,
     ) -> CocLabel;
 
-    /// Only the critical components of [`Recordings::draft`], for a drive that was cut at the keyframe; the result must
-    /// depend only on the arguments, as for [`Recordings::signals`].
+    /// The critical components that Stage I lists, for a drive that was cut at the keyframe; the result must depend
+    /// only on the arguments, as for [`Recordings::signals`].
     fn components(&self, drive: &Drive, episode: &EpisodeRecord, lang: Lang) -> Vec<CriticalComponent> {
         self.draft(drive, &self.signals(drive), episode, lang, None).critical_components
     }

@@ -197,8 +197,7 @@ impl Recordings for ServiceRecordings {
     }
 
     fn components(&self, drive: &Drive, episode: &EpisodeRecord, lang: Lang) -> Vec<CriticalComponent> {
-        let signals = || self.lake.last_frame(drive);
-        draft::components(self.framework, drive, signals, episode, lang)
+        draft::components(self.framework, drive, &self.lake.last_frame(drive), episode, lang)
     }
 
     fn recorded(&self, clip_id: &str) -> Option<Arc<Recorded>> {

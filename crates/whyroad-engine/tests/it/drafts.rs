@@ -83,7 +83,7 @@ fn compare(folders: &[PathBuf]) -> usize {
             for lang in [Lang::Zh, Lang::En] {
                 let of = |signals| draft(framework, &drive, signals, episode, lang).label;
                 assert_eq!(of(&stored), of(&derived));
-                let short = components(framework, &cut, || last.clone(), episode, lang);
+                let short = components(framework, &cut, &last, episode, lang);
                 let long = draft(framework, &cut, &all, episode, lang).label.critical_components;
                 assert_eq!(short, long, "{}", episode.episode_id);
                 with_components += usize::from(!short.is_empty());

@@ -32,7 +32,7 @@ const CHANGE_FRAMES: usize = 30;
 /// 8 km/h.
 const CLEAR_MPS: f64 = 8.0 / 3.6;
 /// An ego slower than this that speeds up is starting, m/s: walking pace.
-const ROLLING_MPS: f64 = 1.0;
+pub(super) const ROLLING_MPS: f64 = 1.0;
 /// Frames after the keyframe in which a turn or a lane change begins that is not typical of the class: 2 s.
 const SOON_FRAMES: usize = 20;
 /// An ego at least this fast at the keyframe that stands after those frames has decided to stop, m/s.
@@ -117,6 +117,11 @@ impl Asked<'_> {
         self.allowed
             .or(self.of_variants)
             .is_some_and(|a| a.direction_fit(lateral, Some(direction)) != Fit::Impossible)
+    }
+
+    /// At a roundabout, this turn is a part of the way round it.
+    fn goes_round(&self, turn: LateralDirection) -> bool {
+        self.of_roundabout || (self.of_crossing && turn == LateralDirection::Uturn)
     }
 
     /// The only lateral decision that the class can have.
@@ -548,6 +553,18 @@ fn note_longitudinal(
     });
 }
 
+/// The ego moves: a junction in which it stands has a direction of its turn already. True where the speed is unknown.
+fn turns_at(signals: &SignalTable, frame: usize) -> bool {
+    let speed = signals.frame_columns.get("ego.speed").and_then(|c| c.number(frame));
+    speed.is_none_or(|v| v >= MOVED_OFF_MPS)
+}
+
+fn is_at_roundabout(signals: &SignalTable, frame: usize) -> bool {
+    let around = frame.saturating_sub(ROUND_FRAMES)..frame + ROUND_FRAMES;
+    let inside = signals.frame_columns.get("map.in_roundabout");
+    inside.is_some_and(|c| around.take_while(|f| *f < c.len()).any(|f| c.flag(f).is_true()))
+}
+
 fn lateral(
     signals: &SignalTable,
     keyframe: usize,
@@ -562,37 +579,24 @@ fn lateral(
         ));
         return (Some(lateral), None);
     }
-    let ahead = |name: &str, none: &[&str]| {
+    let ahead = |name: &str, side: &dyn Fn(usize, &str) -> Option<LateralDirection>| {
         let column = signals.frame_columns.get(name)?;
         let end = (keyframe + HORIZON_FRAMES + 1).min(column.len());
-        // An ego that goes round a roundabout makes no U-turn.
-        let goes_round = |f: usize| {
-            let inside = signals.frame_columns.get("map.in_roundabout");
-            let around = f.saturating_sub(ROUND_FRAMES)..f + ROUND_FRAMES;
-            inside.is_some_and(|c| around.clone().any(|f| f < c.len() && c.flag(f).is_true()))
-        };
-        let side = signals.frame_columns.get("map.driving_side").and_then(|c| c.category(keyframe));
-        let is_one = |f: usize| {
-            let value = column.category(f).filter(|c| !none.contains(c))?;
-            // A junction in which the ego stands has a direction already; it turns when it moves.
-            let speed = signals.frame_columns.get("ego.speed").and_then(|c| c.number(f));
-            if name == "ego.movement" && speed.is_some_and(|v| v < MOVED_OFF_MPS) {
-                return None;
-            }
+        (keyframe..end).find_map(|f| Some((side(f, column.category(f)?)?, f - keyframe)))
+    };
+    let driving_side = signals.frame_columns.get("map.driving_side").and_then(|c| c.category(keyframe));
+    let driving_side = driving_side.and_then(LateralDirection::from_id);
+    let side_of_turn = |frame: usize, movement: &str| {
+        let turn = LateralDirection::from_id(movement)?;
+        turns_at(signals, frame).then(|| match driving_side {
             // It enters and leaves a roundabout on the side on which it drives.
-            let round = match side {
-                Some(side) if asked.of_roundabout => value != side,
-                Some(_) => asked.of_crossing && value == LateralDirection::Uturn.id(),
-                None => false,
-            };
-            if round && name == "ego.movement" && goes_round(f) { Some((f, side?)) } else { Some((f, value)) }
-        };
-        let (frame, value) = (keyframe..end).find_map(is_one)?;
-        Some((LateralDirection::from_id(value)?, frame - keyframe))
+            Some(side) if asked.goes_round(turn) && is_at_roundabout(signals, frame) => side,
+            _ => turn,
+        })
     };
     let mut found = [
-        (Lateral::LaneChange, ahead("ego.lane_change", &["none"])),
-        (Lateral::Turn, ahead("ego.movement", &["straight"])),
+        (Lateral::LaneChange, ahead("ego.lane_change", &|_, change| LateralDirection::from_id(change))),
+        (Lateral::Turn, ahead("ego.movement", &side_of_turn)),
     ];
     // An ego that moves to the side to which it turns is turning.
     let side = |n: usize| found[n].1.map(|(side, _)| side);

@@ -2,9 +2,11 @@
 //! the motion contradicts it, there is no draft: no draft is better for the annotator than a false one. What the
 //! recording does not show is not doubted. The class itself is determined by the rules and their thresholds, not here.
 
+use super::moment::is_green;
 use super::motion::LongitudinalMotion;
 use crate::driven::Driven;
-use crate::driven::along::{Trend, course};
+use crate::driven::across::first_lane_change;
+use crate::driven::along::{Course, Trend};
 use crate::driven::other::{First, Moves, Other};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::messages::DrivingDecision;
@@ -259,6 +261,7 @@ fn abnormal(other: &Other<'_>, w: &Driven<'_>, l3: &str, ahead: bool) -> Option<
 pub(super) fn of_ego(
     class: &ScenarioId,
     w: &Driven<'_>,
+    course: Option<&Course>,
     drive: &Drive,
     target: Option<&TrackId>,
     decision: &DrivingDecision,
@@ -279,10 +282,11 @@ pub(super) fn of_ego(
         ("reactive_road", "geometry_adaptation") => {
             let turns = (w.keyframe..w.end)
                 .any(|f| matches!(w.category("ego.movement", f), Some("left" | "right" | "uturn")));
+            let soon = w.keyframe..(w.keyframe + SOON_FRAMES).min(w.end);
             first_of(&[
                 (l3 == "high_curvature" && slows && turns, Doubt::TurnsThere),
                 (faster && is_passing(w), Doubt::Passes),
-                (faster && changes_lane_soon(w), Doubt::ForLaneChange),
+                (faster && first_lane_change(w, soon).is_some(), Doubt::ForLaneChange),
             ])
         }
         ("reactive_agent", "following" | "vehicle_abnormal")
@@ -292,7 +296,7 @@ pub(super) fn of_ego(
             let falls =
                 w.speed(k).zip(w.speed(k + SOON_FRAMES)).is_none_or(|(now, then)| then < now - ANSWER_MPS);
             let late = decision.longitudinal.is_some() && !falls;
-            let rises = course(w).is_some_and(|c| c.trend == Trend::Rises);
+            let rises = course.is_some_and(|c| c.trend == Trend::Rises);
             (late || faster || rises).then_some(Doubt::Motion)
         }
         ("reactive_agent", "vru_crossing" | "intersection_interaction")
@@ -306,7 +310,7 @@ pub(super) fn of_ego(
                 && motion == LongitudinalMotion::Starts =>
         {
             // An ego that moves off although the other still has to pass in front of it does so for another reason.
-            let green = w.category("light.state", w.keyframe).is_some_and(|s| s.starts_with("green"));
+            let green = w.category("light.state", w.keyframe).is_some_and(is_green);
             let other = target.and_then(|id| Other::of(w, id));
             let ahead = other.is_some_and(|o| {
                 o.number("target.longitudinal", w.keyframe).is_some_and(|x| x > 0.0)
@@ -317,12 +321,6 @@ pub(super) fn of_ego(
         }
         _ => None,
     }
-}
-
-/// The ego changes lanes within two seconds.
-fn changes_lane_soon(w: &Driven<'_>) -> bool {
-    (w.keyframe..(w.keyframe + SOON_FRAMES).min(w.end))
-        .any(|f| matches!(w.category("ego.lane_change", f), Some("left" | "right")))
 }
 
 /// A vehicle is beside the ego or slightly ahead of it, in another lane.

@@ -78,7 +78,12 @@ impl<'a> Lead<'a> {
         if self.ego_mps < STANDING_MPS {
             return self.gap_m < QUEUE_M;
         }
-        self.gap_m < NEAR_M.max(NEAR_S * self.ego_mps) || self.is_closed_in_on()
+        self.is_followed() || self.is_closed_in_on()
+    }
+
+    /// It is within the following distance of a moving ego.
+    fn is_followed(&self) -> bool {
+        self.gap_m < NEAR_M.max(NEAR_S * self.ego_mps)
     }
 
     /// The ego would reach it soon, its braking extrapolated.
@@ -102,17 +107,15 @@ impl<'a> Lead<'a> {
             return self.gap_m < QUEUE_M;
         }
         let slower = self.is_slower();
-        let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);
-        let closing = slows && self.is_closed_in_on();
-        if !closing && self.gap_m >= NEAR_M.max(NEAR_S * self.ego_mps) {
-            return false;
-        }
         match motion {
             LongitudinalMotion::Slows | LongitudinalMotion::Stops => {
                 let brakes = self.accel_mps2.is_some_and(|a| a < BRAKING_MPS2);
-                self.stands() || slower || brakes || self.gap_m < CLOSE_S * self.ego_mps
+                let slows_it = self.stands() || slower || brakes || self.gap_m < CLOSE_S * self.ego_mps;
+                self.is_near() && slows_it
             }
-            LongitudinalMotion::SpeedsUp | LongitudinalMotion::Starts | LongitudinalMotion::Waits => !slower,
+            LongitudinalMotion::SpeedsUp | LongitudinalMotion::Starts | LongitudinalMotion::Waits => {
+                self.is_followed() && !slower
+            }
             LongitudinalMotion::Keeps | LongitudinalMotion::Unknown => false,
         }
     }

@@ -14,6 +14,11 @@ const IN_THE_WAY_M: f64 = 40.0;
 /// A junction nearer than this is the one for which the ego indicates, m.
 const AT_JUNCTION_M: f64 = 40.0;
 
+/// The light lets the ego go: round, an arrow, or with the duty to give way. A flashing green is about to end.
+pub(super) fn is_green(state: &str) -> bool {
+    state.starts_with("green")
+}
+
 /// One frame, one target.
 #[derive(Clone, Copy)]
 pub(super) struct Moment<'a> {
@@ -111,10 +116,9 @@ impl<'a> Moment<'a> {
         match name {
             "around.clear" => self.clear(),
             "around.target" => Tri::from(self.row.is_some()),
-            "around.green" => match self.category("light.state") {
-                Some(state) => Tri::from(state.starts_with("green")),
-                None => Tri::Unknown,
-            },
+            "around.green" => {
+                self.category("light.state").map_or(Tri::Unknown, |state| Tri::from(is_green(state)))
+            }
             "decided.changes_lane" => Tri::from(changes_lane(self.signals, self.frame)),
             "decided.fits_gap" => Tri::from(self.fits_gap),
             "decided.turns" => Tri::from(self.turns),

@@ -84,8 +84,7 @@ pub(super) fn why_kept(
     }
     // The current motion is a reason only if the ego continues it.
     let goes_on = |trend: Trend| course.is_none_or(|c| c.trend == trend);
-    let underway =
-        |trend: Trend| course.and_then(|c| c.first).is_some_and(|c| c.is_underway && c.trend == trend);
+    let underway = |trend: Trend| course.is_some_and(|c| c.is_underway(trend));
     match number("ego.accel") {
         Some(a) if a < SLOWING_MPS2 && goes_on(Trend::Falls) => return WhyKept::Slowing,
         Some(a) if a > -SLOWING_MPS2 && goes_on(Trend::Rises) => return WhyKept::Speeding,
@@ -110,9 +109,9 @@ pub(super) fn why_kept(
     let distance = |frame: usize| of_target("target.distance", frame);
     let now = distance(frame);
     let before = frame.checked_sub(BEFORE_FRAMES).and_then(distance);
-    // Where the recording has just begun, the speeds tell.
+    // Where the recording has just begun, the speeds show it.
     let faster = || of_target("target.relative_speed", frame).is_some_and(|v| v > 0.0);
-    if now.is_some() && before.map_or_else(faster, |before| now.is_some_and(|now| now > before - NOISE_M)) {
+    if now.is_some_and(|now| before.map_or_else(faster, |before| now > before - NOISE_M)) {
         return WhyKept::NotCloser;
     }
     let stopping = speed.map(|v| v * REACTION_S + v * v / (2.0 * COMFORTABLE_MPS2));
@@ -391,11 +390,8 @@ impl<'a> DraftFacts<'a> {
     fn action(&self, seed: u64) -> String {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let DrivingDecision { longitudinal, lateral, lateral_direction } = self.decision;
-        // An ego that changes lanes does not stop behind what it leaves.
-        let leaves = *lateral == Some(Lateral::LaneChange) && self.motion == LongitudinalMotion::Stops;
-        let motion = if leaves { LongitudinalMotion::Slows } else { self.motion };
         let along = longitudinal
-            .and_then(|d| texts.longitudinal(self.class, d, motion.id()))
+            .and_then(|d| texts.longitudinal(self.class, d, self.motion.id()))
             .map(|p| p.pick(lang, seed).to_owned());
         let across = lateral.and_then(|d| texts.lateral(self.class, d)).map(|p| {
             let text = p.pick(lang, seed);

@@ -58,7 +58,7 @@ pub(crate) fn conflict(
 }
 
 /// The first frame in which the ego changes lanes, and whether to the left.
-fn first_lane_change(w: &Driven<'_>, mut frames: std::ops::Range<usize>) -> Option<(usize, bool)> {
+pub(crate) fn first_lane_change(w: &Driven<'_>, mut frames: std::ops::Range<usize>) -> Option<(usize, bool)> {
     frames.find_map(|f| {
         w.category("ego.lane_change", f).filter(|c| matches!(*c, "left" | "right")).map(|c| (f, c == "left"))
     })

@@ -166,6 +166,11 @@ pub(crate) struct Course {
 }
 
 impl Course {
+    /// The speed is already changing in this direction at the keyframe.
+    pub(crate) fn is_underway(&self, trend: Trend) -> bool {
+        self.first.is_some_and(|c| c.is_underway && c.trend == trend)
+    }
+
     /// The ego is stationary at the keyframe.
     pub(crate) fn stands(&self) -> bool {
         self.now_mps < STANDSTILL_MPS

@@ -4,19 +4,20 @@ use super::*;
 
 #[test]
 fn the_way_round_a_roundabout_is_no_u_turn() {
-    // The heading of the fixture changes to the left, as where traffic drives on the left.
-    let exit = |inside: bool| {
+    let exit = |inside: bool, driving: &str| {
         draft_of("proactive.roundabout.exit", |s| {
             turns(s, "uturn");
             flag(s, "map.in_roundabout", inside);
-            s.frame_columns.insert("map.driving_side".into(), category(&["left"], vec![0; fixture::FRAMES]));
+            s.frame_columns.insert("map.driving_side".into(), category(&[driving], vec![0; fixture::FRAMES]));
         })
         .label
         .driving_decision
         .lateral_direction
     };
-    assert_eq!(exit(true), Some(LateralDirection::Left));
-    assert_ne!(exit(false), Some(LateralDirection::Left));
+    assert_eq!(exit(true, "left"), Some(LateralDirection::Left));
+    assert_ne!(exit(false, "left"), Some(LateralDirection::Left));
+    // The heading of the fixture changes to the left; the way round bends to both sides and contradicts neither.
+    assert_eq!(exit(true, "right"), Some(LateralDirection::Right));
 }
 
 #[test]

@@ -44,6 +44,32 @@ fn a_lead_that_is_near_is_the_nearest_cause() {
 }
 
 #[test]
+fn stage_one_lists_a_near_lead_in_both_languages() {
+    // LABELING.md 3: what is known at the keyframe. A lead that keeps the ego's 8 m/s is near up to 2 s, 16 m; the gap
+    // is 4.65 m less than the distance of the centers.
+    let listed = |ahead: f64, lang: Lang| {
+        let drive = fixture::drive("d");
+        let mut signals = fixture::signals(&drive);
+        with_speed(&mut signals, |_| 8.0);
+        flag(&mut signals, "target.is_lead", true);
+        of_target(&mut signals, "target.longitudinal", ahead);
+        of_target(&mut signals, "target.lateral", 0.0);
+        of_target(&mut signals, "target.speed", 8.0);
+        let mut episode = fixture::episode(&drive);
+        episode.scenario_id = "proactive.turn.left_normal".parse().unwrap();
+        episode.target_id = None;
+        components(Framework::bundled(), &drive, &signals, &episode, lang)
+    };
+    let leads = |ahead: f64, lang: Lang| {
+        let all = listed(ahead, lang);
+        (all.len(), all.iter().filter(|c| c.linked_objects == ["d"]).count())
+    };
+    for lang in [Lang::Zh, Lang::En] {
+        assert_eq!((leads(20.6, lang), leads(20.7, lang)), ((2, 1), (1, 0)), "{lang:?}");
+    }
+}
+
+#[test]
 fn no_vehicle_is_made_up_for_a_lane_change() {
     let change = |leaf: &str, ahead: f64| {
         behind_lead(leaf, ahead, |s| {
