@@ -82,6 +82,8 @@ pub struct Subjects {
     behind_side: Vec<String>,
     /// Words that only add another one of the same kind; those of `another` may also say where it is.
     second: Vec<String>,
+    /// Systems of the ego, and its route.
+    own_systems: Vec<String>,
     /// Before an action that is not possible, in lower case.
     pub unable: Vec<String>,
     /// Another lane than the ego's, in lower case.
@@ -157,6 +159,13 @@ impl Subjects {
         }
         let rest = chinese.iter().find_map(|w| text.strip_prefix(w.as_str()));
         rest.is_some_and(|r| !r.starts_with(|c| self.behind_own.contains(c)))
+    }
+
+    /// The text begins with a system of the ego or with its route: "the route turns left here".
+    pub fn begins_with_own_system(&self, text: &str) -> bool {
+        let text = text.strip_prefix("the ").or(text.strip_prefix("The ")).unwrap_or(text);
+        let begins = |w: &String| text.get(..w.len()).is_some_and(|t| t.eq_ignore_ascii_case(w));
+        self.own_systems.iter().any(begins)
     }
 
     /// The text states that something is written.
@@ -282,6 +291,7 @@ pub(super) struct RawSubjects {
     goes_right: Words,
     another: Words,
     second: Words,
+    own_systems: Words,
     no_side: Words,
     before_side: Words,
     behind_side: Words,
@@ -353,6 +363,7 @@ impl RawSubjects {
             goes_to: [all(&self.goes_left), all(&self.goes_right)],
             another: all(&self.another),
             second: all(&self.second),
+            own_systems: all(&self.own_systems),
             no_side: all(&self.no_side),
             before_side: all(&self.before_side),
             behind_side: all(&self.behind_side),

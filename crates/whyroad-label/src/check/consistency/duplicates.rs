@@ -60,7 +60,10 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let text = |k: usize| label.parts[k].description.get().unwrap_or_default();
     // An action of the ego differs from an action of another road user.
     let of_ego = |k: usize| {
-        text(k).split(['，', ',', '。', ';', '；']).any(|c| words.subjects.begins_with_ego(c.trim_start()))
+        text(k).split(['，', ',', '。', ';', '；']).any(|c| {
+            let c = c.trim_start();
+            words.subjects.begins_with_ego(c) || words.subjects.begins_with_own_system(c)
+        })
     };
     let meanings: Vec<Meaning<'_>> =
         (0..facts.len()).map(|k| Meaning::of(text(k), &facts[k], words, background)).collect();
@@ -68,8 +71,9 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
         groups[i].meets(groups[j])
             && of_ego(i) == of_ego(j)
             && (introduced_twice((text(i), &facts[i]), (text(j), &facts[j]), words)
-                || adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words, background)
-                || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words, background)
+                || meanings[i].may_repeat(&meanings[j])
+                    && (adds_nothing((text(i), &facts[i]), (text(j), &facts[j]), words, background)
+                        || adds_nothing((text(j), &facts[j]), (text(i), &facts[i]), words, background))
                 || meanings[i].is_same(&meanings[j], words))
     };
     let by_facts = (1..facts.len()).any(|i| (0..i).any(|j| same_facts(i, j)));
@@ -346,7 +350,9 @@ fn is_alike(a: &Pieces, b: &Pieces) -> bool {
         all
     };
     let (least_concepts, part_concepts) = if a.is_latin { CONCEPTS_LATIN } else { CONCEPTS_CHINESE };
-    let same_things = a.named.iter().any(|n| b.named.iter().any(|m| m.0 == n.0));
+    let (few, many) = if a.named.len() <= b.named.len() { (a, b) } else { (b, a) };
+    let same_things =
+        !few.named.is_empty() && few.named.iter().all(|n| many.named.iter().any(|m| m.0 == n.0));
     (same_things && share(&concepts(a), &concepts(b), least_concepts, part_concepts))
         || share(&a.pairs, &b.pairs, 5, ALIKE)
         || share(&a.units, &b.units, least, part)

@@ -115,6 +115,16 @@ impl<'t> Meaning<'t> {
             && numbers(shorter).iter().all(|q| given(&longer, q))
     }
 
+    /// Neither speaks of another one of a kind, nor has each of them concepts of its own and none in common.
+    pub fn may_repeat(&self, other: &Self) -> bool {
+        /// Minimum number of a component's own concepts.
+        const OWN: u32 = 2;
+        let common = self.concepts.only(other.concepts).count();
+        let own = |m: &Self| m.concepts.count() - common;
+        let differ = common == 0 && own(self) >= OWN && own(other) >= OWN;
+        !differ && !self.of_another && !other.of_another
+    }
+
     /// Amount of content, apart from places and distances.
     fn size(&self) -> u32 {
         self.concepts.count()

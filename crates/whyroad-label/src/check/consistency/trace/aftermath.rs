@@ -69,6 +69,10 @@ pub(in crate::check::consistency) fn find(
         }
         None => return None,
     };
+    // What is told before the ego's own words for the decision was visible then: the earlier mention was of something
+    // else ("the light lets us go, ... I let off the brake and move off").
+    let tells = |m: &&Mention| m.by_ego && matches!(m.force, Force::Asserted | Force::Doubtful);
+    let last = deciding().filter(tells).last().map_or(0, |m| m.start);
     // A trace in the past tense has its decision in the past tense, too.
     let in_past = stated.is_some_and(|m| is_past(&text[m.start..m.end], words));
     let stops = stated.is_some_and(|m| resumes(m) == Some(false));
@@ -96,7 +100,9 @@ pub(in crate::check::consistency) fn find(
             break;
         }
         match told(clause, start, texts, words, own_decision, in_past) {
-            Told::Event(from, to) if !because => return Some((start + from, start + to)),
+            Told::Event(from, to, sure) if !because && (sure || last < end) => {
+                return Some((start + from, start + to));
+            }
             Told::Exempt => because |= words.clauses.reason.iter().any(|w| clause.contains(w.as_str())),
             _ => {}
         }
@@ -153,6 +159,10 @@ pub(in crate::check::consistency) fn done(
         words.aftermath.trace_hits(&texts.units, from..until, |tell, a, b| {
             exempt |= tell == TellWord::Exempt && !(a >= start && b <= to);
         });
+        // "Moving over hinders nobody either".
+        if text[to..].starts_with('不') {
+            return false;
+        }
         // "It hardly moved for a while, and now it does": before the keyframe.
         let now = words.aftermath.is_now(&text[to..]);
         !exempt && !now
@@ -164,8 +174,8 @@ pub(in crate::check::consistency) fn done(
 enum Told {
     Nothing,
     Exempt,
-    /// Bytes of the clause.
-    Event(usize, usize),
+    /// Bytes of the clause; true: an outcome, also before a decision.
+    Event(usize, usize, bool),
 }
 
 fn told(
@@ -197,14 +207,14 @@ fn told(
         }
         out = match tell {
             TellWord::Exempt => Told::Exempt,
-            TellWord::Outcome => Told::Event(start, end),
-            TellWord::Past if !(own_decision && in_past) => Told::Event(start, end),
+            TellWord::Outcome => Told::Event(start, end, true),
+            TellWord::Past if !(own_decision && in_past) => Told::Event(start, end, false),
             // The next action that the ego intends is its plan: "then goes back to its lane".
             TellWord::Event if !own_decision && (!is_sequel(&clause[start..end]) || others_act(clause)) => {
-                Told::Event(start, end)
+                Told::Event(start, end, false)
             }
             TellWord::PastOfSubject if !(own_decision && in_past) && somebody_acts(start, end) => {
-                Told::Event(start, end)
+                Told::Event(start, end, false)
             }
             _ => Told::Nothing,
         };
@@ -219,7 +229,7 @@ fn told(
         at = end + 1;
         let past = word.len() >= 5 && word.ends_with("ed") && !word.ends_with("eed");
         if past && !ends.contains(&(start, end)) && somebody_acts(start, end) {
-            return Told::Event(start, end);
+            return Told::Event(start, end, false);
         }
     }
     out
