@@ -46,6 +46,10 @@ MODEL = {
     "KraussFirm": 'carFollowModel="Krauss" sigma="0.25" tau="0.95" decel="4.2" lcAssertive="1.6" lcSpeedGain="2.5" lcCooperative="0.7" speedFactor="normc(1.02,0.12,0.75,1.3)"',
     "EIDM7": 'carFollowModel="EIDM" tau="1.15" accel="2.1" decel="3.2" treaction="0.35" tpreview="3.5" startupDelay="0.4" lcStrategic="1.5" lcSpeedGain="1.8" lcMaxSpeedLatStanding="0" lcMaxSpeedLatFactor="0.25" speedFactor="normc(1.05,0.09,0.85,1.3)"',
     "KraussLane": 'carFollowModel="KraussPS" sigma="0.35" tau="1.05" decel="5.2" jmTimegapMinor="1.2" jmStoplineGap="0.8" impatience="0.1" speedFactor="normc(1.0,0.09,0.8,1.25)"',
+    "KraussBrisk": 'carFollowModel="Krauss" sigma="0.2" tau="1.05" accel="2.7" decel="4.4" jmTimegapMinor="1.0" jmStoplineGap="1.2" lcStrategic="1.3" lcSpeedGain="1.5" speedFactor="normc(1.03,0.09,0.82,1.28)"',
+    "IDM10": 'carFollowModel="IDM" delta="4.5" tau="1.25" sigma="0" lcAssertive="1.5" lcSpeedGain="2.2" lcCooperative="0.8" lcKeepRight="0.8" speedFactor="normc(1.0,0.14,0.75,1.25)"',
+    "KraussDense": 'carFollowModel="KraussPS" sigma="0.2" tau="1.0" decel="3.6" actionStepLength="0.4" lcAssertive="1.8" lcSpeedGain="2.5" lcCooperative="0.6" speedFactor="normc(1.0,0.14,0.72,1.32)"',
+    "EIDM8": 'carFollowModel="EIDM" tau="1.25" accel="2.0" decel="3.0" treaction="0.45" tpreview="3" ccoolness="0.95" startupDelay="0.4" jmTimegapMinor="0.9" speedFactor="normc(0.98,0.1,0.78,1.25)"',
     "IDM9": 'carFollowModel="IDM" delta="3.5" tau="1.1" sigma="0" lcAssertive="2" lcSpeedGain="3" lcCooperative="0.5" actionStepLength="0.4" speedFactor="normc(0.99,0.15,0.72,1.3)"',
 }
 
@@ -64,7 +68,8 @@ def types(model, lateral):
         f'<vType id="truck" vClass="truck" length="13.5" width="2.5" minGap="3" tau="1.5" accel="1.0" decel="3.2" maxSpeed="24" {follow}{side}/>',
         f'<vType id="coach" vClass="bus" length="12" width="2.5" minGap="3" tau="1.4" accel="1.2" decel="3.5" maxSpeed="23" {follow}{side}/>',
         f'<vType id="cycle" vClass="bicycle" length="1.7" width="0.6" minGap="0.8" maxSpeed="5.0"{side}/>',
-        *([f'<vType id="moto" vClass="motorcycle" length="2.2" width="0.9" minGap="1.5" accel="4" decel="6" speedFactor="normc(1.1,0.1,0.9,1.4)" {follow}{side}/>'] if more else []),
+        *([f'<vType id="moto" vClass="motorcycle" length="2.2" width="0.9" minGap="1.5" accel="4" decel="6" speedFactor="normc(1.1,0.1,0.9,1.4)" {follow}{side}/>'] if "moto" in more else []),
+        *(['<vType id="tram" vClass="tram" length="32" width="2.4" minGap="3" accel="1.1" decel="2.4" maxSpeed="14" speedFactor="1"/>'] if "tram" in more else []),
         '<vType id="walker" vClass="pedestrian" length="0.4" width="0.5" speedFactor="normc(1.0,0.12,0.7,1.3)"/>',
     ]]
 
@@ -117,8 +122,11 @@ def trips(draw, net, model, seconds, rate, people, egos):
             start, end = draw.sample(starts, 2)[0], draw.choice(ends)
             stop = f'<stop lane="{start}_0" endPos="{0.7 * net.getEdge(start).getLength():.0f}" duration="9"/>' if net.getEdge(start).getLane(0).allows("bus") else ""
             rows.append((i * 25 + 4, f'<trip id="b{i}" type="coach" depart="{i * 25 + 4}" from="{start}" to="{end}">{stop}</trip>'))
+        barred = any(e.allows("passenger") and not e.allows("bicycle") for e in net.getEdges())
         for i in range(int(seconds / 14)):
             start, end = draw.choice(starts), draw.choice(ends)
+            if barred and net.getShortestPath(net.getEdge(start), net.getEdge(end), vClass="bicycle")[0] is None:
+                continue
             rows.append((i * 14 + 2, f'<trip id="k{i}" type="cycle" depart="{i * 14 + 2}" from="{start}" to="{end}"/>'))
     walks = sorted(e.getID() for e in net.getEdges() if people and e.allows("pedestrian") and not e.getFunction())
     for i in range(int(seconds * people)):

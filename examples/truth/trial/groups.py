@@ -29,6 +29,7 @@ from networks_local import ring_motorway, school, suburb, two_banks
 from networks_mixed import lit_grid, parked, spokes, weaving
 from networks_outskirts import contraflow, crossings, hamlet, viaduct
 from networks_planned import arterial, collector, estate, one_way_blocks
+from networks_regional import gyratory, terminus, tramway, upland
 from networks_seaside import coast, docks, expressway, market
 from networks_shaped import ladder, oval, parting, river_town
 
@@ -126,6 +127,12 @@ SETS = {
         "hamlet": (hamlet, 13013, 280, 0.05, "KraussLane+moto", 2.5, 0.45, 0),
         "contraflow": (contraflow, 13009, 220, 0.2, "IDM9", 4.5, 1.5, 0),
     },
+    "held13": {
+        "tramway": (tramway, 14009, 280, 0.1, "KraussBrisk+moto+tram", 2.8, 0.42, 0.1),
+        "gyratory": (gyratory, 14011, 240, 0.1, "IDM10", 3.3, 0.72, 0),
+        "terminus": (terminus, 14029, 230, 0.2, "KraussDense", 4, 1.15, 0),
+        "upland": (upland, 14033, 320, 0.05, "EIDM8+moto", "sublane", 0.24, 0.06),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -148,4 +155,6 @@ NOISE = {
     "held11/coast": (0.05, 0.2, 0.3, 1.6, 0.04),
     "held12/viaduct": (0.07, 0.16, 0.22, 1.3, 0.05),
     "held12/crossings": (0.1, 0.07, 0.28, 0.7, 0.03),
+    "held13/gyratory": (0.05, 0.14, 0.24, 0.9, 0.06),
+    "held13/upland": (0.09, 0.09, 0.16, 1.4, 0.04),
 }
