@@ -46,9 +46,9 @@ MODEL = {
     "KraussFirm": 'carFollowModel="Krauss" sigma="0.25" tau="0.95" decel="4.2" lcAssertive="1.6" lcSpeedGain="2.5" lcCooperative="0.7" speedFactor="normc(1.02,0.12,0.75,1.3)"',
     "EIDM7": 'carFollowModel="EIDM" tau="1.15" accel="2.1" decel="3.2" treaction="0.35" tpreview="3.5" startupDelay="0.4" lcStrategic="1.5" lcSpeedGain="1.8" lcMaxSpeedLatStanding="0" lcMaxSpeedLatFactor="0.25" speedFactor="normc(1.05,0.09,0.85,1.3)"',
     "KraussLane": 'carFollowModel="KraussPS" sigma="0.35" tau="1.05" decel="5.2" jmTimegapMinor="1.2" jmStoplineGap="0.8" impatience="0.1" speedFactor="normc(1.0,0.09,0.8,1.25)"',
-    "KraussBrisk": 'carFollowModel="Krauss" sigma="0.2" tau="1.05" accel="2.7" decel="4.4" jmTimegapMinor="1.0" jmStoplineGap="1.2" lcStrategic="1.3" lcSpeedGain="1.5" speedFactor="normc(1.03,0.09,0.82,1.28)"',
+    "KraussBrisk": 'carFollowModel="Krauss" sigma="0.2" tau="1.05" accel="2.7" decel="3.0" jmTimegapMinor="1.0" jmStoplineGap="1.2" lcStrategic="1.3" lcSpeedGain="1.5" speedFactor="normc(1.03,0.09,0.82,1.28)"',
     "IDM10": 'carFollowModel="IDM" delta="4.5" tau="1.25" sigma="0" lcAssertive="1.5" lcSpeedGain="2.2" lcCooperative="0.8" lcKeepRight="0.8" speedFactor="normc(1.0,0.14,0.75,1.25)"',
-    "KraussDense": 'carFollowModel="KraussPS" sigma="0.2" tau="1.0" decel="3.6" actionStepLength="0.4" lcAssertive="1.8" lcSpeedGain="2.5" lcCooperative="0.6" speedFactor="normc(1.0,0.14,0.72,1.32)"',
+    "KraussDense": 'carFollowModel="Krauss" sigma="0.2" tau="1.0" decel="3.6" lcAssertive="1.8" lcSpeedGain="2.5" lcCooperative="0.6" speedFactor="normc(1.0,0.14,0.72,1.32)"',
     "EIDM8": 'carFollowModel="EIDM" tau="1.25" accel="2.0" decel="3.0" treaction="0.45" tpreview="3" ccoolness="0.95" startupDelay="0.4" jmTimegapMinor="0.9" speedFactor="normc(0.98,0.1,0.78,1.25)"',
     "IDM9": 'carFollowModel="IDM" delta="3.5" tau="1.1" sigma="0" lcAssertive="2" lcSpeedGain="3" lcCooperative="0.5" actionStepLength="0.4" speedFactor="normc(0.99,0.15,0.72,1.3)"',
 }

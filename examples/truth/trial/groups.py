@@ -128,10 +128,10 @@ SETS = {
         "contraflow": (contraflow, 13009, 220, 0.2, "IDM9", 4.5, 1.5, 0),
     },
     "held13": {
-        "tramway": (tramway, 14009, 280, 0.1, "KraussBrisk+moto+tram", 2.8, 0.42, 0.1),
+        "tramway": (tramway, 14009, 280, 0.1, "EIDM8+moto+tram", 2.8, 0.42, 0.1),
         "gyratory": (gyratory, 14011, 240, 0.1, "IDM10", 3.3, 0.72, 0),
         "terminus": (terminus, 14029, 230, 0.2, "KraussDense", 4, 1.15, 0),
-        "upland": (upland, 14033, 320, 0.05, "EIDM8+moto", "sublane", 0.24, 0.06),
+        "upland": (upland, 14033, 320, 0.05, "KraussBrisk+moto", "sublane", 0.24, 0.06),
     },
 }
 

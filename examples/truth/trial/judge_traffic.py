@@ -31,6 +31,15 @@ def stood(rows, least=5):
     return [(a, b) for a, b in spans([k for k, o in rows.items() if o.v < 0.3], gap=5) if b - a >= least]
 
 
+def beside(w, ego, name, k):
+    """Whether who stands before the ego is on a lane beside the one by which the ego goes on along the same road: its rear
+    is still in the ego's way, and the ego follows it nowhere.
+    """
+    edge = lambda lane: lane.rsplit("_", 1)[0]
+    its, own = w.rows[name].get(k), {w.rows[ego][u].lane for u in range(k, k + 600) if u in w.rows[ego]}
+    return its is not None and its.lane not in own and edge(its.lane) in {edge(lane) for lane in own}
+
+
 def following(w, ego, lead):
     rows = w.rows[ego]
     motor = {k: v for k, v in lead.items() if w.kind(v[0]) != "bicycle"}
@@ -54,7 +63,7 @@ def following(w, ego, lead):
         if at is None or a - 30 not in rows:
             continue
         name, gap = at
-        its = w.rows[name]
+        its, aside = w.rows[name], beside(w, ego, name, a)
         halted = next((s for s in stood(its, 3) if s[0] <= a + 40 and s[1] >= a), None)
         fast = max(rows[k].v for k in range(a - 100, a) if k in rows)
         if halted and fast > 1.5:
@@ -68,7 +77,7 @@ def following(w, ego, lead):
                     h = next((k for k in range(h, a) if k in rows and ttc(k) < 5), h)
             hard = min((its[k].a for k in range(halted[0] - 60, halted[0]) if k in its), default=0)
             changed = any(c.k > a - 50 and c.k < a + 10 for c in w.changes[name] + w.changes[ego])
-            yield w.entry(F + "follow_stop", ego, h - 20, h, a + 10, name, optional=gap > 13 or hard < -2.7 or inside(a) or fast < 4 or changed or b - a < 10 or not rests(a, b))
+            yield w.entry(F + "follow_stop", ego, h - 20, h, a + 10, name, optional=aside or gap > 13 or hard < -2.7 or inside(a) or fast < 4 or changed or b - a < 10 or not rests(a, b))
         elif min((its[k].v for k in range(a - 40, a + 41) if k in its), default=9) < 1 and max(rows[k].v for k in range(a - 300, a + 1) if k in rows) > 1.5:
             # Drivers that crawl up to a lead and never come quite to rest, or behind one that does not: when it stops is open.
             for least in (2, 0.3):
@@ -80,7 +89,7 @@ def following(w, ego, lead):
         went = any(rows[k].v > 2 for k in range(b, b + 60) if k in rows)
         if starts is not None and b - a >= 8 and went:
             yield w.entry(F + "follow_start", ego, starts, starts, b + 30, name,
-                          optional=gap > 13 or inside(a) or b - starts > 45 or b < starts or b - a < 13 or released(w, ego, starts) or starts - 10 < a or not rests(a, b))
+                          optional=aside or gap > 13 or inside(a) or b - starts > 45 or b < starts or b - a < 13 or released(w, ego, starts) or starts - 10 < a or not rests(a, b))
 
 
 def released(w, ego, k):

@@ -73,6 +73,8 @@ def tramway(work, draw):
     for a, n, b in (("w", "a", "b"), ("a", "b", "c"), ("b", "c", "d"), ("c", "d", "e")):
         links += [link(f"t{a}{n}", f"t{n}{b}", 0, 0), link(f"t{b}{n}", f"t{n}{a}", 0, 0)]
     links += [link("tcd", "ddn", 0, 0), link("dnd", "tdc", 0, 0), *(link("dnd", to, 0, lane) for to, lane in (("dc", 0), ("ddz", 0), ("de", 1)))]
+    # Nobody turns round at the lights.
+    links += [f'<delete from="{a}.-65" to="{b}"/>' for a, b in (("wa", "aw"), ("ba", "ag"), ("gb", "ba"), ("cb", "bc"), ("cd", "dc"), ("jd", "de"))]
     links += ahead("bc", "cd", (0, 0), (1, 1)) + ahead("dc", "cb", (0, 0), (1, 1))
     links.append('<crossing node="c" edges="bc tbc tcb cb" width="5"/>')
     document(work / "con.xml", "connections", links)
@@ -217,7 +219,7 @@ def terminus(work, draw):
         nodes.append(five(n, 20, 20))
     for n in ("l1", "l2", "l3", "l4"):
         nodes.append(node(n, x[n], bow(x[n]) - 14.2))
-    nodes += [node("m0", x["m0"], bow(x["m0"]) - 6), drawn(node("g1", x["g1"], bow(x["g1"]) - 6, "zipper"), x["g1"], bow(x["g1"]) - 6, tilt(x["g1"]), 22, 22, 16.2, 0.2), node("g2", x["g2"], bow(x["g2"]) - 2.8)]
+    nodes += [node("m0", x["m0"], bow(x["m0"]) - 6), drawn(node("g1", x["g1"], bow(x["g1"]) - 6, "zipper"), x["g1"], bow(x["g1"]) - 6, tilt(x["g1"]), 22, 22, 16.2, 0.2), drawn(node("g2", x["g2"], bow(x["g2"]) - 2.8), x["g2"], bow(x["g2"]) - 2.8, tilt(x["g2"]), 8, 8, 16.3, 0.2)]
     nodes += [node(n, x[n], bow(x[n]), "traffic_light") for n in "tu"] + [node("v", x["v"], bow(x["v"]))]
     along("M", -1, 6, (("m0", 5, fast), ("m1", 0, 0)))
     along("N", -1, 6, (("j1", 5, mid), ("m2", 0, 0)))
@@ -357,8 +359,8 @@ def upland(work, draw):
     document(work / "works.add.xml", "additional", rows)
     (work / "parked.txt").write_text("\n".join([
         '<flow id="post" type="coach" begin="0" period="105" number="3" from="wx" to="zyw"><stop edge="vn" endPos="80" duration="10"/></flow>', '<flow id="tour" type="coach" begin="0" period="90" number="3" from="yez" to="xw"/>',
-        '<flow id="timber" type="truck" begin="0" period="80" number="3" from="alpal" to="xw" speedFactor="0.6"/>', '<flow id="milk" type="truck" begin="0" period="95" number="3" from="kek" to="zye" speedFactor="0.55"/>',
+        '<flow id="timber" type="van" begin="0" period="80" number="3" from="alpal" to="xw" speedFactor="0.6"/>', '<flow id="milk" type="truck" begin="0" period="95" number="3" from="kek" to="zye" speedFactor="0.55"/>',
         *(f'<flow id="over{i}" type="{kind}" begin="0" period="{p}" number="{int(300 / p)}" from="{a}" to="{b}"/>' for i, (kind, a, b, p) in enumerate((
-            ("car", "wx", "zye", 61), ("car", "ywz", "xw", 57), ("moto", "yez", "xw", 73), ("moto", "wx", "plot", 71), ("van", "kek", "xw", 47), ("car", "lotp", "kke", 79), ("car", "yez", "zyw", 19), ("truck", "ywz", "zye", 41), ("car", "knk", "xw", 53), ("car", "wx", "kke", 71)))),
+            ("car", "wx", "zye", 83), ("car", "ywz", "xw", 57), ("moto", "yez", "xw", 73), ("moto", "wx", "plot", 97), ("van", "kek", "xw", 47), ("car", "lotp", "kke", 79), ("car", "yez", "zyw", 19), ("truck", "ywz", "zye", 41), ("car", "knk", "xw", 53), ("car", "wx", "kke", 71)))),
         *(f'<flow id="rider{a}" type="cycle" begin="0" period="{p}" number="{int(250 / p)}" from="{a}" to="{b}"/>' for a, b, p in (("wnxn", "kke", 77), ("knk", "xw", 43)))]))
-    return ["--no-turnarounds", "--default.junctions.radius", 6, "--junctions.corner-detail", 5, "--sidewalks.guess", "--sidewalks.guess.max-speed", 12, "--sidewalks.guess.exclude", ",".join(a + b for s, e, *_ in shapes[1:] for a, b in ((s, e), (e, s))), "--crossings.guess"]
+    return ["--no-turnarounds", "--default.junctions.radius", 8, "--junctions.corner-detail", 5, "--sidewalks.guess", "--sidewalks.guess.max-speed", 12, "--sidewalks.guess.exclude", ",".join(a + b for s, e, *_ in shapes[1:] for a, b in ((s, e), (e, s))), "--crossings.guess"]
