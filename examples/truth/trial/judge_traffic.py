@@ -56,7 +56,9 @@ def following(w, ego, lead):
         for first, _ in [(a, b), *(h for h in halts if a < h[0] < b)]:
             yield w.entry(F + "stop_and_go", ego, first, first, b, optional=True)
     for a, b, n in stretches:
-        yield w.entry(F + "stop_and_go", ego, a, a, b, optional=n < 3 or not all(rests(*h) for h in halts if a <= h[0] <= b) or max(rows[k].v for k in range(a, b) if k in rows) < 1.5)
+        # The limit between stops is 30 km/h (8.33 m/s); close to it the entry is open.
+        fastest = max(rows[k].v for k in range(a, b) if k in rows)
+        yield w.entry(F + "stop_and_go", ego, a, a, b, optional=n < 3 or not all(rests(*h) for h in halts if a <= h[0] <= b) or not 1.5 <= fastest < 8.2)
     inside = lambda k: any(a - 100 <= k <= b + 60 for a, b, n in stretches)
     for a, b in halts:
         at = behind(a, 18)
