@@ -350,6 +350,12 @@ fn a_roundabout() {
     assert_eq!((t.ego_flag("map.in_roundabout", 88), t.ego_flag("map.in_roundabout", 93)), (False, True));
     assert_eq!((t.ego_flag("map.in_roundabout", 130), t.ego("map.distance_to_roundabout", 130)), (True, 0.0));
     assert_eq!((t.ego("map.roundabout_lanes", 40), t.ego("map.roundabout_lanes", 130)), (2.0, 2.0));
+    // One that lies above the ego's road is not on its way: the levels of an interchange are at least 5 m apart.
+    for corner in &mut d.map.as_mut().unwrap().facilities[0].boundary {
+        corner.z = 6.5;
+    }
+    let t = Table::of(&d);
+    assert_eq!((t.ego_flag("map.in_roundabout", 130), t.ego("map.roundabout_lanes", 130)), (False, 0.0));
 }
 
 #[test]
