@@ -92,6 +92,7 @@ impl Hand {
 }
 
 fn main() {
+    whyroad_server::memory::limit_arenas();
     let seconds = argument("--seconds", 30);
     let (annotators, dashboards, tasks) =
         (argument("--annotators", 200), argument("--dashboards", 20), argument("--tasks", 2000).max(200));

@@ -9,6 +9,7 @@ pub mod blur;
 pub mod domain;
 pub mod language_model;
 pub mod limits;
+pub mod memory;
 pub mod metrics;
 pub mod oidc;
 pub mod problem;

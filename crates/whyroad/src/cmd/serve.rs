@@ -71,6 +71,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    whyroad_server::memory::limit_arenas();
     let framework = store_args::framework(global)?;
     // Before any work: an address in use is the most common reason for a failed start.
     let listener = TcpListener::bind(args.listen).with_context(|| cannot_listen(args.listen))?;

@@ -101,6 +101,13 @@ fn figures_and_logs_of_a_service_name_nobody_and_its_port_has_no_api() {
     ] {
         assert!(text.lines().any(|l| l == line), "no {line}:\n{text}");
     }
+    // The process that was started serves, with the allocator's arenas limited: mallopt(3), M_ARENA_MAX.
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        let environment = fs::read(format!("/proc/{}/environ", service.child.id())).unwrap();
+        let mut all = environment.split(|b| *b == 0);
+        assert!(all.any(|v| v.starts_with(b"MALLOC_ARENA_MAX=")), "{}", String::from_utf8_lossy(&environment));
+    }
     // The format: a name, labels, a number; each name announced before.
     for line in text.lines().filter(|l| !l.starts_with('#')) {
         let (name, value) = line.rsplit_once(' ').unwrap();
