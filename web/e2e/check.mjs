@@ -62,6 +62,17 @@ async function accept(day) {
   assert.equal(await page.locator('[data-field="/coc_trace"] del').count(), 0);
   await checkAccessibility(page, "second check");
   await shot(day, page, "recheck");
+  // The key that led here does not accept, and no label is accepted before it was on screen for a while.
+  await page.reload();
+  const accept = page.locator('[data-action="accept"]');
+  await accept.waitFor();
+  assert.ok(await accept.isDisabled());
+  await page.keyboard.press("a");
+  await page.getByText("请先看标注：显示 3 秒后才能接受。").waitFor();
+  await page.keyboard.press("Control+Enter");
+  await page.getByText("Ctrl+Enter 不接受标注：看过之后按 A。").waitFor();
+  await page.locator('[data-action="accept"]:not(:disabled)').waitFor();
+  assert.equal(await page.locator('[data-action="next"]').count(), 0, "nothing was accepted");
   await page.keyboard.press("a");
   await page.locator('[data-action="next"]').waitFor();
 }

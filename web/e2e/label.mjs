@@ -19,13 +19,20 @@ async function open(day) {
   const task = page.getByRole("link", { name: "紧急Cutin" });
   await task.waitFor();
   await tabTo(page, task);
+  // Pressed before the scene is there, the key waits for it: taking the task needs no second press.
+  let arrive = () => {};
+  const arrived = new Promise((done) => (arrive = done));
+  await page.route("**/scene", (route) => arrived.then(() => route.continue()));
   await page.keyboard.press("Enter");
-  await page.locator("canvas").first().waitFor();
-  day.task = new URL(page.url()).pathname.split("/")[2];
-  const take = page.locator('[data-action="take"]');
-  await page.locator('[data-action="take"], [data-action="lock"]').waitFor();
-  if (await take.count()) await page.keyboard.press("Control+Enter");
+  await page.waitForURL("**/tasks/*");
+  await page.keyboard.press("Control+Enter");
+  await page.getByText("任务还在加载，Ctrl+Enter 尚未生效。").waitFor();
+  arrive();
   await page.locator('[data-action="lock"]').waitFor();
+  await page.unroute("**/scene");
+  await page.locator("canvas").first().waitFor();
+  assert.equal(await page.getByText("任务还在加载").count(), 0);
+  day.task = new URL(page.url()).pathname.split("/")[2];
 }
 
 /** Nothing after the keyframe is shown or even here: the player ends at it. */

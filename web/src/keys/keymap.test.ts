@@ -1,7 +1,7 @@
 // Shortcuts: no two actions share a key, and keys that type stay with text fields.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { actionIds, actionOf, actions, fieldKeeps, keyOf, bindingProblem, strokeName } from "./keymap.ts";
+import { actionIds, actionOf, actions, fieldKeeps, keyOf, bindingProblem, repeats, strokeName } from "./keymap.ts";
 
 const stroke = (key: string, mods: Partial<Record<"ctrlKey" | "altKey" | "shiftKey" | "metaKey", boolean>> = {}) =>
   strokeName({ key, ctrlKey: false, altKey: false, shiftKey: false, metaKey: false, ...mods });
@@ -35,6 +35,11 @@ test("choices keep their arrows, buttons their space, the page gives both to the
   assert.ok(fieldKeeps("button", "Space", "play"));
   assert.ok(!fieldKeeps("page", "Space", "play"));
   assert.ok(!fieldKeeps("choice", "C", "addComponent"));
+});
+
+test("a key that is held steps through frames, but does nothing to a task again", () => {
+  for (const action of ["forward", "back", "zoomIn"] as const) assert.ok(repeats(action), action);
+  for (const action of ["advance", "accept", "acceptField", "safe", "sendBack"] as const) assert.ok(!repeats(action), action);
 });
 
 test("a key can be moved, but not onto another action's, and a key for everywhere must not type", () => {

@@ -35,7 +35,7 @@ export const actions = {
   save: action("general", "立即保存", "Save now", "Ctrl+S", "always"),
   undo: action("general", "撤销", "Undo", "Ctrl+Z"),
   redo: action("general", "重做", "Redo", "Ctrl+Shift+Z"),
-  advance: action("task", "主按钮：领取、锁定、提交、接受、下一个", "Main button: take, lock, submit, accept, next", "Ctrl+Enter", "always"),
+  advance: action("task", "主按钮：领取、锁定、提交、下一个", "Main button: take, lock, submit, next", "Ctrl+Enter", "always"),
   acceptField: action("task", "采纳当前项的草稿，转到下一项", "Accept the draft of this field and go to the next", "Alt+A", "always"),
   safe: action("task", "合法且安全", "Legal and safe", "Y"),
   reject: action("task", "违法或不安全 / 剔除…", "Illegal or unsafe / reject…", "D"),
@@ -122,6 +122,14 @@ export function keyOf(action: ActionId, own: Bindings): string {
 
 export function actionOf(stroke: string, own: Bindings): ActionId | null {
   return actionIds.find((a) => keyOf(a, own) === stroke) ?? null;
+}
+
+/**
+ * Does holding the key down repeat the action? Steps of the player do; what is done to a task is done once per press,
+ * so that a key that is held does not go on to the next field or task.
+ */
+export function repeats(action: ActionId): boolean {
+  return actions[action].group !== "task";
 }
 
 /** Kind of the focused element: it decides which strokes belong to it. */

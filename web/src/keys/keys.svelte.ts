@@ -1,5 +1,5 @@
 // Keyboard state: custom bindings (kept in this browser), and the handlers of the current screen.
-import { actionOf, fieldKeeps, type ActionId, type Bindings, type Focus, keyOf, strokeName } from "./keymap.ts";
+import { actionOf, fieldKeeps, type ActionId, type Bindings, type Focus, keyOf, repeats, strokeName } from "./keymap.ts";
 
 const KEY = "whyroad.keys";
 
@@ -65,5 +65,5 @@ export function onKeydown(e: KeyboardEvent): void {
   const handler = stack.findLast((h) => h[action])?.[action];
   if (!handler) return;
   e.preventDefault();
-  handler();
+  if (!e.repeat || repeats(action)) handler();
 }

@@ -94,6 +94,8 @@ export const labelTexts = {
   "stage.release": ["退回队列", "Release"],
   "stage.reason": ["原因", "Reason"],
   "stage.take": ["领取此任务", "Take this task"],
+  "stage.early": ["任务还在加载，{key} 尚未生效。", "The task is still loading: {key} has no effect yet."],
+  "stage.was_early": ["未执行“{action}”：按 {key} 时任务还没有显示。请看过之后再按。", "“{action}” was not done: the task was not shown when {key} was pressed. Read it, then press again."],
   "stage.finished": ["只读：此任务{state}。", "Read-only: this task is {state}."],
   "stage.returned": ["已退回：等待标注员修改。", "Returned: it waits for its annotator."],
   "stage.chosen": ["只读：裁决采用了这一份。", "Read-only: the adjudication uses this label."],
@@ -277,6 +279,8 @@ export const labelTexts = {
   "stage.reopen": ["重新打开", "Reopen"],
 
   "check.accept": ["接受", "Accept"],
+  "check.accept_key": ["{key} 不接受标注：看过之后按 {accept}。", "{key} does not accept a label: read it, then press {accept}."],
+  "check.read_first": ["请先看标注：显示 {s} 秒后才能接受。", "Read the label first: it can be accepted after {s} s on screen."],
   "check.send_back": ["退回", "Return for rework"],
   "check.comment": ["对“{field}”的意见", "Comment on “{field}”"],
   "check.comment_add": ["写意见", "Comment"],
