@@ -126,8 +126,21 @@ async function stageTwo(day) {
   await choose(page, "longitudinal", "yield_to_agent");
   await page.keyboard.press("Alt+a");
   await page.keyboard.press("Escape");
+  // The direction of a lateral decision has a key of its own; without a direction it leads to the decision.
+  const at = (group) => page.waitForFunction((g) => document.activeElement?.closest(`[data-choices=${g}]`), group);
+  await page.keyboard.press("9");
+  await at("lateral");
+  await choose(page, "lateral", "lane_change");
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("9");
+  await at("direction");
+  await page.keyboard.press("2");
+  assert.ok(await page.locator('[data-choices=direction] input[value="right"]').isChecked());
+  // One key led on; the decision is corrected, and so its direction is gone.
+  await page.keyboard.press("Escape");
   await page.keyboard.press("3");
   await choose(page, "lateral", "null");
+  assert.equal(await page.locator("[data-choices=direction]").count(), 0);
   await page.keyboard.press("Alt+a");
   await page.keyboard.press("Escape");
   await page.keyboard.press("4");

@@ -79,6 +79,7 @@ export const actions = {
   toComponents: action("go", "关键要素", "Critical components", "1"),
   toLongitudinal: action("go", "纵向决策", "Longitudinal decision", "2"),
   toLateral: action("go", "横向决策", "Lateral decision", "3"),
+  toDirection: action("go", "横向决策的方向", "Direction of the lateral decision", "9"),
   toCauses: action("go", "原因", "Causes", "4"),
   toTrace: action("go", "因果描述", "Causal trace", "5"),
   toRecords: action("go", "必填记录", "Required records", "6"),

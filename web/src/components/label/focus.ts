@@ -24,6 +24,12 @@ export function toSection(id: string, within?: string): void {
   if (!enter(within ? section?.querySelector(within) : section)) header?.focus();
 }
 
+/** Focuses the direction of the lateral decision; where that decision has none, the decision. */
+export function toDirection(): void {
+  const has = document.querySelector("[data-choices=direction]") !== null;
+  toSection("decisions", has ? "[data-choices=direction]" : "[data-choices=lateral]");
+}
+
 /** Focuses the field at a JSON pointer, or the nearest field around it. */
 export function toField(pointer: string): void {
   for (let at = pointer; at !== ""; at = at.slice(0, at.lastIndexOf("/"))) {

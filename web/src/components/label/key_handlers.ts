@@ -7,7 +7,7 @@ import { nextCamera } from "../../scene/cameras.ts";
 import { trackPose } from "../../scene/motion.ts";
 import { objectsAt } from "../../scene/objects.ts";
 import { tick } from "svelte";
-import { toField, toSection } from "./focus.ts";
+import { toDirection, toField, toSection } from "./focus.ts";
 import { saveViewSettings, viewSettings } from "./view_settings.svelte.ts";
 import { undo, redo } from "./undo_actions.ts";
 
@@ -134,6 +134,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     toComponents: () => toSection("components"),
     toLongitudinal: () => toSection("decisions", "[data-choices=longitudinal]"),
     toLateral: () => toSection("decisions", "[data-choices=lateral]"),
+    toDirection: () => toDirection(),
     toCauses: () => toSection("causes"),
     toTrace: () => toSection("trace"),
     toRecords: () => toSection("records"),
