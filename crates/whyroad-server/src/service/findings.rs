@@ -3,7 +3,7 @@
 
 use crate::app::App;
 use crate::domain::task::Finding;
-use crate::domain::workflow::Stage;
+use crate::domain::workflow::{Stage, State};
 use crate::service::tasks::{LabelView, TaskRow};
 use crate::service::visible;
 use serde_json::{Value, json};
@@ -36,9 +36,52 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
             if !known && (marked || drafted == Some(trace)) {
                 found.push(unwritten());
             }
+            if matches!(task.at.state, State::Stage1Locked | State::Stage2) {
+                found.iter_mut().for_each(|f| replace_frozen_hint(f, task.veiled));
+            }
             found
         }
     }
+}
+
+/// In Stage II components are locked until the label is returned: a hint that asks to change them states what can be
+/// done instead. With `veiled` their uncertainty can still be changed.
+fn replace_frozen_hint(f: &mut Finding, veiled: bool) {
+    if veiled && f.code == "label.uncertainty.missing" {
+        return;
+    }
+    let (zh, en) = match (f.code.as_str(), f.pointer.as_str()) {
+        ("label.trace.unnamed_object", _) => {
+            ("从因果描述中删去，或改说已列出的要素", "remove it from the trace, or name a listed component")
+        }
+        ("label.cause.kind", _) => {
+            ("关联另一个要素，或改决策", "link another component, or change the decision")
+        }
+        ("label.text.class", _) => {
+            ("改写因果描述；场景不符时问负责人", "rewrite the trace; ask the lead if the class does not fit")
+        }
+        ("label.cause.proximate", pointer::DRIVING_DECISION_LONGITUDINAL) => (
+            "停在前车之后是“跟车”；自车是头车时，不要关联前车",
+            "stopping behind a lead is lead following; where the ego is the first, do not link the lead",
+        ),
+        (_, at) if at.starts_with(pointer::CRITICAL_COMPONENTS) => {
+            ("改决策、关联的原因或因果描述", "change the decision, the linked causes or the trace")
+        }
+        _ => return,
+    };
+    let (then_zh, then_en) = if f.severity == "error" {
+        (
+            "必须改要素时，问负责人，或跳过并写明原因",
+            "to change one, ask the lead, or skip the task and state the reason",
+        )
+    } else {
+        (
+            "需要改要素时，写意见并提交，退回后可以改",
+            "to change one, comment and submit; it can be changed once the label is returned",
+        )
+    };
+    f.hint_zh = Some(format!("{zh}。要素已随阶段一锁定：{then_zh}"));
+    f.hint_en = Some(format!("{en}. Components are locked with Stage I: {then_en}"));
 }
 
 /// The trace that a rule drafted for the task; a person who has read a model's text may accept it. The checker
@@ -121,6 +164,42 @@ fn unwritten() -> Finding {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn found(code: &str, severity: &str, pointer: &str) -> Finding {
+        Finding {
+            code: code.to_owned(),
+            severity: severity.to_owned(),
+            pointer: pointer.to_owned(),
+            hint_zh: Some("补上该要素".to_owned()),
+            hint_en: Some("add it as a component".to_owned()),
+            ..unwritten()
+        }
+    }
+
+    #[test]
+    fn no_hint_of_stage_two_asks_for_a_component_that_cannot_be_added() {
+        let hint = |code: &str, severity: &str, pointer: &str, veiled: bool| {
+            let mut f = found(code, severity, pointer);
+            replace_frozen_hint(&mut f, veiled);
+            (f.hint_zh.unwrap(), f.hint_en.unwrap())
+        };
+        let (zh, en) = hint("label.trace.unnamed_object", "warning", "/coc_trace", false);
+        assert!(zh.starts_with("从因果描述中删去") && zh.contains("退回后可以改"), "{zh}");
+        assert!(
+            en.starts_with("remove it from the trace") && en.contains("once the label is returned"),
+            "{en}"
+        );
+        let (zh, en) = hint("label.object.class", "error", "/critical_components/0/description", false);
+        assert!(
+            zh.contains("问负责人") && en.contains("ask the lead, or skip"),
+            "an error cannot be submitted: {en}"
+        );
+        // Fields that Stage II can change keep the hint of the rule.
+        let kept = ("补上该要素".to_owned(), "add it as a component".to_owned());
+        assert_eq!(hint("label.trace.empty", "error", "/coc_trace", false), kept);
+        assert_eq!(hint("label.uncertainty.missing", "error", "/critical_components", true), kept);
+        assert_ne!(hint("label.uncertainty.missing", "error", "/critical_components", false), kept);
+    }
 
     #[test]
     fn only_what_a_rule_wrote_is_drafted() {
