@@ -151,6 +151,12 @@ export interface components {
             lost: components["schemas"]["LostEpisode"][];
             /** Format: uint32 */
             more: number;
+            /** Format: uint32 */
+            no_class: number;
+            /** Format: uint32 */
+            over_limit: number;
+            /** Format: uint32 */
+            secondary: number;
             tasks: string[];
         };
         Dashboard: {

@@ -31,14 +31,20 @@ pub struct CreateTasks {
 }
 
 /// Result of creating tasks.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Created {
     /// Ids of the new tasks.
     pub tasks: Vec<String>,
     /// Episodes that already had a task.
     pub known: u32,
-    /// Episodes beyond a limit, not primary, or of no class of the taxonomy.
+    /// Episodes that were not used: the sum of the next three.
     pub left_out: u32,
+    /// Of these, beyond a limit. Once the limit of tasks is reached, all others count here.
+    pub over_limit: u32,
+    /// Of these, secondary, where secondary episodes were not requested.
+    pub secondary: u32,
+    /// Of these, of no class of the taxonomy.
+    pub no_class: u32,
     /// Episodes without a usable drive, with the reason: the first hundred.
     pub lost: Vec<LostEpisode>,
     /// Further episodes without a usable drive.

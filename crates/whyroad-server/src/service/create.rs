@@ -66,7 +66,7 @@ pub fn create(
     if request.lang.as_deref().is_some_and(|l| l.parse::<Lang>().is_err()) {
         return Err(Problem::request("lang 须为 zh 或 en", "lang must be zh or en"));
     }
-    let mut out = Created { tasks: vec![], known: 0, left_out: 0, lost: vec![], more: 0 };
+    let mut out = Created::default();
     let mut by_leaf: BTreeMap<String, u32> = BTreeMap::new();
     let mut rows: Vec<TaskRow> = Vec::new();
     let mut chosen = 0;
@@ -77,14 +77,19 @@ pub fn create(
         let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
         if request.limit.is_some_and(|l| (chosen + 1) * overlap > i64::from(l)) {
             // The limit is reached: no further episode can be used, so none has to be read.
-            out.left_out += 1 + episodes.remaining()?;
+            out.over_limit += 1 + episodes.remaining()?;
             break;
         }
         let beyond = request.per_leaf.is_some_and(|l| *leaf >= l);
         // An episode without a class is for the owner of the framework, not for a label.
         let known_class = app.framework.taxonomy.contains(&episode.scenario_id);
-        if beyond || !known_class || !(episode.is_primary || request.secondary) {
-            out.left_out += 1;
+        let reason = match (known_class, episode.is_primary || request.secondary) {
+            (false, _) => Some(&mut out.no_class),
+            (true, false) => Some(&mut out.secondary),
+            (true, true) => beyond.then_some(&mut out.over_limit),
+        };
+        if let Some(count) = reason {
+            *count += 1;
             continue;
         }
         if is_known(app, &project.id, &episode.episode_id)? {
@@ -126,6 +131,7 @@ pub fn create(
         }
     }
     out.tasks.extend(put(app, rows, actor)?);
+    out.left_out = out.over_limit.saturating_add(out.secondary).saturating_add(out.no_class);
     Ok(out)
 }
 

@@ -110,7 +110,7 @@ pub fn tasks_come_from_mined_folders_within_limits(world: &World) {
     assert_eq!(ann.get("/mined").refusal(), (403, "access.denied".into()));
     let create = |body: Value| admin.post(&format!("/projects/{project}/tasks:create"), &body);
     let made = create(json!({ "mined": "week1", "limit": 1 })).fine();
-    assert_eq!((made["tasks"].as_array().unwrap().len(), &made["left_out"]), (1, &json!(1)));
+    assert_eq!((made["tasks"].as_array().unwrap().len(), &made["over_limit"]), (1, &json!(1)));
     let made = create(json!({ "mined": "week1" })).fine();
     assert_eq!((made["tasks"].as_array().unwrap().len(), &made["known"]), (1, &json!(1)));
     assert_eq!(create(json!({ "mined": "../etc" })).refusal().0, 404);
@@ -120,7 +120,14 @@ pub fn tasks_come_from_mined_folders_within_limits(world: &World) {
     let why = json!({ "zh": "行程不可用：没有这个行程", "en": "no such drive" });
     assert_eq!(made["lost"], json!([{ "episode": "gone_e1", "text": why }]));
     lost["scenario_id"] = json!("other");
-    assert_eq!(create(json!({ "episodes": [lost] })).fine()["left_out"], 1, "no class explains it");
+    let mut second = serde_json::to_value(crate::recorded::episode("drive2", 2, world.future)).unwrap();
+    second["is_primary"] = json!(false);
+    let left = create(json!({ "episodes": [lost, second], "per_leaf": 0 })).fine();
+    let reasons = ["left_out", "no_class", "secondary", "over_limit"].map(|reason| left[reason].clone());
+    assert_eq!(reasons, [json!(2), json!(1), json!(1), json!(0)], "each once, by its own reason");
+    let primary = crate::recorded::episode("drive2", 3, world.future);
+    let left = create(json!({ "episodes": [primary], "per_leaf": 0 })).fine();
+    assert_eq!((&left["left_out"], &left["over_limit"]), (&json!(1), &json!(1)));
 }
 
 #[test]

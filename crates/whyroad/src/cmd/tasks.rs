@@ -190,17 +190,21 @@ fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
         create::create(&app, &project, &request, None, Drafting::Now).map_err(|p| error(&p, global.lang))?;
     made.lost.iter().for_each(|l| say!("{}: {}", l.episode, l.text.get(global.lang)));
     let (new, known, left_out) = (made.tasks.len(), made.known, made.left_out);
+    let (limit, secondary, no_class) = (made.over_limit, made.secondary, made.no_class);
     let lost = made.lost.len() + made.more as usize;
     let counts = json!({
         "created": new, "already_present": known, "not_selected": left_out, "without_drive": lost,
+        "over_limit": limit, "secondary": secondary, "no_class": no_class,
     });
     a.print.put(&counts, || match global.lang {
-        Lang::Zh => format!("新建 {new} 个任务；已有 {known}，未选 {left_out}，行程缺失 {lost}\n"),
-        Lang::En => {
-            format!(
-                "{new} tasks created; {known} already present, {left_out} not selected, {lost} without a drive\n"
-            )
-        }
+        Lang::Zh => format!(
+            "新建 {new} 个任务；已有 {known}，未选 {left_out}（超出上限 {limit}，次场景 {secondary}，\
+             无场景可解释 {no_class}），行程缺失 {lost}\n"
+        ),
+        Lang::En => format!(
+            "{new} tasks created; {known} already present, {left_out} not selected ({limit} over a limit, \
+             {secondary} secondary, {no_class} of no class), {lost} without a drive\n"
+        ),
     })?;
     Ok(if lost > 0 { output::lost_input() } else { output::FINE })
 }

@@ -46,11 +46,13 @@ fn a_mined_folder_of_29_000_episodes_is_served_and_makes_tasks() {
     let body = json!({ "mined": "large", "limit": 12 });
     let made = admin.post(&format!("/projects/{project}/tasks:create"), &body).good();
     assert_eq!(made["tasks"].as_array().unwrap().len(), 12);
-    assert_eq!(made["left_out"], 29_000 - 12);
+    assert_eq!((&made["left_out"], &made["over_limit"]), (&json!(29_000 - 12), &json!(29_000 - 12)));
     drop(service);
     let (large, lake) = (at.join("large").display().to_string(), demo().join("lake").display().to_string());
     let line = format!("tasks create --from {large} --lake {lake} --project p --limit 3 --data other");
-    assert!(good(at, &line).starts_with("3 tasks created; 0 already present, 28997 not selected"));
+    assert!(good(at, &line).starts_with(
+        "3 tasks created; 0 already present, 28997 not selected (28997 over a limit, 0 secondary"
+    ));
 }
 
 #[test]
@@ -59,7 +61,8 @@ fn tasks_are_made_listed_exported_and_brought_in_again() {
     let at = dir.path();
     // The lake is the one beside the mined folder.
     let made = good(at, "tasks create --from DEMO/mined --project p --limit 6 --overlap 2 --priority 5");
-    assert_eq!(made, "6 tasks created; 0 already present, 5 not selected, 0 without a drive\n");
+    let reasons = made.strip_prefix("6 tasks created; 0 already present, 5 not selected (").unwrap();
+    assert!(reasons.ends_with(" 0 of no class), 0 without a drive\n"), "{made}");
     let again = good(at, "tasks create --from DEMO/mined --project p --limit 6 --overlap 2");
     assert!(again.contains("3 already present"), "{again}");
     assert_eq!(good(at, "tasks list").split("  ").next(), Some("p"));
