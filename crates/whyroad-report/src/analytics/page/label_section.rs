@@ -58,14 +58,20 @@ pub(super) fn progress(m: &mut Markup, a: &Analytics) {
         m.raw("</div>");
     }
     if !p.people.is_empty() {
-        m.raw("<table>");
+        m.raw("<p class=\"faint\">");
+        m.say(
+            "按标注人统计标注：返工后再次提交不另计。每个用户的操作次数见看板的“每日产出”。",
+            "Labels by author; a label submitted again after rework counts once. \
+             The dashboard counts the actions of each user.",
+        );
+        m.raw("</p><table>");
         head(
             m,
             &[
-                ("标注员", "author", Align::Text),
-                ("提交", "handed in", Align::Number),
-                ("已接受", "accepted", Align::Number),
-                ("被退回次数", "returns", Align::Number),
+                ("标注人", "author", Align::Text),
+                ("提交的标注", "labels submitted", Align::Number),
+                ("其中已接受", "of these accepted", Align::Number),
+                ("被退回次数", "times returned", Align::Number),
             ],
         );
         m.raw("<tbody>");
