@@ -1,7 +1,7 @@
 // Every screen in both languages, dark and light: axe finds nothing serious, nothing is wider than the window (also at
 // 200 %), and the language changes without a reload. Screenshots are taken on the way.
 import assert from "node:assert/strict";
-import { checkAccessibility, person, settled } from "./people.mjs";
+import { ask, checkAccessibility, person, settled } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
 const APPEARANCES = [
@@ -62,6 +62,40 @@ async function all(day) {
       await setAppearance(page, "zh", "light");
     }
   }
+}
+
+/** Moments without a class are a list of their own, and the filter outlives a reload and the way back. */
+async function episodes(day) {
+  const { page } = day.people.wang;
+  const mined = (await ask(page, "GET", "/mined")).items[0].name;
+  const count = async (query) => (await ask(page, "GET", `/projects/${day.project}/mined/${mined}/episodes?limit=1&${query}`)).total;
+  const [everything, unexplained] = [await count(""), await count("scenario=other")];
+  assert.ok(unexplained > 0 && unexplained < everything, `${unexplained} of ${everything} episodes have no class`);
+  await page.goto(`${day.service.url}/projects/${day.project}/episodes`);
+  await page.getByText(`${everything - unexplained} 个事件`, { exact: true }).waitFor();
+  const list = page.getByRole("list", { name: "事件" });
+  assert.equal(await list.getByText("无场景可解释").count(), 0);
+  await checkAccessibility(page, "episodes");
+  await shot(day, page, "episodes");
+  await page.getByLabel("场景").first().selectOption("other");
+  const apart = page.getByText(`${unexplained} 个事件`, { exact: true });
+  await apart.waitFor();
+  await page.getByLabel("只看未判定的").check();
+  await shot(day, page, "episodes-other");
+  const address = page.url();
+  assert.match(address, /\/episodes\?scenario=other&unjudged=true$/);
+  const kept = async () => {
+    await apart.waitFor();
+    assert.equal(page.url(), address);
+    assert.equal(await page.getByLabel("场景").first().inputValue(), "other");
+    assert.ok(await page.getByLabel("只看未判定的").isChecked());
+  };
+  await page.reload();
+  await kept();
+  await page.getByRole("link", { name: "看板" }).click();
+  await page.getByRole("heading", { name: "看板" }).waitFor();
+  await page.goBack();
+  await kept();
 }
 
 /** 200 % of a window of 1280 x 800 leaves 640 x 400. */
@@ -185,6 +219,7 @@ export const screens = [
   ["the sign-in follows the browser's language and appearance", door],
   ["the labelling screen while one works: both languages, dark and light", held],
   ["what people write is shown as text, never run as markup", markup],
+  ["the list of episodes keeps its filter; moments without a class are apart", episodes],
   ["every screen fits at 200 %", enlarged],
   ["a key is given to another action, a clash is refused", keys],
   ["an API token exports, and not after it was revoked", tokens],

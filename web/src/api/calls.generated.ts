@@ -94,7 +94,7 @@ export const getProjectMinedByMEpisode = (p: string | number, m: string | number
   call<T["MinedEpisode"]>("GET", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/episode${queryString(query)}`, undefined, options);
 
 /** GET /projects/{p}/mined/{m}/episodes */
-export const getProjectMinedByMEpisodes = (p: string | number, m: string | number, query: { scenario?: QueryValue; drive?: QueryValue; unjudged?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["EpisodeCards"]> =>
+export const getProjectMinedByMEpisodes = (p: string | number, m: string | number, query: { scenario?: QueryValue; drive?: QueryValue; unjudged?: QueryValue; explained?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["EpisodeCards"]> =>
   call<T["EpisodeCards"]>("GET", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/episodes${queryString(query)}`, undefined, options);
 
 /** GET /projects/{p}/mined/{m}/media/{camera}/{index} */

@@ -410,6 +410,7 @@ export const screenTexts = {
   "episodes.export_csv": ["导出判定 (CSV)", "Export verdicts (CSV)"],
   "episodes.unjudged": ["只看未判定的", "Without a verdict only"],
   "episodes.none": ["没有符合条件的事件。", "No matching episodes."],
+  "episodes.all_classes": ["全部场景", "all scenarios"],
   "episodes.other": ["无场景可解释", "Explained by no scenario"],
   "episodes.secondary": ["次场景", "secondary"],
   "episodes.verdict": ["判定", "Verdict"],

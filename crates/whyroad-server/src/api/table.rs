@@ -213,6 +213,7 @@ pub static ROUTES: &[Route] = &[
         ("scenario", "only this class: L1, L2 or L3"),
         ("drive", "only this drive"),
         ("unjudged", "`true`: only those without a verdict of the caller"),
+        ("explained", "`true`: not those that no class explains (`other`)"),
         ("cursor", "from the previous page"),
         ("limit", "page length, 1 to 200; default 50"),
     ])

@@ -17,15 +17,16 @@ use crate::url::encoded;
 use crate::values;
 use std::collections::HashMap;
 use std::io::Write;
+use whyroad_model::ids::OTHER;
 use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodeRecord, VerdictKind};
 use whyroad_model::{DriveId, Nanos, ScenarioId};
 
 /// Number of episodes on a page by default, and the maximum.
 const USUAL: usize = 50;
 const MOST: usize = 200;
-/// Number of episodes read together while searching for one, or for those without a verdict.
+/// Number of episodes read together while searching for one, or for those that a filter of this module keeps.
 const PAGE: usize = 500;
-/// Maximum number of episodes that are skipped for one page of those without a verdict.
+/// Maximum number of episodes that are skipped for one page of such a filter.
 const MOST_PASSED: usize = 20_000;
 
 /// Filter of episodes.
@@ -37,6 +38,8 @@ pub struct Wanted<'a> {
     pub drive: Option<&'a str>,
     /// Only those without a verdict of the caller.
     pub unjudged: bool,
+    /// Not those that no class explains.
+    pub explained: bool,
     /// From the page before.
     pub cursor: Option<&'a str>,
     /// Page length.
@@ -77,27 +80,35 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
     };
     let bad = || Problem::request("cursor 无效", "cursor is invalid");
     let mut next = wanted.cursor.map(|c| c.parse().map(EpisodeCursor).map_err(|_| bad())).transpose()?;
+    let count = |filter: &EpisodeFilter| {
+        let n = app.recordings.episode_count(mined, filter).ok_or_else(Problem::missing)?;
+        n.map_err(Problem::mined_unreadable)
+    };
     let total = match wanted.cursor {
         Some(_) => None,
-        None => Some(
-            app.recordings
-                .episode_count(mined, &filter)
-                .ok_or_else(Problem::missing)?
-                .map_err(Problem::mined_unreadable)?,
-        ),
+        None if wanted.explained && filter.scenario.is_none() => {
+            let other = EpisodeFilter { scenario: Some(class(OTHER)?), ..filter.clone() };
+            Some(count(&filter)?.saturating_sub(count(&other)?))
+        }
+        None => Some(count(&filter)?),
     };
+    let picks = wanted.unjudged || wanted.explained;
     let mut items = Vec::new();
     let mut passed = 0;
     loop {
         // Never more than needed is read: the folder returns the position of the next page.
-        let n = if wanted.unjudged { (limit - items.len()).min(PAGE) } else { limit };
+        let n = if picks { (limit - items.len()).min(PAGE) } else { limit };
         let page = app.recordings.episodes(mined, &filter, next, n).ok_or_else(Problem::missing)?;
         let page = page.map_err(Problem::mined_unreadable)?;
         passed += page.episodes.len();
         let cards = app.store.report(|tx| cards(tx, project, user, &page.episodes))?;
-        items.extend(cards.into_iter().filter(|c| !wanted.unjudged || c.verdict.is_none()));
+        items.extend(cards.into_iter().filter(|c| {
+            let judged = wanted.unjudged && c.verdict.is_some();
+            let unexplained = wanted.explained && c.scenario_id == OTHER;
+            !judged && !unexplained
+        }));
         next = page.next;
-        if next.is_none() || items.len() >= limit || passed >= MOST_PASSED || !wanted.unjudged {
+        if next.is_none() || items.len() >= limit || passed >= MOST_PASSED || !picks {
             break;
         }
     }

@@ -63,6 +63,7 @@ suite! {
     gold::order_and_history_of_gold_tasks_are_those_of_others,
     gold::gold_answers_are_compared_and_shown_to_leads_alone,
     mined::mined_episodes_are_browsed_and_judged,
+    mined::moments_without_a_class_are_listed_apart,
     mined::who_is_in_stage_one_is_not_shown_the_episode,
     model::a_models_draft_shows_its_future_only_in_stage_two,
     model::begun_tasks_are_left_alone_and_runs_are_stopped,

@@ -90,6 +90,27 @@ pub fn mined_episodes_are_browsed_and_judged(world: &World) {
     );
 }
 
+pub fn moments_without_a_class_are_listed_apart(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let list = |query: &str| {
+        let page = admin.get(&format!("/projects/{project}/mined/unexplained/episodes?{query}")).fine();
+        let classes: Vec<String> = page["items"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|i| i["scenario_id"].as_str().unwrap().into())
+            .collect();
+        (page["total"].as_u64(), classes, page["next"].is_null())
+    };
+    let urgent = "reactive_agent.cutin.urgent".to_owned();
+    assert_eq!(list(""), (Some(2), vec!["other".into(), urgent.clone()], true));
+    assert_eq!(list("explained=true"), (Some(1), vec![urgent.clone()], true));
+    assert_eq!(list("explained=true&limit=1"), (Some(1), vec![urgent.clone()], true), "a page is full");
+    assert_eq!(list("scenario=other"), (Some(1), vec!["other".into()], true));
+    assert_eq!(list("scenario=reactive_agent&explained=true"), (Some(1), vec![urgent], true));
+}
+
 pub fn who_is_in_stage_one_is_not_shown_the_episode(world: &World) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));

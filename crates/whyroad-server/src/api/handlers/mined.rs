@@ -17,6 +17,7 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
         scenario: call.query("scenario"),
         drive: call.query("drive"),
         unjudged: call.query("unjudged") == Some("true"),
+        explained: call.query("explained") == Some("true"),
         cursor: call.query("cursor"),
         limit: call.query("limit"),
     };
