@@ -97,8 +97,10 @@ async function take(day) {
   await page.getByRole("link", { name: "导入与导出" }).click();
   const coming = page.waitForEvent("download");
   await page.getByRole("link", { name: "导出标注 (JSONL)" }).click();
+  const download = await coming;
+  assert.equal(download.suggestedFilename(), `${PROJECT}-labels-accepted-2.1.jsonl`);
   const file = join(day.scratch, "labels.jsonl");
-  await (await coming).saveAs(file);
+  await download.saveAs(file);
   const labels = readFileSync(file, "utf8").trim().split("\n").map((line) => JSON.parse(line));
   assert.equal(labels.length, 1);
   const [label] = labels;

@@ -48,6 +48,12 @@ async function deliveries(day) {
   const { items } = await ask(page, "GET", `/projects/${day.project}/tasks?state=open&limit=1`);
   const act = (action) => ask(page, "POST", `/tasks/${items[0].id}/actions`, { action, reason: "试一下 Webhook" });
   await act("skip");
+  // A task that was skipped is in neither stage.
+  const other = await page.context().newPage();
+  await other.goto(`${day.service.url}/tasks/${items[0].id}`);
+  await other.getByText("只读：此任务已跳过。").waitFor();
+  assert.equal(await other.getByText("阶段一：只看历史，列出关键要素").count(), 0);
+  await other.close();
   // The page says so by itself: what went wrong, how often, and when it is tried again.
   const row = page.locator("tr", { hasText: day.receiver.url });
   await row.getByText(/503/).waitFor();

@@ -171,6 +171,11 @@ async function stageTwo(day) {
   await page.keyboard.press("Control+a");
   await typeChinese(page, day.slots.decision);
   await page.keyboard.press("Escape");
+  // A question to the lead is sent by its own button.
+  await page.keyboard.press("q");
+  await page.getByLabel("给负责人的问题").waitFor();
+  await page.getByRole("button", { name: "发给负责人" }).waitFor();
+  await page.keyboard.press("Escape");
   await page.keyboard.press("6");
   const records = section(page, "records").locator("[data-field^='/records/'] input:not([type=radio])");
   for (let n = 0; n < (await records.count()); n++) {

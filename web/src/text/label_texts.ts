@@ -297,6 +297,8 @@ export const labelTexts = {
   "check.see_comments": ["见 {n} 条意见", "See {n} {n:comment|comments}"],
   "check.ask_lead": ["问负责人", "Ask the lead"],
   "check.asks_lead": ["问负责人", "to the lead"],
+  "check.question": ["给负责人的问题", "Question to the lead"],
+  "check.question_send": ["发给负责人", "Send to the lead"],
   "check.list": ["质检要点", "Checklist"],
   "check.coverage": [
     "因果覆盖：每个决策都有阶段一的要素作原因，或标 UNOBSERVED 并说明理由",

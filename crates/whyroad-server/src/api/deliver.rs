@@ -5,6 +5,7 @@ use super::reply::Reply;
 use super::stream::Stream;
 use crate::domain::people::ProblemBody;
 use crate::problem::Problem;
+use crate::url::encoded;
 use axum::body::Body;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Response, StatusCode, header};
 use flate2::{Compression, write::GzEncoder};
@@ -52,6 +53,15 @@ pub(super) enum ReplyKind {
     Page(Keep),
 }
 
+/// Header by which the browser stores a response as the file `name`: with its characters (RFC 8187), and in ASCII for
+/// clients that do not read these. Characters that file systems reject are replaced.
+fn attachment(name: &str) -> String {
+    let name = name.replace(|c: char| c.is_control() || "/\\:*?\"<>|".contains(c), "_");
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-._+ ".contains(c);
+    let plain = name.replace(|c: char| !is_plain(c), "_");
+    format!("attachment; filename=\"{plain}\"; filename*=UTF-8''{}", encoded(&name))
+}
+
 /// The response with all its headers.
 pub(super) fn deliver(reply: Reply, kind: ReplyKind, accepted: &Accepted) -> Response<Body> {
     let mut headers = HeaderMap::new();
@@ -96,7 +106,7 @@ pub(super) fn deliver(reply: Reply, kind: ReplyKind, accepted: &Accepted) -> Res
         put(header::SET_COOKIE, cookie);
     }
     if let Some(name) = &reply.file_name {
-        put(header::CONTENT_DISPOSITION, &format!("attachment; filename=\"{name}\""));
+        put(header::CONTENT_DISPOSITION, &attachment(name));
     }
     let mut status = StatusCode::from_u16(reply.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
     let mut body = reply.body;
@@ -184,5 +194,25 @@ pub(super) fn problem(p: &Problem) -> Reply {
         media: "application/problem+json".to_owned(),
         body: serde_json::to_vec(&body).unwrap_or_default(),
         ..Reply::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::attachment;
+
+    #[test]
+    fn a_file_has_the_name_of_its_project() {
+        // RFC 6266, example in section 5: a plain name, and the same one percent-encoded in UTF-8.
+        assert_eq!(
+            attachment("试用 1-tasks.jsonl"),
+            "attachment; filename=\"__ 1-tasks.jsonl\"; filename*=UTF-8''%E8%AF%95%E7%94%A8%201-tasks.jsonl"
+        );
+        // No name reaches another folder or ends the header's value.
+        let odd = attachment("../a\"b\r\n-tasks.jsonl");
+        assert_eq!(
+            odd,
+            "attachment; filename=\".._a_b__-tasks.jsonl\"; filename*=UTF-8''.._a_b__-tasks.jsonl"
+        );
     }
 }

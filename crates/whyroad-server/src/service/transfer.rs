@@ -79,6 +79,23 @@ impl ExportFormat {
     }
 }
 
+impl ExportFormat {
+    /// What the file contains: labels with their states and format version, or tasks.
+    pub fn file_stem(&self) -> String {
+        match self {
+            Self::Tasks => "tasks".to_owned(),
+            Self::Labels(states, version) => {
+                let states: Vec<&str> = states.iter().map(|s| s.word()).collect();
+                let version = match version {
+                    LabelVersion::V2_0 => "2.0",
+                    LabelVersion::V2_1 => "2.1",
+                };
+                format!("labels-{}-{version}", states.join("+"))
+            }
+        }
+    }
+}
+
 /// Number of labels read in one transaction: an export does not block the work of others, and holds no connection while
 /// its receiver is slow.
 const EXPORTED_AT_ONCE: usize = 200;

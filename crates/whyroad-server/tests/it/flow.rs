@@ -68,6 +68,14 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
 
     let export = admin.get(&format!("/projects/{project}/export?format=labels"));
     assert_eq!(export.header("content-type"), Some("application/x-ndjson"));
+    // The name says what it is; RFC 6266 with RFC 8187 for a name that is not ASCII.
+    let file = |query: &str| {
+        let answer = admin.get(&format!("/projects/{project}/export?{query}"));
+        answer.header("content-disposition").unwrap().to_owned()
+    };
+    assert!(file("format=labels").contains("-labels-accepted-2.1.jsonl"), "{}", file("format=labels"));
+    assert!(file("version=2.0&state=submitted,accepted").contains("-labels-submitted+accepted-2.0.jsonl"));
+    assert!(file("format=tasks").contains("-tasks.jsonl"));
     let label: Value = serde_json::from_slice(&export.body).unwrap();
     assert_eq!(label["coc_trace"], better);
     assert_eq!(label["provenance"]["source"], "person");

@@ -1,6 +1,6 @@
 // Where the key of the direction leads: to the direction of the lateral decision, or to that decision.
 import assert from "node:assert/strict";
-import { beforeEach, test } from "vitest";
+import { test } from "vitest";
 import { toDirection } from "./focus.ts";
 
 const group = (name: string, values: string[], checked: string): string =>
@@ -9,11 +9,6 @@ const form = (...groups: string[]): void => {
   document.body.innerHTML = `<section data-section="decisions"><h2 tabindex="-1"></h2>${groups.join("")}</section>`;
 };
 const focused = (): string => (document.activeElement instanceof HTMLInputElement ? document.activeElement.value : "");
-
-beforeEach(() => {
-  // jsdom has no layout.
-  Element.prototype.scrollIntoView = () => undefined;
-});
 
 test("the direction that is chosen has the focus, else the first one", () => {
   form(group("lateral", ["turn", "lane_change"], "turn"), group("direction", ["left", "right"], "right"));

@@ -62,10 +62,12 @@ pub fn judge(call: &Call<'_>) -> Answer<Reply> {
 pub fn export(call: &Call<'_>) -> Answer<Reply> {
     let format = VerdictFormat::from_word(call.query("format"))?;
     let (store, project) = (call.app.store.clone(), call.grant.project()?.to_owned());
+    let name = store.read(|tx| projects::get(tx, &project))?.name;
     let stream = Stream::new(move |out| mined::export_to(&store, &project, format, out));
-    let (name, media) = match format {
-        VerdictFormat::JsonLines => ("verdicts.jsonl", "application/x-ndjson"),
-        VerdictFormat::Csv => ("verdicts.csv", "text/csv; charset=utf-8"),
+    let (end, media) = match format {
+        VerdictFormat::JsonLines => ("jsonl", "application/x-ndjson"),
+        VerdictFormat::Csv => ("csv", "text/csv; charset=utf-8"),
     };
-    Ok(Reply { file_name: Some(name.into()), stream: Some(stream), ..Reply::bytes(media, vec![]) })
+    let file_name = Some(format!("{name}-verdicts.{end}"));
+    Ok(Reply { file_name, stream: Some(stream), ..Reply::bytes(media, vec![]) })
 }

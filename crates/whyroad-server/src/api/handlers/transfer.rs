@@ -4,17 +4,19 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::api::stream::Stream;
 use crate::problem::{Answer, Problem};
+use crate::service::projects;
 use crate::service::transfer::{self, ExportFormat};
 
 /// `GET /projects/{p}/export`
 pub fn export(call: &Call<'_>) -> Answer<Reply> {
     let project = call.grant.project()?;
     let format = ExportFormat::from_words(call.query("format"), call.query("version"), call.query("state"))?;
-    let what = if format == ExportFormat::Tasks { "tasks" } else { "labels" };
+    let name = call.app.store.read(|tx| projects::get(tx, project))?.name;
+    let what = format.file_stem();
     let (store, project) = (call.app.store.clone(), project.to_owned());
     let stream = Stream::new(move |out| transfer::export_to(&store, &project, &format, out));
     Ok(Reply {
-        file_name: Some(format!("{what}.jsonl")),
+        file_name: Some(format!("{name}-{what}.jsonl")),
         stream: Some(stream),
         ..Reply::bytes("application/x-ndjson", vec![])
     })
