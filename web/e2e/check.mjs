@@ -25,6 +25,7 @@ async function sendBack(day) {
   await trace.getByRole("button", { name: "写意见" }).click();
   await trace.getByText(COMMENT).waitFor();
   await checkAccessibility(page, "check");
+  await page.locator('[data-action="accept"]:not(:disabled)').waitFor();
   await shot(day, page, "check");
   // One card, the range in a loop.
   await page.getByRole("button", { name: "循环", pressed: true }).waitFor();
