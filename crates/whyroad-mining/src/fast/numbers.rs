@@ -5,7 +5,9 @@
 //! rules ask.
 
 use super::bits::Bits;
-use super::compare::{compare_columns, compare_slice, compare_word, holds, pack_all, range, settled};
+use super::compare::{
+    compare_columns, compare_slice, compare_word, holds, pack_all, range, settled, within_noise_of,
+};
 use super::truth::Truth;
 use crate::language::syntax::CompareOp;
 use std::borrow::Cow;
@@ -28,6 +30,8 @@ pub struct NumberColumn<'a> {
     compared: Cell<bool>,
     /// Least and greatest known value of each 64 stored numbers; infinity and minus infinity where none is known.
     ranges: OnceCell<Vec<(f64, f64)>>,
+    /// The same of each 64 rows, where not every row is stored.
+    ranges_by_row: OnceCell<Vec<(f64, f64)>>,
 }
 
 /// One number per row.
@@ -50,6 +54,7 @@ impl<'a> NumberColumn<'a> {
             before: OnceCell::new(),
             compared: Cell::new(false),
             ranges: OnceCell::new(),
+            ranges_by_row: OnceCell::new(),
         }
     }
 
@@ -119,16 +124,29 @@ impl<'a> NumberColumn<'a> {
         self.stored[before[row / 64] + rows.count_in(row / 64 * 64..row)]
     }
 
+    /// Least and greatest known value of each 64 stored numbers.
+    fn ranges(&self) -> &[(f64, f64)] {
+        self.ranges.get_or_init(|| self.stored.chunks(64).map(range).collect())
+    }
+
+    /// Least and greatest known value of each 64 rows.
+    fn ranges_of_rows(&self) -> &[(f64, f64)] {
+        if self.of_rows.is_none() {
+            return self.ranges();
+        }
+        self.ranges_by_row.get_or_init(|| self.values().chunks(64).map(range).collect())
+    }
+
     fn compare(&self, op: CompareOp, bound: f64) -> Bits {
         // For a single use, ranges do not pay off.
-        let yes = if self.compared.replace(true) {
-            let ranges = self.ranges.get_or_init(|| self.stored.chunks(64).map(range).collect());
-            let each =
-                self.stored.chunks(64).zip(ranges).map(|(rows, range)| match settled(op, *range, bound) {
+        let yes = if self.compared.replace(true) || self.ranges.get().is_some() {
+            let each = self.stored.chunks(64).zip(self.ranges()).map(|(rows, range)| {
+                match settled(op, *range, bound) {
                     Some(true) => u64::MAX,
                     Some(false) => 0,
                     None => compare_word(op, rows, bound),
-                });
+                }
+            });
             Bits::of_words(each.collect(), self.stored.len())
         } else {
             compare_slice(op, &self.stored, bound)
@@ -220,6 +238,28 @@ impl<'a> Numbers<'a> {
             Self::Same(..) => self.values(),
             Self::Column(column, rows) => column.cut(rows.clone()),
         }
+    }
+
+    /// Rows where these numbers differ from a constant by no more than their noise, as [`super::compare::within_noise`] defines it.
+    /// `None` where not all rows of a column are asked: then ranges do not pay off.
+    pub fn within_noise_of(&self, bound: f64, noise: &Numbers<'_>) -> Option<Bits> {
+        let (Self::Column(of, rows), Numbers::Column(noise, noise_rows)) = (self, noise) else { return None };
+        let n = of.len();
+        if *rows != (0..n) || *noise_rows != (0..n) {
+            return None;
+        }
+        let (values, deviations) = (of.values(), noise.values());
+        let ranges = of.ranges_of_rows().iter().zip(noise.ranges_of_rows());
+        let each = ranges.enumerate().map(|(k, ((least, greatest), (low, high)))| {
+            // Differences are rounded, too, but a greater one never to less.
+            let apart = (least - bound).max(bound - greatest);
+            if low > high || apart > low.abs().max(high.abs()) {
+                return 0;
+            }
+            let some = k * 64..(k * 64 + 64).min(n);
+            within_noise_of(&values[some.clone()], bound, &deviations[some])
+        });
+        Some(Bits::of_words(each.collect(), n))
     }
 
     /// Which rows are known.

@@ -1,7 +1,7 @@
 //! Comparisons of numbers that have standard deviations (`crate::deviation` defines them), on the stretches of a
 //! column.
 
-use super::compare::{both_known, compare_columns, within_noise};
+use super::compare::within_noise;
 use super::layout::Segment;
 use super::numbers::Numbers;
 use super::truth::Truth;
@@ -14,14 +14,18 @@ pub(super) fn crossed(
     noise: &Numbers<'_>,
     segments: &[Segment],
 ) -> Truth {
-    let n = noise.len();
-    let (a, b, noise) = (a.cut(), b.cut(), noise.cut());
-    let (a, b) = (&a[..n], &b[..n]);
-    let known = both_known(a, b);
-    let mut yes = compare_columns(op, a, b);
-    yes.and_with(&known);
     // Few rows are within noise of the other side: these keep the value of the previous row.
-    let near = within_noise(a, b, &noise);
+    let near = match (a, b) {
+        (_, Numbers::Same(bound, _)) => a.within_noise_of(*bound, noise),
+        (Numbers::Same(bound, _), _) => b.within_noise_of(*bound, noise),
+        _ => None,
+    };
+    let near = near.unwrap_or_else(|| within_noise(&a.cut(), &b.cut(), &noise.cut()));
+    let truth = a.compare(op, b);
+    if near.none() {
+        return truth;
+    }
+    let (mut yes, known) = ((*truth.yes).clone(), truth.known);
     for segment in segments {
         let rows = segment.range();
         for i in near.positions(rows.start + 1..rows.end.max(rows.start + 1)) {
@@ -32,5 +36,5 @@ pub(super) fn crossed(
             }
         }
     }
-    Truth::new(yes, known)
+    Truth { yes: yes.into(), known }
 }
