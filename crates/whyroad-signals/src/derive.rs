@@ -249,12 +249,7 @@ impl<'a> PlacedStage<'a> {
     /// Places all targets of the drive, in these of their rows.
     pub fn new(on_road: &'a RoadStage<'a>, rows: PlacedRows) -> Self {
         let ego = on_road.ego;
-        let around = Surroundings {
-            ego: &ego.motion,
-            path: &on_road.path,
-            lanes: on_road.lanes.as_ref(),
-            road: on_road.road,
-        };
+        let around = Surroundings::new(&ego.motion, &on_road.path, on_road.lanes.as_ref(), on_road.road);
         let targets: Vec<Target<'_>> =
             observed_tracks(ego.drive).map(|t| approach::place(&around, t, &ego.times, rows)).collect();
         let near = relations::neighbors(&targets, ego.motion.len());

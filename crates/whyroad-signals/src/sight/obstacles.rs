@@ -3,11 +3,12 @@
 
 use super::scene::Occluder;
 use super::scene::Scene;
-use super::view::{Owner, View};
+use super::view::{Owner, SeenBox, View};
 use crate::geometry::{OrientedBox, P2, p2};
 use crate::target::placement::MOVING_MPS;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
+use std::cell::RefCell;
 
 /// Maximum distance from the ego that is examined, m.
 const REACH_M: f64 = 150.0;
@@ -49,6 +50,8 @@ pub struct Obstacles<'a> {
     scene: &'a Scene<'a>,
     by_frame: Vec<Vec<Tracked<'a>>>,
     walls: RTree<Wall>,
+    /// By target, how its box was seen in the last frame that was looked at.
+    seen: RefCell<Vec<Option<SeenBox>>>,
     /// Whether the map has buildings; if not, no area is known to be free of them.
     pub covers_buildings: bool,
 }
@@ -84,7 +87,8 @@ impl<'a> Obstacles<'a> {
             walls.extend(sides.map(|(a, b)| Wall::new(Line::new(a, b), k)));
         }
         let covers_buildings = map.is_some_and(|m| m.covers("building"));
-        Self { scene, by_frame, walls: RTree::bulk_load(walls), covers_buildings }
+        let seen = RefCell::new(vec![None; scene.targets.len()]);
+        Self { scene, by_frame, walls: RTree::bulk_load(walls), seen, covers_buildings }
     }
 
     /// The tracked objects in `frame`, in the order of the targets.
@@ -100,10 +104,11 @@ impl<'a> Obstacles<'a> {
         }
         let eye = ego.position[frame];
         let mut view = View::from(eye, self.by_frame[frame].len());
+        let mut seen = self.seen.borrow_mut();
         for tracked in self.by_frame[frame].iter().filter(|t| t.hides) {
             let near = |footprint: &&OrientedBox| (footprint.center - eye).is_within(REACH_M);
             if let Some(footprint) = tracked.footprint.filter(near) {
-                view.add_box(Owner::Target(tracked.target), *footprint);
+                view.add_box(Owner::Target(tracked.target), *footprint, &mut seen[tracked.target]);
             }
         }
         let around =

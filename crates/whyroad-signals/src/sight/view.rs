@@ -110,6 +110,44 @@ impl Outline {
     }
 }
 
+/// A convex occluder with the angles and distances at which it is seen.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    outline: Outline,
+    sector: Sector,
+    reach: Reach,
+}
+
+impl Shape {
+    /// `None` around the eye.
+    fn of(outline: Outline) -> Option<Self> {
+        let reach = Reach::of(outline.corners());
+        (reach.nearest > 0.0).then(|| Self { outline, sector: Sector::of(outline.corners()), reach })
+    }
+}
+
+/// A box as it was seen from an eye point: while neither moves, it is seen in the same way.
+#[derive(Clone, Debug)]
+pub struct SeenBox {
+    eye: P2,
+    footprint: OrientedBox,
+    shape: Option<Shape>,
+}
+
+impl SeenBox {
+    /// A box around the eye has no shape: it is the ego's own trailer, or an error.
+    fn new(eye: P2, footprint: OrientedBox) -> Self {
+        let is_around = footprint.overlaps(&OrientedBox::point(eye));
+        let corners = || footprint.corners().map(|c| c - eye);
+        let shape = if is_around { None } else { Shape::of(Outline::Box(corners())) };
+        Self { eye, footprint, shape }
+    }
+
+    fn is_of(&self, eye: P2, footprint: &OrientedBox) -> bool {
+        self.eye.has_bits_of(eye) && self.footprint.has_bits_of(footprint)
+    }
+}
+
 /// A convex piece of an occluder.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
@@ -208,36 +246,35 @@ impl View {
         Self { eye, pieces: Vec::with_capacity(pieces), ranges, nearest: [f64::INFINITY; RANGES] }
     }
 
-    /// Adds the box of a target. A box around the eye hides nothing: it is the ego's own trailer, or an error.
-    pub fn add_box(&mut self, owner: Owner, footprint: OrientedBox) {
-        let corners = footprint.corners().map(|c| c - self.eye);
-        let about = OrientedBox::point(self.eye);
-        if !footprint.overlaps(&about) {
-            self.push(owner, Outline::Box(corners), Some(footprint));
+    /// Adds the box of a target; `last` is how it was seen before, and then now.
+    pub fn add_box(&mut self, owner: Owner, footprint: OrientedBox, last: &mut Option<SeenBox>) {
+        let known = last.take().filter(|seen| seen.is_of(self.eye, &footprint));
+        let seen = last.insert(known.unwrap_or_else(|| SeenBox::new(self.eye, footprint)));
+        if let Some(shape) = seen.shape {
+            self.push(owner, shape, Some(footprint));
         }
     }
 
     /// Adds a wall of a building.
     pub fn add_wall(&mut self, owner: Owner, a: P2, b: P2) {
-        self.push(owner, Outline::Wall([a - self.eye, b - self.eye]), None);
+        if let Some(shape) = Shape::of(Outline::Wall([a - self.eye, b - self.eye])) {
+            self.push(owner, shape, None);
+        }
     }
 
-    fn push(&mut self, owner: Owner, outline: Outline, footprint: Option<OrientedBox>) {
-        let reach = Reach::of(outline.corners());
-        if reach.nearest > 0.0 {
-            let sector = Sector::of(outline.corners());
-            let (k, (first, count)) = (self.pieces.len(), sector.ranges);
-            if k % 64 == 0 {
-                self.ranges.push([0; RANGES]);
-            }
-            for range in (first..first + count).map(|range| range % RANGES) {
-                self.ranges[k / 64][range] |= 1 << (k % 64);
-                if reach.nearest < self.nearest[range] {
-                    self.nearest[range] = reach.nearest;
-                }
-            }
-            self.pieces.push(Piece { owner, sector, outline, reach, footprint });
+    fn push(&mut self, owner: Owner, shape: Shape, footprint: Option<OrientedBox>) {
+        let Shape { outline, sector, reach } = shape;
+        let (k, (first, count)) = (self.pieces.len(), sector.ranges);
+        if k % 64 == 0 {
+            self.ranges.push([0; RANGES]);
         }
+        for range in (first..first + count).map(|range| range % RANGES) {
+            self.ranges[k / 64][range] |= 1 << (k % 64);
+            if reach.nearest < self.nearest[range] {
+                self.nearest[range] = reach.nearest;
+            }
+        }
+        self.pieces.push(Piece { owner, sector, outline, reach, footprint });
     }
 
     /// The pieces that a direction in these ranges may meet, in their order.
@@ -284,9 +321,12 @@ impl View {
         if hidden.is_empty() {
             return Some(Sight { share: 1.0, occluder: None });
         }
-        let covered = union(hidden.iter().map(|h| h.2).collect());
+        let (covered, occluder) = match hidden[..] {
+            [(owner, _, (low, high))] => ((high - low).max(0.0), Some(owner)),
+            _ => (union(hidden.iter().map(|h| h.2).collect()), most_hiding(hidden)),
+        };
         let share = (1.0 - covered / (2.0 * sector.half)).clamp(0.0, 1.0);
-        Some(Sight { share, occluder: most_hiding(hidden) })
+        Some(Sight { share, occluder })
     }
 
     /// The piece of this view for the box itself, if it is not around the eye. Targets are usually added in the order

@@ -196,6 +196,8 @@ pub struct Surroundings<'a> {
     pub lanes: Option<&'a EgoLane>,
     /// The road, when there is a map.
     pub road: Option<&'a Road>,
+    /// By frame: the first of the frames up to it in which all of the ego's state has the same bits.
+    still_since: Vec<usize>,
 }
 
 /// Results of a row, with which the next one starts.
@@ -203,6 +205,8 @@ pub struct Surroundings<'a> {
 struct Before<'a> {
     on: Option<OnLines<'a>>,
     outline: Outline,
+    /// The row of the track, and its placement.
+    place: Option<(usize, Placement)>,
 }
 
 /// Maximum difference between the lengths of a lane and of the driven path that follows it, m, and as a factor of the
@@ -213,6 +217,28 @@ const MOST_DETOUR: f64 = 0.25;
 const LEAST_HALF_WIDTH_M: f64 = 0.75;
 
 impl<'a> Surroundings<'a> {
+    /// Around the ego on its path.
+    pub fn new(
+        ego: &'a EgoMotion,
+        path: &'a DrivenPath,
+        lanes: Option<&'a EgoLane>,
+        road: Option<&'a Road>,
+    ) -> Self {
+        let state = |frame: usize| {
+            let at = ego.position[frame];
+            let own = [at.x, at.y, ego.heading[frame], path.ego_s[frame], path.ego_heading[frame]];
+            let lane = lanes.and_then(|l| l.at(frame));
+            (own.map(f64::to_bits), lane.map(|on| (std::ptr::from_ref(on.corridor), on.s.to_bits())))
+        };
+        let mut still_since: Vec<usize> = (0..ego.len()).collect();
+        for frame in 1..ego.len() {
+            if state(frame) == state(frame - 1) {
+                still_since[frame] = still_since[frame - 1];
+            }
+        }
+        Self { ego, path, lanes, road, still_since }
+    }
+
     /// Places `track` in these of its rows, without gaps and closing speeds, which [`crate::target::approach::place`]
     /// adds; `times` in seconds by frame.
     pub(super) fn place<'t>(&self, track: &'t Track, times: &[f64], rows: PlacedRows) -> Target<'t> {
@@ -297,6 +323,11 @@ impl<'a> Surroundings<'a> {
         if !self.ego.is_known(frame) || !center.is_finite() {
             return None;
         }
+        if let Some((same, place)) = &before.place
+            && self.stand(track, (*same, place.frame), (row, frame))
+        {
+            return Some(Placement { frame, ..*place });
+        }
         let footprint =
             OrientedBox::new(center, wrap(m.heading[row]), track.length_m[row], track.width_m[row]);
         let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
@@ -327,7 +358,7 @@ impl<'a> Surroundings<'a> {
             room.is_nan() || room >= needed
         });
         let velocity = p2(m.vx[row], m.vy[row]);
-        Some(Placement {
+        let place = Placement {
             frame,
             footprint,
             velocity,
@@ -346,6 +377,17 @@ impl<'a> Surroundings<'a> {
             z,
             same_level: !off_level,
             heading_at_ego: self.path.ego_heading[frame],
-        })
+        };
+        before.place = Some((row, place));
+        Some(place)
+    }
+
+    /// True if the states of the target and of the ego have the same bits in two rows and their frames: then the
+    /// placements are equal.
+    fn stand(&self, track: &Track, a: (usize, usize), b: (usize, usize)) -> bool {
+        let m = &track.motion;
+        let columns = [&m.x, &m.y, &m.z, &m.heading, &m.vx, &m.vy, &track.length_m, &track.width_m];
+        self.still_since[a.1] == self.still_since[b.1]
+            && columns.iter().all(|column| column[a.0].to_bits() == column[b.0].to_bits())
     }
 }

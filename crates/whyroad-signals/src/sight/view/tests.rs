@@ -12,7 +12,7 @@ fn at(x: f64, y: f64, heading: f64, length: f64, width: f64) -> OrientedBox {
 fn view(boxes: &[OrientedBox]) -> View {
     let mut view = View::from(p2(0.0, 0.0), 0);
     for (k, b) in boxes.iter().enumerate() {
-        view.add_box(Owner::Target(k), *b);
+        view.add_box(Owner::Target(k), *b, &mut None);
     }
     view
 }
@@ -120,7 +120,7 @@ proptest! {
                 let (a, along) = (P2::from_heading(*angle) * *r, P2::from_heading(*h) * *l);
                 v.add_wall(Owner::Building(k), a, a + along);
             } else {
-                v.add_box(Owner::Target(k), at(r * angle.cos(), r * angle.sin(), *h, l / 4.0 + 0.2, 1.0));
+                v.add_box(Owner::Target(k), at(r * angle.cos(), r * angle.sin(), *h, l / 4.0 + 0.2, 1.0), &mut None);
             }
         }
         // Also exactly along the edges of pieces, and along the axes, where ranges meet.
