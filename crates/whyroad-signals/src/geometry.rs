@@ -4,6 +4,7 @@
 mod angle;
 mod box_grid;
 mod last_place;
+mod near_areas;
 mod oriented_box;
 mod polygon;
 mod polyline;
@@ -11,6 +12,7 @@ mod polyline;
 pub use angle::{angle_between_lines, unwrap, wrap};
 pub use box_grid::BoxGrid;
 pub use last_place::LastPlace;
+pub use near_areas::NearAreas;
 pub use oriented_box::OrientedBox;
 pub use polygon::Polygon;
 pub use polyline::{Foot, Nearby, Polyline, Projection, Ray, Window, interpolate};

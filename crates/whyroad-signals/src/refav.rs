@@ -4,7 +4,7 @@
 
 pub mod turning;
 
-use crate::geometry::{LastPlace, P2, Polygon, p2, wrap};
+use crate::geometry::{NearAreas, P2, p2, wrap};
 use crate::road::network::{LaneShape, Road};
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
@@ -179,20 +179,13 @@ fn is_junction(lane: &LaneShape) -> bool {
     lane.in_junction && lane.kind != LaneKind::Sidewalk
 }
 
-/// Near a junction lane; for a map that draws junctions only as areas, near one of these.
-fn near_intersection(road: &Road, has_junction_lanes: bool, p: P2) -> Tri {
-    if !p.is_finite() {
-        return Tri::Unknown;
+/// The junction lanes; for a map that draws junctions only as areas, these.
+fn intersections(road: &Road) -> NearAreas<'_> {
+    let mut lanes = road.lanes.iter().filter(|lane| is_junction(lane)).peekable();
+    if lanes.peek().is_none() {
+        return NearAreas::new(&road.junctions);
     }
-    if !has_junction_lanes {
-        return Tri::from(road.junctions.iter().any(|j| j.distance(p) <= INTERSECTION_M));
-    }
-    let near = |i: usize| {
-        let lane = &road.lanes[i];
-        let near = |a: &Polygon| a.least_distance(p) <= INTERSECTION_M && a.distance(p) <= INTERSECTION_M;
-        is_junction(lane) && lane.area.as_ref().is_some_and(near)
-    };
-    Tri::from(road.lanes_near(p, INTERSECTION_M).into_iter().any(near))
+    NearAreas::new(lanes.filter_map(|lane| lane.area.as_ref()))
 }
 
 /// Objects without a driver have no direction of their own.
@@ -260,13 +253,12 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
         p.map_or(Tri::Unknown, |p| following(scene, road, k, r, p))
     };
     table.flag(id::TARGET_REFAV_FOLLOWING, rows.spread(targets, Tri::Unknown, follows));
-    let drawn = road.lanes.iter().any(is_junction);
-    let last = LastPlace::new();
-    let is_near = |p: P2| last.at(p, || near_intersection(road, drawn, p));
+    let intersections = intersections(road);
+    let is_near = |p: P2| match p.is_finite() {
+        true => Tri::from(intersections.is_within(p, INTERSECTION_M)),
+        false => Tri::Unknown,
+    };
     let near = rows.flags(|t, r| is_near(p2(t.motion.x[r], t.motion.y[r])));
     table.flag(id::TARGET_REFAV_NEAR_INTERSECTION, near);
-    table.flag(
-        id::EGO_REFAV_NEAR_INTERSECTION,
-        (0..n).map(|i| near_intersection(road, drawn, ego.position[i])).collect(),
-    );
+    table.flag(id::EGO_REFAV_NEAR_INTERSECTION, (0..n).map(|i| is_near(ego.position[i])).collect());
 }

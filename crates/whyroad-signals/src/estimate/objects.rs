@@ -83,7 +83,7 @@ impl Measured {
         seconds: &[f64],
         max_gap_s: f64,
     ) -> Self {
-        let mut out = Self::default();
+        let mut out = Self::with_capacity(frames.len());
         for (row, &frame) in frames.iter().enumerate() {
             if let Some(&last) = out.frames.last()
                 && seconds[frame as usize] - seconds[last as usize] <= max_gap_s
@@ -96,6 +96,12 @@ impl Measured {
         }
         out.leave_open_what_is_due(frames, motion, known_at, times, seconds);
         out
+    }
+
+    fn with_capacity(n: usize) -> Self {
+        let v = || Vec::with_capacity(n);
+        let (frames, source) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        Self { frames, source, times: v(), x: v(), y: v(), heading: v(), vx: v(), vy: v(), forward: v() }
     }
 
     /// Adds the last frames of the drive when their measurements are not known yet.

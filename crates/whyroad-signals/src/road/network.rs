@@ -198,23 +198,4 @@ impl Road {
             |lane: &LaneShape| matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike);
         self.drivable_at(p).is_some() || self.lane_at(p, rolling).is_some()
     }
-
-    /// Distance from `p` to the nearest crosswalk, 0 on it; infinite when there is none, m.
-    pub fn distance_to_crosswalk(&self, p: P2) -> f64 {
-        // The apparently nearest one excludes most of the others.
-        let mut seems: (f64, Option<&Polygon>) = (f64::INFINITY, None);
-        for crosswalk in &self.crosswalks {
-            let least = crosswalk.least_distance(p);
-            if least < seems.0 {
-                seems = (least, Some(crosswalk));
-            }
-        }
-        let mut nearest = seems.1.map_or(f64::INFINITY, |c| c.distance(p));
-        for crosswalk in &self.crosswalks {
-            if crosswalk.least_distance(p) <= nearest {
-                nearest = nearest.min(crosswalk.distance(p));
-            }
-        }
-        nearest
-    }
 }

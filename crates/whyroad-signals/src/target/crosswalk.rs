@@ -1,6 +1,6 @@
 //! Positions of targets on the map: crosswalks, road, junction. Distances are to the target's box center.
 
-use crate::geometry::{LastPlace, p2};
+use crate::geometry::{LastPlace, NearAreas, p2};
 use crate::road::network::Road;
 use crate::table::TableBuilder;
 use crate::target::rows::Rows;
@@ -16,7 +16,8 @@ pub fn write(drive: &Drive, road: &Road, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     let center = |t: &Track, r: usize| Some(p2(t.motion.x[r], t.motion.y[r])).filter(|p| p.is_finite());
     let (to_crosswalk, on_road, in_junction) = (LastPlace::new(), LastPlace::new(), LastPlace::new());
-    let distance = |p| to_crosswalk.at(p, || road.distance_to_crosswalk(p));
+    let crosswalks = NearAreas::new(&road.crosswalks);
+    let distance = |p| to_crosswalk.at(p, || crosswalks.distance(p));
     let distance = rows.numbers(|t, r| center(t, r).map_or(f64::NAN, distance));
     let on = distance.map(|&d| if d.is_nan() { Tri::Unknown } else { Tri::from(d <= ON_CROSSWALK_M) });
     table.flag(id::TARGET_ON_CROSSWALK, on);

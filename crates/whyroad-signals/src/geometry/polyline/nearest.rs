@@ -19,8 +19,10 @@ pub(super) const MOST: usize = 2 * BLOCK;
 /// farther by more than rounding errors.
 const LEAST_LENGTH_M: f64 = 0.1;
 /// That search finds the nearest segment up to this distance, as a share of the radius of the line's sharpest bend:
-/// from the center of a bend all of it is equally near.
-pub(super) const MOST_BENT: f64 = 0.25;
+/// from the center of a bend all of it is equally near. Up to a half, the slope of the squared distance cannot decrease
+/// at a bend by more than half of what it increases along either segment, so that no two minima are further apart than
+/// on adjacent segments.
+pub(super) const MOST_BENT: f64 = 0.45;
 /// A foot point that is this far inside its segment is on no other segment, m.
 const INSIDE_M: f64 = 0.02;
 
