@@ -2,7 +2,7 @@
 
 use super::{Encoded, Hybrid, PAGE_ROWS, Pages, levels};
 use crate::file::repeats;
-use crate::signals::bitmap::Bitmap;
+use crate::signals::bitmap::{Bitmap, low};
 use parquet::basic::Encoding;
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::statistics::Statistics;
@@ -21,28 +21,33 @@ pub(in crate::chunks) fn numbers(
     let nullable = column.max_def_level() > 0;
     let mut pages: Vec<(Bitmap, usize)> = Vec::with_capacity(values.len().div_ceil(PAGE_ROWS));
     // The known ones of all pages.
-    let mut numbers = vec![0.0; values.len()];
-    let (mut count, mut row) = (0, 0);
+    let mut numbers: Vec<f64> = Vec::with_capacity(values.len());
+    let mut row = 0;
     for some in values.chunks(PAGE_ROWS) {
         let mut bits = Bitmap::with_capacity(some.len());
         for some in some.chunks(64) {
             let mut word = 0;
             // Without a branch per value.
-            for (i, value) in some.iter().enumerate() {
-                let is_known = known(row);
-                numbers[count] = *value;
-                count += usize::from(is_known);
-                word |= u64::from(is_known) << i;
-                row += 1;
+            for i in 0..some.len() {
+                word |= u64::from(known(row + i)) << i;
             }
             bits.push_word(word, some.len());
+            // Mostly all rows are known, or none.
+            if word == low(some.len()) {
+                numbers.extend_from_slice(some);
+            } else {
+                while word != 0 {
+                    numbers.push(some[word.trailing_zeros() as usize]);
+                    word &= word - 1;
+                }
+            }
+            row += some.len();
         }
         if !nullable && bits.ones < bits.len {
             return Err(ParquetError::General("a number is missing that must be there".into()));
         }
-        pages.push((bits, count));
+        pages.push((bits, numbers.len()));
     }
-    numbers.truncate(count);
     let places = repeats(values).then(|| Places::of(&numbers)).flatten();
     let encoding = if places.is_some() { Encoding::RLE_DICTIONARY } else { Encoding::PLAIN };
     let mut before = 0;
@@ -58,9 +63,12 @@ pub(in crate::chunks) fn numbers(
             }
             None => {
                 let plain = &numbers[before..*end];
+                let start = page.len();
                 page.reserve_exact(8 * plain.len());
-                // Number by number; an iterator over the bytes would go byte by byte.
-                plain.iter().for_each(|x| page.extend_from_slice(&x.to_le_bytes()));
+                page.resize(start + 8 * plain.len(), 0);
+                // Eight bytes at once; an iterator over the bytes would go byte by byte.
+                let (eights, _) = page[start..].as_chunks_mut::<8>();
+                eights.iter_mut().zip(plain).for_each(|(eight, x)| *eight = x.to_le_bytes());
             }
         }
         bodies.push((page, bits.len));
@@ -74,7 +82,7 @@ pub(in crate::chunks) fn numbers(
     for (page, rows) in bodies {
         out.data(page, rows)?;
     }
-    let nulls = values.len() - count;
+    let nulls = values.len() - numbers.len();
     let extremes = range(places.as_ref().map_or(&numbers, |p| &p.entries));
     let statistics =
         Statistics::double(extremes.map(|r| r.0), extremes.map(|r| r.1), None, Some(nulls as u64), false);
