@@ -1,6 +1,7 @@
 //! States of one object, with standard deviations, from its measurements: a fixed-interval smoother with the motion
 //! model of its class, with standstills detected and held, and rows without a measurement bridged. A quantity that the
-//! log states exactly is kept.
+//! log states exactly is kept, except the heading of a vehicle that is stationary all along in a log with noisy
+//! positions: it is the mean of all rows, as its position is.
 
 use super::bicycle::{ACCEL, Bicycle, HEADING, SPEED, X, Y, YAW_RATE};
 use super::kalman::{Filter, Observation, Smoothed};
@@ -108,21 +109,30 @@ pub fn smooth(rows: Rows<'_>, model: MotionModel, noise: &LogNoise) -> States {
         heading: noise.heading.variance(step),
         velocity: noise.velocity.variance(step),
     };
-    let mut out = if stands_all_along(rows, noise, &variances) {
-        standing(rows, &variances, measured)
-    } else {
-        let moving = Variances {
-            position: noise.position.variance_in_maneuvers(step),
-            heading: noise.heading.variance_in_maneuvers(step),
-            velocity: noise.velocity.variance_in_maneuvers(step),
-        };
-        let known_headings = rows.heading.iter().filter(|h| h.is_finite()).count();
-        match model {
-            MotionModel::Bicycle(bicycle) if 2 * known_headings > measured => {
-                as_vehicle(rows, bicycle, &moving, variances.position)
-            }
-            _ => as_walker(rows, &moving, variances.position),
+    let known_headings = rows.heading.iter().filter(|h| h.is_finite()).count();
+    let bicycle = match model {
+        MotionModel::Bicycle(bicycle) if 2 * known_headings > measured => Some(bicycle),
+        _ => None,
+    };
+    if stands_all_along(rows, noise, &variances) {
+        let mut out = standing(rows, &variances, measured);
+        let heading = out.heading[0];
+        keep_exact(rows, noise, &mut out);
+        // People turn on the spot, vehicles do not.
+        if bicycle.is_some() && !noise.position.is_negligible() && heading.is_finite() {
+            out.heading.fill(heading);
+            out.yaw_rate.fill(0.0);
         }
+        return out;
+    }
+    let moving = Variances {
+        position: noise.position.variance_in_maneuvers(step),
+        heading: noise.heading.variance_in_maneuvers(step),
+        velocity: noise.velocity.variance_in_maneuvers(step),
+    };
+    let mut out = match bicycle {
+        Some(bicycle) => as_vehicle(rows, bicycle, &moving, variances.position),
+        None => as_walker(rows, &moving, variances.position),
     };
     keep_exact(rows, noise, &mut out);
     out
