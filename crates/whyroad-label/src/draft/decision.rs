@@ -31,6 +31,8 @@ const CHANGE_FRAMES: usize = 30;
 /// A speed that continues to change by this over those frames is a decision even if it began before the keyframe, m/s:
 /// 8 km/h.
 const CLEAR_MPS: f64 = 8.0 / 3.6;
+/// Frames before the keyframe in which an ego that now speeds up moved off, if it stood in one of them.
+const JUST_NOW_FRAMES: usize = 10;
 /// An ego slower than this that speeds up is starting, m/s: walking pace.
 pub(super) const ROLLING_MPS: f64 = 1.0;
 /// Frames after the keyframe in which a turn or a lane change begins that is not typical of the class: 2 s.
@@ -218,7 +220,7 @@ fn follows_lead(motion: LongitudinalMotion, lateral: Option<Lateral>, asked: &As
         // A typical follow decision is chosen below.
         LeadIs::Target => !asked.of_others && motion != LongitudinalMotion::SpeedsUp && lead.is_slower(),
         LeadIs::Nearer if asked.of_others => {
-            (lead.stands() || motion == LongitudinalMotion::SpeedsUp) && lead.is_cause_of(motion)
+            (lead.stops() || motion == LongitudinalMotion::SpeedsUp) && lead.is_cause_of(motion)
         }
         LeadIs::Nearer => lead.is_cause_of(motion),
         LeadIs::Farther => false,
@@ -384,8 +386,11 @@ fn longitudinal_motion(
         return (LongitudinalMotion::Keeps, 0.0);
     };
     if change == SpeedChange::Rises {
-        let speed = speed.and_then(|c| c.number(keyframe));
-        if speed.is_some_and(|v| v < ROLLING_MPS) {
+        let rolls = speed.and_then(|c| c.number(keyframe)).is_some_and(|v| v < ROLLING_MPS);
+        // It stood a moment ago.
+        let stood =
+            (keyframe.saturating_sub(JUST_NOW_FRAMES)..keyframe).any(|f| standstill.flag(f).is_true());
+        if rolls || stood {
             return (LongitudinalMotion::Starts, seconds(began));
         }
         return (LongitudinalMotion::SpeedsUp, seconds(began));

@@ -17,8 +17,10 @@ const CLOSING_M: f64 = 60.0;
 const AHEAD_S: f64 = 2.0;
 /// An ego that stands within this distance behind a lead waits for it, m.
 const QUEUE_M: f64 = 12.0;
-/// Maximum distance at which a lead is a reason to change lanes, m.
+/// Maximum distance at which a lead is a reason to change lanes, m; at speed, the time that the ego needs for it, s
+/// (TAXONOMY.md, following: a THW of 3 s).
 const REASON_M: f64 = 50.0;
+const REASON_S: f64 = 3.0;
 /// A road user slower than this is stationary, m/s.
 const STANDING_MPS: f64 = 0.5;
 /// Minimum speed difference that is a reason to slow down, m/s.
@@ -70,7 +72,7 @@ impl<'a> Lead<'a> {
 
     /// The lead may be the reason for a lane change.
     pub(super) fn is_reason(&self) -> bool {
-        self.gap_m < REASON_M
+        self.gap_m < REASON_M.max(REASON_S * self.ego_mps)
     }
 
     /// It is near enough to affect the speed of the ego, whatever the ego then does.
@@ -88,8 +90,17 @@ impl<'a> Lead<'a> {
 
     /// The ego would reach it soon, its braking extrapolated.
     fn is_closed_in_on(&self) -> bool {
-        let soon_mps = (self.speed_mps + self.accel_mps2.unwrap_or(0.0).min(0.0) * AHEAD_S).max(0.0);
-        self.is_slower() && self.gap_m < CLOSING_M.min(CLOSING_S * (self.ego_mps - soon_mps))
+        self.is_slower() && self.gap_m < CLOSING_M.min(CLOSING_S * (self.ego_mps - self.soon_mps()))
+    }
+
+    /// Its speed in a moment, its braking extrapolated, m/s.
+    fn soon_mps(&self) -> f64 {
+        (self.speed_mps + self.accel_mps2.unwrap_or(0.0).min(0.0) * AHEAD_S).max(0.0)
+    }
+
+    /// It stands, or will in a moment.
+    pub(super) fn stops(&self) -> bool {
+        self.soon_mps() < STANDING_MPS
     }
 
     pub(super) fn stands(&self) -> bool {

@@ -106,7 +106,11 @@ fn figures_and_logs_of_a_service_name_nobody_and_its_port_has_no_api() {
     {
         let environment = fs::read(format!("/proc/{}/environ", service.child.id())).unwrap();
         let mut all = environment.split(|b| *b == 0);
-        assert!(all.any(|v| v.starts_with(b"MALLOC_ARENA_MAX=")), "{}", String::from_utf8_lossy(&environment));
+        assert!(
+            all.any(|v| v.starts_with(b"MALLOC_ARENA_MAX=")),
+            "{}",
+            String::from_utf8_lossy(&environment)
+        );
     }
     // The format: a name, labels, a number; each name announced before.
     for line in text.lines().filter(|l| !l.starts_with('#')) {
