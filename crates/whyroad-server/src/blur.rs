@@ -85,7 +85,7 @@ impl Blur {
     }
 
     fn run(&self, file: &Path, out: &Path) -> Answer<()> {
-        let mut child = Command::new(&self.program)
+        let mut child = crate::memory::without_limit(&mut Command::new(&self.program))
             .arg(file)
             .arg(out)
             .stdin(Stdio::null())

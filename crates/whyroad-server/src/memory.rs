@@ -10,12 +10,26 @@ pub fn limit_arenas() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     {
         use std::os::unix::process::CommandExt as _;
-        const LIMIT: (&str, &str) = ("MALLOC_ARENA_MAX", "2");
         let mut args = std::env::args_os();
         let (Some(name), Ok(program)) = (args.next(), std::env::current_exe()) else { return };
-        if std::env::var_os(LIMIT.0).is_none() {
+        if std::env::var_os(ARENAS).is_none() && std::env::var_os(RESTARTED).is_none() {
+            let mut again = std::process::Command::new(program);
             // Returns only where it fails.
-            let _ = std::process::Command::new(program).arg0(name).args(args).env(LIMIT.0, LIMIT.1).exec();
+            let _ = again.arg0(name).args(args).env(ARENAS, "2").env(RESTARTED, "1").exec();
         }
     }
+}
+
+/// The variable of glibc.
+const ARENAS: &str = "MALLOC_ARENA_MAX";
+/// Set where the program was started again: glibc removes its own variable from programs with file capabilities, which
+/// would start again for ever.
+const RESTARTED: &str = "WHYROAD_RESTARTED";
+
+/// Removes what [`limit_arenas`] set from the environment of another program.
+pub(crate) fn without_limit(command: &mut std::process::Command) -> &mut std::process::Command {
+    if std::env::var_os(RESTARTED).is_some() {
+        command.env_remove(ARENAS).env_remove(RESTARTED);
+    }
+    command
 }

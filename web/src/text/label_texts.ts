@@ -95,7 +95,7 @@ export const labelTexts = {
   "stage.reason": ["原因", "Reason"],
   "stage.take": ["领取此任务", "Take this task"],
   "stage.early": ["任务还在加载，{key} 尚未生效。", "The task is still loading: {key} has no effect yet."],
-  "stage.was_early": ["未执行“{action}”：按 {key} 时任务还没有显示。请看过之后再按。", "“{action}” was not done: the task was not shown when {key} was pressed. Read it, then press again."],
+  "stage.was_early": ["未执行“{action}”：按键时任务还没有显示。请看过之后按 {key}。", "“{action}” was not done: the task was not shown when its key was pressed. Read it, then press {key}."],
   "stage.finished": ["只读：此任务{state}。", "Read-only: this task is {state}."],
   "stage.returned": ["已退回：等待标注员修改。", "Returned: it waits for its annotator."],
   "stage.chosen": ["只读：裁决采用了这一份。", "Read-only: the adjudication uses this label."],

@@ -149,7 +149,7 @@ export const screenTexts = {
   "tasks.make.known": ["{n} 个事件已有任务。", "{n} {n:episode already has a task|episodes already have tasks}."],
   "tasks.make.over_limit": ["{n} 个事件超出上限，未采用。", "{n} {n:episode was|episodes were} over a limit and not used."],
   "tasks.make.not_primary": ["{n} 个次场景的事件未采用（未勾选）。", "{n} {n:episode of a secondary scenario was|episodes of secondary scenarios were} not used (box not ticked)."],
-  "tasks.make.no_class": ["{n} 个事件无场景可解释，不能标注。", "{n} {n:episode is|episodes are} explained by no scenario and cannot be labeled."],
+  "tasks.make.no_class": ["{n} 个事件无场景可解释，或其场景不在本服务的分类中，不能标注。", "{n} {n:episode is|episodes are} explained by no scenario, or of one that is unknown here, and cannot be labeled."],
   "tasks.make.lost": ["{n} 个事件没有可用的行程：", "{n} {n:episode has|episodes have} no usable drive:"],
   "tasks.make.limit": ["最大任务数", "Maximum number of tasks"],
   "tasks.make.per_leaf": ["每个 L3 场景的最大任务数", "Maximum per L3 scenario"],

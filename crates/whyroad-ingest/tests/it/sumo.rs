@@ -361,6 +361,7 @@ fn buildings_signs_and_ramps_come_from_what_sumo_has() {
     let facilities: Vec<_> = map.facilities.iter().map(|f| (f.id.as_str(), f.kind.as_str())).collect();
     assert_eq!(facilities, [("bump", "speed_bump"), ("house", "building")]);
     assert_eq!(map.facilities[1].boundary.len(), 4, "closed");
+    assert!(map.facilities.iter().flat_map(|f| &f.boundary).all(|p| p.z.is_nan()), "the file has no heights");
     let signs: Vec<_> = map.signs.iter().map(|s| (s.kind.as_str(), s.position.x, s.value)).collect();
     assert_eq!(signs, [("speed_limit", 80.0, Some(13.89)), ("stop", 95.0, None)]);
     assert_eq!(map.signs[0].lane_ids, ["main_0"]);

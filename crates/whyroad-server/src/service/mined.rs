@@ -26,6 +26,8 @@ const USUAL: usize = 50;
 const MOST: usize = 200;
 /// Number of episodes read together while searching for one, or for those that a filter of this module keeps.
 const PAGE: usize = 500;
+/// Episodes that are not sought further where a page has others.
+const FEW: usize = 50;
 /// Maximum number of episodes that are skipped for one page of such a filter.
 const MOST_PASSED: usize = 20_000;
 
@@ -96,7 +98,8 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
     let mut items = Vec::new();
     let mut passed = 0;
     loop {
-        // Never more than needed is read: the folder returns the position of the next page.
+        // Never more than needed is read: the folder returns the position of the next page. A page for which only a few
+        // are missing stays short, since they would be sought a few at a time.
         let n = if picks { (limit - items.len()).min(PAGE) } else { limit };
         let page = app.recordings.episodes(mined, &filter, next, n).ok_or_else(Problem::missing)?;
         let page = page.map_err(Problem::mined_unreadable)?;
@@ -108,7 +111,8 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
             !judged && !unexplained
         }));
         next = page.next;
-        if next.is_none() || items.len() >= limit || passed >= MOST_PASSED || !picks {
+        let few = !items.is_empty() && limit - items.len() < FEW;
+        if next.is_none() || few || passed >= MOST_PASSED || !picks {
             break;
         }
     }

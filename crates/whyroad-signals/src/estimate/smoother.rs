@@ -90,6 +90,8 @@ pub struct States {
 
 /// Minimum standard deviation of a heading as the direction of motion, rad: boxes and paths differ.
 const LEAST_HEADING_SD_RAD: f64 = 0.035;
+/// Headings of a parked vehicle differ by less than this from their mean, rad; a corrected one by more.
+const JITTER_RAD: f64 = 0.1;
 /// Reach of the slopes where a quantity is exact, s.
 const SLOPE_REACH_S: f64 = 0.2;
 /// Standard deviation of the speed at standstill, m/s.
@@ -116,10 +118,12 @@ pub fn smooth(rows: Rows<'_>, model: MotionModel, noise: &LogNoise) -> States {
     };
     if stands_all_along(rows, noise, &variances) {
         let mut out = standing(rows, &variances, measured);
-        let heading = out.heading[0];
+        let (heading, deviations) = (out.heading[0], out.sd.heading.clone());
         keep_exact(rows, noise, &mut out);
-        // People turn on the spot, vehicles do not.
-        if bicycle.is_some() && !noise.position.is_negligible() && heading.is_finite() {
+        // People turn on the spot, vehicles do not: what is left is jitter, unless it is too much for that.
+        let jitters = |h: &f64| !h.is_finite() || wrap(h - heading).abs() < JITTER_RAD;
+        if bicycle.is_some() && !noise.position.is_negligible() && rows.heading.iter().all(jitters) {
+            out.sd.heading = deviations;
             out.heading.fill(heading);
             out.yaw_rate.fill(0.0);
         }

@@ -6,7 +6,6 @@ use crate::road::beside_path;
 use crate::road::context::Channels;
 use crate::road::ego_lane::lane_count;
 use crate::road::junction::{Stretch, distance_to_next};
-use crate::road::network::LEVEL_M;
 use crate::road::on_road::{OnRoad, time_to};
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
@@ -83,10 +82,11 @@ fn parts(path: &DrivenPath, facility: &Facility) -> Vec<Stretch> {
 /// The path is not above or below the facility there: true where a height is unknown. A motorway leads under the
 /// roundabout above it.
 fn is_on_level(path: &DrivenPath, facility: &Facility, stretch: &Stretch) -> bool {
-    let z = path.z_at((stretch.from + stretch.to) / 2.0);
+    let middle = (stretch.from + stretch.to) / 2.0;
+    let (z, level) = (path.z_at(middle), path.level_at(middle));
     let heights = || facility.boundary.iter().map(|p| p.z).filter(|z| z.is_finite());
     let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
-    !z.is_finite() || low > high || (z > low - LEVEL_M && z < high + LEVEL_M)
+    !z.is_finite() || low > high || (z > low - level && z < high + level)
 }
 
 /// Maximum distance beside the path at which a facility of this kind affects traffic there, m. Road works and crashes

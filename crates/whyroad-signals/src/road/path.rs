@@ -6,6 +6,7 @@ use crate::ego::motion::EgoMotion;
 use crate::geometry::{P2, Polyline, Projection, Window, interpolate};
 use crate::road::corridor::Corridor;
 use crate::road::ego_lane::EgoLane;
+use crate::road::network::LEVEL_M;
 
 /// Minimum distance of points, m: at very low speed, noise would bend the path.
 const SPACING_M: f64 = 0.5;
@@ -125,6 +126,13 @@ impl DrivenPath {
     /// Height of the path at `s` (of the ego's box center, constant beyond the driven part); NaN when unknown.
     pub fn z_at(&self, s: f64) -> f64 {
         if self.z.is_empty() { f64::NAN } else { self.line.interpolate(&self.z, s) }
+    }
+
+    /// Minimum height difference at `s` between the path and what is on another level, m. Where the path is only
+    /// continued, the road may climb: 6 % over the distance beyond the driven part.
+    pub fn level_at(&self, s: f64) -> f64 {
+        let beyond = (s - self.driven.1).max(self.driven.0 - s).max(0.0);
+        LEVEL_M + 0.06 * beyond
     }
 
     /// Foot point of `p` on the part of the path around the ego, in a frame where its arc length is `ego_s`.

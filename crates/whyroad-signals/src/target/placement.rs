@@ -5,7 +5,7 @@ use crate::ego::motion::{EgoMotion, STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS, 
 use crate::estimate::Deviations;
 use crate::geometry::{OrientedBox, P2, p2, wrap};
 use crate::road::ego_lane::EgoLane;
-use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
+use crate::road::network::{DEFAULT_HALF_WIDTH_M, Road};
 use crate::road::path::DrivenPath;
 use crate::series::below_with_hysteresis;
 use crate::target::band::{Band, Outline, PATH_MARGIN_M};
@@ -347,9 +347,7 @@ impl<'a> Surroundings<'a> {
             _ => f64::NAN,
         };
         let (z, path_z) = (m.z[row], self.path.z_at(on_path.s));
-        // Where the path is only continued, the road may climb: 6 % over the distance beyond the driven part.
-        let beyond = (on_path.s - self.path.driven.1).max(self.path.driven.0 - on_path.s).max(0.0);
-        let off_level = (z - path_z).abs() > LEVEL_M + 0.06 * beyond;
+        let off_level = (z - path_z).abs() > self.path.level_at(on_path.s);
         let needed = self.ego.width + 2.0 * PATH_MARGIN_M;
         // Minimum width of an object whose width is unknown.
         let side = if sized { 0.0 } else { LEAST_HALF_WIDTH_M };

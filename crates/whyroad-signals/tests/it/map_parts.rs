@@ -315,6 +315,21 @@ fn what_stands_beside_the_path_counts_where_it_bears_on_it() {
     near(t.ego("map.time_to_barrier_gap", 20), 10.8, 0.06);
 }
 
+/// The road ahead of the last row may climb, by 6 % in this test: 80 m on it is 4.8 m higher. Three times that is another
+/// level.
+#[test]
+fn a_facility_beyond_the_last_row_may_lie_higher() {
+    for (height, distance) in [(4.8, 80.0 - 2.0), (14.4, INF)] {
+        let mut m = road();
+        let mut bump = facility("speed_bump", &[(100.0, -2.0), (100.0, 2.0)]);
+        bump.boundary.iter_mut().for_each(|p| p.z = height);
+        m.facilities = vec![bump];
+        let mut d = drive(21, |t| (10.0 * t, 0.0, 0.0));
+        d.map = Some(m);
+        assert_eq!(Table::of(&d).ego("map.distance_to_speed_bump", 20), distance, "{height} m");
+    }
+}
+
 /// A ring of radius 20 m around (100, 20) that the ego enters at (100, 0) and follows for half a turn, two lanes wide.
 #[test]
 fn a_roundabout() {

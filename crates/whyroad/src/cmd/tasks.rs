@@ -199,11 +199,11 @@ fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
     a.print.put(&counts, || match global.lang {
         Lang::Zh => format!(
             "新建 {new} 个任务；已有 {known}，未选 {left_out}（超出上限 {limit}，次场景 {secondary}，\
-             无场景可解释 {no_class}），行程缺失 {lost}\n"
+             无场景或场景不在分类中 {no_class}），行程缺失 {lost}\n"
         ),
         Lang::En => format!(
             "{new} tasks created; {known} already present, {left_out} not selected ({limit} over a limit, \
-             {secondary} secondary, {no_class} of no class), {lost} without a drive\n"
+             {secondary} secondary, {no_class} of no or an unknown class), {lost} without a drive\n"
         ),
     })?;
     Ok(if lost > 0 { output::lost_input() } else { output::FINE })

@@ -64,11 +64,17 @@ fn facility_kind(e: &Element<'_>) -> Option<&'static str> {
 }
 
 fn facility(e: &Element<'_>, kind: &str) -> Option<Facility> {
-    let mut boundary = super::net::points(&e.get("shape")?);
+    let shape = e.get("shape")?;
+    let mut boundary = super::net::points(&shape);
+    // Polygons mostly have no heights: unknown, not sea level.
+    if shape.split_whitespace().any(|p| p.matches(',').count() < 2) {
+        boundary.iter_mut().for_each(|p| p.z = f64::NAN);
+    }
     if boundary.len() < 2 {
         return None;
     }
-    if boundary.len() > 2 && boundary.first() != boundary.last() {
+    let at = |p: Option<&Point3>| p.map(|p| (p.x, p.y));
+    if boundary.len() > 2 && at(boundary.first()) != at(boundary.last()) {
         boundary.extend(boundary.first().copied());
     }
     Some(Facility { id: e.text("id")?, kind: kind.to_owned(), boundary })

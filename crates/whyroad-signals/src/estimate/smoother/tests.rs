@@ -93,6 +93,29 @@ fn a_parked_car_stands_whatever_the_noise() {
     }
 }
 
+/// A heading whose noise is negligible still jitters: a parked car has one heading, a person may turn, and a heading
+/// that is corrected once is kept.
+#[test]
+fn a_parked_car_has_one_heading() {
+    let times: Vec<f64> = (0..300).map(|i| f64::from(i) * 0.1).collect();
+    let (x, y, jitter) = (white(5, 300, 0.2), white(15, 300, 0.2), white(25, 300, 0.004));
+    let of = |heading: &[f64], model| {
+        let rows = Rows { times: &times, x: &x, y: &y, heading, vx: &[], vy: &[], forward: &[] };
+        smooth(rows, model, &noise_of(0.2, 0.0, 0.004))
+    };
+    let parked = of(&jitter, CAR);
+    assert!(
+        parked.heading.iter().all(|h| *h == parked.heading[0] && h.abs() < 0.001),
+        "{:?}",
+        parked.heading
+    );
+    assert!(parked.yaw_rate.iter().all(|r| *r == 0.0));
+    assert_eq!(of(&jitter, MotionModel::ConstantVelocity).heading, jitter);
+    let corrected: Vec<f64> =
+        jitter.iter().enumerate().map(|(i, h)| h + if i < 150 { 0.0 } else { 1.5 }).collect();
+    assert_eq!(of(&corrected, CAR).heading, corrected);
+}
+
 #[test]
 fn a_gap_is_bridged_along_the_curve() {
     let truth = Truth::car(40.0);
