@@ -315,8 +315,8 @@ fn what_stands_beside_the_path_counts_where_it_bears_on_it() {
     near(t.ego("map.time_to_barrier_gap", 20), 10.8, 0.06);
 }
 
-/// The road ahead of the last row may climb, by 6 % in this test: 80 m on it is 4.8 m higher. Three times that is another
-/// level.
+/// The road ahead of the last row may climb, by 6 % in this test: 80 m on it is 4.8 m higher. Three times that is
+/// another level.
 #[test]
 fn a_facility_beyond_the_last_row_may_lie_higher() {
     for (height, distance) in [(4.8, 80.0 - 2.0), (14.4, INF)] {
