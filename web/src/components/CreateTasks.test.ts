@@ -17,6 +17,6 @@ test("each reason has its own number, and one without episodes is not mentioned"
   await fireEvent.click(screen.getByRole("button", { name: "创建任务" }));
   await screen.findByText("已创建 2 个任务。");
   assert.ok(screen.getByText("3 个次场景的事件未采用（未勾选）。"));
-  assert.ok(screen.getByText("25 个事件无场景可解释，不能标注。"));
+  assert.ok(screen.getByText("25 个事件无场景可解释，或其场景不在本服务的分类中，不能标注。"));
   assert.equal(screen.queryByText(/超出上限/), null);
 });
