@@ -8,9 +8,13 @@ fn question() -> MiningQuestion {
     MiningQuestion::Framework { scenarios: vec![] }
 }
 
-/// Three drives with 400, 0 and 1,000 episodes.
+/// Three drives with 400, 0 and 1,000 episodes, some of which no class explains.
 fn records() -> Vec<EpisodeRecord> {
-    let of = |drive: &'static str, n| (0..n).map(move |i| record(drive, i));
+    let one = |drive, i| match i % 7 {
+        3 => EpisodeRecord { scenario_id: "other".parse().unwrap(), ..record(drive, i) },
+        _ => record(drive, i),
+    };
+    let of = |drive: &'static str, n| (0..n).map(move |i| one(drive, i));
     of("a", 400).chain(of("c", 1000)).collect()
 }
 
@@ -59,6 +63,7 @@ proptest! {
             "reactive_agent", "reactive_agent.cutin", "reactive_agent.cutin.urgent", "reactive_agent.cut", "vru",
         ])),
         drive in proptest::option::of(proptest::sample::select(vec!["a", "b", "c"])),
+        explained_only: bool,
         primary_only: bool,
         min_score in proptest::option::of(0.0..1.0),
         limit in 50_usize..700,
@@ -66,6 +71,7 @@ proptest! {
         let filter = EpisodeFilter {
             scenario: class.map(|c| c.parse().unwrap()),
             drive: drive.map(Into::into),
+            explained_only,
             primary_only,
             min_score,
         };

@@ -2,6 +2,7 @@
 //! DATA_FORMAT.md: types that the lake (which reads) and the service (which requests) share.
 
 use super::episode::EpisodeRecord;
+use crate::ids::OTHER;
 use crate::{DriveId, ScenarioId};
 
 /// Filter of episodes. The default is all of them; every field that is set narrows it.
@@ -11,6 +12,8 @@ pub struct EpisodeFilter {
     pub scenario: Option<ScenarioId>,
     /// Only episodes of this drive.
     pub drive: Option<DriveId>,
+    /// Only episodes that a class explains, not `other`.
+    pub explained_only: bool,
     /// Only episodes that arbitration made primary.
     pub primary_only: bool,
     /// Only episodes with at least this score, 0 to 1.
@@ -27,6 +30,7 @@ impl EpisodeFilter {
     pub fn accepts(&self, record: &EpisodeRecord) -> bool {
         self.scenario.as_ref().is_none_or(|id| record.scenario_id.is_within(id))
             && self.drive.as_ref().is_none_or(|id| record.drive_id == *id)
+            && (!self.explained_only || record.scenario_id.l1 != OTHER)
             && (!self.primary_only || record.is_primary)
             && self.min_score.is_none_or(|min| record.score >= min)
     }

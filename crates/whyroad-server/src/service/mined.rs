@@ -17,18 +17,17 @@ use crate::url::encoded;
 use crate::values;
 use std::collections::HashMap;
 use std::io::Write;
-use whyroad_model::ids::OTHER;
 use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodeRecord, VerdictKind};
 use whyroad_model::{DriveId, Nanos, ScenarioId};
 
 /// Number of episodes on a page by default, and the maximum.
 const USUAL: usize = 50;
 const MOST: usize = 200;
-/// Number of episodes read together while searching for one, or for those that a filter of this module keeps.
+/// Number of episodes read together while searching for one, or for those without a verdict.
 const PAGE: usize = 500;
 /// Episodes that are not sought further where a page has others.
 const FEW: usize = 50;
-/// Maximum number of episodes that are skipped for one page of such a filter.
+/// Maximum number of episodes that are skipped for one page of those without a verdict.
 const MOST_PASSED: usize = 20_000;
 
 /// Filter of episodes.
@@ -78,41 +77,34 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
     let filter = EpisodeFilter {
         scenario: wanted.scenario.map(class).transpose()?,
         drive: wanted.drive.map(DriveId::from),
+        explained_only: wanted.explained,
         ..EpisodeFilter::default()
     };
     let bad = || Problem::request("cursor 无效", "cursor is invalid");
     let mut next = wanted.cursor.map(|c| c.parse().map(EpisodeCursor).map_err(|_| bad())).transpose()?;
-    let count = |filter: &EpisodeFilter| {
-        let n = app.recordings.episode_count(mined, filter).ok_or_else(Problem::missing)?;
-        n.map_err(Problem::mined_unreadable)
-    };
     let total = match wanted.cursor {
         Some(_) => None,
-        None if wanted.explained && filter.scenario.is_none() => {
-            let other = EpisodeFilter { scenario: Some(class(OTHER)?), ..filter.clone() };
-            Some(count(&filter)?.saturating_sub(count(&other)?))
-        }
-        None => Some(count(&filter)?),
+        None => Some(
+            app.recordings
+                .episode_count(mined, &filter)
+                .ok_or_else(Problem::missing)?
+                .map_err(Problem::mined_unreadable)?,
+        ),
     };
-    let picks = wanted.unjudged || wanted.explained;
     let mut items = Vec::new();
     let mut passed = 0;
     loop {
         // Never more than needed is read: the folder returns the position of the next page. A page for which only a few
         // are missing stays short, since they would be sought a few at a time.
-        let n = if picks { (limit - items.len()).min(PAGE) } else { limit };
+        let n = if wanted.unjudged { (limit - items.len()).min(PAGE) } else { limit };
         let page = app.recordings.episodes(mined, &filter, next, n).ok_or_else(Problem::missing)?;
         let page = page.map_err(Problem::mined_unreadable)?;
         passed += page.episodes.len();
         let cards = app.store.report(|tx| cards(tx, project, user, &page.episodes))?;
-        items.extend(cards.into_iter().filter(|c| {
-            let judged = wanted.unjudged && c.verdict.is_some();
-            let unexplained = wanted.explained && c.scenario_id == OTHER;
-            !judged && !unexplained
-        }));
+        items.extend(cards.into_iter().filter(|c| !wanted.unjudged || c.verdict.is_none()));
         next = page.next;
         let few = !items.is_empty() && limit - items.len() < FEW;
-        if next.is_none() || few || passed >= MOST_PASSED || !picks {
+        if next.is_none() || few || passed >= MOST_PASSED || !wanted.unjudged {
             break;
         }
     }
