@@ -6,6 +6,7 @@ use crate::road::beside_path;
 use crate::road::context::Channels;
 use crate::road::ego_lane::lane_count;
 use crate::road::junction::{Stretch, distance_to_next};
+use crate::road::network::{heights, is_on_level};
 use crate::road::on_road::{OnRoad, time_to};
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
@@ -79,16 +80,6 @@ fn parts(path: &DrivenPath, facility: &Facility) -> Vec<Stretch> {
         .collect()
 }
 
-/// The path is not above or below the facility there: true where a height is unknown. A motorway leads under the
-/// roundabout above it.
-fn is_on_level(path: &DrivenPath, facility: &Facility, stretch: &Stretch) -> bool {
-    let middle = (stretch.from + stretch.to) / 2.0;
-    let (z, level) = (path.z_at(middle), path.level_at(middle));
-    let heights = || facility.boundary.iter().map(|p| p.z).filter(|z| z.is_finite());
-    let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
-    !z.is_finite() || low > high || (z > low - level && z < high + level)
-}
-
 /// Maximum distance beside the path at which a facility of this kind affects traffic there, m. Road works and crashes
 /// use space from the edge of a lane, half of which is 1.75 m; behind an opening in the barrier a person may stand,
 /// which counts within 7 m of the path (taxonomy, blind_spot_slowdown). The path leads over or through the others.
@@ -100,18 +91,25 @@ fn reach_beside(kind: &str) -> f64 {
     }
 }
 
+/// The stretches of the path in a facility, for some kinds also beside it; not above or below it: a motorway leads under
+/// the roundabout above it.
+fn stretches(path: &DrivenPath, facility: &Facility) -> Vec<Stretch> {
+    let mut all = match reach_beside(&facility.kind) {
+        reach if reach > 0.0 => beside_path::parts(path, facility, reach),
+        _ => parts(path, facility),
+    };
+    let height = heights(&facility.boundary);
+    all.retain(|stretch| {
+        let middle = (stretch.from + stretch.to) / 2.0;
+        is_on_level(path.z_at(middle), height, path.level_at(middle))
+    });
+    all
+}
+
 /// Facilities of these kinds on the path, in order of their beginning; for some kinds also beside it.
 fn on_path(on: &OnRoad<'_>, kinds: &[&str]) -> Vec<Stretch> {
     let wanted = on.map.facilities.iter().filter(|f| kinds.contains(&f.kind.as_str()));
-    let stretches = |f: &Facility| {
-        let mut all = match reach_beside(&f.kind) {
-            reach if reach > 0.0 => beside_path::parts(on.path, f, reach),
-            _ => parts(on.path, f),
-        };
-        all.retain(|s| is_on_level(on.path, f, s));
-        all
-    };
-    let mut found: Vec<Stretch> = wanted.flat_map(stretches).collect();
+    let mut found: Vec<Stretch> = wanted.flat_map(|f| stretches(on.path, f)).collect();
     found.sort_by(|a, b| a.from.total_cmp(&b.from).then(a.to.total_cmp(&b.to)));
     found
 }
@@ -171,8 +169,7 @@ fn roundabouts(on: &OnRoad<'_>) -> Vec<(Stretch, f64)> {
             lanes.into_iter().partition(|&l| !on.road.lanes[l].in_junction);
         let ring = if outside.is_empty() { inside } else { outside };
         let count = ring.into_iter().map(|l| lane_count(on.road, l)).fold(f64::NAN, f64::max);
-        let here = parts(on.path, facility).into_iter().filter(|s| is_on_level(on.path, facility, s));
-        found.extend(here.map(|s| (s, count)));
+        found.extend(stretches(on.path, facility).into_iter().map(|s| (s, count)));
     }
     found.sort_by(|a, b| a.0.from.total_cmp(&b.0.from));
     found

@@ -46,9 +46,20 @@ impl LaneShape {
 
     /// True when an object whose box center has height `z` can be on this lane (or heights are unknown).
     pub fn on_level(&self, z: f64) -> bool {
-        let known = z.is_finite() && self.height.0.is_finite();
-        !known || (z > self.height.0 - LEVEL_M && z < self.height.1 + LEVEL_M)
+        is_on_level(z, self.height, LEVEL_M)
     }
+}
+
+/// Least and greatest of these heights, m; NaN where none is known.
+pub fn heights(points: &[Point3]) -> (f64, f64) {
+    let z = |f: fn(f64, f64) -> f64| points.iter().map(|p| p.z).fold(f64::NAN, f);
+    (z(f64::min), z(f64::max))
+}
+
+/// The height `z` is less than `apart` meters from those of something, or one of them is unknown.
+pub fn is_on_level(z: f64, height: (f64, f64), apart: f64) -> bool {
+    let known = z.is_finite() && height.0.is_finite();
+    !known || (z > height.0 - apart && z < height.1 + apart)
 }
 
 /// The map of one drive, prepared for queries.
@@ -107,7 +118,6 @@ fn shape(lane: &Lane) -> Option<LaneShape> {
             (widths.clone(), widths, area)
         }
     };
-    let z = |f: fn(f64, f64) -> f64| lane.center.iter().map(|p| p.z).fold(f64::NAN, f);
     Some(LaneShape {
         id: lane.id.clone(),
         center,
@@ -115,7 +125,7 @@ fn shape(lane: &Lane) -> Option<LaneShape> {
         right_width,
         width_is_known,
         area,
-        height: (z(f64::min), z(f64::max)),
+        height: heights(&lane.center),
         kind: lane.kind,
         in_junction: lane.in_junction,
         successors: Vec::new(),
