@@ -241,8 +241,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// Rows where these numbers differ from a constant by no more than their noise, as [`super::compare::within_noise`]
-    /// defines it.
-    /// `None` where not all rows of a column are asked: then ranges do not pay off.
+    /// defines it; `None` where not all rows of a column are asked: then ranges do not pay off.
     pub fn within_noise_of(&self, bound: f64, noise: &Numbers<'_>) -> Option<Bits> {
         let (Self::Column(of, rows), Numbers::Column(noise, noise_rows)) = (self, noise) else { return None };
         let n = of.len();

@@ -77,9 +77,7 @@ impl ExportFormat {
             )),
         }
     }
-}
 
-impl ExportFormat {
     /// What the file contains: labels with their states and format version, or tasks.
     pub fn file_stem(&self) -> String {
         match self {
