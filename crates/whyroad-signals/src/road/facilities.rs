@@ -91,8 +91,8 @@ fn reach_beside(kind: &str) -> f64 {
     }
 }
 
-/// The stretches of the path in a facility, for some kinds also beside it; not above or below it: a motorway leads under
-/// the roundabout above it.
+/// The stretches of the path in a facility, for some kinds also beside it; not above or below it: a motorway leads
+/// under the roundabout above it.
 fn stretches(path: &DrivenPath, facility: &Facility) -> Vec<Stretch> {
     let mut all = match reach_beside(&facility.kind) {
         reach if reach > 0.0 => beside_path::parts(path, facility, reach),
