@@ -5,6 +5,7 @@
 //! -1.6) at 10 m/s with its front bumper at x = -40 + 10 t.
 #![allow(clippy::unwrap_used)]
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -396,24 +397,27 @@ fn a_type_may_be_an_animal_and_the_ego_may_tell_of_emergency_braking() {
     assert_eq!((class("cow"), class("walker")), (ObjectClass::Animal, ObjectClass::Pedestrian));
 }
 
+fn edge(id: &str, from: &str, to: &str, speed: f64, shape: &str) -> String {
+    format!(
+        r#"<edge id="{id}" from="{from}" to="{to}"><lane id="{id}_0" index="0" speed="{speed}" length="9" shape="{shape}"/></edge>"#
+    )
+}
+
+fn inside(id: &str, shape: &str) -> String {
+    format!(
+        r#"<edge id=":{id}" function="internal"><lane id=":{id}_0" index="0" speed="30" length="9" shape="{shape}"/></edge>"#
+    )
+}
+
+fn connection(from: &str, to: &str, via: &str) -> String {
+    format!(r#"<connection from="{from}" to="{to}" fromLane="0" toLane="0" via=":{via}_0" dir="s"/>"#)
+}
+
 /// Both carriageways of a fast road use the same nodes; an exit with an ordinary type leaves one of them, and another
 /// road has a side road that is driven both ways. Only the exit is a ramp, and its node is not a junction.
 #[test]
 fn an_exit_of_a_road_with_shared_nodes_is_a_ramp() {
     let dir = fcd(0.1, 12, |t| vec![car("ego", 10.0 + 10.0 * t, -1.6)]);
-    let edge = |id: &str, from: &str, to: &str, speed: f64, shape: &str| {
-        format!(
-            r#"<edge id="{id}" from="{from}" to="{to}"><lane id="{id}_0" index="0" speed="{speed}" length="9" shape="{shape}"/></edge>"#
-        )
-    };
-    let inside = |id: &str, shape: &str| {
-        format!(
-            r#"<edge id=":{id}" function="internal"><lane id=":{id}_0" index="0" speed="30" length="9" shape="{shape}"/></edge>"#
-        )
-    };
-    let connection = |from: &str, to: &str, via: &str| {
-        format!(r#"<connection from="{from}" to="{to}" fromLane="0" toLane="0" via=":{via}_0" dir="s"/>"#)
-    };
     let net = [
         edge("ab", "a", "b", 36.0, "0,-1.6 100,-1.6"),
         edge("ba", "b", "a", 36.0, "100,1.6 0,1.6"),
@@ -445,4 +449,28 @@ fn an_exit_of_a_road_with_shared_nodes_is_a_ramp() {
     assert_eq!(ramps, [":x_0_0", "exit_0", "on_0"]);
     let junctions: Vec<_> = map.lanes.iter().filter(|l| l.in_junction).map(|l| l.id.as_str()).collect();
     assert_eq!(junctions, [""; 0], "neither where the exit leaves nor inside the ramp");
+}
+
+/// Two one-way roads in nearly opposite directions meet at a node. Where their ways cross, as in a diverging diamond
+/// interchange, it is a junction; where each stays on its side, it is not.
+#[test]
+fn one_way_roads_that_cross_meet_at_a_junction() {
+    for (y, expected) in [(2.0, vec!["c_0", ":n_0_0", ":n_1_0", "a_0"]), (-2.0, vec![])] {
+        let dir = fcd(0.1, 12, |t| vec![car("ego", 10.0 + 10.0 * t, -8.0)]);
+        let net = [
+            edge("a", "w", "n", 14.0, "0,-10 90,-2"),
+            edge("b", "n", "e", 14.0, &format!("110,{y} 200,10")),
+            edge("c", "f", "n", 14.0, &format!("200,-10 110,{}", -y)),
+            edge("d", "n", "v", 14.0, "90,2 0,10"),
+            inside("n_0", &format!("90,-2 110,{y}")),
+            inside("n_1", &format!("110,{} 90,2", -y)),
+            connection("a", "b", "n_0"),
+            connection("c", "d", "n_1"),
+        ];
+        fs::write(dir.path().join("net.xml"), format!("<net>{}</net>", net.concat())).unwrap();
+        let map = read(&dir).0.unwrap().map.unwrap();
+        let found: BTreeSet<_> =
+            map.lanes.iter().filter(|l| l.junction_id.is_some()).map(|l| l.id.as_str()).collect();
+        assert_eq!(found, expected.into_iter().collect(), "{y}");
+    }
 }

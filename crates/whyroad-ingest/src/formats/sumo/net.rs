@@ -372,10 +372,9 @@ fn real_junctions<'e>(
     let is_real = |meetings: &[ramps::Meeting<'_>]| {
         let ends =
             meetings.iter().flat_map(|m| m.ins.iter().map(|e| e.from).chain(m.outs.iter().map(|e| e.to)));
-        let opposite =
-            |(i, m): (usize, &ramps::Meeting<'_>)| meetings[..i].iter().all(|o| m.is_opposite(o, lanes));
+        let passes = |(i, m): (usize, &ramps::Meeting<'_>)| meetings[..i].iter().all(|o| m.passes(o, lanes));
         let only_flows =
-            meetings.iter().all(|m| m.runs_together(lanes)) && meetings.iter().enumerate().all(opposite);
+            meetings.iter().all(|m| m.runs_together(lanes)) && meetings.iter().enumerate().all(passes);
         ends.collect::<BTreeSet<_>>().len() >= 3 && !only_flows
     };
     meetings.iter().filter(|(_, here)| is_real(here)).map(|(node, _)| *node).collect()

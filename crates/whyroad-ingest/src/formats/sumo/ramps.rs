@@ -2,6 +2,7 @@
 //! ends in `_link`; a network that was drawn has none, but marks the lanes on which traffic from a ramp gains speed
 //! (`acceleration="1"`).
 
+use crate::assemble::geometry::crosses;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{FRAC_PI_3, PI};
 use whyroad_model::road_map::{Lane, LaneKind, Point3};
@@ -90,10 +91,23 @@ impl Meeting<'_> {
             && headings.iter().all(|&a| headings.iter().all(|&b| apart(a, b) < TOGETHER_RAD))
     }
 
-    /// True where the roads of `other` go in the opposite direction: they pass each other and do not cross.
-    pub fn is_opposite(&self, other: &Meeting<'_>, lanes: &BTreeMap<String, Lane>) -> bool {
+    /// The ways through the node, from the end of each road that ends there to the beginning of each that begins.
+    fn ways(&self, lanes: &BTreeMap<String, Lane>) -> Vec<[Point3; 2]> {
+        let all = |roads: &[Branch<'_>]| -> Vec<&Lane> {
+            roads.iter().flat_map(|e| e.lanes.iter()).filter_map(|id| lanes.get(id)).collect()
+        };
+        let (ins, outs) = (all(&self.ins), all(&self.outs));
+        let ends = ins.iter().filter_map(|l| l.center.last());
+        ends.flat_map(|end| outs.iter().filter_map(|l| Some([*end, *l.center.first()?]))).collect()
+    }
+
+    /// True where the roads of `other` go in the opposite direction and pass these without crossing them; the two
+    /// carriageways of a diverging diamond interchange cross.
+    pub fn passes(&self, other: &Meeting<'_>, lanes: &BTreeMap<String, Lane>) -> bool {
         let theirs = other.headings(lanes);
+        let ways = other.ways(lanes);
         self.headings(lanes).iter().all(|&a| theirs.iter().all(|&b| apart(a, b) > PI - TOGETHER_RAD))
+            && !self.ways(lanes).iter().any(|a| ways.iter().any(|b| crosses(a, b)))
     }
 }
 
