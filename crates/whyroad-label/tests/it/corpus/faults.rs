@@ -54,7 +54,10 @@ const KINDS: &[(&str, &[&str])] = &[
     ),
     ("impossible_decision", &["label.decision.impossible"]),
     ("impossible_lateral", &["label.decision.impossible", "label.lateral.mandated"]),
-    ("impossible_direction", &["label.decision.impossible", "label.direction.invalid"]),
+    (
+        "impossible_direction",
+        &["label.decision.impossible", "label.direction.invalid", "label.direction.unexpected"],
+    ),
     ("null_decision", &["label.decision.impossible", "label.lateral.mandated", "label.trace.unlabelled"]),
     ("null_channel", &["label.trace.unlabelled", "label.decision.impossible"]),
     ("evidence_early", &["label.evidence.before_history"]),
@@ -65,7 +68,7 @@ const KINDS: &[(&str, &[&str])] = &[
     ("record_value", &["label.record.value"]),
     ("record_missing", &["label.record.missing"]),
     ("duplicate", &["label.component.duplicate"]),
-    ("draft", &["label.trace.draft"]),
+    ("draft", &["label.trace.draft", "label.text.placeholder"]),
     ("cause_missing", &["label.cause.missing"]),
     ("unobserved", &["label.cause.unobserved"]),
     // An additional action of the ego.
