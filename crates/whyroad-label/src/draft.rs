@@ -169,6 +169,7 @@ fn make(
         of_variants: of_variants.as_ref(),
         lead,
         lead_is,
+        is_stopped_behind: lead.zip(driven.as_ref()).is_some_and(|(lead, w)| lead.is_stopped_behind(w)),
         course,
         of_road: class.l1 == ROAD,
     };
@@ -182,6 +183,8 @@ fn make(
             || course.is_some_and(|course| is_of_other_motion(w, &course, &decision, &asked, target_id));
         doubt::of_target(class, w, drive, target_id)
             .or_else(of_ego)
+            .or_else(|| doubt::of_nearer(class, w, &asked, &decision, motion))
+            .or_else(|| doubt::of_reason(class, w, target_id))
             .or_else(|| is_no_motion().then_some(Doubt::Motion))
     });
     let records = spec
@@ -469,8 +472,9 @@ fn target_and_lead<'a>(
     episode: &'a EpisodeRecord,
     keyframe: usize,
 ) -> (Option<&'a TrackId>, Option<Lead<'a>>, LeadIs) {
+    let class = &episode.scenario_id;
     let lead = Lead::at(drive, signals, keyframe);
-    let of_lead = framework.draft_texts.is_of_lead(&episode.scenario_id);
+    let of_lead = framework.draft_texts.is_of_lead(class);
     let named = lead.filter(|lead| of_lead && lead.is_reason()).map(|lead| lead.id);
     let target = episode.target_id.as_ref().or(named);
     let along = |id: &TrackId| {
@@ -480,6 +484,8 @@ fn target_and_lead<'a>(
     let lead_is = match (target, lead) {
         (Some(target), Some(lead)) if target == lead.id => LeadIs::Target,
         (Some(target), Some(lead)) => match along(target).zip(along(lead.id)) {
+            // A lead that stops keeps the ego from the point where the paths cross.
+            _ if class.l2.as_deref() == Some("intersection_interaction") && lead.stops() => LeadIs::Nearer,
             Some((target, lead)) if target > 0.0 && target < lead => LeadIs::Farther,
             _ => LeadIs::Nearer,
         },

@@ -152,8 +152,8 @@ impl Scene<'_> {
         let (ahead, aside) = (number("target.longitudinal")?, number("target.lateral")?);
         let turned = number("target.heading_difference").map(f64::abs);
         let same_way = turned.is_some_and(|a| a < 45_f64.to_radians());
-        // Opposite headings within 45 degrees.
-        let oncoming = turned.is_some_and(|a| a > 135_f64.to_radians());
+        // Opposite headings within 45 degrees; in a hairpin bend, a lead has one too.
+        let oncoming = !is_lead && turned.is_some_and(|a| a > 135_f64.to_radians());
         let comes_in = crosses_a_line && !is_lead && !oncoming;
         let place = if is_lead && same_way && !crosses_a_line && ahead > BESIDE_M {
             Bilingual::new("本车道前方", "ahead in the ego's lane")

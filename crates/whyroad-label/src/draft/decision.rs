@@ -78,6 +78,8 @@ pub(super) struct Asked<'a> {
     pub lead: Option<Lead<'a>>,
     /// Relation of the lead to the subject of the class.
     pub lead_is: LeadIs,
+    /// The ego comes to a stand behind the lead.
+    pub is_stopped_behind: bool,
     /// Course of the ego's speed, where it is known.
     pub course: Option<Course>,
     /// The class is about the road.
@@ -220,7 +222,8 @@ fn follows_lead(motion: LongitudinalMotion, lateral: Option<Lateral>, asked: &As
         // A typical follow decision is chosen below.
         LeadIs::Target => !asked.of_others && motion != LongitudinalMotion::SpeedsUp && lead.is_slower(),
         LeadIs::Nearer if asked.of_others => {
-            (lead.stops() || motion == LongitudinalMotion::SpeedsUp) && lead.is_cause_of(motion)
+            let decides = lead.stops() || asked.is_stopped_behind || motion == LongitudinalMotion::SpeedsUp;
+            decides && lead.is_cause_of(motion)
         }
         LeadIs::Nearer => lead.is_cause_of(motion),
         LeadIs::Farther => false,

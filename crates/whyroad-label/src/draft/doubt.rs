@@ -2,6 +2,8 @@
 //! the motion contradicts it, there is no draft: no draft is better for the annotator than a false one. What the
 //! recording does not show is not doubted. The class itself is determined by the rules and their thresholds, not here.
 
+use super::decision::{Asked, LeadIs};
+use super::lead::Lead;
 use super::moment::is_green;
 use super::motion::LongitudinalMotion;
 use crate::driven::Driven;
@@ -29,6 +31,9 @@ const STOOD_MPS: f64 = 0.6;
 /// Minimum speed difference to a vehicle that the ego passes, m/s, and its maximum distance, m.
 const PASSED_MPS: f64 = 3.0;
 const PASSED_M: f64 = 40.0;
+
+/// A road user that is faster than the ego by more than this does not hold it up, m/s.
+const FASTER_MPS: f64 = 0.5;
 
 /// Frames within which a lane change explains a rise of the speed, and the ego responds to hard braking: 2 s.
 const SOON_FRAMES: usize = 20;
@@ -70,6 +75,12 @@ pub enum Doubt {
     Passes,
     /// The ego speeds up for a lane change.
     ForLaneChange,
+    /// The ego stops behind a lead, not for the subject of the class.
+    BehindLead,
+    /// The ego stops for a red light.
+    RedLight,
+    /// Nothing in the recording shows why the ego changes lanes.
+    NoReason,
     /// The ego's motion is not that of the class.
     Motion,
 }
@@ -98,6 +109,11 @@ impl Doubt {
             Self::TurnsThere => ("自车是为路口转弯而减速", "the ego slows for its turn at the junction"),
             Self::Passes => ("自车正在超过一辆慢车", "the ego is passing a slower vehicle"),
             Self::ForLaneChange => ("自车是为换道而加速", "the ego speeds up to change lanes"),
+            Self::BehindLead => ("自车是因为前车停下而减速", "the ego slows for a lead that stops"),
+            Self::RedLight => ("自车是为红灯停车", "the ego stops for the red light"),
+            Self::NoReason => {
+                ("记录没有显示自车换道的原因", "the recording does not show why the ego changes lanes")
+            }
             Self::Motion => ("自车的实际运动与场景不符", "the motion of the ego does not fit the class"),
         };
         Bilingual::new(zh, en)
@@ -321,6 +337,46 @@ pub(super) fn of_ego(
         }
         _ => None,
     }
+}
+
+/// Something nearer than the subject of the class explains why the ego slows: a lead that stops, or a red light.
+pub(super) fn of_nearer(
+    class: &ScenarioId,
+    w: &Driven<'_>,
+    asked: &Asked<'_>,
+    decision: &DrivingDecision,
+    motion: LongitudinalMotion,
+) -> Option<Doubt> {
+    use Longitudinal::{RoadSpeedAdaptation, StopForObstacle, StopForRegulation, YieldToAgent};
+    let slowing = [YieldToAgent, StopForObstacle, StopForRegulation, RoadSpeedAdaptation];
+    let decided = decision.longitudinal.filter(|d| slowing.contains(d) && !asked.is_safety)?;
+    let stops = |lead: &Lead<'_>| lead.stops() || asked.is_stopped_behind;
+    let lead = asked
+        .lead
+        .filter(|lead| asked.lead_is == LeadIs::Nearer && lead.is_cause_of(LongitudinalMotion::Slows));
+    // The texts of turns name a red light themselves.
+    let names_light = matches!(class.l2.as_deref(), Some("traffic_light" | "turn"));
+    let of_light = decided != StopForRegulation && !names_light && !asked.of_others;
+    let red = matches!(w.category("light.state", w.keyframe), Some("red" | "red_yellow"));
+    first_of(&[
+        (lead.as_ref().is_some_and(stops), Doubt::BehindLead),
+        (of_light && red && motion == LongitudinalMotion::Stops, Doubt::RedLight),
+    ])
+}
+
+/// A lane change for a faster road user, or without one in the ego's way, has its reason outside of the recording.
+pub(super) fn of_reason(class: &ScenarioId, w: &Driven<'_>, target: Option<&TrackId>) -> Option<Doubt> {
+    let unknown = class.l2.as_deref() == Some("lane_change")
+        && matches!(class.l3.as_deref(), None | Some("efficiency"));
+    let slower = target.and_then(|id| Other::of(w, id)).is_some_and(|other| {
+        let relative = other.number("target.relative_speed", w.keyframe);
+        let limit = w.number("map.speed_limit", w.keyframe);
+        let below_limit =
+            other.number("target.speed", w.keyframe).zip(limit).is_some_and(|(v, limit)| v < limit);
+        let is_seen = other.number("target.longitudinal", w.keyframe).is_some();
+        is_seen && (relative.is_none_or(|v| v <= FASTER_MPS) || (class.l3.is_some() && below_limit))
+    });
+    (unknown && !slower).then_some(Doubt::NoReason)
 }
 
 /// A vehicle is beside the ego or slightly ahead of it, in another lane.

@@ -2,6 +2,8 @@
 //! *proximate cause*), and where the class itself is about a lead that the rule does not name as a target.
 
 use super::motion::LongitudinalMotion;
+use crate::driven::other::Other;
+use crate::driven::{Driven, STANDSTILL_MPS};
 use whyroad_model::{Drive, SignalTable, TrackId};
 
 /// Maximum time gap at which the lead affects the ego's speed, s.
@@ -27,6 +29,8 @@ const STANDING_MPS: f64 = 0.5;
 const SLOWER_MPS: f64 = 0.5;
 /// A road user with an acceleration below this is braking, m/s2; as for a target.
 const BRAKING_MPS2: f64 = -0.5;
+/// Frames in which the ego comes to a stand behind it: 10 s.
+const STOP_FRAMES: usize = 100;
 /// Half the length of a vehicle whose size is not in the log, m.
 const HALF_LENGTH_M: f64 = 2.3;
 
@@ -38,6 +42,8 @@ pub(super) struct Lead<'a> {
     pub row: usize,
     /// Bumper to bumper, m.
     gap_m: f64,
+    /// Half the lengths of both, m.
+    halves_m: f64,
     speed_mps: f64,
     accel_mps2: Option<f64>,
     /// Speed of the ego, m/s.
@@ -55,7 +61,7 @@ impl<'a> Lead<'a> {
             .iter()
             .filter_map(|span| Some((&span.id, span.row(frame)?)))
             .find(|(_, row)| is_lead.flag(*row).is_true())?;
-        let halves = half_length(drive.ego.as_ref().map(|e| e.length_m))
+        let halves_m = half_length(drive.ego.as_ref().map(|e| e.length_m))
             + half_length(size_at(drive, id, frame).map(|(length, _)| length));
         Some(Self {
             id,
@@ -63,7 +69,8 @@ impl<'a> Lead<'a> {
             // In a turn the lead is on a side of the ego, and its longitudinal distance is small even if it is far
             // away.
             gap_m: number("target.longitudinal", row)?.hypot(number("target.lateral", row).unwrap_or(0.0))
-                - halves,
+                - halves_m,
+            halves_m,
             speed_mps: number("target.speed", row)?,
             accel_mps2: number("target.accel", row),
             ego_mps,
@@ -105,6 +112,17 @@ impl<'a> Lead<'a> {
 
     pub(super) fn stands(&self) -> bool {
         self.speed_mps < STANDING_MPS
+    }
+
+    /// The ego comes to a stand close behind it, and it stands then too.
+    pub(super) fn is_stopped_behind(&self, w: &Driven<'_>) -> bool {
+        let end = (w.keyframe + STOP_FRAMES).min(w.range_end);
+        let stop = (w.keyframe..end).find(|&f| w.speed(f).is_some_and(|v| v < STANDSTILL_MPS));
+        stop.zip(Other::of(w, self.id)).is_some_and(|(f, lead)| {
+            let place = lead.number("target.longitudinal", f).zip(lead.number("target.lateral", f));
+            let stands = lead.number("target.speed", f).is_some_and(|v| v < STANDING_MPS);
+            stands && place.is_some_and(|(x, y)| x > 0.0 && x.hypot(y) - self.halves_m < NEAR_M)
+        })
     }
 
     /// It is slower than the ego.

@@ -11,6 +11,11 @@ use whyroad_model::{SignalTable, TrackId, Tri};
 /// Objects ahead or crossing that are nearer than this block the way, m.
 const IN_THE_WAY_M: f64 = 40.0;
 
+/// Road users from the opposite direction that are nearer than this matter to an ego that crosses their way, m.
+const ONCOMING_M: f64 = 80.0;
+/// Minimum difference of the headings to such a road user, rad: 100 degrees, since the ego may have begun to turn.
+const FACING_RAD: f64 = 100.0 * std::f64::consts::PI / 180.0;
+
 /// A junction nearer than this is the one for which the ego indicates, m.
 const AT_JUNCTION_M: f64 = 40.0;
 
@@ -106,6 +111,10 @@ impl<'a> Moment<'a> {
     }
 
     fn category(&self, name: &str) -> Option<&'a str> {
+        // In a junction, the light is that of the next one.
+        if name == "light.state" && self.flag("ego.in_junction").is_true() {
+            return None;
+        }
         match self.signals.frame_columns.get(name) {
             Some(column) => column.category(self.frame),
             None => self.signals.target_columns.get(name)?.category(self.row?),
@@ -115,6 +124,7 @@ impl<'a> Moment<'a> {
     fn flag(&self, name: &str) -> Tri {
         match name {
             "around.clear" => self.clear(),
+            "around.oncoming" => self.oncoming(),
             "around.target" => Tri::from(self.row.is_some()),
             "around.green" => {
                 self.category("light.state").map_or(Tri::Unknown, |state| Tri::from(is_green(state)))
@@ -152,6 +162,22 @@ impl<'a> Moment<'a> {
                 && distance(row).is_some_and(|d| d < IN_THE_WAY_M)
         };
         Tri::from(!self.rows().any(in_the_way))
+    }
+
+    /// A road user ahead comes from the opposite direction, or stands there.
+    fn oncoming(&self) -> Tri {
+        let column = |name: &str| self.signals.target_columns.get(name);
+        let (Some(turned), Some(along), Some(distance)) =
+            (column("target.heading_difference"), column("target.longitudinal"), column("target.distance"))
+        else {
+            return Tri::Unknown;
+        };
+        let near = |row: &usize| {
+            along.number(*row).is_some_and(|x| x > 0.0)
+                && distance.number(*row).is_some_and(|d| d < ONCOMING_M)
+        };
+        let faces = |row| turned.number(row).map_or(Tri::Unknown, |a| Tri::from(a.abs() > FACING_RAD));
+        self.rows().filter(near).map(faces).fold(Tri::False, Tri::or)
     }
 
     /// Distance to the nearest object in the lane that the ego enters, m; infinite without one.

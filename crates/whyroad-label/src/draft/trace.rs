@@ -35,6 +35,8 @@ const REACTION_S: f64 = 1.5;
 const BEFORE_FRAMES: usize = 5;
 /// A decrease of a distance up to this is noise, m.
 const NOISE_M: f64 = 0.1;
+/// Speeds that differ by less than this are alike, m/s.
+const ALIKE_MPS: f64 = 0.3;
 /// An object that comes onto the path within this time is not beside it, s.
 const SOON_S: f64 = 1.5;
 /// Braking harder than this is not smooth, m/s2.
@@ -110,7 +112,7 @@ pub(super) fn why_kept(
     let now = distance(frame);
     let before = frame.checked_sub(BEFORE_FRAMES).and_then(distance);
     // Where the recording has just begun, the speeds show it.
-    let faster = || of_target("target.relative_speed", frame).is_some_and(|v| v > 0.0);
+    let faster = || of_target("target.relative_speed", frame).is_some_and(|v| v > -ALIKE_MPS);
     if now.is_some_and(|now| before.map_or_else(faster, |before| now > before - NOISE_M)) {
         return WhyKept::NotCloser;
     }
@@ -401,10 +403,14 @@ impl<'a> DraftFacts<'a> {
                 None => without_side(text),
             }
         });
+        // Who gives way first does so before the maneuver.
+        let first =
+            matches!(longitudinal, Some(Longitudinal::YieldToAgent | Longitudinal::StopForRegulation));
         match (lang, along, across) {
             (_, None, None) => self.kept().1.map_or("", |p| p.pick(lang, seed)).to_owned(),
-            (Lang::Zh, Some(a), Some(b)) => format!("{a}，并{b}"),
+            (Lang::Zh, Some(a), Some(b)) => format!("{a}，{}{b}", if first { "再" } else { "并" }),
             (Lang::Zh, None, Some(b)) => format!("自车{b}"),
+            (Lang::En, Some(a), Some(b)) if first => format!("{a}, then {b}"),
             (Lang::En, Some(a), Some(b)) if a.contains(" and ") => format!("{a}, and {b}"),
             (Lang::En, Some(a), Some(b)) => format!("{a} and {b}"),
             (Lang::En, None, Some(b)) => format!("the ego {b}"),

@@ -118,11 +118,11 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     args.print.put(&report, || {
         let line = match global.lang {
             Lang::Zh => format!(
-                "{} 个事件：写出 {written} 个草稿（未经检查，作者：{by}），其中 {with_findings} 个有检查提示；{left_out} 个没有草稿\n",
+                "{} 个事件：写出 {written} 个草稿（未经检查，作者：{by}），其中 {with_findings} 个有检查提示；{left_out} 个因错误没有写出\n",
                 episodes.len()
             ),
             Lang::En => format!(
-                "{} episodes: {written} drafts written (unchecked, by {by}), {with_findings} with findings; {left_out} without a draft\n",
+                "{} episodes: {written} drafts written (unchecked, by {by}), {with_findings} with findings; {left_out} failed\n",
                 episodes.len()
             ),
         };
@@ -141,8 +141,8 @@ fn in_words(doubts: &BTreeMap<Doubt, usize>, lang: Lang) -> String {
     let all: usize = doubts.values().sum();
     let mut lines = match (all, lang) {
         (0, _) => return String::new(),
-        (_, Lang::Zh) => format!("{all} 个事件与所见不符，没有写草稿：\n"),
-        (_, Lang::En) => format!("{all} episodes have no draft, because what is seen does not fit:\n"),
+        (_, Lang::Zh) => format!("{all} 个事件没有写草稿，原因：\n"),
+        (_, Lang::En) => format!("{all} episodes have no draft, because:\n"),
     };
     for (doubt, n) in doubts {
         lines += &format!("  {n:>5}  {}\n", doubt.text().get(lang));

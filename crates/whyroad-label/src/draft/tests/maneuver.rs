@@ -35,6 +35,9 @@ fn a_turn_has_its_side_and_a_lane_change_is_no_decision_of_a_cut_in() {
     let change = |s: &mut SignalTable| {
         let codes = (0..fixture::FRAMES).map(|f| u16::from(f > 50)).collect();
         s.frame_columns.insert("ego.lane_change".into(), category(&["none", "right"], codes));
+        // Somebody ahead holds the ego up.
+        of_target(s, "target.longitudinal", 20.0);
+        of_target(s, "target.lateral", 0.0);
     };
     let own = draft_of("proactive.lane_change.efficiency", change).label.driving_decision;
     assert_eq!(

@@ -82,10 +82,12 @@ fn no_vehicle_is_made_up_for_a_lane_change() {
         let (near, far) = (change(leaf, 54.55), change(leaf, 54.75));
         assert_eq!(near.critical_components[0].linked_objects, ["d"], "{leaf}");
         assert!(near.coc_trace.contains("轿车开得比自车慢"), "{}", near.coc_trace);
-        assert!(far.critical_components.iter().all(|c| c.linked_objects.is_empty()), "{leaf}");
-        assert_eq!(far.critical_components[0].uncertainty, Some(Uncertainty::High));
-        assert!(!far.coc_trace.contains('它') && !far.coc_trace.contains("慢"), "{}", far.coc_trace);
+        // LABELING.md 6: a decision without a cause has no trace that makes one up.
+        assert!(far.coc_trace.is_empty() && far.critical_components.is_empty(), "{leaf}: {}", far.coc_trace);
     }
+    // A lead that is faster does not hold the ego up.
+    let faster = draft_of("proactive.lane_change", |s| of_target(s, "target.relative_speed", 3.0));
+    assert_eq!(faster.doubt, Some(Doubt::NoReason));
     // Nobody is in the lane from which the ego returns.
     let abort = change("proactive.lane_change.abort", 100.0);
     assert!(!abort.coc_trace.contains("对方") && abort.coc_trace.contains("没有"), "{}", abort.coc_trace);
@@ -180,4 +182,38 @@ fn whom_a_class_is_about_does_what_it_says_or_there_is_no_draft() {
         with_speed(s, |f| 17.0 - 0.1 * f.saturating_sub(44) as f64);
     });
     assert_ne!(nobody.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+}
+
+/// The nearest cause comes first (LABELING.md 6, *proximate cause*).
+#[test]
+fn who_stops_behind_a_lead_or_at_red_does_not_stop_for_anything_farther() {
+    // The ego brakes at 2 m/s2 from 10 m/s and stands 25 m on.
+    let brakes = |s: &mut SignalTable| with_speed(s, |f| (10.0 - 0.2 * f.saturating_sub(44) as f64).max(0.0));
+    // The lead slows too, from 4 m/s, and both stand 2 m apart.
+    let leaf = "reactive_agent.intersection_interaction.unprotected_left";
+    let behind = behind_lead(leaf, 20.0, |s| {
+        brakes(s);
+        by_frame(s, "target.speed", |f| (4.0 - 0.1 * f.saturating_sub(44) as f64).max(0.0));
+        by_frame(s, "target.longitudinal", |f| (20.0 - 0.2 * f.saturating_sub(44) as f64).max(6.65));
+    });
+    assert_eq!(
+        behind.driving_decision.longitudinal,
+        Some(Longitudinal::LeadFollowing),
+        "{}",
+        behind.coc_trace
+    );
+    // Nor does it stop for cones at a red light.
+    let cones = "reactive_rule.road_change.cone";
+    let drafted = |state: Option<&str>| {
+        draft_of(cones, |s| {
+            brakes(s);
+            if let Some(state) = state {
+                let light = category(&[state], vec![0; fixture::FRAMES]);
+                s.frame_columns.insert("light.state".into(), light);
+            }
+        })
+    };
+    assert_eq!(drafted(None).doubt, None);
+    assert_eq!(drafted(Some("red")).doubt, Some(Doubt::RedLight));
+    assert_eq!(drafted(Some("green")).doubt, None);
 }
