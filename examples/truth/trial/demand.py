@@ -50,6 +50,10 @@ MODEL = {
     "IDM10": 'carFollowModel="IDM" delta="4.5" tau="1.25" sigma="0" lcAssertive="1.5" lcSpeedGain="2.2" lcCooperative="0.8" lcKeepRight="0.8" speedFactor="normc(1.0,0.14,0.75,1.25)"',
     "KraussDense": 'carFollowModel="Krauss" sigma="0.2" tau="1.0" decel="3.6" lcAssertive="1.8" lcSpeedGain="2.5" lcCooperative="0.6" speedFactor="normc(1.0,0.14,0.72,1.32)"',
     "EIDM8": 'carFollowModel="EIDM" tau="1.25" accel="2.0" decel="3.0" treaction="0.45" tpreview="3" ccoolness="0.95" startupDelay="0.4" jmTimegapMinor="0.9" speedFactor="normc(0.98,0.1,0.78,1.25)"',
+    "KraussFresh": 'carFollowModel="Krauss" sigma="0.3" tau="1.15" accel="2.3" decel="3.8" jmTimegapMinor="1.2" lcStrategic="1.4" lcSpeedGain="1.8" speedFactor="normc(1.01,0.1,0.8,1.28)"',
+    "IDM11": 'carFollowModel="IDM" delta="4" tau="1.15" sigma="0" lcAssertive="1.7" lcSpeedGain="2.4" lcCooperative="0.7" lcKeepRight="0.5" speedFactor="normc(1.0,0.13,0.74,1.28)"',
+    "EIDM9": 'carFollowModel="EIDM" tau="1.1" accel="2.2" decel="3.4" treaction="0.4" tpreview="4" ccoolness="0.9" startupDelay="0.3" lcStrategic="1.5" lcSpeedGain="1.6" jmTimegapMinor="1.0" speedFactor="normc(1.02,0.1,0.8,1.25)"',
+    "KraussEven": 'carFollowModel="KraussPS" sigma="0.2" tau="1.2" accel="2.1" decel="3.5" jmTimegapMinor="1.1" jmStoplineGap="1.0" startupDelay="0.3" speedFactor="normc(1.0,0.1,0.78,1.25)"',
     "IDM9": 'carFollowModel="IDM" delta="3.5" tau="1.1" sigma="0" lcAssertive="2" lcSpeedGain="3" lcCooperative="0.5" actionStepLength="0.4" speedFactor="normc(0.99,0.15,0.72,1.3)"',
 }
 
@@ -70,6 +74,7 @@ def types(model, lateral):
         f'<vType id="cycle" vClass="bicycle" length="1.7" width="0.6" minGap="0.8" maxSpeed="5.0"{side}/>',
         *([f'<vType id="moto" vClass="motorcycle" length="2.2" width="0.9" minGap="1.5" accel="4" decel="6" speedFactor="normc(1.1,0.1,0.9,1.4)" {follow}{side}/>'] if "moto" in more else []),
         *(['<vType id="tram" vClass="tram" length="32" width="2.4" minGap="3" accel="1.1" decel="2.4" maxSpeed="14" speedFactor="1"/>'] if "tram" in more else []),
+        *(['<vType id="train" vClass="rail" length="64" width="2.8" minGap="5" accel="0.7" decel="1.1" sigma="0" maxSpeed="22" speedFactor="1"/>'] if "train" in more else []),
         '<vType id="walker" vClass="pedestrian" length="0.4" width="0.5" speedFactor="normc(1.0,0.12,0.7,1.3)"/>',
     ]]
 

@@ -24,6 +24,7 @@ from networks import (
 from networks_channeled import distributors, pairs, third_lane, turbo
 from networks_drawn import circles, country, knotted, motorway, street
 from networks_everyday import artery, hill_road, quarter, works
+from networks_gateway import airport, diamond, indirect, railside
 from networks_joined import dumbbell, herringbone, hexagons, plain_exits
 from networks_local import ring_motorway, school, suburb, two_banks
 from networks_mixed import lit_grid, parked, spokes, weaving
@@ -133,6 +134,12 @@ SETS = {
         "terminus": (terminus, 14029, 230, 0.2, "KraussDense", 4, 1.15, 0),
         "upland": (upland, 14033, 320, 0.05, "KraussBrisk+moto", "sublane", 0.24, 0.06),
     },
+    "held14": {
+        "indirect": (indirect, 15013, 300, 0.1, "KraussFresh+moto", "sublane", 0.62, 0),
+        "diamond": (diamond, 15017, 240, 0.2, "IDM11", 3.6, 1.0, 0),
+        "airport": (airport, 15031, 280, 0.1, "EIDM9", 2.7, 0.5, 0),
+        "railside": (railside, 15053, 320, 0.05, "KraussEven+moto+train", 3.2, 0.42, 0),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -157,4 +164,6 @@ NOISE = {
     "held12/crossings": (0.1, 0.07, 0.28, 0.7, 0.03),
     "held13/gyratory": (0.05, 0.14, 0.24, 0.9, 0.06),
     "held13/upland": (0.09, 0.09, 0.16, 1.4, 0.04),
+    "held14/diamond": (0.06, 0.11, 0.26, 0.6, 0.07),
+    "held14/railside": (0.11, 0.06, 0.19, 1.2, 0.05),
 }
