@@ -136,8 +136,8 @@ SETS = {
     },
     "held14": {
         "indirect": (indirect, 15013, 300, 0.1, "KraussFresh+moto", "sublane", 0.62, 0),
-        "diamond": (diamond, 15017, 240, 0.2, "IDM11", 3.6, 1.0, 0),
-        "airport": (airport, 15031, 280, 0.1, "EIDM9", 2.7, 0.5, 0),
+        "diamond": (diamond, 15017, 240, 0.2, "IDM11", 3.6, 0.9, 0),
+        "airport": (airport, 15031, 280, 0.1, "EIDM9", 2.7, 0.42, 0),
         "railside": (railside, 15053, 320, 0.05, "KraussEven+moto+train", 3.2, 0.42, 0),
     },
 }

@@ -98,7 +98,8 @@ def leaf_of(w, ego, p, m):
     if p.turned > 45 and facing:
         return "unprotected_left"
     if p.turned < -45 and same_exit:
-        return "right_vs_straight"
+        # Who turns round into the same road does not come straight on.
+        return "right_vs_straight" if abs(m.q.turned) < 135 else None
     return None if same_exit else "cross_conflict"
 
 

@@ -96,7 +96,8 @@ def following(w, ego, lead):
 
 def released(w, ego, k):
     """Whether a light at the end of its lane lets the ego's queue go: then its leaf is resume_follow."""
-    p = next((p for p in w.passing[ego] if p.first >= k), None)
+    # Where the road only widens it is the same approach.
+    p = next((p for p in w.passing[ego] if p.first >= k and (p.node.real or p.link.tl)), None)
     lanes = [w.rows[ego][k].lane] if p is None else []
     if p is not None:
         return bool(p.link.tl)

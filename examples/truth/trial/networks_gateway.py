@@ -35,6 +35,7 @@ def indirect(work, draw):
     half = {"u1": 12, "a": 14, "u2": 12, "j": 12}
     for n in ("w", "u1", "a", "u2", "j", "e"):
         row = node(n, x[n], y(x[n]), "traffic_light" if n in half else "priority")
+        row = row.replace("/>", ' tlLayout="incoming"/>') if n in ("u1", "u2") else row
         nodes.append(drawn(row, x[n], y(x[n]), tilt(x[n]), half[n], half[n], 16, 16) if n in half else row)
     for n, off in (("je", -5), ("jw", 5), ("d", 7), ("m", 3.8), ("m2", 7)):
         nodes.append(node(n, x[n], y(x[n]) + off))
@@ -48,9 +49,9 @@ def indirect(work, draw):
         line = stations(x[a] + sign * reach(a), x[b] - sign * reach(b), lambda s: y(s) + side * (apart(s) - less))
         edges.append(closed(edge(a + b, a, b, lanes, limit, kind, 9, line, bay), "bicycle"))
 
-    for a, b, bay in (("w", "t", 0), ("t", "u1", 0), ("u1", "a", 0), ("a", "u2", 80), ("u2", "je", 0), ("je", "j", 0), ("j", "e", 0)):
+    for a, b, bay in (("w", "t", 0), ("t", "u1", 0), ("u1", "a", 0), ("a", "u2", 110), ("u2", "je", 0), ("je", "j", 0), ("j", "e", 0)):
         way(a, b, -1, 2, bay)
-    for a, b, bay in (("e", "jw", 0), ("jw", "j", 0), ("j", "u2", 0), ("u2", "a", 0), ("a", "u1", 80), ("u1", "d", 75), ("d", "m", 0), ("m2", "w", 0)):
+    for a, b, bay in (("e", "jw", 0), ("jw", "j", 0), ("j", "u2", 0), ("u2", "a", 0), ("a", "u1", 110), ("u1", "d", 75), ("d", "m", 0), ("m2", "w", 0)):
         way(a, b, 1, 2, bay)
     # West of the third crossing the lane that joins is the left one of three.
     way("m", "m2", 1, 3, less=3.2)
@@ -83,10 +84,10 @@ def indirect(work, draw):
     links += ahead("u1a", "au2", (0, 0), (1, 1)) + ahead("u1a", "aaz", (0, 0)) + ahead("u2a", "au1", (0, 0), (1, 1)) + ahead("u2a", "aan", (0, 0))
     links += ahead("ana", "aaz", (0, 0), (1, 1)) + ahead("ana", "au1", (0, 0)) + ahead("aza", "aan", (0, 0), (1, 1)) + ahead("aza", "au2", (0, 0))
     links += ahead("jej", "je", (0, 0), (1, 1)) + ahead("jwj", "ju2", (0, 0), (1, 1))
-    # At the openings who drives on along the other carriageway's far side has no light.
+    # At the openings there is a light for who turns round and for those whom he meets.
     free = lambda a, b, *pairs: [link(a, b, *p).replace("/>", ' uncontrolled="true"/>') for p in pairs]
-    links += free("au2.-80", "u2je", (0, 0), (1, 1)) + ahead("au2.-80", "u2a", (2, 0)) + ahead("au2.-80", "u2y2", (2, 0)) + ahead("ju2", "u2a", (0, 0), (1, 1)) + ahead("ju2", "u2y2", (0, 0)) + ahead("y2u2", "u2a", (0, 0))
-    links += free("au1.-80", "u1d", (0, 0), (1, 1)) + ahead("au1.-80", "u1a", (2, 0)) + ahead("au1.-80", "u1y1", (2, 0)) + ahead("tu1", "u1a", (0, 0), (1, 1)) + ahead("tu1", "u1y1", (0, 0)) + ahead("y1u1", "u1a", (0, 0))
+    links += free("au2.-110", "u2je", (0, 0), (1, 1)) + ahead("au2.-110", "u2a", (2, 0)) + ahead("au2.-110", "u2y2", (2, 0)) + ahead("ju2", "u2a", (0, 0), (1, 1)) + ahead("ju2", "u2y2", (0, 0)) + free("y2u2", "u2a", (0, 0))
+    links += free("au1.-110", "u1d", (0, 0), (1, 1)) + ahead("au1.-110", "u1a", (2, 0)) + ahead("au1.-110", "u1y1", (2, 0)) + ahead("tu1", "u1a", (0, 0), (1, 1)) + ahead("tu1", "u1y1", (0, 0)) + free("y1u1", "u1a", (0, 0))
     links += ahead("wt", "tu1", (0, 0), (1, 1)) + ahead("wt", "ttz", (0, 0)) + ahead("dt", "ttz", (0, 0)) + ahead("tzt.-45", "tu1", (0, 0)) + ahead("tzt.-45", "tm", (1, 0))
     document(work / "nod.xml", "nodes", nodes)
     document(work / "edg.xml", "edges", edges)
@@ -95,14 +96,14 @@ def indirect(work, draw):
         f'<flow id="way{i}" type="{kind}" begin="0" period="{p}" number="{int(250 / p)}" from="{a}" to="{b}" departLane="best"/>' for i, (kind, a, b, p) in enumerate((
             ("car", "wt", "aan", 31), ("car", "ejw", "aaz", 33), ("van", "wt", "jnjnn", 43), ("car", "ejw", "jsjz", 37), ("car", "tzztz", "m2w", 23), ("truck", "ejw", "m2w", 41), ("car", "ejw", "tztzz", 29), ("truck", "wt", "je", 47),
             ("car", "ana", "je", 39), ("car", "az2az", "m2w", 53), ("car", "y2u2", "je", 71)))))
-    return ["--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 72, "--tls.yellow.time", 4, "--tls.left-green.time", 8, "--junctions.internal-link-detail", 12]
+    return ["--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 66, "--tls.yellow.time", 4, "--tls.left-green.time", 8, "--junctions.internal-link-detail", 12]
 
 
 def diamond(work, draw):
     """Above a motorway a road whose two directions change sides at a light and back at the next, so that who turns left
     onto the motorway crosses nobody. Eastwards an exit that parts in two; then the ramp onto the motorway passes over
     the next exit before it enters by a lane that ends. Westwards an exit of two lanes, of which one also goes on, and an
-    entry of two lanes, which end one after the other. South of it a light, north of it a side road.
+    entry of two lanes, which end one after the other. South of it a crossing with a light, north of it a side road with one.
     """
     main, ramp, road = "motorway", "motorway_link", "primary"
     fast, high = 30.56, 6.5
@@ -119,7 +120,7 @@ def diamond(work, draw):
     # By node: which direction's left edge it lies on, and lanes there beyond two on the left.
     sides = {"sr": -1, "nd": 1, "sl": 1, "se": -1, "nl": 1, "nw": -1, "sd": -1, "nr": 1}
     for n, v in place.items():
-        kind = "traffic_light" if n in "SNz" else "priority"
+        kind = "traffic_light" if n in "SNzm" else "priority"
         if n in sides:
             # Drawn as wide as the lanes of both pieces.
             row = lifted(n, left(v, sides[n]), v, lift(v))
@@ -215,9 +216,9 @@ def diamond(work, draw):
     document(work / "edg.xml", "edges", edges)
     document(work / "con.xml", "connections", links)
     (work / "parked.txt").write_text("\n".join(f'<flow id="haul{i}" type="{kind}" begin="0" period="{p}" number="{int(220 / p)}" from="{a}" to="{b}" departLane="best" departSpeed="max"/>' for i, (kind, a, b, p) in enumerate((
-        ("car", "E0", "n8", 15), ("truck", "E0", "s8", 43), ("car", "W0", "s8", 17), ("van", "W0", "n8", 27), ("car", "n0", "W5", 21), ("car", "s0", "E6", 23), ("truck", "s0", "W5", 41), ("truck", "zez", "E6", 37), ("car", "n0", "E6", 15),
-        ("car", "n0", "n8", 17), ("car", "s0", "s8", 13), ("truck", "W0", "W5", 17), ("van", "E0", "outB", 25), ("car", "n0", "W5", 19)))))
-    return ["--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 60, "--tls.yellow.time", 3, "--tls.left-green.time", 8]
+        ("car", "E0", "n8", 15), ("truck", "E0", "s8", 43), ("car", "W0", "s8", 17), ("van", "W0", "n8", 27), ("car", "n0", "W5", 33), ("car", "s0", "E6", 31), ("truck", "s0", "W5", 41), ("truck", "zez", "E6", 37), ("car", "n0", "E6", 35),
+        ("car", "n0", "n8", 31), ("car", "s0", "s8", 29), ("truck", "W0", "W5", 17), ("van", "E0", "outB", 21), ("car", "E0", "E6", 13)))))
+    return ["--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 72, "--tls.yellow.time", 3, "--tls.left-green.time", 12]
 
 
 def airport(work, draw):
@@ -232,7 +233,7 @@ def airport(work, draw):
     jolt = lambda: draw.uniform(-8, 8)
     hx, f2 = -800 + jolt(), -250 + jolt()
     place = {"w": (-1220, 8, 0), "h": (hx, 0, 0), "j1": (-425, -1.2, 0), "f2": (f2, -1.2, 0), "f3": (f2 + 105, 5, 0), "a1": (-35, 8, 0), "c1": (45, 8, 0), "c2": (138, 8, 0), "a2": (225, 8, 0), "d1": (-25, 46, up), "d2": (215, 46, up),
-             "d3": (333, -14, 2.2), "x": (640, -55, 0), "x2": (900, -70, 0), "xn": (655, 130, 0), "mz": (232, -92, 0), "p1": (150, -94, 0), "r1": (-385, -96, 0), "g": (-62, -20, 0), "pa": (-40, -30, 0), "pb": (118, -30, 0), "pc": (118, -60, 0), "pd": (-40, -60, 0), "pk": (-112, -62, 0), "k1": (45, -14, 0), "k2": (138, -14, 0),
+             "d3": (333, -14, 2.2), "x": (640, -55, 0), "x2": (900, -70, 0), "mz": (232, -92, 0), "p1": (150, -94, 0), "r1": (-385, -96, 0), "g": (-62, -20, 0), "pa": (-40, -30, 0), "pb": (118, -30, 0), "pc": (118, -60, 0), "pd": (-40, -60, 0), "pk": (-112, -62, 0), "k1": (45, -14, 0), "k2": (138, -14, 0),
              "hn": (hx + 12, 150, 0), "hnn": (hx + 20, 300, 0), "hne": (hx + 165, 175, 0), "o0": (hx + 18, -180, 0), "o1": (hx, -162, 0), "o2": (hx - 18, -180, 0), "o3": (hx, -198, 0), "oe": (hx + 190, -200, 0), "ow": (hx - 200, -170, 0), "oz": (hx + 12, -360, 0)}
     kinds = {"h": "traffic_light", "pa": "right_before_left", "pc": "right_before_left", "pd": "right_before_left", "mz": "priority", "p1": "priority_stop"}
     for n, (px, py, pz) in place.items():
@@ -248,7 +249,7 @@ def airport(work, draw):
     # In; out of the city one drives north of those who go back.
     curve = lambda *points: smooth([points[0], *points, points[-1]], 5)[1:-1]
     line = lambda s: 8 * (s + 800) / -420 if s < -800 else 0.0
-    road("in0", "w", "h", 2, 19.44, main, 9, [(px, py + 2) for px, py in stations(-1216, hx - 12, line, 60)], 65, True)
+    road("in0", "w", "h", 3, 19.44, main, 9, [(px, py + 2) for px, py in stations(-1216, hx - 12, line, 60)], 65, True)
     road("out0", "h", "w", 2, 19.44, main, 9, [(px, py - 2) for px, py in stations(hx - 12, -1216, line, 60)], 0, True)
     road("in1", "h", "j1", 2, 19.44, main, 9, [(hx + 12, 2), (-600, 2), (-433.3, 2)])
     road("in2", "j1", "f2", 3, 16.67, main, 9, [(-416.7, -1.2), (-330, -1.2)])
@@ -262,8 +263,7 @@ def airport(work, draw):
     road("down", "d2", "d3", 2, 11.11, way, 7, curve((215, 46, up), (262, 45, 6.4), (305, 33, 5), (330, 8, 3.2), (333, -14, 2.2)))
     road("down2", "d3", "mz", 1, 11.11, way, 6, curve((333, -14, 2.2), (331, -42, 1.8), (312, -72, 0.7), (278, -88, 0), (232, -92, 0)))
     road("east", "d3", "x", 1, 13.89, way, 6, curve((333, -14, 2.2), (343, -38, 1.8), (372, -56, 0.8), (440, -60, 0), (640, -55, 0)))
-    two_way(edges, "x", "x2", 1, 16.67, way, 8)
-    two_way(edges, "xn", "x", 1, 13.89, way, 6)
+    edges.append(edge("xx2", "x", "x2", 1, 16.67, way, 8))
     road("low3", "a2", "mz", 2, 9.72, way, 7, curve((225, 8, 0), (258, 5, 0), (284, -12, 0), (292, -38, 0), (282, -66, 0), (258, -84, 0), (232, -88.8, 0)))
     road("back0", "mz", "p1", 3, 13.89, main, 9)
     road("back1", "p1", "r1", 3, 13.89, main, 9, [(60, -96), (-150, -99)])
@@ -278,10 +278,10 @@ def airport(work, draw):
     for k in "12":
         edges += [only(edge(f"path{k}", f"c{k}", f"k{k}", 1, 2.8, "highway.footway", 1), "pedestrian"), only(edge(f"htap{k}", f"k{k}", f"c{k}", 1, 2.8, "highway.footway", 1), "pedestrian")]
     # The streets at the light; the roundabout runs clockwise.
-    two_way(edges, "hn", "h", 1, 13.89, way, 6, bays=(40, 0))
+    two_way(edges, "hn", "h", 2, 13.89, way, 6, bays=(40, 0))
     two_way(edges, "hnn", "hn", 1, 11.11, "highway.residential", 4)
     two_way(edges, "hne", "hn", 1, 11.11, "highway.residential", 3)
-    two_way(edges, "o1", "h", 1, 13.89, way, 6, bays=(40, 0))
+    two_way(edges, "o1", "h", 2, 13.89, way, 6, bays=(40, 0))
     for n, a in (("oe", "o0"), ("ow", "o2"), ("oz", "o3")):
         two_way(edges, n, a, 1, 13.89, "highway.tertiary", 5)
     angle = {"o0": 0, "o1": 90, "o2": 180, "o3": 270}
@@ -300,15 +300,15 @@ def airport(work, draw):
     halt = lambda road, a: f'<stop lane="{road}" startPos="{a}" endPos="{a + 9}" duration="{draw.randint(14, 34)}"/>'
     # People are let out at the kerb, and some in the lane beside it.
     spots = [("dep_0", 40), ("dep_0", 84), ("dep_0", 128), ("dep_0", 172), ("dep_1", 150), ("arr0_1", 26), ("arr0_1", 52), ("arr1_1", 12), ("arr1_1", 36), ("arr2_1", 14), ("arr2_1", 38)]
-    rows = [f'<flow id="taxi{i}" type="{draw.choice(("car", "car", "quick", "van"))}" begin="0" end="260" period="exp({1 / draw.randint(38, 70):.4f})" from="{draw.choice(("in0", "in0", "hnnhn"))}" to="{draw.choice(("out0", "xx2") if spot == "dep_0" else ("out0", "hhn"))}" departLane="best">{halt(spot, at)}</flow>'
+    rows = [f'<flow id="taxi{i}" type="{draw.choice(("car", "car", "quick", "van"))}" begin="0" end="260" period="exp({1 / draw.randint(60, 95):.4f})" from="{draw.choice(("in0", "in0", "hnnhn"))}" to="{draw.choice(("out0", "xx2") if spot == "dep_0" else ("out0", "hhn"))}" departLane="best">{halt(spot, at)}</flow>'
             for i, (spot, at) in enumerate(spots)]
     (work / "parked.txt").write_text("\n".join([
         *rows,
         '<flow id="shuttle" type="coach" begin="0" period="58" number="4" from="in0" to="out0" departLane="best"><stop lane="arr1_1" startPos="60" endPos="80" duration="16"/></flow>',
         *(f'<flow id="go{i}" type="{kind}" begin="0" period="{p}" number="{int(260 / p)}" from="{a}" to="{b}"{via} departLane="best"/>' for i, (kind, a, b, p, via) in enumerate((
-            ("car", "in0", "pdpk", 33, ""), ("car", "pkpd", "out0", 29, ""), ("car", "pkpd", "east", 61, ' via="round"'), ("car", "in0", "out0", 16, ""), ("quick", "in0", "hhn", 47, ' via="arr0"'), ("truck", "in0", "o3oz", 53, ""), ("car", "ozo3", "out0", 37, ""), ("car", "owo2", "hhn", 31, ""), ("van", "oeo0", "o3oz", 35, ""), ("car", "xnx", "xx2", 21, ""), ("car", "x2x", "xxn", 25, "")))),
+            ("car", "in0", "pdpk", 33, ""), ("car", "pkpd", "out0", 29, ""), ("car", "pkpd", "east", 61, ' via="round"'), ("car", "in0", "out0", 27, ""), ("quick", "in0", "hhn", 47, ' via="arr0"'), ("truck", "in0", "o3oz", 61, ""), ("van", "oeo0", "o3oz", 57, "")))),
         *(f'<personFlow id="bags{i}" type="walker" begin="0" end="260" period="exp({1 / p:.4f})"><walk from="{a}" to="{b}"/></personFlow>' for i, (a, b, p) in enumerate((("arr0", "path1", 13), ("htap1", "arr1", 15), ("arr1", "path2", 14), ("htap2", "arr2", 12))))]))
-    return ["--lefthand", "--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 70, "--tls.yellow.time", 3, "--tls.left-green.time", 8, "--sidewalks.guess", "--sidewalks.guess.max-speed", 8.4, "--sidewalks.guess.exclude", "dep,park0," + ",".join(f"spin{n}" for n in spin)]
+    return ["--lefthand", "--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 84, "--tls.yellow.time", 3, "--tls.left-green.time", 10, "--sidewalks.guess", "--sidewalks.guess.max-speed", 8.4, "--sidewalks.guess.exclude", "dep,park0," + ",".join(f"spin{n}" for n in spin)]
 
 
 def railside(work, draw):
@@ -325,7 +325,7 @@ def railside(work, draw):
     x = {"mw": -1200, "da": -838 + jolt(), "db": -708 + jolt(), "m1": -265 + jolt(), "m2": 165 + jolt(), "m3": 560 + jolt(), "cs": 800, "me": 1280}
     nodes, edges, links = [], [], []
     lit = {"m2": "traffic_light"}
-    nodes += [node(n, v, y(v), lit.get(n, "priority")) for n, v in x.items()]
+    nodes += [node(n, v, y(v), lit.get(n, "priority")).replace("/>", ' radius="9"/>' if n == "m3" else "/>") for n, v in x.items()]
     cx, cy = 890, y(890) - 4
     ring(edges, nodes, "c", cx, cy, 21, 1, [4, 180, 262, 316], 8.33)
     # Rails, and the nodes at which roads cross them.
@@ -338,7 +338,12 @@ def railside(work, draw):
             edges.append(only(edge(f"t{start}{end}", start, end, 1, 22.22, "railway.rail", 12, line[::sign]), "rail"))
     # The road beside it.
     for a, b, limit, bays in (("mw", "da", 25.0, (0, 0)), ("da", "db", 22.22, (0, 0)), ("db", "m1", 25.0, (50, 0)), ("m1", "m2", 19.44, (45, 0)), ("m2", "m3", 22.22, (0, 45)), ("m3", "cs", 22.22, (0, 0))):
-        two_way(edges, a, b, 1, limit, main, 9, shape=stations(x[a] + 12, x[b] - 12, y, 50), bays=bays)
+        for start, end, bay in ((a, b, bays[0]), (b, a, bays[1])):
+            # Before a bay the lane moves over by its width.
+            sign, far = (1, abs(x[b] - x[a])) if start == a else (-1, abs(x[b] - x[a]))
+            beside = lambda s: 3.2 * min(1, max(0, (far - bay - 20 - abs(s - x[start])) / 70)) if bay else 0.0
+            line = stations(x[start] + sign * 12, x[end] - sign * 12, lambda s: y(s) + sign * beside(s), 30)
+            edges.append(edge(start + end, start, end, 1, limit, main, 9, line, bay))
     two_way(edges, "cs", "c1", 1, 16.67, main, 9, shape=[(845, y(850) - 2)])
     two_way(edges, "c0", "me", 1, 22.22, main, 9, shape=[(950, y(950)), (1100, y(1100))])
     # The triangle: who turns sharply at one of its corners uses another.
@@ -383,7 +388,7 @@ def railside(work, draw):
         programs.append(f'<tlLogic id="{n}" type="static" programID="trains" offset="0">{rows}</tlLogic>')
     document(work / "trains.add.xml", "additional", programs)
     rows = [f'<flow id="fetch{i}" type="{draw.choice(("car", "quick", "van"))}" begin="0" end="290" period="exp({1 / draw.randint(55, 80):.4f})" from="{a}" to="{b}"><stop lane="k2k1_1" startPos="{14 + i * 14}" endPos="{23 + i * 14}" duration="{draw.randint(14, 36)}"/></flow>' for i, (a, b) in enumerate((("twt1", "t2te"), ("l1t1", "n2nn"), ("tet2", "t1tw"), ("l2t2", "t2l2")))]
-    feet = (("s1mk", "mkn2", 15), ("n2mk", "mks2", 17), ("mkk2", "s2mk", 13), ("k1s2", "mks1", 14), ("s2n3", "k1s2", 19), ("t1s1", "s1n1", 21), ("n3s2", "s2t2", 18), ("n1n2", "n2mk", 16), ("s1mk", "mks2", 12))
+    feet = (("s1mk", "mkn2", 15), ("n2mk", "mks2", 17), ("mkk2", "s2mk", 13), ("s2n3", "k1s2", 19), ("t1s1", "s1n1", 21), ("n3s2", "s2t2", 18), ("n1n2", "n2mk", 16), ("s1mk", "mks2", 12))
     (work / "parked.txt").write_text("\n".join([
         *(f'<flow id="train{a}" type="train" begin="0" period="{cycle}" number="4" from="{a}" to="{b}" departSpeed="{pace}"/>' for a, b in (("trwl1", "tl3re"), ("trel3", "tl1rw"))),
         *rows,
