@@ -36,9 +36,11 @@ RADIUS_M = 120
 
 def build(maker, draw, work):
     options = maker(work, draw)
+    # Roads "as drawn" have the ends of their shapes; others are led on to the middle of their nodes.
+    whole = ["--plain.extend-edge-shape"] if "as drawn" not in options else []
     tool("netconvert", "--node-files", work / "nod.xml", "--edge-files", work / "edg.xml",
          *(["--connection-files", work / "con.xml"] if (work / "con.xml").exists() else []),
-         "--output-file", work / "net.xml", "--offset.disable-normalization", "--plain.extend-edge-shape", *options)
+         "--output-file", work / "net.xml", "--offset.disable-normalization", *whole, *(o for o in options if o != "as drawn"))
 
 
 def simulate(work, draw, seed, seconds, step, model, lateral, rate, people, count):

@@ -176,24 +176,24 @@ def diamond(work, draw):
 
     h = high
     # Off eastwards, and on: the ramps part at q and join at p.
-    nodes += [lifted("q", -165, s + 22, h), lifted("p", 175, s + 27, h), lifted("q2", 165, -s - 22, h), lifted("p2", -175, -s - 27, h), lifted("p3", 340, s + 34, h, "zipper")]
+    nodes += [lifted("q", -165, s + 22, h), lifted("p", 175, s + 27, h), lifted("q2", 165, -s - 22, h), lifted("p2", -175, -s - 27, h), drawn(lifted("p3", 340, s + 34, h, "zipper"), 340, s + 34, 0.02, 20, 20, 6.6, 0.2)]
     slip("offE", "e2", "q", 1, 20.12, [*beside("e2", 1, -1, 9.6, 1.2), (-380, -45, 2.8), (-300, s + 48, 4.8), (-232, s + 28, 6.2), (-167, s + 22, h)])
-    slip("offEl", "q", "sl", 1, 11.11, [(-162, s + 22, h), (-110, s + 19, h), (-65, s + 20, h), (-35, s + 25, h), (-20, s + 32, h), (left(s + 39, 1) - 3.4, s + 39, h)])
-    slip("offEr", "q", "sr", 1, 12.5, [(-162, s + 20, h), (-110, s + 9, h), (-62, s - 12, h), (-32, s - 40, h), (-16, s - 54, h), (-10.0, s - 71, lift(s - 76))])
+    slip("offEl", "q", "sl", 1, 11.11, [(-162, s + 22, h), (-110, s + 19, h), (-65, s + 20, h), (-36, s + 23, h), (-21.5, s + 30, h), (left(s + 39, 1) - 3.4, s + 39, h)])
+    slip("offEr", "q", "sr", 1, 12.5, [(-162, s + 20, h), (-110, s + 9, h), (-62, s - 12, h), (-36, s - 32, h), (-19, s - 54, h), (-10.6, s - 71.8, h)])
     slip("onEr", "nd", "p", 1, 12.5, [(7.4, s - 71, lift(s - 76)), (14, s - 54, h), (34, s - 32, h), (66, s - 4, h), (115, s + 14, h), (167, s + 23.6, h)])
-    slip("onEl", "se", "p", 1, 11.11, [(left(s + 39, -1) + 3.4, s + 39, h), (20, s + 32, h), (35, s + 28, h), (65, s + 24, h), (115, s + 24.5, h), (172, s + 27, h)])
-    slip("onE", "p", "p3", 2, 16.67, [(178, s + 27.2, h), (230, s + 30, h), (290, s + 32.5, h), (337, s + 34, h)])
+    slip("onEl", "se", "p", 1, 11.11, [(left(s + 39, -1) + 3.4, s + 39, h), (21.5, s + 31, h), (36, s + 25, h), (65, s + 24, h), (115, s + 24.5, h), (172, s + 27, h)])
+    slip("onE", "p", "p3", 2, 16.67, [(178, s + 27.2, h), (230, s + 30, h), (290, s + 33, h), (319, s + 33.8, h)])
     over = [(x["e5"] - d, bow(x["e5"] - d) - 6 - 9.6 - m, v) for d, m, v in ((265, 43, h), (205, 25, 6), (150, 11, 4), (100, 3.5, 1.8), (55, 0.7, 0.4), (24.3, 0, 0), (0, 0, 0))]
-    slip("onE2", "p3", "e5", 1, 20.12, [(343, s + 34, h), (430, s + 32, h), (530, s + 28, h), (600, s + 27, h), *over])
+    slip("onE2", "p3", "e5", 1, 20.12, [(361, s + 34.2, h), (430, s + 32.5, h), (530, s + 28, h), (600, s + 27, h), *over])
     # The next exit passes below that ramp.
     nodes.append(lifted("bx", 1000, bow(1000) - 118, 0))
     slip("outB", "e4", "bx", 1, 20.12, [*beside("e4", 1, -1, 9.6), (520, bow(520) - 42, 0), (640, bow(640) - 66, 0), (760, bow(760) - 88, 0), (880, bow(880) - 105, 0), (997, bow(1000) - 118, 0)])
     # Off westwards by two lanes, and on.
     slip("offW", "w2", "q2", 2, 20.12, [*beside("w2", -1, 1, 9.6, 1.2), (385, 36, 2.8), (302, -s - 52, 4.8), (232, -s - 29, 6.2), (167, -s - 22, h)])
-    slip("offWl", "q2", "nw", 1, 11.11, [(162, -s - 22, h), (110, -s - 19, h), (65, -s - 20, h), (35, -s - 25, h), (20, -s - 32, h), (left(-s - 39, -1) + 3.4, -s - 39, h)])
-    slip("offWr", "q2", "nr", 1, 12.5, [(162, -s - 18, h), (110, -s - 7, h), (62, -s + 12, h), (32, -s + 40, h), (16, -s + 54, h), (10.0, -s + 71, lift(-s + 76))])
+    slip("offWl", "q2", "nw", 1, 11.11, [(162, -s - 22, h), (110, -s - 19, h), (65, -s - 20, h), (36, -s - 23, h), (21.5, -s - 30, h), (left(-s - 39, -1) + 3.4, -s - 39, h)])
+    slip("offWr", "q2", "nr", 1, 12.5, [(162, -s - 18, h), (110, -s - 7, h), (62, -s + 12, h), (36, -s + 32, h), (19, -s + 54, h), (10.6, -s + 71.8, h)])
     slip("onWr", "sd", "p2", 1, 12.5, [(-7.4, -s + 71, lift(-s + 76)), (-14, -s + 54, h), (-34, -s + 32, h), (-66, -s + 4, h), (-115, -s - 14, h), (-167, -s - 23.6, h)])
-    slip("onWl", "nl", "p2", 1, 11.11, [(left(-s - 39, 1) - 3.4, -s - 39, h), (-20, -s - 32, h), (-35, -s - 28, h), (-65, -s - 24, h), (-115, -s - 24.5, h), (-172, -s - 27, h)])
+    slip("onWl", "nl", "p2", 1, 11.11, [(left(-s - 39, 1) - 3.4, -s - 39, h), (-21.5, -s - 31, h), (-36, -s - 25, h), (-65, -s - 24, h), (-115, -s - 24.5, h), (-172, -s - 27, h)])
     slip("onW", "w3", "p2", 2, 20.12, [*beside("w3", 1, 1, 9.6, 1.2), (-385, 36, 2.8), (-305, -s - 54, 4.8), (-240, -s - 33, 6.2), (-178, -s - 27.2, h)])
     edges[-1] = edges[-1].replace('from="w3" to="p2"', 'from="p2" to="w3"')
     points = edges[-1].split(' shape="')[1].split('"')[0]
@@ -218,7 +218,7 @@ def diamond(work, draw):
     (work / "parked.txt").write_text("\n".join(f'<flow id="haul{i}" type="{kind}" begin="0" period="{p}" number="{int(220 / p)}" from="{a}" to="{b}" departLane="best" departSpeed="max"/>' for i, (kind, a, b, p) in enumerate((
         ("car", "E0", "n8", 15), ("truck", "E0", "s8", 43), ("car", "W0", "s8", 17), ("van", "W0", "n8", 27), ("car", "n0", "W5", 33), ("car", "s0", "E6", 31), ("truck", "s0", "W5", 41), ("truck", "zez", "E6", 37), ("car", "n0", "E6", 35),
         ("car", "n0", "n8", 31), ("car", "s0", "s8", 29), ("truck", "W0", "W5", 17), ("van", "E0", "outB", 21), ("car", "E0", "E6", 13)))))
-    return ["--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 72, "--tls.yellow.time", 3, "--tls.left-green.time", 12]
+    return ["as drawn", "--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 72, "--tls.yellow.time", 3, "--tls.left-green.time", 12]
 
 
 def airport(work, draw):
