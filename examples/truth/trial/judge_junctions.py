@@ -115,6 +115,10 @@ def junctions(w, ego, lead):
     yield from slips(w, ego)
     for p in w.passing[ego]:
         if not p.node.real:
+            # Whether a level crossing is a junction, and who waits there at its light meets the train, is open.
+            trains = [m for m in met(w, ego, p) if w.kind(m.name) == "rail" and m.apart < 30] if p.link.tl else []
+            for m in trains:
+                yield from perhaps(w, ego, m.name, m.q)
             # Whether who drives on past an opening in the median passes a junction is not said, where others turn off into it
             # or come out of it.
             if any(l.a == p.link.a and l.dir in "lrt" or comes_out(net, l, p) for links in net.out.values() for l in links):
