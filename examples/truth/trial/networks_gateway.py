@@ -201,7 +201,7 @@ def diamond(work, draw):
     links += ahead("E1", "offE", (0, 0)) + ahead("offE", "offEl", (0, 0)) + ahead("offE", "offEr", (0, 0)) + ahead("onEr", "onE", (0, 0)) + ahead("onEl", "onE", (0, 1)) + ahead("onE", "onE2", (0, 0), (1, 0)) + ahead("onE2", "E5", (0, 0)) + ahead("E3", "outB", (0, 0))
     links += ahead("W1", "offW", (0, 0), (1, 1)) + ahead("offW", "offWr", (0, 0)) + ahead("offW", "offWl", (1, 0)) + ahead("onWr", "onW", (0, 0)) + ahead("onWl", "onW", (0, 1)) + ahead("onW", "W3", (0, 0), (1, 1))
     # The road: lanes of the ramps are added on the left between the lights, on the right outside them.
-    for a, b, c, lane, away, come in (("n1", "n2", "n3", 2, "onEr", None), ("s1", "s2", "s3", 2, "onWr", None)):
+    for a, b, c, away in (("n1", "n2", "n3", "onEr"), ("s1", "s2", "s3", "onWr")):
         links += ahead(a, b, (0, 0), (1, 1)) + ahead(a, away, (0, 0)) + ahead(b, c, (0, 0), (1, 1))
     for b, c, d, e, side, away, last, late in (("n3", "n4", "n5", "n6", "offEl", "onWl", "n7", "offWr"), ("s3", "s4", "s5", "s6", "offWl", "onEl", "s7", "offEr")):
         links += ahead(b, c, (0, 0), (1, 1)) + ahead(side, c, (0, 2)) + ahead(c, d, (0, 0), (1, 1)) + ahead(c, away, (2, 0)) + ahead(d, e, (0, 0), (1, 1)) + ahead(e, last, (0, 1), (1, 2)) + ahead(late, last, (0, 0))
@@ -340,9 +340,9 @@ def railside(work, draw):
     for a, b, limit, bays in (("mw", "da", 25.0, (0, 0)), ("da", "db", 22.22, (0, 0)), ("db", "m1", 25.0, (50, 0)), ("m1", "m2", 19.44, (45, 0)), ("m2", "m3", 22.22, (0, 45)), ("m3", "cs", 22.22, (0, 0))):
         for start, end, bay in ((a, b, bays[0]), (b, a, bays[1])):
             # Before a bay the lane moves over by its width.
-            sign, far = (1, abs(x[b] - x[a])) if start == a else (-1, abs(x[b] - x[a]))
-            beside = lambda s: 3.2 * min(1, max(0, (far - bay - 20 - abs(s - x[start])) / 70)) if bay else 0.0
-            line = stations(x[start] + sign * 12, x[end] - sign * 12, lambda s: y(s) + sign * beside(s), 30)
+            sign, far = (1 if start == a else -1), abs(x[b] - x[a])
+            moved = lambda s: 3.2 * min(1, max(0, (far - bay - 20 - abs(s - x[start])) / 70)) if bay else 0.0
+            line = stations(x[start] + sign * 12, x[end] - sign * 12, lambda s: y(s) + sign * moved(s), 30)
             edges.append(edge(start + end, start, end, 1, limit, main, 9, line, bay))
     two_way(edges, "cs", "c1", 1, 16.67, main, 9, shape=[(845, y(850) - 2)])
     two_way(edges, "c0", "me", 1, 22.22, main, 9, shape=[(950, y(950)), (1100, y(1100))])
