@@ -151,6 +151,19 @@ def test_a_folder_that_cannot_be_written_is_said_and_reading_goes_on(
         assert dataset[0]["sample_id"] == first
 
 
+def test_a_split_and_a_column_that_do_not_exist_are_refused(release: Path) -> None:
+    opened = whyroad.open_release(release)
+    for call in (opened.dataset, opened.table, opened.weights):
+        with pytest.raises(whyroad.WhyroadError, match="no split 'validation'") as e:
+            call("validation")
+        assert (e.value.code, e.value.hint) == ("dataset.split.unknown", "known: train, val, test")
+    for call in (opened.dataset, opened.table):
+        with pytest.raises(whyroad.WhyroadError, match="no column 'histroy'") as e:
+            call("train", columns=["sample_id", "histroy"])
+        assert (e.value.code, e.value.hint) == ("dataset.column.unknown", "did you mean 'history'?")
+    assert opened.table("train", ["history.x"]).num_columns == 1, "a part of a column"
+
+
 def test_a_transform_and_a_folder_that_is_no_release(release: Path, tmp_path: Path) -> None:
     opened = whyroad.open_release(release)
     split = max(opened.splits, key=opened.splits.get)

@@ -6,6 +6,7 @@ rad); times are seconds from the keyframe; unknown is NaN.
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import json
 import os
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     import numpy as np
     import pyarrow as pa
 
+#: The splits of every release; any may be empty.
+SPLITS = ("train", "val", "test")
 #: Row groups that a data set keeps decoded in memory: neighbors of a sample are likely to be read next.
 KEPT_ROW_GROUPS = 8
 #: Row groups that stay open in the unpacked copy; each is a memory-mapped file.
@@ -51,7 +54,10 @@ class Release:
         return dict(self.manifest["counts"]["by_split"])
 
     def files(self, split: str) -> list[Path]:
-        """Parquet files of a split, in order."""
+        """Parquet files of a split, in order; none where it is empty."""
+        if split not in SPLITS:
+            message = f"the release has no split '{split}'"
+            raise WhyroadError("dataset.split.unknown", message, _nearest(split, SPLITS), str(self.path))
         prefix = f"data/{split}-"
         return [self.path / f["path"] for f in self.manifest["files"] if f["path"].startswith(prefix)]
 
@@ -63,7 +69,19 @@ class Release:
         files = self.files(split)
         if not files:
             raise WhyroadError("dataset.split.empty", f"the release has no samples in '{split}'", None, str(self.path))
+        self._check_columns(files[0], columns)
         return pa.concat_tables(pq.read_table(f, columns=list(columns) if columns else None) for f in files)
+
+    def _check_columns(self, file: Path, columns: Sequence[str] | None) -> None:
+        """Raises for a column that samples do not have: Parquet readers leave it out without a word."""
+        import pyarrow.parquet as pq
+
+        known = pq.read_schema(file).names
+        # `history.x` is a part of the column `history`.
+        for column in columns or []:
+            if column.split(".")[0] not in known:
+                message = f"samples have no column '{column}'"
+                raise WhyroadError("dataset.column.unknown", message, _nearest(column, known), str(self.path))
 
     def dataset(
         self,
@@ -113,6 +131,8 @@ class SampleDataset:
         self._columns = list(columns) if columns else None
         self._transform = transform
         self._files = release.files(split)
+        if self._files:
+            release._check_columns(self._files[0], columns)
         folder = None if unpacked is True else unpacked
         self._unpacked = None if folder is False else _Unpacked(release, self._files, self._columns, folder)
         self._groups: list[tuple[int, int]] = []
@@ -179,6 +199,12 @@ class SampleDataset:
         while len(held) > most:
             held.popitem(last=False)
         return read
+
+
+def _nearest(name: str, known: Sequence[str]) -> str:
+    """The hint for an unknown name: the nearest known one, or all of them."""
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    return f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}"
 
 
 class _Unpacked:
