@@ -325,7 +325,9 @@ fn date(drive: &mut Drive) -> Option<Diagnostic> {
     if PLAUSIBLE.contains(&start.0) {
         return None;
     }
-    drive.meta.missing.push(Need::Date);
+    if !drive.meta.missing.contains(&Need::Date) {
+        drive.meta.missing.push(Need::Date);
+    }
     let day: String = start.to_string().chars().take(10).collect();
     Some(Diagnostic::note(
         "ingest.date.implausible",

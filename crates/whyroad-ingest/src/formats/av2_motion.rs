@@ -29,7 +29,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference, Trac
 use whyroad_model::{Diagnostic, Drive, Need, RoadMap};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 
 /// Argoverse 2 motion forecasting scenarios.
 pub struct Av2Motion;
@@ -129,6 +129,7 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
         Need::WeatherAndSurface,
         Need::CameraPictures,
     ]);
+    missing.extend((scenario.start.is_none() && !options.is_set(&START)).then_some(Need::Date));
     let tracks = tracks(&scenario, &frames, &label, report);
     report.tables.insert(0, scenario.count);
 

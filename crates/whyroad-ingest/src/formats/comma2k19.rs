@@ -27,7 +27,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference};
 use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// Seconds by which GPS time was ahead of UTC from 2017 on (IERS Bulletin C 52).
 const GPS_LEAP_SECONDS: i64 = 18;
 /// The DBC file of the car.
@@ -146,7 +146,9 @@ fn read_route(
     }
     // Until the year 2100; other numbers are not a time.
     let plausible = |t: &(f64, f64)| (0.0..6300.0).contains(&t.0) && (0.0..WEEK_S as f64).contains(&t.1);
-    let start = match recording.pose.gps_of_first.filter(plausible) {
+    let gps = recording.pose.gps_of_first.filter(plausible);
+    let dated = gps.is_some() || options.is_set(&START);
+    let start = match gps {
         Some((week, second)) => {
             let week_began = GPS_EPOCH_S + week as i64 * WEEK_S - GPS_LEAP_SECONDS;
             Nanos(week_began * Nanos::SECOND.0).plus_secs(second)
@@ -177,6 +179,7 @@ fn read_route(
     }
     missing.extend(lacking);
     missing.extend([Need::WeatherAndSurface, Need::CameraPictures]);
+    missing.extend((!dated).then_some(Need::Date));
     let sensors = radar_rows.iter().map(|_| "radar".to_owned()).collect();
     report.tables.extend(radar_rows);
     Some(Drive {

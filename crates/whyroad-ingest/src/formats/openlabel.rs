@@ -26,7 +26,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, Track};
 use whyroad_model::{Bilingual, Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// Bytes in which a file says what it is.
 const SNIFFED_BYTES: u64 = 4096;
 /// Maximum size of a file, bytes.
@@ -122,7 +122,7 @@ fn of_text(
     };
     let systems = Systems::of(&document);
     let steps = steps(&document);
-    let Some(origin) = origin(&steps, options) else {
+    let Some((origin, dated)) = origin(&steps, options) else {
         report.diagnostics.push(findings::no_time(&label, steps.len()));
         return None;
     };
@@ -168,6 +168,7 @@ fn of_text(
         (true, Need::VehicleBus),
         (true, Need::WeatherAndSurface),
         (true, Need::CameraPictures),
+        (!dated, Need::Date),
     ]);
     let name = file_label(path);
     Some(Drive {
@@ -222,12 +223,17 @@ fn seconds(v: &Value) -> Option<f64> {
     Some(number / unit.map_or(1.0, |(_, unit)| *unit)).filter(|v| v.is_finite())
 }
 
-/// Time of the first frame: the document's where it is a date, else the start that the user gives.
-fn origin(steps: &[Step<'_>], options: &Options) -> Option<Nanos> {
+/// Time of the first frame: the document's where it is a date, else the start that the user gives; and whether either
+/// states it.
+fn origin(steps: &[Step<'_>], options: &Options) -> Option<(Nanos, bool)> {
     let first = steps.iter().filter_map(|s| s.time).min_by(f64::total_cmp)?;
     // Seconds of this century's dates; less counts from some start.
     let date = (1e9..4.2e9).contains(&first);
-    Some(if date { Nanos((first * 1e9).round() as i64) } else { options.start() })
+    Some(if date {
+        (Nanos((first * 1e9).round() as i64), true)
+    } else {
+        (options.start(), options.is_set(&START))
+    })
 }
 
 /// The ego's poses, where two frames or more have one.

@@ -29,7 +29,7 @@ use whyroad_model::scene::{DriveMeta, Ego, Track};
 use whyroad_model::{Diagnostic, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// Clips read with one reading of the tree's tables; a chunk has about a hundred.
 const CLIPS_TOGETHER: usize = 100;
 /// Poses, the better source first.
@@ -171,6 +171,7 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
         (true, Need::Routing),
         (true, Need::WeatherAndSurface),
         (media.is_empty(), Need::CameraPictures),
+        (!options.is_set(&START), Need::Date),
     ]);
     let cameras: BTreeSet<&str> = media.iter().map(|m| m.camera.as_str()).collect();
     let platform = collection.platform.map_or_else(String::new, |p| format!(" {p}"));

@@ -29,7 +29,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, LightState};
 use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 3;
+const REVISION: u32 = 4;
 /// Nothing is interpolated over more than this, s: two steps of the slowest sets (2 Hz) with room for jitter.
 const MAX_GAP_S: f64 = 0.6;
 /// Bytes of a pickle that are searched for the parts of a scenario.
@@ -202,6 +202,7 @@ fn of_pickle(bytes: &[u8], path: &Path, options: &Options, report: &mut SourceRe
         (true, Need::VehicleBus),
         (true, Need::WeatherAndSurface),
         (true, Need::CameraPictures),
+        (!options.is_set(&START), Need::Date),
     ]);
     let name = file_label(path);
     let mut hash = ContentHash::new("scenarionet", REVISION);

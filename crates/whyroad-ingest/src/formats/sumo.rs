@@ -33,7 +33,7 @@ use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, SkipReason, Sourc
 use crate::assemble::finish::finish;
 use crate::encodings::compressed::without_ending;
 use crate::file_reader::{FileReader, finish_map};
-use crate::options::{DEFAULT_START, Options};
+use crate::options::{DEFAULT_START, Options, START};
 use crate::report::{RowCount, SourceReport};
 use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span, impossible_speeds};
 use fcd::{Fcd, Object};
@@ -51,7 +51,7 @@ use whyroad_model::scene::{DriveMeta, FrameOfReference, LightState};
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos, Need, RoadMap};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 7;
+const REVISION: u32 = 8;
 
 /// SUMO simulations.
 pub struct Sumo;
@@ -271,6 +271,7 @@ impl Simulation {
             (!bus, Need::VehicleBus),
             (true, Need::WeatherAndSurface),
             (true, Need::CameraPictures),
+            (!options.is_set(&START), Need::Date),
         ]);
         let map_ref = self.net.as_ref().map(|(_, _, name)| name.clone());
         let meta = DriveMeta {

@@ -34,7 +34,7 @@ use whyroad_model::scene::{DriveMeta, FrameOfReference};
 use whyroad_model::{Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 3;
+const REVISION: u32 = 4;
 
 /// Our own table layout.
 pub struct Table;
@@ -96,6 +96,9 @@ fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut Sourc
         None => reader.hash.add("start", &options.start().0.to_le_bytes()),
     }
     let ego_sheet = reader.sheet("ego", ego::COLUMNS, ego::REQUIRED);
+    let dated = meta.start_time.is_some()
+        || options.is_set(&START)
+        || ego_sheet.as_ref().is_some_and(sheet::Sheet::states_dates);
     let Some(rows) = ego_sheet.and_then(|s| ego::rows(s, &mut reader)) else {
         if sheet_file(dir, "ego").is_none() {
             reader.report.diagnostics.push(findings::ego_missing(&dir.own_label()));
@@ -153,6 +156,7 @@ fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut Sourc
         }
     }
     missing.push(Need::CameraPictures);
+    missing.extend((!dated).then_some(Need::Date));
 
     let times = clock.frames.iter().map(|&t| Nanos(clock.origin).plus_secs(t)).collect();
     Some(Drive {

@@ -29,7 +29,7 @@ use whyroad_model::scene::{DriveMeta, Ego, LightColor, LightState};
 use whyroad_model::{Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// Nothing is interpolated over more than this, s.
 const MAX_GAP_S: f64 = 0.25;
 
@@ -131,6 +131,7 @@ fn of_record(
         (true, Need::VehicleBus),
         (true, Need::WeatherAndSurface),
         (true, Need::CameraPictures),
+        (!options.is_set(&START), Need::Date),
     ]);
     let name = if s.id.is_empty() { format!("{}-{at}", file_label(path)) } else { s.id.clone() };
     Some(Drive {

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use whyroad_ingest::{Options, START, SourceReport, comma2k19, find_sources};
 use whyroad_model::scene::TurnSignal;
-use whyroad_model::{Drive, Nanos, ObjectClass, Severity};
+use whyroad_model::{Drive, Nanos, Need, ObjectClass, Severity};
 
 fn data(path: &str) -> Option<PathBuf> {
     let root = std::env::var_os("WHYROAD_DATA").map_or_else(
@@ -329,5 +329,7 @@ fn without_gps_time_the_start_is_the_one_given() {
     else {
         return;
     };
-    assert_eq!(drive.unwrap().times[0], start);
+    let drive = drive.unwrap();
+    assert_eq!(drive.times[0], start);
+    assert!(!drive.meta.missing.contains(&Need::Date));
 }

@@ -7,7 +7,7 @@ use whyroad_ingest::{Options, SourceReport, find_sources, scenarionet};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::road_map::LaneMark;
 use whyroad_model::scene::LightColor;
-use whyroad_model::{Drive, ObjectClass};
+use whyroad_model::{Drive, Need, ObjectClass};
 
 const ALL: [&str; 5] = ["p2", "p3", "p4", "p5", "numpy1"];
 
@@ -47,6 +47,8 @@ fn every_protocol_and_both_numpys_give_the_same_drive() {
         let (drive, report) = read(name);
         assert!(report.diagnostics.is_empty(), "{name}: {:?}", report.diagnostics);
         assert_eq!((drive.times.len(), drive.tracks.len()), (41, 3), "{name}");
+        // `ts` counts seconds from the start of the scenario.
+        assert!(drive.meta.missing.contains(&Need::Date), "{name}");
         assert_eq!(drive.times, first.times);
         assert_eq!(drive.map, first.map);
         assert_eq!(drive.lights, first.lights);

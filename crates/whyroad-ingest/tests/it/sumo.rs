@@ -9,10 +9,10 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
-use whyroad_ingest::{AdapterRef, Options, SourceReport, find_sources, sumo};
+use whyroad_ingest::{AdapterRef, Options, START, SourceReport, find_sources, sumo};
 use whyroad_model::road_map::{LaneKind, TurnKind};
 use whyroad_model::scene::{LightColor, TurnSignal};
-use whyroad_model::{Drive, Nanos, ObjectClass, Severity};
+use whyroad_model::{Drive, Nanos, Need, ObjectClass, Severity};
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures")
@@ -78,6 +78,15 @@ fn read(dir: &tempfile::TempDir) -> (Option<Drive>, SourceReport) {
     let (drive, report) = sumo::read(&dir.path().join("fcd.xml"), &Options::default());
     assert!(report.tables.iter().all(|t| t.adds_up()), "{:?}", report.tables);
     (drive, report)
+}
+
+/// FCD counts seconds from the start of the simulation: when it is driven is known only if the user says so.
+#[test]
+fn the_date_is_missing_unless_a_start_is_given() {
+    assert!(crossroads().0.meta.missing.contains(&Need::Date));
+    let options = Options::default().with(&START, Nanos::parse_iso("2025-06-01T07:00:00Z").unwrap());
+    let (drive, _) = sumo::read(&fixtures().join("crossroads.fcd.xml"), &options);
+    assert!(!drive.unwrap().meta.missing.contains(&Need::Date));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use whyroad_ingest::{Options, SourceReport, find_sources, table};
 use whyroad_model::scene::{LightColor, TurnSignal};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
-use whyroad_model::{Drive, ObjectClass, Severity};
+use whyroad_model::{Drive, Need, ObjectClass, Severity};
 
 fn example() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples/table/following")
@@ -279,6 +279,14 @@ fn what_nobody_can_guess_is_asked_for() {
                 .iter()
                 .all(|m| missing.iter().any(|x| x.id() == *m))
     );
+}
+
+/// The example's tables count seconds; only its drive file says when they begin.
+#[test]
+fn without_a_start_time_the_date_is_missing() {
+    assert!(!changed(|_| ()).0.unwrap().meta.missing.contains(&Need::Date));
+    let (drive, _) = changed(|dir| edit(dir, "drive.yaml", "start_time: 2026-01-15T10:30:00.000Z\n", ""));
+    assert!(drive.unwrap().meta.missing.contains(&Need::Date));
 }
 
 #[test]

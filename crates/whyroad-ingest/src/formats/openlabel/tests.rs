@@ -124,6 +124,7 @@ fn without_poses_positions_stay_relative_to_the_car() {
     assert!(drive.ego.is_none() && drive.meta.missing.contains(&Need::EgoPose));
     assert!(near(drive.track(&"a".into()).unwrap().motion.x[3], 20.0));
     assert_eq!(drive.times[0], Options::default().start());
+    assert!(drive.meta.missing.contains(&Need::Date), "the start is a default, not a date");
     assert!(codes(&report).contains(&"openlabel.system.unknown"), "the boxes of the world and elsewhere");
 }
 

@@ -110,6 +110,11 @@ impl Sheet {
         self.numbers("heading_deg", problems).into_iter().map(f64::to_radians).collect()
     }
 
+    /// True where its times are dates and not seconds after a start.
+    pub fn states_dates(&self) -> bool {
+        self.has("timestamp_ns") || self.has("time")
+    }
+
     /// Times in ns since 1970, from whichever of the three columns is there.
     pub fn times(&self, start: Nanos, problems: &mut Problems) -> Vec<Option<i64>> {
         if self.has("timestamp_ns") {
