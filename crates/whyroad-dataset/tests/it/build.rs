@@ -1,6 +1,6 @@
 //! What a build makes of labels and drives.
 
-use crate::fleet::{Fleet, content, label, plan};
+use crate::fleet::{Fleet, Plan, content, label, plan};
 use std::collections::{BTreeMap, BTreeSet};
 use std::str::FromStr;
 use whyroad_dataset::licence::{BUNDLED, LicenceTable};
@@ -122,6 +122,24 @@ fn groups_are_never_separated_and_near_places_count_as_one() {
     assert!(report.samples.values().all(|n| *n > 0), "{:?}", report.samples);
     let near: Vec<_> = report.distances.iter().filter(|d| d.within_m == 5.0).map(|d| d.share).collect();
     assert_eq!(near, [Some(0.0); 3]);
+}
+
+/// Two drives of one default clock share no day.
+#[test]
+fn drives_without_a_date_are_not_grouped_by_their_clock() {
+    let plans: Vec<_> = [("a", true), ("b", true), ("c", false), ("d", false)]
+        .into_iter()
+        .enumerate()
+        .map(|(i, (id, dated))| Plan { dated, ..plan(id, i as f64 * 200.0, 6.0 + 3.0 * i as f64) })
+        .collect();
+    let mut fleet = Fleet::new(&plans);
+    fleet.spec_text = "split: {by: [date]}\n".into();
+    let split = fleet.build(&fleet.out("r")).unwrap().manifest.split;
+    assert_eq!((split.components, split.unknown["date"]), (3, 4));
+    for s in samples(&Release::open(fleet.out("r")).unwrap()) {
+        let dated = ["a", "b"].contains(&s.lineage.drive_id.as_str());
+        assert_eq!(s.groups.date.as_deref(), dated.then_some("2026-01-15"));
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use whyroad_framework::Framework;
 use whyroad_lake::Lake;
 use whyroad_model::road_map::{Lane, Point3, RoadMap};
 use whyroad_model::scene::{DriveMeta, Ego, Motion, Track};
-use whyroad_model::{ClipId, Drive, DriveId, Lang, Nanos, ObjectClass};
+use whyroad_model::{ClipId, Drive, DriveId, Lang, Nanos, Need, ObjectClass};
 
 /// 2026-01-15T10:30:00Z.
 const START_S: i64 = 1_768_473_000;
@@ -23,10 +23,12 @@ pub struct Plan {
     pub speed_mps: f64,
     pub session: Option<String>,
     pub licence: Option<String>,
+    /// Whether the log states when it was recorded.
+    pub dated: bool,
 }
 
 pub fn plan(id: &str, street_m: f64, speed_mps: f64) -> Plan {
-    Plan { id: id.into(), street_m, speed_mps, session: None, licence: Some("Apache-2.0".into()) }
+    Plan { id: id.into(), street_m, speed_mps, session: None, licence: Some("Apache-2.0".into()), dated: true }
 }
 
 /// Everybody gains speed alike, so that no two moments of a drive are the same.
@@ -78,6 +80,7 @@ pub fn drive(plan: &Plan) -> Drive {
             licence: plan.licence.clone(),
             session: plan.session.clone(),
             content_hash: format!("{}-{}-{}", plan.id, plan.street_m, plan.speed_mps),
+            missing: Need::absent([(!plan.dated, Need::Date)]),
             ..DriveMeta::default()
         },
         times: (0..n as i64).map(|i| Nanos(START_S * 1_000_000_000 + i * 100_000_000)).collect(),
