@@ -40,7 +40,7 @@ pub use file::{check_columns, next_batch};
 pub use fingerprints::{Fingerprint, Fingerprints};
 pub use lake::{Lake, WriteOutcome};
 pub use mined::MinedFolder;
-pub use outline::Outline;
+pub use outline::{Outline, StatedContext};
 pub use packs::{Compaction, CompactionOptions, DriveEntry};
 pub use signals::SignalFile;
 pub use size::DriveSize;

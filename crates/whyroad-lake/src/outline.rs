@@ -9,7 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 use whyroad_model::messages::clip::{ClipMetadata, DataSources};
 use whyroad_model::scene::{ContextState, DriveMeta};
-use whyroad_model::{DriveId, Nanos, SignalTable};
+use whyroad_model::{DriveId, Nanos, Need, SignalTable};
 
 /// A drive's head: enough to list its clips and to see whether it has changed.
 #[derive(Clone, Debug)]
@@ -20,6 +20,15 @@ pub struct Outline {
     pub times: Vec<Nanos>,
     /// Metadata of its clips, without pre-labels.
     pub clips: Vec<ClipMetadata>,
+}
+
+/// Context that a log states.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StatedContext {
+    /// Weather, surface and the like; `None` where it states nothing.
+    pub states: Option<Vec<ContextState>>,
+    /// Whether its times are dates and times of day.
+    pub dated: bool,
 }
 
 impl Lake {
@@ -41,14 +50,17 @@ impl Lake {
         Ok(Outline { meta, times, clips })
     }
 
-    /// What the log states about weather, surface and the like; `None` where it states nothing.
-    pub fn stated_context(&self, id: &DriveId) -> Result<Option<Vec<ContextState>>, LakeError> {
+    /// What the log states about weather, surface and the like, and about its date.
+    pub fn stated_context(&self, id: &DriveId) -> Result<StatedContext, LakeError> {
         self.at_place(id, |place| {
-            if !self.current(id, place)?.tables.contains_key("context") {
-                return Ok(None);
-            }
-            let table = Self::needed_table(place, "context", states::CONTEXT_ORDER)?;
-            states::context_from_table(&table).map(Some)
+            let manifest = self.current(id, place)?;
+            let states = if manifest.tables.contains_key("context") {
+                let table = Self::needed_table(place, "context", states::CONTEXT_ORDER)?;
+                Some(states::context_from_table(&table)?)
+            } else {
+                None
+            };
+            Ok(StatedContext { states, dated: !manifest.meta.missing.contains(&Need::Date) })
         })
     }
 

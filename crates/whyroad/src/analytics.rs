@@ -18,8 +18,8 @@ use whyroad_model::{Diagnostic, Lang, Nanos, ScenarioId};
 use whyroad_report::analytics::{DriveFacts, MinedFacts, ReleaseFacts, SampleFacts};
 use whyroad_server::service::{facts, projects};
 
-/// Summary of a mined folder; weather from the lake, where one is given. Drives whose context cannot be read keep their
-/// weather unknown, and are named.
+/// Summary of a mined folder; weather, and whether times are dates, from the lake, where one is given. Both stay unknown
+/// for drives whose context cannot be read, and these are named.
 pub(crate) fn mined(
     folder: &MinedFolder,
     lake: Option<&Lake>,
@@ -28,20 +28,24 @@ pub(crate) fn mined(
     let mut out = MinedFacts { coverage: folder.coverage()?, ..MinedFacts::default() };
     let mut lost = Vec::new();
     for (id, drive) in folder.drive_summaries().map_err(unreadable)? {
-        let weather = match lake.map(|l| l.stated_context(&id)) {
-            Some(Ok(stated)) => stated.and_then(|s| Some(s.into_iter().find(|c| c.kind == "weather")?.value)),
+        let (weather, dated) = match lake.map(|l| l.stated_context(&id)) {
+            Some(Ok(stated)) => {
+                let weather =
+                    stated.states.and_then(|s| Some(s.into_iter().find(|c| c.kind == "weather")?.value));
+                (weather, stated.dated)
+            }
             Some(Err(e)) => {
                 lost.push(e.diagnostic());
-                None
+                (None, false)
             }
-            None => None,
+            None => (None, true),
         };
         let facts = DriveFacts {
             seconds: drive.seconds,
             place: drive.place,
             source: drive.source,
             weather,
-            start: drive.start,
+            start: drive.start.filter(|_| dated),
         };
         out.drives.insert(id, facts);
     }
@@ -118,6 +122,7 @@ fn release(dir: &Path) -> anyhow::Result<ReleaseFacts> {
                     keyframe: Some(Nanos(s.lineage.keyframe_time_ns)),
                 },
                 sample: s.sample_id,
+                dated: s.groups.date.is_some(),
                 place: s.groups.place,
                 source: Some(s.groups.source).filter(|s| !s.is_empty()),
                 weather,

@@ -1,10 +1,11 @@
 //! Context of the data: hours driven, episodes, labels and samples by place, hour of the day, weather and source.
 //! Values that a drive does not state have their own row and are never left out.
 
-use super::input::{AnalyticsInputs, DriveFacts, hour};
+use super::input::{AnalyticsInputs, DriveFacts, MinedFacts, hour};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_label::facts::LabelStage;
+use whyroad_model::DriveId;
 
 /// Dimension of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -72,8 +73,11 @@ pub(super) fn rows(inputs: &AnalyticsInputs<'_>) -> Vec<ContextRow> {
                 *mined.entry(key).or_default() += n.1;
             }
         }
-        for (h, n) in facts.episodes.by_hour.iter().enumerate().filter(|(_, n)| **n > 0) {
-            *mined.entry((Dimension::Hour, Some(shifted(h, shift)))).or_default() += n;
+        for (drive, by_hour) in &facts.episodes.by_hour {
+            let dated = is_dated(facts, drive);
+            for (h, n) in by_hour.iter().enumerate().filter(|(_, n)| **n > 0) {
+                *mined.entry((Dimension::Hour, dated.then(|| shifted(h, shift)))).or_default() += n;
+            }
         }
     }
     let mut episodes = BTreeSet::new();
@@ -88,14 +92,15 @@ pub(super) fn rows(inputs: &AnalyticsInputs<'_>) -> Vec<ContextRow> {
             }
         }
         let at = t.label.as_ref().and_then(|l| l.keyframe).unwrap_or(t.keyframe);
-        *accepted.entry((Dimension::Hour, Some(shifted(hour(at), shift)))).or_default() += 1;
+        let dated = inputs.mined.is_none_or(|facts| is_dated(facts, &t.drive));
+        *accepted.entry((Dimension::Hour, dated.then(|| shifted(hour(at), shift)))).or_default() += 1;
     }
     let mut samples = BTreeSet::new();
     for s in inputs.releases.unwrap_or_default().iter().flat_map(|r| &r.samples) {
         if !samples.insert(s.sample.as_str()) {
             continue;
         }
-        let at = s.judgement.keyframe.map(|t| shifted(hour(t), shift));
+        let at = s.judgement.keyframe.filter(|_| s.dated).map(|t| shifted(hour(t), shift));
         let values = [
             (Dimension::Place, s.place.clone()),
             (Dimension::Hour, at),
@@ -134,6 +139,11 @@ pub(super) fn rows(inputs: &AnalyticsInputs<'_>) -> Vec<ContextRow> {
             .then_with(|| a.value.cmp(&b.value))
     });
     out
+}
+
+/// Whether the times of a drive are known to be dates; a drive that was not searched says nothing against it.
+fn is_dated(facts: &MinedFacts, drive: &DriveId) -> bool {
+    facts.drives.get(drive).is_none_or(|d| d.start.is_some())
 }
 
 fn stated(drive: Option<&DriveFacts>) -> [Key; 3] {

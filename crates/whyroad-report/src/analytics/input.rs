@@ -47,7 +47,7 @@ pub struct DriveFacts {
     pub source: Option<String>,
     /// Stated weather, where the whole drive has one or the first of several.
     pub weather: Option<String>,
-    /// First frame.
+    /// First frame, where the log states date and time of day.
     pub start: Option<Nanos>,
 }
 
@@ -67,19 +67,21 @@ pub struct MinedFacts {
 pub struct EpisodeTally {
     /// Episodes and primary ones, by class and drive.
     pub by_class: BTreeMap<ScenarioId, BTreeMap<DriveId, (u64, u64)>>,
-    /// Primary episodes by hour of the day, UTC.
-    pub by_hour: [u64; 24],
+    /// Primary episodes by drive and hour of the day, UTC.
+    pub by_hour: BTreeMap<DriveId, [u64; 24]>,
 }
 
 impl EpisodeTally {
     /// Counts an episode.
     pub fn add(&mut self, episode: EpisodeSummary) {
+        if episode.is_primary {
+            self.by_hour.entry(episode.drive_id.clone()).or_default()[hour(episode.keyframe)] += 1;
+        }
         let of_class = self.by_class.entry(episode.scenario_id).or_default();
         let n = of_class.entry(episode.drive_id).or_default();
         n.0 += 1;
         if episode.is_primary {
             n.1 += 1;
-            self.by_hour[hour(episode.keyframe)] += 1;
         }
     }
 }
@@ -105,6 +107,8 @@ pub struct SampleFacts {
     pub sample: String,
     /// Class, decisions and keyframe.
     pub judgement: Judgement,
+    /// Whether its drive states date and time of day.
+    pub dated: bool,
     /// City or road network.
     pub place: Option<String>,
     /// Vehicle or fleet.

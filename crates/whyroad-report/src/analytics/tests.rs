@@ -32,6 +32,10 @@ fn third(framework: &Framework) -> ScenarioId {
     last
 }
 
+fn hours_of(hour: usize, episodes: u64) -> [u64; 24] {
+    std::array::from_fn(|h| if h == hour { episodes } else { 0 })
+}
+
 fn mined(framework: &Framework) -> MinedFacts {
     let drive = |seconds, place: Option<&str>| DriveFacts {
         seconds,
@@ -70,7 +74,7 @@ fn mined(framework: &Framework) -> MinedFacts {
         ..MinedFacts::default()
     };
     out.episodes.by_class.insert(id(URGENT), [("a".into(), (4, 2)), ("b".into(), (1, 1))].into());
-    out.episodes.by_hour[9] = 3;
+    out.episodes.by_hour = [("a".into(), hours_of(9, 2)), ("b".into(), hours_of(9, 1))].into();
     out
 }
 
@@ -127,12 +131,17 @@ fn tasks() -> Vec<TaskFacts> {
 }
 
 fn analytics(with_tasks: bool, with_mined: bool) -> Analytics {
+    let mined = mined(Framework::bundled());
+    analytics_of(with_tasks, with_mined.then_some(&mined))
+}
+
+fn analytics_of(with_tasks: bool, mined: Option<&MinedFacts>) -> Analytics {
     let framework = Framework::bundled();
-    let (mined, tasks) = (mined(framework), tasks());
+    let tasks = tasks();
     let wanted: BTreeMap<ScenarioId, u64> = [(id(URGENT), 5), (id(SLOW), 1)].into();
     let rate = HourlyRate { amount: 60.0, currency: "CNY".into() };
     let inputs = AnalyticsInputs {
-        mined: with_mined.then_some(&mined),
+        mined,
         tasks: with_tasks.then_some(&tasks[..]),
         releases: None,
         wanted: &wanted,
@@ -216,6 +225,20 @@ fn contexts_keep_what_is_not_stated() {
         .map(|r| (r.value.as_deref().unwrap(), r.hours.unwrap()))
         .collect();
     assert_eq!(hours, [("16", 1.0), ("17", 0.5)]);
+}
+
+#[test]
+fn drives_without_a_date_have_no_hour_of_the_day() {
+    let mut mined = mined(Framework::bundled());
+    mined.drives.values_mut().for_each(|d| d.start = None);
+    let a = analytics_of(true, Some(&mined));
+    let hours: Vec<_> = a
+        .contexts
+        .iter()
+        .filter(|r| r.dimension == Dimension::Hour)
+        .map(|r| (r.value.as_deref(), r.hours, r.mined, r.accepted))
+        .collect();
+    assert_eq!(hours, [(None, Some(1.5), Some(3), Some(1))]);
 }
 
 #[test]
