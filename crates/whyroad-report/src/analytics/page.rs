@@ -127,6 +127,16 @@ pub(super) fn number(m: &mut Markup, value: Option<f64>, digits: usize) {
     };
 }
 
+/// Hours with that many decimals; what was driven, however short, is never shown as 0.
+pub(super) fn hours(m: &mut Markup, value: f64, digits: i32) {
+    let least = 10_f64.powi(-digits);
+    if value > 0.0 && value < least / 2.0 {
+        m.text("< ").num(least, digits as usize);
+    } else {
+        m.num(value, digits as usize);
+    }
+}
+
 /// The head of a table: titles, those of numbers to the right.
 pub(super) fn head(m: &mut Markup, titles: &[(&'static str, &'static str, Align)]) {
     m.raw("<thead><tr>");

@@ -279,6 +279,16 @@ fn the_page_shows_unknown_and_not_observable_by_their_marks() {
     assert_eq!(whole.matches("lang=\"zh\"").count(), whole.matches("lang=\"en\"").count());
 }
 
+/// 10 s are 0.0028 h; 1 episode in 20 s makes 3 more in 60 s, 0.017 h.
+#[test]
+fn a_short_drive_is_not_shown_as_no_hours() {
+    let mut mined = mined(Framework::bundled());
+    mined.drives.values_mut().for_each(|d| d.seconds = 10.0);
+    let page = page::fragment(&analytics_of(true, Some(&mined))).into_string();
+    assert_eq!(page.matches("<td class=\"n\">&lt; 0.01</td>").count(), 2 + 1 + 1 + 1, "{page}");
+    assert!(page.contains("<td class=\"n\">&lt; 0.1 h</td>"));
+}
+
 #[test]
 fn text_and_tables_have_the_same_numbers() {
     let a = analytics(true, true);

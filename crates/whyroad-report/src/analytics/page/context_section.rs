@@ -1,7 +1,7 @@
 //! Place, hour, weather, source: a table each, with a bar for the hours driven, or for the labels where no drives were
 //! given.
 
-use super::{Align, count, head, number};
+use super::{Align, count, head, hours};
 use crate::analytics::{Analytics, ContextRow, Dimension};
 use whyroad_render::charts;
 use whyroad_render::markup::Markup;
@@ -67,7 +67,10 @@ fn table(m: &mut Markup, dimension: Dimension, rows: &[&ContextRow], utc_offset_
             None => drop(m.say("未注明", "not stated")),
         }
         m.raw("</th><td class=\"n\">");
-        number(m, row.hours, 2);
+        match row.hours {
+            Some(value) => hours(m, value, 2),
+            None => drop(m.raw("…")),
+        }
         m.raw("</td><td class=\"bar\">");
         if let Some(value) = measure.and_then(|of| of(row)) {
             m.piece(&charts::bar(value, most));

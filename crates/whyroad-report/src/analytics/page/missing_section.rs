@@ -1,6 +1,6 @@
 //! Gaps: shortfalls with their queries, unseen classes, and the expected results of more driving.
 
-use super::{Align, ClassNames, count, head};
+use super::{Align, ClassNames, count, head, hours};
 use crate::analytics::unseen::Estimate;
 use crate::analytics::{Analytics, MORE_HOURS, Shortfall};
 use whyroad_model::Bilingual;
@@ -70,7 +70,10 @@ fn shortfall(m: &mut Markup, s: &Shortfall, name: &Bilingual, numbers: impl Iter
     }
     m.raw("</td><td class=\"n\">");
     match s.hours {
-        Some(hours) => drop(m.num(hours, 0).raw(" h")),
+        Some(value) => {
+            hours(m, value, if value < 10.0 { 1 } else { 0 });
+            m.raw(" h");
+        }
         None => drop(m.say("未知", "unknown")),
     }
     m.raw("</td><td>");
@@ -87,9 +90,11 @@ fn shortfall(m: &mut Markup, s: &Shortfall, name: &Bilingual, numbers: impl Iter
 pub(super) fn unseen(m: &mut Markup, a: &Analytics, names: &ClassNames) {
     let Some(u) = &a.unseen else { return };
     m.raw("<h3>").say("尚未见到的场景", "Unseen classes").raw("</h3><ul class=\"plain\"><li>");
-    m.say("已搜索 ", "Searched ").num(u.hours, 2).raw(" h, ").int(u.drives).say(" 个行程；", " drives; ");
+    m.say("已搜索 ", "Searched ");
+    hours(m, u.hours, 2);
+    m.say(" h，", " h, ").int(u.drives).say(" 个行程；", " drives; ");
     m.say("可观测的 L3 场景 ", "leaves that they can show ").int(u.observable);
-    m.say("，其中已找到 ", ", of these found ").int(u.found).raw(".</li><li>");
+    m.say("，其中已找到 ", ", of these found ").int(u.found).say("。", ".").raw("</li><li>");
     m.say(
         "下一次发现属于未见场景的概率（Good-Turing）：",
         "Probability that the next find is of an unseen leaf (Good-Turing): ",
@@ -162,7 +167,9 @@ fn outlook(m: &mut Markup, a: &Analytics, names: &ClassNames) {
     m.raw("<tbody>");
     for (leaf, e) in shown {
         m.raw("<tr><th scope=\"row\">").both(&names.get(&leaf.scenario_id)).raw("</th><td class=\"n\">");
-        m.int(leaf.episodes).raw("</td><td class=\"n\">").num(leaf.hours, 2).raw("</td><td class=\"n\">");
+        m.int(leaf.episodes).raw("</td><td class=\"n\">");
+        hours(m, leaf.hours, 2);
+        m.raw("</td><td class=\"n\">");
         m.num(e.value, 1).raw("</td><td class=\"n\">").num(e.low, 1).raw(" – ").num(e.high, 1);
         m.raw("</td><td class=\"bar\">")
             .piece(&charts::interval(e.low, e.value, e.high, most))
