@@ -143,6 +143,18 @@ fn unknown_class<'k>(id: &str, known: impl Iterator<Item = &'k str>, node: &Node
     r.push(d, node.mark, &node.pointer);
 }
 
+/// The entry that lists a leaf, and where it belongs.
+fn entry_for(id: &str, known: &[&str]) -> Bilingual {
+    let before = known.iter().take_while(|k| **k != id).last();
+    let (zh, en) = before.map_or(("首位".to_owned(), "first".to_owned()), |b| {
+        (format!("'{b}' 之后"), format!("after '{b}'"))
+    });
+    Bilingual::new(
+        format!("在 'leaves' 中{zh}添加 `{id}: {{}}`；{{}} 表示标注规格同 L2"),
+        format!("add `{id}: {{}}` to 'leaves', {en}; {{}} means that it is labeled as its L2 states"),
+    )
+}
+
 /// Leaves that do not exist, leaves that are left out, and the order.
 fn check_leaves(
     l1: &str,
@@ -159,12 +171,14 @@ fn check_leaves(
         unknown_class(id, known.iter().copied(), &place, r);
     }
     for id in known.iter().filter(|id| !marks.contains_key(**id)) {
-        r.error(
+        let d = Diagnostic::error(
             "spec.class.missing",
-            node,
-            format!("叶子 '{l1}.{l2}.{id}' 没有列出"),
-            format!("leaf '{l1}.{l2}.{id}' is not listed"),
+            Bilingual::new(
+                format!("L3 场景 '{l1}.{l2}.{id}' 没有列出"),
+                format!("leaf '{l1}.{l2}.{id}' is not listed"),
+            ),
         );
+        r.push(d.with_hint(entry_for(id, &known)), node.mark, &node.pointer);
     }
     let written: Vec<&str> = marks.keys().map(String::as_str).filter(|id| known.contains(id)).collect();
     let ordered: Vec<&str> = known.iter().copied().filter(|id| marks.contains_key(*id)).collect();

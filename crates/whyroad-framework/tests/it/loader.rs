@@ -225,6 +225,12 @@ fn each_mistake_is_found_where_it_is() {
 }
 
 #[test]
+fn a_leaf_without_an_entry_is_told_which_one_to_add() {
+    let hint = |from: &str| findings(S2, from, "")[0].hint.as_ref().unwrap().en.clone();
+    assert!(hint("  slow: {}\n").starts_with("add `slow: {}` to 'leaves', after 'urgent';"));
+}
+
+#[test]
 fn every_code_of_the_loader_is_shown_by_a_mistake() {
     let mut shown: BTreeSet<&str> =
         BROKEN.iter().flat_map(|b| b.3.iter().map(|s| s.split(':').next().unwrap())).collect();
