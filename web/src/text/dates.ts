@@ -8,9 +8,9 @@ export function formatDateTime(ms: number, lang: Lang): string {
   return new Date(ms).toLocaleString(locale(lang), { dateStyle: "medium", timeStyle: "short" });
 }
 
-/** A duration in hours below two days, in days above. */
+/** A duration in minutes below an hour, in hours below two days, in days above. */
 export function formatDuration(hours: number, lang: Lang): string {
-  const [n, unit] = hours < 48 ? [hours, "hour"] : [hours / 24, "day"];
+  const [n, unit] = hours < 1 ? [Math.ceil(hours * 60), "minute"] : hours < 48 ? [hours, "hour"] : [hours / 24, "day"];
   const style = { style: "unit", unit, maximumFractionDigits: n < 10 ? 1 : 0 } as const;
   return new Intl.NumberFormat(locale(lang), style).format(n);
 }

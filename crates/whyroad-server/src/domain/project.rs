@@ -314,9 +314,9 @@ pub struct Coverage {
     pub have: i64,
     /// Target number.
     pub quota: i64,
-    /// Its episodes in this project in any state: the number of mined ones.
+    /// Its episodes in this project, without skipped and rejected ones.
     pub mined: i64,
-    /// Target number minus mined episodes.
+    /// Target number minus these episodes.
     pub shortfall: i64,
 }
 

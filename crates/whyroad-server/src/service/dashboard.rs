@@ -180,11 +180,12 @@ fn agreement(tx: &mut dyn Tx, project: &str, names: &Names) -> Answer<Agreement>
     })
 }
 
-/// The episodes of a project by L3 class, and the accepted ones. Reads only an index, even with a hundred thousand
-/// tasks.
+/// The episodes of a project by L3 class, without those of which every task was skipped or rejected, and the accepted
+/// ones. Reads only an index, even with a hundred thousand tasks.
 pub(super) fn coverage_sql() -> String {
     format!(
-        "SELECT scenario_id, count(DISTINCT episode_id) AS mined,
+        "SELECT scenario_id,
+           count(DISTINCT CASE WHEN state NOT IN ('skipped', 'rejected') THEN episode_id END) AS mined,
            count(DISTINCT CASE WHEN state = 'accepted' THEN episode_id END) AS accepted
          FROM tasks WHERE project_id = $1 AND {NOT_GOLD} GROUP BY scenario_id"
     )

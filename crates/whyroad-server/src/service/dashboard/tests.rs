@@ -86,12 +86,15 @@ fn label(longitudinal: &str, lateral: &str, keyframe: &str) -> Value {
 }
 
 #[test]
-fn coverage_counts_episodes_once_and_tells_what_was_not_even_mined() {
+fn coverage_counts_episodes_once_and_only_those_that_can_be_accepted() {
     let rows = on_store(|tx| {
         task(tx, &Made { overlap: 2, ..made("1", "e1", "accepted") }, &json!({}));
         task(tx, &Made { overlap: 2, ..made("22", "e1", "accepted") }, &json!({}));
         task(tx, &made("333", "e2", "open"), &json!({}));
         task(tx, &Made { leaf: "x.y.other", ..made("4444", "e3", "stage2") }, &json!({}));
+        // Nobody will label these: they are no supply.
+        task(tx, &made("55555", "e4", "skipped"), &json!({}));
+        task(tx, &made("666666", "e5", "rejected"), &json!({}));
         coverage(tx, &project(&[("x.y.z", 5), ("x.never", 3)])).unwrap()
     });
     let rows: Vec<_> =
