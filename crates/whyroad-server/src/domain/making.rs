@@ -39,7 +39,7 @@ pub struct Created {
     pub known: u32,
     /// Episodes that were not used: the sum of the next three.
     pub left_out: u32,
-    /// Of these, beyond a limit. Once the limit of tasks is reached, all others count here.
+    /// Of these, beyond a limit. Once the limit of tasks is reached, also episodes that have a task already.
     pub over_limit: u32,
     /// Of these, secondary, where secondary episodes were not requested.
     pub secondary: u32,

@@ -77,7 +77,12 @@ pub fn create(
         let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
         if request.limit.is_some_and(|l| (chosen + 1) * overlap > i64::from(l)) {
             // The limit is reached: no further episode can be used, so none has to be read.
-            out.over_limit += 1 + episodes.remaining()?;
+            episodes.put_back(episode.clone());
+            let [all, explained, primary] = episodes.remaining()?;
+            let usable = if request.secondary { explained } else { primary };
+            out.over_limit += usable;
+            out.secondary += explained.saturating_sub(usable);
+            out.no_class += all.saturating_sub(explained);
             break;
         }
         let beyond = request.per_leaf.is_some_and(|l| *leaf >= l);
@@ -164,12 +169,19 @@ struct Episodes<'a> {
     ready: VecDeque<EpisodeRecord>,
     /// Position of the folder's next page; `None` if there is none.
     next: Option<EpisodeCursor>,
-    taken: u64,
+    /// How many were taken: all, those that a class explains, and the primary ones of these.
+    taken: [u64; 3],
+}
+
+/// The kinds of episodes that are counted: all, those that a class explains, and the primary ones of these.
+fn kinds() -> [EpisodeFilter; 3] {
+    let explained = EpisodeFilter { explained_only: true, ..EpisodeFilter::default() };
+    [EpisodeFilter::default(), explained.clone(), EpisodeFilter { primary_only: true, ..explained }]
 }
 
 impl<'a> Episodes<'a> {
     fn of(app: &'a App, request: &'a CreateTasks) -> Answer<Self> {
-        let mut all = Self { app, mined: request.mined.as_deref(), ready: [].into(), next: None, taken: 0 };
+        let mut all = Self { app, mined: request.mined.as_deref(), ready: [].into(), next: None, taken: [0; 3] };
         match (&request.mined, request.episodes.is_empty()) {
             // A mined folder is already in this order.
             (Some(_), true) => all.read()?,
@@ -201,8 +213,20 @@ impl<'a> Episodes<'a> {
             self.read()?;
         }
         let episode = self.ready.pop_front();
-        self.taken += u64::from(episode.is_some());
+        if let Some(episode) = &episode {
+            for (n, kind) in self.taken.iter_mut().zip(kinds()) {
+                *n += u64::from(kind.accepts(episode));
+            }
+        }
         Ok(episode)
+    }
+
+    /// Makes an episode the next one again.
+    fn put_back(&mut self, episode: EpisodeRecord) {
+        for (n, kind) in self.taken.iter_mut().zip(kinds()) {
+            *n -= u64::from(kind.accepts(&episode));
+        }
+        self.ready.push_front(episode);
     }
 
     fn read(&mut self) -> Answer<()> {
@@ -215,17 +239,21 @@ impl<'a> Episodes<'a> {
         Ok(())
     }
 
-    /// Number of episodes that were not used.
-    fn remaining(&self) -> Answer<u32> {
-        let remaining = match self.mined {
-            None => self.ready.len() as u64,
-            Some(name) => {
-                let all = self.app.recordings.episode_count(name, &EpisodeFilter::default());
-                let all = all.ok_or_else(Problem::missing)?.map_err(Problem::mined_unreadable)?;
-                all.saturating_sub(self.taken)
-            }
-        };
-        Ok(u32::try_from(remaining).unwrap_or(u32::MAX))
+    /// Numbers of episodes that were not taken, of each of the [`kinds`].
+    fn remaining(&self) -> Answer<[u32; 3]> {
+        let mut out = [0; 3];
+        for ((n, kind), taken) in out.iter_mut().zip(kinds()).zip(self.taken) {
+            let remaining = match self.mined {
+                None => self.ready.iter().filter(|e| kind.accepts(e)).count() as u64,
+                Some(name) => {
+                    let all = self.app.recordings.episode_count(name, &kind);
+                    let all = all.ok_or_else(Problem::missing)?.map_err(Problem::mined_unreadable)?;
+                    all.saturating_sub(taken)
+                }
+            };
+            *n = u32::try_from(remaining).unwrap_or(u32::MAX);
+        }
+        Ok(out)
     }
 }
 

@@ -122,6 +122,11 @@ pub fn tasks_come_from_mined_folders_within_limits(world: &World) {
     lost["scenario_id"] = json!("other");
     let mut second = serde_json::to_value(crate::recorded::episode("drive2", 2, world.future)).unwrap();
     second["is_primary"] = json!(false);
+    let [first, next] = [5, 6].map(|n| crate::recorded::episode("drive2", n, world.future));
+    let limited = json!({ "episodes": [first, next, lost, second], "limit": 1 });
+    let left = create(limited).fine();
+    let reasons = ["left_out", "no_class", "secondary", "over_limit"].map(|reason| left[reason].clone());
+    assert_eq!(reasons, [json!(3), json!(1), json!(1), json!(1)], "also what is after the limit");
     let left = create(json!({ "episodes": [lost, second], "per_leaf": 0 })).fine();
     let reasons = ["left_out", "no_class", "secondary", "over_limit"].map(|reason| left[reason].clone());
     assert_eq!(reasons, [json!(2), json!(1), json!(1), json!(0)], "each once, by its own reason");
