@@ -29,6 +29,12 @@ pub(super) fn render(shown: &Shown<'_>, lang: Lang) -> String {
         let _ = writeln!(out, "{:at$}^ {:.1} s", "", seconds(frame));
     }
     let _ = writeln!(out, "\n{}", legend(lang));
+    if e.parts.iter().flat_map(|p| &p.atoms).any(is_kept) {
+        out.push_str(match lang {
+            Lang::Zh => "噪声内：与阈值之差不超过噪声，沿用上一帧的结果\n",
+            Lang::En => "within noise: too near the threshold to change the answer of the frame before\n",
+        });
+    }
     out
 }
 
@@ -157,11 +163,27 @@ fn is_measured(atom: &AtomCourse) -> bool {
 pub(super) fn actual(atom: &AtomCourse, lang: Lang) -> Option<String> {
     let word = |zh: &str, en: &str| Some(if lang == Lang::Zh { zh } else { en }.to_owned());
     match &atom.actual {
-        Value::Number(_) | Value::String(_) => Some(atom.actual_words.as_ref()?.get(lang).to_owned()),
+        Value::Number(_) | Value::String(_) => {
+            let value = atom.actual_words.as_ref()?.get(lang);
+            Some(match (is_kept(atom), lang) {
+                (false, _) => value.to_owned(),
+                (true, Lang::Zh) => format!("{value}，噪声内"),
+                (true, Lang::En) => format!("{value}, within noise"),
+            })
+        }
         Value::Null if atom.course.truth == Tri::Unknown => word("未知", "unknown"),
         Value::Null => word("无穷", "infinite"),
         _ => None,
     }
+}
+
+/// True where the answer is that of the frame before, because the value differs from the threshold by no more than its
+/// noise: then the margin is 0, although the two are not equal.
+fn is_kept(atom: &AtomCourse) -> bool {
+    let differ = |(value, threshold): (f64, f64)| (value - threshold).abs() > 1e-9 * threshold.abs().max(1.0);
+    atom.course.truth != Tri::Unknown
+        && atom.course.margin == 0.0
+        && atom.actual.as_f64().zip(atom.threshold).is_some_and(differ)
 }
 
 fn lines_of_part(out: &mut String, part: &PartCourse, lang: Lang) {
@@ -227,5 +249,33 @@ fn legend(lang: Lang) -> &'static str {
             "a sign is 0.4 s: # true, + partly true, . false, ? unknown, blank where the target is not observed;\n\
              yes, no and [values] are those at ^"
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whyroad_model::Bilingual;
+
+    /// "x < 2 s" where x is 1.97 s; `margin` as the rule language defines it: 0 where noise keeps an answer.
+    fn below_two(margin: f64, value: f64) -> AtomCourse {
+        AtomCourse {
+            text: "x < 2 s".into(),
+            words: Bilingual::same("x < 2 s"),
+            course: Course { cells: vec![], truth: Tri::False, margin },
+            actual: value.into(),
+            actual_words: Some(Bilingual::same(format!("{value} s"))),
+            unit: "s",
+            values: vec![],
+            threshold: Some(2.0),
+        }
+    }
+
+    #[test]
+    fn a_value_that_noise_keeps_from_changing_the_answer_is_marked() {
+        assert_eq!(actual(&below_two(0.0, 1.97), Lang::En).unwrap(), "1.97 s, within noise");
+        assert_eq!(actual(&below_two(0.0, 1.97), Lang::Zh).unwrap(), "1.97 s，噪声内");
+        assert_eq!(actual(&below_two(-0.4, 2.4), Lang::En).unwrap(), "2.4 s");
+        assert_eq!(actual(&below_two(0.0, 2.0), Lang::En).unwrap(), "2 s", "equal, not kept");
     }
 }
