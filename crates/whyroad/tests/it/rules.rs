@@ -149,6 +149,8 @@ fn a_rule_in_one_line_is_mined() {
     // Where to look is told at once: the clip, the moment in it, the target, the measured value.
     assert!(run.out.contains("the best 1 of 1: clip, keyframe, target, score, values"), "{}", run.out);
     assert!(run.out.contains("multilane-ego_000  16.9 s  cutter"), "{}", run.out);
+    // The value that the tutorial names, with its unit.
+    assert!(run.out.contains("target.ttc < 3s (2.48 s)"), "{}", run.out);
     assert!(
         run.out.contains("1 drive, 1 episode (1 primary)\n"),
         "of classes nothing is reported: {}",

@@ -150,6 +150,9 @@ impl Results<'_> {
             Lang::Zh => {
                 format!("{classes} 个类别在部分行程上因缺少信号而不可观测；加 --missing 再次运行可列出")
             }
+            Lang::En if classes == 1 => {
+                "1 class is not observable on some drives, which lack signals; --missing lists them".to_owned()
+            }
             Lang::En => format!(
                 "{classes} classes are not observable on some drives, which lack signals; --missing lists them"
             ),
@@ -213,17 +216,20 @@ impl Results<'_> {
         for (line, clip) in table.lines().zip(best) {
             let _ = writeln!(out, "{line}");
             if with_values {
-                let values: Vec<String> = clip.conditions_matched.iter().map(value).collect();
+                let values: Vec<String> = clip.conditions_matched.iter().map(|m| value(m, self.lang)).collect();
                 out.push_str(&wrapped(&format!("    {}", values.join("; ")), 4));
             }
         }
     }
 }
 
-fn value(m: &whyroad_model::messages::MatchedCondition) -> String {
-    match &m.actual_value {
-        Value::Bool(_) | Value::Null => m.condition.clone(),
-        value => format!("{} ({})", m.condition, value.as_str().map_or(value.to_string(), str::to_owned)),
+fn value(m: &whyroad_model::messages::MatchedCondition, lang: Lang) -> String {
+    match (&m.actual_value, &m.actual_words) {
+        (Value::Bool(_) | Value::Null, _) => m.condition.clone(),
+        (_, Some(words)) => format!("{} ({})", m.condition, words.get(lang)),
+        (value, None) => {
+            format!("{} ({})", m.condition, value.as_str().map_or(value.to_string(), str::to_owned))
+        }
     }
 }
 
