@@ -182,6 +182,15 @@ fn diff_says_when_it_compares_classes_only() {
 }
 
 #[test]
+fn lint_names_classes_that_are_calibrated_and_do_not_exist() {
+    let folder = framework(&[("schema/calibration.yaml", "reactive_agent.following.steady", "reactive_agent.following.steadz")]);
+    let run = whyroad_in(folder.path(), &["--framework", "mine", "taxonomy", "lint"]);
+    assert_eq!(run.code, 1);
+    assert!(run.out.contains("warning[calibration.class]"), "{}", run.out);
+    assert!(run.out.contains("no class 'reactive_agent.following.steadz'") && run.out.contains("0 errors, 1 warning"));
+}
+
+#[test]
 fn docs_brings_the_generated_parts_of_a_spec_page_up_to_date() {
     let folder = framework(&[]);
     let docs = folder.path().join("mine/docs/reference");
@@ -209,7 +218,9 @@ fn docs_writes_a_page_for_every_leaf_and_removes_those_of_none() {
     let folder = framework(CHANGES);
     let leaves = folder.path().join("mine/docs/reference/leaves");
     let args = |last: &'static [&'static str]| [&["--framework", "mine", "taxonomy", "docs"], last].concat();
-    assert_eq!(whyroad_in(folder.path(), &args(&["--check"])).code, 1);
+    let none = whyroad_in(folder.path(), &args(&["--check"]));
+    assert_eq!((none.code, none.err.matches("error[").count()), (1, 1), "{}", none.err);
+    assert!(none.err.contains("generated files exists") && none.err.contains("run `whyroad taxonomy docs`"));
     assert_eq!(whyroad_in(folder.path(), &args(&[])).code, 0);
     assert_eq!(whyroad_in(folder.path(), &args(&["--check"])).code, 0);
     // A page in each language and a drawing for each leaf.

@@ -141,8 +141,12 @@ fn remove(global: &Global, action: Action, files: &[PathBuf]) -> anyhow::Result<
 fn stale(global: &Global, path: &Path, command: &str) {
     let name = path.display();
     let message = Bilingual::new(format!("{name} 不是最新的"), format!("{name} is not up to date"));
+    report_stale(global, message, &name.to_string(), command);
+}
+
+fn report_stale(global: &Global, message: Bilingual, file: &str, command: &str) {
     let hint = Bilingual::new(format!("运行 `{command}`"), format!("run `{command}`"));
-    let d = Diagnostic::error("taxonomy.generated.stale", message).with_hint(hint).in_file(name.to_string());
+    let d = Diagnostic::error("taxonomy.generated.stale", message).with_hint(hint).in_file(file);
     tell!("{}", output::render_text(&d, global.lang));
 }
 
@@ -172,6 +176,18 @@ fn finish(
     files: &[(PathBuf, String)],
 ) -> anyhow::Result<ExitCode> {
     let mut code = output::FINE;
+    if action == Action::Check
+        && let Some((first, _)) = files.first()
+        && files.iter().all(|(path, _)| !path.is_file())
+    {
+        let (n, first) = (files.len(), first.display());
+        let message = Bilingual::new(
+            format!("{n} 个生成的文件都不存在，例如 {first}"),
+            format!("none of the {n} generated files exists, for example {first}"),
+        );
+        report_stale(global, message, &first.to_string(), command);
+        return Ok(output::FINDINGS);
+    }
     for (path, text) in files {
         let name = path.display();
         let current = if path.is_file() { read(path)? } else { String::new() };

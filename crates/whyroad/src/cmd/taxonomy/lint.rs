@@ -7,12 +7,13 @@ use anyhow::Context as _;
 use std::path::Path;
 use std::process::ExitCode;
 use whyroad_framework::Framework;
+use whyroad_framework::calibration::CALIBRATION_FILE;
 use whyroad_framework::markdown::lint_markdown;
 use whyroad_framework::taxonomy::read_taxonomy;
 use whyroad_mining::cases::CaseRunner;
 use whyroad_mining::{RuleSet, rule};
 use whyroad_model::diagnostic::{self, Severity};
-use whyroad_model::{Diagnostic, Lang};
+use whyroad_model::{Bilingual, Diagnostic, Lang};
 use whyroad_signals::Catalog;
 
 pub(super) fn run(global: &Global, file: Option<&Path>, format: FindingFormat) -> anyhow::Result<ExitCode> {
@@ -50,6 +51,7 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
         let (catalog, of_signals) = Catalog::parse(&f.signals_yaml);
         found.extend(of_signals);
         found.extend(rule::lint::lint(f, &catalog));
+        found.extend(calibrated_but_unknown(f));
         let (rules, _) = RuleSet::of_framework(f, &catalog);
         let errors = found.iter().filter(|d| d.severity == Severity::Error);
         let faulty = errors.filter_map(|d| d.location.file.clone()).collect();
@@ -73,6 +75,23 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
         }
     }
     Ok(found)
+}
+
+/// Classes of the calibration table that the taxonomy does not have: renamed or retired ones.
+fn calibrated_but_unknown(framework: &Framework) -> impl Iterator<Item = Diagnostic> {
+    let unknown = framework.calibration.classes.iter().filter(|c| !framework.taxonomy.contains(&c.id));
+    unknown.map(|class| {
+        let id = &class.id;
+        let message = Bilingual::new(
+            format!("分类体系中没有类别 '{id}'，其校准不起作用"),
+            format!("the taxonomy has no class '{id}', so its calibration has no effect"),
+        );
+        let hint = Bilingual::new(
+            "类别改名的，在此文件中同样改名并保持按 id 排序；类别取消的，删除该条目",
+            "where the class was renamed, rename it here too and keep the order by id; where it was retired, delete it",
+        );
+        Diagnostic::warning("calibration.class", message).with_hint(hint).in_file(CALIBRATION_FILE)
+    })
 }
 
 pub(crate) fn print(found: &[Diagnostic], format: FindingFormat, lang: Lang) {
