@@ -28,7 +28,14 @@ pub struct Plan {
 }
 
 pub fn plan(id: &str, street_m: f64, speed_mps: f64) -> Plan {
-    Plan { id: id.into(), street_m, speed_mps, session: None, licence: Some("Apache-2.0".into()), dated: true }
+    Plan {
+        id: id.into(),
+        street_m,
+        speed_mps,
+        session: None,
+        licence: Some("Apache-2.0".into()),
+        dated: true,
+    }
 }
 
 /// Everybody gains speed alike, so that no two moments of a drive are the same.

@@ -181,7 +181,8 @@ fn kinds() -> [EpisodeFilter; 3] {
 
 impl<'a> Episodes<'a> {
     fn of(app: &'a App, request: &'a CreateTasks) -> Answer<Self> {
-        let mut all = Self { app, mined: request.mined.as_deref(), ready: [].into(), next: None, taken: [0; 3] };
+        let mut all =
+            Self { app, mined: request.mined.as_deref(), ready: [].into(), next: None, taken: [0; 3] };
         match (&request.mined, request.episodes.is_empty()) {
             // A mined folder is already in this order.
             (Some(_), true) => all.read()?,

@@ -183,11 +183,18 @@ fn diff_says_when_it_compares_classes_only() {
 
 #[test]
 fn lint_names_classes_that_are_calibrated_and_do_not_exist() {
-    let folder = framework(&[("schema/calibration.yaml", "reactive_agent.following.steady", "reactive_agent.following.steadz")]);
+    let folder = framework(&[(
+        "schema/calibration.yaml",
+        "reactive_agent.following.steady",
+        "reactive_agent.following.steadz",
+    )]);
     let run = whyroad_in(folder.path(), &["--framework", "mine", "taxonomy", "lint"]);
     assert_eq!(run.code, 1);
     assert!(run.out.contains("warning[calibration.class]"), "{}", run.out);
-    assert!(run.out.contains("no class 'reactive_agent.following.steadz'") && run.out.contains("0 errors, 1 warning"));
+    assert!(
+        run.out.contains("no class 'reactive_agent.following.steadz'")
+            && run.out.contains("0 errors, 1 warning")
+    );
 }
 
 #[test]

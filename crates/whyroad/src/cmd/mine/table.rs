@@ -151,7 +151,8 @@ impl Results<'_> {
                 format!("{classes} 个类别在部分行程上因缺少信号而不可观测；加 --missing 再次运行可列出")
             }
             Lang::En if classes == 1 => {
-                "1 class is not observable on some drives, which lack signals; --missing lists them".to_owned()
+                "1 class is not observable on some drives, which lack signals; --missing lists them"
+                    .to_owned()
             }
             Lang::En => format!(
                 "{classes} classes are not observable on some drives, which lack signals; --missing lists them"
@@ -216,7 +217,8 @@ impl Results<'_> {
         for (line, clip) in table.lines().zip(best) {
             let _ = writeln!(out, "{line}");
             if with_values {
-                let values: Vec<String> = clip.conditions_matched.iter().map(|m| value(m, self.lang)).collect();
+                let values: Vec<String> =
+                    clip.conditions_matched.iter().map(|m| value(m, self.lang)).collect();
                 out.push_str(&wrapped(&format!("    {}", values.join("; ")), 4));
             }
         }
