@@ -1,7 +1,7 @@
 //! States of one object, with standard deviations, from its measurements: a fixed-interval smoother with the motion
 //! model of its class, with standstills detected and held, and rows without a measurement bridged. A quantity that the
-//! log states exactly is kept, except the heading of a vehicle that is stationary all along in a log with noisy
-//! positions: it is the mean of all rows, as its position is.
+//! log states exactly is kept, except the heading of a stationary vehicle in a log with noisy positions: it is the mean
+//! of the standstill, as its position is.
 
 use super::bicycle::{ACCEL, Bicycle, HEADING, SPEED, X, Y, YAW_RATE};
 use super::kalman::{Filter, Observation, Smoothed};
@@ -90,7 +90,7 @@ pub struct States {
 
 /// Minimum standard deviation of a heading as the direction of motion, rad: boxes and paths differ.
 const LEAST_HEADING_SD_RAD: f64 = 0.035;
-/// Headings of a parked vehicle differ by less than this from their mean, rad; a corrected one by more.
+/// Headings of a stationary vehicle differ by less than this from their mean, rad; a corrected one by more.
 const JITTER_RAD: f64 = 0.1;
 /// Reach of the slopes where a quantity is exact, s.
 const SLOPE_REACH_S: f64 = 0.2;
@@ -116,29 +116,25 @@ pub fn smooth(rows: Rows<'_>, model: MotionModel, noise: &LogNoise) -> States {
         MotionModel::Bicycle(bicycle) if 2 * known_headings > measured => Some(bicycle),
         _ => None,
     };
-    if stands_all_along(rows, noise, &variances) {
-        let mut out = standing(rows, &variances, measured);
-        let (heading, deviations) = (out.heading[0], out.sd.heading.clone());
-        keep_exact(rows, noise, &mut out);
-        // People turn on the spot, vehicles do not: what is left is jitter, unless it is too much for that.
-        let jitters = |h: &f64| !h.is_finite() || wrap(h - heading).abs() < JITTER_RAD;
-        if bicycle.is_some() && !noise.position.is_negligible() && rows.heading.iter().all(jitters) {
-            out.sd.heading = deviations;
-            out.heading.fill(heading);
-            out.yaw_rate.fill(0.0);
+    let (mut out, stands) = if stands_all_along(rows, noise, &variances) {
+        (standing(rows, &variances, measured), vec![0..n])
+    } else {
+        let moving = Variances {
+            position: noise.position.variance_in_maneuvers(step),
+            heading: noise.heading.variance_in_maneuvers(step),
+            velocity: noise.velocity.variance_in_maneuvers(step),
+        };
+        match bicycle {
+            Some(bicycle) => as_vehicle(rows, bicycle, &moving, variances.position),
+            None => (as_walker(rows, &moving, variances.position), Vec::new()),
         }
-        return out;
-    }
-    let moving = Variances {
-        position: noise.position.variance_in_maneuvers(step),
-        heading: noise.heading.variance_in_maneuvers(step),
-        velocity: noise.velocity.variance_in_maneuvers(step),
     };
-    let mut out = match bicycle {
-        Some(bicycle) => as_vehicle(rows, bicycle, &moving, variances.position),
-        None => as_walker(rows, &moving, variances.position),
-    };
+    let deviations = out.sd.heading.clone();
     keep_exact(rows, noise, &mut out);
+    // People turn on the spot, vehicles do not; estimated headings do not jitter, measured ones do.
+    if bicycle.is_some() && noise.heading.is_negligible() && !noise.position.is_negligible() {
+        stands.into_iter().for_each(|stand| out.hold_heading(stand, &deviations));
+    }
     out
 }
 
@@ -182,15 +178,22 @@ fn stands_all_along(rows: Rows<'_>, noise: &LogNoise, variances: &Variances) -> 
     speeds == 0.0 || f64::hypot(sum.0, sum.1) / speeds <= 0.1 + 3.0 * (variances.velocity / speeds).sqrt()
 }
 
+/// Mean of the known headings, rad; NaN if there is none. That of equal ones has their bits.
+fn mean_direction(headings: &[f64]) -> f64 {
+    if let [first, others @ ..] = headings
+        && others.iter().all(|h| h == first)
+    {
+        return *first;
+    }
+    let known = headings.iter().filter(|h| h.is_finite());
+    let (sin, cos) = known.fold((0.0, 0.0), |(s, c), h| (s + h.sin(), c + h.cos()));
+    if (sin, cos) == (0.0, 0.0) { f64::NAN } else { sin.atan2(cos) }
+}
+
 fn standing(rows: Rows<'_>, variances: &Variances, measured: usize) -> States {
     let n = rows.times.len();
     let (x, y) = mean(rows.x, rows.y, 0..n).unwrap_or((f64::NAN, f64::NAN));
-    let (sin, cos) = rows
-        .heading
-        .iter()
-        .filter(|h| h.is_finite())
-        .fold((0.0, 0.0), |(s, c), h| (s + h.sin(), c + h.cos()));
-    let heading = if (sin, cos) == (0.0, 0.0) { f64::NAN } else { sin.atan2(cos) };
+    let heading = mean_direction(rows.heading);
     let of_mean = |v: f64| vec![(v / measured as f64).sqrt(); n];
     let same = |v: f64| vec![v; n];
     States {
@@ -227,8 +230,14 @@ fn first_velocity(rows: Rows<'_>) -> (f64, f64) {
     (line(rows.x), line(rows.y))
 }
 
-/// `of_mean` is the variance of a coordinate where positions are averaged.
-fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances, of_mean: f64) -> States {
+/// The states, and the rows in which the vehicle is stationary. `of_mean` is the variance of a coordinate where
+/// positions are averaged.
+fn as_vehicle(
+    rows: Rows<'_>,
+    model: Bicycle,
+    variances: &Variances,
+    of_mean: f64,
+) -> (States, Vec<Range<usize>>) {
     let n = rows.times.len();
     let start = (0..n).find(|&i| rows.x[i].is_finite()).unwrap_or(0);
     let heading = rows.heading.iter().copied().find(|h| h.is_finite()).unwrap_or(0.0);
@@ -288,8 +297,8 @@ fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances, of_mean: f6
         out.vx.push(s[SPEED] * cos - aside * sin);
         out.vy.push(s[SPEED] * sin + aside * cos);
     }
-    held.into_iter().for_each(|stand| out.hold(stand));
-    out
+    held.iter().for_each(|stand| out.hold(stand.clone()));
+    (out, held)
 }
 
 /// A standstill without its first and last row, which may belong to the motion around it.
@@ -463,6 +472,18 @@ impl States {
             (self.x[i], self.y[i]) = (x, y);
             (self.vx[i], self.vy[i], self.accel[i], self.yaw_rate[i]) = (0.0, 0.0, 0.0, 0.0);
             (self.sd.speed[i], self.sd.accel[i]) = (STANDING_SD_MPS, STANDING_SD_MPS);
+        }
+    }
+
+    /// Sets the heading of a vehicle in the rows of a standstill to their mean: what it turns there is jitter, unless
+    /// it turns too much for that. `deviations` are those of the estimated headings.
+    fn hold_heading(&mut self, stand: Range<usize>, deviations: &[f64]) {
+        let headings = &mut self.heading[stand.clone()];
+        let mean = mean_direction(headings);
+        if mean.is_finite() && headings.iter().all(|h| wrap(h - mean).abs() < JITTER_RAD) {
+            headings.fill(mean);
+            self.yaw_rate[stand.clone()].fill(0.0);
+            self.sd.heading[stand.clone()].copy_from_slice(&deviations[stand]);
         }
     }
 }

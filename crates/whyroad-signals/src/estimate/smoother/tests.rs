@@ -116,6 +116,26 @@ fn a_parked_car_has_one_heading() {
     assert_eq!(of(&corrected, CAR).heading, corrected);
 }
 
+/// While it is stationary, the box of a car does not turn by the jitter of a heading whose noise is negligible.
+#[test]
+fn a_car_that_stops_has_one_heading_until_it_drives_off() {
+    let truth = Truth::car(40.0);
+    let n = truth.times.len();
+    let add = |a: &[f64], e: Vec<f64>| a.iter().zip(e).map(|(a, b)| a + b).collect::<Vec<f64>>();
+    let (x, y) = (add(&truth.x, white(1, n, 0.2)), add(&truth.y, white(2, n, 0.2)));
+    let heading = add(&truth.heading, white(3, n, 0.004));
+    let rows = Rows { times: &truth.times, x: &x, y: &y, heading: &heading, vx: &[], vy: &[], forward: &[] };
+    let s = smooth(rows, CAR, &noise_of(0.2, 0.0, 0.004));
+    let (stops, drives): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| speeds(&s)[i] == 0.0);
+    assert!(stops.len() > 30, "{stops:?}");
+    for &i in &stops {
+        assert!(wrap(s.heading[i] - truth.heading[i]).abs() < 0.002, "{} in row {i}", s.heading[i]);
+        assert!(s.yaw_rate[i] == 0.0 && s.sd.heading[i] > 0.0, "row {i}");
+        assert!(!stops.contains(&(i + 1)) || s.heading[i + 1] == s.heading[i], "row {i}");
+    }
+    assert!(drives.iter().all(|&i| s.heading[i] == heading[i]), "exact headings are kept");
+}
+
 #[test]
 fn a_gap_is_bridged_along_the_curve() {
     let truth = Truth::car(40.0);
