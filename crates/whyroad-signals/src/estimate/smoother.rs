@@ -117,7 +117,7 @@ pub fn smooth(rows: Rows<'_>, model: MotionModel, noise: &LogNoise) -> States {
         _ => None,
     };
     let (mut out, stands) = if stands_all_along(rows, noise, &variances) {
-        (standing(rows, &variances, measured), vec![0..n])
+        (standing(rows, &variances, measured), std::iter::once(0..n).collect())
     } else {
         let moving = Variances {
             position: noise.position.variance_in_maneuvers(step),

@@ -201,7 +201,7 @@ fn audits_are_counted_by_author() {
 }
 
 fixtures::on_postgresql! {
-    coverage_counts_episodes_once_and_tells_what_was_not_even_mined,
+    coverage_counts_episodes_once_and_only_those_that_can_be_accepted,
     throughput_is_by_day_person_and_action_and_ageing_by_rest,
     agreement_is_that_of_the_first_submissions,
     audits_are_counted_by_author,
