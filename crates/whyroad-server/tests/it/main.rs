@@ -14,6 +14,7 @@ mod group;
 mod identities;
 mod later_task;
 mod leaks;
+mod meanwhile;
 mod migration;
 mod mined;
 mod model;
@@ -123,6 +124,8 @@ suite! {
     later_task::a_task_that_comes_back_asks_again_what_was_seen,
     later_task::opening_a_later_task_shows_no_future_of_the_one_in_hand,
     later_task::where_only_the_episode_bars_a_later_task_may_be_begun,
+    meanwhile::who_is_disabled_while_a_password_is_hashed_stays_so,
+    meanwhile::an_old_password_opens_nothing_once_it_was_replaced,
     group::what_is_given_back_says_why_and_the_history_comes_in_pages,
     page::lists_have_a_total_and_an_order_that_pages_keep,
     page::many_tasks_are_changed_at_once_and_each_refusal_is_named,

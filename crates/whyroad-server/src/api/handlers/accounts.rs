@@ -6,6 +6,7 @@ use crate::domain::people::{Done, NewUser, Tokens, User, UserChange, Users};
 use crate::problem::{Answer, Problem};
 use crate::secret;
 use crate::service::{people, projects, tokens};
+use crate::store::Tx;
 
 /// `GET /users`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
@@ -45,54 +46,89 @@ pub fn create(call: &Call<'_>) -> Answer<Reply> {
         disabled: false,
         email,
     };
-    let (new, now) = (user.clone(), call.app.now());
-    call.app.store.write(move |tx| people::create(tx, &new, &hash, now))?;
+    let (new, cookie, now) = (user.clone(), call.request.cookie.clone(), call.app.now());
+    call.app.store.write(move |tx| {
+        if !still(tx, cookie.as_deref(), now)?.admin {
+            return Err(Problem::forbidden());
+        }
+        people::create(tx, &new, &hash, now)
+    })?;
     Reply::json(&user)
+}
+
+/// The caller as they are now. Hashing a password takes long, and others may have disabled the account, ended its
+/// sessions or taken its rights since the access check.
+fn still(tx: &mut dyn Tx, cookie: Option<&str>, now: i64) -> Answer<User> {
+    let Some(cookie) = cookie else { return Err(Problem::sign_in()) };
+    people::by_cookie(tx, cookie, now)?.ok_or_else(Problem::sign_in)
+}
+
+/// Whether `caller` may change the user `id` like this.
+fn may_change(caller: &User, id: &str, change: &UserChange) -> Answer<()> {
+    let rights = change.admin.is_some() || change.disabled.is_some() || change.email.is_some();
+    if caller.admin || (caller.id == id && !rights) { Ok(()) } else { Err(Problem::forbidden()) }
 }
 
 /// `PATCH /users/{u}`
 pub fn change(call: &Call<'_>) -> Answer<Reply> {
     let (caller, change) = (call.user()?, call.body::<UserChange>()?);
     let target = call.app.store.read(|tx| people::find(tx, call.param("u")))?;
-    let own = target.as_ref().is_some_and(|t| t.id == caller.id);
-    let rights = change.admin.is_some() || change.disabled.is_some() || change.email.is_some();
-    if !caller.admin && (!own || rights) {
-        return Err(Problem::forbidden());
-    }
-    let mut user = target.ok_or_else(Problem::missing)?;
-    let hash = new_password(call, &user, &change)?;
-    user.display = change.display.unwrap_or(user.display);
-    user.lang = change.lang.unwrap_or(user.lang);
-    user.admin = change.admin.unwrap_or(user.admin);
-    user.disabled = change.disabled.unwrap_or(user.disabled);
-    user.email = change.email.as_deref().map_or(user.email, people::email);
-    let new = user.clone();
-    call.app.store.write(move |tx| {
-        people::update(tx, &new)?;
-        hash.as_ref().map_or(Ok(()), |hash| people::set_password(tx, &new.id, hash))
+    may_change(caller, target.as_ref().map_or("", |t| &t.id), &change)?;
+    let target = target.ok_or_else(Problem::missing)?;
+    let password = new_password(call, &target, &change)?;
+    let (id, cookie, now) = (target.id, call.request.cookie.clone(), call.app.now());
+    let user = call.app.store.write(move |tx| {
+        may_change(&still(tx, cookie.as_deref(), now)?, &id, &change)?;
+        let mut user = people::find(tx, &id)?.ok_or_else(Problem::missing)?;
+        let UserChange { display, lang, admin, disabled, email, .. } = change.clone();
+        user.display = display.unwrap_or(user.display);
+        user.lang = lang.unwrap_or(user.lang);
+        user.admin = admin.unwrap_or(user.admin);
+        user.disabled = disabled.unwrap_or(user.disabled);
+        user.email = email.as_deref().map_or(user.email, people::email);
+        people::update(tx, &user)?;
+        if let Some(password) = &password {
+            if let Some(present) = &password.instead_of
+                && people::password_hash(tx, &id)? != *present
+            {
+                return Err(wrong_present());
+            }
+            people::set_password(tx, &id, &password.hash)?;
+        }
+        Ok(user)
     })?;
     Reply::json(&user)
 }
 
-/// The hash of a new password, if one is given. Users who change their own must give the current one.
-fn new_password(call: &Call<'_>, user: &User, change: &UserChange) -> Answer<Option<String>> {
+/// A new password.
+struct NewPassword {
+    /// Its hash.
+    hash: String,
+    /// The hash of the current one that its user gave; unset if an admin resets it.
+    instead_of: Option<String>,
+}
+
+/// A new password, if one is given. Users who change their own must give the current one.
+fn new_password(call: &Call<'_>, user: &User, change: &UserChange) -> Answer<Option<NewPassword>> {
     let Some(new) = &change.password else { return Ok(None) };
+    let mut instead_of = None;
     if call.user()?.id == user.id {
         let now = call.app.now();
         let attempt = call.app.limits.begin(&user.name, &call.request.address, now)?;
         let present = call.app.store.read(|tx| people::password_hash(tx, &user.id))?;
         let given = change.present_password.as_deref().unwrap_or_default();
         if !call.app.limits.one_at_a_time(|| secret::is_password(given, &present)) {
-            return Err(Problem::new(
-                403,
-                "password.present",
-                "当前密码不正确",
-                "the current password is wrong",
-            ));
+            return Err(wrong_present());
         }
         attempt.succeeded();
+        instead_of = Some(present);
     }
-    call.app.limits.one_at_a_time(|| secret::hash_password(new)).map(Some)
+    let hash = call.app.limits.one_at_a_time(|| secret::hash_password(new))?;
+    Ok(Some(NewPassword { hash, instead_of }))
+}
+
+fn wrong_present() -> Problem {
+    Problem::new(403, "password.present", "当前密码不正确", "the current password is wrong")
 }
 
 /// `GET /tokens`

@@ -61,18 +61,20 @@ pub fn sign_in(call: &Call<'_>) -> Answer<Reply> {
     let set = known.as_ref().map(|(_, hash)| hash.clone()).filter(|hash| hash != people::NO_PASSWORD);
     let hash = set.map_or_else(nobody, Ok)?;
     let right = app.limits.one_at_a_time(|| secret::is_password(&password, &hash));
-    let Some((id, _)) = known.filter(|_| right) else {
-        return Err(Problem::new(401, "session.wrong", "用户名或密码错误", "wrong name or password"));
-    };
+    let Some((id, hash)) = known.filter(|_| right) else { return Err(wrong()) };
     attempt.succeeded();
-    begin(call, id, Door::Password)
+    begin(call, id, Door::Password(hash))
+}
+
+fn wrong() -> Problem {
+    Problem::new(401, "session.wrong", "用户名或密码错误", "wrong name or password")
 }
 
 /// How somebody signed in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Door {
-    /// By password.
-    Password,
+    /// By the password with this hash.
+    Password(String),
     /// By the identity provider.
     Provider,
 }
@@ -82,6 +84,12 @@ pub(super) fn begin(call: &Call<'_>, user: String, door: Door) -> Answer<Reply> 
     let (fresh, now) = (secret::random(32)?, call.app.now());
     let value = fresh.clone();
     let user = call.app.store.write(move |tx| {
+        // Checking a password takes long: another one may have been set since, which ended all sessions of the old one.
+        if let Door::Password(hash) = &door
+            && people::password_hash(tx, &user)? != *hash
+        {
+            return Err(wrong());
+        }
         people::start_session(tx, &value, &user, now)?;
         if door == Door::Provider {
             people::note_provider(tx, &value)?;
@@ -147,7 +155,7 @@ pub fn setup(call: &Call<'_>) -> Answer<Reply> {
     let hash = call.app.limits.one_at_a_time(|| secret::hash_password(&password))?;
     let lang = lang.unwrap_or_else(|| "zh".to_owned());
     let user = User { id: secret::id()?, name, display, admin: true, lang, disabled: false, email: None };
-    let (id, now) = (user.id.clone(), call.app.now());
+    let (id, now, door) = (user.id.clone(), call.app.now(), Door::Password(hash.clone()));
     call.app.store.write(move |tx| {
         // Of two concurrent requests, one is too late.
         if !people::is_first_run(tx)? {
@@ -163,7 +171,7 @@ pub fn setup(call: &Call<'_>) -> Answer<Reply> {
         )?;
         Ok(())
     })?;
-    begin(call, id, Door::Password)
+    begin(call, id, door)
 }
 
 /// True for `localhost` and IP addresses. A malicious site can make its own *host name* resolve to this machine and so
