@@ -346,6 +346,8 @@ fn adjudicate(
             "you cannot adjudicate a group with your own label",
         ));
     }
+    // The answer shows the chosen label.
+    seen::show(tx, t, &actor.id)?;
     let mut snapshot = None;
     let before = t.at.state;
     if let Some(merged) = merged {

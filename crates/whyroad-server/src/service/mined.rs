@@ -170,7 +170,7 @@ pub fn find(app: &App, name: EpisodeName<'_>) -> Answer<EpisodeRecord> {
 /// An episode as a task that nobody holds and that is shown completely.
 fn as_task(app: &App, project: &Project, episode: &EpisodeRecord) -> Answer<TaskRow> {
     let mut t = create::shown(app, project, episode)?;
-    t.id = format!("mined:{}", episode.episode_id);
+    t.id = seen::of_episode(&episode.episode_id);
     t.at.state = State::Submitted;
     Ok(t)
 }

@@ -4,7 +4,7 @@
 
 use crate::app::App;
 use crate::problem::Answer;
-use crate::service::{deletion, projects};
+use crate::service::{deletion, projects, seen};
 use crate::values;
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -31,13 +31,14 @@ pub fn sweep(app: &App) -> Answer<u64> {
             let (id, before) = (project.id.clone(), now - days * DAY_MS);
             let n = app.store.write(move |tx| {
                 let rows = tx.rows(
-                    "SELECT id FROM tasks WHERE project_id = $1 AND updated < $2
+                    "SELECT id, episode_id FROM tasks WHERE project_id = $1 AND updated < $2
                        AND state IN ('accepted', 'skipped', 'rejected') ORDER BY updated, id LIMIT $3",
                     values![&id, before, AT_ONCE],
                 )?;
                 let parts = deletion::parts_of_tasks(tx)?;
                 for row in &rows {
                     let task = row.text("id")?;
+                    seen::outlast(tx, &task, &row.text("episode_id")?)?;
                     for table in &parts {
                         tx.run(&format!("DELETE FROM {table} WHERE task_id = $1"), values![&task])?;
                     }

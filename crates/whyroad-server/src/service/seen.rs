@@ -26,13 +26,31 @@ fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<
             values![user, &t.drive_id, t.keyframe_ns, t.to_ns],
         )?,
         HistoryRule::Episode => tx.row(
-            "SELECT 1 FROM seen s JOIN tasks o ON o.id = s.task_id
+            "SELECT 1 FROM seen s LEFT JOIN tasks o ON o.id = s.task_id
              WHERE s.user_id = $1 AND s.drive_id = $2 AND s.to_ns > $4
-               AND (o.episode_id = $3 OR substr(o.episode_id, 1, length($5)) = $6) LIMIT 1",
-            values![user, &t.drive_id, episode, t.keyframe_ns, &copies, &copies],
+               AND (o.episode_id = $3 OR substr(o.episode_id, 1, length($5)) = $6 OR s.task_id = $7) LIMIT 1",
+            values![user, &t.drive_id, episode, t.keyframe_ns, &copies, &copies, of_episode(episode)],
         )?,
     };
     Ok(row.is_some())
+}
+
+/// The place of a task id for an episode that was seen without a task, or in a task that was removed.
+pub fn of_episode(episode_id: &str) -> String {
+    format!("mined:{}", copies::episode_of(episode_id))
+}
+
+/// Keeps what users have seen in a task that is about to be removed, under its episode.
+pub fn outlast(tx: &mut dyn Tx, task: &str, episode_id: &str) -> Answer<()> {
+    tx.run(
+        "INSERT INTO seen (user_id, task_id, drive_id, from_ns, to_ns)
+         SELECT s.user_id, $1, s.drive_id, s.from_ns, s.to_ns FROM seen s WHERE s.task_id = $2
+         ON CONFLICT (user_id, task_id) DO UPDATE SET
+           from_ns = CASE WHEN excluded.from_ns < seen.from_ns THEN excluded.from_ns ELSE seen.from_ns END,
+           to_ns = CASE WHEN excluded.to_ns > seen.to_ns THEN excluded.to_ns ELSE seen.to_ns END",
+        values![of_episode(episode_id), task],
+    )?;
+    tx.run("DELETE FROM seen WHERE task_id = $1", values![task]).map(drop)
 }
 
 /// The last time of its drive that a task shows in `state`.
@@ -49,8 +67,24 @@ pub fn was_shown(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<bool> {
     Ok(tx.row(sql, values![user, &t.id, shown_until(t, t.at.state)])?.is_some())
 }
 
-/// Refuses to show `t` in `state` to `user` while they do Stage I of another task whose future it would show.
+/// Refuses to show `t` in `state` to `user` while they do Stage I of another task whose future it would show, or have
+/// not submitted their own label of its episode.
 pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> Answer<()> {
+    if t.overlap_count > 1 && state.stage() == Stage::Stage2 {
+        let own = tx.row(
+            "SELECT 1 FROM tasks WHERE project_id = $1 AND episode_id = $2 AND id <> $3 AND author = $4
+               AND state IN ('stage1_locked', 'stage2') LIMIT 1",
+            values![&t.project, &t.episode.episode_id, &t.id, user],
+        )?;
+        if own.is_some() {
+            return Err(Problem::new(
+                409,
+                "overlap.own_first",
+                "您尚未提交自己对该事件的标注，不能查看他人的标注",
+                "you have not submitted your own label of this episode: you cannot see another person's",
+            ));
+        }
+    }
     let others = tx.rows(
         "SELECT id, episode_id FROM tasks WHERE holder = $1 AND state = 'stage1' AND drive_id = $2 AND id <> $3
            AND keyframe_ns < $4 AND to_ns > $5 ORDER BY id",

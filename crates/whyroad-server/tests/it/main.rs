@@ -19,6 +19,7 @@ mod migration;
 mod mined;
 mod model;
 mod oidc;
+mod other_ways;
 mod page;
 #[allow(dead_code, reason = "restarts are for the tests of the binary")]
 mod postgres_server;
@@ -124,6 +125,11 @@ suite! {
     later_task::a_task_that_comes_back_asks_again_what_was_seen,
     later_task::opening_a_later_task_shows_no_future_of_the_one_in_hand,
     later_task::where_only_the_episode_bars_a_later_task_may_be_begun,
+    other_ways::labels_side_by_side_count_as_seen,
+    other_ways::a_choice_in_a_group_shows_no_future_of_the_task_in_hand,
+    other_ways::who_browsed_an_episode_does_no_stage_one_of_it,
+    other_ways::what_was_seen_outlasts_the_task,
+    other_ways::another_persons_label_is_hidden_until_the_own_one_is_submitted,
     meanwhile::who_is_disabled_while_a_password_is_hashed_stays_so,
     meanwhile::an_old_password_opens_nothing_once_it_was_replaced,
     group::what_is_given_back_says_why_and_the_history_comes_in_pages,

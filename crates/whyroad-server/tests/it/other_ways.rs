@@ -1,0 +1,108 @@
+//! Ways to the future of a Stage I that lead through something else than the task itself: another copy of its episode,
+//! a mined folder, or a task that was removed.
+
+use crate::recorded::episode;
+use crate::work::{Work, example};
+use crate::world::{Person, Reply, World};
+use serde_json::json;
+use whyroad_server::service::retention::sweep;
+
+fn take(who: &Person, task: &str) -> Reply {
+    who.post(&format!("/tasks/{task}/lease"), &json!({ "action": "take" }))
+}
+
+fn act(who: &Person, task: &str, action: &str) -> Reply {
+    who.post(&format!("/tasks/{task}/actions"), &json!({ "action": action, "reason": "again" }))
+}
+
+/// Whether the label of the group's first copy is in the answer.
+fn tells(answer: &Reply) -> bool {
+    answer.text().contains(example()["coc_trace"].as_str().unwrap())
+}
+
+pub fn labels_side_by_side_count_as_seen(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let both = world.person(&admin, &project, "both", &["annotator", "checker"]);
+    let ids = world.tasks(&admin, &project, &["drive1"], 2);
+    Work::label(&ann, &ids[0]);
+    // A copy that was skipped shows its history only; the other copy beside it shows everything.
+    act(&admin, &ids[1], "skip").fine();
+    let side_by_side = both.get(&format!("/tasks/{}/overlap", ids[1]));
+    assert!(tells(&side_by_side), "{}", side_by_side.text());
+    act(&admin, &ids[1], "reopen").fine();
+    assert_eq!(take(&both, &ids[1]).refusal(), (403, "task.future_seen".into()));
+}
+
+pub fn a_choice_in_a_group_shows_no_future_of_the_task_in_hand(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let [ann, bob] = ["ann", "bob"].map(|name| world.person(&admin, &project, name, &["annotator"]));
+    let lea = world.person(&admin, &project, "lea", &["annotator", "lead"]);
+    let ids = world.tasks(&admin, &project, &["drive1"], 2);
+    let other = json!({ "episodes": [episode("drive1", 2, world.future)] });
+    let made = admin.post(&format!("/projects/{project}/tasks:create"), &other).fine();
+    let other = made["tasks"][0].as_str().unwrap();
+    Work::label(&ann, &ids[0]);
+    Work::label(&bob, &ids[1]);
+    let held = Work::take(&lea, other);
+    let choose = act(&lea, &ids[0], "adjudicate");
+    assert!(!tells(&choose), "{}", choose.text());
+    assert_eq!(choose.refusal(), (409, "task.stage1_first".into()));
+    lea.post(&held.path("/lease"), &json!({ "action": "release", "fence": held.fence })).fine();
+    // Afterwards it is possible, and is remembered.
+    assert!(tells(&act(&lea, &ids[0], "adjudicate")));
+    assert_eq!(take(&lea, other).refusal(), (403, "task.future_seen".into()));
+}
+
+pub fn another_persons_label_is_hidden_until_the_own_one_is_submitted(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let both = world.person(&admin, &project, "both", &["annotator", "checker"]);
+    let ids = world.tasks(&admin, &project, &["drive1"], 2);
+    Work::label(&ann, &ids[0]);
+    let mut work = Work::take(&both, &ids[1]);
+    work.stage1();
+    work.act("lock_stage1", &json!({})).fine();
+    let refused = (409, "overlap.own_first".to_owned());
+    for path in ["", "/history", "/history/5", "/scene"] {
+        assert_eq!(both.get(&format!("/tasks/{}{path}", ids[0])).refusal(), refused, "{path}");
+    }
+    assert_eq!(take(&both, &ids[0]).refusal(), refused);
+    work.stage2();
+    work.act("submit", &json!({})).fine();
+    assert!(tells(&both.get(&format!("/tasks/{}", ids[0]))));
+}
+
+pub fn who_browsed_an_episode_does_no_stage_one_of_it(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({ "history": "episode" }));
+    let lea = world.person(&admin, &project, "lea", &["annotator", "lead"]);
+    let path = "drive=drive1&scenario=reactive_agent.cutin.urgent&episode=drive1_e1";
+    lea.get(&format!("/projects/{project}/mined/week1/episode?{path}")).fine();
+    let same = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    assert_eq!(take(&lea, &same).refusal(), (403, "task.future_seen".into()));
+    // Only the same episode excludes here.
+    let other = json!({ "episodes": [episode("drive1", 2, world.future)] });
+    let made = admin.post(&format!("/projects/{project}/tasks:create"), &other).fine();
+    take(&lea, made["tasks"][0].as_str().unwrap()).fine();
+}
+
+pub fn what_was_seen_outlasts_the_task(world: &World) {
+    let admin = world.admin();
+    let settings = json!({ "history": "episode", "retention_days": 30 });
+    let project = world.project(&admin, "town", &settings);
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    Work::label(&ann, &task);
+    act(&admin, &task, "reopen").fine();
+    act(&admin, &task, "skip").fine();
+    world.wait(31 * 86_400);
+    assert_eq!(sweep(&world.app).unwrap(), 1);
+    let (admin, ann) = (world.sign_in("admin"), world.sign_in("ann"));
+    let again = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    assert_ne!(again, task);
+    assert_eq!(take(&ann, &again).refusal(), (403, "task.future_seen".into()));
+}
