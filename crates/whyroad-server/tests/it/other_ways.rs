@@ -1,10 +1,10 @@
 //! Ways to the future of a Stage I that lead through something else than the task itself: another copy of its episode,
-//! a mined folder, or a task that was removed.
+//! a mined folder, a task that was removed, or an imported draft.
 
-use crate::recorded::episode;
+use crate::recorded::{at, episode};
 use crate::work::{Work, example};
 use crate::world::{Person, Reply, World};
-use serde_json::json;
+use serde_json::{Value, json};
 use whyroad_server::service::retention::sweep;
 
 fn take(who: &Person, task: &str) -> Reply {
@@ -105,4 +105,46 @@ pub fn what_was_seen_outlasts_the_task(world: &World) {
     let again = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
     assert_ne!(again, task);
     assert_eq!(take(&ann, &again).refusal(), (403, "task.future_seen".into()));
+}
+
+pub fn an_imported_draft_carries_no_future_into_stage_one(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    // As an exported task whose keyframe was moved back and whose components were changed in rework.
+    let episode = serde_json::to_value(episode("drive1", 1, world.future)).unwrap();
+    let (before, after) = (at(90).to_string(), at(120).to_string());
+    let mut draft = example();
+    draft["clip_id"] = episode["clip_id"].clone();
+    draft["time_range"] = episode["time_range"].clone();
+    draft["keyframe"] = json!({ "timestamp": after, "frame_idx": 120, "type": "reactive", "range_start": after,
+        "range_end": after, "hint": "it stops" });
+    draft["scenario"]["outcome"] = json!("it stops");
+    draft["critical_components"] = json!([
+        { "id": "c1", "category": "critical_objects", "description": "a car", "evidence_times": [before, after],
+          "note": "it stops" },
+        { "id": "c2", "category": "critical_objects", "description": "it stops", "evidence_times": [after] },
+        { "id": "c3", "category": "critical_objects", "description": "a lane" },
+    ]);
+    draft["causes"] =
+        json!({ "longitudinal": { "components": ["c1", "c2"] }, "lateral": { "components": ["c3"] } });
+    let line = json!({ "task": { "episode": episode, "draft": draft } }).to_string();
+    let import = format!("/projects/{project}/import");
+    assert_eq!(admin.call("POST", &import, Some(line.as_bytes()), &[]).fine()["tasks"], 1);
+    let task = admin.get(&format!("/projects/{project}/tasks")).fine()["items"][0]["id"].clone();
+    let mut work = Work::take(&ann, task.as_str().unwrap());
+    let seen = work.view();
+    assert!(
+        !seen.to_string().contains("it stops") && !seen.to_string().contains(&after),
+        "{}",
+        seen["draft"]
+    );
+    assert_eq!(seen["draft"]["keyframe"]["timestamp"], episode["keyframe"]["timestamp"]);
+    let components = &seen["draft"]["critical_components"];
+    assert_eq!((&components[0]["evidence_times"], &components[1]["id"]), (&json!([before]), &json!("c3")));
+    assert_eq!(components[2], Value::Null);
+    // Causes name the remaining components only.
+    assert_eq!(work.act("lock_stage1", &json!({})).status, 200);
+    let causes = &work.view()["draft"]["causes"];
+    assert_eq!((&causes["longitudinal"], &causes["lateral"]["components"]), (&Value::Null, &json!(["c3"])));
 }
