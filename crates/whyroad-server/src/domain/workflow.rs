@@ -237,6 +237,8 @@ impl Actor {
 pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<Position, Refusal> {
     let holds = at.holder.as_deref() == Some(actor.id.as_str());
     let to = |state: State| Position { state, holder: None, ..at.clone() };
+    // A role may have ended since the task was taken.
+    let need = |role: Role| if actor.is(role) { Ok(()) } else { Err(role_missing(role)) };
     match (action, at.state) {
         (Action::Take, _) => take(at, actor),
         (Action::Release, state) if state.is_held() => {
@@ -251,8 +253,12 @@ pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<
                 other => other,
             }))
         }
-        (Action::LockStage1, State::Stage1) if holds => Ok(Position { state: State::Stage2, ..at.clone() }),
+        (Action::LockStage1, State::Stage1) if holds => {
+            need(Role::Annotator)?;
+            Ok(Position { state: State::Stage2, ..at.clone() })
+        }
         (Action::Submit, State::Stage2 | State::Rework) if holds => {
+            need(Role::Annotator)?;
             Ok(Position { checker: None, auditor: None, checked: false, ..to(State::Submitted) })
         }
         (
@@ -265,6 +271,7 @@ pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<
             Ok(to(if action == Action::Skip { State::Skipped } else { State::Rejected }))
         }
         (Action::Accept, State::InCheck) if holds => {
+            need(Role::Checker)?;
             judge_allowed(at, actor)?;
             let next = match draw {
                 Draw::Pass => State::Accepted,
@@ -273,10 +280,12 @@ pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<
             Ok(Position { checked: true, ..to(next) })
         }
         (Action::Accept, State::InAudit) if holds && at.checked => {
+            need(Role::Auditor)?;
             audit_allowed(at, actor)?;
             Ok(to(State::Accepted))
         }
         (Action::SendBack, State::InCheck | State::InAudit) if holds => {
+            need(if at.state == State::InCheck { Role::Checker } else { Role::Auditor })?;
             Ok(Position { checked: false, ..to(State::Rework) })
         }
         (Action::Reopen, _) if !actor.is(Role::Lead) => Err(role_missing(Role::Lead)),

@@ -1,5 +1,5 @@
 //! Ways to the future of a Stage I that lead through something else than the task itself: another copy of its episode,
-//! a mined folder, a task that was removed, or an imported draft.
+//! a mined folder, a task that was removed, an imported draft; and roles that end while a task is held.
 
 use crate::recorded::{at, episode};
 use crate::work::{Work, example};
@@ -147,4 +147,34 @@ pub fn an_imported_draft_carries_no_future_into_stage_one(world: &World) {
     assert_eq!(work.act("lock_stage1", &json!({})).status, 200);
     let causes = &work.view()["draft"]["causes"];
     assert_eq!((&causes["longitudinal"], &causes["lateral"]["components"]), (&Value::Null, &json!(["c3"])));
+}
+
+pub fn a_role_that_ended_decides_nothing(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({ "audit_min_percent": 0, "audit_max_percent": 0 }));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let chen = world.person(&admin, &project, "chen", &["checker"]);
+    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let becomes = |name: &str, role: &str| {
+        let body = json!({ "user": name, "roles": [role] });
+        admin.post(&format!("/projects/{project}/members"), &body).fine();
+    };
+    let refused = (403, "task.role_missing".to_owned());
+    let mut work = Work::take(&ann, &task);
+    work.stage1();
+    becomes("ann", "auditor");
+    assert_eq!(work.act("lock_stage1", &json!({})).refusal(), refused);
+    becomes("ann", "annotator");
+    work.act("lock_stage1", &json!({})).fine();
+    work.stage2();
+    becomes("ann", "auditor");
+    assert_eq!(work.act("submit", &json!({})).refusal(), refused);
+    becomes("ann", "annotator");
+    work.act("submit", &json!({})).fine();
+    let mut check = Work::take(&chen, &task);
+    becomes("chen", "auditor");
+    assert_eq!(check.act("accept", &json!({})).refusal(), refused);
+    assert_eq!(check.act("send_back", &json!({ "reason": "no" })).refusal(), refused);
+    // The task is not lost: it can be released.
+    chen.post(&check.path("/lease"), &json!({ "action": "release", "fence": check.fence })).fine();
 }
