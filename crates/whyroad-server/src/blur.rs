@@ -15,14 +15,26 @@ const TIME: Duration = Duration::from_secs(60);
 const LOOK_EVERY: Duration = Duration::from_millis(15);
 /// Maximum number of programs that run at once.
 const AT_ONCE: usize = 2;
+/// Maximum number of requests that wait for a turn. Each occupies one of the service's requests in work, so that others
+/// would wait for a program that is slow or hangs.
+const MOST_WAITING: usize = 64;
+/// Age from which a file that a run left behind is removed.
+const LEFT_BEHIND: Duration = TIME.saturating_mul(2);
 
 /// The program, and the folder of its output.
 #[derive(Debug)]
 pub struct Blur {
     program: PathBuf,
     cache: PathBuf,
-    running: Mutex<usize>,
+    turns: Mutex<Turns>,
     ended: Condvar,
+}
+
+/// Programs that run, and requests that wait for one to end.
+#[derive(Debug, Default)]
+struct Turns {
+    running: usize,
+    waiting: usize,
 }
 
 impl Blur {
@@ -30,7 +42,8 @@ impl Blur {
     /// format. Images are kept in `cache`, a folder that only its owner can access.
     pub fn new(program: PathBuf, cache: PathBuf) -> std::io::Result<Self> {
         private::folder(&cache)?;
-        Ok(Self { program, cache, running: Mutex::new(0), ended: Condvar::new() })
+        remove_left_behind(&cache)?;
+        Ok(Self { program, cache, turns: Mutex::default(), ended: Condvar::new() })
     }
 
     /// The image to show instead of `file`.
@@ -110,11 +123,21 @@ impl Blur {
     }
 
     fn turn(&self) -> Answer<Turn<'_>> {
-        let mut running = self.running.lock().map_err(Problem::store)?;
-        while *running >= AT_ONCE {
-            running = self.ended.wait(running).map_err(Problem::store)?;
+        let mut turns = self.turns.lock().map_err(Problem::store)?;
+        if turns.waiting >= MOST_WAITING {
+            return Err(Problem::new(
+                503,
+                "media.busy",
+                "正在处理的图片过多，请稍后再试",
+                "too many images are being processed: try again later",
+            ));
         }
-        *running += 1;
+        turns.waiting += 1;
+        while turns.running >= AT_ONCE {
+            turns = self.ended.wait(turns).map_err(Problem::store)?;
+        }
+        turns.waiting -= 1;
+        turns.running += 1;
         Ok(Turn(self))
     }
 }
@@ -123,13 +146,27 @@ fn extension(file: &Path) -> &str {
     file.extension().and_then(|e| e.to_str()).unwrap_or("img")
 }
 
+/// Removes what runs left behind that ended with the service: their unfinished output, and copies of originals.
+fn remove_left_behind(cache: &Path) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(cache)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let unfinished = name.to_str().is_some_and(|n| n.contains(".part.") || n.contains(".in."));
+        let age = entry.metadata().and_then(|m| m.modified()).ok().and_then(|at| at.elapsed().ok());
+        if unfinished && age.is_some_and(|age| age > LEFT_BEHIND) {
+            std::fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
 /// Permission to run one program.
 struct Turn<'b>(&'b Blur);
 
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
-        if let Ok(mut running) = self.0.running.lock() {
-            *running -= 1;
+        if let Ok(mut turns) = self.0.turns.lock() {
+            turns.running -= 1;
         }
         self.0.ended.notify_one();
     }
@@ -190,6 +227,47 @@ mod tests {
         std::fs::write(&file, [PNG, b" face"].concat()).unwrap();
         assert_ne!(blur.image(&file).unwrap(), shown);
         assert_eq!(std::fs::read_to_string(dir.path().join("calls")).unwrap(), "x\nx\n");
+    }
+
+    #[test]
+    fn a_program_that_hangs_does_not_take_all_requests() {
+        let dir = tempfile::tempdir().unwrap();
+        let go_on = dir.path().join("go_on");
+        let script = format!("until [ -e {} ]; do sleep 0.02; done; cp \"$1\" \"$2\"", go_on.display());
+        let blur = blur(dir.path(), &script);
+        let asked = AT_ONCE + MOST_WAITING + 10;
+        let files: Vec<PathBuf> = (0..asked).map(|i| dir.path().join(format!("{i}.png"))).collect();
+        files.iter().for_each(|file| std::fs::write(file, PNG).unwrap());
+        let (done, outcomes) = std::sync::mpsc::channel();
+        std::thread::scope(|scope| {
+            for file in &files {
+                let (blur, done) = (&blur, done.clone());
+                scope.spawn(move || done.send(blur.image(file).err().map(|e| e.code)).unwrap());
+            }
+            // Those beyond the limit are refused while the program still runs.
+            let refused: Vec<_> = outcomes.iter().take(10).collect();
+            std::fs::write(&go_on, "").unwrap();
+            assert_eq!(refused, [Some("media.busy"); 10]);
+        });
+        drop(done);
+        assert!(outcomes.iter().all(|outcome| outcome.is_none()), "the others get their image");
+    }
+
+    #[test]
+    fn what_an_interrupted_run_left_is_removed() {
+        let dir = tempfile::tempdir().unwrap();
+        let kept = blur(dir.path(), "exit 1").cache.join("kept.png");
+        let left = ["a.part.png", "a.in.png"].map(|name| kept.with_file_name(name));
+        let new = kept.with_file_name("b.part.png");
+        let old = std::time::SystemTime::now() - LEFT_BEHIND * 2;
+        for file in left.iter().chain([&kept, &new]) {
+            let file_of = std::fs::File::create(file).unwrap();
+            if *file != new {
+                file_of.set_modified(old).unwrap();
+            }
+        }
+        drop(blur(dir.path(), "exit 1"));
+        assert_eq!([&left[0], &left[1], &kept, &new].map(|f| f.exists()), [false, false, true, true]);
     }
 
     #[test]
