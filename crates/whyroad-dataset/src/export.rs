@@ -17,6 +17,7 @@ mod webdataset;
 
 use crate::aside::empty_partial;
 use crate::item::SplitName;
+use crate::release::is_inside;
 use crate::sample::Sample;
 use crate::{DatasetError, Release};
 use serde::Serialize;
@@ -291,8 +292,12 @@ struct Output {
 }
 
 impl Output {
-    /// The path of a file of the export; its folder is created.
+    /// The path of a file of the export; its folder is created. Refused if it leads out of the export: ids and formats
+    /// of a release that comes from others become parts of names.
     fn path(&self, name: &str) -> Result<PathBuf, DatasetError> {
+        if !is_inside(name) {
+            return Err(DatasetError::broken(&self.root, format!("'{name}' leads out of the export")));
+        }
         let path = self.root.join(name);
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent).map_err(DatasetError::io(parent))?;
@@ -340,5 +345,29 @@ impl Output {
             file.flush().map_err(DatasetError::io(&self.root.join(name)))?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A release may come from others: ids of samples and formats of pictures become parts of file names.
+    #[test]
+    fn no_file_of_an_export_is_outside_of_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let root = dir.path().join("a/b/export");
+        let mut out = Output {
+            root: root.clone(),
+            lines: BTreeMap::new(),
+            options: ExportOptions::default(),
+            report: Exported::default(),
+        };
+        for name in ["images/a/0.x/../../../../keys", "../up.json", "/tmp/whyroad-absolute", "", "a/.."] {
+            assert!(matches!(out.create(name), Err(DatasetError::Broken { .. })), "{name}");
+        }
+        assert!(!dir.path().join("a/keys").exists() && !dir.path().join("a/b/up.json").exists());
+        out.create("images/a/0.jpg").unwrap();
+        assert!(root.join("images/a/0.jpg").is_file());
     }
 }

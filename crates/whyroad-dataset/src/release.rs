@@ -13,7 +13,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Rows that a core decodes at once.
 const DECODED_AT_ONCE: usize = 16;
@@ -45,6 +45,10 @@ impl Release {
         if manifest.format != FORMAT || major(&manifest.format_version) != major(FORMAT_VERSION) {
             let found = format!("{} {}", manifest.format, manifest.format_version);
             return Err(DatasetError::broken(&path, format!("'{found}' is not {FORMAT} {FORMAT_VERSION}")));
+        }
+        // A release may come from others: its paths are names of files in its folder.
+        if let Some(outside) = manifest.files.iter().find(|f| !is_inside(&f.path)) {
+            return Err(DatasetError::broken(&path, format!("'{}' is not in the release", outside.path)));
         }
         Ok(Self { dir, manifest })
     }
@@ -121,6 +125,12 @@ impl Release {
         }
         Ok(found)
     }
+}
+
+/// True for a relative path that does not lead out of its folder.
+pub(crate) fn is_inside(path: &str) -> bool {
+    let parts = Path::new(path).components();
+    !path.is_empty() && parts.into_iter().all(|part| matches!(part, Component::Normal(_)))
 }
 
 /// Drives of the samples of a batch that has the column `lineage`.

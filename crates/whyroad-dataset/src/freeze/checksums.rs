@@ -16,7 +16,8 @@ pub(crate) fn files_below(dir: &Path) -> Result<BTreeSet<String>, DatasetError> 
         for entry in fs::read_dir(dir).map_err(DatasetError::io(dir))? {
             let entry = entry.map_err(DatasetError::io(dir))?;
             let path = format!("{prefix}{}", entry.file_name().to_string_lossy());
-            if entry.path().is_dir() {
+            // A link to a folder is not followed: it may lead out of the release, or in a circle.
+            if entry.file_type().map_err(DatasetError::io(&entry.path()))?.is_dir() {
                 walk(&entry.path(), &format!("{path}/"), out)?;
             } else {
                 out.insert(path);
@@ -31,6 +32,10 @@ pub(crate) fn files_below(dir: &Path) -> Result<BTreeSet<String>, DatasetError> 
 
 /// Length and SHA-256.
 pub(crate) fn sum(path: &Path) -> Result<(u64, String), DatasetError> {
+    // Neither a pipe nor a device: reading them may never end.
+    if !fs::metadata(path).map_err(DatasetError::io(path))?.is_file() {
+        return Err(DatasetError::broken(path, "not a file"));
+    }
     let mut file = File::open(path).map_err(DatasetError::io(path))?;
     let (mut hash, mut bytes, mut buffer) = (Sha256::new(), 0, vec![0; 1 << 16]);
     loop {

@@ -156,6 +156,28 @@ fn invalid_lines_are_dropped_with_their_reason() {
     assert_eq!(built.diagnostics.iter().filter(|d| d.code == "dataset.labels.line").count(), 2);
 }
 
+/// Reading a pipe or a device does not end, and a link to a folder may lead out of the release or in a circle.
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_not_read() {
+    let fleet = Fleet::town();
+    let out = fleet.out("release");
+    fleet.build(&out).unwrap();
+    std::os::unix::fs::symlink("/", out.join("data/root")).unwrap();
+    assert_eq!(codes(&out), ["dataset.file.extra"]);
+    std::fs::remove_file(out.join("data/root")).unwrap();
+    let data = content(&out).into_keys().find(|name| name.starts_with("data/train")).unwrap();
+    std::fs::remove_file(out.join(&data)).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", out.join(&data)).unwrap();
+    assert_eq!(codes(&out), ["dataset.file.missing"]);
+    // A path that leads out of the release is refused before anything is read.
+    let manifest = out.join("manifest.json");
+    let text = std::fs::read_to_string(&manifest).unwrap().replace(&data, "../../../dev/zero");
+    std::fs::write(&manifest, text).unwrap();
+    let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
+    assert!(matches!(verify(&out, Framework::bundled(), &table), Err(DatasetError::Broken { .. })));
+}
+
 #[test]
 fn a_second_build_into_the_same_folder_is_refused_while_the_first_one_works() {
     let fleet = Fleet::town();

@@ -1,7 +1,7 @@
 //! Columns of others' tables (Arrow record batches, from whatever file), read by name and brought to the type that is
 //! asked for.
 
-use super::cells;
+use super::{cells, compressed};
 use crate::file_reader::FileReader;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
@@ -28,11 +28,16 @@ pub(crate) fn read_parquet_bytes(content: Vec<u8>) -> Result<Columns, String> {
 }
 
 fn read_batches(source: impl ChunkReader + 'static) -> Result<Columns, String> {
+    let mut left = compressed::limit(source.len());
     let builder = ParquetRecordBatchReaderBuilder::try_new(source).map_err(|e| e.to_string())?;
     whyroad_lake::check_columns(builder.metadata())?;
     let mut reader = builder.build().map_err(|e| e.to_string())?;
     let mut batches = Vec::new();
     while let Some(batch) = whyroad_lake::next_batch(&mut reader)? {
+        // Equal values of any number of rows take a few bytes in a file.
+        left = left
+            .checked_sub(batch.get_array_memory_size() as u64)
+            .ok_or("it unpacks to far more than a table of this size can hold")?;
         batches.push(batch);
     }
     Ok(Columns(batches))
@@ -165,3 +170,31 @@ pub(crate) const FEATHER: FileReader = FileReader {
     name: "feather",
     read: |bytes| super::feather::read(bytes).is_ok_and(|feather| feather.columns.read_all()),
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arrow_array::{Float64Array, RecordBatch};
+    use parquet::arrow::ArrowWriter;
+    use std::sync::Arc;
+
+    fn file(rows: usize) -> Vec<u8> {
+        let some = rows.min(1_000_000);
+        let column: arrow_array::ArrayRef = Arc::new(Float64Array::from(vec![1.0; some]));
+        let batch = RecordBatch::try_from_iter([("x", column)]).unwrap();
+        let mut out = Vec::new();
+        let mut writer = ArrowWriter::try_new(&mut out, batch.schema(), None).unwrap();
+        (0..rows / some).for_each(|_| writer.write(&batch).unwrap());
+        writer.close().unwrap();
+        out
+    }
+
+    /// 20 million equal numbers are 160 MB in a file of some kB.
+    #[test]
+    fn a_file_that_unpacks_to_far_more_than_its_size_is_refused() {
+        let bomb = file(20_000_000);
+        assert!(bomb.len() < 200_000, "{}", bomb.len());
+        assert!(read_parquet_bytes(bomb).err().is_some_and(|e| e.contains("unpacks")));
+        assert!(read_parquet_bytes(file(100_000)).is_ok());
+    }
+}

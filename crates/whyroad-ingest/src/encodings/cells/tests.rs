@@ -91,3 +91,14 @@ fn null_columns_and_wrong_types() {
     let fault = numbers(&lists).unwrap_err();
     assert!(fault.contains("are not a number"), "{fault}");
 }
+
+/// 10,000 rows with one text of 8 MB are 80 GB, and 8 MB in the file.
+#[test]
+fn a_long_text_that_many_rows_share_is_refused() {
+    let long = StringArray::from(vec!["x".repeat(8 << 20)]);
+    let keys = arrow_array::Int32Array::from(vec![0; 10_000]);
+    let shared = arrow_array::DictionaryArray::new(keys.clone(), Arc::new(long));
+    assert!(texts(&shared).unwrap_err().contains("repeats"));
+    let short = arrow_array::DictionaryArray::new(keys, Arc::new(StringArray::from(vec!["CAR"])));
+    assert_eq!(texts(&short).unwrap().len(), 10_000);
+}
