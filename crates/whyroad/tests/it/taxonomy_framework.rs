@@ -193,7 +193,7 @@ fn lint_names_classes_that_are_calibrated_and_do_not_exist() {
     assert!(run.out.contains("warning[calibration.class]"), "{}", run.out);
     assert!(
         run.out.contains("no class 'reactive_agent.following.steadz'")
-            && run.out.contains("0 errors, 1 warning")
+            && run.err.contains("0 errors, 1 warning")
     );
 }
 
