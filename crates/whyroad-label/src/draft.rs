@@ -184,6 +184,7 @@ fn make(
         doubt::of_target(class, w, drive, target_id)
             .or_else(of_ego)
             .or_else(|| doubt::of_nearer(class, w, &asked, &decision, motion))
+            .or_else(|| doubt::of_wait(class, &asked, &decision, motion))
             .or_else(|| doubt::of_reason(class, w, target_id))
             .or_else(|| is_no_motion().then_some(Doubt::Motion))
     });

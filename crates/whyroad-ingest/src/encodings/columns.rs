@@ -180,7 +180,7 @@ mod tests {
 
     fn file(rows: usize) -> Vec<u8> {
         let some = rows.min(1_000_000);
-        let column: arrow_array::ArrayRef = Arc::new(Float64Array::from(vec![1.0; some]));
+        let column: ArrayRef = Arc::new(Float64Array::from(vec![1.0; some]));
         let batch = RecordBatch::try_from_iter([("x", column)]).unwrap();
         let mut out = Vec::new();
         let mut writer = ArrowWriter::try_new(&mut out, batch.schema(), None).unwrap();

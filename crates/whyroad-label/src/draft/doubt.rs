@@ -81,6 +81,8 @@ pub enum Doubt {
     RedLight,
     /// Nothing in the recording shows why the ego changes lanes.
     NoReason,
+    /// The ego stands at the keyframe and waits: what lets it go comes later.
+    WaitsFirst,
     /// The ego's motion is not that of the class.
     Motion,
 }
@@ -114,6 +116,10 @@ impl Doubt {
             Self::NoReason => {
                 ("记录没有显示自车换道的原因", "the recording does not show why the ego changes lanes")
             }
+            Self::WaitsFirst => (
+                "自车在关键帧处还在等待，之后才起步",
+                "the ego still waits at the keyframe and moves off later",
+            ),
             Self::Motion => ("自车的实际运动与场景不符", "the motion of the ego does not fit the class"),
         };
         Bilingual::new(zh, en)
@@ -362,6 +368,19 @@ pub(super) fn of_nearer(
         (lead.as_ref().is_some_and(stops), Doubt::BehindLead),
         (of_light && red && motion == LongitudinalMotion::Stops, Doubt::RedLight),
     ])
+}
+
+/// At a junction whose light, or the lead, does not let it go yet, an ego that moves off later has no reason for it at
+/// the keyframe.
+pub(super) fn of_wait(
+    class: &ScenarioId,
+    asked: &Asked<'_>,
+    decision: &DrivingDecision,
+    motion: LongitudinalMotion,
+) -> Option<Doubt> {
+    let resumes = decision.longitudinal == Some(Longitudinal::Resume) && motion == LongitudinalMotion::Waits;
+    let is_held = class.l3.is_none() || asked.lead.is_some_and(|lead| lead.stands());
+    (resumes && is_held).then_some(Doubt::WaitsFirst)
 }
 
 /// A lane change for a faster road user, or without one in the ego's way, has its reason outside of the recording.

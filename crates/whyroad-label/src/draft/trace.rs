@@ -40,7 +40,7 @@ const ALIKE_MPS: f64 = 0.3;
 /// An object that comes onto the path within this time is not beside it, s.
 const SOON_S: f64 = 1.5;
 /// Braking harder than this is not smooth, m/s2.
-pub(super) const SMOOTH_MPS2: f64 = 3.0;
+pub(super) const SMOOTH_MPS2: f64 = 2.5;
 /// Words for smooth driving.
 const SMOOTH: [&str; 3] = ["平稳", "smooth", "gently"];
 /// An English trace with more of these words needs one sentence less.

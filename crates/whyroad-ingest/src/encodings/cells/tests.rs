@@ -96,9 +96,9 @@ fn null_columns_and_wrong_types() {
 #[test]
 fn a_long_text_that_many_rows_share_is_refused() {
     let long = StringArray::from(vec!["x".repeat(8 << 20)]);
-    let keys = arrow_array::Int32Array::from(vec![0; 10_000]);
-    let shared = arrow_array::DictionaryArray::new(keys.clone(), Arc::new(long));
+    let keys = Int32Array::from(vec![0; 10_000]);
+    let shared = DictionaryArray::new(keys.clone(), Arc::new(long));
     assert!(texts(&shared).unwrap_err().contains("repeats"));
-    let short = arrow_array::DictionaryArray::new(keys, Arc::new(StringArray::from(vec!["CAR"])));
+    let short = DictionaryArray::new(keys, Arc::new(StringArray::from(vec!["CAR"])));
     assert_eq!(texts(&short).unwrap().len(), 10_000);
 }
