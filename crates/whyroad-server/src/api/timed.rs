@@ -18,7 +18,8 @@ use tokio::time::{Instant, Sleep, sleep};
 
 /// Maximum silence, in both directions. An open page sends a heartbeat more often than that, or opens a new connection.
 const SILENCE: Duration = Duration::from_secs(75);
-/// Maximum time for receiving the head of a request. Bodies have a separate limit.
+/// Maximum time for receiving the head of a request, and for a new connection to send its first byte. Bodies have a
+/// separate limit.
 const HEAD: Duration = Duration::from_secs(20);
 
 /// A listener whose connections have these time limits.
@@ -41,7 +42,8 @@ impl Listener for TimedListener {
         let (stream, address) = Listener::accept(&mut self.listener).await;
         // Small responses are sent immediately.
         let _ = stream.set_nodelay(true);
-        let timer = Box::pin(sleep(SILENCE));
+        // Connections that never send anything must not use up the open files of the service.
+        let timer = Box::pin(sleep(self.head));
         (Timed { stream, timer, head: self.head, begun: None, requests: Arc::default() }, address)
     }
 
@@ -214,6 +216,10 @@ mod tests {
         body.extend(["y"; 12]);
         let (text, took) = drip(at, &body);
         assert!(text.ends_with("\r\n\r\n12") && took > 8 * STEP, "{text}");
+
+        // A connection that sends nothing.
+        let (text, took) = drip(at, &[]);
+        assert!(text.is_empty() && took < 50 * STEP, "{text} after {took:?}");
 
         // One request after another, together longer than the limit for one head.
         let mut many = vec!["GET / HTTP/1.1\r\n\r\n"; 8];

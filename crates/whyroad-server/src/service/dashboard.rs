@@ -208,6 +208,29 @@ fn coverage(tx: &mut dyn Tx, project: &Project) -> Answer<Vec<Coverage>> {
     Ok(leaves.into_iter().map(one).collect())
 }
 
+/// The coverage with the L3 classes of `veiled` L2 classes counted together: how many tasks of each are left would tell
+/// a person who labels what Stage I hides.
+pub fn veil_coverage(coverage: Vec<Coverage>, veiled: &[String]) -> Vec<Coverage> {
+    let mut out: Vec<Coverage> = Vec::new();
+    for mut c in coverage {
+        let inside =
+            |l2: &&String| c.leaf.strip_prefix(l2.as_str()).is_some_and(|rest| rest.starts_with('.'));
+        if let Some(l2) = veiled.iter().find(inside) {
+            c.leaf.clone_from(l2);
+        }
+        match out.iter_mut().find(|o| o.leaf == c.leaf) {
+            Some(o) => {
+                o.have += c.have;
+                o.quota += c.quota;
+                o.mined += c.mined;
+                o.shortfall += c.shortfall;
+            }
+            None => out.push(c),
+        }
+    }
+    out
+}
+
 fn audit_outcomes(tx: &mut dyn Tx, project: &Project, names: &Names) -> Answer<Vec<AuditRecord>> {
     let authors = tx.rows(
         "SELECT DISTINCT author FROM tasks WHERE project_id = $1 AND author IS NOT NULL",

@@ -5,7 +5,7 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::domain::gold::NewGold;
 use crate::domain::project::{
-    AnalyticsPage, MemberChange, Members, NewProject, Project, ProjectChange, Projects,
+    AnalyticsPage, Dashboard, MemberChange, Members, NewProject, Project, ProjectChange, Projects,
 };
 use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
@@ -150,7 +150,13 @@ pub fn dashboard(call: &Call<'_>) -> Answer<Reply> {
             dashboard::of(tx, &project, app.now())
         })
     };
-    Reply::json(&*app.dashboards.get(project, read)?)
+    let board = app.dashboards.get(project, read)?;
+    if !call.grant.roles.contains(&Role::Annotator) {
+        return Reply::json(&*board);
+    }
+    let veiled = app.store.read(|tx| veil::of(tx, project))?;
+    let coverage = dashboard::veil_coverage(board.coverage.clone(), &veiled);
+    Reply::json(&Dashboard { coverage, ..(*board).clone() })
 }
 
 /// `GET /projects/{p}/analytics`

@@ -103,6 +103,17 @@ fn coverage_counts_episodes_once_and_only_those_that_can_be_accepted() {
 }
 
 #[test]
+fn coverage_of_a_veiled_class_does_not_tell_its_variants() {
+    let one =
+        |leaf: &str, mined| Coverage { leaf: leaf.into(), have: 1, quota: 4, mined, shortfall: 4 - mined };
+    let all = vec![one("x.y.a", 2), one("x.ya.b", 1), one("x.y.c", 1), one("x.y", 0)];
+    let shown = veil_coverage(all, &["x.y".into()]);
+    let rows: Vec<_> =
+        shown.iter().map(|c| (c.leaf.as_str(), c.have, c.quota, c.mined, c.shortfall)).collect();
+    assert_eq!(rows, [("x.y", 3, 12, 3, 9), ("x.ya.b", 1, 4, 1, 3)]);
+}
+
+#[test]
 fn throughput_is_by_day_person_and_action_and_ageing_by_rest() {
     let board = on_store(|tx| {
         task(tx, &Made { updated: NOW - 7_200_000, ..made("1", "e1", "stage2") }, &json!({}));
