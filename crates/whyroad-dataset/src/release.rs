@@ -34,7 +34,7 @@ impl Release {
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, DatasetError> {
         let dir = dir.as_ref().to_owned();
         let path = dir.join(MANIFEST);
-        let text = std::fs::read_to_string(&path).map_err(|e| match e.kind() {
+        let text = read_text(&path).map_err(|e| match e.kind() {
             ErrorKind::NotFound | ErrorKind::NotADirectory => {
                 DatasetError::broken(&dir, "not a release: there is no manifest.json")
             }
@@ -127,6 +127,14 @@ impl Release {
     }
 }
 
+/// Text of a regular file: reading a pipe or a device may never end.
+pub(crate) fn read_text(path: &Path) -> std::io::Result<String> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("not a file"));
+    }
+    std::fs::read_to_string(path)
+}
+
 /// True for a relative path that does not lead out of its folder.
 pub(crate) fn is_inside(path: &str) -> bool {
     let parts = Path::new(path).components();
@@ -151,6 +159,9 @@ pub(crate) fn open<'a>(
     columns: Option<&[&str]>,
 ) -> Result<impl Iterator<Item = Result<RecordBatch, DatasetError>> + use<'a>, DatasetError> {
     let broken = |e: &dyn std::fmt::Display| DatasetError::broken(path, e);
+    if !std::fs::metadata(path).map_err(DatasetError::io(path))?.is_file() {
+        return Err(broken(&"not a file"));
+    }
     let file = File::open(path).map_err(DatasetError::io(path))?;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| broken(&e))?;
     whyroad_lake::check_columns(builder.metadata()).map_err(|e| broken(&e))?;

@@ -10,6 +10,7 @@ use crate::item::{Position, SplitName};
 use crate::labels::DRAFT;
 use crate::licence::LicenceTable;
 use crate::place::Grid;
+use crate::release::read_text;
 use crate::spec::GroupKey;
 use crate::{DatasetError, Release, Sample, descriptor};
 use rayon::prelude::*;
@@ -194,7 +195,7 @@ fn files(release: &Release, out: &mut Verified) -> Result<(), DatasetError> {
     let (bytes, sha256) = sum(&dir.join(MANIFEST))?;
     all.push(FileEntry { path: MANIFEST.into(), bytes, sha256, samples: None });
     all.sort_by(|a, b| a.path.cmp(&b.path));
-    if std::fs::read_to_string(dir.join(CHECKSUMS)).ok().as_deref() != Some(&listing(&all)) {
+    if read_text(&dir.join(CHECKSUMS)).ok().as_deref() != Some(&listing(&all)) {
         let message = Bilingual::new(
             format!("{CHECKSUMS} 与清单不符：清单或校验文件被改动"),
             format!("{CHECKSUMS} does not match the manifest: one of them was changed"),

@@ -71,7 +71,7 @@ fn values(array: &ArrayRef, depth: usize) -> Vec<Value> {
                 .unwrap_or_else(nulls)
         }
         DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View | DataType::Dictionary(_, _) => {
-            filled(cells::texts(array), Value::from).unwrap_or_else(nulls)
+            filled(cells::texts(array, &mut { cells::FREE_TEXT }), Value::from).unwrap_or_else(nulls)
         }
         _ => nulls(),
     }

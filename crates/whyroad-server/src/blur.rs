@@ -154,7 +154,11 @@ fn remove_left_behind(cache: &Path) -> std::io::Result<()> {
         let unfinished = name.to_str().is_some_and(|n| n.contains(".part.") || n.contains(".in."));
         let age = entry.metadata().and_then(|m| m.modified()).ok().and_then(|at| at.elapsed().ok());
         if unfinished && age.is_some_and(|age| age > LEFT_BEHIND) {
-            std::fs::remove_file(entry.path())?;
+            match std::fs::remove_file(entry.path()) {
+                // Another service that starts has removed it.
+                Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
+                removed => removed?,
+            }
         }
     }
     Ok(())

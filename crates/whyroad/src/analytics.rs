@@ -18,8 +18,8 @@ use whyroad_model::{Diagnostic, Lang, Nanos, ScenarioId};
 use whyroad_report::analytics::{DriveFacts, MinedFacts, ReleaseFacts, SampleFacts};
 use whyroad_server::service::{facts, projects};
 
-/// Summary of a mined folder; weather, and whether times are dates, from the lake, where one is given. Both stay unknown
-/// for drives whose context cannot be read, and these are named.
+/// Summary of a mined folder; weather, and whether times are dates, from the lake, where one is given. Both stay
+/// unknown for drives whose context cannot be read, and these are named.
 pub(crate) fn mined(
     folder: &MinedFolder,
     lake: Option<&Lake>,

@@ -393,10 +393,10 @@ export const screenTexts = {
   "dash.coverage.table": ["覆盖表", "Coverage table"],
   "dash.coverage.none": ["没有目标数，也没有任务。请设置目标数：", "No targets and no tasks. Set targets in:"],
   "dash.coverage.no_quota": ["还没有设置目标数，不知道缺多少。请设置目标数：", "No targets are set, so what is missing is not known. Set targets in:"],
-  "dash.coverage.total": ["{of} 个 L3 场景中 {n} 个有缺口，共缺 {missing} 条。", "{n} of {of} L3 scenarios fall short, {missing} {missing:label|labels} missing in total."],
+  "dash.coverage.total": ["{of} 个场景中 {n} 个有缺口，共缺 {missing} 条。", "{n} of {of} scenarios fall short, {missing} {missing:label|labels} missing in total."],
   "dash.coverage.broader": [
-    "{leaves} 个 L3 场景，另有 {n} 个 L2：其任务的 L3 未知，没有目标数",
-    "{leaves} L3 {leaves:scenario|scenarios}, and {n} L2 of tasks whose L3 is unknown, without targets",
+    "{leaves} 个 L3 场景，另有 {n} 个 L2：任务的 L3 未知，或阶段一不显示其变体",
+    "{leaves} L3 {leaves:scenario|scenarios}, and {n} L2 whose variant is unknown or hidden in Stage I",
   ],
   "dash.coverage.hint": [
     "已接受：标注已接受的事件。任务中的事件：本项目中有任务的事件，不含已跳过和已剔除的。缺口：目标减去任务中的事件，须另建任务或继续挖掘。",

@@ -170,12 +170,18 @@ fn what_is_no_file_is_not_read() {
     std::fs::remove_file(out.join(&data)).unwrap();
     std::os::unix::fs::symlink("/dev/zero", out.join(&data)).unwrap();
     assert_eq!(codes(&out), ["dataset.file.missing"]);
+    std::fs::remove_file(out.join("checksums.sha256")).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", out.join("checksums.sha256")).unwrap();
+    assert_eq!(codes(&out), ["dataset.file.hash", "dataset.file.missing"]);
     // A path that leads out of the release is refused before anything is read.
     let manifest = out.join("manifest.json");
     let text = std::fs::read_to_string(&manifest).unwrap().replace(&data, "../../../dev/zero");
     std::fs::write(&manifest, text).unwrap();
     let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
     assert!(matches!(verify(&out, Framework::bundled(), &table), Err(DatasetError::Broken { .. })));
+    std::fs::remove_file(&manifest).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", &manifest).unwrap();
+    assert!(verify(&out, Framework::bundled(), &table).is_err());
 }
 
 #[test]

@@ -147,7 +147,7 @@ fn unknown_class<'k>(id: &str, known: impl Iterator<Item = &'k str>, node: &Node
 fn entry_for(id: &str, known: &[&str]) -> Bilingual {
     let before = known.iter().take_while(|k| **k != id).last();
     let (zh, en) = before.map_or(("首位".to_owned(), "first".to_owned()), |b| {
-        (format!("'{b}' 之后"), format!("after '{b}'"))
+        (format!(" '{b}' 之后"), format!("after '{b}'"))
     });
     Bilingual::new(
         format!("在 'leaves' 中{zh}添加 `{id}: {{}}`；{{}} 表示标注规格同 L2"),

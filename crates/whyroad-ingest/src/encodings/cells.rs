@@ -13,10 +13,12 @@ use arrow_array::{Array, ArrowPrimitiveType};
 use arrow_schema::{DataType, TimeUnit};
 use whyroad_model::Nanos;
 
-/// Bytes of text that any array may have, and per byte in memory: an array with a dictionary, or with views of a common
-/// buffer, holds a text once that it has in many rows.
-const FREE_TEXT: usize = 64 << 20;
+/// Bytes of text that any column may have, and additional ones per byte of its keys: a dictionary or a view holds a
+/// text once that many rows share.
+pub(crate) const FREE_TEXT: usize = 64 << 20;
 const MAX_TEXT_RATIO: usize = 64;
+/// Size of a view.
+const VIEW_BYTES: usize = 16;
 
 /// Cells as numbers: integers, floats, decimals, truth values (1 and 0), times (in their own unit) and texts.
 pub(crate) fn numbers(array: &dyn Array) -> Result<Vec<Option<f64>>, String> {
@@ -49,15 +51,19 @@ pub(crate) fn integers(array: &dyn Array) -> Result<Vec<Option<i64>>, String> {
     })
 }
 
-/// Cells as texts: numbers in their shortest form, times in ISO 8601 as they are (no offset from UTC is added).
-pub(crate) fn texts(array: &dyn Array) -> Result<Vec<Option<String>>, String> {
+/// Cells as texts: numbers in their shortest form, times in ISO 8601 as they are (no offset from UTC is added). `left`
+/// is what the column may still take of shared texts, bytes; it begins with [`FREE_TEXT`].
+pub(crate) fn texts(array: &dyn Array, left: &mut usize) -> Result<Vec<Option<String>>, String> {
     if matches!(array.data_type(), DataType::Dictionary(_, _) | DataType::Utf8View) {
         let length = |cell: Cell<'_>| if let Cell::Text(text) = cell { Some(text.len()) } else { None };
         let lengths = simple(array, "a text", &length)?.into_iter().flatten();
-        let most = FREE_TEXT.max(array.get_array_memory_size().saturating_mul(MAX_TEXT_RATIO));
-        if lengths.fold(0, usize::saturating_add) > most {
-            return Err("it repeats long texts until they fill the memory".to_owned());
-        }
+        let keys = array
+            .as_any_dictionary_opt()
+            .map_or_else(|| VIEW_BYTES * array.len(), |d| d.keys().get_array_memory_size());
+        *left = left.saturating_add(keys.saturating_mul(MAX_TEXT_RATIO));
+        *left = left
+            .checked_sub(lengths.fold(0, usize::saturating_add))
+            .ok_or("it repeats long texts until they fill the memory")?;
     }
     simple(array, "a text", &|cell| match cell {
         Cell::Integer(v) => Some(v.to_string()),

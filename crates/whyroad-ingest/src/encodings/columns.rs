@@ -69,7 +69,7 @@ impl Columns {
     fn cells<T>(
         &self,
         name: &str,
-        read: impl Fn(&ArrayRef, &mut Vec<T>) -> Result<(), String>,
+        mut read: impl FnMut(&ArrayRef, &mut Vec<T>) -> Result<(), String>,
     ) -> Result<Vec<T>, String> {
         let mut out = Vec::with_capacity(self.rows());
         for batch in &self.0 {
@@ -115,8 +115,9 @@ impl Columns {
 
     /// A column of texts, whatever their encoding.
     pub fn texts(&self, name: &str) -> Result<Vec<Option<String>>, String> {
+        let mut left = cells::FREE_TEXT;
         self.cells(name, |column, out| {
-            out.extend(cells::texts(column)?);
+            out.extend(cells::texts(column, &mut left)?);
             Ok(())
         })
     }
@@ -139,7 +140,8 @@ impl Columns {
             match column.as_string_opt::<i32>() {
                 Some(texts) => rows.extend(texts.iter().map(|text| text.map(&mut number))),
                 None => {
-                    let texts = cells::texts(column).map_err(|e| format!("column '{name}': {e}"))?;
+                    let texts = cells::texts(column, &mut { cells::FREE_TEXT })
+                        .map_err(|e| format!("column '{name}': {e}"))?;
                     rows.extend(texts.iter().map(|text| text.as_deref().map(&mut number)));
                 }
             }

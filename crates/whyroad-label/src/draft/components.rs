@@ -2,7 +2,7 @@
 //! or signaled by then. Nothing after the keyframe is read: the later maneuver is not the intention that caused it.
 
 use super::lead::{self, Lead};
-use super::moment::Moment;
+use super::moment::{Moment, light_state};
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::DoingWhen;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
@@ -241,7 +241,7 @@ fn place(longitudinal_m: f64, lateral_m: f64, beside_m: f64, aside_m: f64) -> Bi
 }
 
 fn light(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
-    let (zh, en) = match signals.frame_columns.get("light.state")?.category(frame)? {
+    let (zh, en) = match light_state(signals, frame)? {
         "red" => ("红灯", "red"),
         "yellow" => ("黄灯", "yellow"),
         "green" => ("绿灯", "green"),

@@ -2,7 +2,7 @@
 //! reason is taken from the class's typical decisions, and if none of them fits, nothing is guessed.
 
 use super::lead::Lead;
-use super::moment::Moment;
+use super::moment::{Moment, light_state};
 use super::motion::{HORIZON_FRAMES, LongitudinalMotion, side_of_change};
 use crate::driven::along::{Course, Trend};
 use whyroad_framework::decision_table::{ClassDecisions, Fit};
@@ -368,7 +368,7 @@ fn longitudinal_motion(
         let fastest = speed.and_then(|c| (keyframe..end).filter_map(|f| c.number(f)).reduce(f64::max));
         let moves_off = fastest.is_none_or(|v| v > MOVED_OFF_MPS);
         let off = (keyframe..end).find(|&f| standstill.flag(f) == Tri::False).filter(|_| moves_off);
-        let light = signals.frame_columns.get("light.state").and_then(|c| c.category(keyframe));
+        let light = light_state(signals, keyframe);
         let starts = |after_s: f64| match light {
             Some("red" | "red_yellow") => LongitudinalMotion::Waits,
             _ if after_s > WAITS_S => LongitudinalMotion::Waits,

@@ -4,7 +4,7 @@
 
 use super::decision::{Asked, LeadIs};
 use super::lead::Lead;
-use super::moment::is_green;
+use super::moment::{is_green, light_state};
 use super::motion::LongitudinalMotion;
 use crate::driven::Driven;
 use crate::driven::across::first_lane_change;
@@ -260,7 +260,7 @@ fn abnormal(other: &Other<'_>, w: &Driven<'_>, l3: &str, ahead: bool) -> Option<
             (!brakes(other), Doubt::NotBraking),
         ]),
         "cutout_reveal" => {
-            let red = matches!(w.category("light.state", k), Some("red" | "yellow" | "red_yellow"));
+            let red = matches!(light_state(w.signals, k), Some("red" | "yellow" | "red_yellow"));
             first_of(&[
                 (!ahead, Doubt::NotAhead),
                 (!lane(other.frames(20, 0)), Doubt::NotInLane),
@@ -332,7 +332,7 @@ pub(super) fn of_ego(
                 && motion == LongitudinalMotion::Starts =>
         {
             // An ego that moves off although the other still has to pass in front of it does so for another reason.
-            let green = w.category("light.state", w.keyframe).is_some_and(is_green);
+            let green = light_state(w.signals, w.keyframe).is_some_and(is_green);
             let other = target.and_then(|id| Other::of(w, id));
             let ahead = other.is_some_and(|o| {
                 o.number("target.longitudinal", w.keyframe).is_some_and(|x| x > 0.0)
@@ -363,15 +363,15 @@ pub(super) fn of_nearer(
     // The texts of turns name a red light themselves.
     let names_light = matches!(class.l2.as_deref(), Some("traffic_light" | "turn"));
     let of_light = decided != StopForRegulation && !names_light && !asked.of_others;
-    let red = matches!(w.category("light.state", w.keyframe), Some("red" | "red_yellow"));
+    let red = matches!(light_state(w.signals, w.keyframe), Some("red" | "red_yellow"));
     first_of(&[
         (lead.as_ref().is_some_and(stops), Doubt::BehindLead),
         (of_light && red && motion == LongitudinalMotion::Stops, Doubt::RedLight),
     ])
 }
 
-/// At a junction whose light, or the lead, does not let it go yet, an ego that moves off later has no reason for it at
-/// the keyframe.
+/// An ego that waits behind a standing lead, or at a junction whose turn is not known, and moves off later has no
+/// reason for it at the keyframe.
 pub(super) fn of_wait(
     class: &ScenarioId,
     asked: &Asked<'_>,
@@ -379,7 +379,8 @@ pub(super) fn of_wait(
     motion: LongitudinalMotion,
 ) -> Option<Doubt> {
     let resumes = decision.longitudinal == Some(Longitudinal::Resume) && motion == LongitudinalMotion::Waits;
-    let is_held = class.l3.is_none() || asked.lead.is_some_and(|lead| lead.stands());
+    let is_open = class.l2.as_deref() == Some("turn") && class.l3.is_none();
+    let is_held = is_open || asked.lead.is_some_and(|lead| lead.stands());
     (resumes && is_held).then_some(Doubt::WaitsFirst)
 }
 
@@ -392,7 +393,7 @@ pub(super) fn of_reason(class: &ScenarioId, w: &Driven<'_>, target: Option<&Trac
         let limit = w.number("map.speed_limit", w.keyframe);
         let below_limit =
             other.number("target.speed", w.keyframe).zip(limit).is_some_and(|(v, limit)| v < limit);
-        let is_seen = other.number("target.longitudinal", w.keyframe).is_some();
+        let is_seen = other.number("target.longitudinal", w.keyframe).is_some_and(|x| x > 0.0);
         is_seen && (relative.is_none_or(|v| v <= FASTER_MPS) || (class.l3.is_some() && below_limit))
     });
     (unknown && !slower).then_some(Doubt::NoReason)

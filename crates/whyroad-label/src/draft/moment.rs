@@ -24,6 +24,16 @@ pub(super) fn is_green(state: &str) -> bool {
     state.starts_with("green")
 }
 
+const LIGHT: &str = "light.state";
+
+/// State of the light that the ego faces. In a junction, `light.state` is that of the next one: `none` controls its
+/// way.
+pub(super) fn light_state(signals: &SignalTable, frame: usize) -> Option<&str> {
+    let column = signals.frame_columns.get(LIGHT)?;
+    let inside = signals.frame_columns.get("ego.in_junction").is_some_and(|c| c.flag(frame).is_true());
+    if inside { Some("none") } else { column.category(frame) }
+}
+
 /// One frame, one target.
 #[derive(Clone, Copy)]
 pub(super) struct Moment<'a> {
@@ -111,9 +121,8 @@ impl<'a> Moment<'a> {
     }
 
     fn category(&self, name: &str) -> Option<&'a str> {
-        // In a junction, the light is that of the next one.
-        if name == "light.state" && self.flag("ego.in_junction").is_true() {
-            return None;
+        if name == LIGHT {
+            return light_state(self.signals, self.frame);
         }
         match self.signals.frame_columns.get(name) {
             Some(column) => column.category(self.frame),

@@ -91,8 +91,8 @@ const TWENTY_FIRST: (f64, f64) = (0.76, 0.04);
 /// of 50. The checks were changed for five of the seven since.
 const TWENTY_SECOND: (f64, f64) = (0.76, 0.04);
 
-/// The same of the twenty-third set, by another author, run once with the checks of the twenty-second: 35 of 50 and 4 of
-/// 50. The words were changed for the four since.
+/// The same of the twenty-third set, by another author, run once with the checks of the twenty-second: 35 of 50 and 4
+/// of 50. The words were changed for the four since.
 const TWENTY_THIRD: (f64, f64) = (0.74, 0.0);
 
 /// The same of the labels in twelve voices, which were used for development: at first 36 of 60 and 16 of 120.

@@ -268,6 +268,9 @@ pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<
             if !(holds || actor.is(Role::Lead)) {
                 return Err(not_yours());
             }
+            if !actor.is(Role::Lead) {
+                need(Role::Annotator)?;
+            }
             Ok(to(if action == Action::Skip { State::Skipped } else { State::Rejected }))
         }
         (Action::Accept, State::InCheck) if holds => {

@@ -477,7 +477,8 @@ pub fn by_model(mut label: CocLabel, veiled: bool) -> Answer<Value> {
 fn known_then(mut draft: Value, suggested: &Keyframe) -> Value {
     let keyframe = suggested.timestamp;
     let moment = |v: &Value| v.as_str().and_then(|text| Nanos::parse_iso(text).ok());
-    let late = |v: &Value| moment(v).is_some_and(|at| at > keyframe);
+    // A time that cannot be read may be a later one.
+    let late = |v: &Value| moment(v).is_none_or(|at| at > keyframe);
     let only_known = |fields: Option<&mut Value>, at: &str| {
         if let Some(fields) = fields.and_then(Value::as_object_mut) {
             fields.retain(|name, _| LabelField::at(&format!("{at}/{name}")).is_some());
@@ -486,12 +487,22 @@ fn known_then(mut draft: Value, suggested: &Keyframe) -> Value {
     only_known(draft.get_mut(name::SCENARIO), pointer::SCENARIO);
     only_known(draft.get_mut(name::KEYFRAME), pointer::KEYFRAME);
     if let Some(own) = draft.get_mut(name::KEYFRAME).and_then(Value::as_object_mut) {
-        if own.get(name::TIMESTAMP).is_some_and(late) {
+        if own.get(name::TIMESTAMP).is_none_or(late) {
             own.insert(name::TIMESTAMP.to_owned(), Value::String(keyframe.to_string()));
             own.insert(name::FRAME_IDX.to_owned(), suggested.frame_idx.into());
         }
         if own.get(name::RANGE_START).is_some_and(late) {
             own.remove(name::RANGE_START);
+        }
+    }
+    for (name, fits) in [
+        (name::KEYFRAME, Value::is_object as fn(&Value) -> bool),
+        (name::CRITICAL_COMPONENTS, Value::is_array),
+    ] {
+        if let Some(fields) = draft.as_object_mut()
+            && fields.get(name).is_some_and(|v| !fits(v))
+        {
+            fields.remove(name);
         }
     }
     let mut unseen = BTreeSet::new();

@@ -8,6 +8,10 @@ use arrow_array::{
 use proptest::prelude::*;
 use std::sync::Arc;
 
+fn texts(array: &dyn Array) -> Result<Vec<Option<String>>, String> {
+    super::texts(array, &mut { FREE_TEXT })
+}
+
 /// The same cells as Arrow's own cast gives.
 fn same_as_arrow(array: &ArrayRef) {
     let cast = |to: &DataType| arrow_cast::cast(array, to).unwrap();
@@ -99,6 +103,13 @@ fn a_long_text_that_many_rows_share_is_refused() {
     let keys = Int32Array::from(vec![0; 10_000]);
     let shared = DictionaryArray::new(keys.clone(), Arc::new(long));
     assert!(texts(&shared).unwrap_err().contains("repeats"));
+    // So are many batches that share a shorter one: 1,000 of 1,000 rows with 64 kB are 64 GB.
+    let batch = DictionaryArray::new(
+        arrow_array::Int8Array::from(vec![0; 1000]),
+        Arc::new(StringArray::from(vec!["x".repeat(64 << 10)])),
+    );
+    let mut left = FREE_TEXT;
+    assert!((0..1000).any(|_| super::texts(&batch, &mut left).is_err()));
     let short = DictionaryArray::new(keys, Arc::new(StringArray::from(vec!["CAR"])));
     assert_eq!(texts(&short).unwrap().len(), 10_000);
 }

@@ -71,7 +71,7 @@ fn wrong() -> Problem {
 }
 
 /// How somebody signed in.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub(super) enum Door {
     /// By the password with this hash.
     Password(String),

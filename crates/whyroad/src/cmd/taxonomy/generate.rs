@@ -177,6 +177,7 @@ fn finish(
 ) -> anyhow::Result<ExitCode> {
     let mut code = output::FINE;
     if action == Action::Check
+        && files.len() > 1
         && let Some((first, _)) = files.first()
         && files.iter().all(|(path, _)| !path.is_file())
     {
