@@ -133,7 +133,7 @@ fn connect(map: &mut RoadMap) -> bool {
 }
 
 /// Where two lines cross inside both, the angle between them there, rad.
-fn crossing(a: &[Point3], b: &[Point3]) -> Option<f64> {
+pub(crate) fn crossing(a: &[Point3], b: &[Point3]) -> Option<f64> {
     for p in a.windows(2) {
         for q in b.windows(2) {
             let (px, py) = (p[1].x - p[0].x, p[1].y - p[0].y);

@@ -2,7 +2,7 @@
 //! ends in `_link`; a network that was drawn has none, but marks the lanes on which traffic from a ramp gains speed
 //! (`acceleration="1"`).
 
-use crate::assemble::geometry::crosses;
+use crate::assemble::layers::crossing;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{FRAC_PI_3, PI};
 use whyroad_model::road_map::{Lane, LaneKind, Point3};
@@ -107,7 +107,7 @@ impl Meeting<'_> {
         let theirs = other.headings(lanes);
         let ways = other.ways(lanes);
         self.headings(lanes).iter().all(|&a| theirs.iter().all(|&b| apart(a, b) > PI - TOGETHER_RAD))
-            && !self.ways(lanes).iter().any(|a| ways.iter().any(|b| crosses(a, b)))
+            && !self.ways(lanes).iter().any(|a| ways.iter().any(|b| crossing(a, b).is_some()))
     }
 }
 

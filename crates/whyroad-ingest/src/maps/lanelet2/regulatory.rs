@@ -3,7 +3,6 @@
 use super::document::{Document, MemberKind, Relation};
 use super::ground::Ground;
 use super::lanelets::Lanelets;
-use crate::assemble::geometry::crosses;
 use crate::maps::{MapReading, signs};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use whyroad_model::RoadMap;
@@ -224,4 +223,24 @@ fn sign_kind(name: &str) -> Option<&'static str> {
 fn limit(name: &str) -> Option<f64> {
     let number = name.strip_prefix("de274").map(|rest| rest.trim_start_matches(['-', '.']));
     signs::speed(number.unwrap_or(name))
+}
+
+/// True when two lines cross in the ground plane.
+fn crosses(a: &[Point3], b: &[Point3]) -> bool {
+    let bounds = |line: &[Point3]| {
+        line.iter().fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |m, p| {
+            [m[0].min(p.x), m[1].min(p.y), m[2].max(p.x), m[3].max(p.y)]
+        })
+    };
+    let (u, v) = (bounds(a), bounds(b));
+    if u[0] > v[2] || v[0] > u[2] || u[1] > v[3] || v[1] > u[3] {
+        return false;
+    }
+    let side = |p: &Point3, q: &Point3, r: &Point3| (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+    a.windows(2).any(|p| {
+        b.windows(2).any(|q| {
+            side(&p[0], &p[1], &q[0]) * side(&p[0], &p[1], &q[1]) <= 0.0
+                && side(&q[0], &q[1], &p[0]) * side(&q[0], &q[1], &p[1]) <= 0.0
+        })
+    })
 }
