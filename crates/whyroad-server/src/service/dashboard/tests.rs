@@ -213,6 +213,7 @@ fn audits_are_counted_by_author() {
 
 fixtures::on_postgresql! {
     coverage_counts_episodes_once_and_only_those_that_can_be_accepted,
+    coverage_of_a_veiled_class_does_not_tell_its_variants,
     throughput_is_by_day_person_and_action_and_ageing_by_rest,
     agreement_is_that_of_the_first_submissions,
     audits_are_counted_by_author,
