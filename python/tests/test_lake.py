@@ -61,7 +61,7 @@ def test_failures_carry_documented_codes(demo: Path) -> None:
         "lake.drive_missing": lambda: lake.signals(["ego.speed"], drives=["nowhere"]),
         "lake.table_broken": lambda: whyroad.read_parquet(demo / "report.html"),
         "dataset.release.broken": lambda: whyroad.open_release(demo),
-        "dataset.split.empty": lambda: whyroad.open_release(demo / "release").table("dev"),
+        "dataset.split.unknown": lambda: whyroad.open_release(demo / "release").table("dev"),
     }
     pages = Path(__file__).resolve().parents[2] / "docs/diagnostics"
     for code, call in calls.items():
