@@ -34,11 +34,13 @@ impl Release {
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, DatasetError> {
         let dir = dir.as_ref().to_owned();
         let path = dir.join(MANIFEST);
-        let text = read_text(&path).map_err(|e| match e.kind() {
-            ErrorKind::NotFound | ErrorKind::NotADirectory => {
+        let text = read_text(&path).map_err(|e| match e {
+            DatasetError::Io { source, .. }
+                if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
+            {
                 DatasetError::broken(&dir, "not a release: there is no manifest.json")
             }
-            _ => DatasetError::io(&path)(e),
+            e => e,
         })?;
         let manifest: Manifest = serde_json::from_str(&text).map_err(|e| DatasetError::broken(&path, e))?;
         let major = |v: &str| v.split('.').next().map(str::to_owned);
@@ -127,12 +129,17 @@ impl Release {
     }
 }
 
-/// Text of a regular file: reading a pipe or a device may never end.
-pub(crate) fn read_text(path: &Path) -> std::io::Result<String> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(std::io::Error::other("not a file"));
+/// Opens a regular file of a release: reading a pipe or a device may never end.
+pub(crate) fn open_file(path: &Path) -> Result<File, DatasetError> {
+    if !std::fs::metadata(path).map_err(DatasetError::io(path))?.is_file() {
+        return Err(DatasetError::broken(path, "not a file"));
     }
-    std::fs::read_to_string(path)
+    File::open(path).map_err(DatasetError::io(path))
+}
+
+/// Text of a file of a release.
+pub(crate) fn read_text(path: &Path) -> Result<String, DatasetError> {
+    std::io::read_to_string(open_file(path)?).map_err(DatasetError::io(path))
 }
 
 /// True for a relative path that does not lead out of its folder.
@@ -159,10 +166,7 @@ pub(crate) fn open<'a>(
     columns: Option<&[&str]>,
 ) -> Result<impl Iterator<Item = Result<RecordBatch, DatasetError>> + use<'a>, DatasetError> {
     let broken = |e: &dyn std::fmt::Display| DatasetError::broken(path, e);
-    if !std::fs::metadata(path).map_err(DatasetError::io(path))?.is_file() {
-        return Err(broken(&"not a file"));
-    }
-    let file = File::open(path).map_err(DatasetError::io(path))?;
+    let file = open_file(path)?;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| broken(&e))?;
     whyroad_lake::check_columns(builder.metadata()).map_err(|e| broken(&e))?;
     let expected = schema();

@@ -3,10 +3,11 @@
 use super::manifest::FileEntry;
 use crate::DatasetError;
 use crate::item::hex;
+use crate::release::open_file;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs;
 use std::io::Read;
 use std::path::Path;
 
@@ -32,11 +33,7 @@ pub(crate) fn files_below(dir: &Path) -> Result<BTreeSet<String>, DatasetError> 
 
 /// Length and SHA-256.
 pub(crate) fn sum(path: &Path) -> Result<(u64, String), DatasetError> {
-    // Neither a pipe nor a device: reading them may never end.
-    if !fs::metadata(path).map_err(DatasetError::io(path))?.is_file() {
-        return Err(DatasetError::broken(path, "not a file"));
-    }
-    let mut file = File::open(path).map_err(DatasetError::io(path))?;
+    let mut file = open_file(path)?;
     let (mut hash, mut bytes, mut buffer) = (Sha256::new(), 0, vec![0; 1 << 16]);
     loop {
         let n = file.read(&mut buffer).map_err(DatasetError::io(path))?;
