@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
 use whyroad_model::scene::FrameOfReference;
 use whyroad_model::time::frame_at;
-use whyroad_model::{Drive, Lang, Nanos, Need, SignalTable};
+use whyroad_model::{Drive, Lang, Nanos, SignalTable};
 
 /// Farthest that a label's keyframe may be from a frame of the drive, s: a frame and a half at 10 Hz.
 const KEYFRAME_REACH_S: f64 = 0.15;
@@ -183,12 +183,11 @@ impl<'a> Cutter<'a> {
     fn groups(&self, pose: &Pose, t0: Nanos) -> Groups {
         let meta = &self.drive.meta;
         let position = place::position(meta, pose);
-        let dated = !meta.missing.contains(&Need::Date);
         Groups {
             session: meta.session.clone(),
             vehicle: meta.vehicle.clone(),
             place: meta.place.clone(),
-            date: t0.to_string().get(..10).filter(|_| dated).map(str::to_owned),
+            date: t0.to_string().get(..10).filter(|_| meta.is_dated()).map(str::to_owned),
             source: meta.source.clone(),
             licence: self.licence.to_owned(),
             position: position.as_ref().map(|p| p.p.to_vec()),

@@ -14,7 +14,6 @@ use crate::spec::{GroupKey, Split};
 use components::Components;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
-use whyroad_model::Need;
 use whyroad_model::scene::DriveMeta;
 
 /// Results of the split; part of the manifest.
@@ -61,7 +60,7 @@ pub(crate) fn split(
                 GroupKey::Session => meta.and_then(|m| m.session.clone()),
                 GroupKey::Vehicle => meta.and_then(|m| m.vehicle.clone()),
                 GroupKey::Place => Some(item.place_cell).filter(|c| *c != u32::MAX).map(|c| c.to_string()),
-                GroupKey::Date if meta.is_some_and(|m| m.missing.contains(&Need::Date)) => None,
+                GroupKey::Date if meta.is_some_and(|m| !m.is_dated()) => None,
                 GroupKey::Date => item.cut.as_ref().map(|c| c.day.to_string()),
             };
             match value {

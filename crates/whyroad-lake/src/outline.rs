@@ -9,7 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 use whyroad_model::messages::clip::{ClipMetadata, DataSources};
 use whyroad_model::scene::{ContextState, DriveMeta};
-use whyroad_model::{DriveId, Nanos, Need, SignalTable};
+use whyroad_model::{DriveId, Nanos, SignalTable};
 
 /// A drive's head: enough to list its clips and to see whether it has changed.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ impl Lake {
             } else {
                 None
             };
-            Ok(StatedContext { states, dated: !manifest.meta.missing.contains(&Need::Date) })
+            Ok(StatedContext { states, dated: manifest.meta.is_dated() })
         })
     }
 

@@ -78,6 +78,20 @@ pub struct DriveMeta {
     pub missing: Vec<Need>,
 }
 
+impl DriveMeta {
+    /// The log states date and time of day: times are not counted from an invented start.
+    pub fn is_dated(&self) -> bool {
+        !self.missing.contains(&Need::Date)
+    }
+
+    /// Notes that the log lacks something.
+    pub fn lacks(&mut self, need: Need) {
+        if !self.missing.contains(&need) {
+            self.missing.push(need);
+        }
+    }
+}
+
 /// A position on Earth, WGS 84.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GeoPosition {

@@ -264,9 +264,7 @@ fn off_the_map(drive: &mut Drive) -> Option<Diagnostic> {
     let apart = apart(map, *probes[0]);
     (drive.map, drive.lights, drive.meta.map_ref) = (None, None, None);
     for need in [Need::Map, Need::TrafficLights] {
-        if !drive.meta.missing.contains(&need) {
-            drive.meta.missing.push(need);
-        }
+        drive.meta.lacks(need);
     }
     Some(
         Diagnostic::error(
@@ -325,9 +323,7 @@ fn date(drive: &mut Drive) -> Option<Diagnostic> {
     if PLAUSIBLE.contains(&start.0) {
         return None;
     }
-    if !drive.meta.missing.contains(&Need::Date) {
-        drive.meta.missing.push(Need::Date);
-    }
+    drive.meta.lacks(Need::Date);
     let day: String = start.to_string().chars().take(10).collect();
     Some(Diagnostic::note(
         "ingest.date.implausible",

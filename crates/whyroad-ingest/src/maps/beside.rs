@@ -55,9 +55,7 @@ fn lights(drive: &mut Drive, map: &RoadMap, file: &str) -> Option<whyroad_model:
     let lost = before - states.len();
     if before > 0 && states.is_empty() {
         drive.lights = None;
-        if !drive.meta.missing.contains(&Need::TrafficLights) {
-            drive.meta.missing.push(Need::TrafficLights);
-        }
+        drive.meta.lacks(Need::TrafficLights);
     }
     (lost > 0).then(|| findings::lights(file, lost))
 }

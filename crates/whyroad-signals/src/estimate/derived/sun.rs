@@ -7,7 +7,7 @@
 use crate::geometry::wrap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use whyroad_model::scene::GeoPosition;
-use whyroad_model::{Drive, Nanos, Need};
+use whyroad_model::{Drive, Nanos};
 
 /// 2000-01-01 12:00 UTC, the epoch of the formulas, s since 1970.
 const J2000_S: f64 = 946_728_000.0;
@@ -76,7 +76,7 @@ pub(super) fn lighting(drive: &Drive) -> Vec<Option<&'static str>> {
     else {
         return Vec::new();
     };
-    if !PLAUSIBLE_S.contains(&(first.0 as f64 / 1e9)) || drive.meta.missing.contains(&Need::Date) {
+    if !PLAUSIBLE_S.contains(&(first.0 as f64 / 1e9)) || !drive.meta.is_dated() {
         return Vec::new();
     }
     let mut sky: Vec<(Nanos, &str)> = drive
