@@ -21,6 +21,7 @@ mod fixtures;
 pub mod gold;
 pub mod history;
 pub mod identities;
+pub mod imported;
 pub mod judgements;
 pub mod leases;
 pub mod list;

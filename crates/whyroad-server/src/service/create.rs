@@ -8,18 +8,18 @@ use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
 use crate::recordings::span_of;
 use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{history, projects, thumbnail, veil};
+use crate::service::{history, imported, projects, thumbnail, veil};
 use crate::store::Tx;
 use crate::{secret, values};
 use serde_json::Value;
 use std::cell::OnceCell;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use whyroad_framework::spec::PackSpec;
 use whyroad_label::draft::is_same;
-use whyroad_model::label_fields::{LabelField, name, pointer};
+use whyroad_model::label_fields::name;
 use whyroad_model::messages::{
-    Cause, Causes, CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodeRecord, Keyframe,
+    Cause, Causes, CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodeRecord,
 };
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
@@ -342,7 +342,7 @@ pub fn prepare(
     let source = last.of(app, episode).map_err(missing)?;
     let start = match draft {
         // Nothing is derived that would be discarded.
-        Some(draft) => Start::drafted(source, episode, known_then(draft, &episode.keyframe)),
+        Some(draft) => Start::drafted(source, episode, imported::known_then(draft, &episode.keyframe)),
         None => Start::derived(app, project, source, episode, "")?,
     };
     row(app, project, episode, String::new(), start)
@@ -470,66 +470,6 @@ pub fn by_model(mut label: CocLabel, veiled: bool) -> Answer<Value> {
         label.causes = None;
     }
     serde_json::to_value(label).map(unanswered).map_err(Problem::store)
-}
-
-/// A draft from elsewhere with the data known at the suggested keyframe in those fields that Stage I shows: fields of
-/// the format only, no later keyframe, and no component whose evidence is all later.
-fn known_then(mut draft: Value, suggested: &Keyframe) -> Value {
-    let keyframe = suggested.timestamp;
-    let moment = |v: &Value| v.as_str().and_then(|text| Nanos::parse_iso(text).ok());
-    // A time that cannot be read may be a later one.
-    let late = |v: &Value| moment(v).is_none_or(|at| at > keyframe);
-    let only_known = |fields: Option<&mut Value>, at: &str| {
-        if let Some(fields) = fields.and_then(Value::as_object_mut) {
-            fields.retain(|name, _| LabelField::at(&format!("{at}/{name}")).is_some());
-        }
-    };
-    only_known(draft.get_mut(name::SCENARIO), pointer::SCENARIO);
-    only_known(draft.get_mut(name::KEYFRAME), pointer::KEYFRAME);
-    if let Some(own) = draft.get_mut(name::KEYFRAME).and_then(Value::as_object_mut) {
-        if own.get(name::TIMESTAMP).is_none_or(late) {
-            own.insert(name::TIMESTAMP.to_owned(), Value::String(keyframe.to_string()));
-            own.insert(name::FRAME_IDX.to_owned(), suggested.frame_idx.into());
-        }
-        if own.get(name::RANGE_START).is_some_and(late) {
-            own.remove(name::RANGE_START);
-        }
-    }
-    for (name, fits) in [
-        (name::KEYFRAME, Value::is_object as fn(&Value) -> bool),
-        (name::CRITICAL_COMPONENTS, Value::is_array),
-    ] {
-        if let Some(fields) = draft.as_object_mut()
-            && fields.get(name).is_some_and(|v| !fits(v))
-        {
-            fields.remove(name);
-        }
-    }
-    let mut unseen = BTreeSet::new();
-    if let Some(components) = draft.get_mut(name::CRITICAL_COMPONENTS).and_then(Value::as_array_mut) {
-        components.retain_mut(|c| {
-            let Some(times) = c.get_mut(name::EVIDENCE_TIMES).and_then(Value::as_array_mut) else {
-                return true;
-            };
-            let stated = !times.is_empty();
-            times.retain(|at| !late(at));
-            let keeps = !stated || !times.is_empty();
-            if !keeps && let Some(id) = c.get(name::ID).and_then(Value::as_str) {
-                unseen.insert(id.to_owned());
-            }
-            keeps
-        });
-        let at = pointer::critical_components_item(0);
-        components.iter_mut().for_each(|c| only_known(Some(c), &at));
-    }
-    // A cause that names a removed component is removed, as in drafts by rule.
-    if let Some(causes) = draft.get_mut(name::CAUSES).and_then(Value::as_object_mut) {
-        causes.retain(|_, cause| {
-            let named = cause.get(name::COMPONENTS).and_then(Value::as_array).into_iter().flatten();
-            !named.filter_map(Value::as_str).any(|id| unseen.contains(id))
-        });
-    }
-    draft
 }
 
 /// A draft without the safety filter's answer that somebody gave elsewhere.
