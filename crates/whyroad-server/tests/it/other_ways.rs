@@ -20,13 +20,20 @@ fn tells(answer: &Reply) -> bool {
     answer.text().contains(example()["coc_trace"].as_str().unwrap())
 }
 
-pub fn labels_side_by_side_count_as_seen(world: &World) {
+/// The administrator, somebody who labels and checks, and the two copies of an episode, of which another person has
+/// labeled the first.
+fn two_copies(world: &World) -> (Person, Person, Vec<String>) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));
     let ann = world.person(&admin, &project, "ann", &["annotator"]);
     let both = world.person(&admin, &project, "both", &["annotator", "checker"]);
     let ids = world.tasks(&admin, &project, &["drive1"], 2);
     Work::label(&ann, &ids[0]);
+    (admin, both, ids)
+}
+
+pub fn labels_side_by_side_count_as_seen(world: &World) {
+    let (admin, both, ids) = two_copies(world);
     // A copy that was skipped shows its history only; the other copy beside it shows everything.
     act(&admin, &ids[1], "skip").fine();
     let side_by_side = both.get(&format!("/tasks/{}/overlap", ids[1]));
@@ -57,12 +64,7 @@ pub fn a_choice_in_a_group_shows_no_future_of_the_task_in_hand(world: &World) {
 }
 
 pub fn another_persons_label_is_hidden_until_the_own_one_is_submitted(world: &World) {
-    let admin = world.admin();
-    let project = world.project(&admin, "town", &json!({}));
-    let ann = world.person(&admin, &project, "ann", &["annotator"]);
-    let both = world.person(&admin, &project, "both", &["annotator", "checker"]);
-    let ids = world.tasks(&admin, &project, &["drive1"], 2);
-    Work::label(&ann, &ids[0]);
+    let (_, both, ids) = two_copies(world);
     let mut work = Work::take(&both, &ids[1]);
     work.stage1();
     work.act("lock_stage1", &json!({})).fine();
