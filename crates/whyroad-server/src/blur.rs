@@ -151,9 +151,12 @@ fn remove_left_behind(cache: &Path) -> std::io::Result<()> {
     for entry in std::fs::read_dir(cache)? {
         let entry = entry?;
         let name = entry.file_name();
-        let unfinished = name.to_str().is_some_and(|n| n.contains(".part.") || n.contains(".in."));
+        // The folder also has every image that was blurred: only the names of those are read.
+        if !name.to_str().is_some_and(|n| n.contains(".part.") || n.contains(".in.")) {
+            continue;
+        }
         let age = entry.metadata().and_then(|m| m.modified()).ok().and_then(|at| at.elapsed().ok());
-        if unfinished && age.is_some_and(|age| age > LEFT_BEHIND) {
+        if age.is_some_and(|age| age > LEFT_BEHIND) {
             match std::fs::remove_file(entry.path()) {
                 // Another service that starts has removed it.
                 Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}

@@ -211,24 +211,22 @@ fn coverage(tx: &mut dyn Tx, project: &Project) -> Answer<Vec<Coverage>> {
 /// The coverage with the L3 classes of `veiled` L2 classes counted together: how many tasks of each are left would tell
 /// a person who labels what Stage I hides.
 pub fn veil_coverage(coverage: Vec<Coverage>, veiled: &[String]) -> Vec<Coverage> {
-    let mut out: Vec<Coverage> = Vec::new();
+    let mut out = BTreeMap::new();
     for mut c in coverage {
-        let inside =
-            |l2: &&String| c.leaf.strip_prefix(l2.as_str()).is_some_and(|rest| rest.starts_with('.'));
-        if let Some(l2) = veiled.iter().find(inside) {
-            c.leaf.clone_from(l2);
+        let l2 = veil::l2(&c.leaf);
+        if veiled.iter().any(|v| v == l2) {
+            c.leaf = l2.to_owned();
         }
-        match out.iter_mut().find(|o| o.leaf == c.leaf) {
-            Some(o) => {
+        out.entry(c.leaf.clone())
+            .and_modify(|o: &mut Coverage| {
                 o.have += c.have;
                 o.quota += c.quota;
                 o.mined += c.mined;
                 o.shortfall += c.shortfall;
-            }
-            None => out.push(c),
-        }
+            })
+            .or_insert(c);
     }
-    out
+    out.into_values().collect()
 }
 
 fn audit_outcomes(tx: &mut dyn Tx, project: &Project, names: &Names) -> Answer<Vec<AuditRecord>> {

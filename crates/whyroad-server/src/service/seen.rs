@@ -6,7 +6,7 @@ use crate::domain::workflow::{Actor, Role, Seen, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::TaskRow;
 use crate::service::{copies, projects};
-use crate::store::Tx;
+use crate::store::{Store, Tx};
 use crate::values;
 
 /// The user as an actor on `t`: roles, and whether its future was shown to them, by this task or by another of its
@@ -65,6 +65,15 @@ fn shown_until(t: &TaskRow, state: State) -> i64 {
 pub fn was_shown(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<bool> {
     let sql = "SELECT 1 FROM seen WHERE user_id = $1 AND task_id = $2 AND to_ns >= $3";
     Ok(tx.row(sql, values![user, &t.id, shown_until(t, t.at.state)])?.is_some())
+}
+
+/// Records that `t` is shown to `user`; writes only if it is more than they were shown before.
+pub fn note(store: &Store, t: &TaskRow, user: &str) -> Answer<()> {
+    if store.read(|tx| was_shown(tx, t, user))? {
+        return Ok(());
+    }
+    let (t, user) = (t.clone(), user.to_owned());
+    store.write(move |tx| show(tx, &t, &user))
 }
 
 /// Refuses to show `t` in `state` to `user` while they do Stage I of another task whose future it would show, or have

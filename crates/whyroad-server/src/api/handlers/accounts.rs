@@ -48,7 +48,7 @@ pub fn create(call: &Call<'_>) -> Answer<Reply> {
     };
     let (new, cookie, now) = (user.clone(), call.request.cookie.clone(), call.app.now());
     call.app.store.write(move |tx| {
-        if !still(tx, cookie.as_deref(), now)?.admin {
+        if !caller_now(tx, cookie.as_deref(), now)?.admin {
             return Err(Problem::forbidden());
         }
         people::create(tx, &new, &hash, now)
@@ -58,7 +58,7 @@ pub fn create(call: &Call<'_>) -> Answer<Reply> {
 
 /// The caller as they are now. Hashing a password takes long, and others may have disabled the account, ended its
 /// sessions or taken its rights since the access check.
-fn still(tx: &mut dyn Tx, cookie: Option<&str>, now: i64) -> Answer<User> {
+fn caller_now(tx: &mut dyn Tx, cookie: Option<&str>, now: i64) -> Answer<User> {
     let Some(cookie) = cookie else { return Err(Problem::sign_in()) };
     people::by_cookie(tx, cookie, now)?.ok_or_else(Problem::sign_in)
 }
@@ -78,7 +78,7 @@ pub fn change(call: &Call<'_>) -> Answer<Reply> {
     let password = new_password(call, &target, &change)?;
     let (id, cookie, now) = (target.id, call.request.cookie.clone(), call.app.now());
     let user = call.app.store.write(move |tx| {
-        may_change(&still(tx, cookie.as_deref(), now)?, &id, &change)?;
+        may_change(&caller_now(tx, cookie.as_deref(), now)?, &id, &change)?;
         let mut user = people::find(tx, &id)?.ok_or_else(Problem::missing)?;
         let UserChange { display, lang, admin, disabled, email, .. } = change.clone();
         user.display = display.unwrap_or(user.display);

@@ -46,7 +46,7 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
     if !call.grant.is_staff() {
         return Err(Problem::forbidden());
     }
-    let (t, user) = (look(call)?, call.user()?.id.clone());
+    let (t, user) = (look(call)?, &call.user()?.id);
     let (group, names) = call.app.store.read(|tx| {
         let group = tasks::group(tx, &t.project, &t.episode.episode_id)?;
         if t.overlap_count < 2 || !disagreement::is_ready(&group) {
@@ -61,10 +61,7 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
     })?;
     // The other labels may be shown further than this one: who sees them has seen that part of the drive.
     for o in group.iter().filter(|o| o.id != t.id) {
-        if !call.app.store.read(|tx| seen::was_shown(tx, o, &user))? {
-            let (row, user) = (o.clone(), user.clone());
-            call.app.store.write(move |tx| seen::show(tx, &row, &user))?;
-        }
+        seen::note(&call.app.store, o, user)?;
     }
     // Checking takes long, so it is done outside of the transaction.
     let item = |o: &tasks::TaskRow| OverlapItem {

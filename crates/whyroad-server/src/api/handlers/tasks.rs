@@ -106,10 +106,7 @@ pub fn queue(call: &Call<'_>) -> Answer<Reply> {
 pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
     let (id, user) = (call.param("t"), call.user()?);
     let t = drafting::ready(call.app, call.app.store.read(|tx| tasks::get(tx, id))?)?;
-    if !call.app.store.read(|tx| seen::was_shown(tx, &t, &user.id))? {
-        let (row, user) = (t.clone(), user.id.clone());
-        call.app.store.write(move |tx| seen::show(tx, &row, &user))?;
-    }
+    seen::note(&call.app.store, &t, &user.id)?;
     Ok(t)
 }
 
