@@ -6,7 +6,7 @@ use super::motion::{LongitudinalMotion, changes_lane};
 use whyroad_framework::draft_texts::SignalCondition;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::DrivingDecision;
-use whyroad_model::{SignalTable, TrackId, Tri};
+use whyroad_model::{Column, SignalTable, TrackId, Tri};
 
 /// Objects ahead or crossing that are nearer than this block the way, m.
 const IN_THE_WAY_M: f64 = 40.0;
@@ -32,6 +32,11 @@ pub(super) fn light_state(signals: &SignalTable, frame: usize) -> Option<&str> {
     let column = signals.frame_columns.get(LIGHT)?;
     let inside = signals.frame_columns.get("ego.in_junction").is_some_and(|c| c.flag(frame).is_true());
     if inside { Some("none") } else { column.category(frame) }
+}
+
+/// Distance from center to center, m: positions are known in the last frame of a drive too, distances of boxes are not.
+fn between_centers(along: &Column, across: &Column, row: usize) -> Option<f64> {
+    Some(along.number(row)?.hypot(across.number(row)?))
 }
 
 /// One frame, one target.
@@ -164,11 +169,9 @@ impl<'a> Moment<'a> {
         else {
             return Tri::Unknown;
         };
-        // Center to center: positions are known in the last frame of a drive too, distances of boxes are not.
-        let distance = |row: usize| Some(along.number(row)?.hypot(across.number(row)?));
         let in_the_way = |row: usize| {
             matches!(relation.category(row), Some("lead" | "crossing" | "ahead"))
-                && distance(row).is_some_and(|d| d < IN_THE_WAY_M)
+                && between_centers(along, across, row).is_some_and(|d| d < IN_THE_WAY_M)
         };
         Tri::from(!self.rows().any(in_the_way))
     }
@@ -176,14 +179,14 @@ impl<'a> Moment<'a> {
     /// A road user ahead comes from the opposite direction, or stands there.
     fn oncoming(&self) -> Tri {
         let column = |name: &str| self.signals.target_columns.get(name);
-        let (Some(turned), Some(along), Some(distance)) =
-            (column("target.heading_difference"), column("target.longitudinal"), column("target.distance"))
+        let (Some(turned), Some(along), Some(across)) =
+            (column("target.heading_difference"), column("target.longitudinal"), column("target.lateral"))
         else {
             return Tri::Unknown;
         };
         let near = |row: &usize| {
             along.number(*row).is_some_and(|x| x > 0.0)
-                && distance.number(*row).is_some_and(|d| d < ONCOMING_M)
+                && between_centers(along, across, *row).is_some_and(|d| d < ONCOMING_M)
         };
         let faces = |row| turned.number(row).map_or(Tri::Unknown, |a| Tri::from(a.abs() > FACING_RAD));
         self.rows().filter(near).map(faces).fold(Tri::False, Tri::or)

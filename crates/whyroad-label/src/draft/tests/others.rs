@@ -69,6 +69,28 @@ fn stage_one_lists_a_near_lead_in_both_languages() {
     }
 }
 
+/// Stage I reads the last frame of a drive that ends at the keyframe; distances of boxes are not known there.
+#[test]
+fn who_comes_from_the_opposite_direction_is_seen_in_the_last_frame_too() {
+    let free = |ahead: f64| {
+        let drive = fixture::drive("d");
+        let mut signals = fixture::signals(&drive);
+        with_speed(&mut signals, |_| 5.0);
+        of_target(&mut signals, "target.longitudinal", ahead);
+        of_target(&mut signals, "target.lateral", 3.0);
+        of_target(&mut signals, "target.heading_difference", 3.1);
+        of_target(&mut signals, "target.distance", f64::NAN);
+        let right = category(&["right"], vec![0; fixture::FRAMES]);
+        signals.frame_columns.insert("map.driving_side".into(), right);
+        let mut episode = fixture::episode(&drive);
+        episode.scenario_id = "proactive.turn.left_unprotected".parse().unwrap();
+        episode.target_id = None;
+        let all = components(Framework::bundled(), &drive, &signals, &episode, Lang::Zh);
+        all.iter().any(|c| c.description.contains("没有来车"))
+    };
+    assert_eq!((free(79.0), free(81.0)), (false, true));
+}
+
 #[test]
 fn no_vehicle_is_made_up_for_a_lane_change() {
     let change = |leaf: &str, ahead: f64| {
