@@ -10,7 +10,7 @@ use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
 use std::collections::BTreeSet;
 
-/// Maximum time of an encounter, s.
+/// Maximum time between both parties at one position of an encounter, s.
 const LONGEST_S: f64 = 10.0;
 /// A target that moves less than this over the drive crosses no path, m.
 const LEAST_TRAVEL_M: f64 = 1.0;
@@ -28,6 +28,11 @@ struct Stand {
     /// First and last time at this position, half way to the adjacent frames, s.
     from: f64,
     until: f64,
+}
+
+/// Time between one party leaving a position and the other reaching it, s; negative if both are there at once.
+fn apart(one: &Stand, other: &Stand) -> f64 {
+    (other.from - one.until).max(one.from - other.until)
 }
 
 /// Poses in order of time; those at one position are joined.
@@ -93,6 +98,9 @@ impl EgoSweep {
                         let apart = (self.stands[i].z - other.z).abs();
                         apart.is_nan() || apart <= LEVEL_M
                     })
+                    // Who comes to a position later than this does not meet the other there: two that drive along one
+                    // road would meet all along it.
+                    .filter(|&i| apart(&self.stands[i], other) <= LONGEST_S)
                     .filter(|&i| self.stands[i].footprint.overlaps(&other.footprint))
                     .map(|i| (i, j)),
             );
@@ -116,12 +124,9 @@ impl EgoSweep {
                 });
                 // From box to box: the shortest time between one party leaving a position and the other reaching the
                 // same position. Where paths merge, the whole area that both sweep does not show how near they came.
-                let apart = |&(i, j): &(usize, usize)| {
-                    (theirs[j].from - self.stands[i].until).max(self.stands[i].from - theirs[j].until)
-                };
-                let pet =
-                    if touched { 0.0 } else { met.iter().map(apart).fold(f64::INFINITY, f64::min).max(0.0) };
-                if pet <= LONGEST_S && (crossed || touched) {
+                let gaps = met.iter().map(|&(i, j)| apart(&self.stands[i], &theirs[j]));
+                let pet = if touched { 0.0 } else { gaps.fold(f64::INFINITY, f64::min).max(0.0) };
+                if crossed || touched {
                     found.push(Encounter { pet, from: a.from.min(c.from), until: b.until.max(d.until) });
                 }
             }
