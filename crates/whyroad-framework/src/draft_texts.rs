@@ -22,8 +22,41 @@ pub struct DraftTexts {
     goes_on: BTreeMap<String, Phrasings>,
     /// Why the lead requires a decision where the class is about something else.
     lead: Vec<WhyWhen>,
+    /// Words whose truth the signals show.
+    #[serde(default)]
+    claims: Vec<Claim>,
     classes: BTreeMap<String, ClassTexts>,
     decisions: DecisionTexts,
+}
+
+/// Words that state something which signals show.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Claim {
+    /// Any of these.
+    #[serde(default)]
+    zh: Vec<String>,
+    #[serde(default)]
+    en: Vec<String>,
+    /// Only in drafts of this class, or of the L3 classes of this L2 class.
+    of: Option<ScenarioId>,
+    /// They are about the lead.
+    #[serde(default)]
+    pub of_lead: bool,
+    /// They are true where all of these hold.
+    pub when: Vec<SignalCondition>,
+}
+
+impl Claim {
+    fn is_made(&self, text: &str, lang: Lang) -> bool {
+        let words = if lang == Lang::Zh { &self.zh } else { &self.en };
+        words.iter().any(|word| text.contains(word.as_str()))
+    }
+
+    fn is_of(&self, class: &ScenarioId) -> bool {
+        let same = |of: &ScenarioId| of.l1 == class.l1 && of.l2 == class.l2;
+        self.of.as_ref().is_none_or(|of| same(of) && (of.l3.is_none() || of.l3 == class.l3))
+    }
 }
 
 /// What the ego does at the keyframe.
@@ -79,8 +112,8 @@ pub struct ClassTexts {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SignalCondition {
-    /// A signal of frames or of the episode's target, or one of `around.*` and `decided.*`, which drafts
-    /// make themselves.
+    /// A signal of frames or of the episode's target, or one of `around.*`, `decided.*`, `past.*` and `soon.*`, which
+    /// drafts make themselves.
     pub signal: String,
     /// A flag is false instead.
     #[serde(default)]
@@ -339,6 +372,16 @@ impl DraftTexts {
         self.lead.iter().filter(fits).map(|w| Reason { when: &w.when, texts: &w.why }).collect()
     }
 
+    /// The claims that a text of the class makes.
+    pub fn claims<'a>(
+        &'a self,
+        class: &'a ScenarioId,
+        text: &'a str,
+        lang: Lang,
+    ) -> impl Iterator<Item = &'a Claim> {
+        self.claims.iter().filter(move |claim| claim.is_of(class) && claim.is_made(text, lang))
+    }
+
     /// Action of the target, in Chinese and English: of the leaf, or of its L2.
     pub fn doing(&self, class: &ScenarioId) -> Option<(&str, &str)> {
         self.of(class, |c| c.doing.as_ref()).map(|p| (p.zh.as_str(), p.en.as_str()))
@@ -483,10 +526,8 @@ mod tests {
                 let others = [&when.above_signal, &when.below_signal];
                 for name in others.into_iter().flatten().chain([&when.signal]) {
                     let known = f.signals_yaml.contains(&format!("- name: {name}\n"));
-                    assert!(
-                        known || name.starts_with("around.") || name.starts_with("decided."),
-                        "{leaf}: {name}"
-                    );
+                    let own = ["around.", "decided.", "past.", "soon."];
+                    assert!(known || own.iter().any(|p| name.starts_with(p)), "{leaf}: {name}");
                 }
             }
             for lang in [Lang::Zh, Lang::En] {
@@ -499,6 +540,14 @@ mod tests {
                     assert!(why.is_some_and(|p| !p.all(lang).is_empty()), "{leaf}: {kept:?}");
                     assert!(none.is_some_and(|p| !p.all(lang).is_empty()), "{leaf}: {kept:?}");
                 }
+            }
+        }
+        for claim in &f.draft_texts.claims {
+            assert!(!claim.zh.is_empty() && !claim.en.is_empty() && !claim.when.is_empty(), "{claim:?}");
+            for condition in &claim.when {
+                let known = f.signals_yaml.contains(&format!("- name: {}\n", condition.signal));
+                let own = ["around.", "decided.", "past.", "soon."];
+                assert!(known || own.iter().any(|p| condition.signal.starts_with(p)), "{claim:?}");
             }
         }
         let leaf = f.specs.keys().next().unwrap().clone();

@@ -5,6 +5,7 @@
 //! are taken only from what could be observed at or before the keyframe; decisions only from the motion after it
 //! (LABELING.md 6).
 
+mod change;
 mod clip;
 mod components;
 mod decision;
@@ -192,24 +193,22 @@ fn make(
         .map(|s| records::known(signals, keyframe, target_id, &s.records, &mut notes))
         .unwrap_or_default();
     if let Some(doubt) = doubt {
-        let why = doubt.text();
-        notes.insert(0, Bilingual::new(format!("没有草稿：{}", why.zh), format!("no draft: {}", why.en)));
-        let decision = DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None };
-        let (components, coc_trace) = (Vec::new(), String::new());
-        let nothing = Parts { decision, components, coc_trace, records, causes: None };
-        let clipped = clip::inside(drive, episode, &mut notes);
-        let label = label_of(framework, episode, clipped, nothing);
-        return Draft { episode_id: episode.episode_id.clone(), label, doubt: Some(doubt), notes };
+        return undrafted(framework, drive, episode, doubt, records, notes);
     }
-    let moment = Moment::of(signals, keyframe, target_id, side).deciding(&decision, motion);
+    let moment =
+        Moment::of(signals, keyframe, target_id, side).deciding(&decision, motion).with_course(goes_on);
+    if goes_on && class.l2.as_deref() == Some("turn") && moment.goes_against_red().is_true() {
+        return undrafted(framework, drive, episode, Doubt::AgainstRed, records, notes);
+    }
     let lead = lead.filter(|lead| goes_on && lead_is == LeadIs::Nearer && how.names(lead.id));
     let goes_on_slowing = course.is_some_and(|c| c.trend == Trend::Falls && c.is_underway(Trend::Falls));
     let by_lead = lead.filter(|lead| {
         // If the ego was already slowing for a lead, what is seen at the keyframe is only an additional component.
         let slows = goes_on_slowing && lead.is_slower() && lead.is_cause_of(LongitudinalMotion::Slows);
         let undecided = decision.longitudinal.is_none();
-        // A turn or a lane change needs a reason of its own.
-        let only_lateral = undecided && decision.lateral.is_some();
+        // A turn or a lane change needs a reason of its own, and so does one that is given up.
+        let only_lateral =
+            (undecided && decision.lateral.is_some()) || decision.lateral == Some(Lateral::ManeuverAbort);
         !only_lateral && (is_because_of(lead, &decision, motion) || (undecided && slows))
     });
     if class.l1 == ROAD && motion == LongitudinalMotion::Stops {
@@ -224,7 +223,8 @@ fn make(
             "the ego's indicator is on for the opposite side: confirm the lateral decision",
         ));
     }
-    let scene = components::Scene { framework, drive, signals, episode, target: target_id, keyframe };
+    let (target, has_course) = (target_id, goes_on);
+    let scene = components::Scene { framework, drive, signals, episode, target, keyframe, has_course };
     let components = scene.observed(&moment, lang);
     if components.is_empty() {
         notes.push(Bilingual::new(
@@ -232,7 +232,7 @@ fn make(
             "the signals show no critical component: add them",
         ));
     }
-    let mut components = with_cause(&scene, components, (&moment, goes_on), lang);
+    let mut components = with_cause(&scene, components, &moment, lang);
     let mut also = trace::also(framework, class, &moment, lang).filter(|c| how.lists(c));
     let mut order = trace::StateOrder::FirstLast;
     let mut of_turn = None;
@@ -277,7 +277,9 @@ fn make(
         lang,
     };
     let seed = trace::seed(&episode.episode_id, run);
-    let coc_trace = trace::trace(&facts, order, signals, keyframe, &moment, seed);
+    let Some(coc_trace) = trace::trace(&facts, order, signals, keyframe, &moment, seed) else {
+        return undrafted(framework, drive, episode, Doubt::Words, records, notes);
+    };
     notes.push(Bilingual::new(
         "推理文本为模板草稿，须改写为完整的因果说明",
         "the trace is a template: write the state, why it calls for the decision, and the decision",
@@ -295,6 +297,25 @@ fn make(
     let parts = Parts { decision, components, coc_trace, records, causes };
     let label = label_of(framework, episode, clipped, parts);
     Draft { episode_id: episode.episode_id.clone(), label, doubt: None, notes }
+}
+
+/// The skeleton of an episode that is not drafted, with the reason.
+fn undrafted(
+    framework: &Framework,
+    drive: &Drive,
+    episode: &EpisodeRecord,
+    doubt: Doubt,
+    records: BTreeMap<String, serde_json::Value>,
+    mut notes: Vec<Bilingual>,
+) -> Draft {
+    let why = doubt.text();
+    notes.insert(0, Bilingual::new(format!("没有草稿：{}", why.zh), format!("no draft: {}", why.en)));
+    let decision = DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None };
+    let (components, coc_trace) = (Vec::new(), String::new());
+    let nothing = Parts { decision, components, coc_trace, records, causes: None };
+    let clipped = clip::inside(drive, episode, &mut notes);
+    let label = label_of(framework, episode, clipped, nothing);
+    Draft { episode_id: episode.episode_id.clone(), label, doubt: Some(doubt), notes }
 }
 
 /// Drafted parts of a label.
@@ -386,8 +407,9 @@ pub fn components(
     let keyframe = keyframe_of(drive, episode);
     let (target, lead, lead_is) = target_and_lead(framework, drive, signals, episode, keyframe);
     let moment = Moment::of(signals, keyframe, target, None);
-    let scene = components::Scene { framework, drive, signals, episode, target, keyframe };
-    let mut all = with_cause(&scene, scene.observed(&moment, lang), (&moment, false), lang);
+    let has_course = false;
+    let scene = components::Scene { framework, drive, signals, episode, target, keyframe, has_course };
+    let mut all = with_cause(&scene, scene.observed(&moment, lang), &moment, lang);
     all.extend(trace::also(framework, class, &moment, lang));
     // A near lead and the announced turn may be causes, whatever the ego then does.
     let lead = lead.filter(|lead| lead_is == LeadIs::Nearer && lead.is_near());
@@ -405,19 +427,19 @@ fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
     frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1))
 }
 
-/// Inserts the component that every episode of the class has as the first one, if the `observed` ones do not show it;
-/// `detailed`: in the words for this moment. The Chinese texts decide what a component is about, so that drafts of both
+/// Inserts the component that every episode of the class has as the first one, if the `observed` ones do not show it, in
+/// the words for this moment. The Chinese texts decide what a component is about, so that drafts of both
 /// languages have the same ones.
 fn with_cause(
     scene: &components::Scene<'_>,
     mut observed: Vec<CriticalComponent>,
-    (moment, detailed): (&Moment<'_>, bool),
+    moment: &Moment<'_>,
     lang: Lang,
 ) -> Vec<CriticalComponent> {
     let (framework, class) = (scene.framework, &scene.episode.scenario_id);
     let in_chinese = (lang != Lang::Zh).then(|| scene.observed(moment, Lang::Zh));
     let found = in_chinese.as_ref().unwrap_or(&observed);
-    if let Some(seen) = trace::seen(framework, class, found, detailed.then_some(moment), lang) {
+    if let Some(seen) = trace::seen(framework, class, found, moment, lang) {
         observed.insert(0, seen);
     }
     // LABELING.md 3: at least one component about a hidden road user is uncertain.

@@ -7,7 +7,7 @@ use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::DoingWhen;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
 use whyroad_model::names::class_name;
-use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, SignalTable, TrackId};
+use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, SignalTable, TrackId, Tri};
 
 /// Objects nearer than this along the ego's path are beside it, even if they are short, m.
 const BESIDE_M: f64 = 3.0;
@@ -18,6 +18,9 @@ const FROM_A_SIDE_M: f64 = 1.0;
 
 /// Minimum difference of speeds that is mentioned, m/s.
 const NOTABLY_MPS: f64 = 1.0;
+
+/// A lead that is slower than the ego by this is called slow, even if it speeds up, m/s.
+const MUCH_SLOWER_MPS: f64 = 2.0;
 
 /// Minimum speed and acceleration of a vehicle that is moving off, m/s, m/s2.
 const MOVING_OFF_MPS: f64 = 0.2;
@@ -62,6 +65,8 @@ pub(super) struct Scene<'a> {
     /// The subject of the class.
     pub target: Option<&'a TrackId>,
     pub keyframe: usize,
+    /// The table has the frames before the keyframe and after it.
+    pub has_course: bool,
 }
 
 impl Scene<'_> {
@@ -185,21 +190,37 @@ impl Scene<'_> {
         } else if comes_in {
             Bilingual::new("正在进入自车车道", "is coming into the ego's lane")
         } else {
-            let faster = number("target.relative_speed").filter(|_| is_lead);
+            let speeds =
+                || Some(number("target.speed")? - signals.frame_columns.get("ego.speed")?.number(frame)?);
+            let faster = number("target.relative_speed").or_else(speeds).filter(|v| is_lead && !v.is_nan());
+            let moment = Moment::of(signals, frame, Some(id), None);
+            let change = |name: &str| if self.has_course { moment.change(name) } else { Tri::Unknown };
             match number("target.accel") {
                 _ if oncoming && class == ObjectClass::Pedestrian => {
                     Bilingual::new("正迎面走来", "is coming towards the ego")
                 }
                 _ if oncoming => Bilingual::new("正对向驶来", "is oncoming"),
-                Some(a) if a < -0.5 => Bilingual::new("正在减速", "is slowing"),
-                Some(a) if a > 0.5 => Bilingual::new("正在加速", "is speeding up"),
+                // What changes only after the keyframe is not seen at it.
+                Some(a) if a < -0.5 && change("past.target_slowed") != Tri::False => {
+                    Bilingual::new("正在减速", "is slowing")
+                }
+                // A lead that the ego closes in on is slow first of all.
+                Some(a)
+                    if a > 0.5
+                        && change("past.target_gained") != Tri::False
+                        && faster.is_none_or(|v| v > -MUCH_SLOWER_MPS) =>
+                {
+                    Bilingual::new("正在加速", "is speeding up")
+                }
                 _ if faster.is_some_and(|v| v < -NOTABLY_MPS) => {
                     Bilingual::new("车速低于自车", "is slower than the ego")
                 }
                 _ if faster.is_some_and(|v| v > NOTABLY_MPS) => {
                     Bilingual::new("车速高于自车", "is faster than the ego")
                 }
-                _ if is_lead => Bilingual::new("车速与自车相近", "is driving at about the ego's speed"),
+                _ if faster.is_some() => {
+                    Bilingual::new("车速与自车相近", "is driving at about the ego's speed")
+                }
                 _ if class == ObjectClass::Pedestrian => Bilingual::new("正在走动", "is walking"),
                 _ if class.is_vru() => Bilingual::new("正在骑行", "is riding"),
                 _ if class == ObjectClass::Animal => Bilingual::new("正在移动", "is moving"),

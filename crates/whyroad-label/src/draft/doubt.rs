@@ -22,6 +22,8 @@ const LANE_SIDE_M: f64 = 1.7;
 const COMES_IN_M: f64 = 0.3;
 /// An object that comes out of an occlusion matters if it comes nearer to the path than this within 8 s, m.
 const NEAR_PATH_M: f64 = 3.0;
+/// A road user farther behind than this has passed long ago, m.
+const GONE_M: f64 = -15.0;
 /// Sudden braking, m/s2; the rule requires stronger braking at one moment.
 const BRAKES_MPS2: f64 = -2.0;
 /// An object faster than this has not just started, m/s.
@@ -34,6 +36,9 @@ const PASSED_M: f64 = 40.0;
 
 /// A road user that is faster than the ego by more than this does not hold it up, m/s.
 const FASTER_MPS: f64 = 0.5;
+
+/// A faster road user holds the ego up if it is slower than the limit by this, m/s.
+const BELOW_MPS: f64 = 2.0;
 
 /// Frames within which a lane change explains a rise of the speed, and the ego responds to hard braking: 2 s.
 const SOON_FRAMES: usize = 20;
@@ -85,6 +90,10 @@ pub enum Doubt {
     WaitsFirst,
     /// The ego's motion is not that of the class.
     Motion,
+    /// The ego goes although its light is red.
+    AgainstRed,
+    /// Every wording states something that the recording contradicts.
+    Words,
 }
 
 impl Doubt {
@@ -121,6 +130,14 @@ impl Doubt {
                 "the ego still waits at the keyframe and moves off later",
             ),
             Self::Motion => ("自车的实际运动与场景不符", "the motion of the ego does not fit the class"),
+            Self::AgainstRed => (
+                "自车面对红灯却在行驶，记录没有显示原因",
+                "the ego goes although its light is red, and the recording does not show why",
+            ),
+            Self::Words => (
+                "可用的写法都与记录的运动或灯色不符",
+                "the recorded motion or light contradicts every wording",
+            ),
         };
         Bilingual::new(zh, en)
     }
@@ -196,12 +213,26 @@ pub(super) fn of_target(
                 _ => true,
             };
             let beside = l3 == "same_direction_turn";
-            first_of(&[(!way, Doubt::OtherWay), (!beside && (!near || through), Doubt::NotCrossing)])
+            let gone = other.number("target.longitudinal", k).is_some_and(|x| x < GONE_M);
+            first_of(&[
+                (!way, Doubt::OtherWay),
+                (gone || (!beside && (!near || through)), Doubt::NotCrossing),
+            ])
         }
         ("reactive_agent", "passing") => first_of(&[
             (!ahead(0.0), Doubt::NotAhead),
             (!known(other.moves(k), &[Moves::Against]), Doubt::OtherWay),
         ]),
+        ("safety", "near_miss") => {
+            let near = other.nearest_aside(other.frames(10, 50)).is_none_or(|m| m < NEAR_PATH_M);
+            (!near).then_some(Doubt::NotComing)
+        }
+        ("proactive", "lane_change") if matches!(l3, "" | "efficiency" | "overtake") => {
+            // It is coming in from the next lane.
+            let moves = other.number("target.speed", k).is_some_and(|v| v > STOOD_MPS);
+            let enters = moves && other.ever("target.wheel_over_line", other.frames(0, 0)).is_true();
+            enters.then_some(Doubt::NotInLane)
+        }
         ("proactive", "obstacle_avoidance") => {
             let width = super::lead::size_at(drive, id, k).map_or(f64::NAN, |(_, width)| width);
             let half = if width.is_finite() { width / 2.0 } else { 1.0 };
@@ -391,8 +422,10 @@ pub(super) fn of_reason(class: &ScenarioId, w: &Driven<'_>, target: Option<&Trac
     let slower = target.and_then(|id| Other::of(w, id)).is_some_and(|other| {
         let relative = other.number("target.relative_speed", w.keyframe);
         let limit = w.number("map.speed_limit", w.keyframe);
-        let below_limit =
-            other.number("target.speed", w.keyframe).zip(limit).is_some_and(|(v, limit)| v < limit);
+        let below_limit = other
+            .number("target.speed", w.keyframe)
+            .zip(limit)
+            .is_some_and(|(v, limit)| v < limit - BELOW_MPS);
         let is_seen = other.number("target.longitudinal", w.keyframe).is_some_and(|x| x > 0.0);
         is_seen && (relative.is_none_or(|v| v <= FASTER_MPS) || (class.l3.is_some() && below_limit))
     });

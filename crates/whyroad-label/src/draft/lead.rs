@@ -13,8 +13,8 @@ const NEAR_M: f64 = 8.0;
 /// Maximum time gap at which it does so even if it is not slower, s.
 const CLOSE_S: f64 = 1.0;
 /// Maximum time in which the ego would close in on a slower lead that is farther away, s, and its maximum distance, m.
-const CLOSING_S: f64 = 6.0;
-const CLOSING_M: f64 = 60.0;
+const CLOSING_S: f64 = 7.0;
+const CLOSING_M: f64 = 70.0;
 /// How far a driver extrapolates the braking of the lead, s.
 const AHEAD_S: f64 = 2.0;
 /// An ego that stands within this distance behind a lead waits for it, m.

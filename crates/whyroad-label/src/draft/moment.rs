@@ -19,6 +19,12 @@ const FACING_RAD: f64 = 100.0 * std::f64::consts::PI / 180.0;
 /// A junction nearer than this is the one for which the ego indicates, m.
 const AT_JUNCTION_M: f64 = 40.0;
 
+/// A junction nearer than this may be named, m.
+const NEAR_JUNCTION_M: f64 = 120.0;
+
+/// Frames before the keyframe in which an ego on a ramp comes from it: 5 s.
+const RAMP_FRAMES: usize = 50;
+
 /// The light lets the ego go: round, an arrow, or with the duty to give way. A flashing green is about to end.
 pub(super) fn is_green(state: &str) -> bool {
     state.starts_with("green")
@@ -54,6 +60,8 @@ pub(super) struct Moment<'a> {
     fits_gap: bool,
     /// The ego turns.
     turns: bool,
+    /// Frames before the keyframe, and after it, are known too.
+    has_course: bool,
 }
 
 impl<'a> Moment<'a> {
@@ -71,7 +79,13 @@ impl<'a> Moment<'a> {
             motion: LongitudinalMotion::Unknown,
             fits_gap: false,
             turns: false,
+            has_course: false,
         }
+    }
+
+    /// The same, with changes before and after the keyframe (`past.*`, `soon.*`) if the table has those frames.
+    pub(super) fn with_course(self, has_course: bool) -> Self {
+        Self { has_course, ..self }
     }
 
     /// The same, where the ego does this after the keyframe.
@@ -94,22 +108,31 @@ impl<'a> Moment<'a> {
         conditions.iter().all(|c| self.holds(c))
     }
 
+    /// A condition on an unknown signal does not hold.
     fn holds(&self, condition: &SignalCondition) -> bool {
+        self.truth(condition).is_true()
+    }
+
+    /// Whether a condition holds; unknown where one of its signals is.
+    pub(super) fn truth(&self, condition: &SignalCondition) -> Tri {
         let SignalCondition { signal, isnt, is, above, below, above_signal, below_signal } = condition;
         if let Some(is) = is {
-            return self.category(signal).is_some_and(|c| (c == is) != *isnt);
+            return self.category(signal).map_or(Tri::Unknown, |c| Tri::from((c == is) != *isnt));
         }
         let of_signal = |name: &Option<String>| name.as_deref().map(|n| self.number(n));
         let least = above.map(Some).or_else(|| of_signal(above_signal));
         let most = below.map(Some).or_else(|| of_signal(below_signal));
         if least.is_none() && most.is_none() {
-            return self.flag(signal) == Tri::from(!isnt);
+            let flag = self.flag(signal);
+            return if *isnt { !flag } else { flag };
         }
-        // A condition on an unknown signal does not hold.
-        self.number(signal).is_some_and(|v| {
-            least.is_none_or(|least| least.is_some_and(|l| v > l))
-                && most.is_none_or(|most| most.is_some_and(|m| v < m))
-        })
+        let compare = |limit: Option<Option<f64>>, is_met: fn(f64, f64) -> bool| match limit {
+            None => Tri::True,
+            Some(limit) => {
+                self.number(signal).zip(limit).map_or(Tri::Unknown, |(v, l)| Tri::from(is_met(v, l)))
+            }
+        };
+        compare(least, |v, l| v > l).and(compare(most, |v, m| v < m))
     }
 
     /// A known number; it may be infinite.
@@ -146,7 +169,17 @@ impl<'a> Moment<'a> {
             "decided.changes_lane" => Tri::from(changes_lane(self.signals, self.frame)),
             "decided.fits_gap" => Tri::from(self.fits_gap),
             "decided.turns" => Tri::from(self.turns),
+            "around.junction" => self.junction(),
+            "around.ramp" => self.ramp(),
+            "decided.against_red" => self.goes_against_red(),
             "around.indicator_against" => Tri::from(self.indicator_against()),
+            _ if name.starts_with("past.") || name.starts_with("soon.") => {
+                if self.has_course {
+                    self.change(name)
+                } else {
+                    Tri::Unknown
+                }
+            }
             _ if name.starts_with("decided.") => {
                 Tri::from(name.strip_prefix("decided.") == Some(self.motion.id()))
             }
@@ -159,6 +192,48 @@ impl<'a> Moment<'a> {
                 }
             }
         }
+    }
+
+    /// The ego goes although its light is red, and does not turn to the side on which it drives.
+    pub(super) fn goes_against_red(&self) -> Tri {
+        let goes = matches!(self.motion, LongitudinalMotion::Starts | LongitudinalMotion::SpeedsUp);
+        let driving_side = self.category("map.driving_side").and_then(LateralDirection::from_id);
+        let turns_near = self.turns && self.side.is_some() && self.side == driving_side;
+        let red = self.category(LIGHT).map_or(Tri::Unknown, |state| Tri::from(state == "red"));
+        red.and(Tri::from(goes && !turns_near))
+    }
+
+    /// The ego is in a junction, or one is ahead.
+    fn junction(&self) -> Tri {
+        let near = self.number("map.distance_to_junction");
+        self.flag("ego.in_junction").or(near.map_or(Tri::Unknown, |d| Tri::from(d < NEAR_JUNCTION_M)))
+    }
+
+    /// The ego is on a ramp or in a merging lane, or was on a ramp shortly before.
+    fn ramp(&self) -> Tri {
+        let Some(ramp) = self.signals.frame_columns.get("map.on_ramp") else { return Tri::Unknown };
+        let frames = self.frame.saturating_sub(RAMP_FRAMES)..=self.frame;
+        frames.map(|f| ramp.flag(f)).fold(self.flag("map.merge_zone"), Tri::or)
+    }
+
+    /// Number of a frame before or after the keyframe, or of the target in it.
+    pub(super) fn number_at(&self, name: &str, frame: usize) -> Option<f64> {
+        let value = match self.signals.frame_columns.get(name) {
+            Some(column) if frame < column.len() => column.number(frame),
+            Some(_) => None,
+            None => {
+                let row = self.row?;
+                let spans = &self.signals.targets;
+                let span = spans.iter().find(|span| span.row(self.frame) == Some(row))?;
+                self.signals.target_columns.get(name)?.number(span.row(frame)?)
+            }
+        };
+        value.filter(|v| !v.is_nan())
+    }
+
+    /// The frame of the keyframe.
+    pub(super) fn frame(&self) -> usize {
+        self.frame
     }
 
     /// No object near the ego is ahead in its lane or crosses its path.

@@ -6,12 +6,12 @@ use super::motion::LongitudinalMotion;
 use crate::driven::along::{Course, Trend};
 use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
-use whyroad_framework::draft_texts::{Phrasings, SeenWhen, WhyKept};
+use whyroad_framework::draft_texts::{Claim, Phrasings, SeenWhen, WhyKept};
 use whyroad_framework::label_words::WordRole;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::{CriticalComponent, DrivingDecision, Uncertainty};
 use whyroad_model::scene::FRAME_RATE_HZ;
-use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable, TrackId};
+use whyroad_model::{ComponentCategory, Lang, ScenarioId, SignalTable, TrackId, Tri};
 
 /// Maximum number of components in the state: a reader needs no more than two.
 pub(super) const MOST_IN_STATE: usize = 2;
@@ -19,6 +19,8 @@ pub(super) const MOST_IN_STATE: usize = 2;
 const STANDING_MPS: f64 = 0.3;
 /// Below this acceleration the speed falls, and above its negative it rises, m/s2; as for a target.
 const SLOWING_MPS2: f64 = -0.5;
+/// Below this acceleration the ego brakes whatever its speed does then, m/s2.
+const BRAKING_MPS2: f64 = -1.5;
 /// An object whose center is not farther ahead than this is beside the ego, or behind it, m.
 const BESIDE_M: f64 = 0.0;
 /// Below this speed the ego is slow, m/s: it stops within its own length.
@@ -88,6 +90,7 @@ pub(super) fn why_kept(
     let goes_on = |trend: Trend| course.is_none_or(|c| c.trend == trend);
     let underway = |trend: Trend| course.is_some_and(|c| c.is_underway(trend));
     match number("ego.accel") {
+        Some(a) if a < BRAKING_MPS2 => return WhyKept::Slowing,
         Some(a) if a < SLOWING_MPS2 && goes_on(Trend::Falls) => return WhyKept::Slowing,
         Some(a) if a > -SLOWING_MPS2 && goes_on(Trend::Rises) => return WhyKept::Speeding,
         _ if underway(Trend::Falls) && goes_on(Trend::Falls) => return WhyKept::Slowing,
@@ -182,7 +185,8 @@ fn fits(text: &str, lang: Lang) -> bool {
 }
 
 /// The trace with the phrasings that `seed` selects, of the preferred length: with the ego's motion at the keyframe if
-/// there is room, and with fewer components in the state if there is not.
+/// there is room, and with fewer components in the state if there is not. `None` where the signals contradict a claim of
+/// each of them.
 pub(super) fn trace(
     facts: &DraftFacts<'_>,
     order: StateOrder,
@@ -190,7 +194,7 @@ pub(super) fn trace(
     keyframe: usize,
     moment: &Moment<'_>,
     seed: u64,
-) -> String {
+) -> Option<String> {
     let choice = Choice::of(seed);
     let reasons = facts.reason(moment);
     let openings = openings(facts, signals, keyframe, choice.opening);
@@ -223,7 +227,9 @@ pub(super) fn trace(
     let smooth = |t: &String| facts.brakes_hard && SMOOTH.iter().any(|w| t.contains(w));
     let chained = |t: &String| t.matches(" and ").count() > MOST_ANDS;
     let mut texts = texts;
-    for is_worse in [&smooth as &dyn Fn(&String) -> bool, &chained] {
+    texts.retain(|t| facts.claims(t, moment) != Tri::False);
+    let unsure = |t: &String| facts.claims(t, moment) == Tri::Unknown;
+    for is_worse in [&smooth as &dyn Fn(&String) -> bool, &unsure, &chained] {
         if !texts.iter().all(is_worse) {
             texts.retain(|t| !is_worse(t));
         }
@@ -238,7 +244,7 @@ pub(super) fn trace(
             if n > *wanted.end() { (1, n) } else { (0, wanted.start().saturating_sub(n)) }
         })
     };
-    found.or_else(nearest).cloned().unwrap_or_default()
+    found.or_else(nearest).cloned()
 }
 
 /// Phrasings of the ego's motion at the keyframe, that of `seed` first.
@@ -366,6 +372,17 @@ impl<'a> DraftFacts<'a> {
         reasons.into_iter().find(|r| moment.all(r.when)).map(|r| r.texts)
     }
 
+    /// Whether what the words of a text claim is true, as far as signals show it. What is said of the lead is compared with
+    /// the lead, also where the class is about another road user.
+    fn claims(&self, text: &str, moment: &Moment<'_>) -> Tri {
+        let made = self.framework.draft_texts.claims(self.class, text, self.lang);
+        let truth = |claim: &Claim| {
+            let of = self.lead.as_ref().filter(|_| claim.of_lead).unwrap_or(moment);
+            claim.when.iter().map(|c| of.truth(c)).fold(Tri::True, Tri::and)
+        };
+        made.map(truth).fold(Tri::True, Tri::and)
+    }
+
     /// Every reason that a draft may contain.
     fn whys(&self) -> Vec<&'a str> {
         let of = |p: &'a Phrasings| p.all(self.lang).iter().map(String::as_str);
@@ -404,8 +421,8 @@ impl<'a> DraftFacts<'a> {
             }
         });
         // Who gives way first does so before the maneuver.
-        let first =
-            matches!(longitudinal, Some(Longitudinal::YieldToAgent | Longitudinal::StopForRegulation));
+        let first = self.motion == LongitudinalMotion::Stops
+            || matches!(longitudinal, Some(Longitudinal::YieldToAgent | Longitudinal::StopForRegulation));
         match (lang, along, across) {
             (_, None, None) => self.kept().1.map_or("", |p| p.pick(lang, seed)).to_owned(),
             (Lang::Zh, Some(a), Some(b)) => format!("{a}，{}{b}", if first { "再" } else { "并" }),
@@ -569,7 +586,7 @@ pub(super) fn seen(
     framework: &Framework,
     class: &ScenarioId,
     found: &[CriticalComponent],
-    moment: Option<&Moment<'_>>,
+    moment: &Moment<'_>,
     lang: Lang,
 ) -> Option<CriticalComponent> {
     let words = framework.label_words();
@@ -596,7 +613,7 @@ pub(super) fn seen(
     }
     let texts = &framework.draft_texts;
     let seen = texts.seen(class)?;
-    let told = moment.and_then(|m| texts.seen_when(class).iter().find_map(|w| when_told(w, m, lang)));
+    let told = texts.seen_when(class).iter().find_map(|w| when_told(w, moment, lang));
     let (category, description) = told.unwrap_or_else(|| (None, seen.get(lang).to_owned()));
     Some(component(category.or(seen.category), description, seen.high.then_some(Uncertainty::High)))
 }

@@ -22,9 +22,9 @@ fn a_lead_that_is_near_is_the_nearest_cause() {
         (cause, lead.linked_objects.as_slice()),
         (vec![lead.id.clone().unwrap()], &["d".to_owned()][..])
     );
-    // Farther away it is if the ego would reach it within 6 s: 48 m to a standing lead.
-    assert_eq!(turn(52.6).driving_decision.longitudinal, Some(Longitudinal::LeadFollowing));
-    let far = turn(52.7);
+    // Farther away it is if the ego would reach it within 7 s: 56 m to a standing lead.
+    assert_eq!(turn(60.6).driving_decision.longitudinal, Some(Longitudinal::LeadFollowing));
+    let far = turn(60.7);
     assert_eq!(far.driving_decision.longitudinal, Some(Longitudinal::RoadSpeedAdaptation));
     assert!(!far.coc_trace.contains("前车"), "{}", far.coc_trace);
     // An ego that stands behind a stationary lead remains stationary because of it.

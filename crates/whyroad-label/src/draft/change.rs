@@ -1,0 +1,99 @@
+//! Changes of speed and distance just before the keyframe (`past.*`) and just after it (`soon.*`), to which the
+//! conditions of `schema/draft_texts.yaml` refer. A change that needs frames outside of the drive is unknown.
+
+use super::moment::Moment;
+use whyroad_model::Tri;
+
+/// Frames before the keyframe over which the ego's change is measured, and those over which another's is.
+const EGO_FRAMES: usize = 10;
+const OTHER_FRAMES: usize = 5;
+/// Minimum change of the ego's speed over them, m/s.
+const EGO_MPS: f64 = 0.25;
+/// Minimum change of another's speed over them, m/s.
+const OTHER_MPS: f64 = 0.15;
+/// Minimum loss of speed in the second before the keyframe that is visible as hard braking, m/s.
+const BRAKED_MPS: f64 = 0.7;
+/// Minimum change of a distance over them, m.
+const DISTANCE_M: f64 = 0.1;
+/// Frames before the keyframe in which the ego was faster: 5 s; and the minimum difference: this share, plus this, m/s.
+const FASTER_FRAMES: usize = 50;
+const FASTER_SHARE: f64 = 0.15;
+const FASTER_MPS: f64 = 0.7;
+/// Frames after the keyframe in which a change goes on: 1 s; in which a response begins: 1.5 s; and in which a speed is
+/// kept: 3 s.
+const SOON_FRAMES: usize = 10;
+const ANSWER_FRAMES: usize = 15;
+const KEPT_FRAMES: usize = 30;
+/// Minimum loss of speed that is a response, m/s.
+const ANSWER_MPS: f64 = 0.4;
+/// A speed is kept if it stays within this share, and within this, m/s; it changes little within the larger ones.
+const KEPT: (f64, f64) = (0.1, 0.6);
+const LITTLE: (f64, f64) = (0.2, 1.5);
+
+impl Moment<'_> {
+    /// The change with this name in `schema/draft_texts.yaml`; unknown for other names.
+    pub(super) fn change(&self, name: &str) -> Tri {
+        let ego = || self.gained("ego.speed", EGO_FRAMES);
+        let target = |frames| self.gained("target.speed", frames);
+        let distance = || self.gained("target.distance", OTHER_FRAMES);
+        match name {
+            "past.slowed" => is(ego(), |d| d < -EGO_MPS),
+            "past.gained" => is(ego(), |d| d > EGO_MPS),
+            "past.was_faster" => self.was_faster(),
+            "past.target_slowed" => is(target(OTHER_FRAMES), |d| d < -OTHER_MPS),
+            "past.target_gained" => is(target(OTHER_FRAMES), |d| d > OTHER_MPS),
+            "past.target_braked" => is(target(EGO_FRAMES), |d| d < -BRAKED_MPS),
+            "past.closer" => is(distance(), |d| d < -DISTANCE_M),
+            "past.farther" => is(distance(), |d| d > DISTANCE_M),
+            "soon.falls" => is(self.gains(SOON_FRAMES), |d| d < 0.0),
+            "soon.rises" => is(self.gains(SOON_FRAMES), |d| d > 0.0),
+            "soon.answers" => self.answers(),
+            "soon.keeps" => self.stays_within(KEPT),
+            "soon.changes_little" => self.stays_within(LITTLE),
+            _ => Tri::Unknown,
+        }
+    }
+
+    /// Change of a number over the `frames` before the keyframe.
+    fn gained(&self, name: &str, frames: usize) -> Option<f64> {
+        let before = self.number_at(name, self.frame().checked_sub(frames)?)?;
+        Some(self.number_at(name, self.frame())? - before)
+    }
+
+    /// Change of the ego's speed over the `frames` after the keyframe.
+    fn gains(&self, frames: usize) -> Option<f64> {
+        let speed = |frame| self.number_at("ego.speed", frame);
+        Some(speed(self.frame() + frames)? - speed(self.frame())?)
+    }
+
+    fn was_faster(&self) -> Tri {
+        let from = self.frame().saturating_sub(FASTER_FRAMES);
+        let before = (from..self.frame()).filter_map(|f| self.number_at("ego.speed", f));
+        let most = before.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |m| m.max(v))));
+        let now = self.number_at("ego.speed", self.frame());
+        most.zip(now).map_or(Tri::Unknown, |(m, v)| Tri::from(m > v * (1.0 + FASTER_SHARE) + FASTER_MPS))
+    }
+
+    /// The ego loses speed at once, or was losing it already.
+    fn answers(&self) -> Tri {
+        let speeds = (1..=ANSWER_FRAMES).filter_map(|n| self.gains(n));
+        let least = speeds.fold(None, |least: Option<f64>, d| Some(least.map_or(d, |l| l.min(d))));
+        is(least, |d| d < -ANSWER_MPS).or(is(self.gained("ego.speed", EGO_FRAMES), |d| d < -ANSWER_MPS))
+    }
+
+    /// The speed stays within a share of its value and a tolerance (m/s), from 0.5 s before the keyframe on.
+    fn stays_within(&self, (share, tolerance_mps): (f64, f64)) -> Tri {
+        let (Some(now), Some(_)) = (self.number_at("ego.speed", self.frame()), self.gains(KEPT_FRAMES))
+        else {
+            return Tri::Unknown;
+        };
+        let limit = (share * now).max(tolerance_mps);
+        let frames = self.frame().saturating_sub(OTHER_FRAMES)..=self.frame() + KEPT_FRAMES;
+        let mut speeds = frames.filter_map(|f| self.number_at("ego.speed", f));
+        Tri::from(speeds.all(|v| (v - now).abs() <= limit))
+    }
+}
+
+fn is(change: Option<f64>, condition: fn(f64) -> bool) -> Tri {
+    change.map_or(Tri::Unknown, |d| Tri::from(condition(d)))
+}
