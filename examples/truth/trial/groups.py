@@ -28,6 +28,7 @@ from networks_gateway import airport, diamond, indirect, railside
 from networks_joined import dumbbell, herringbone, hexagons, plain_exits
 from networks_local import ring_motorway, school, suburb, two_banks
 from networks_mixed import lit_grid, parked, spokes, weaving
+from networks_newtown import retail, sideroads, singlepoint, turbine
 from networks_outskirts import contraflow, crossings, hamlet, viaduct
 from networks_planned import arterial, collector, estate, one_way_blocks
 from networks_regional import gyratory, terminus, tramway, upland
@@ -140,6 +141,12 @@ SETS = {
         "airport": (airport, 15031, 280, 0.1, "EIDM9", 2.7, 0.42, 0),
         "railside": (railside, 15053, 320, 0.05, "KraussEven+moto+train", 3.2, 0.42, 0),
     },
+    "held15": {
+        "sideroads": (sideroads, 16001, 280, 0.1, "EIDM10+moto", "sublane", 0.75, 0),
+        "turbine": (turbine, 16007, 230, 0.2, "IDM12", 3.8, 1.7, 0),
+        "singlepoint": (singlepoint, 16033, 270, 0.1, "KraussPlain", 3.4, 0.8, 0),
+        "retail": (retail, 16057, 310, 0.05, "KraussTame+moto", 2.6, 0.4, 0.05),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -166,4 +173,6 @@ NOISE = {
     "held13/upland": (0.09, 0.09, 0.16, 1.4, 0.04),
     "held14/diamond": (0.06, 0.11, 0.26, 0.6, 0.07),
     "held14/railside": (0.11, 0.06, 0.19, 1.2, 0.05),
+    "held15/sideroads": (0.04, 0.13, 0.21, 1.1, 0.08),
+    "held15/turbine": (0.13, 0.08, 0.34, 0.4, 0.06),
 }
