@@ -142,10 +142,10 @@ SETS = {
         "railside": (railside, 15053, 320, 0.05, "KraussEven+moto+train", 3.2, 0.42, 0),
     },
     "held15": {
-        "sideroads": (sideroads, 16001, 280, 0.1, "EIDM10+moto", "sublane", 0.75, 0),
-        "turbine": (turbine, 16007, 230, 0.2, "IDM12", 3.8, 1.7, 0),
+        "sideroads": (sideroads, 16001, 300, 0.1, "EIDM10+moto", "sublane", 0.75, 0),
+        "turbine": (turbine, 16007, 230, 0.2, "IDM12", 3.8, 1.55, 0),
         "singlepoint": (singlepoint, 16033, 270, 0.1, "KraussPlain", 3.4, 0.8, 0),
-        "retail": (retail, 16057, 310, 0.05, "KraussTame+moto", 2.6, 0.4, 0.05),
+        "retail": (retail, 16057, 310, 0.05, "KraussTame+moto", 2.6, 0.34, 0),
     },
 }
 

@@ -96,7 +96,7 @@ def sideroads(work, draw):
         def piece(a, b, lanes, limit, kind, off, bay=0):
             line = [at(d, o) for d, o in stations(places[a] + reach.get(a, (0, 2))[1], places[b] - reach.get(b, (2, 0))[0], lambda _: off - 3.2 * bool(bay))]
             row = edge(a + b, a, b, lanes, limit, kind, 9 if kind == main else 7, line, bay)
-            edges.append(closed(row, "bicycle", "bus") if kind == main else row)
+            edges.append(closed(row, "bicycle") if kind == main else row)
 
         for a, b, lanes, bay in (("w", "d", 3, 0), ("d", "o", 4, 0), ("o", first, 3, 85), (first, "i", 3, 0), ("i", "k", 4, 0), ("k", "p", 3, 0), ("p", second, 3, 85), (second, "j", 3, 0), ("j", "z", 4, 0)):
             piece(a if a in cx else m + a, b if b in cx else m + b, lanes, fast, main, 3, bay)
@@ -204,22 +204,23 @@ def turbine(work, draw):
         rise = 2.6 if d % 2 else 0.0
         nodes.append(lifted(f"f{d}", *turned(d, -400, -44), rise))
         slip(f"off{d}", f"c{d}", f"f{d}", off[d], 22.22, [turned(d, *p) for p in ((c + 26, v, 0.0), (c + 55, v - 1.2, 0.0), (c + 100, v - 7, 0.0), (c + 150, v - 18, rise * 0.6), (-402, -44, rise))])
-        row = lifted(f"j{d}", *turned(d, 400, -44), 0.5, "zipper" if d == 0 else "priority")
-        nodes.append(boxed(row, *turned(d, 400, -44), heading(d), 20, 20, 6.8, 0.4) if d == 0 else row)
-        slip(f"on{d}", f"j{d}", f"e{d}", on[d], 22.22, [turned(d, *p) for p in ((420 if d == 0 else 402, -44, 0.5), (e - 130, w - 14, 0.2), (e - 90, w - 5.5, 0), (e - 55, w - 1, 0), (e - 26, w, 0))])
+        row = lifted(f"j{d}", *turned(d, 400, -44), 0.5, "priority" if d == 1 else "zipper")
+        # By turns, over 40 m.
+        nodes.append(row if d == 1 else boxed(row, *turned(d, 400, -44), heading(d), 20, 20, 6.8, 0.4))
+        slip(f"on{d}", f"j{d}", f"e{d}", on[d], 22.22, [turned(d, *p) for p in ((402 if d == 1 else 420, -44, 0.5), (e - 130, w - 14, 0.2), (e - 90, w - 5.5, 0), (e - 55, w - 1, 0), (e - 26, w, 0))])
         links.extend(ahead(f"off{d}", f"left{d}", (off[d] - 1, 0)) + ahead(f"off{d}", f"right{d}", (0, 0)))
         # Those from west and east pass below the other motorway first, those from south and north above it.
         heights = (1.2, 2, 5.2, 7.2, 8, 7.4, 4.6, 1.2, 0.6, 0.5, 0.5, 0.5, 0.5) if d % 2 else (0, 0, 0, 0, 0, 0.4, 2.8, 6.8, 6.8, 4.4, 1.6, 0.6, 0.5)
-        way = ((-398, -44), (-300, -50), (-200, -80), (-100, -130), (0, -158), (90, -140), (160, -85), (196, 0), (192, 90), (130, 200), (72, 300), (49, 360), (44, 381 if d == 3 else 398))
+        way = ((-398, -44), (-300, -50), (-200, -80), (-100, -130), (0, -158), (90, -140), (160, -85), (196, 0), (192, 90), (130, 200), (72, 300), (49, 360), (44, 398 if d == 0 else 381))
         slip(f"left{d}", f"f{d}", f"j{(d + 1) % 4}", 1, 18.06, [turned(d, *p, max(h, rise) if i < 2 else h) for i, (p, h) in enumerate(zip(way, heights))])
-        bend = ((-398, -47.2), (-340, -64), (-270, -126), (-205, -205), (-126, -270), (-64, -340), (-47.2, -379 if d == 1 else -398))
+        bend = ((-398, -47.2), (-340, -64), (-270, -126), (-205, -205), (-126, -270), (-64, -340), (-47.2, -398 if d == 2 else -379))
         slip(f"right{d}", f"f{d}", f"j{(d - 1) % 4}", 1, 15.28, [turned(d, *p, rise + (0.5 - rise) * i / 6) for i, p in enumerate(bend)])
         links.extend(ahead(f"left{(d - 1) % 4}", f"on{d}", (0, on[d] - 1)) + ahead(f"right{(d + 1) % 4}", f"on{d}", (0, 0)))
     document(work / "nod.xml", "nodes", nodes)
     document(work / "edg.xml", "edges", edges)
     document(work / "con.xml", "connections", links)
     (work / "parked.txt").write_text("\n".join(f'<flow id="haul{i}" type="{kind}" begin="0" period="{p}" number="{int(220 / p)}" from="m{a}a" to="m{b}g" departLane="random" departSpeed="max"/>' for i, (kind, a, b, p) in enumerate((
-        ("truck", 0, 0, 23), ("truck", 2, 2, 19), ("truck", 1, 1, 29), ("car", 0, 1, 13), ("car", 2, 1, 17), ("car", 1, 0, 19), ("car", 3, 0, 15), ("truck", 0, 3, 43), ("car", 1, 2, 21), ("car", 2, 3, 23), ("truck", 3, 2, 47), ("car", 3, 3, 9), ("car", 1, 1, 11)))))
+        ("truck", 0, 0, 23), ("truck", 2, 2, 19), ("truck", 1, 1, 29), ("car", 0, 1, 27), ("car", 2, 1, 17), ("car", 1, 0, 19), ("car", 3, 0, 15), ("truck", 0, 3, 43), ("car", 1, 2, 21), ("car", 2, 3, 23), ("truck", 3, 2, 47), ("car", 3, 3, 9), ("car", 1, 1, 11)))))
     return ["as drawn", "--no-turnarounds", "--junctions.corner-detail", 5]
 
 
@@ -398,10 +399,10 @@ def retail(work, draw):
     stop = lambda road, at, least, most: f'<stop lane="{road}" startPos="{at}" endPos="{at + 7}" duration="{draw.randint(least, most)}"/>'
     served = [f'<flow id="served{i}" type="{kind}" begin="0" end="270" period="exp({1 / p:.4f})" from="{a}" to="{b}" via="d1d2">{stop("d1d2_0", 18, 9, 22)}</flow>' for i, (kind, a, b, p) in enumerate((("car", "wa", "va", 64), ("quick", "eg1", "g1e", 70), ("car", "z1z0", "z0z1", 66)))]
     filled = [f'<flow id="fuel{i}" type="{kind}" begin="0" end="260" period="exp({1 / p:.4f})" from="{a}" to="{b}">{stop(f"gagb_{i}", 20 + 8 * i, 20, 45)}</flow>' for i, (kind, a, b, p) in enumerate((("car", "eg1", "aw", 80), ("van", "wa", "aw", 95), ("car", "hqh2", "h2hq", 90)))]
-    feet = (("u1c1", "c1y1", 8), ("u2c2", "c2y2", 9), ("c1y1", "u1c1", 10), ("c2y2", "u2c2", 9), ("av", "va", 13), ("va", "av", 15), ("h1h3", "h2b", 40))
+    feet = (("u1c1", "c1y1", 8), ("u2c2", "c2y2", 9), ("c1y1", "u1c1", 10), ("c2y2", "u2c2", 9), ("av", "va", 27), ("va", "av", 31), ("h1h3", "h2b", 40))
     (work / "parked.txt").write_text("\n".join([
         *served, *filled,
         *(f'<flow id="shop{i}" type="{kind}" begin="0" period="{p}" number="{int(280 / p)}" from="{a}" to="{b}"/>' for i, (kind, a, b, p) in enumerate((
-            ("car", "wa", "r6k1", 31), ("car", "eg1", "r4k2", 33), ("car", "k1r6", "aw", 35), ("car", "k2r4", "g1e", 37), ("car", "hph1", "r1k3", 43), ("car", "k3r1", "h1hp", 47), ("truck", "eg1", "r5k4", 83), ("van", "k4r5", "aw", 71), ("car", "wa", "g1e", 19), ("car", "eg1", "aw", 21), ("car", "k2r4", "aw", 41)))),
+            ("car", "wa", "r6k1", 31), ("car", "eg1", "r4k2", 33), ("car", "k1r6", "aw", 35), ("car", "k2r4", "g1e", 37), ("car", "hph1", "r1k3", 43), ("car", "k3r1", "h1hp", 47), ("truck", "eg1", "r5k4", 83), ("van", "k4r5", "aw", 71), ("car", "wa", "g1e", 29), ("car", "eg1", "aw", 31), ("car", "k2r4", "aw", 41)))),
         *(f'<personFlow id="foot{i}" type="walker" begin="0" end="300" period="exp({1 / p:.4f})"><walk from="{a}" to="{b}"/></personFlow>' for i, (a, b, p) in enumerate(feet))]))
-    return ["--lefthand", "--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 70, "--tls.yellow.time", 3, "--tls.left-green.time", 8, "--sidewalks.guess", "--sidewalks.guess.max-speed", 13.95, "--sidewalks.guess.exclude", "r6d1,d1d2,d2s1,g1ga,gagb,gbg2,r2o,vp0,p0v,h1p1,p1h1,p2q0,q0p2,q1o,oq1,q2r1,r1q2,pr0,pr1,pr2,qr0,qr1,qr2", "--crossings.guess"]
+    return ["--lefthand", "--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 70, "--tls.yellow.time", 3, "--tls.left-green.time", 8, "--sidewalks.guess", "--sidewalks.guess.max-speed", 13.95, "--sidewalks.guess.exclude", "r6d1,d1d2,d2s1,g1ga,gagb,gbg2,r2o,h1p1,p1h1,p2q0,q0p2,q1o,oq1,q2r1,r1q2,pr0,pr1,pr2,qr0,qr1,qr2", "--crossings.guess"]
