@@ -207,7 +207,8 @@ def turbine(work, draw):
         row = lifted(f"j{d}", *turned(d, 400, -44), 0.5, "priority" if d == 1 else "zipper")
         # By turns, over 40 m.
         nodes.append(row if d == 1 else boxed(row, *turned(d, 400, -44), heading(d), 20, 20, 6.8, 0.4))
-        slip(f"on{d}", f"j{d}", f"e{d}", on[d], 22.22, [turned(d, *p) for p in ((402 if d == 1 else 420, -44, 0.5), (e - 130, w - 14, 0.2), (e - 90, w - 5.5, 0), (e - 55, w - 1, 0), (e - 26, w, 0))])
+        begin = 402 if d == 1 else 420
+        slip(f"on{d}", f"j{d}", f"e{d}", on[d], 22.22, [turned(d, begin + (e - 26 - begin) * k / 6, -44 + (w + 44) * ease(k / 6), 0.5 - k / 12) for k in range(7)])
         links.extend(ahead(f"off{d}", f"left{d}", (off[d] - 1, 0)) + ahead(f"off{d}", f"right{d}", (0, 0)))
         # Those from west and east pass below the other motorway first, those from south and north above it.
         heights = (1.2, 2, 5.2, 7.2, 8, 7.4, 4.6, 1.2, 0.6, 0.5, 0.5, 0.5, 0.5) if d % 2 else (0, 0, 0, 0, 0, 0.4, 2.8, 6.8, 6.8, 4.4, 1.6, 0.6, 0.5)
