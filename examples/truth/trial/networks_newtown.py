@@ -358,7 +358,8 @@ def retail(work, draw):
     place = {"w": (-620, 12), "a": (ax, 4), "v": (-195, 1), "o": (92, -5), "b": (bx, -4), "g2": (430, -2), "g1": (505, 0), "e": (690, 8), "ga": (492, -32), "gb": (436, -33),
              "r1": (-40, -95), "n1": (5 + jolt(), -97), "n2": (46, -98), "r2": (92, -99), "n3": (138 + jolt(), -101), "n4": (184, -102), "r3": (240, -104), "r4": (246, -208), "s4": (190, -211), "c2": (164, -212), "s3": (136, -213), "r5": (98, -214), "c1": (72, -214), "s2": (46, -213), "s1": (3, -212), "r6": (-46, -210),
              "k1": (-142, -220), "k2": (340, -222), "k3": (-132, -108), "k4": (108, -312), "d1": (-62, -262), "d2": (-28, -274), "h0": (-338, 128), "h1": (-66, 130), "h2": (312, 138), "h3": (120, 122), "ho": (-350, 290), "hp": (-52, 285), "hq": (330, 300), "hr": (128, 288), "z0": (-322, -130), "z1": (-318, -290), "hw": (-540, 150)}
-    kinds = {"a": "traffic_light", "b": "traffic_light", "r5": "allway_stop", "r2": "allway_stop", "h0": "right_before_left", "h1": "right_before_left", "h2": "right_before_left", "h3": "right_before_left"}
+    # For traffic on the left netconvert turns the name around: who comes from the right goes first.
+    kinds = {"a": "traffic_light", "b": "traffic_light", "r5": "allway_stop", "r2": "allway_stop", "h0": "left_before_right", "h1": "left_before_right", "h2": "left_before_right", "h3": "left_before_right"}
     nodes += [node(n, *xy, kinds.get(n, "priority")) for n, xy in place.items()]
     # The roundabouts run clockwise; a row is an arm's end and angle.
     for n, cx, cy, angles in (("p", -76, 2, (180, 84, -9)), ("q", -34, -5, (171, 3, -96))):
