@@ -255,6 +255,25 @@ fn post_encroachment_time_by_hand() {
     assert_eq!(t.num("hits", "target.pet", 20), 0.0);
 }
 
+/// A lead 11 s ahead waits at 150 m from 4 s to 9 s and then turns off the ego's way to the left, with 4 m/s on a radius
+/// of 5.1 m. Before it waits, no place of its way is one that both pass within 10 s: nothing is encroached there.
+#[test]
+fn an_encounter_begins_where_both_pass_within_ten_seconds() {
+    let mut d = drive(170, |t| (10.0 * t, 0.0, 0.0));
+    let radius = 4.0 / (FRAC_PI_2 / 2.0);
+    car(&mut d, "turns off", |t| {
+        let turned = FRAC_PI_2 / 2.0 * (t - 9.0).clamp(0.0, 2.0);
+        let along = 110.0 + 10.0 * t.min(4.0) + radius * turned.sin();
+        (along, radius * (1.0 - turned.cos()) + 4.0 * (t - 11.0).max(0.0), turned)
+    });
+    let t = Table::of(&d);
+    for frame in 0..30 {
+        assert_eq!(t.num("turns off", "target.pet", frame), INF, "{frame}");
+    }
+    // It is out of the ego's 2 m wide way at 10.3 s, 154.4 m from the start; the ego's front is there at 15.1 s.
+    near(t.num("turns off", "target.pet", 100), 4.8, 0.4);
+}
+
 /// Trap: both stop before the conflict point. Neither has a time of arrival any more, and nothing encroaches.
 #[test]
 fn who_stops_before_the_conflict_never_meets() {
