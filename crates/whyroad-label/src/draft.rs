@@ -36,7 +36,9 @@ use whyroad_model::messages::{
     ProvenanceSource, ScenarioLabel, TimeRange, Uncertainty,
 };
 use whyroad_model::time::frame_at;
-use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, Nanos, ScenarioId, SignalTable, TrackId};
+use whyroad_model::{
+    Bilingual, ComponentCategory, Drive, Lang, Nanos, ScenarioId, SignalTable, TrackId, Tri,
+};
 
 /// A skeleton and its notes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -262,14 +264,15 @@ fn make(
         .is_some_and(|seen| seen.high || seen.category == Some(ComponentCategory::CriticalObjects));
     let kept = trace::why_kept(signals, keyframe, target_id, of_others, course.as_ref());
     how.reword(&mut components);
-    // An ego that changes lanes does not stop behind what it leaves.
+    // An ego that changes lanes does not stop behind what it leaves; one that keeps rolling has not stopped.
     let leaves = decision.lateral == Some(Lateral::LaneChange) && motion == LongitudinalMotion::Stops;
+    let rolls = motion == LongitudinalMotion::Stops && goes_on && moment.change("soon.stops") == Tri::False;
     let facts = trace::DraftFacts {
         framework,
         class,
         components: &components,
         decision: &decision,
-        motion: if leaves { LongitudinalMotion::Slows } else { motion },
+        motion: if leaves || rolls { LongitudinalMotion::Slows } else { motion },
         kept,
         trend: course.map_or(Trend::Unknown, |c| c.trend),
         brakes_hard: course.is_some_and(|c| c.braking_mps2 > trace::SMOOTH_MPS2),

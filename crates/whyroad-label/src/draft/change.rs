@@ -6,11 +6,11 @@ use whyroad_model::Tri;
 
 /// Frames before the keyframe over which the ego's change is measured, and those over which another's is.
 const EGO_FRAMES: usize = 10;
-const OTHER_FRAMES: usize = 5;
+const OTHER_FRAMES: usize = 8;
 /// Minimum change of the ego's speed over them, m/s.
 const EGO_MPS: f64 = 0.25;
 /// Minimum change of another's speed over them, m/s.
-const OTHER_MPS: f64 = 0.15;
+const OTHER_MPS: f64 = 0.25;
 /// Minimum loss of speed in the second before the keyframe that is visible as hard braking, m/s.
 const BRAKED_MPS: f64 = 0.7;
 /// Minimum change of a distance over them, m.
@@ -29,6 +29,17 @@ const ANSWER_MPS: f64 = 0.4;
 /// A speed is kept if it stays within this share, and within this, m/s; it changes little within the larger ones.
 const KEPT: (f64, f64) = (0.1, 0.6);
 const LITTLE: (f64, f64) = (0.2, 1.5);
+/// Frames in which the ego comes to a stand: 10 s; the speed below which it does, m/s; and the same before the keyframe.
+const STOP_FRAMES: usize = 100;
+const STOPPED_MPS: f64 = 0.6;
+const STOOD_FRAMES: usize = 30;
+/// An ego that goes on braking loses more than this share of its speed within the frames in which a speed is kept.
+const BRAKES_ON_SHARE: f64 = 0.4;
+/// Share of the limit above which a speed exceeds it, and the frames in which it does: 6 s.
+const OVER_SHARE: f64 = 1.03;
+const LIMIT_FRAMES: usize = 60;
+/// Minimum growth of the distance from the ego's path of a road user that leaves it, m.
+const LEAVES_M: f64 = 0.1;
 
 impl Moment<'_> {
     /// The change with this name in `schema/draft_texts.yaml`; unknown for other names.
@@ -43,10 +54,20 @@ impl Moment<'_> {
             "past.target_slowed" => is(target(OTHER_FRAMES), |d| d < -OTHER_MPS),
             "past.target_gained" => is(target(OTHER_FRAMES), |d| d > OTHER_MPS),
             "past.target_braked" => is(target(EGO_FRAMES), |d| d < -BRAKED_MPS),
+            "past.target_leaves" => self.target_leaves(),
+            "past.stood" => {
+                let from = self.frame().saturating_sub(STOOD_FRAMES);
+                is(self.least_speed(from..=self.frame()), |v| v < STOPPED_MPS)
+            }
             "past.closer" => is(distance(), |d| d < -DISTANCE_M),
             "past.farther" => is(distance(), |d| d > DISTANCE_M),
             "soon.falls" => is(self.gains(SOON_FRAMES), |d| d < 0.0),
             "soon.rises" => is(self.gains(SOON_FRAMES), |d| d > 0.0),
+            "soon.stops" => {
+                is(self.least_speed(self.frame()..=self.frame() + STOP_FRAMES), |v| v < STOPPED_MPS)
+            }
+            "soon.brakes_on" => self.brakes_on(),
+            "soon.under_limit" => self.is_under_limit(),
             "soon.answers" => self.answers(),
             "soon.keeps" => self.stays_within(KEPT),
             "soon.changes_little" => self.stays_within(LITTLE),
@@ -64,6 +85,31 @@ impl Moment<'_> {
     fn gains(&self, frames: usize) -> Option<f64> {
         let speed = |frame| self.number_at("ego.speed", frame);
         Some(speed(self.frame() + frames)? - speed(self.frame())?)
+    }
+
+    /// Least known speed of the ego in `frames`, m/s.
+    fn least_speed(&self, frames: std::ops::RangeInclusive<usize>) -> Option<f64> {
+        let speeds = frames.filter_map(|f| self.number_at("ego.speed", f));
+        speeds.fold(None, |least: Option<f64>, v| Some(least.map_or(v, |l| l.min(v))))
+    }
+
+    fn brakes_on(&self) -> Tri {
+        let now = self.number_at("ego.speed", self.frame());
+        let lost = self.gains(KEPT_FRAMES).map(|d| -d);
+        now.zip(lost).map_or(Tri::Unknown, |(v, lost)| Tri::from(lost > (BRAKES_ON_SHARE * v).max(LITTLE.1)))
+    }
+
+    fn is_under_limit(&self) -> Tri {
+        let Some(limit) = self.number_at("map.speed_limit", self.frame()) else { return Tri::Unknown };
+        let frames = self.frame()..=self.frame() + LIMIT_FRAMES;
+        let mut speeds = frames.filter_map(|f| self.number_at("ego.speed", f));
+        Tri::from(speeds.all(|v| v <= limit * OVER_SHARE))
+    }
+
+    fn target_leaves(&self) -> Tri {
+        let aside = |frame| self.number_at("target.path_lateral", frame).map(f64::abs);
+        let before = self.frame().checked_sub(OTHER_FRAMES).and_then(aside);
+        aside(self.frame()).zip(before).map_or(Tri::Unknown, |(now, b)| Tri::from(now > b + LEAVES_M))
     }
 
     fn was_faster(&self) -> Tri {

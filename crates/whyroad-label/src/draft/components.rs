@@ -20,7 +20,7 @@ const FROM_A_SIDE_M: f64 = 1.0;
 const NOTABLY_MPS: f64 = 1.0;
 
 /// A lead that is slower than the ego by this is called slow, even if it speeds up, m/s.
-const MUCH_SLOWER_MPS: f64 = 2.0;
+const MUCH_SLOWER_MPS: f64 = 1.0;
 
 /// Minimum speed and acceleration of a vehicle that is moving off, m/s, m/s2.
 const MOVING_OFF_MPS: f64 = 0.2;

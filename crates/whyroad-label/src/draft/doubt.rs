@@ -22,6 +22,16 @@ const LANE_SIDE_M: f64 = 1.7;
 const COMES_IN_M: f64 = 0.3;
 /// An object that comes out of an occlusion matters if it comes nearer to the path than this within 8 s, m.
 const NEAR_PATH_M: f64 = 3.0;
+/// A near miss is one at its keyframe: the time to a collision of the boxes, s, or their distance, m, is less than this.
+const NEAR_MISS_S: f64 = 2.5;
+const NEAR_MISS_M: f64 = 2.0;
+/// Minimum change of the heading within 3 s of a road user that does not go straight, rad: 30 degrees, ...
+const TURNS_RAD: f64 = std::f64::consts::PI / 6.0;
+const TURN_FRAMES: usize = 30;
+/// ... and that of an ego that drives through a bend within 6 s, rad: 10 degrees.
+const BEND_RAD: f64 = std::f64::consts::PI / 18.0;
+/// Minimum loss of speed from one second before the keyframe to one second after it that is hard braking, m/s.
+const LOST_MPS: f64 = 1.5;
 /// A road user farther behind than this has passed long ago, m.
 const GONE_M: f64 = -15.0;
 /// Sudden braking, m/s2; the rule requires stronger braking at one moment.
@@ -213,9 +223,10 @@ pub(super) fn of_target(
                 _ => true,
             };
             let beside = l3 == "same_direction_turn";
+            let turns = l3 == "right_vs_straight" && turns_off(&other, w);
             let gone = other.number("target.longitudinal", k).is_some_and(|x| x < GONE_M);
             first_of(&[
-                (!way, Doubt::OtherWay),
+                (!way || turns, Doubt::OtherWay),
                 (gone || (!beside && (!near || through)), Doubt::NotCrossing),
             ])
         }
@@ -224,7 +235,9 @@ pub(super) fn of_target(
             (!known(other.moves(k), &[Moves::Against]), Doubt::OtherWay),
         ]),
         ("safety", "near_miss") => {
-            let near = other.nearest_aside(other.frames(10, 50)).is_none_or(|m| m < NEAR_PATH_M);
+            let least = |name: &str| other.least(name, other.frames(5, 5));
+            let [ttc, distance] = [least("target.ttc_box"), least("target.distance")];
+            let near = ttc.is_none_or(|s| s < NEAR_MISS_S) || distance.is_none_or(|m| m < NEAR_MISS_M);
             (!near).then_some(Doubt::NotComing)
         }
         ("proactive", "lane_change") if matches!(l3, "" | "efficiency" | "overtake") => {
@@ -245,6 +258,20 @@ pub(super) fn of_target(
         }
         _ => None,
     }
+}
+
+/// The road user's heading changes too much for one that goes straight.
+fn turns_off(other: &Other<'_>, w: &Driven<'_>) -> bool {
+    let heading =
+        |f: usize| Some(w.number("ego.heading", f)? + other.number("target.heading_difference", f)?);
+    let k = other.keyframe();
+    let change = heading(k).zip(heading(k + TURN_FRAMES)).map(|(now, then)| wrapped(then - now).abs());
+    change.is_some_and(|turned| turned > TURNS_RAD)
+}
+
+/// An angle between -pi and pi, rad.
+fn wrapped(angle: f64) -> f64 {
+    angle.sin().atan2(angle.cos())
 }
 
 fn first_of(all: &[(bool, Doubt)]) -> Option<Doubt> {
@@ -271,7 +298,10 @@ fn just_started(other: &Other<'_>) -> bool {
 
 fn brakes(other: &Other<'_>) -> bool {
     // What brakes only later is not seen at the keyframe.
-    other.least("target.accel", other.frames(5, 5)).is_none_or(|a| a < BRAKES_MPS2)
+    let hard = other.least("target.accel", other.frames(5, 5)).is_none_or(|a| a < BRAKES_MPS2);
+    let before = other.number("target.speed", other.keyframe().saturating_sub(SOON_FRAMES / 2));
+    let least = other.least("target.speed", other.frames(0, SOON_FRAMES / 2));
+    hard && before.zip(least).is_none_or(|(before, least)| before - least > LOST_MPS)
 }
 
 /// It is the lead at the keyframe, or one second before or after it.
@@ -336,8 +366,16 @@ pub(super) fn of_ego(
             let turns = (w.keyframe..w.end)
                 .any(|f| matches!(w.category("ego.movement", f), Some("left" | "right" | "uturn")));
             let soon = w.keyframe..(w.keyframe + SOON_FRAMES).min(w.end);
+            let heading = |f: usize| w.number("ego.heading", f);
+            let now = heading(w.keyframe);
+            let turned = (w.keyframe..w.end).filter_map(heading).zip(now.into_iter().cycle());
+            let bends = turned
+                .map(|(then, now)| wrapped(then - now).abs())
+                .fold(None, |most: Option<f64>, a| Some(most.map_or(a, |m| m.max(a))));
+            let straight = !slows && w.lasts(6.0) && bends.is_some_and(|most| most < BEND_RAD);
             first_of(&[
                 (l3 == "high_curvature" && slows && turns, Doubt::TurnsThere),
+                (l3 == "high_curvature" && straight, Doubt::Motion),
                 (faster && is_passing(w), Doubt::Passes),
                 (faster && first_lane_change(w, soon).is_some(), Doubt::ForLaneChange),
             ])
