@@ -191,25 +191,28 @@ impl Polyline {
         self.foot(p, window, None).at
     }
 
-    /// The segments that touch arc lengths `from..=to`, for several searches.
-    pub fn nearby(&self, from: f64, to: f64) -> Nearby {
-        self.segments.nearby(self.window(from, to))
+    /// The segments within `reach` of arc length `s`, for several searches from positions that are no farther than
+    /// `radius` from `center`.
+    pub fn nearby(&self, s: f64, reach: f64, (center, radius): (P2, f64)) -> Nearby {
+        self.segments.nearby(self.window(s - reach, s + reach), center, radius)
     }
 
-    /// Nearest foot point of `p` among these segments; the search begins at segment `near`, which does not change the
-    /// result.
+    /// Nearest foot point of `p`, one of the positions of `nearby`, among its segments; the search begins at segment
+    /// `near`, which does not change the result.
     pub fn project_nearby(&self, p: P2, nearby: &Nearby, near: usize) -> Projection {
         self.segments.foot_nearby(p, nearby, near)
     }
 
     /// [`Polyline::project_nearby`] of several positions that are near each other.
     pub fn project_each<const N: usize>(&self, places: [P2; N], nearby: &Nearby) -> [Projection; N] {
-        let mut near = nearby.middle();
-        places.map(|p| {
-            let at = self.project_nearby(p, nearby, near);
-            near = at.segment;
-            at
-        })
+        let mut at = Projection { s: 0.0, lateral: 0.0, segment: nearby.middle() };
+        let mut found = [at; N];
+        // A loop: `map` is a call per position.
+        for (found, p) in found.iter_mut().zip(places) {
+            at = self.project_nearby(p, nearby, at.segment);
+            *found = at;
+        }
+        found
     }
 
     /// Nearest foot point of `p` among these segments; the search begins near `before`, the foot point of an earlier

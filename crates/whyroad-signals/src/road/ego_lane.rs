@@ -63,8 +63,8 @@ impl EgoLane {
 
 /// Lateral extent `(lowest, highest)` of a box on a corridor near `s`, left positive, m.
 pub fn lateral_extent(corridor: &Corridor, footprint: &OrientedBox, s: f64) -> (f64, f64) {
-    let reach = footprint.radius() + 3.0;
-    let nearby = corridor.line.nearby(s - reach, s + reach);
+    let radius = footprint.radius();
+    let nearby = corridor.line.nearby(s, radius + 3.0, (footprint.center, radius));
     let corners = corridor.line.project_each(footprint.corners(), &nearby);
     corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), on| {
         (low.min(on.lateral), high.max(on.lateral))

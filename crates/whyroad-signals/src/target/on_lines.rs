@@ -50,8 +50,8 @@ fn foot_of(line: &Polyline, place: P2, window: Window, before: Option<(P2, &Foot
 
 /// The part of the path on which parts of a footprint with this center can be.
 pub fn around_foot(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> Nearby {
-    let reach = footprint.radius() + 3.0;
-    path.line.nearby(at.s - reach, at.s + reach)
+    let radius = footprint.radius();
+    path.line.nearby(at.s, radius + 3.0, (footprint.center, radius))
 }
 
 /// Extents of a footprint along and beside the path around its foot point: first and last arc length, and position.

@@ -18,10 +18,10 @@ pub(super) const MOST: usize = 2 * BLOCK;
 /// The search from segment to segment requires segments of at least this length, m: the segments that it skips are then
 /// farther by more than rounding errors.
 const LEAST_LENGTH_M: f64 = 0.1;
-/// That search finds the nearest segment up to this distance, as a share of the radius of the line's sharpest bend:
+/// That search finds the nearest segment up to this distance to the inner side of each bend, as a share of its radius:
 /// from the center of a bend all of it is equally near. Up to a half, the slope of the squared distance cannot decrease
 /// at a bend by more than half of what it increases along either segment, so that no two minima are further apart than
-/// on adjacent segments.
+/// on adjacent segments. On the outer side it only increases.
 pub(super) const MOST_BENT: f64 = 0.45;
 /// A foot point that is this far inside its segment is on no other segment, m.
 const INSIDE_M: f64 = 0.02;
@@ -33,13 +33,12 @@ pub struct Window {
     pub(super) end: usize,
 }
 
-/// Consecutive segments of a polyline, for several searches.
+/// Consecutive segments of a polyline, for several searches from positions in one circle.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearby {
     window: Window,
-    length: f64,
-    /// The sharpest bend between them.
-    bend: f64,
+    /// See [`Segments::bent`].
+    pub(super) bent: f64,
 }
 
 impl Nearby {
@@ -75,8 +74,10 @@ pub(super) struct Segments {
     along_y: Vec<f64>,
     /// One divided by its squared length.
     inverse: Vec<f64>,
-    /// Sharpness of the line's bend at the beginning of each; see [`bend`].
-    bends: Vec<f64>,
+    /// The line's bend at the beginning of each; see [`bend`]. Its coordinates and its length.
+    bend_x: Vec<f64>,
+    bend_y: Vec<f64>,
+    sharpness: Vec<f64>,
 }
 
 impl Segments {
@@ -93,7 +94,12 @@ impl Segments {
             out.along_y.push(along.y);
             out.inverse.push(1.0 / (length * length));
         }
-        out.bends = (0..last).map(|i| if i == 0 { 0.0 } else { bend(&points[i - 1..=i + 1]) }).collect();
+        for i in 0..last {
+            let (bend, sharpness) = if i == 0 { Default::default() } else { bend(&points[i - 1..=i + 1]) };
+            out.bend_x.push(bend.x);
+            out.bend_y.push(bend.y);
+            out.sharpness.push(sharpness);
+        }
         out
     }
 
@@ -124,15 +130,18 @@ impl Segments {
     }
 }
 
-/// Change of direction at the middle one of three points: the length of the difference of unit vectors per meter of the
-/// shorter segment. Infinite where one is shorter than [`LEAST_LENGTH_M`].
-fn bend(points: &[P2]) -> f64 {
+/// Change of direction at the middle one of three points: the difference of unit vectors per meter of the shorter
+/// segment, which points to the inner side, and its length. The length is infinite where a segment is shorter than
+/// [`LEAST_LENGTH_M`].
+fn bend(points: &[P2]) -> (P2, f64) {
     let (from, to) = (points[1] - points[0], points[2] - points[1]);
-    let shorter = from.norm().min(to.norm());
+    let (from_length, to_length) = (from.norm(), to.norm());
+    let shorter = from_length.min(to_length);
     if shorter < LEAST_LENGTH_M {
-        return f64::INFINITY;
+        return (P2::default(), f64::INFINITY);
     }
-    (to * (1.0 / to.norm()) - from * (1.0 / from.norm())).norm() / shorter
+    let bend = (to * (1.0 / to_length) - from * (1.0 / from_length)) * (1.0 / shorter);
+    (bend, bend.norm())
 }
 
 /// Squared distance, to within rounding, of a position `to` from the beginning of a segment; its foot point is at a
@@ -281,21 +290,19 @@ impl Segments {
         }
     }
 
-    /// These segments, for several searches.
-    pub fn nearby(&self, window: Window) -> Nearby {
-        let Window { first, end } = window;
-        let bend = self.bends[first + 1..end].iter().copied().fold(0.0, f64::max);
-        Nearby { window, length: self.s[end] - self.s[first], bend }
+    /// These segments, for several searches from positions that are no farther than `radius` from `center`.
+    pub fn nearby(&self, window: Window, center: P2, radius: f64) -> Nearby {
+        Nearby { window, bent: self.bent(window, center, radius) }
     }
 
-    /// Nearest foot point of `p` among these, equal to the result of [`Segments::foot`]; the search begins at segment
-    /// `near`. If the line hardly bends as seen from `p`, it goes from segment to segment: along the line the distance
-    /// first decreases and then increases, except for adjacent segments.
+    /// Nearest foot point of `p`, which is in the circle of `nearby`, among these segments, equal to the result of
+    /// [`Segments::foot`]; the search begins at segment `near`. If the line hardly bends as seen from the circle, it
+    /// goes from segment to segment: along the line the distance first decreases and then increases, except for
+    /// adjacent segments.
     pub fn foot_nearby(&self, p: P2, nearby: &Nearby, near: usize) -> Projection {
-        let Window { first, end } = nearby.window;
+        let Nearby { window: Window { first, end }, bent } = *nearby;
         let mut k = near.clamp(first, end - 1);
-        let bent = self.bent(p, nearby, k);
-        if bent.is_nan() || bent > MOST_BENT {
+        if bent > MOST_BENT {
             return self.foot(p, nearby.window, None).at;
         }
         let mut share = self.share(p, k);
@@ -322,12 +329,26 @@ impl Segments {
         best.at
     }
 
-    /// Maximum distance of `p` from the points of these segments, as a share of the radius of the sharpest bend; `k` is
-    /// one of them.
-    pub(super) fn bent(&self, p: P2, nearby: &Nearby, k: usize) -> f64 {
-        // Any upper bound of the distance is sufficient; the sum of both needs no square root.
-        let away = (p.x - self.from_x[k]).abs() + (p.y - self.from_y[k]).abs();
-        (away + nearby.length) * nearby.bend
+    /// Maximum distance of the circle's points to the inner side of a bend between these segments, as a share of the
+    /// bend's radius; 0 if all of them are on the outer sides.
+    fn bent(&self, Window { first, end }: Window, center: P2, radius: f64) -> f64 {
+        // More than nothing, so that an infinite sharpness counts.
+        let radius = radius + INSIDE_M;
+        if !(center.is_finite() && radius.is_finite()) {
+            return f64::INFINITY;
+        }
+        let inner = first + 1..end;
+        let n = inner.len();
+        let (from_x, from_y) = (&self.from_x[inner.clone()][..n], &self.from_y[inner.clone()][..n]);
+        let (bend_x, bend_y) = (&self.bend_x[inner.clone()][..n], &self.bend_y[inner.clone()][..n]);
+        let sharpness = &self.sharpness[inner][..n];
+        let mut most = 0.0;
+        for i in 0..n {
+            let (x, y) = (center.x - from_x[i], center.y - from_y[i]);
+            let bent = x * bend_x[i] + y * bend_y[i] + radius * sharpness[i];
+            most = if bent > most { bent } else { most };
+        }
+        most
     }
 
     /// Share of a segment at which the foot point of `p` on its line is, to within rounding.

@@ -87,9 +87,15 @@ fn a_long_line_is_searched_as_a_short_one() {
                 let (window, nearest) = (Window { first, end }, one_by_one(line, p, first..end));
                 assert_eq!(line.project_within(p, window), nearest, "{p:?} {first}..{end}");
                 // From segment to segment, with any start.
-                for near in [first, end, (first + end) / 2, nearest.segment] {
-                    let found = line.project_nearby(p, &line.segments.nearby(window), near);
-                    assert_eq!(found, nearest, "{p:?} {first}..{end}");
+                let size = if line.points[0].x > 1e5 { 0.03 } else { 3.0 };
+                let aside = P2::from_heading(f64::from(k)) * size;
+                let circles = [(p, 0.0), (p + aside, size * (1.0 + 1e-6))];
+                for (center, radius) in circles {
+                    let nearby = line.segments.nearby(window, center, radius);
+                    for near in [first, end, (first + end) / 2, nearest.segment] {
+                        let found = line.project_nearby(p, &nearby, near);
+                        assert_eq!(found, nearest, "{p:?} {first}..{end}");
+                    }
                 }
                 // With any start of the search.
                 let found = line.foot(p, window, before.as_ref());
@@ -127,13 +133,36 @@ fn the_way_to_the_nearest_segment_finds_it() {
             let aside = [0.0, 1e-9, 0.01, 1.0, -3.5, 20.0, -60.0][k % 7];
             let along = [0.0, 1e-7, 0.02, 0.5, 1.0, -0.3, 4.0][k / 7 % 7];
             let p = a + (b - a) * along + (b - a).left() * (aside / (b - a).norm());
-            let nearby = line.segments.nearby(window);
-            let found = line.project_nearby(p, &nearby, here);
-            assert_eq!(found, one_by_one(&line, p, first..here + 12), "{k}");
-            told += u32::from(line.segments.bent(p, &nearby, here) <= MOST_BENT);
+            for radius in [0.0, 2.6] {
+                let center = p + P2::from_heading(k as f64) * (radius * 0.999_999);
+                let nearby = line.segments.nearby(window, center, radius);
+                let found = line.project_nearby(p, &nearby, here);
+                assert_eq!(found, one_by_one(&line, p, first..here + 12), "{k}");
+                told += u32::from(nearby.bent <= MOST_BENT);
+            }
         }
-        assert!(told > 2000, "{told}");
+        assert!(told > 6000, "{told}");
     }
+}
+
+#[test]
+fn only_the_inner_side_of_a_bend_is_bent() {
+    // A quarter of a circle of 10 m to the left around (0, 10), with steps of about 1 m.
+    let at =
+        |i: u32| P2::from_heading(f64::from(i) * 0.1 - std::f64::consts::FRAC_PI_2) * 10.0 + p2(0.0, 10.0);
+    let line = Polyline::new((0..=15).map(at)).unwrap();
+    let bent = |aside: f64| {
+        // From the middle of the bend, left positive.
+        let middle = at(7) + (p2(0.0, 10.0) - at(7)) * (aside / 10.0);
+        line.segments.nearby(Window { first: 0, end: 15 }, middle, 0.0).bent
+    };
+    for aside in [0.0, 2.0, 8.0] {
+        // Farthest to the inner side of the last bend, 0.7 rad away.
+        let expected = 1.0 - (1.0 - aside / 10.0) * 0.7_f64.cos();
+        assert!((bent(aside) - expected).abs() < 0.003, "{aside} {}", bent(aside));
+    }
+    // Twenty meters to the right of it everything is on the outer sides.
+    assert_eq!(bent(-20.0), 0.0);
 }
 
 #[test]
