@@ -93,10 +93,12 @@ pub fn begins_inside(rows: &[Row], i: usize, d: Nanos) -> bool {
 pub fn previously(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
     let possible = c.possible();
     let (mut sure_out, mut possible_out) = (Bits::zeros(c.len()), Bits::zeros(c.len()));
+    let is_steady = |rows: &[Row]| (1..rows.len()).all(|i| reaches(rows, i, i - 1, d));
+    let all_are_steady = is_steady(on.rows);
     for (segment, rows) in on.each() {
         let n = rows.len();
         let outs = [(&*c.yes, &mut sure_out), (&possible, &mut possible_out)];
-        if (1..n).all(|i| reaches(rows, i, i - 1, d)) {
+        if all_are_steady || is_steady(rows) {
             for (from, into) in outs {
                 let mut reach = 0;
                 for run in from.runs(segment.range()) {
