@@ -4,6 +4,7 @@
 use crate::records::RecordRef;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use whyroad_model::Lang;
 
 /// Maximum bytes that a build keeps in memory per candidate sample (`docs/reference/release.md` states it; a test
 /// checks the parts).
@@ -90,7 +91,8 @@ pub(crate) struct Item {
     pub status: u32,
     pub checked: bool,
     pub score: f32,
-    pub zh: bool,
+    /// Language of its trace; `None` where it has none.
+    pub lang: Option<Lang>,
     pub dropped: Option<Dropped>,
     pub cut: Option<Box<Cut>>,
     pub split: Option<SplitName>,

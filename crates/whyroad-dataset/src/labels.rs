@@ -14,7 +14,7 @@ use std::path::Path;
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
 use whyroad_model::messages::{CocLabel, EpisodeRecord, ProvenanceSource};
-use whyroad_model::{Bilingual, Diagnostic, ScenarioId, Severity};
+use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, Severity};
 
 /// A stream of labels.
 pub struct LabelStream {
@@ -99,7 +99,7 @@ struct Read {
     keyframe_ns: i64,
     status: String,
     checked: bool,
-    zh: bool,
+    lang: Option<Lang>,
     drive: Option<String>,
 }
 
@@ -176,7 +176,7 @@ impl Labels {
             status: self.statuses.put(&read.status),
             checked: read.checked,
             score: read.record.score.map_or(f32::NAN, |s| s as f32),
-            zh: read.zh,
+            lang: read.lang,
             dropped: None,
             cut: None,
             split: None,
@@ -189,7 +189,8 @@ impl Labels {
             self.items.push(item);
             return;
         };
-        // Two labels of one keyframe and class: one per language, the checked one first.
+        // Two labels of one keyframe and class: one per language, the checked one first. Without a trace the language
+        // is unknown: it is not the other one, and a label with a trace is taken before.
         let held = &mut self.items[i];
         let repeated = |detail: &str| DroppedLine {
             line: line.clone(),
@@ -197,10 +198,14 @@ impl Labels {
             scenario_id: scenario.clone(),
             dropped: Dropped::with(Stage::Select, "repeated_label", detail),
         };
-        if held.zh != item.zh && held.status == item.status && held.other.is_none() {
+        let languages = held.lang.zip(item.lang);
+        if languages.is_some_and(|(a, b)| a != b) && held.status == item.status && held.other.is_none() {
             held.other = Some(item.label);
         } else if item.checked && !held.checked {
             self.dropped.push(repeated("an earlier label of the same keyframe and class is not checked"));
+            *held = item;
+        } else if held.lang.is_none() && item.lang.is_some() && item.checked == held.checked {
+            self.dropped.push(repeated("an earlier label of the same keyframe and class has no trace"));
             *held = item;
         } else {
             self.dropped.push(repeated("a label of the same keyframe and class was read before"));
@@ -279,7 +284,7 @@ fn of_episode(value: Value) -> Result<Read, Fault> {
         keyframe_ns: episode.keyframe.timestamp.0,
         status: DRAFT.to_owned(),
         checked: false,
-        zh: false,
+        lang: None,
         drive: Some(episode.drive_id.0.clone()),
         record: LabelRecord {
             json,
@@ -407,13 +412,20 @@ fn of_label(
         keyframe_ns: label.keyframe.timestamp.0,
         checked: status == "accepted",
         status,
-        zh: is_chinese(&label.coc_trace),
+        lang: language(&label.coc_trace),
         drive: None,
         record: LabelRecord { json, ..record },
     })
 }
 
-/// True for a text with Chinese characters.
-pub(crate) fn is_chinese(text: &str) -> bool {
-    text.chars().any(|c| ('\u{4e00}'..='\u{9fff}').contains(&c))
+/// Language of a trace: Chinese where it has Chinese characters; unknown where it has no letters at all.
+pub(crate) fn language(text: &str) -> Option<Lang> {
+    let is_chinese = |c: char| ('\u{4e00}'..='\u{9fff}').contains(&c);
+    match text.chars().any(is_chinese) {
+        true => Some(Lang::Zh),
+        false => text.chars().any(char::is_alphabetic).then_some(Lang::En),
+    }
 }
+
+#[cfg(test)]
+mod tests;

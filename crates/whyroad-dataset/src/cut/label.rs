@@ -2,13 +2,13 @@
 
 use super::{Candidate, Cutter};
 use crate::item::{Dropped, Stage};
-use crate::labels::{LabelRecord, is_chinese};
+use crate::labels::{LabelRecord, language};
 use crate::sample::{Cause, Component, Sample};
 use std::collections::BTreeSet;
 use whyroad_label::draft::draft;
-use whyroad_model::Nanos;
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
+use whyroad_model::{Lang, Nanos};
 
 /// A label, ready to be written into a sample.
 pub(super) struct Resolved {
@@ -97,11 +97,10 @@ impl Resolved {
         let causes = label.causes.unwrap_or_default();
         sample.cause_longitudinal = causes.longitudinal.map(cause);
         sample.cause_lateral = causes.lateral.map(cause);
-        let mut trace = |text: String| {
-            let to = if is_chinese(&text) { &mut sample.trace_zh } else { &mut sample.trace_en };
-            if !text.trim().is_empty() {
-                *to = Some(text);
-            }
+        let mut trace = |text: String| match language(&text) {
+            Some(Lang::Zh) => sample.trace_zh = Some(text),
+            Some(Lang::En) => sample.trace_en = Some(text),
+            None => {}
         };
         trace(label.coc_trace);
         if let Some((other, json)) = self.other {

@@ -18,7 +18,7 @@ fn item(n: u8, class: u32, split: SplitName, first: f32, content: u8) -> Item {
         status: 0,
         checked: false,
         score: f32::NAN,
-        zh: false,
+        lang: None,
         dropped: None,
         cut: Some(Box::new(Cut {
             at: RecordRef::default(),

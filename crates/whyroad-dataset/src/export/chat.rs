@@ -41,8 +41,8 @@ impl Conversation<'_> {
     /// The answer of a returned version; `None` when it is in the other language or identical.
     pub fn rejected_answer(&self, version: &Rejected) -> Option<String> {
         let trace = version.trace.as_deref()?;
-        // A version in the other language is not an alternative to this answer.
-        if crate::labels::is_chinese(trace) != (self.lang == Lang::Zh) {
+        // A version in the other language, or without a text, is not an alternative to this answer.
+        if crate::labels::language(trace) != Some(self.lang) {
             return None;
         }
         let label: Value = serde_json::from_str(&version.label_json).ok()?;

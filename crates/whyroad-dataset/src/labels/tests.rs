@@ -1,0 +1,45 @@
+//! Labels of one keyframe and class: in two languages, without a text, repeated.
+
+use super::*;
+use serde_json::json;
+
+/// A draft of one keyframe with this trace.
+fn line(trace: &str) -> String {
+    json!({ "task": { "id": "t", "state": "open", "draft": {
+        "version": "2.1.0", "clip_id": "d_000",
+        "scenario": { "l1": "reactive_agent", "l2": "cutin", "l3": "urgent" },
+        "time_range": { "start_timestamp": "2026-01-01T00:00:01.000Z", "end_timestamp": "2026-01-01T00:00:05.000Z" },
+        "keyframe": { "timestamp": "2026-01-01T00:00:02.000Z", "frame_idx": 10, "type": "reactive" },
+        "driving_decision": { "longitudinal": null, "lateral": null },
+        "critical_components": [], "coc_trace": trace,
+    } } })
+    .to_string()
+        + "\n"
+}
+
+/// The language of the label that is kept, whether it has the other language beside it, and why the rest was dropped.
+fn read_lines(traces: &[&str]) -> (Option<Lang>, bool, Vec<String>) {
+    let dir = tempfile::tempdir().unwrap();
+    let text: String = traces.iter().map(|t| line(t)).collect();
+    let stream = LabelStream { name: "labels".into(), lines: Box::new(std::io::Cursor::new(text)) };
+    let read = read(vec![stream], Framework::bundled(), &dir.path().join("labels.records")).unwrap();
+    assert_eq!(read.items.len(), 1, "{:?}", read.diagnostics);
+    let dropped = read.dropped.iter().filter_map(|d| d.dropped.detail.as_deref().map(str::to_owned));
+    (read.items[0].lang, read.items[0].other.is_some(), dropped.collect())
+}
+
+const ZH: &str = "前车急刹，自车减速";
+const EN: &str = "The lead brakes hard, so the ego slows";
+
+#[test]
+fn a_label_without_a_text_is_not_the_other_language() {
+    let before = || vec!["a label of the same keyframe and class was read before".to_owned()];
+    assert_eq!(read_lines(&[ZH, EN]), (Some(Lang::Zh), true, vec![]));
+    assert_eq!(read_lines(&[ZH, ""]), (Some(Lang::Zh), false, before()));
+    assert_eq!(read_lines(&[EN, " \n"]), (Some(Lang::En), false, before()));
+    // One with a text is taken instead, and can have the other language beside it.
+    let empty = || vec!["an earlier label of the same keyframe and class has no trace".to_owned()];
+    assert_eq!(read_lines(&["", ZH]), (Some(Lang::Zh), false, empty()));
+    assert_eq!(read_lines(&["", EN, ZH]), (Some(Lang::En), true, empty()));
+    assert_eq!(read_lines(&["", ""]), (None, false, before()));
+}
