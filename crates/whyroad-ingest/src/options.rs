@@ -2,6 +2,7 @@
 //! builds its arguments from the declarations, so an option exists once, beside the code that reads it.
 
 use crate::maps::cache::MapCache;
+use crate::source::ContentHash;
 use std::path::{Path, PathBuf};
 use whyroad_model::{DriveId, Nanos};
 
@@ -212,6 +213,16 @@ impl Options {
         self.all(&START)
             .find_map(|v| if let OptionValue::Time(t) = v { Some(*t) } else { None })
             .unwrap_or(DEFAULT_START)
+    }
+
+    /// Adds the start of drives whose log has no clock to the hash of a drive. Where it was given it is a date; the
+    /// default is none, so that the same time given is another content.
+    pub(crate) fn hash_start(&self, hash: &mut ContentHash) {
+        let start = self.start();
+        hash.add("start", &start.0.to_le_bytes());
+        if start == DEFAULT_START && self.is_set(&START) {
+            hash.add("start given", &[]);
+        }
     }
 
     /// License of the data (SPDX id), for logs that do not state it.

@@ -134,7 +134,7 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
     report.tables.insert(0, scenario.count);
 
     let start = scenario.start.unwrap_or_else(|| {
-        hash.add("start", &options.start().0.to_le_bytes());
+        options.hash_start(&mut hash);
         options.start()
     });
     Some(Drive {

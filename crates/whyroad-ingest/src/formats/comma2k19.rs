@@ -154,7 +154,7 @@ fn read_route(
             Nanos(week_began * Nanos::SECOND.0).plus_secs(second)
         }
         None => {
-            hash.add("start", &options.start().0.to_le_bytes());
+            options.hash_start(&mut hash);
             options.start()
         }
     };

@@ -106,7 +106,7 @@ fn of_text(
 ) -> Option<Drive> {
     let label = path.display().to_string();
     let mut hash = ContentHash::new("openlabel", REVISION);
-    hash.add("start", &options.start().0.to_le_bytes());
+    options.hash_start(&mut hash);
     let parsed = text.and_then(|text| {
         hash.add("document", text.as_bytes());
         serde_json::from_str::<Value>(&text).map_err(|e| e.to_string())

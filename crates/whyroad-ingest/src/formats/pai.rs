@@ -126,7 +126,7 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
     }
     let mut hash = ContentHash::new("pai", REVISION);
     let start = options.start();
-    hash.add("start", &start.0.to_le_bytes());
+    options.hash_start(&mut hash);
     let poses = read_poses(tree, clip, &mut hash, report)?;
     let seconds = |us: i64| us as f64 / 1e6;
     let frames_us = match frames(&poses, &label) {

@@ -206,7 +206,7 @@ fn of_pickle(bytes: &[u8], path: &Path, options: &Options, report: &mut SourceRe
     ]);
     let name = file_label(path);
     let mut hash = ContentHash::new("scenarionet", REVISION);
-    hash.add("start", &options.start().0.to_le_bytes());
+    options.hash_start(&mut hash);
     hash.add(&name, bytes);
     Some(Drive {
         meta: DriveMeta {

@@ -179,7 +179,7 @@ impl Simulation {
     fn read(path: &Path, options: &Options, report: &mut SourceReport) -> Option<Self> {
         let label = path.display().to_string();
         let mut hash = ContentHash::new("sumo", REVISION);
-        hash.add("start", &options.start().0.to_le_bytes());
+        options.hash_start(&mut hash);
         add_file(&mut hash, path);
         let fcd = match fcd::read(path) {
             Ok(fcd) => fcd,

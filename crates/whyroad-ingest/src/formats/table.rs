@@ -93,7 +93,7 @@ fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut Sourc
     let meta = Meta::read(&mut reader)?;
     match meta.start_time {
         Some(start) => reader.start = start,
-        None => reader.hash.add("start", &options.start().0.to_le_bytes()),
+        None => options.hash_start(&mut reader.hash),
     }
     let ego_sheet = reader.sheet("ego", ego::COLUMNS, ego::REQUIRED);
     let dated = meta.start_time.is_some()

@@ -114,7 +114,7 @@ fn of_record(
     let (ego, tracks) = objects(&s, &frames, &label, report);
     let (lights, stops) = lights(&s, time);
     let mut hash = ContentHash::new("waymo-motion", REVISION);
-    hash.add("start", &options.start().0.to_le_bytes());
+    options.hash_start(&mut hash);
     hash.add(&file_label(path), record);
     let built = (!s.features.is_empty()).then(|| feature_map::build(s.features, &stops));
     let map = built.map(|built| {

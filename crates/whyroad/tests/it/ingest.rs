@@ -45,6 +45,19 @@ fn a_drive_goes_in_once() {
     // Another start time is other content under the same id.
     let third = whyroad(&["ingest", "sumo", fixture, "--lake", lake, "--start-time", "2026-02-01T00:00:00Z"]);
     assert!(out(&third).contains("crossroads-ego: replaced"), "{}", out(&third));
+
+    // The default start is no date; the same time given is one.
+    let missing = |start: &[&str]| {
+        let args = [&["ingest", "sumo", fixture, "--lake", lake, "--format", "json"], start].concat();
+        let json: serde_json::Value = serde_json::from_str(&out(&whyroad(&args))).unwrap();
+        let report = &json[0];
+        let undated = report["missing"].as_array().unwrap().iter().any(|m| m == "date");
+        (report["outcome"].as_str().unwrap().to_owned(), undated)
+    };
+    let given = ["--start-time", "2026-01-01T00:00:00Z"];
+    assert_eq!(missing(&[]), ("replaced".to_owned(), true));
+    assert_eq!(missing(&given), ("replaced".to_owned(), false));
+    assert_eq!(missing(&given), ("unchanged".to_owned(), false));
 }
 
 #[test]
