@@ -215,6 +215,8 @@ export interface components {
             episode_id: string;
             is_primary: boolean;
             keyframe: string;
+            /** Format: double */
+            keyframe_s?: number | null;
             scenario_id: string;
             /** Format: double */
             score: number;

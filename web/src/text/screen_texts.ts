@@ -412,6 +412,7 @@ export const screenTexts = {
   "episodes.none": ["没有符合条件的事件。", "No matching episodes."],
   "episodes.all_classes": ["全部场景", "all scenarios"],
   "episodes.other": ["无场景可解释", "Explained by no scenario"],
+  "episodes.at": ["行程 {at} s", "{at} s into the drive"],
   "episodes.secondary": ["次场景", "secondary"],
   "episodes.verdict": ["判定", "Verdict"],
   "episodes.previous": ["上一个", "Previous"],

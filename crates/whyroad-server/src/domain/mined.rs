@@ -18,8 +18,11 @@ pub struct EpisodeCard {
     pub drive_id: String,
     /// Clip.
     pub clip_id: String,
-    /// Keyframe.
+    /// Keyframe. Only drives whose log states dates have a time of day.
     pub keyframe: String,
+    /// Seconds from the start of the drive to the keyframe; absent where the lake does not have the drive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keyframe_s: Option<f64>,
     /// Score, 0 to 1.
     pub score: f64,
     /// It is the primary episode of its moment.

@@ -100,7 +100,7 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
         let page = app.recordings.episodes(mined, &filter, next, n).ok_or_else(Problem::missing)?;
         let page = page.map_err(Problem::mined_unreadable)?;
         passed += page.episodes.len();
-        let cards = app.store.report(|tx| cards(tx, project, user, &page.episodes))?;
+        let cards = cards(app, project, user, &page.episodes)?;
         items.extend(cards.into_iter().filter(|c| !wanted.unjudged || c.verdict.is_none()));
         next = page.next;
         let few = !items.is_empty() && limit - items.len() < FEW;
@@ -111,7 +111,24 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
     Ok(EpisodeCards { items, total, next: next.map(|c| c.0.to_string()) })
 }
 
-fn cards(tx: &mut dyn Tx, project: &str, user: &str, episodes: &[EpisodeRecord]) -> Answer<Vec<EpisodeCard>> {
+fn cards(app: &App, project: &str, user: &str, episodes: &[EpisodeRecord]) -> Answer<Vec<EpisodeCard>> {
+    let known = app.store.report(|tx| verdicts(tx, project, user, episodes))?;
+    let mut starts: HashMap<DriveId, Option<Nanos>> = HashMap::new();
+    let mut card = |e: &'_ EpisodeRecord| {
+        let start = || app.recordings.span(&e.drive_id).ok().map(|(first, _)| first);
+        let start = *starts.entry(e.drive_id.clone()).or_insert_with(start);
+        card(e, start, known.get(&e.episode_id).copied())
+    };
+    Ok(episodes.iter().map(&mut card).collect())
+}
+
+/// Verdicts of `user` on these episodes, by episode.
+fn verdicts(
+    tx: &mut dyn Tx,
+    project: &str,
+    user: &str,
+    episodes: &[EpisodeRecord],
+) -> Answer<HashMap<String, VerdictKind>> {
     let mut known: HashMap<String, VerdictKind> = HashMap::new();
     for part in episodes.chunks(100) {
         let holes: Vec<String> = (0..part.len()).map(|i| format!("${}", i + 3)).collect();
@@ -130,16 +147,17 @@ fn cards(tx: &mut dyn Tx, project: &str, user: &str, episodes: &[EpisodeRecord])
             }
         }
     }
-    Ok(episodes.iter().map(|e| card(e, known.get(&e.episode_id).copied())).collect())
+    Ok(known)
 }
 
-fn card(e: &EpisodeRecord, verdict: Option<VerdictKind>) -> EpisodeCard {
+fn card(e: &EpisodeRecord, start: Option<Nanos>, verdict: Option<VerdictKind>) -> EpisodeCard {
     EpisodeCard {
         episode_id: e.episode_id.clone(),
         scenario_id: e.scenario_id.to_string(),
         drive_id: e.drive_id.to_string(),
         clip_id: e.clip_id.to_string(),
         keyframe: e.keyframe.timestamp.to_string(),
+        keyframe_s: start.map(|start| e.keyframe.timestamp.seconds_since(start)),
         score: e.score,
         is_primary: e.is_primary,
         verdict,
@@ -408,8 +426,7 @@ pub fn similar(
     let found = app.recordings.similar(name.mined, &e, limit.clamp(1, MOST)).ok_or_else(Problem::missing)?;
     let found = found.map_err(Problem::mined_unreadable)?;
     let episodes: Vec<EpisodeRecord> = found.nearest.iter().map(|(e, _)| e.clone()).collect();
-    let cards = app.store.report(|tx| cards(tx, project, user, &episodes))?;
-    let items = cards
+    let items = cards(app, project, user, &episodes)?
         .into_iter()
         .zip(&found.nearest)
         .map(|(episode, (_, similarity))| SimilarEpisode { episode, similarity: *similarity });

@@ -24,6 +24,8 @@ pub fn mined_episodes_are_browsed_and_judged(world: &World) {
     assert_eq!(chen.get(&format!("{path}/episodes")).status, 403);
     let page = lead.get(&format!("{path}/episodes?limit=1")).fine();
     assert_eq!((&page["total"], page["items"].as_array().unwrap().len()), (&json!(2), 1));
+    // The keyframe is 10:30:09.4 of a drive that begins at 10:30.
+    assert_eq!(page["items"][0]["keyframe_s"], 9.4);
     let next = page["next"].as_str().unwrap();
     let second = lead.get(&format!("{path}/episodes?limit=1&cursor={next}")).fine();
     assert_eq!((&second["items"][0]["episode_id"], &second["next"]), (&json!("drive2_e1"), &Value::Null));
