@@ -39,7 +39,7 @@ pub struct MinedDrive {
     pub clips: Vec<ClipMetadata>,
     /// Episodes, in order of keyframe, class, target.
     pub episodes: Vec<MinedEpisode>,
-    /// For each rule, by its class: the signals for lack of which it could not be decided (none: it could).
+    /// For each rule, by its class: the missing signals without which it cannot be decided (none: it was searched for).
     pub missing: BTreeMap<ScenarioId, Vec<String>>,
 }
 

@@ -4,6 +4,7 @@
 pub mod arbitrate;
 pub(crate) mod build;
 pub mod moment;
+pub(crate) mod observable;
 pub(crate) mod pairs;
 
 pub use build::{Found, find};

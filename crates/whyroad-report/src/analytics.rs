@@ -107,9 +107,12 @@ pub struct Unseen {
 pub struct LeafOutlook {
     /// The leaf.
     pub scenario_id: ScenarioId,
-    /// Primary episodes so far.
+    /// Primary episodes so far in the drives that were searched for it. A drive without the signals that decide its
+    /// rule was not searched, also where an alternative of the rule found one.
     pub episodes: u64,
-    /// Hours of drives that could show it.
+    /// Number of drives that were searched for it, as in the coverage.
+    pub drives: usize,
+    /// Their hours.
     pub hours: f64,
     /// Scatter between drives, 1 for Poisson.
     pub dispersion: f64,
@@ -148,7 +151,7 @@ impl Analytics {
 fn unseen_of(framework: &Framework, mined: &MinedFacts) -> Unseen {
     let all = mined.drives.values().map(|d| d.seconds).sum::<f64>() / 3600.0;
     let rows = crate::coverage::rows(&framework.taxonomy, &mined.coverage);
-    let observable: Vec<_> = rows.iter().filter(|r| r.drives_searched > 0).collect();
+    let observable: Vec<_> = rows.iter().filter(|r| r.drives_searched > 0 || r.episodes > 0).collect();
     let none = std::collections::BTreeMap::new();
     let found_in = |id: &ScenarioId| mined.episodes.by_class.get(id).unwrap_or(&none);
     let frequencies = unseen::frequencies(observable.iter().map(|r| found_in(&r.id).len() as u64));
@@ -165,11 +168,12 @@ fn unseen_of(framework: &Framework, mined: &MinedFacts) -> Unseen {
             .map(|(id, d)| (d.seconds / 3600.0, own.get(id).map_or(0, |n| n.1)))
             .collect();
         let hours: f64 = drives.iter().map(|d| d.0).sum();
-        let episodes = own.values().map(|n| n.1).sum();
+        let episodes = drives.iter().map(|d| d.1).sum();
         let dispersion = outlook::dispersion(&drives);
         LeafOutlook {
             scenario_id: row.id.clone(),
             episodes,
+            drives: drives.len(),
             hours,
             dispersion,
             coming: outlook::coming(episodes, hours, MORE_HOURS, dispersion),

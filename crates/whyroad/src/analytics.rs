@@ -18,27 +18,26 @@ use whyroad_model::{Diagnostic, Lang, Nanos, ScenarioId};
 use whyroad_report::analytics::{DriveFacts, MinedFacts, ReleaseFacts, SampleFacts};
 use whyroad_server::service::{facts, projects};
 
-/// Summary of a mined folder; weather, and whether times are dates, from the lake, where one is given. Both stay
-/// unknown for drives whose context cannot be read, and these are named.
+/// Summary of a mined folder; weather, and whether times are dates, from the lake. Both stay unknown for drives whose
+/// context cannot be read, and these are named.
 pub(crate) fn mined(
     folder: &MinedFolder,
-    lake: Option<&Lake>,
+    lake: &Lake,
 ) -> Result<(MinedFacts, Vec<Diagnostic>), Box<Diagnostic>> {
     let unreadable = |e: whyroad_lake::LakeError| Box::new(e.diagnostic());
     let mut out = MinedFacts { coverage: folder.coverage()?, ..MinedFacts::default() };
     let mut lost = Vec::new();
     for (id, drive) in folder.drive_summaries().map_err(unreadable)? {
-        let (weather, dated) = match lake.map(|l| l.stated_context(&id)) {
-            Some(Ok(stated)) => {
+        let (weather, dated) = match lake.stated_context(&id) {
+            Ok(stated) => {
                 let weather =
                     stated.states.and_then(|s| Some(s.into_iter().find(|c| c.kind == "weather")?.value));
                 (weather, stated.dated)
             }
-            Some(Err(e)) => {
+            Err(e) => {
                 lost.push(e.diagnostic());
                 (None, false)
             }
-            None => (None, true),
         };
         let facts = DriveFacts {
             seconds: drive.seconds,

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_lake::signals::Range;
 use whyroad_mining::fast::Plan;
 use whyroad_mining::fast::plan::PlanRule;
+use whyroad_mining::fast::search::lacking;
 use whyroad_mining::language::program::{NodeId, Op, Subject};
 use whyroad_mining::language::syntax::CompareOp;
 
@@ -39,9 +40,9 @@ pub fn verdict(plan: &Plan<'_>, rule: &PlanRule<'_>, ranges: &Ranges<'_>) -> Ver
     if !bounds.never(when) {
         return Verdict::Open;
     }
-    if rule.needs.iter().any(|s| !ranges.contains_key(s.as_str())) {
-        // Still observable if it is known to be false in every row, which statistics do not show.
-        return Verdict::Open;
+    let lacking = lacking(rule, |s| ranges.contains_key(s));
+    if !lacking.is_empty() {
+        return Verdict::Settled(lacking);
     }
     // A part that is known to be false somewhere makes the whole known there.
     let parts = plan.conjuncts(when);

@@ -1,6 +1,7 @@
 //! One rule on one drive: its matches, and an episode for each that also meets `require` at its keyframe.
 
 use super::moment::{Known, Sought, resolve};
+use super::observable::is_decidable;
 use super::pairs;
 use super::{Episode, Rank};
 use crate::interpret::{CLOCK_TOLERANCE, Evaluator, Moments, Pass, Roles, Row, Series, Truths};
@@ -9,14 +10,16 @@ use crate::rule::{Listed, Rule};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::messages::{EgoResponse, MatchedCondition};
-use whyroad_model::{Bilingual, FrameRange, Nanos, SignalTable, TrackId, Tri};
+use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalTable, TrackId, Tri};
 
 /// The results of one rule on one drive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Found {
     /// Episodes in order of targets, then time.
     pub episodes: Vec<Episode>,
-    /// Signals for lack of which the rule could not be decided; empty when it could.
+    /// Signals that the rule needs and the drive does not have, where it cannot be decided without them (also where an
+    /// alternative found episodes); where no row could be decided, those that are never known. Empty: the drive was
+    /// searched for the class.
     pub missing: BTreeSet<String>,
 }
 
@@ -49,9 +52,7 @@ pub fn find(rule: &Rule, table: &SignalTable) -> Found {
 }
 
 fn finished(mut found: Found, rule: &Rule, table: &SignalTable, decided: &Decided) -> Found {
-    if found.episodes.is_empty() {
-        found.missing = missing(rule, table, decided);
-    }
+    found.missing = missing(rule, table, decided);
     found
 }
 
@@ -60,31 +61,38 @@ fn finished(mut found: Found, rule: &Rule, table: &SignalTable, decided: &Decide
 struct Decided {
     rows: usize,
     known: usize,
-    /// In a frame that the log has, it was not known.
-    open: bool,
-    /// The condition matched somewhere; it may have given no episode only because of unknown values.
-    matched: bool,
 }
 
-/// Signals that the drive does not have, when the rule needs any: "nothing found" would be wrong, unless the condition
-/// is known to be false in every row for any values of those signals. Where the drive has them all but no row could be
-/// decided, those that are never known.
+/// Signals that the rule needs and the drive does not have, where it cannot be decided without them, whatever else
+/// happens in the drive: one without braking would otherwise count as searched for stops at a light that it does not
+/// show, and one with braking would not, so that rates were wrong. Where no row could be decided, those that it does
+/// not have, or else those that are never known.
 fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<String> {
-    let signals = rule.needs();
-    let of_pair = |s: &String| table.pairs.as_ref().and_then(|p| p.columns.get(s));
-    let column = |s: &String| {
-        table.frame_columns.get(s).or_else(|| table.target_columns.get(s)).or_else(|| of_pair(s))
-    };
-    let absent: BTreeSet<String> = signals.iter().filter(|s| column(s).is_none()).cloned().collect();
-    if !absent.is_empty() {
-        let certain = decided.rows > 0 && !decided.open && !decided.matched;
-        return if certain { BTreeSet::new() } else { absent };
+    let lacking = lacking(rule, table);
+    if !lacking.is_empty() || decided.rows == 0 || decided.known > 0 {
+        return lacking;
     }
-    if decided.rows == 0 || decided.known > 0 {
+    let absent = absent(rule, table);
+    if !absent.is_empty() {
         return absent;
     }
-    let never_known = |s: &&String| column(s).is_some_and(|c| c.known_count() == 0);
-    signals.iter().filter(never_known).cloned().collect()
+    let never_known = |s: &String| column(s, table).is_some_and(|c| c.known_count() == 0);
+    rule.needs().into_iter().filter(never_known).collect()
+}
+
+/// Signals that the rule needs and the drive does not have; none where it can be decided without them.
+pub(crate) fn lacking(rule: &Rule, table: &SignalTable) -> BTreeSet<String> {
+    let absent = absent(rule, table);
+    if is_decidable(rule, |s| !absent.contains(s)) { BTreeSet::new() } else { absent }
+}
+
+fn absent(rule: &Rule, table: &SignalTable) -> BTreeSet<String> {
+    rule.needs().into_iter().filter(|s| column(s, table).is_none()).collect()
+}
+
+fn column<'a>(signal: &str, table: &'a SignalTable) -> Option<&'a Column> {
+    let of_pair = || table.pairs.as_ref().and_then(|p| p.columns.get(signal));
+    table.frame_columns.get(signal).or_else(|| table.target_columns.get(signal)).or_else(of_pair)
 }
 
 fn on_rows<'a>(
@@ -99,10 +107,7 @@ fn on_rows<'a>(
     let Series::Truths(when) = series.as_ref() else { return };
     decided.rows += when.value.len();
     decided.known += when.value.iter().filter(|t| **t != Tri::Unknown).count();
-    let unknown = |(row, truth): (&Row, &Tri)| row.frame.is_some() && *truth == Tri::Unknown;
-    decided.open |= evaluator.rows(&pass).iter().zip(&when.value).any(unknown);
     for (first, last) in matches(when, evaluator.rows(&pass), rule) {
-        decided.matched = true;
         out.extend(episode(rule, roles, when, (first, last), evaluator, &mut pass));
     }
 }

@@ -10,6 +10,7 @@ use super::signals::Signals;
 use super::truth::Truth;
 use crate::drive::{DriveEpisodes, arbitrated};
 use crate::episode::Found;
+use crate::episode::observable::is_decidable;
 use crate::interpret::{CLOCK_TOLERANCE, Row};
 use crate::rule::{Rule, RuleSet};
 use std::collections::BTreeSet;
@@ -29,8 +30,6 @@ struct Candidates {
     rule: usize,
     matches: Vec<Matches>,
     decided: Decided,
-    /// The drive has all signals that the rule needs.
-    whole: bool,
 }
 
 /// How much of the rule's condition was known.
@@ -40,10 +39,6 @@ struct Decided {
     asked: bool,
     /// In one of them it was known.
     known: bool,
-    /// In a frame that the log has, it was not known; checked only where the drive lacks a signal.
-    open: bool,
-    /// The condition matched somewhere.
-    matched: bool,
 }
 
 /// Rules of a plan on one drive, matches found, episodes not yet built: for these, more columns may be needed.
@@ -83,33 +78,36 @@ impl<'a> Search<'a> {
                 found.episodes.extend(build::episode(&self.evaluation, rule, matches.row_set, &when, *rows));
             }
         }
-        if found.episodes.is_empty() {
-            found.missing = missing(rule, self.evaluation.signals, candidates.decided);
-        }
+        found.missing = missing(rule, self.evaluation.signals, candidates.decided);
         found
     }
 }
 
-/// Signals that the drive does not have, when the rule needs any and its condition is not known to be false in every
-/// row without them; where it has them all but no row could be decided, those that are never known.
+/// As in [`crate::episode::find`].
 fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTreeSet<String> {
+    let lacking = lacking(rule, |s| signals.present.contains_key(s));
+    if !lacking.is_empty() || !decided.asked || decided.known {
+        return lacking;
+    }
     let of = |wanted: Option<bool>| -> BTreeSet<String> {
         rule.needs.iter().filter(|s| signals.present.get(*s).copied() == wanted).cloned().collect()
     };
     let absent = of(None);
-    if !absent.is_empty() {
-        let certain = decided.asked && !decided.open && !decided.matched;
-        return if certain { BTreeSet::new() } else { absent };
-    }
-    if !decided.asked || decided.known { absent } else { of(Some(false)) }
+    if absent.is_empty() { of(Some(false)) } else { absent }
+}
+
+/// Signals that the rule needs and the drive does not have; none where it can be decided without them.
+pub fn lacking(rule: &PlanRule<'_>, has: impl Fn(&str) -> bool) -> BTreeSet<String> {
+    let absent: BTreeSet<String> = rule.needs.iter().filter(|s| !has(s)).cloned().collect();
+    if is_decidable(rule.rule, |s| !absent.contains(s)) { BTreeSet::new() } else { absent }
 }
 
 fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let of = &evaluation.plan.rules[rule];
     let when = of.node(of.rule.when);
-    // Without a signal that the rule needs, the absence of a match is known only if all rows are known.
-    let whole = of.needs.iter().all(|s| evaluation.signals.present.contains_key(s));
-    let mut out = Candidates { rule, matches: Vec::new(), decided: Decided::default(), whole };
+    // Where the drive cannot show the class, whether a row is known decides nothing.
+    let blind = !lacking(of, |s| evaluation.signals.present.contains_key(s)).is_empty();
+    let mut out = Candidates { rule, matches: Vec::new(), decided: Decided::default() };
     let Some(subject) = of.rule.subject else {
         let truth = evaluation.truth(when, RowSet::Drive);
         let segment = evaluation.layout.segment(RowSet::Drive);
@@ -130,7 +128,7 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
                 out.take_pairs(&pairs, i);
             } else {
                 // False in every row for the target alone: no pair with it can match.
-                out.decide(object.len > 0, object.len > 0, false);
+                out.decide(object.len > 0, object.len > 0);
             }
         }
         return out;
@@ -139,7 +137,7 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let nowhere = truth.yes.none();
     for (i, object) in evaluation.layout.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
         // Once some row is known, rows without a match give no further information.
-        if nowhere && out.decided.known && (whole || out.decided.open) {
+        if nowhere && (out.decided.known || blind) {
             break;
         }
         out.take(of.rule, RowSet::Object(i), &truth, *object, rows);
@@ -148,10 +146,9 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
 }
 
 impl Candidates {
-    fn decide(&mut self, asked: bool, known: bool, open: bool) {
+    fn decide(&mut self, asked: bool, known: bool) {
         self.decided.asked |= asked;
         self.decided.known |= known;
-        self.decided.open |= open;
     }
 
     /// The matches of all pairs with this target.
@@ -168,7 +165,7 @@ impl Candidates {
             let row_set = RowSet::Pair(target, second);
             let segment = evaluation.layout.segment(row_set);
             if pairs.hopeless(target, second, segment) {
-                self.decide(segment.len > 0, segment.len > 0, false);
+                self.decide(segment.len > 0, segment.len > 0);
                 continue;
             }
             let truth = evaluation.truth(of.node(of.rule.when), row_set);
@@ -183,11 +180,8 @@ impl Candidates {
     fn take(&mut self, rule: &Rule, row_set: RowSet, truth: &Truth, segment: Segment, rows: &[Row]) {
         let rows = &rows[segment.row..segment.row + segment.len];
         let known = !self.decided.known && truth.known.any_in(segment.range());
-        let unknown = |k: usize| rows[k].frame.is_some() && !truth.known.get(segment.range().start + k);
-        let open = !self.whole && !self.decided.open && (0..segment.len).any(unknown);
-        self.decide(segment.len > 0, known, open);
+        self.decide(segment.len > 0, known);
         let found = matches(rule, truth, segment.range(), rows);
-        self.decided.matched |= !found.is_empty();
         if !found.is_empty() {
             self.matches.push(Matches { row_set, rows: found });
         }

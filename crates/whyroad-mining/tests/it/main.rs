@@ -16,3 +16,4 @@ mod names;
 mod query;
 #[path = "../../../whyroad-model/testing/require.rs"]
 mod require;
+mod searched;

@@ -92,7 +92,7 @@ pub(super) fn rows(inputs: &AnalyticsInputs<'_>) -> Vec<ContextRow> {
             }
         }
         let at = t.label.as_ref().and_then(|l| l.keyframe).unwrap_or(t.keyframe);
-        let dated = inputs.mined.is_none_or(|facts| is_dated(facts, &t.drive));
+        let dated = inputs.mined.is_some_and(|facts| is_dated(facts, &t.drive));
         *accepted.entry((Dimension::Hour, dated.then(|| shifted(hour(at), shift)))).or_default() += 1;
     }
     let mut samples = BTreeSet::new();
@@ -141,9 +141,9 @@ pub(super) fn rows(inputs: &AnalyticsInputs<'_>) -> Vec<ContextRow> {
     out
 }
 
-/// Whether the times of a drive are known to be dates; a drive that was not searched says nothing against it.
+/// Whether the times of a drive are known to be dates; of a drive that was not searched it is unknown.
 fn is_dated(facts: &MinedFacts, drive: &DriveId) -> bool {
-    facts.drives.get(drive).is_none_or(|d| d.start.is_some())
+    facts.drives.get(drive).is_some_and(|d| d.start.is_some())
 }
 
 fn stated(drive: Option<&DriveFacts>) -> [Key; 3] {

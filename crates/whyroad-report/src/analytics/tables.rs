@@ -133,6 +133,7 @@ pub fn tables(a: &Analytics) -> Vec<Sheet> {
     let outlook = Filler::of(&outlook)
         .text("scenario_id", |r| r.scenario_id.to_string())
         .count("episodes", |r| Some(r.episodes))
+        .count("drives", |r| Some(r.drives as u64))
         .number("hours", |r| Some(r.hours))
         .number("dispersion", |r| Some(r.dispersion))
         .number("coming", |r| r.coming.map(|e| e.value))

@@ -241,6 +241,23 @@ fn drives_without_a_date_have_no_hour_of_the_day() {
     assert_eq!(hours, [(None, Some(1.5), Some(3), Some(1))]);
 }
 
+/// Labels of drives that the mined folder does not have, or without a mined folder: whether their times are dates is
+/// unknown.
+#[test]
+fn drives_that_were_not_searched_have_no_known_hour_of_the_day() {
+    let accepted = |a: &Analytics| -> Vec<(Option<String>, Option<u64>)> {
+        let hours = a.contexts.iter().filter(|r| r.dimension == Dimension::Hour);
+        hours.filter(|r| r.accepted.is_some_and(|n| n > 0)).map(|r| (r.value.clone(), r.accepted)).collect()
+    };
+    let framework = Framework::bundled();
+    // The label of `a` is at 09:00 UTC, 17:00 in UTC+8.
+    assert_eq!(accepted(&analytics(true, true)), [(Some("17".into()), Some(1))]);
+    let mut other = mined(framework);
+    other.drives.remove(&DriveId::from("a"));
+    assert_eq!(accepted(&analytics_of(true, Some(&other))), [(None, Some(1))]);
+    assert_eq!(accepted(&analytics(true, false)), [(None, Some(1))]);
+}
+
 #[test]
 fn shortfalls_say_what_to_do() {
     let a = analytics(true, true);
@@ -266,6 +283,37 @@ fn the_unseen_is_counted_over_observable_leaves_only() {
     // One leaf, in two drives: f2 = 1, n = 2, nothing alone.
     assert_eq!(u.mass.map(|m| m.value), Some(0.0));
     assert_eq!(u.new_leaves, None, "100 h are beyond what 1.5 h can say");
+}
+
+/// The rate of a leaf is that of the drives that were searched for it: `a` (1 h), not `b`, which lacks a signal.
+#[test]
+fn the_outlook_counts_only_drives_that_were_searched() {
+    let framework = Framework::bundled();
+    let mut mined = mined(framework);
+    let slow = &mut mined.coverage.leaves[1];
+    slow.gaps = vec![DriveGap {
+        drives: vec![DriveId::from("b")].into(),
+        missing_signals: vec!["light.state".into()],
+    }];
+    slow.drives_searched = 1;
+    let of = |mined: &MinedFacts, class: &str| -> (u64, usize, f64, Option<f64>) {
+        let a = analytics_of(false, Some(mined));
+        let leaves = a.unseen.unwrap().leaves;
+        let leaf = leaves.into_iter().find(|l| l.scenario_id == id(class)).unwrap();
+        (leaf.episodes, leaf.drives, leaf.hours, leaf.coming.map(|e| e.value))
+    };
+    assert_eq!(of(&mined, SLOW), (0, 1, 1.0, Some(0.0)));
+    assert_eq!(of(&mined, URGENT), (3, 2, 1.5, Some(200.0)));
+    // An alternative of the rule found two in `b`; then in both; then no drive has all signals.
+    mined.coverage.leaves[1].state = CoverageState::Found;
+    mined.coverage.leaves[1].episodes = 3;
+    mined.episodes.by_class.insert(id(SLOW), [("b".into(), (2, 2))].into());
+    assert_eq!(of(&mined, SLOW), (0, 1, 1.0, Some(0.0)));
+    mined.episodes.by_class.insert(id(SLOW), [("a".into(), (1, 1)), ("b".into(), (2, 2))].into());
+    assert_eq!(of(&mined, SLOW), (1, 1, 1.0, Some(100.0)));
+    mined.coverage.leaves[1].drives_searched = 0;
+    mined.coverage.leaves[1].gaps[0].drives = vec![DriveId::from("a"), DriveId::from("b")].into();
+    assert_eq!(of(&mined, SLOW), (0, 0, 0.0, None));
 }
 
 #[test]

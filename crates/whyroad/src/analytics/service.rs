@@ -44,7 +44,7 @@ impl ServiceReports {
             return Ok(Arc::clone(facts));
         }
         // Drives without a readable context have no weather: the page shows "not stated".
-        let (facts, _) = mined(folder, Some(&self.lake)).map_err(|d| d.message)?;
+        let (facts, _) = mined(folder, &self.lake).map_err(|d| d.message)?;
         let facts = Arc::new(facts);
         *held = Some((path, written, Arc::clone(&facts)));
         Ok(facts)

@@ -165,7 +165,7 @@ pub(crate) fn analyze(
     numbers: &Numbers,
     lang: Lang,
 ) -> anyhow::Result<Analyzed> {
-    let (mined, lost) = match analytics::mined(folder, Some(lake)) {
+    let (mined, lost) = match analytics::mined(folder, lake) {
         Ok(read) => read,
         Err(d) => return Ok(Err(d)),
     };

@@ -117,6 +117,34 @@ fn a_report_counts_every_stage_and_its_queries_can_be_mined() {
     let cost = analytics["progress"]["cost"]["per_label"].as_f64().unwrap();
     assert!((cost - 1.0).abs() < 1e-9, "{cost}");
     assert_eq!(analytics["given"]["releases"], false);
+    // The outlook has the drives and hours that were searched, as mining says it; red_stop only that with lights.
+    let coverage: Value =
+        serde_json::from_str(&fs::read_to_string(dir.join("mined/coverage.json")).unwrap()).unwrap();
+    let outlook = fs::read_to_string(format!("{tables}/outlook.csv")).unwrap();
+    assert!(outlook.starts_with("scenario_id,episodes,drives,hours,"), "{outlook}");
+    let clips = fs::read_to_string(dir.join("mined/clip_metadata.jsonl")).unwrap();
+    let clips: Vec<Value> = clips.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let hours = |lacking: &BTreeSet<&str>| -> f64 {
+        let of = clips.iter().map(|c| &c["clip_metadata"]);
+        let of = of.filter(|c| !lacking.contains(c["drive_id"].as_str().unwrap()));
+        of.map(|c| c["duration_sec"].as_f64().unwrap() / 3600.0).sum()
+    };
+    for leaf in coverage["leaves"].as_array().unwrap() {
+        let (class, searched) =
+            (leaf["scenario_id"].as_str().unwrap(), leaf["drives_searched"].as_u64().unwrap());
+        let Some(line) = outlook.lines().find(|l| l.starts_with(&format!("{class},"))) else {
+            assert_eq!((searched, &leaf["episodes"]), (0, &Value::from(0)), "{class}");
+            continue;
+        };
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields[2].parse::<u64>().unwrap(), searched, "{line}");
+        let gaps = leaf["gaps"].as_array().into_iter().flatten();
+        let lacking = gaps.flat_map(|g| g["drives"].as_array().unwrap()).map(|d| d.as_str().unwrap());
+        assert!((fields[3].parse::<f64>().unwrap() - hours(&lacking.collect())).abs() < 1e-6, "{line}");
+        if class.ends_with("traffic_light.red_stop") {
+            assert_eq!(searched, 1, "{line}");
+        }
+    }
     let html = fs::read_to_string(&page).unwrap();
     assert!(html.contains("<section class=\"analytics\"") && html.contains("尚未见到的场景"));
 

@@ -139,10 +139,6 @@ fn a_log_without_pose_and_map_is_not_observable() {
     let text = std::fs::read_to_string(dir.path().join("out/coverage.json")).unwrap();
     let coverage: Value = serde_json::from_str(&text).unwrap();
     for leaf in coverage["leaves"].as_array().unwrap().iter().filter(|l| l["state"] != "no_rule") {
-        // The log's classes include animals, and none of its objects is one: that is known without pose and map.
-        if leaf["scenario_id"].as_str().unwrap().starts_with("reactive_agent.animal.") {
-            continue;
-        }
         let gaps = leaf["gaps"].as_array().unwrap();
         let of_drive = |g: &&Value| {
             g["drives"].as_array().unwrap().iter().any(|d| d.as_str().unwrap().starts_with("b87683ae"))

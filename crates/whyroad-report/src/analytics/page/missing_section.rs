@@ -157,8 +157,9 @@ fn outlook(m: &mut Markup, a: &Analytics, names: &ClassNames) {
         m,
         &[
             ("场景", "class", Align::Text),
-            ("已挖掘", "mined", Align::Number),
-            ("可观测时长 h", "observable h", Align::Number),
+            ("其中已挖掘", "mined there", Align::Number),
+            ("已搜索行程", "drives searched", Align::Number),
+            ("已搜索时长 h", "h searched", Align::Number),
             ("预计", "expected", Align::Number),
             ("区间", "interval", Align::Number),
             ("", "", Align::Bar),
@@ -168,6 +169,7 @@ fn outlook(m: &mut Markup, a: &Analytics, names: &ClassNames) {
     for (leaf, e) in shown {
         m.raw("<tr><th scope=\"row\">").both(&names.get(&leaf.scenario_id)).raw("</th><td class=\"n\">");
         m.int(leaf.episodes).raw("</td><td class=\"n\">");
+        m.int(leaf.drives).raw("</td><td class=\"n\">");
         hours(m, leaf.hours, 2);
         m.raw("</td><td class=\"n\">");
         m.num(e.value, 1).raw("</td><td class=\"n\">").num(e.low, 1).raw(" – ").num(e.high, 1);

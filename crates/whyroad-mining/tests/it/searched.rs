@@ -1,0 +1,53 @@
+//! Whether a drive was searched for a class depends on the signals that it has, not on what happens in it
+//! (docs/reference/rules.md): both evaluators.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::collections::BTreeMap;
+use whyroad_mining::episode::{Found, find};
+use whyroad_mining::fast::{Plan, Signals, find_all};
+use whyroad_mining::rule::text::compile_text;
+use whyroad_model::{Column, Nanos, SignalTable, Tri};
+use whyroad_signals::Catalog;
+
+/// 10 s at 10 Hz without a bus that states AEB; the ego brakes in `brakes`.
+fn drive(brakes: std::ops::Range<usize>) -> SignalTable {
+    let brake = Column::Flag((0..100).map(|f| Tri::from(brakes.contains(&f))).collect());
+    SignalTable {
+        times: (0..100).map(|i| Nanos(i * 100_000_000)).collect(),
+        frame_columns: BTreeMap::from([
+            ("ego.brake".to_owned(), brake),
+            ("ego.standstill".to_owned(), Column::Flag(vec![Tri::False; 100])),
+        ]),
+        ..SignalTable::default()
+    }
+}
+
+/// The number of episodes and the missing signals, which are the same for both evaluators.
+fn searched(rule: &str, table: &SignalTable) -> (usize, Vec<String>) {
+    let class = "safety.aeb.vehicle".parse().unwrap();
+    let rule = compile_text(rule, None, &class, Catalog::bundled(), "test").unwrap();
+    let told = |found: Found| (found.episodes.len(), found.missing.into_iter().collect::<Vec<_>>());
+    let fast = find_all(&Plan::of_rules([&rule]), &Signals::of_table(table)).pop().unwrap();
+    let (fast, reference) = (told(fast), told(find(&rule, table)));
+    assert_eq!(fast, reference);
+    fast
+}
+
+#[test]
+fn a_drive_in_which_nobody_brakes_was_not_searched_either() {
+    let lacks = || vec!["ego.aeb".to_owned()];
+    assert_eq!(searched("ego.brake and ego.aeb", &drive(0..0)), (0, lacks()));
+    assert_eq!(searched("ego.brake and ego.aeb", &drive(20..40)), (0, lacks()));
+    assert_eq!(searched("ego.brake", &drive(0..0)), (0, vec![]));
+}
+
+#[test]
+fn what_an_alternative_finds_does_not_make_the_drive_searched() {
+    assert_eq!(searched("ego.brake or ego.aeb", &drive(20..40)), (1, vec!["ego.aeb".to_owned()]));
+    // What it excludes only in standstill can be looked for without it.
+    assert_eq!(searched("ego.brake and not (ego.standstill and ego.aeb)", &drive(20..40)), (1, vec![]));
+    assert_eq!(searched("ego.brake and not (ego.standstill and ego.aeb)", &drive(0..0)), (0, vec![]));
+    // The rule itself says what holds without it.
+    let asks = "ego.brake and not (ego.aeb and ego.aeb is known)";
+    assert_eq!(searched(asks, &drive(0..0)), (0, vec![]));
+}
