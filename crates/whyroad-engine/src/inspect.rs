@@ -29,8 +29,11 @@ pub struct DriveSummary {
     pub ego: Option<EgoSummary>,
     /// Noise of the measurements, estimated from the log; `None` where there are no poses over ground.
     pub noise: Option<NoiseSummary>,
-    /// By class.
+    /// Tracks by class, as the log has them.
     pub objects: BTreeMap<String, ObjectCount>,
+    /// Number of objects after tracks that break off and go on under another id are joined: those that signals and
+    /// rules are about.
+    pub joined_objects: usize,
     /// Features by kind.
     pub map: Option<BTreeMap<String, usize>>,
     /// How much of each layer the map has.
@@ -107,7 +110,7 @@ fn noise(drive: &Drive) -> Option<NoiseSummary> {
     })
 }
 
-/// Objects of one class.
+/// Tracks of one class.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ObjectCount {
     /// Tracks.
@@ -140,13 +143,17 @@ impl DriveSummary {
         }
         // For a whole drive the statistics in the files' footers are enough.
         let stored = lake.signals(id, whyroad_signals::VERSION)?.filter(|_| of_clip.is_none());
-        let stored = stored.and_then(|file| Some((stored_shares(&file)?, stored_speeds(&file)?)));
-        let ((signals, unavailable), speeds) = match stored {
+        let stored = stored.and_then(|file| {
+            let targets = file.contents().drives.first()?.targets.len();
+            Some((stored_shares(&file)?, stored_speeds(&file)?, targets))
+        });
+        let ((signals, unavailable), speeds, joined_objects) = match stored {
             Some(of_whole_drive) => of_whole_drive,
             None => {
                 let table = crate::drives::signals_of(lake, id)?;
                 let speeds = speeds(&estimate(&drive), frames);
-                ((shares(&table, frames), table.unavailable), speeds)
+                let seen = table.targets.iter().filter(|t| !t.frames.intersect(frames).is_empty()).count();
+                ((shares(&table, frames), table.unavailable), speeds, seen)
             }
         };
         let unavailable = lacking(unavailable, &signals);
@@ -160,6 +167,7 @@ impl DriveSummary {
             ego: ego(&drive, speeds),
             noise,
             objects: objects(&drive, frames),
+            joined_objects,
             map: map(&drive),
             map_layers: drive.map.as_ref().map(|m| m.layers.clone()).unwrap_or_default(),
             tables: tables(&drive),
@@ -181,7 +189,7 @@ pub struct LakeSummary {
     pub hours: f64,
     /// Drives by format.
     pub formats: BTreeMap<String, usize>,
-    /// Objects by class.
+    /// Tracks by class, as the logs have them.
     pub objects: BTreeMap<String, ObjectCount>,
     /// Drives by the table that they have.
     pub tables: BTreeMap<&'static str, usize>,
@@ -232,6 +240,14 @@ fn stored_shares(file: &SignalFile) -> Option<Shares> {
     let shares =
         file.signals(0).into_iter().filter(|name| !is_deviation(name)).map(share).collect::<Option<_>>()?;
     Some((shares, file.contents().drives.first()?.unavailable.clone()))
+}
+
+/// The signals that a drive does not support, each with the data that its log lacks (see
+/// [`DriveSummary::unavailable`]); `None` where the lake stores no signals of the drive.
+pub fn unavailable(lake: &Lake, id: &DriveId) -> Result<Option<BTreeMap<String, Vec<Need>>>, LakeError> {
+    let file = lake.signals(id, whyroad_signals::VERSION)?;
+    let stored = file.and_then(|file| stored_shares(&file));
+    Ok(stored.map(|(signals, unavailable)| lacking(unavailable, &signals)))
 }
 
 /// Lowest and highest speed of the ego, m/s; NaN, which becomes null in JSON, where no speed is known.

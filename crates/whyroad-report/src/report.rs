@@ -104,16 +104,17 @@ pub struct DrivePart {
 }
 
 impl DrivePart {
-    /// Renders a drive. `signals` are only read for episodes with a card.
+    /// Renders an estimated drive, whose log has this many `tracks`. `signals` are only read for episodes with a card.
     pub fn new(
         context: &ReportContext<'_>,
         drive: &Drive,
+        tracks: usize,
         signals: &SignalTable,
         chosen: &ChosenEpisodes,
     ) -> Self {
         let card = |e: &EpisodeRecord| card::render(context, drive, signals, e);
         Self {
-            line: page::DriveLine::new(drive, chosen.total),
+            line: page::DriveLine::new(drive, tracks, chosen.total),
             cards: chosen.cards.iter().map(card).collect(),
         }
     }

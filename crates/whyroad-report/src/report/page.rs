@@ -19,13 +19,17 @@ pub(super) struct DriveLine {
     place: Option<String>,
     licence: Option<String>,
     seconds: f64,
+    /// Tracks as the log has them.
     tracks: usize,
+    /// Objects: tracks that break off and go on under another id are joined.
+    objects: usize,
     pub(super) episodes: usize,
     missing: Vec<Need>,
 }
 
 impl DriveLine {
-    pub(super) fn new(drive: &Drive, episodes: usize) -> Self {
+    /// Of an estimated drive whose log has this many tracks.
+    pub(super) fn new(drive: &Drive, tracks: usize, episodes: usize) -> Self {
         let seconds = match (drive.times.first(), drive.times.last()) {
             (Some(a), Some(b)) => b.seconds_since(*a),
             _ => 0.0,
@@ -36,7 +40,8 @@ impl DriveLine {
             place: drive.meta.place.clone(),
             licence: drive.meta.licence.clone(),
             seconds,
-            tracks: drive.tracks.len(),
+            tracks,
+            objects: drive.tracks.len(),
             episodes,
             missing: drive.meta.missing.clone(),
         }
@@ -157,7 +162,9 @@ fn drives_table(m: &mut Markup, drives: &[DriveLine]) {
         .raw("</th><th class=\"n\">")
         .say("时长", "length")
         .raw("</th><th class=\"n\">");
-    m.say("目标数", "objects")
+    m.say("轨迹", "tracks")
+        .raw("</th><th class=\"n\">")
+        .say("目标", "objects")
         .raw("</th><th class=\"n\">")
         .say("事件数", "episodes")
         .raw("</th><th>")
@@ -169,14 +176,21 @@ fn drives_table(m: &mut Markup, drives: &[DriveLine]) {
             .raw("</td><td class=\"n\">")
             .num(d.seconds, 1)
             .raw(" s</td><td class=\"n\">");
-        m.int(d.tracks).raw("</td><td class=\"n\">").int(d.episodes).raw("</td><td>");
+        m.int(d.tracks).raw("</td><td class=\"n\">").int(d.objects);
+        m.raw("</td><td class=\"n\">").int(d.episodes).raw("</td><td>");
         m.text(d.licence.as_deref().unwrap_or("–")).raw("</td><td class=\"faint\">");
         for (i, need) in d.missing.iter().enumerate() {
             m.raw(if i == 0 { "" } else { ", " }).both(&need.name());
         }
         m.raw("</td></tr>");
     }
-    m.raw("</tbody></table></section>");
+    m.raw("</tbody></table><p class=\"faint\">");
+    m.say(
+        "轨迹：日志中的编号数，同 ingest、inspect；目标：中断后换了编号的轨迹合并后的数目，规则在其上判定。",
+        "Tracks: ids of the log, as ingest and inspect count them. Objects: tracks that break off and go on under \
+         another id are joined; rules are evaluated on these.",
+    )
+    .raw("</p></section>");
 }
 
 fn episodes_section(

@@ -38,7 +38,7 @@ fn page(name: &str, max_cards: usize) -> String {
     };
     let mut report = ReportBuilder::new(context);
     let chosen = CardChoice::new(max_cards).choose(vec![episode(&drive)]);
-    report.add(DrivePart::new(&context, &drive, &signals(&drive), &chosen));
+    report.add(DrivePart::new(&context, &drive, drive.tracks.len() + 1, &signals(&drive), &chosen));
     report.finish()
 }
 
@@ -52,6 +52,16 @@ fn all_leaves_are_in_the_map_and_in_the_table() {
         assert_eq!(page.matches(&format!("data-leaf=\"{id}\" data-state=")).count(), 1, "{id} in the map");
         assert_eq!(page.matches(&format!("<tr id=\"leaf-{id}\"")).count(), 1, "{id} in the table");
     }
+}
+
+/// The drive's log has one track more than there are objects.
+#[test]
+fn tracks_of_the_log_and_joined_objects_are_both_counted() {
+    let page = page("d", 10);
+    let objects = drive("d").tracks.len();
+    let cells = format!("<td class=\"n\">{}</td><td class=\"n\">{objects}</td>", objects + 1);
+    assert!(page.contains(&cells), "{cells}");
+    assert!(page.contains("joined; rules are evaluated on these"));
 }
 
 #[test]

@@ -114,13 +114,13 @@ fn lake_text(s: &LakeSummary, lang: Lang) -> String {
         Lang::Zh => [
             format!("{drives} 个行程，{clips} 个片段，{hours:.2} 小时"),
             format!("  格式：{formats}"),
-            format!("  对象：{objects}"),
+            format!("  轨迹：{objects}"),
             format!("  有该数据表的行程：{tables}"),
         ],
         Lang::En => [
             format!("{}, {}, {hours:.2} h", counted(drives, "drive"), counted(clips, "clip")),
             format!("  formats: {formats}"),
-            format!("  objects: {objects}"),
+            format!("  tracks: {objects}"),
             format!("  drives with the table: {tables}"),
         ],
     };
@@ -136,7 +136,8 @@ fn label(key: &str, lang: Lang) -> String {
         "vehicles" => ("车辆", "vehicles"),
         "others" => ("其他目标", "others"),
         "exact" => ("视为精确", "exact"),
-        "objects" => ("对象", "objects"),
+        "no date" => ("无日期", "no date"),
+        "tracks" => ("轨迹", "tracks"),
         "rows" => ("行", "rows"),
         "frames" => ("帧", "frames"),
         "map" => ("地图", "map"),
@@ -172,11 +173,13 @@ fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
     let facts: Vec<&str> =
         [Some(s.format.as_str()), s.place.as_deref(), s.licence.as_deref()].into_iter().flatten().collect();
     let mut out = format!("{} ({})\n", s.drive_id, facts.join(", "));
+    // Without dates in the log the times are those that `ingest` counts from.
+    let dated = !s.missing.contains(&Need::Date);
     for c in &s.clips {
         out += &format!(
             "  {}  {}  {:.1} s  {} {}\n",
             c.clip_id,
-            c.capture_time,
+            if dated { c.capture_time.to_string() } else { l("no date") },
             c.duration_sec,
             c.total_frames,
             l("frames")
@@ -203,7 +206,12 @@ fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
         }
     }
     let (objects, rows) = s.objects.values().fold((0, 0), |(o, r), c| (o + c.objects, r + c.rows));
-    out += &format!("  {}: {objects}, {rows} {}\n", l("objects"), l("rows"));
+    let joined = s.joined_objects;
+    let joined = match lang {
+        Lang::Zh => format!("合并中断的轨迹后 {joined} 个目标"),
+        Lang::En => format!("{} after joining tracks that break off", counted(joined, "object")),
+    };
+    out += &format!("  {}: {objects}, {rows} {}; {joined}\n", l("tracks"), l("rows"));
     for (class, c) in &s.objects {
         out += &format!("    {class:<18} {:>5} {:>8} {}\n", c.objects, c.rows, l("rows"));
     }

@@ -1,5 +1,6 @@
 //! `whyroad merge`: the parts that workers mined, as one mined folder.
 
+use super::mine::missing::{Missing, MissingArgs};
 use super::mine::{other_question, table::Results};
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
@@ -27,9 +28,8 @@ pub(crate) struct Args {
     /// Replace results of another question in that folder
     #[arg(long)]
     force: bool,
-    /// Also list the classes that cannot be decided on some drives, with the missing signals
-    #[arg(long)]
-    missing: bool,
+    #[command(flatten)]
+    missing: MissingArgs,
     #[command(flatten)]
     print: Print,
 }
@@ -72,7 +72,12 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         taxonomy: &framework.taxonomy,
         lang,
     };
-    args.print.put(&results.json(), || results.text(args.missing))?;
+    let lacking = args.missing.any().then(|| Missing::read(&results, lake.as_ref()));
+    if let (Some(file), Some(lacking)) = (&args.missing.missing_list, &lacking) {
+        lacking.write(&results, file)?;
+    }
+    let shown = lacking.as_ref().filter(|_| args.missing.missing).map(|lacking| lacking.text(&results));
+    args.print.put(&results.json(), || results.text(shown))?;
     Ok(if failed.is_empty() { output::FINE } else { output::lost_input() })
 }
 

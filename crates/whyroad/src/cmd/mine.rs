@@ -1,5 +1,6 @@
 //! `whyroad mine`: finds episodes in a lake by the framework's rules, by a custom rule or by a JSON query.
 
+pub(super) mod missing;
 mod part;
 pub(super) mod plan;
 mod sequences;
@@ -8,6 +9,7 @@ pub(super) mod table;
 use crate::output::reason::{folders_only, stop};
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
+use missing::{Missing, MissingArgs};
 use plan::CustomRule;
 pub(super) use plan::rule_name;
 use serde_json::Value;
@@ -89,9 +91,8 @@ pub(crate) struct Args {
     /// signals
     #[arg(long)]
     once: bool,
-    /// Also list the classes that cannot be decided on some drives, with the missing signals
-    #[arg(long)]
-    missing: bool,
+    #[command(flatten)]
+    missing: MissingArgs,
     #[command(flatten)]
     print: Print,
 }
@@ -169,7 +170,7 @@ impl Args {
             out: Some(out),
             force,
             once: false,
-            missing: false,
+            missing: MissingArgs::default(),
             print: Print { format: Default::default() },
         }
     }
@@ -291,7 +292,12 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         taxonomy: &framework.taxonomy,
         lang: global.lang,
     };
-    let results = Some((results.json(), results.text(args.missing)));
+    let lacking = args.missing.any().then(|| Missing::read(&results, Some(&lake)));
+    if let (Some(file), Some(lacking)) = (&args.missing.missing_list, &lacking) {
+        lacking.write(&results, file)?;
+    }
+    let shown = lacking.as_ref().filter(|_| args.missing.missing).map(|lacking| lacking.text(&results));
+    let results = Some((results.json(), results.text(shown)));
     if mined.same > 0 {
         say!("{}", unchanged(mined.same, summary.drives, global.lang));
     }

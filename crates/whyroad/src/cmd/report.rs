@@ -250,7 +250,9 @@ pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::R
     let (framework, coverage) = (found.framework, found.coverage);
     let context = ReportContext { framework, coverage, signals: &signals, lang };
     let part = |id: &DriveId| -> Result<DrivePart, LakeError> {
-        let drive = whyroad_engine::estimated(found.lake.read_drive(id)?);
+        let drive = found.lake.read_drive(id)?;
+        let tracks = drive.tracks.len();
+        let drive = whyroad_engine::estimated(drive);
         let none = ChosenEpisodes::default();
         let chosen = found.chosen.get(id).unwrap_or(&none);
         // Only cards show signals.
@@ -258,13 +260,20 @@ pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::R
             true => SignalTable::default(),
             false => signals_of(found.lake, id)?,
         };
-        Ok(DrivePart::new(&context, &drive, &signals, chosen))
+        Ok(DrivePart::new(&context, &drive, tracks, &signals, chosen))
     };
     let mut page = ReportBuilder::new(context);
     if let Some(analytics) = found.analytics {
         page.put_analytics(whyroad_report::analytics::page::fragment(analytics));
     }
     let mut lost = Vec::new();
+    let bar = output::progress(coverage.drives.len());
+    let part = |id: &DriveId| {
+        let part = part(id);
+        bar.set_message(format!("{id}"));
+        bar.inc(1);
+        part
+    };
     map_drives(&coverage.drives, None, part, |part| {
         match part {
             Ok(part) => page.add(part),
@@ -272,6 +281,7 @@ pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::R
         }
         anyhow::Ok(())
     })?;
+    bar.finish_and_clear();
     if let Some(dir) = out.parent().filter(|d| !d.as_os_str().is_empty()) {
         std::fs::create_dir_all(dir).with_context(|| cannot_make(dir.display()))?;
     }

@@ -376,6 +376,57 @@ fn one_class_can_be_asked_for() {
     assert!(text(&unknown.stderr).contains("reactive_agent.cutin"), "{}", text(&unknown.stderr));
 }
 
+/// Only `signal_junction` has lights (examples/drives/README.md).
+#[test]
+fn what_is_missing_is_said_with_the_drives_that_lack_it() {
+    let (lake, _, _) = &*MINED;
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    let list = |name: &str| at(name).to_str().unwrap().to_owned();
+    let run = |out: &str, more: &[&str]| {
+        let o = mine(lake.path(), &at(out), &[&["--scenario", "traffic_light"], more].concat());
+        assert!(o.status.success(), "{}", text(&o.stderr));
+        // Without the breaks of long lines.
+        text(&o.stdout).replace("\n    ", " ")
+    };
+    let shown = run("a", &["--missing", "--missing-list", &list("list.csv")]);
+    let coverage = json(&at("a/coverage.json"));
+    let dark: Vec<&str> = coverage["drives"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|d| d.as_str().unwrap())
+        .filter(|d| !d.starts_with("signal_junction"))
+        .collect();
+    assert_eq!(dark.len(), 2, "{coverage:#}");
+    let named = format!("2 drives ({})", dark.join(", "));
+    let line = shown.lines().find(|l| l.starts_with(&format!("  {named}: "))).unwrap();
+    assert!(line.contains("traffic lights ("), "{shown}");
+    assert!(shown.contains("traffic_light.red_stop: 1 of 3 drives searched\n"), "{shown}");
+    assert!(
+        shown.contains(&format!("  {named}: missing light.distance_to_stop_line, light.state\n")),
+        "{shown}"
+    );
+    // Every drive of every gap is a line; the same as JSON.
+    let classes = coverage["leaves"].as_array().unwrap().iter();
+    let of_light = classes.filter(|l| l["scenario_id"].as_str().unwrap().contains(".traffic_light."));
+    let gaps = of_light.flat_map(|l| l["gaps"].as_array().cloned().unwrap_or_default());
+    let rows: usize = gaps.map(|g| g["drives"].as_array().unwrap().len()).sum();
+    let csv = std::fs::read_to_string(at("list.csv")).unwrap();
+    assert_eq!(csv.lines().count(), rows + 1, "{csv}");
+    let red = format!(
+        "{},reactive_rule.traffic_light.red_stop,light.distance_to_stop_line; light.state,traffic lights",
+        dark[0]
+    );
+    assert!(csv.lines().any(|l| l == red), "{csv}");
+    let zh = run("b", &["--missing", "--missing-list", &list("list.json"), "--lang", "zh"]);
+    let line = zh.lines().find(|l| l.starts_with(&format!("  2 个行程（{}）：", dark.join(", ")))).unwrap();
+    assert!(line.contains("交通信号灯（"), "{zh}");
+    assert_eq!(json(&at("list.json")).as_array().unwrap().len(), rows);
+    let o = mine(lake.path(), &at("c"), &["--missing-list", "list.txt"]);
+    assert_eq!(o.status.code(), Some(2), "{}", text(&o.stderr));
+}
+
 #[test]
 fn a_class_whose_rules_are_taken_out_has_no_rule() {
     let folder = tempfile::tempdir().unwrap();

@@ -21,8 +21,8 @@ pub(in crate::cmd) struct Results<'a> {
 }
 
 impl Results<'_> {
-    /// The text. `missing`: with the classes that could not be decided everywhere.
-    pub fn text(&self, missing: bool) -> String {
+    /// The text, with the text on what drives lack where that is asked for.
+    pub fn text(&self, missing: Option<String>) -> String {
         let mut out = String::new();
         let found: Vec<&LeafCoverage> = self.rows(|l| l.state == CoverageState::Found);
         if !found.is_empty() {
@@ -30,10 +30,10 @@ impl Results<'_> {
             out.push('\n');
         }
         out += &wrapped(&self.totals(), 2);
-        let gaps = self.rows(|l| !l.gaps.is_empty());
-        if missing && !gaps.is_empty() {
+        let gaps = self.gaps();
+        if let Some(missing) = missing.filter(|_| !gaps.is_empty()) {
             out.push('\n');
-            gaps.iter().for_each(|l| out += &self.gap(l));
+            out += &missing;
         } else if !gaps.is_empty() {
             out += &wrapped(&self.not_observable(&gaps), 2);
         }
@@ -68,6 +68,11 @@ impl Results<'_> {
             "classes": classes,
             "best": self.summary.best,
         })
+    }
+
+    /// Requested classes that some drive cannot show.
+    pub fn gaps(&self) -> Vec<&LeafCoverage> {
+        self.rows(|l| !l.gaps.is_empty())
     }
 
     /// Requested classes, in the order of the taxonomy.
@@ -108,7 +113,7 @@ impl Results<'_> {
     }
 
     /// `l2.l3` where that names the class, as every command accepts it.
-    fn short_id(&self, id: &ScenarioId) -> String {
+    pub(super) fn short_id(&self, id: &ScenarioId) -> String {
         let parts: Vec<&str> = [id.l2.as_deref(), id.l3.as_deref()].into_iter().flatten().collect();
         let short = parts.join(".");
         match self.taxonomy.resolve(&short) {
@@ -158,21 +163,6 @@ impl Results<'_> {
                 "{classes} classes are not observable on some drives, which lack signals; --missing lists them"
             ),
         }
-    }
-
-    fn gap(&self, l: &LeafCoverage) -> String {
-        let (class, searched, drives) =
-            (self.short_id(&l.scenario_id), l.drives_searched, self.summary.drives);
-        let signals = missing(l).join(", ");
-        wrapped(
-            &match self.lang {
-                Lang::Zh => format!("{class}：可观测 {searched}/{drives} 个行程；缺少 {signals}"),
-                Lang::En => {
-                    format!("{class}: observable on {searched} of {drives} drives; missing {signals}")
-                }
-            },
-            4,
-        )
     }
 
     /// Where to find the answer to a single question.
