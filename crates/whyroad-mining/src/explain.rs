@@ -3,7 +3,7 @@
 
 mod nearest;
 
-pub use nearest::{NearClass, UnmetCondition, nearest};
+pub use nearest::{NearClass, UndecidedClass, UnmetCondition, nearest, undecided};
 
 use crate::episode::build::{locate, matches, measured, truth_at};
 use crate::episode::{Episode, find, pairs};

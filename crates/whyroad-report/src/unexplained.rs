@@ -6,7 +6,7 @@ mod page;
 mod text;
 
 pub use page::page;
-pub use text::render;
+pub use text::{ego as render_ego, moment as render_moment, render};
 
 use serde::Serialize;
 use serde_json::Value;
@@ -29,6 +29,8 @@ pub struct UnexplainedMoment {
     pub keyframe: Nanos,
     /// Seconds from the start of the drive to it.
     pub keyframe_s: f64,
+    /// Seconds from the start of the clip to it, as `explain` counts.
+    pub clip_s: f64,
     /// Speed of the ego there, m/s; absent where unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ego_speed_mps: Option<f64>,
@@ -39,6 +41,26 @@ pub struct UnexplainedMoment {
     pub ego_action_names: Vec<Bilingual>,
     /// Nearest classes, the nearest first.
     pub nearest: Vec<NearestClass>,
+    /// Classes that the drive cannot show and that nothing known speaks against, the likeliest first.
+    pub undecided: Vec<UndecidedClass>,
+}
+
+/// A class that would be possible if the drive had all signals of its rule.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UndecidedClass {
+    /// The class.
+    pub scenario_id: ScenarioId,
+    /// Conditions that are known to hold together.
+    pub held: usize,
+    /// Conditions that must hold together.
+    pub conditions: usize,
+    /// The target for which they hold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target_id: Option<TrackId>,
+    /// Signals that its rule needs and the drive lacks.
+    pub missing_signals: Vec<String>,
+    /// Displayed names of these.
+    pub missing_names: Vec<Bilingual>,
 }
 
 /// A class whose conditions a moment nearly meets.
@@ -48,7 +70,9 @@ pub struct NearestClass {
     pub scenario_id: ScenarioId,
     /// Conditions that hold together.
     pub held: usize,
-    /// All conditions of its rule.
+    /// Conditions that do not hold, or are unknown.
+    pub failed: usize,
+    /// All conditions of its rule. Those that are neither held nor failed are checked only after a match.
     pub conditions: usize,
     /// The target for which they hold.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -71,6 +95,8 @@ pub struct UnmetPart {
     pub actual_words: Option<Bilingual>,
     /// Symbol of the unit.
     pub unit: String,
+    /// It is unknown whether it holds.
+    pub is_unknown: bool,
 }
 
 /// Moments that resemble one another.
@@ -116,8 +142,9 @@ impl Unexplained {
             groups: Vec::with_capacity(groups.len()),
             names: BTreeMap::new(),
         };
-        let classes = moments.iter().flat_map(|m| &m.nearest).map(|near| &near.scenario_id);
-        out.names.extend(classes.map(|id| (id.clone(), name(id))));
+        let near = moments.iter().flat_map(|m| &m.nearest).map(|near| &near.scenario_id);
+        let open = moments.iter().flat_map(|m| &m.undecided).map(|open| &open.scenario_id);
+        out.names.extend(near.chain(open).map(|id| (id.clone(), name(id))));
         for (example, members) in groups {
             out.groups.push(UnexplainedGroup {
                 example: moments[*example].clone(),
@@ -164,7 +191,8 @@ mod tests {
         let near = |id: &&str| NearestClass {
             scenario_id: id.parse().unwrap(),
             held: 4,
-            conditions: 5,
+            failed: 1,
+            conditions: 6,
             target_id: None,
             unmet: vec![UnmetPart {
                 condition: "target.ttc < 5 s".into(),
@@ -172,6 +200,7 @@ mod tests {
                 actual_value: serde_json::json!(6.25),
                 actual_words: Some(Bilingual::same("6.25 s")),
                 unit: "s".into(),
+                is_unknown: false,
             }],
         };
         UnexplainedMoment {
@@ -180,10 +209,19 @@ mod tests {
             clip_id: ClipId(format!("{drive}_000")),
             keyframe: Nanos::from_secs_f64(at),
             keyframe_s: at,
+            clip_s: at,
             ego_speed_mps: Some(8.0),
             ego_actions: vec!["gentle_decelerate".into()],
             ego_action_names: vec![Bilingual::new("轻减速", "gentle deceleration")],
             nearest: nearest.iter().map(near).collect(),
+            undecided: vec![UndecidedClass {
+                scenario_id: "r.light.red".parse().unwrap(),
+                held: 2,
+                conditions: 3,
+                target_id: None,
+                missing_signals: vec!["light.state".into()],
+                missing_names: vec![Bilingual::new("信号灯状态", "state of the light")],
+            }],
         }
     }
 
@@ -205,10 +243,15 @@ mod tests {
         assert_eq!(names, [("r.x.p".to_owned(), 2), ("r.x.q".to_owned(), 1)]);
         let text = render(&found, Lang::En);
         // On a terminal the ids are input for the next command; on a page they are not needed.
-        assert!(text.contains("Class p (r.x.p): 4 of 5") && text.contains("< 5 s (is 6.25 s)"), "{text}");
+        let of_p = "Class p (r.x.p): 4 of 6 conditions hold, 1 does not, 1 is checked after a match";
+        assert!(text.contains(of_p) && text.contains("< 5 s (is 6.25 s)"), "{text}");
+        let open = "cannot be ruled out: Class red (r.light.red): 2 of 3 conditions hold, the rest is unknown; \
+                    missing: state of the light";
+        assert!(text.contains(open), "{text}");
         let html = page(&found, &[], Lang::Zh);
         assert!(html.contains("类别 z：") && html.contains("碰撞时间 &lt; 5 s（实际 6.25 s）"), "{html}");
-        for id in ["gentle_decelerate", "target.ttc"] {
+        assert!(html.contains("信号灯状态"), "{html}");
+        for id in ["gentle_decelerate", "target.ttc", "light.state"] {
             assert!(!html.contains(id) && !text.contains(id), "{id}: {html}{text}");
         }
         assert!(render(&Unexplained::default(), Lang::En).contains("every decision moment is explained"));

@@ -2,7 +2,7 @@
 //! it. For moments that no class explains.
 
 use super::{Outcome, Reached, candidates, reach};
-use crate::episode::build::{locate, measured, truth_at};
+use crate::episode::build::{lacking as lacking_signals, locate, measured, truth_at};
 use crate::interpret::{Evaluator, Pass, Roles, Series};
 use crate::language::program::{Atom, NodeId, Op, truth_in_words};
 use crate::rule::{PartPlace, Rule};
@@ -18,7 +18,10 @@ pub struct NearClass {
     pub outcome: Outcome,
     /// Conditions that hold at the moment.
     pub held: usize,
-    /// All conditions of the rule: what must hold together, how long, and what is required at the keyframe.
+    /// Conditions that do not hold, or are unknown.
+    pub failed: usize,
+    /// All conditions of the rule: what must hold together, how long, and what is required at the keyframe. Without a
+    /// match the last two are not reached: they are neither among those that hold nor among those that do not.
     pub conditions: usize,
     /// The target for which most of them hold.
     pub target: Option<TrackId>,
@@ -45,24 +48,141 @@ pub struct UnmetCondition {
     pub actual_words: Option<Bilingual>,
     /// Symbol of the unit.
     pub unit: &'static str,
+    /// It is unknown whether it holds.
+    pub is_unknown: bool,
 }
 
+/// A class that the drive cannot show: as far as is known, its conditions hold together at some moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UndecidedClass {
+    /// The class.
+    pub scenario: ScenarioId,
+    /// The target for which they do.
+    pub target: Option<TrackId>,
+    /// Conditions that are known to hold.
+    pub held: usize,
+    /// Conditions that must hold together.
+    pub conditions: usize,
+    /// Signals that its rule needs and the drive lacks.
+    pub missing: Vec<String>,
+    nearness: f64,
+}
+
+/// The classes of `rules` that the drive cannot show, for which no condition is known to fail at some moment of
+/// `range`: each would be possible with the missing signals. Those of which the rarest conditions hold come first; at
+/// most `limit`, and one of each L2.
+pub fn undecided(
+    rules: &[Rule],
+    table: &SignalTable,
+    range: FrameRange,
+    limit: usize,
+) -> Vec<UndecidedClass> {
+    let mut all: Vec<_> = rules.iter().filter_map(|rule| undecided_one(rule, table, range)).collect();
+    all.sort_by(|a, b| b.nearness.total_cmp(&a.nearness).then_with(|| a.scenario.cmp(&b.scenario)));
+    one_of_each_l2(&mut all, |c| &c.scenario);
+    all.truncate(limit);
+    all
+}
+
+fn undecided_one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<UndecidedClass> {
+    let missing = lacking_signals(rule, table);
+    if missing.is_empty() {
+        return None;
+    }
+    let mut evaluator = Evaluator::new(&rule.program, table);
+    let together = || rule.parts.iter().filter(|p| p.place == PartPlace::When);
+    let mut best: Option<UndecidedClass> = None;
+    for roles in candidates(rule, table, range, None) {
+        if is_of_another_class(rule, roles, &mut evaluator) {
+            continue;
+        }
+        let mut pass = evaluator.pass_of(roles);
+        let series = evaluator.series(rule.when, &mut pass);
+        let Series::Truths(when) = series.as_ref() else { continue };
+        let parts: Vec<_> = together().map(|p| evaluator.series(p.condition, &mut pass)).collect();
+        let weights: Vec<f64> = parts.iter().map(|p| rarity(p.as_ref())).collect();
+        let rows = evaluator.rows(&pass).iter().enumerate();
+        let open = |i: usize| when.value[i] == Tri::Unknown;
+        for (i, _) in rows.filter(|(i, r)| r.frame.is_some_and(|f| range.contains(f)) && open(*i)) {
+            let holds = |p: &Series| matches!(p, Series::Truths(t) if t.value[i] == Tri::True);
+            let held: Vec<f64> =
+                parts.iter().zip(&weights).filter(|(p, _)| holds(p.as_ref())).map(|(_, w)| *w).collect();
+            let nearness: f64 = held.iter().sum();
+            if nearness >= LIKELY && best.as_ref().is_none_or(|b| nearness > b.nearness) {
+                best = Some(UndecidedClass {
+                    scenario: rule.scenario.clone(),
+                    target: roles.target.map(|t| t.id.clone()),
+                    held: held.len(),
+                    conditions: parts.len(),
+                    missing: missing.iter().cloned().collect(),
+                    nearness,
+                });
+            }
+        }
+    }
+    best
+}
+
+/// Keeps the first class of each L2: its variants share most conditions.
+fn one_of_each_l2<T>(all: &mut Vec<T>, class: impl Fn(&T) -> &ScenarioId) {
+    let mut seen = std::collections::BTreeSet::new();
+    all.retain(|c| {
+        let id = class(c);
+        seen.insert((id.l1.clone(), id.l2.clone()))
+    });
+}
+
+/// True where a condition on the class of the target alone, which the rule requires, never holds for this one: a car
+/// is not nearly an animal.
+fn is_of_another_class<'a>(rule: &'a Rule, roles: Roles<'a>, evaluator: &mut Evaluator<'a>) -> bool {
+    let mut pass = evaluator.pass_of(roles);
+    let mut todo = vec![rule.when];
+    while let Some(id) = todo.pop() {
+        match &rule.program.node(id).op {
+            Op::And(all) => todo.extend(all),
+            Op::For(of, _) | Op::Bridge(of, _) => todo.push(*of),
+            _ if rule.program.signals(id).iter().eq([TARGET_CLASS]) => {
+                let series = evaluator.series(id, &mut pass);
+                if matches!(series.as_ref(), Series::Truths(t) if t.value.iter().all(|v| *v == Tri::False)) {
+                    return true;
+                }
+            }
+            _ => {}
+        }
+    }
+    false
+}
+
+/// Information of the conditions that hold, in bits, for a class to be likely: together they hold half of the time.
+const LIKELY: f64 = 1.0;
+
+/// The signal for the class of the target.
+const TARGET_CLASS: &str = "target.class";
+
 /// The classes of `rules` by the share of their conditions that hold in `range`, most first, then by how nearly the
-/// rest is met; at most `limit`. Classes without a possible target, or that cannot be decided, are left out.
+/// rest is met; at most `limit`, and one of each L2. Classes without a possible target are left out, and those that the
+/// drive cannot show ([`undecided`]).
 pub fn nearest(rules: &[Rule], table: &SignalTable, range: FrameRange, limit: usize) -> Vec<NearClass> {
     let mut all: Vec<NearClass> = rules.iter().filter_map(|rule| one(rule, table, range)).collect();
     all.sort_by(|a, b| {
         let by_nearness = b.nearness.total_cmp(&a.nearness).then(b.margin.total_cmp(&a.margin));
         by_nearness.then_with(|| a.scenario.cmp(&b.scenario))
     });
+    one_of_each_l2(&mut all, |c| &c.scenario);
     all.truncate(limit);
     all
 }
 
 fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass> {
+    if !lacking_signals(rule, table).is_empty() {
+        return None;
+    }
     let mut evaluator = Evaluator::new(&rule.program, table);
     let mut best: Option<(Reached, Roles<'_>)> = None;
     for roles in candidates(rule, table, range, None) {
+        if is_of_another_class(rule, roles, &mut evaluator) {
+            continue;
+        }
         let reached = reach(rule, roles, range, &mut evaluator);
         if best.as_ref().is_none_or(|(b, _)| reached.beats(b)) {
             best = Some((reached, roles));
@@ -76,7 +196,7 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         pass = located.at;
         at_keyframe = true;
     }
-    let (mut held, mut unmet) = (0, Vec::new());
+    let (mut held, mut failed, mut unmet) = (0, 0, Vec::new());
     let (mut said, mut all) = (0.0, 0.0);
     for part in &rule.parts {
         if part.place == PartPlace::Require && !at_keyframe {
@@ -84,11 +204,13 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         }
         let rarity = rarity(evaluator.series(part.condition, &mut pass).as_ref());
         all += rarity;
-        if truth_at(part.condition, row, &mut evaluator, &mut pass).0 == Tri::True {
+        let truth = truth_at(part.condition, row, &mut evaluator, &mut pass).0;
+        if truth == Tri::True {
             held += 1;
             said += rarity;
             continue;
         }
+        failed += 1;
         let lacking = lacking(rule, part.condition, row, &mut evaluator, &mut pass);
         let of_part = |id: &NodeId| part.atoms.iter().find(|a| a.condition == *id);
         // The failing parts of a composite condition; the whole condition where these have no text.
@@ -98,7 +220,9 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
                 let (text, words) = (atom.text.clone(), atom.words.clone());
                 let actual = measured(atom, row, &mut evaluator, &mut pass);
                 let (actual_words, unit) = (atom.value_in_words(&actual), atom.unit.symbol);
-                unmet.push(UnmetCondition { text, words, actual, actual_words, unit });
+                let truth = truth_at(atom.condition, row, &mut evaluator, &mut pass).0;
+                let is_unknown = truth == Tri::Unknown;
+                unmet.push(UnmetCondition { text, words, actual, actual_words, unit, is_unknown });
             }
             continue;
         }
@@ -111,32 +235,53 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         let unit = atom.map_or("", |a| a.unit.symbol);
         let actual_words = atom.and_then(|a| a.value_in_words(&actual));
         let (text, words) = (part.text.clone(), part.words.clone());
-        unmet.push(UnmetCondition { text, words, actual, actual_words, unit });
+        let is_unknown = truth == Tri::Unknown;
+        unmet.push(UnmetCondition { text, words, actual, actual_words, unit, is_unknown });
     }
     // How long it must hold is a condition, too.
     let lasts = usize::from(rule.min_duration > Nanos::default());
     held += if at_keyframe { lasts } else { 0 };
     if reached.outcome == Outcome::WrongDuration {
-        let seconds = rule.min_duration.0 as f64 / 1e9;
+        failed += 1;
+        let longest = rule.max_duration.filter(|max| lasted(rule, row, &mut evaluator, &mut pass) > *max);
+        let seconds = longest.unwrap_or(rule.min_duration).0 as f64 / 1e9;
+        let words = match longest {
+            Some(_) => Bilingual::new(format!("持续不超过 {seconds} s"), format!("For at most {seconds} s")),
+            None => Bilingual::new(format!("持续 {seconds} s"), format!("For {seconds} s")),
+        };
         unmet.push(UnmetCondition {
             text: format!("for {seconds} s"),
-            words: Bilingual::new(format!("持续 {seconds} s"), format!("For {seconds} s")),
+            words,
             actual: Value::Bool(false),
             actual_words: Some(truth_in_words(false)),
             unit: "",
+            is_unknown: false,
         });
     }
     Some(NearClass {
         scenario: rule.scenario.clone(),
         outcome: reached.outcome,
         held,
-        conditions: rule.parts.len() + lasts,
+        failed,
+        // One that ends too late has no least duration.
+        conditions: (rule.parts.len() + lasts).max(held + failed),
         target: roles.target.map(|t| t.id.clone()),
         frame: evaluator.rows(&pass)[row].frame?,
         unmet,
         nearness: if all > 0.0 { said / all } else { 0.0 },
         margin: reached.margin,
     })
+}
+
+/// How long the rule's condition holds around `row`.
+fn lasted<'a>(rule: &'a Rule, row: usize, evaluator: &mut Evaluator<'a>, pass: &mut Pass<'a>) -> Nanos {
+    let series = evaluator.series(rule.when, pass);
+    let Series::Truths(when) = series.as_ref() else { return Nanos::default() };
+    let rows = evaluator.rows(pass);
+    let holds = |i: &usize| when.value[*i] == Tri::True;
+    let first = (0..=row).rev().take_while(holds).last().unwrap_or(row);
+    let last = (row..rows.len()).take_while(holds).last().unwrap_or(row);
+    rows[last].end - rows[first].time
 }
 
 /// The parts because of which a condition fails at `row`: the failing members of a conjunction, also of one with a
@@ -183,6 +328,7 @@ fn rarity(condition: &Series) -> f64 {
 mod tests {
     use super::*;
     use crate::rule::text::compile_text;
+    use whyroad_model::signal::TargetSpan;
     use whyroad_model::{Column, Nanos};
     use whyroad_signals::Catalog;
 
@@ -200,22 +346,72 @@ mod tests {
         table.frame_columns.insert("ego.accel".into(), Column::Number(vec![0.0; 10]));
         let rules = [
             rule("a.b.half", "ego.speed > 5 m/s and ego.accel > 1 m/s2"),
-            rule("a.b.most", "ego.speed > 5 m/s and ego.accel > -1 m/s2 and ego.speed > 10 m/s"),
+            rule("a.c.most", "ego.speed > 5 m/s and ego.accel > -1 m/s2 and ego.speed > 10 m/s"),
             rule("a.b.none", "ego.accel > 2 m/s2"),
         ];
         let found = nearest(&rules, &table, FrameRange::new(2, 10), 2);
         let names: Vec<String> = found.iter().map(|f| f.scenario.to_string()).collect();
-        assert_eq!(names, ["a.b.most", "a.b.half"]);
-        assert_eq!((found[0].held, found[0].conditions, found[0].frame), (2, 3, 9));
+        assert_eq!(names, ["a.c.most", "a.b.half"]);
+        assert_eq!((found[0].held, found[0].failed, found[0].conditions, found[0].frame), (2, 1, 3, 9));
         assert_eq!(found[0].unmet[0].text, "ego.speed > 10m/s");
         assert_eq!(found[0].unmet[0].actual, serde_json::json!(9.0));
         // A condition that always holds has no weight: two of the three conditions that hold are always met.
         let rules = [
-            rule("a.b.always", "ego.accel > -1 m/s2 and ego.accel < 1 m/s2 and ego.speed > 30 m/s"),
+            rule("a.c.always", "ego.accel > -1 m/s2 and ego.accel < 1 m/s2 and ego.speed > 30 m/s"),
             rule("a.b.rare", "ego.speed > 7 m/s and ego.accel > 1 m/s2"),
         ];
         let found = nearest(&rules, &table, FrameRange::new(2, 10), 2);
         assert_eq!(found[0].scenario.to_string(), "a.b.rare", "{found:?}");
+    }
+
+    /// 1 s at 10 Hz with a car; there is no signal of lights.
+    fn with_a_car() -> SignalTable {
+        let n = 10;
+        let mut table =
+            SignalTable { times: (0..n).map(|i| Nanos(i * 100_000_000)).collect(), ..SignalTable::default() };
+        let speed = [vec![3.0; 7], vec![7.0; 3]].concat();
+        table.frame_columns.insert("ego.speed".into(), Column::Number(speed));
+        table.frame_columns.insert("ego.accel".into(), Column::Number(vec![f64::NAN; 10]));
+        table.targets = vec![TargetSpan {
+            id: "t".into(),
+            class: whyroad_model::ObjectClass::Car,
+            first_row: 0,
+            frames: FrameRange::new(0, 10),
+        }];
+        let names = ["car".to_owned(), "animal".to_owned()].into();
+        table.target_columns.insert("target.class".into(), Column::Category { codes: vec![0; 10], names });
+        table.target_columns.insert("target.gap".into(), Column::Number(vec![3.0; 10]));
+        table
+    }
+
+    #[test]
+    fn what_the_drive_cannot_show_is_not_near_but_undecided() {
+        let table = with_a_car();
+        let rules = [
+            rule("a.b.light", "ego.speed > 5 m/s and light.state == red"),
+            rule("a.c.slow", "ego.speed < 1 m/s and light.state == red"),
+            // Holds in every frame: it says nothing.
+            rule("a.d.drives", "ego.speed > 1 m/s and light.state == red"),
+        ];
+        let range = FrameRange::new(0, 10);
+        let near = nearest(&rules, &table, range, 5);
+        assert!(near.is_empty(), "{near:?}");
+        let open = undecided(&rules, &table, range, 5);
+        let told: Vec<_> = open.iter().map(|c| (c.scenario.to_string(), c.held, c.conditions)).collect();
+        // In `slow` a condition is known to fail.
+        assert_eq!(told, [("a.b.light".to_owned(), 1, 2)]);
+        assert_eq!(open[0].missing, ["light.state"]);
+    }
+
+    #[test]
+    fn a_car_is_not_nearly_an_animal_and_unknown_is_not_false() {
+        let table = with_a_car();
+        let near = |text: &str| nearest(&[rule("a.b.c", text)], &table, FrameRange::new(0, 10), 1);
+        assert!(near("target.class == animal and target.gap < 2 m").is_empty());
+        let found =
+            near("target.class == car and target.gap < 2 m and (ego.accel < 0 m/s2 or target.gap < 1 m)");
+        let unmet: Vec<_> = found[0].unmet.iter().map(|u| (u.text.as_str(), u.is_unknown)).collect();
+        assert_eq!(unmet, [("target.gap < 2m", false), ("(ego.accel < 0m/s2) or (target.gap < 1m)", true)]);
     }
 
     #[test]

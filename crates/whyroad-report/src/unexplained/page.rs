@@ -1,6 +1,6 @@
 //! Groups of unexplained moments as one HTML page without scripts: each with the scene of its example.
 
-use super::text::{class, ego, unmet};
+use super::text::{at, class, ego, undecided, unmet, word};
 use super::{LISTED_CLASSES, Unexplained};
 use whyroad_model::Lang;
 use whyroad_model::text::counted;
@@ -39,19 +39,18 @@ pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
         } else {
             format!("{}. {}, {}", i + 1, counted(g.moments, "moment"), counted(g.drives, "drive"))
         });
-        m.raw("</h2><p>")
-            .text(g.example.clip_id.as_str())
-            .raw(" · ")
-            .num(g.example.keyframe_s, 1)
-            .raw(" s · ");
+        m.raw("</h2><p>").text(g.example.clip_id.as_str()).raw(" · ").text(&at(&g.example, lang)).raw(" · ");
         m.text(&ego(&g.example, lang)).raw("</p>");
         for near in g.example.nearest.iter().take(LISTED_CLASSES) {
             let name = of.name(&near.scenario_id, lang);
             m.raw("<p><b>").text(&class(near, &name, lang)).raw("</b></p><ul class=\"unmet\">");
             for part in &near.unmet {
-                m.raw("<li>").text(&unmet(part, lang)).raw("</li>");
+                m.raw("<li>").text(word(part, lang)).text(&unmet(part, lang)).raw("</li>");
             }
             m.raw("</ul>");
+        }
+        for open in g.example.undecided.iter().take(LISTED_CLASSES) {
+            m.raw("<p>").text(&undecided(open, &of.name(&open.scenario_id, lang), lang)).raw("</p>");
         }
         if g.moments > 1 {
             m.raw("<p>").text(if zh { "组内最接近的类别：" } else { "Near most of the group: " });

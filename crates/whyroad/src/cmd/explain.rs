@@ -3,6 +3,7 @@
 
 mod chart;
 mod json;
+mod moments;
 mod page;
 mod text;
 
@@ -12,6 +13,7 @@ use crate::output::reason::cannot_write;
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
+use moments::Moments;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use whyroad_engine::drives::signals_of;
@@ -67,6 +69,8 @@ struct Shown<'a> {
     explanation: &'a Explanation,
     /// Displayed names of the missing signals because of which it cannot be decided.
     missing: Vec<Bilingual>,
+    /// For `other`: the decision moments of the clip.
+    moments: Option<Moments>,
 }
 
 /// Displayed name of a class; its id if the taxonomy does not have it.
@@ -141,6 +145,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         clip: &args.clip,
         explanation: &explanation,
         missing: explanation.missing.iter().map(|name| catalog.title(name)).collect(),
+        moments: (args.rule.is_none() && rule.scenario.l1 == OTHER)
+            .then(|| Moments::of((&framework, &catalog), &rule, &table, &ClipId(args.clip.clone()))),
     };
     args.print.put(&json::document(&shown), || text::render(&shown, global.lang))?;
     if let Some(file) = &args.svg {

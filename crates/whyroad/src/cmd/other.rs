@@ -1,5 +1,7 @@
 //! `whyroad other`: moments that no class explains, grouped by similarity, with the nearest classes.
 
+pub(super) mod moments;
+
 use crate::arguments::share;
 use crate::cmd::tasks::import_lines;
 use crate::output::reason::{cannot_read, cannot_write};
@@ -16,19 +18,15 @@ use whyroad_framework::Framework;
 use whyroad_lake::mined::MinedFile;
 use whyroad_lake::{Lake, LakeError, MinedFolder};
 use whyroad_mining::RuleSet;
-use whyroad_mining::explain::{NearClass, nearest};
 use whyroad_mining::rule::OTHER;
 use whyroad_mining::rule::Rule;
 use whyroad_model::messages::EpisodeRecord;
-use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, FrameRange, Lang, SignalTable};
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang};
 use whyroad_render::birds_eye;
 use whyroad_render::markup::Markup;
 use whyroad_report::coverage::class_title;
-use whyroad_report::unexplained::{NearestClass, Unexplained, UnexplainedMoment, UnmetPart, page, render};
+use whyroad_report::unexplained::{Unexplained, UnexplainedMoment, page, render};
 use whyroad_signals::Catalog;
-
-/// Number of nearest classes kept for each moment.
-const NEAREST: usize = 5;
 
 /// Arguments of `whyroad other`.
 #[derive(clap::Args)]
@@ -146,51 +144,10 @@ fn of_drive(
     let drive = whyroad_engine::estimated(lake.read_drive(id)?);
     let descriptors = similar::describe(framework, &drive, records);
     let one = |(record, descriptor): (&EpisodeRecord, Option<EpisodeDescriptor>)| {
-        let range = &record.time_range;
-        let at = |t| table.times.partition_point(|x| *x < t);
-        let frames = FrameRange::new(at(range.start_timestamp), at(range.end_timestamp));
-        let near = nearest(rules, &table, frames, NEAREST);
-        let moment = moment(record, &table, near.into_iter().map(class).collect());
+        let moment = moments::of_record(record, &record.clip_id, rules, &table);
         Found { moment, record: record.clone(), descriptor }
     };
     Ok(records.iter().zip(descriptors).map(one).collect())
-}
-
-fn moment(record: &EpisodeRecord, table: &SignalTable, nearest: Vec<NearestClass>) -> UnexplainedMoment {
-    let keyframe = record.keyframe.timestamp;
-    let frame = table.times.partition_point(|t| *t < keyframe);
-    let column = |name: &str| table.frame_columns.get(name);
-    let word = |name: &str| column(name).and_then(|c| c.category(frame)).map(str::to_owned);
-    let ego_actions: Vec<String> =
-        ["ego.meta_longitudinal", "ego.meta_lateral"].into_iter().filter_map(word).collect();
-    UnexplainedMoment {
-        episode_id: record.episode_id.clone(),
-        drive_id: record.drive_id.clone(),
-        clip_id: record.clip_id.clone(),
-        keyframe,
-        keyframe_s: table.times.first().map_or(0.0, |start| keyframe.seconds_since(*start)),
-        ego_speed_mps: column("ego.speed").and_then(|c| c.number(frame)),
-        ego_action_names: ego_actions.iter().map(|a| Catalog::bundled().value_name(a)).collect(),
-        ego_actions,
-        nearest,
-    }
-}
-
-fn class(near: NearClass) -> NearestClass {
-    let unmet = near.unmet.into_iter().map(|part| UnmetPart {
-        condition: part.text,
-        description: part.words,
-        actual_value: part.actual,
-        actual_words: part.actual_words,
-        unit: part.unit.to_owned(),
-    });
-    NearestClass {
-        scenario_id: near.scenario,
-        held: near.held,
-        conditions: near.conditions,
-        target_id: near.target,
-        unmet: unmet.collect(),
-    }
 }
 
 /// The scene of each group's example.

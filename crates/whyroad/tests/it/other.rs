@@ -56,8 +56,35 @@ fn what_no_class_explains_is_grouped_and_proposed() {
         assert!((1..=5).contains(&nearest.len()), "{g:#}");
         for c in nearest {
             let (held, all) = (c["held"].as_u64().unwrap(), c["conditions"].as_u64().unwrap());
+            let failed = c["failed"].as_u64().unwrap();
+            assert!(
+                held + failed <= all && (failed > 0) != c["unmet"].as_array().unwrap().is_empty(),
+                "{c:#}"
+            );
             assert!(held <= all && (held == all) <= c["unmet"].as_array().unwrap().is_empty(), "{c:#}");
         }
+    }
+    // The same moments by `explain other`, clip by clip.
+    let line = episodes.lines().find(|l| l.contains("\"scenario_id\":\"other\"")).unwrap();
+    let episode: Value = serde_json::from_str(line).unwrap();
+    let clip = episode["clip_id"].as_str().unwrap();
+    let of_clip = episodes.lines().filter(|l| {
+        let e: Value = serde_json::from_str(l).unwrap();
+        e["scenario_id"] == "other" && e["clip_id"] == clip
+    });
+    let explain = ["explain", "other", "--framework", &framework, "--lake", &lake, "--clip", clip];
+    let json: Value =
+        serde_json::from_slice(&whyroad(&[&explain[..], &["--format", "json"]].concat()).stdout).unwrap();
+    let unexplained = json["moments"]["unexplained"].as_array().unwrap();
+    let keyframes: Vec<&Value> = unexplained.iter().map(|m| &m["keyframe"]).collect();
+    let expected: Vec<Value> =
+        of_clip.map(|l| serde_json::from_str::<Value>(l).unwrap()["keyframe"]["timestamp"].clone()).collect();
+    assert_eq!(keyframes, expected.iter().collect::<Vec<_>>());
+    for (lang, words) in [("en", "Moments that no class explains: "), ("zh", "没有类别能解释的时刻：")]
+    {
+        let shown = String::from_utf8(whyroad(&[&explain[..], &["--lang", lang]].concat()).stdout).unwrap();
+        let near = unexplained[0]["nearest"][0]["scenario_id"].as_str().unwrap();
+        assert!(shown.contains(words) && shown.contains(&format!("({near})")), "{shown}");
     }
     let html = std::fs::read_to_string(&page).unwrap();
     assert_eq!(html.matches("<svg").count(), groups.len(), "a scene for each group");

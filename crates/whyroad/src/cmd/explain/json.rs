@@ -10,7 +10,7 @@ use whyroad_model::scene::FRAME_RATE_HZ;
 /// The whole document.
 pub(super) fn document(shown: &Shown<'_>) -> Value {
     let e = shown.explanation;
-    json!({
+    let mut out = json!({
         "class": shown.class.to_string(),
         "clip": shown.clip,
         "outcome": outcome(e.outcome),
@@ -24,7 +24,11 @@ pub(super) fn document(shown: &Shown<'_>) -> Value {
         "missing_signals": e.missing,
         "when": course(&e.when),
         "conditions": e.parts.iter().map(part).collect::<Vec<_>>(),
-    })
+    });
+    if let Some(moments) = &shown.moments {
+        out["moments"] = json!(moments);
+    }
+    out
 }
 
 fn outcome(outcome: Outcome) -> &'static str {

@@ -35,6 +35,9 @@ pub(super) fn render(shown: &Shown<'_>, lang: Lang) -> String {
             Lang::En => "within noise: too near the threshold to change the answer of the frame before\n",
         });
     }
+    if let Some(moments) = &shown.moments {
+        out += &moments.text(lang);
+    }
     out
 }
 
