@@ -75,8 +75,10 @@ async function both(day) {
 
 async function sideBySide(day) {
   const { page } = day.people.wang;
+  // Both labels are handed in and none was chosen: it opens side by side.
+  await page.goto(`${day.service.url}/projects/${day.blind}/tasks?overlap=to_choose`);
+  await page.getByText("已列出 2 个任务").waitFor();
   await page.goto(`${day.service.url}/tasks/${day.pair[0]}`);
-  await page.locator('[data-action="overlap"]').click();
   const dialog = page.locator("section.adjudicate");
   await page.locator("canvas").first().waitFor();
   await dialog.getByText("周敏").waitFor();

@@ -204,7 +204,7 @@ try {
     const put = await as(name)("PATCH", `/tasks/${id}/draft`, { fence: ready.fence, base_version: ready.version, changes: all });
     await as(name)("POST", `/tasks/${id}/actions`, { action: "submit", fence: ready.fence }).catch((e) => console.log(e.message, put.findings));
   }
-  await shoot("adjudicate", page, `/tasks/${pair}`, (page) => page.locator("[data-action=overlap]").click());
+  await shoot("adjudicate", page, `/tasks/${pair}`, (page) => page.locator("section.adjudicate").waitFor());
   const screens = [["dashboard", "/dashboard"], ["analytics", "/analytics"], ["members", "/members"], ["exchange", "/exchange"], ["project", ""]];
   for (const [name, path] of screens) await shoot(name, page, `/projects/${project}${path}`);
   await shoot("dashboard-overlap", page, `/projects/${blind}/dashboard`);

@@ -310,13 +310,25 @@ fn of_task(task: &Value, checker: &Checker<'_>) -> Result<Read, Fault> {
         rejected: rejected(task),
         ..LabelRecord::default()
     };
-    if task["adjudication"].as_str() == Some("superseded") {
-        return Err(Fault {
-            reason: "overruled",
-            message: Bilingual::new(
-                "被同一事件的另一标签取代",
-                "another label of the same episode was chosen",
+    let fault = match task["adjudication"].as_str() {
+        Some("superseded") => Some((
+            "overruled",
+            Bilingual::new("被同一事件的另一标签取代", "another label of the same episode was chosen"),
+        )),
+        Some("chosen") => None,
+        _ if task["overlap_count"].as_i64().is_some_and(|n| n > 1) => Some((
+            "not_chosen",
+            Bilingual::new(
+                "同一事件有多份标签，尚未选用其中一份",
+                "there are several labels of the episode, of which none was chosen",
             ),
+        )),
+        _ => None,
+    };
+    if let Some((reason, message)) = fault {
+        return Err(Fault {
+            reason,
+            message,
             clip_id: episode.as_ref().map(|e| e.clip_id.to_string()).unwrap_or_default(),
             scenario_id: episode.as_ref().map(|e| e.scenario_id.to_string()).unwrap_or_default(),
         });

@@ -43,3 +43,19 @@ fn a_label_without_a_text_is_not_the_other_language() {
     assert_eq!(read_lines(&["", EN, ZH]), (Some(Lang::En), true, empty()));
     assert_eq!(read_lines(&["", ""]), (None, false, before()));
 }
+
+/// As the labeling service exports tasks (docs/reference/service.md, *Queue*): of an episode with several labels
+/// only the chosen one is used.
+#[test]
+fn of_several_labels_of_an_episode_only_the_chosen_one_is_read() {
+    let text = include_str!("../../../../examples/cutin_urgent_example.json");
+    let label: Value = serde_json::from_str(text).unwrap();
+    let checker = Checker::new(Framework::bundled());
+    let read = |count: i64, adjudication: Option<&str>| {
+        let line = json!({ "task": { "id": "t", "state": "accepted", "draft": label, "overlap_count": count,
+            "adjudication": adjudication } });
+        read_line(line.to_string().as_bytes(), &checker).map_or_else(|f| f.reason, |_| "read")
+    };
+    assert_eq!((read(1, None), read(2, Some("chosen"))), ("read", "read"));
+    assert_eq!((read(2, None), read(2, Some("superseded"))), ("not_chosen", "overruled"));
+}

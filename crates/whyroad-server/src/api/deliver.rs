@@ -88,6 +88,9 @@ pub(super) fn deliver(reply: Reply, kind: ReplyKind, accepted: &Accepted) -> Res
     if let Some(location) = &reply.location {
         put(header::LOCATION, location);
     }
+    for (name, value) in &reply.headers {
+        put(HeaderName::from_static(name), value);
+    }
     put(
         header::CACHE_CONTROL,
         match kind {

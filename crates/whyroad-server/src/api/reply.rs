@@ -21,6 +21,8 @@ pub struct Reply {
     pub location: Option<String>,
     /// Origins from which a page may load images, besides its own.
     pub image_origins: Vec<String>,
+    /// Further headers.
+    pub headers: Vec<(&'static str, String)>,
     /// File name under which the browser stores it.
     pub file_name: Option<String>,
 }

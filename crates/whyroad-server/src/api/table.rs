@@ -192,7 +192,11 @@ pub static ROUTES: &[Route] = &[
             ("mine", "`true`: only own tasks"),
             ("q", "part of the clip's or task's id"),
             ("asks", "`lead`: only tasks with an open question to the lead"),
-            ("overlap", "`disagreeing`: only tasks of overlap groups that are still to be adjudicated; for leads"),
+            (
+                "overlap",
+                "only tasks of overlap groups of which no label was chosen; for leads: `to_choose` all that are handed \
+                 in, `disagreeing` those of them whose labels disagree",
+            ),
             (
                 "sort",
                 "`priority` (default), `updated`, `created`, `scenario`, `clip` or `state`; `-` in front for descending",

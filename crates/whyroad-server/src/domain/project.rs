@@ -112,6 +112,8 @@ pub struct Work {
     pub asked: i64,
     /// Tasks of overlap groups that are still to be adjudicated; 0 for users who are not leads.
     pub disagreeing: i64,
+    /// Tasks of overlap groups that are handed in and of which no label was chosen; 0 for users who are not leads.
+    pub to_choose: i64,
     /// Tasks whose drafts are still being created in the background; 0 for users who are not staff.
     pub pending: i64,
     /// The caller's own tasks.
@@ -225,6 +227,8 @@ pub struct Dashboard {
     pub ageing: Vec<Ageing>,
     /// Agreement on overlaps.
     pub agreement: Agreement,
+    /// Episodes whose labels are all handed in and of which a lead has chosen none: they are not checked or exported.
+    pub to_choose: i64,
     /// Labels by L3 class against the quota; only classes with a quota or a task.
     pub coverage: Vec<Coverage>,
     /// Audit outcome by author.

@@ -50,6 +50,8 @@ pub struct TaskSummary {
     pub asks_lead: bool,
     /// The labels of its overlap group disagree about the decision, and none was chosen yet; set for leads only.
     pub disagrees: bool,
+    /// All labels of its overlap group are handed in, and none was chosen yet; set for leads only.
+    pub to_choose: bool,
     /// Address of a thumbnail of its keyframe, if the caller may see one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thumbnail: Option<String>,
@@ -202,6 +204,8 @@ pub enum QueueReason {
     OwnWork,
     /// The caller checked it.
     OwnCheck,
+    /// It is one of several labels of its episode, of which a lead has chosen none yet.
+    NotChosen,
     /// It would show the future of a task whose Stage I the caller is doing.
     #[serde(rename = "stage1_first")]
     Stage1First,

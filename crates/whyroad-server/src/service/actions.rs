@@ -147,8 +147,10 @@ pub fn act(
             snapshot = Some(t.draft.clone());
             t.audited = false;
             safety::forget(tx, &t.id)?;
-            reopen_group(tx, &mut t)?;
+            disagreement::reopen(tx, &mut t)?;
         }
+        // The others can stand for the episode again.
+        Action::Skip | Action::Reject if t.is_chosen() => disagreement::reopen(tx, &mut t)?,
         _ => {}
     }
     t.at = next;
@@ -330,7 +332,8 @@ fn adjudicate(
         return Err(Problem::forbidden());
     }
     let group = tasks::group(tx, &t.project, &t.episode.episode_id)?;
-    if group.len() < 2 || !disagreement::is_ready(&group) || !t.at.state.shows_future() {
+    // The other labels may have been removed since.
+    if t.overlap_count < 2 || !disagreement::is_ready(&group) || !t.at.state.shows_future() {
         return Err(Problem::new(
             409,
             "overlap.not_ready",
@@ -380,15 +383,5 @@ fn adjudicate(
             *t = o;
         }
     }
-    Ok(())
-}
-
-/// Reopening a task reopens the choice of its group.
-fn reopen_group(tx: &mut dyn Tx, t: &mut TaskRow) -> Answer<()> {
-    t.adjudication = None;
-    tx.run(
-        "UPDATE tasks SET adjudication = NULL WHERE project_id = $1 AND episode_id = $2",
-        values![&t.project, &t.episode.episode_id],
-    )?;
     Ok(())
 }

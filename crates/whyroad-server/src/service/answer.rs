@@ -51,7 +51,11 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         take_refused: take_refused(app, tx, t, actor)?,
         permissions: permissions::of(tx, t, actor)?,
         changed_from_suggestion: changed(t),
-        task: TaskSummary { disagrees: actor.is(Role::Lead) && t.disagrees, ..tasks::summary(t, &names) },
+        task: TaskSummary {
+            disagrees: actor.is(Role::Lead) && t.disagrees,
+            to_choose: actor.is(Role::Lead) && t.to_choose,
+            ..tasks::summary(t, &names)
+        },
         draft: shown,
     })
 }

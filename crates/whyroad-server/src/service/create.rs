@@ -451,6 +451,7 @@ fn row(app: &App, project: &Project, episode: &EpisodeRecord, lang: String, star
         lang,
         asks_lead: false,
         disagrees: false,
+        to_choose: false,
         pictured: false,
         pending,
         veiled,

@@ -7,7 +7,7 @@ use crate::domain::project::{
 use crate::problem::Answer;
 use crate::service::copies::NOT_GOLD;
 use crate::service::projects::parse;
-use crate::service::{drafts, safety, tasks, veil};
+use crate::service::{disagreement, drafts, safety, tasks, veil};
 use crate::store::Tx;
 use crate::values;
 use serde_json::Value;
@@ -44,6 +44,7 @@ pub fn of(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<Dashboard> {
         throughput: throughput(tx, &project.id, &names, now)?,
         ageing: ageing(tx, &project.id, &names, now)?,
         agreement: agreement(tx, &project.id, &names)?,
+        to_choose: disagreement::episodes_to_choose(tx, &project.id)?,
         coverage: coverage(tx, project)?,
         audit: audit_outcomes(tx, project, &names)?,
         safety: safety::counts(tx, &project.id)?,

@@ -1,8 +1,10 @@
-//! Overlap groups whose labels disagree about the decision, which a lead adjudicates. Stored with each task of the
-//! group, so that lists filter and count without reading labels; computed when a label is submitted or skipped.
+//! Overlap groups of which a lead chooses one label, and those whose labels disagree about the decision. Stored with
+//! each task of the group, so that lists filter and count without reading labels; computed when a label is submitted or
+//! skipped.
 
 use crate::domain::workflow::State;
 use crate::problem::Answer;
+use crate::service::copies::NOT_GOLD;
 use crate::service::tasks::TaskRow;
 use crate::service::{compared, tasks};
 use crate::store::{Store, Tx, Value as Cell};
@@ -11,6 +13,11 @@ use crate::values;
 /// SQL condition for tasks to adjudicate; `tasks` is the table.
 pub(super) const TO_ADJUDICATE: &str =
     "tasks.disagrees = 1 AND tasks.adjudication IS NULL AND tasks.state NOT IN ('skipped', 'rejected')";
+/// SQL condition for tasks of groups that wait for a choice; `tasks` is the table.
+pub(super) const TO_CHOOSE: &str =
+    "tasks.complete = 1 AND tasks.adjudication IS NULL AND tasks.state NOT IN ('skipped', 'rejected')";
+/// SQL condition for labels that may be checked and exported: of an overlap group only the chosen one.
+pub(super) const STANDS: &str = "(overlap_count = 1 OR adjudication = 'chosen')";
 
 /// Number of groups compared in one transaction.
 const AT_ONCE: i64 = 100;
@@ -28,10 +35,31 @@ pub(super) fn note(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> 
     let labels: Vec<_> = group.iter().filter(|t| t.at.state.is_handed_in()).map(|t| &t.draft).collect();
     let differ =
         || labels.iter().enumerate().any(|(n, a)| labels[n + 1..].iter().any(|b| compared::disagree(a, b)));
-    let disagrees = is_ready(&group) && differ();
+    // A copy that was added after a choice does not open it again.
+    let complete = is_ready(&group) && !group.iter().any(TaskRow::is_chosen);
+    let disagrees = complete && differ();
     tx.run(
-        "UPDATE tasks SET disagrees = $1 WHERE project_id = $2 AND episode_id = $3",
-        values![i64::from(disagrees), project, episode],
+        "UPDATE tasks SET disagrees = $1, complete = $2 WHERE project_id = $3 AND episode_id = $4",
+        values![i64::from(disagrees), i64::from(complete), project, episode],
+    )
+    .map(drop)
+}
+
+/// A label was added to the overlap group of an episode.
+pub(super) fn added(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> {
+    tx.run(
+        "UPDATE tasks SET complete = 0 WHERE project_id = $1 AND episode_id = $2 AND complete <> 0",
+        values![project, episode],
+    )
+    .map(drop)
+}
+
+/// Opens the choice of the group of `t` again.
+pub(super) fn reopen(tx: &mut dyn Tx, t: &mut TaskRow) -> Answer<()> {
+    t.adjudication = None;
+    tx.run(
+        "UPDATE tasks SET adjudication = NULL WHERE project_id = $1 AND episode_id = $2",
+        values![&t.project, &t.episode.episode_id],
     )
     .map(drop)
 }
@@ -65,9 +93,17 @@ pub fn note_all(store: &Store) -> Answer<()> {
     }
 }
 
-/// Number of tasks of a project that are still to be adjudicated.
-pub(super) fn count(tx: &mut dyn Tx, project: &str) -> Answer<i64> {
-    let sql = format!("SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND {TO_ADJUDICATE}");
+/// Number of tasks of a project that match one of the conditions above.
+pub(super) fn count(tx: &mut dyn Tx, project: &str, condition: &str) -> Answer<i64> {
+    let sql = format!("SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND {condition}");
     let values: [Cell; 1] = [project.into()];
     tx.row(&sql, &values)?.map_or(Ok(0), |r| r.int("n"))
+}
+
+/// Number of episodes of a project that wait for a choice, without gold tasks.
+pub fn episodes_to_choose(tx: &mut dyn Tx, project: &str) -> Answer<i64> {
+    let sql = format!(
+        "SELECT count(DISTINCT episode_id) AS n FROM tasks WHERE project_id = $1 AND {TO_CHOOSE} AND {NOT_GOLD}"
+    );
+    tx.row(&sql, values![project])?.map_or(Ok(0), |r| r.int("n"))
 }

@@ -187,6 +187,7 @@ pub fn task() -> TaskRow {
         lang: String::new(),
         asks_lead: false,
         disagrees: false,
+        to_choose: false,
         pictured: false,
         pending: false,
         veiled: false,

@@ -54,6 +54,9 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     tasks::update(tx, t)
 }
 
+/// Code of the refusal to check a label of an overlap group that a lead has not chosen.
+pub const NOT_CHOSEN: &str = "task.not_chosen";
+
 /// Maximum time that a live lease may appear to start after `now`, ms: when two users take a task at the same moment,
 /// one waits for the other's transaction, and has read the clock before.
 const LONGEST_WAIT_MS: i64 = 60_000;
@@ -94,6 +97,14 @@ pub(super) fn may_take(
             "another label of this episode was chosen",
         ));
     }
+    if waits_for_choice(t) {
+        return Err(Problem::new(
+            409,
+            NOT_CHOSEN,
+            "该事件有多份独立标注，负责人选用其中一份之后才质检",
+            "this episode has several independent labels: one is checked after a lead has chosen it",
+        ));
+    }
     if t.at.state == State::Open && t.assigned.as_deref().is_some_and(|a| a != actor.id) {
         return Err(Problem::new(
             403,
@@ -108,6 +119,13 @@ pub(super) fn may_take(
     }
     seen::may_be_shown(tx, t, next.state, &actor.id)?;
     Ok(next)
+}
+
+/// A submitted label of an overlap group that a lead has not chosen: it is not checked.
+pub(super) fn waits_for_choice(t: &TaskRow) -> bool {
+    let to_check =
+        matches!(t.at.state, State::Submitted | State::InCheck | State::Checked | State::InAudit);
+    t.overlap_count > 1 && !t.is_chosen() && to_check
 }
 
 /// Independent overlap: nobody labels the same episode twice.

@@ -32,10 +32,19 @@ pub struct Filter<'a> {
     pub sort: Option<&'a str>,
     /// Only tasks with an open question to the lead.
     pub asks_lead: bool,
-    /// Only tasks of overlap groups that are still to be adjudicated.
-    pub disagreeing: bool,
+    /// Only tasks of these overlap groups.
+    pub groups: Option<Groups>,
     /// Only tasks of this user (id): held, written or assigned.
     pub only_of: Option<&'a str>,
+}
+
+/// Overlap groups that leads ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Groups {
+    /// Still to be adjudicated: their labels disagree.
+    Disagreeing,
+    /// No label was chosen yet.
+    ToChoose,
 }
 
 /// The user who reads the list.
@@ -156,8 +165,10 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
     if filter.asks_lead {
         query.and("id IN (SELECT task_id FROM comments WHERE to_lead = 1 AND resolved = 0)", &[]);
     }
-    if filter.disagreeing {
-        query.and(disagreement::TO_ADJUDICATE, &[]);
+    match filter.groups {
+        Some(Groups::Disagreeing) => query.and(disagreement::TO_ADJUDICATE, &[]),
+        Some(Groups::ToChoose) => query.and(disagreement::TO_CHOOSE, &[]),
+        None => {}
     }
     let total = match filter.cursor {
         Some(_) => None,
@@ -199,8 +210,8 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
         let pictured =
             t.pictured && !t.hides_leaf() && (!viewer.labels || seen::was_shown(tx, t, viewer.user)?);
         let thumbnail = pictured.then(|| format!("/api/v1/tasks/{}/thumbnail", t.id));
-        let disagrees = viewer.leads && t.disagrees;
-        items.push(TaskSummary { thumbnail, disagrees, ..tasks::summary(t, &names) });
+        let (disagrees, to_choose) = (viewer.leads && t.disagrees, viewer.leads && t.to_choose);
+        items.push(TaskSummary { thumbnail, disagrees, to_choose, ..tasks::summary(t, &names) });
     }
     Ok(Tasks { items, total, next })
 }

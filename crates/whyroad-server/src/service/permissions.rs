@@ -4,7 +4,7 @@
 use crate::domain::workflow::{self, Action, Actor, Draw, Role, State};
 use crate::problem::Answer;
 use crate::service::tasks::TaskRow;
-use crate::service::{actions, safety};
+use crate::service::{actions, leases, safety};
 use crate::store::Tx;
 
 /// Actions that the workflow allows, and `edit`, `safety`, `uncertainty` (of frozen components), `comment`, `assign`,
@@ -13,6 +13,7 @@ pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
     let mut out: Vec<String> = Action::ALL
         .iter()
         .filter(|a| workflow::step(&t.at, actor, **a, Draw::Pass).is_ok())
+        .filter(|a| **a != Action::Take || !leases::waits_for_choice(t))
         .map(|a| a.word().to_owned())
         .collect();
     let mut add = |word: &str, allowed: bool| {

@@ -45,6 +45,14 @@ fn audits_are_found_by_author() {
 }
 
 #[test]
+fn groups_without_a_choice_are_counted_from_their_index() {
+    let sql =
+        format!("SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND {}", disagreement::TO_CHOOSE);
+    let lines = read_for(&sql, values!["p"]);
+    assert!(matches!(&lines[..], [one] if one.contains("USING COVERING INDEX tasks_to_choose")), "{lines:?}");
+}
+
+#[test]
 fn a_service_that_starts_reads_no_ordinary_task() {
     let lines = read_for(&disagreement::not_compared(), &[]);
     assert!(

@@ -6,7 +6,7 @@ use crate::domain::task::{QueueReason, WorkKind};
 use crate::domain::workflow::{Role, State};
 use crate::problem::Answer;
 use crate::service::tasks::TaskRow;
-use crate::service::{leases, projects, seen, tasks};
+use crate::service::{disagreement, leases, projects, seen, tasks};
 use crate::store::{Tx, Value as Cell};
 use crate::values;
 use std::collections::BTreeSet;
@@ -65,7 +65,10 @@ pub fn next(
     let lease = leases::longest_ms(&project.settings);
     let expired = format!("(lease_until < $3 OR lease_until - $3 > {lease})");
     for condition in queue(kind) {
-        let condition = condition.replace("EXPIRED", &expired).replace("FOR_ME", FOR_ME);
+        let condition = condition
+            .replace("EXPIRED", &expired)
+            .replace("FOR_ME", FOR_ME)
+            .replace("STANDS", disagreement::STANDS);
         let mut from = 0;
         loop {
             let found = candidates(tx, &condition, &project.id, &worker, now, from)?;
@@ -161,6 +164,7 @@ fn why_not(
             "task.overlap_twice" => QueueReason::OverlapTwice,
             "task.own_work" => QueueReason::OwnWork,
             "task.own_check" => QueueReason::OwnCheck,
+            leases::NOT_CHOSEN => QueueReason::NotChosen,
             "task.stage1_first" => QueueReason::Stage1First,
             _ => QueueReason::Other,
         })),
@@ -168,9 +172,9 @@ fn why_not(
 }
 
 /// The searches of each kind of work, in this order; free tasks by one state at a time, so that the index gives them in
-/// order. `EXPIRED` stands for an expired lease, `$2` is the user, `$3` now, `$4` the worker's languages (`zh,en`),
-/// which must contain a task's language if it has one, and `FOR_ME` excludes copies for other annotators; each search
-/// contains all parameters, as PostgreSQL requires.
+/// order. `EXPIRED` stands for an expired lease, `STANDS` for a label that may be checked, `$2` is the user, `$3` now,
+/// `$4` the worker's languages (`zh,en`), which must contain a task's language if it has one, and `FOR_ME` excludes
+/// copies for other annotators; each search contains all parameters, as PostgreSQL requires.
 fn queue(kind: WorkKind) -> &'static [&'static str] {
     match kind {
         WorkKind::Label => &[
@@ -182,16 +186,14 @@ fn queue(kind: WorkKind) -> &'static [&'static str] {
         ],
         WorkKind::Check => &[
             "holder = $2 AND state = 'in_check' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
-            "state = 'submitted' AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
-             AND $4 LIKE '%' || lang || '%' AND CAST($3 AS BIGINT) >= 0",
-            "state = 'in_check' AND EXPIRED AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
-             AND $4 LIKE '%' || lang || '%'",
+            "state = 'submitted' AND author <> $2 AND STANDS AND $4 LIKE '%' || lang || '%' AND CAST($3 AS BIGINT) >= 0",
+            "state = 'in_check' AND EXPIRED AND author <> $2 AND STANDS AND $4 LIKE '%' || lang || '%'",
         ],
         WorkKind::Audit => &[
             "holder = $2 AND state = 'in_audit' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
-            "state = 'checked' AND author <> $2 AND checker <> $2 AND $4 LIKE '%' || lang || '%'
+            "state = 'checked' AND author <> $2 AND checker <> $2 AND STANDS AND $4 LIKE '%' || lang || '%'
              AND CAST($3 AS BIGINT) >= 0",
-            "state = 'in_audit' AND EXPIRED AND author <> $2 AND checker <> $2 AND $4 LIKE '%' || lang || '%'",
+            "state = 'in_audit' AND EXPIRED AND author <> $2 AND checker <> $2 AND STANDS AND $4 LIKE '%' || lang || '%'",
         ],
     }
 }

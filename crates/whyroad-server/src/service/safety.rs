@@ -8,7 +8,7 @@ use crate::domain::workflow::{self, Action, Actor, Draw, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json as text_of, parse};
 use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{history, leases, texts};
+use crate::service::{disagreement, history, leases, texts};
 use crate::store::Tx;
 use crate::values;
 use serde_json::{Value, json};
@@ -101,6 +101,9 @@ pub fn record(
     if unsafe_ {
         t.at = workflow::step(&t.at, actor, Action::Reject, Draw::Pass)?;
         t.lease_until = None;
+        if t.is_chosen() {
+            disagreement::reopen(tx, &mut t)?;
+        }
         let why = in_words(&reasons, note);
         let entry = Entry {
             action: Action::Reject.word(),
@@ -112,6 +115,9 @@ pub fn record(
         history::record(tx, &mut t, &entry, now)?;
     }
     tasks::update(tx, &t)?;
+    if unsafe_ && t.overlap_count > 1 {
+        disagreement::note(tx, &t.project, &t.episode.episode_id)?;
+    }
     Ok(t)
 }
 

@@ -4,7 +4,7 @@ use crate::domain::task::TaskSummary;
 use crate::domain::workflow::{Position, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
-use crate::service::{thumbnail, veil};
+use crate::service::{disagreement, thumbnail, veil};
 use crate::store::{Row, Tx, Value as Cell};
 use crate::values;
 use serde_json::Value;
@@ -69,6 +69,8 @@ pub struct TaskRow {
     pub asks_lead: bool,
     /// It belongs to an overlap group whose labels disagree, of which none was chosen.
     pub disagrees: bool,
+    /// It belongs to an overlap group whose labels are all handed in, of which none was chosen.
+    pub to_choose: bool,
     /// The store has a thumbnail of it.
     pub pictured: bool,
     /// Its draft is still to be created.
@@ -91,6 +93,11 @@ pub struct LabelView {
 }
 
 impl TaskRow {
+    /// A lead has chosen it of the labels of its episode.
+    pub fn is_chosen(&self) -> bool {
+        self.adjudication.as_deref() == Some("chosen")
+    }
+
     /// True while its L3 class is hidden.
     pub fn hides_leaf(&self) -> bool {
         self.veiled && self.at.state.stage() == Stage::Stage1
@@ -122,7 +129,7 @@ const VEILED_HISTORY_NS: i64 = 2_000_000_000;
 
 const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id, keyframe_ns, from_ns, \
     to_ns, episode, initial, draft, version, priority, state, authors, checker, auditor, checked, audited, adjudication, \
-    assigned, holder, fence, lease_until, seq, created, updated, lang, pending, coalesce(disagrees, 0) AS disagrees, \
+    assigned, holder, fence, lease_until, seq, created, updated, lang, pending, coalesce(disagrees, 0) AS disagrees, complete, \
     (SELECT count(*) FROM comments c WHERE c.task_id = tasks.id AND c.to_lead = 1 AND c.resolved = 0) AS asks, \
     (SELECT count(*) FROM thumbnails p WHERE p.task_id = tasks.id) AS pictured, \
     (SELECT v.veiled FROM projects v WHERE v.id = tasks.project_id) AS veiled";
@@ -135,6 +142,7 @@ fn task(row: &Row) -> Answer<TaskRow> {
     let adjudication = row.maybe_text("adjudication")?;
     Ok(TaskRow {
         disagrees: row.flag("disagrees")? && adjudication.is_none() && known.is_handed_in(),
+        to_choose: row.flag("complete")? && adjudication.is_none() && known.is_handed_in(),
         veiled: veiled.iter().any(|l2| l2 == veil::l2(&scenario)),
         id: row.text("id")?,
         project: row.text("project_id")?,
@@ -244,6 +252,9 @@ pub fn insert(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     )?;
     if n == 1 {
         thumbnail::put(tx, &t.id, &t.thumbnail)?;
+        if t.overlap_count > 1 {
+            disagreement::added(tx, &t.project, &t.episode.episode_id)?;
+        }
     }
     Ok(n == 1)
 }
@@ -310,6 +321,7 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         updated: t.updated,
         asks_lead: t.asks_lead,
         disagrees: false,
+        to_choose: false,
         thumbnail: None,
     }
 }

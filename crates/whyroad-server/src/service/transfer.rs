@@ -14,6 +14,7 @@ use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
 use crate::service::copies::NOT_GOLD;
 use crate::service::create::{self, LastDrive};
+use crate::service::disagreement::{STANDS, TO_CHOOSE};
 use crate::service::projects;
 use crate::service::tasks::{self, TaskRow};
 use crate::store::{Store, Tx};
@@ -22,11 +23,15 @@ use read::{Incoming, read_line};
 use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use whyroad_model::messages::CocLabel;
+use whyroad_model::{Bilingual, Diagnostic};
 
 /// Maximum number of lines of one import.
 pub const MOST_LINES: usize = 20_000;
 /// Maximum number of reported reasons for unreadable lines; the rest is counted.
 const MOST_REASONS: usize = 100;
+
+/// Code of the report that an export leaves out episodes of which no label was chosen.
+pub const NOT_CHOSEN: &str = "export.not_chosen";
 
 /// What to export.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -132,24 +137,53 @@ fn label_lines(store: &Store, ids: &[String], version: LabelVersion, out: &mut d
     Ok(())
 }
 
+/// Episodes that an export of labels leaves out because they have several labels and none was chosen: those that wait
+/// for a choice, and those with a label in a state of the export.
+pub fn not_chosen(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer<i64> {
+    let ExportFormat::Labels(states, _) = format else { return Ok(0) };
+    let states: Vec<String> = states.iter().map(|s| format!("'{}'", s.word())).collect();
+    let sql = format!(
+        "SELECT count(DISTINCT episode_id) AS n FROM tasks
+         WHERE project_id = $1 AND overlap_count > 1 AND adjudication IS NULL AND {NOT_GOLD}
+           AND (({TO_CHOOSE}) OR state IN ({}))",
+        states.join(", ")
+    );
+    tx.row(&sql, values![project])?.map_or(Ok(0), |r| r.int("n"))
+}
+
+/// What is reported with an export that leaves out `episodes` because no label of them was chosen.
+pub fn report_not_chosen(episodes: i64) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("{episodes} 个事件有多份独立标注，尚未选用其中一份：未导出"),
+        format!("{episodes} episodes have several independent labels of which none was chosen: not exported"),
+    );
+    let hint = Bilingual::new(
+        "由负责人选用：页面“任务”中的“待选用”，或 POST /tasks/{t}/actions {\"action\": \"adjudicate\"}；\
+         尚未标注的份先标注或跳过",
+        "a lead chooses one: under Tasks, \"To choose\", or by POST /tasks/{t}/actions {\"action\": \"adjudicate\"}; \
+         copies that are not labeled yet are labeled or skipped before",
+    );
+    Diagnostic::warning(NOT_CHOSEN, message).with_hint(hint)
+}
+
 /// The tasks of an export in its order, without gold tasks; only ids, because a project may have a hundred thousand
 /// tasks, each with drafts.
 fn exported_ids(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer<Vec<String>> {
     let rows = tx.rows(
         &format!(
-            "SELECT id, state, adjudication FROM tasks WHERE project_id = $1 AND {NOT_GOLD}
+            "SELECT id, state, CASE WHEN {STANDS} THEN 1 ELSE 0 END AS stands FROM tasks
+             WHERE project_id = $1 AND {NOT_GOLD}
              ORDER BY clip_id, scenario_id, keyframe_ns, episode_id, overlap_index"
         ),
         values![project],
     )?;
     let mut ids = Vec::new();
     for row in rows {
-        // Of an overlap group only labels that were not superseded.
-        let overruled = row.maybe_text("adjudication")?.as_deref() == Some("superseded");
+        let stands = row.flag("stands")?;
         let state = State::from_word(&row.text("state")?);
         if match format {
             ExportFormat::Tasks => true,
-            ExportFormat::Labels(states, _) => !overruled && state.is_some_and(|s| states.contains(&s)),
+            ExportFormat::Labels(states, _) => stands && state.is_some_and(|s| states.contains(&s)),
         } {
             ids.push(row.text("id")?);
         }

@@ -54,8 +54,12 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
         0
     };
     let pending = if staff { drafting::pending(tx, project)? } else { 0 };
-    let disagreeing = if roles.contains(&Role::Lead) { disagreement::count(tx, project)? } else { 0 };
+    let (mut disagreeing, mut to_choose) = (0, 0);
+    if roles.contains(&Role::Lead) {
+        disagreeing = disagreement::count(tx, project, disagreement::TO_ADJUDICATE)?;
+        to_choose = disagreement::count(tx, project, disagreement::TO_CHOOSE)?;
+    }
     let total = by_state.values().sum();
     let mine = MyWork { returned, begun, assigned, waiting, accepted, submitted_today };
-    Ok(Work { by_state, total, asked, disagreeing, pending, mine })
+    Ok(Work { by_state, total, asked, disagreeing, to_choose, pending, mine })
 }

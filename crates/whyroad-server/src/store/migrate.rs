@@ -21,6 +21,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0013_covering_indexes.sql"),
     include_str!("../../migrations/0014_disagreement.sql"),
     include_str!("../../migrations/0015_not_compared.sql"),
+    include_str!("../../migrations/0016_choice.sql"),
 ];
 
 /// The version of this program.

@@ -149,10 +149,18 @@ pub fn an_empty_queue_says_why(world: &World) {
     assert_eq!(why_nothing(&bob, &project, "label"), ["held", "assigned"]);
     admin.post(&format!("/tasks/{}/assign", ids[1]), &json!({ "user": null })).fine();
     Work::label(&ann, &ids[0]);
-    assert_eq!(why_nothing(&ann, &project, "check"), ["own_work"]);
     // Both are of one episode: a user who was shown the end of the first has seen what comes after the second's
     // keyframe.
     assert_eq!(why_nothing(&ann, &project, "label"), ["future_seen"]);
+    assert_eq!(why_nothing(&bob, &project, "check"), ["not_chosen"]);
+    let act = |id: &str, action: &str| {
+        admin
+            .post(&format!("/tasks/{id}/actions"), &json!({ "action": action, "reason": "one is enough" }))
+            .fine()
+    };
+    act(&ids[1], "skip");
+    act(&ids[0], "adjudicate");
+    assert_eq!(why_nothing(&ann, &project, "check"), ["own_work"]);
     let mut check = Work::take(&bob, &ids[0]);
     check.act("accept", &json!({})).fine();
     assert_eq!(why_nothing(&bob, &project, "audit"), ["own_check"]);

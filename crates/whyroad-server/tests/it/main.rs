@@ -5,6 +5,7 @@
 
 mod access;
 mod attacks;
+mod choice;
 mod clock;
 mod drafts;
 mod ending;
@@ -105,6 +106,10 @@ suite! {
     drafts::in_stage_one_the_end_of_the_keyframes_range_survives_unseen,
     drafts::in_stage_one_a_keyframe_before_its_range_can_be_locked,
     group::overlaps_are_blind_until_all_are_in_then_one_is_chosen,
+    choice::a_group_without_a_choice_is_neither_checked_nor_exported,
+    choice::a_choice_is_open_again_when_the_chosen_label_is_gone,
+    choice::a_label_whose_group_was_left_by_others_can_be_chosen,
+    choice::an_added_copy_is_waited_for,
     group::what_cannot_be_labelled_is_left_out_with_a_reason_and_comes_back,
     group::audits_follow_the_share_and_the_record,
     group::an_empty_queue_says_why,

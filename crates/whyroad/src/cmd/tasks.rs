@@ -255,6 +255,10 @@ fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     transfer::export_to(&store, &project, &format, &mut out).map_err(problem)?;
     std::io::Write::flush(&mut out)?;
+    let episodes = store.report(|tx| transfer::not_chosen(tx, &project, &format)).map_err(problem)?;
+    if episodes > 0 {
+        tell!("{}", output::render_text(&transfer::report_not_chosen(episodes), global.lang));
+    }
     Ok(output::FINE)
 }
 

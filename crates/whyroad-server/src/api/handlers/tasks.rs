@@ -22,8 +22,12 @@ use whyroad_model::messages::EpisodeFilter;
 /// `GET /projects/{p}/tasks`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
     let leads = call.grant.roles.contains(&Role::Lead);
-    let disagreeing = call.query("overlap") == Some("disagreeing");
-    if disagreeing && !leads {
+    let groups = match call.query("overlap") {
+        Some("disagreeing") => Some(listing::Groups::Disagreeing),
+        Some("to_choose") => Some(listing::Groups::ToChoose),
+        _ => None,
+    };
+    if groups.is_some() && !leads {
         return Err(Problem::forbidden());
     }
     let filter = listing::Filter {
@@ -35,7 +39,7 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
         limit: call.query("limit"),
         sort: call.query("sort"),
         asks_lead: call.query("asks") == Some("lead"),
-        disagreeing,
+        groups,
         only_of: (!call.grant.is_staff() || call.query("mine") == Some("true"))
             .then_some(call.user()?.id.as_str()),
     };

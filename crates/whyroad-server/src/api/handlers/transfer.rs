@@ -11,13 +11,17 @@ use crate::service::transfer::{self, ExportFormat};
 pub fn export(call: &Call<'_>) -> Answer<Reply> {
     let project = call.grant.project()?;
     let format = ExportFormat::from_words(call.query("format"), call.query("version"), call.query("state"))?;
-    let name = call.app.store.read(|tx| projects::get(tx, project))?.name;
+    let (name, not_chosen) = call
+        .app
+        .store
+        .report(|tx| Ok((projects::get(tx, project)?.name, transfer::not_chosen(tx, project, &format)?)))?;
     let what = format.file_stem();
     let (store, project) = (call.app.store.clone(), project.to_owned());
     let stream = Stream::new(move |out| transfer::export_to(&store, &project, &format, out));
     Ok(Reply {
         file_name: Some(format!("{name}-{what}.jsonl")),
         stream: Some(stream),
+        headers: vec![("x-whyroad-not-chosen", not_chosen.to_string())],
         ..Reply::bytes("application/x-ndjson", vec![])
     })
 }

@@ -27,6 +27,9 @@ fn stored(tx: &mut dyn Tx, id: &str, state: State, adjudication: Option<&str>) {
     t.seq = 1;
     t.at.state = state;
     t.adjudication = adjudication.map(str::to_owned);
+    if adjudication.is_some() {
+        tx.run("UPDATE tasks SET overlap_count = 2 WHERE id = $1", values![id]).unwrap();
+    }
     let change = FieldChange { path: "/coc_trace".into(), value: json!(id), remove: false };
     let entry = Entry { action: "edit", changes: &[change], note: Some("why"), ..Entry::default() };
     history::record(tx, &mut t, &entry, 7).unwrap();
@@ -58,6 +61,52 @@ fn accepted_labels_go_out_in_either_format() {
     assert_eq!(exported((None, None, Some("submitted"))), [label("c")]);
     assert_eq!(exported((None, None, Some("accepted,submitted"))).len(), 2);
     assert!(exported((None, None, Some("rework"))).is_empty());
+}
+
+#[test]
+fn of_several_labels_of_an_episode_only_the_chosen_one_goes_out() {
+    let (app, _dir) = fixtures::app();
+    let words = |states: Option<&str>| ExportFormat::from_words(None, None, states).unwrap();
+    let count = |store: &Store, states| store.read(|tx| not_chosen(tx, "p", &words(states))).unwrap();
+    app.store
+        .write(|tx| {
+            stored(tx, "alone", State::Accepted, None);
+            stored(tx, "chosen", State::Accepted, Some("chosen"));
+            // Two labels of one episode that were accepted before a choice was required.
+            for (id, index) in [("first", 0), ("second", 1)] {
+                stored(tx, id, State::Accepted, None);
+                let sql =
+                    "UPDATE tasks SET overlap_count = 2, overlap_index = $1, episode_id = 'e' WHERE id = $2";
+                tx.run(sql, values![index, id])?;
+            }
+            Ok(())
+        })
+        .unwrap();
+    let exported = |store: &Store| {
+        let text = export(store, "p", &words(None)).unwrap();
+        let trace =
+            |l: &str| serde_json::from_str::<Value>(l).unwrap()["coc_trace"].as_str().unwrap().to_owned();
+        let mut traces: Vec<String> = text.lines().map(trace).collect();
+        traces.sort();
+        traces
+    };
+    assert_eq!(exported(&app.store), ["alone", "chosen"]);
+    assert_eq!((count(&app.store, None), count(&app.store, Some("submitted"))), (1, 0));
+    let report = report_not_chosen(1);
+    assert_eq!(report.code, NOT_CHOSEN);
+    let hint = report.hint.unwrap();
+    assert!(hint.en.contains("To choose") && hint.zh.contains("待选用"), "{hint:?}");
+    let whole = ExportFormat::from_words(Some("tasks"), None, None).unwrap();
+    assert_eq!(export(&app.store, "p", &whole).unwrap().lines().count(), 4);
+    assert_eq!(app.store.read(|tx| not_chosen(tx, "p", &whole)).unwrap(), 0);
+    app.store
+        .write(|tx| {
+            tx.run("UPDATE tasks SET adjudication = 'superseded' WHERE id = 'first'", &[])?;
+            tx.run("UPDATE tasks SET adjudication = 'chosen' WHERE id = 'second'", &[])
+        })
+        .unwrap();
+    assert_eq!(exported(&app.store), ["alone", "chosen", "second"]);
+    assert_eq!(count(&app.store, None), 0);
 }
 
 #[test]
@@ -164,6 +213,7 @@ fn many_episodes_of_a_drive_derive_it_once_beside_their_own_history() {
 
 fixtures::on_postgresql! {
     accepted_labels_go_out_in_either_format,
+    of_several_labels_of_an_episode_only_the_chosen_one_goes_out,
     tasks_go_out_with_their_history,
     a_long_history_goes_out_whole_and_in_order,
     odd_words_are_refused,
