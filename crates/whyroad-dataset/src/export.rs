@@ -305,6 +305,17 @@ impl Output {
         Ok(path)
     }
 
+    /// The name of a file within an archive of the export. Refused if a program that unpacks the archive could write it
+    /// elsewhere, on any system: ids of a release that comes from others become parts of names.
+    fn member<'n>(&self, name: &'n str) -> Result<&'n str, DatasetError> {
+        let is_drive = name.as_bytes().get(1) == Some(&b':');
+        let is_odd = name.contains(|c: char| c == '\\' || c.is_control());
+        if is_inside(name) && !is_drive && !is_odd {
+            return Ok(name);
+        }
+        Err(DatasetError::broken(&self.root, format!("{name:?} is not a name for a file of an archive")))
+    }
+
     /// Creates a file that the caller writes.
     fn create(&mut self, name: &str) -> Result<File, DatasetError> {
         let path = self.path(name)?;
@@ -352,17 +363,47 @@ impl Output {
 mod tests {
     use super::*;
 
+    fn output(root: &Path) -> Output {
+        Output {
+            root: root.to_owned(),
+            lines: BTreeMap::new(),
+            options: ExportOptions::default(),
+            report: Exported::default(),
+        }
+    }
+
+    /// Names that unpacking programs follow out of their folder (Zip Slip; APPNOTE.TXT 4.4.17.1: a name must not
+    /// contain a drive or device letter or a leading slash, and all slashes must be forward slashes).
+    #[test]
+    fn no_member_of_an_archive_leads_out_of_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = output(dir.path());
+        for name in [
+            "",
+            "/etc/x",
+            "../x",
+            "a/../../x",
+            "..\\x",
+            "a\\..\\x",
+            "C:x",
+            "C:/x",
+            "\\\\host\\x",
+            "a\0",
+            "a\nb",
+        ] {
+            assert!(matches!(out.member(name), Err(DatasetError::Broken { .. })), "{name:?}");
+        }
+        for name in ["0123456789abcdef-zh.egomotion.parquet", "a/b.mp4", "事件.json"] {
+            assert_eq!(out.member(name).unwrap(), name);
+        }
+    }
+
     /// A release may come from others: ids of samples and formats of pictures become parts of file names.
     #[test]
     fn no_file_of_an_export_is_outside_of_it() {
         let dir = tempfile::tempdir().unwrap();
         let root = dir.path().join("a/b/export");
-        let mut out = Output {
-            root: root.clone(),
-            lines: BTreeMap::new(),
-            options: ExportOptions::default(),
-            report: Exported::default(),
-        };
+        let mut out = output(&root);
         for name in ["images/a/0.x/../../../../keys", "../up.json", "/tmp/whyroad-absolute", "", "a/.."] {
             assert!(matches!(out.create(name), Err(DatasetError::Broken { .. })), "{name}");
         }

@@ -268,7 +268,7 @@ fn zip_file(
 ) -> Result<(), DatasetError> {
     // Stored, without a clock: as the released archives, and equal for equal releases.
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
-    archive.start_file(name, options).map_err(|e| DatasetError::broken(&out.root, e))?;
+    archive.start_file(out.member(name)?, options).map_err(|e| DatasetError::broken(&out.root, e))?;
     archive.write_all(content).map_err(DatasetError::io(&out.root))
 }
 
@@ -352,6 +352,10 @@ fn cameras(
         else {
             continue;
         };
+        // The type of an image becomes part of the names of files for ffmpeg.
+        for i in &images {
+            out.member(&format!("image.{}", sample.images[*i].format))?;
+        }
         let Some(video) = encode(sample, &images, &ffmpeg, &out.root)? else {
             out.report.leave_out(sample, "images: ffmpeg could not encode them");
             continue;

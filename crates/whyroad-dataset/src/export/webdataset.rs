@@ -72,6 +72,9 @@ impl SampleWriter for Writer {
         }
         let Some(tar) = &mut self.open else { return Ok(()) };
         let names = images::names(&sample);
+        for name in names.iter().map(String::as_str).chain(["json"]) {
+            out.member(&format!("{}.{name}", sample.sample_id))?;
+        }
         let contents: Vec<Vec<u8>> =
             sample.images.iter_mut().map(|image| std::mem::take(&mut image.bytes)).collect();
         let text = serde_json::to_vec(&sample).map_err(|e| DatasetError::broken(&out.root, e))?;
