@@ -502,6 +502,12 @@ export const screenTexts = {
     "When a task changes its state, the service sends a signed message to these addresses and retries failures.",
   ],
   "hooks.url": ["地址", "Address"],
+  "hooks.owner": ["添加者", "Added by"],
+  "hooks.paused": ["已暂停：添加者的账号已停用", "paused: the account of who added it is disabled"],
+  "hooks.paused.all": [
+    "以下 webhook 因添加者的账号停用而暂停；账号恢复后继续，也可在项目的“导入与导出”中删除：",
+    "These webhooks are paused because the account of who added them is disabled. They go on when it is enabled, and can be removed under Import and export of the project:",
+  ],
   "hooks.events": ["触发操作", "Events"],
   "hooks.all": ["全部", "all"],
   "hooks.which": ["触发操作（不选表示全部）", "Events (no choice means all)"],

@@ -411,6 +411,13 @@ pub static ROUTES: &[Route] = &[
     Route::post("/projects/{p}/webhooks", Access::Lead, "Add a webhook", webhooks::create)
         .takes::<NewWebhook>()
         .gives::<Webhook>(),
+    Route::get(
+        "/webhooks/paused",
+        Access::Admin,
+        "Webhooks of all projects that are paused because the account of their owner is disabled",
+        webhooks::paused,
+    )
+    .gives::<Webhooks>(),
     Route::delete("/webhooks/{w}", Access::WebhookLead, "Remove a webhook", webhooks::remove).gives::<Done>(),
     // The service.
     Route::get("/openapi.json", Access::Anyone, "This document", session::openapi).gives::<Value>(),

@@ -342,6 +342,13 @@ pub struct AuditRecord {
 pub struct Webhook {
     /// Id.
     pub id: String,
+    /// Project id.
+    pub project: String,
+    /// Display name of the user who added it; absent if it was added before this was recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub owner: Option<String>,
+    /// The account of its owner is disabled: nothing is sent until it is enabled, or the webhook removed.
+    pub paused: bool,
     /// Target URL.
     pub url: String,
     /// Actions to announce (`submit`, `accept`, ...); empty for all.

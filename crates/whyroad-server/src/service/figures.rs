@@ -4,6 +4,7 @@
 use crate::app::App;
 use crate::metrics::{StoreFigures, Text};
 use crate::problem::Answer;
+use crate::service::webhooks;
 use std::time::Instant;
 
 /// Whether the service is ready; otherwise the reason.
@@ -61,9 +62,7 @@ fn look(app: &App) -> Answer<StoreFigures> {
         for row in tx.rows("SELECT state, count(*) AS n FROM tasks GROUP BY state", &[])? {
             held.tasks.insert(row.text("state")?, row.int("n")?);
         }
-        if let Some(row) = tx.row("SELECT count(*) AS n, min(created) AS oldest FROM outbox", &[])? {
-            (held.waiting, held.oldest) = (row.int("n")?, row.maybe_int("oldest")?);
-        }
+        (held.waiting, held.oldest) = webhooks::waiting(tx)?;
         Ok(held)
     })?;
     held.took = begun.elapsed();

@@ -14,13 +14,14 @@ pub use reach::Reach;
 pub use tls::Trust;
 
 use crate::app::App;
+use crate::domain::people::User;
 use crate::domain::project::Webhook;
 use crate::domain::workflow::Action;
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
 use crate::service::tasks::{Entry, TaskRow};
-use crate::store::Tx;
 use crate::store::vault::{self, Vault};
+use crate::store::{Tx, Value};
 use crate::{secret, values};
 use serde_json::json;
 use std::collections::BTreeSet;
@@ -52,12 +53,27 @@ fn is_event(word: &str) -> bool {
     Action::from_word(word).is_some() || FURTHER_EVENTS.contains(&word)
 }
 
-/// Adds `entry` of `t` to the outbox of each webhook of its project that subscribes to it.
+/// Joins webhooks `w` with their owners `u`.
+const OWNERS: &str = "webhooks w LEFT JOIN users u ON u.id = w.owner";
+/// SQL for webhooks that are not paused, with [`OWNERS`].
+const ACTIVE: &str = "coalesce(u.disabled, 0) = 0";
+
+/// Number of messages to send, and when the oldest was added; without those of paused webhooks.
+pub fn waiting(tx: &mut dyn Tx) -> Answer<(i64, Option<i64>)> {
+    let sql = format!(
+        "SELECT count(*) AS n, min(o.created) AS oldest FROM outbox o
+         WHERE o.webhook_id IN (SELECT w.id FROM {OWNERS} WHERE {ACTIVE})"
+    );
+    tx.row(&sql, &[])?.map_or(Ok((0, None)), |row| Ok((row.int("n")?, row.maybe_int("oldest")?)))
+}
+
+/// Adds `entry` of `t` to the outbox of each webhook of its project that subscribes to it and is not paused.
 pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> Answer<()> {
     if !is_event(entry.action) {
         return Ok(());
     }
-    let hooks = tx.rows("SELECT id, events FROM webhooks WHERE project_id = $1", values![&t.project])?;
+    let sql = format!("SELECT w.id, w.events FROM {OWNERS} WHERE w.project_id = $1 AND {ACTIVE}");
+    let hooks = tx.rows(&sql, values![&t.project])?;
     for hook in hooks {
         let wanted: Vec<String> = parse(&hook.text("events")?)?;
         if !(wanted.is_empty() || wanted.iter().any(|w| w == entry.action)) {
@@ -80,17 +96,31 @@ pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> An
 
 /// Webhooks of a project, by URL.
 pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
-    let rows = tx.rows(
-        "SELECT w.id, w.url, w.events, w.last_error, w.delivered, (SELECT count(*) FROM outbox o WHERE o.webhook_id = w.id) AS pending,
+    select(tx, "w.project_id = $1 ORDER BY w.url, w.id", values![project])
+}
+
+/// Paused webhooks of all projects.
+pub fn paused(tx: &mut dyn Tx) -> Answer<Vec<Webhook>> {
+    select(tx, &format!("NOT ({ACTIVE}) ORDER BY w.project_id, w.url, w.id"), &[])
+}
+
+fn select(tx: &mut dyn Tx, condition: &str, values: &[Value]) -> Answer<Vec<Webhook>> {
+    let sql = format!(
+        "SELECT w.id, w.project_id, w.url, w.events, w.last_error, w.delivered, u.display AS owner,
+           CASE WHEN {ACTIVE} THEN 0 ELSE 1 END AS paused,
+           (SELECT count(*) FROM outbox o WHERE o.webhook_id = w.id) AS pending,
            (SELECT max(o.tries) FROM outbox o WHERE o.webhook_id = w.id) AS tries,
            (SELECT min(o.due) FROM outbox o WHERE o.webhook_id = w.id) AS next_try
-         FROM webhooks w WHERE w.project_id = $1 ORDER BY w.url, w.id",
-        values![project],
-    )?;
+         FROM {OWNERS} WHERE {condition}"
+    );
+    let rows = tx.rows(&sql, values)?;
     rows.iter()
         .map(|r| {
             Ok(Webhook {
                 id: r.text("id")?,
+                project: r.text("project_id")?,
+                owner: r.maybe_text("owner")?,
+                paused: r.flag("paused")?,
                 url: r.text("url")?,
                 events: parse(&r.text("events")?)?,
                 last_error: r.maybe_text("last_error")?.map(|text| parse(&text)).transpose()?,
@@ -104,16 +134,28 @@ pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
         .collect()
 }
 
+/// A webhook to add.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'a> {
+    /// Project id.
+    pub project: &'a str,
+    /// The user who adds it.
+    pub owner: &'a User,
+    /// Target URL.
+    pub url: &'a str,
+    /// Actions to announce; empty for all.
+    pub events: &'a [String],
+}
+
 /// Adds a webhook; its secret is only in this result.
 pub fn create(
     tx: &mut dyn Tx,
-    project: &str,
-    url: &str,
-    events: &[String],
+    wanted: Wanted<'_>,
     reach: &Reach,
     vault: &Vault,
     now: i64,
 ) -> Answer<Webhook> {
+    let Wanted { project, owner, url, events } = wanted;
     if url.len() > 500 {
         return Err(Problem::request(
             "webhook 网址至多 500 个字符",
@@ -144,11 +186,14 @@ pub fn create(
     }
     let (id, key) = (secret::id()?, secret::random(32)?);
     tx.run(
-        "INSERT INTO webhooks (id, project_id, url, events, secret, created) VALUES ($1, $2, $3, $4, $5, $6)",
-        values![&id, project, url, json(&events)?, vault.seal(&vault::webhook(&id), &key)?, now],
+        "INSERT INTO webhooks (id, project_id, url, events, secret, created, owner) VALUES ($1, $2, $3, $4, $5, $6, $7)",
+        values![&id, project, url, json(&events)?, vault.seal(&vault::webhook(&id), &key)?, now, &owner.id],
     )?;
     Ok(Webhook {
         id,
+        project: project.to_owned(),
+        owner: Some(owner.display.clone()),
+        paused: false,
         url: url.to_owned(),
         events: events.to_vec(),
         pending: 0,
@@ -204,13 +249,12 @@ struct Message {
 /// the rest of the pass, so that one that hangs does not delay the others.
 pub fn deliver_due(app: &App) -> Answer<usize> {
     let now = app.now();
-    let due = app.store.read(|tx| {
-        tx.rows(
-            "SELECT o.id, o.due, o.webhook_id, w.url, w.secret, o.body, o.tries
-             FROM outbox o JOIN webhooks w ON w.id = o.webhook_id WHERE o.due <= $1 ORDER BY o.due, o.id LIMIT $2",
-            values![now, PASS],
-        )
-    })?;
+    let sql = format!(
+        "SELECT o.id, o.due, o.webhook_id, w.url, w.secret, o.body, o.tries
+         FROM outbox o JOIN webhooks w ON w.id = o.webhook_id LEFT JOIN users u ON u.id = w.owner
+         WHERE o.due <= $1 AND {ACTIVE} ORDER BY o.due, o.id LIMIT $2"
+    );
+    let due = app.store.read(|tx| tx.rows(&sql, values![now, PASS]))?;
     let (mut taken, mut failing) = (0, BTreeSet::new());
     for row in due {
         let (webhook, secret) = (row.text("webhook_id")?, row.text("secret")?);
@@ -240,12 +284,16 @@ pub fn deliver_due(app: &App) -> Answer<usize> {
     Ok(taken)
 }
 
-/// Reserves a message for this sender: two services on one database do not send the same one.
+/// Reserves a message for this sender: two services on one database do not send the same one, and none is sent once its
+/// webhook is paused.
 fn claim(app: &App, id: &str, was_due: i64) -> Answer<bool> {
     let (id, until) = (id.to_owned(), app.now() + CLAIM_MS);
     app.store.write(move |tx| {
-        let sql = "UPDATE outbox SET due = $1 WHERE id = $2 AND due = $3";
-        Ok(tx.run(sql, values![until, &id, was_due])? == 1)
+        let sql = format!(
+            "UPDATE outbox SET due = $1 WHERE id = $2 AND due = $3
+               AND webhook_id IN (SELECT w.id FROM {OWNERS} WHERE {ACTIVE})"
+        );
+        Ok(tx.run(&sql, values![until, &id, was_due])? == 1)
     })
 }
 

@@ -22,6 +22,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0014_disagreement.sql"),
     include_str!("../../migrations/0015_not_compared.sql"),
     include_str!("../../migrations/0016_choice.sql"),
+    include_str!("../../migrations/0017_webhook_owner.sql"),
 ];
 
 /// The version of this program.

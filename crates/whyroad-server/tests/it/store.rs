@@ -299,7 +299,11 @@ fn with_secrets(store: &Store) {
     store
         .write(|tx| {
             tx.run("INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'p', '', '{}', '{}', 0)", &[])?;
-            tx.run("INSERT INTO webhooks VALUES ('w', 'p', 'http://a', '[]', 'plain-secret', NULL, 0, NULL)", &[])?;
+            tx.run(
+                "INSERT INTO webhooks (id, project_id, url, events, secret, created)
+                 VALUES ('w', 'p', 'http://a', '[]', 'plain-secret', 0)",
+                &[],
+            )?;
             tx.run("INSERT INTO settings (name, value) VALUES ('csrf_key', 'plain-csrf')", &[])
         })
         .unwrap();

@@ -5,7 +5,7 @@ use crate::api::reply::Reply;
 use crate::domain::people::Done;
 use crate::domain::project::{NewWebhook, Webhooks};
 use crate::problem::Answer;
-use crate::service::webhooks;
+use crate::service::webhooks::{self, Wanted};
 use std::sync::Arc;
 
 /// `GET /projects/{p}/webhooks`
@@ -14,15 +14,20 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
     Reply::json(&Webhooks { items: call.app.store.read(|tx| webhooks::list(tx, project))? })
 }
 
+/// `GET /webhooks/paused`
+pub fn paused(call: &Call<'_>) -> Answer<Reply> {
+    Reply::json(&Webhooks { items: call.app.store.read(webhooks::paused)? })
+}
+
 /// `POST /projects/{p}/webhooks`
 pub fn create(call: &Call<'_>) -> Answer<Reply> {
     let wanted: NewWebhook = call.body()?;
-    let (project, now) = (call.grant.project()?.to_owned(), call.app.now());
+    let (project, owner, now) = (call.grant.project()?.to_owned(), call.user()?.clone(), call.app.now());
     let (reach, vault) = (call.app.reach.clone(), Arc::clone(&call.app.store.vault));
-    let hook = call
-        .app
-        .store
-        .write(move |tx| webhooks::create(tx, &project, &wanted.url, &wanted.events, &reach, &vault, now))?;
+    let hook = call.app.store.write(move |tx| {
+        let wanted = Wanted { project: &project, owner: &owner, url: &wanted.url, events: &wanted.events };
+        webhooks::create(tx, wanted, &reach, &vault, now)
+    })?;
     Reply::json(&hook)
 }
 

@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::domain::workflow::State;
+use crate::service::people;
 use crate::service::fixtures::{self, task};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, PrivatePkcs8KeyDer};
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
@@ -55,9 +56,37 @@ fn tell(app: &App, action: &'static str) {
 }
 
 fn hook(app: &App, url: &str, events: &[&str]) -> Webhook {
+    add(app, url, events, &Reach::OwnMachine).unwrap()
+}
+
+/// A webhook of Lea, whose account is created with her first one.
+fn add(app: &App, url: &str, events: &[&str], reach: &Reach) -> Answer<Webhook> {
     let (url, events) = (url.to_owned(), events.iter().map(|e| (*e).to_owned()).collect::<Vec<_>>());
-    let vault = Arc::clone(&app.store.vault);
-    app.store.write(move |tx| create(tx, "p", &url, &events, &Reach::OwnMachine, &vault, 0)).unwrap()
+    let (vault, reach) = (Arc::clone(&app.store.vault), reach.clone());
+    app.store.write(move |tx| {
+        let lea = lea();
+        if people::find(tx, &lea.id)?.is_none() {
+            people::create(tx, &lea, people::NO_PASSWORD, 0)?;
+            people::create(tx, &User { id: "r".into(), name: "root".into(), admin: true, ..lea.clone() }, "", 0)?;
+        }
+        create(tx, Wanted { project: "p", owner: &lea, url: &url, events: &events }, &reach, &vault, 0)
+    })
+}
+
+fn lea() -> User {
+    User {
+        id: "l".into(),
+        name: "lea".into(),
+        display: "Lea".into(),
+        admin: false,
+        lang: "zh".into(),
+        disabled: false,
+        email: None,
+    }
+}
+
+fn disable(app: &App, disabled: bool) {
+    app.store.write(move |tx| people::update(tx, &User { disabled, ..lea() })).unwrap();
 }
 
 fn pending(app: &App) -> (i64, Option<String>) {
@@ -114,6 +143,38 @@ fn what_was_not_taken_is_sent_again_later_and_later() {
 }
 
 #[test]
+fn webhooks_of_a_disabled_person_are_paused() {
+    let s = scene();
+    let (url, told) = receiver(&[204, 204]);
+    let made = hook(&s.app, &url, &[]);
+    assert_eq!((made.owner.as_deref(), made.paused), (Some("Lea"), false));
+    tell(&s.app, "submit");
+    disable(&s.app, true);
+    assert_eq!(deliver_due(&s.app).unwrap(), 0);
+    // What happens meanwhile is not kept: nobody may ever come back.
+    tell(&s.app, "accept");
+    assert_eq!((pending(&s.app), told.try_iter().count()), ((1, None), 0));
+    let listed = s.app.store.read(paused).unwrap();
+    assert_eq!(listed.iter().map(|w| (w.id.as_str(), w.paused)).collect::<Vec<_>>(), [(made.id.as_str(), true)]);
+    assert_eq!(s.app.store.read(waiting).unwrap(), (0, None), "nobody is alarmed");
+    // A sender that has read the message before does not send it either.
+    let row = s.app.store.read(|tx| tx.row("SELECT id, due FROM outbox", &[])).unwrap().unwrap();
+    assert!(!claim(&s.app, &row.text("id").unwrap(), row.int("due").unwrap()).unwrap());
+    disable(&s.app, false);
+    tell(&s.app, "reopen");
+    assert_eq!(deliver_due(&s.app).unwrap(), 2);
+    let events: Vec<String> = told.try_iter().collect();
+    assert!(events[0].contains(r#""event":"submit""#) && events[1].contains(r#""event":"reopen""#), "{events:?}");
+    assert!(s.app.store.read(paused).unwrap().is_empty());
+    // One from before owners were recorded goes on.
+    let forget = |tx: &mut dyn Tx| tx.run("UPDATE webhooks SET owner = NULL", &[]);
+    s.app.store.write(forget).unwrap();
+    disable(&s.app, true);
+    tell(&s.app, "submit");
+    assert_eq!((pending(&s.app).0, s.app.store.read(waiting).unwrap().0), (1, 1));
+}
+
+#[test]
 fn waits_double_up_to_an_hour() {
     assert_eq!([1, 2, 3, 40].map(wait_ms), [5_000, 10_000, 20_000, 3_600_000]);
 }
@@ -150,10 +211,7 @@ fn a_service_that_others_reach_calls_nothing_on_its_own_machine() {
     let mut s = scene();
     s.app.reach = Reach::Network;
     let make = |url: &str, event: &str| {
-        let (url, events) = (url.to_owned(), vec![event.to_owned()]);
-        let vault = Arc::clone(&s.app.store.vault);
-        let made = s.app.store.write(move |tx| create(tx, "p", &url, &events, &Reach::Network, &vault, 0));
-        made.map_or_else(|p| p.code, |_| "made")
+        add(&s.app, url, &[event], &Reach::Network).map_or_else(|p| p.code, |_| "made")
     };
     for (url, event, outcome) in [
         ("http://127.0.0.1/", "submit", "webhook.address"),
@@ -178,12 +236,7 @@ fn a_service_that_others_reach_calls_nothing_on_its_own_machine() {
 fn only_plain_addresses_are_taken() {
     let s = scene();
     for bad in ["ftp://a/", "file:///etc/passwd", "http://a\r\nx"] {
-        let (url, vault) = (bad.to_owned(), Arc::clone(&s.app.store.vault));
-        let refused = s
-            .app
-            .store
-            .write(move |tx| create(tx, "p", &url, &[], &Reach::OwnMachine, &vault, 0))
-            .unwrap_err();
+        let refused = add(&s.app, bad, &[], &Reach::OwnMachine).unwrap_err();
         assert_eq!(refused.code, "webhook.url", "{bad}");
     }
 }
@@ -243,6 +296,7 @@ fn only_a_receiver_whose_certificate_is_believed_is_told() {
 fixtures::on_postgresql! {
     a_message_is_signed_and_says_what_happened_but_no_label,
     what_was_not_taken_is_sent_again_later_and_later,
+    webhooks_of_a_disabled_person_are_paused,
     waits_double_up_to_an_hour,
     a_receiver_that_is_away_keeps_its_messages_and_a_removed_one_loses_them,
     two_senders_do_not_send_one_message_twice,
