@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod answer;
+pub mod appearance;
 pub mod audits;
 pub mod bulk;
 pub mod classes;

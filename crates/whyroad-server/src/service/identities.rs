@@ -191,16 +191,10 @@ fn made(tx: &mut dyn Tx, claims: &Value, email: Option<String>, now: i64) -> Ans
     let name = free_name(tx, wanted)?;
     let display: String =
         text("name").unwrap_or(&name).chars().filter(|c| !c.is_control()).take(100).collect();
+    let id = secret::id()?;
+    let display = people::free_display(tx, &id, &display, &name)?;
     let lang = if text("locale").is_some_and(|l| l.starts_with("en")) { "en" } else { "zh" };
-    let user = User {
-        id: secret::id()?,
-        name,
-        display,
-        admin: false,
-        lang: lang.to_owned(),
-        disabled: false,
-        email,
-    };
+    let user = User { id, name, display, admin: false, lang: lang.to_owned(), disabled: false, email };
     people::create(tx, &user, people::NO_PASSWORD, now)?;
     Ok(user)
 }

@@ -2,8 +2,10 @@
 
 use crate::domain::people::User;
 use crate::problem::{Answer, Problem};
+use crate::service::appearance::appearance;
 use crate::store::{Row, Tx};
 use crate::{secret, values};
+use std::collections::BTreeSet;
 
 /// Duration of a session, ms.
 pub const SESSION_MS: i64 = 14 * 24 * 3_600_000;
@@ -50,6 +52,7 @@ pub fn create(tx: &mut dyn Tx, user: &User, password_hash: &str, now: i64) -> An
         ));
     }
     check_texts(user)?;
+    check_display(tx, user)?;
     check_email(tx, user)?;
     if find(tx, &user.name)?.is_some() {
         return Err(Problem::new(409, "user.exists", "用户名已存在", "a user of this name exists"));
@@ -104,9 +107,58 @@ fn check_email(tx: &mut dyn Tx, user: &User) -> Answer<()> {
     Ok(())
 }
 
+/// The display names of all other users, as they look. Until the transaction ends, no other one reads them here.
+fn other_displays(tx: &mut dyn Tx, id: &str) -> Answer<BTreeSet<String>> {
+    // The first account is never removed.
+    tx.rows(&format!("SELECT id FROM users ORDER BY created, id LIMIT 1{}", tx.lock()), &[])?;
+    let rows = tx.rows("SELECT display FROM users WHERE id <> $1", values![id])?;
+    rows.iter().map(|r| Ok(appearance(&r.text("display")?))).collect()
+}
+
+/// A display name that another user does not have: work is assigned and attributed by it.
+fn check_display(tx: &mut dyn Tx, user: &User) -> Answer<()> {
+    let wanted = appearance(&user.display);
+    if wanted.is_empty() {
+        return Err(Problem::new(
+            422,
+            "user.display",
+            "显示名为空或不可见，请填写可见的名字",
+            "the display name is empty or invisible: give one that can be seen",
+        ));
+    }
+    if other_displays(tx, &user.id)?.contains(&wanted) {
+        return Err(Problem::new(
+            409,
+            "user.display_taken",
+            "另一个用户的显示名与此相同（不区分大小写、全半角和空格）；请换一个，例如加上部门或工号",
+            "another user has this display name (letter case, width and spaces make no difference): choose another one, \
+             for example with a team or a number",
+        ));
+    }
+    Ok(())
+}
+
+/// `wanted`, or else the same with `name` or a number, so that no other user has it.
+pub fn free_display(tx: &mut dyn Tx, id: &str, wanted: &str, name: &str) -> Answer<String> {
+    let taken = other_displays(tx, id)?;
+    let short: String = wanted.chars().take(30).collect();
+    let more = (2..=taken.len() + 2).map(|n| format!("{short} ({n})"));
+    let mut all = [wanted.to_owned(), name.to_owned(), format!("{short} ({name})")].into_iter().chain(more);
+    let free = |display: &String| {
+        let looks = appearance(display);
+        !looks.is_empty() && !taken.contains(&looks)
+    };
+    all.find(free).ok_or_else(|| Problem::store("no free display name"))
+}
+
 /// Writes a user's display name, language, address and permissions.
 pub fn update(tx: &mut dyn Tx, user: &User) -> Answer<()> {
     check_texts(user)?;
+    // Names from before this was checked stay.
+    let before = tx.row("SELECT display FROM users WHERE id = $1", values![&user.id])?;
+    if before.map(|r| r.text("display")).transpose()?.as_deref() != Some(user.display.as_str()) {
+        check_display(tx, user)?;
+    }
     check_email(tx, user)?;
     tx.run(
         "UPDATE users SET display = $1, lang = $2, admin = $3, disabled = $4, email = $5 WHERE id = $6",

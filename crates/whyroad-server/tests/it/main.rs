@@ -82,6 +82,7 @@ suite! {
     sessions::sessions_end,
     sessions::guessing_passwords_is_slowed,
     sessions::passwords_and_tokens_are_kept_as_hashes,
+    sessions::no_two_people_have_one_display_name,
     sessions::people_change_themselves_and_admins_everybody,
     identities::who_has_a_verified_address_signs_in_to_the_account_that_has_it,
     oidc::a_token_that_is_wrong_anywhere_lets_nobody_in,

@@ -156,6 +156,52 @@ pub fn passwords_and_tokens_are_kept_as_hashes(world: &World) {
     assert_eq!(both.get("/users").refusal().0, 401);
 }
 
+pub fn no_two_people_have_one_display_name(world: &World) {
+    let admin = world.admin();
+    let make = |name: &str, display: &str| {
+        admin.post("/users", &json!({ "name": name, "display": display, "password": PASSWORD }))
+    };
+    let ann = make("ann", "Ann Li").fine();
+    let taken = (409, "user.display_taken".to_owned());
+    // Another case, full-width letters, a no-break space, a zero-width space.
+    for display in ["ann li", "\u{ff21}nn Li", "Ann\u{a0}Li", "A\u{200b}nn Li "] {
+        let refused = make("bob", display);
+        assert_eq!(refused.refusal(), taken, "{display:?}");
+        assert!(refused.json()["detail_en"].as_str().unwrap().contains("choose another one"));
+    }
+    assert_eq!(make("bob", "\u{3164}").refusal(), (422, "user.display".into()));
+    assert_eq!(make("ANN LI", "x").refusal(), (422, "user.name".into()));
+    let bob = make("bob", "Bob").fine();
+    // A name that is given by default is a display name, too.
+    assert_eq!(admin.post("/users", &json!({ "name": "BOB", "password": PASSWORD })).refusal(), taken);
+    let rename = |user: &serde_json::Value, to: &str| {
+        admin.patch(&format!("/users/{}", user["id"].as_str().unwrap()), &json!({ "display": to }))
+    };
+    assert_eq!(rename(&bob, "ANN LI").refusal(), taken);
+    assert_eq!(rename(&bob, "BOB").fine()["display"], "BOB", "one's own name in another case");
+    // Equal names from before stay until they are changed.
+    let id = bob["id"].as_str().unwrap().to_owned();
+    world
+        .app
+        .store
+        .write(move |tx| {
+            tx.run("UPDATE users SET display = 'Ann Li' WHERE id = $1", whyroad_server::values![&id])
+        })
+        .unwrap();
+    let off = format!("/users/{}", bob["id"].as_str().unwrap());
+    assert_eq!(admin.patch(&off, &json!({ "lang": "en" })).fine()["display"], "Ann Li");
+    assert_eq!(rename(&ann, "Ann LI").refusal(), taken);
+    assert_eq!(rename(&ann, "Ann Li (2)").status, 200);
+    // Of many at once one gets a name.
+    let statuses: Vec<u16> = std::thread::scope(|scope| {
+        let make = &make;
+        let asked: Vec<_> =
+            (0..4).map(|n| scope.spawn(move || make(&format!("c{n}"), "Chen").status)).collect();
+        asked.into_iter().map(|a| a.join().unwrap()).collect()
+    });
+    assert_eq!(statuses.iter().filter(|s| **s == 200).count(), 1, "{statuses:?}");
+}
+
 pub fn people_change_themselves_and_admins_everybody(world: &World) {
     let admin = world.admin();
     let ann = world.person(&admin, "", "ann", &[]);

@@ -3,8 +3,8 @@
 
 use super::*;
 use crate::domain::workflow::State;
-use crate::service::people;
 use crate::service::fixtures::{self, task};
+use crate::service::people;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, PrivatePkcs8KeyDer};
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 use std::io::{Read, Write};
@@ -67,7 +67,9 @@ fn add(app: &App, url: &str, events: &[&str], reach: &Reach) -> Answer<Webhook> 
         let lea = lea();
         if people::find(tx, &lea.id)?.is_none() {
             people::create(tx, &lea, people::NO_PASSWORD, 0)?;
-            people::create(tx, &User { id: "r".into(), name: "root".into(), admin: true, ..lea.clone() }, "", 0)?;
+            let (name, display) = ("root".to_owned(), "Root".to_owned());
+            let root = User { id: "r".into(), name, display, admin: true, ..lea.clone() };
+            people::create(tx, &root, people::NO_PASSWORD, 0)?;
         }
         create(tx, Wanted { project: "p", owner: &lea, url: &url, events: &events }, &reach, &vault, 0)
     })
@@ -155,16 +157,23 @@ fn webhooks_of_a_disabled_person_are_paused() {
     tell(&s.app, "accept");
     assert_eq!((pending(&s.app), told.try_iter().count()), ((1, None), 0));
     let listed = s.app.store.read(paused).unwrap();
-    assert_eq!(listed.iter().map(|w| (w.id.as_str(), w.paused)).collect::<Vec<_>>(), [(made.id.as_str(), true)]);
+    assert_eq!(
+        listed.iter().map(|w| (w.id.as_str(), w.paused)).collect::<Vec<_>>(),
+        [(made.id.as_str(), true)]
+    );
     assert_eq!(s.app.store.read(waiting).unwrap(), (0, None), "nobody is alarmed");
     // A sender that has read the message before does not send it either.
     let row = s.app.store.read(|tx| tx.row("SELECT id, due FROM outbox", &[])).unwrap().unwrap();
     assert!(!claim(&s.app, &row.text("id").unwrap(), row.int("due").unwrap()).unwrap());
     disable(&s.app, false);
+    s.clock.fetch_add(1, Ordering::SeqCst);
     tell(&s.app, "reopen");
     assert_eq!(deliver_due(&s.app).unwrap(), 2);
     let events: Vec<String> = told.try_iter().collect();
-    assert!(events[0].contains(r#""event":"submit""#) && events[1].contains(r#""event":"reopen""#), "{events:?}");
+    assert!(
+        events[0].contains(r#""event":"submit""#) && events[1].contains(r#""event":"reopen""#),
+        "{events:?}"
+    );
     assert!(s.app.store.read(paused).unwrap().is_empty());
     // One from before owners were recorded goes on.
     let forget = |tx: &mut dyn Tx| tx.run("UPDATE webhooks SET owner = NULL", &[]);
