@@ -230,6 +230,11 @@ impl Actor {
     pub fn is(&self, role: Role) -> bool {
         self.roles.contains(&role)
     }
+
+    /// Refuses an actor without this role.
+    pub fn needs(&self, role: Role) -> Result<(), Refusal> {
+        if self.is(role) { Ok(()) } else { Err(role_missing(role)) }
+    }
 }
 
 /// The position after `action`. The caller checks that no live lease of somebody else prevents a `take`: that needs a
@@ -238,7 +243,7 @@ pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<
     let holds = at.holder.as_deref() == Some(actor.id.as_str());
     let to = |state: State| Position { state, holder: None, ..at.clone() };
     // A role may have ended since the task was taken.
-    let need = |role: Role| if actor.is(role) { Ok(()) } else { Err(role_missing(role)) };
+    let need = |role: Role| actor.needs(role);
     match (action, at.state) {
         (Action::Take, _) => take(at, actor),
         (Action::Release, state) if state.is_held() => {
@@ -303,7 +308,7 @@ pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<
 }
 
 fn take(at: &Position, actor: &Actor) -> Result<Position, Refusal> {
-    let need = |role: Role| if actor.is(role) { Ok(()) } else { Err(role_missing(role)) };
+    let need = |role: Role| actor.needs(role);
     let held = |state: State| Position { state, holder: Some(actor.id.clone()), ..at.clone() };
     match at.state {
         State::Open | State::Stage1 => {

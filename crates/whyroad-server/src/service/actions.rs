@@ -289,7 +289,7 @@ fn restore(
     request: &TaskAction,
     now: i64,
 ) -> Answer<()> {
-    leases::may_edit(t, &actor.id, request.fence)?;
+    leases::may_edit(t, actor, request.fence)?;
     if safety::applies(t.at.state) {
         safety::required(t)?;
     }

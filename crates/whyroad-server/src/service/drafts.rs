@@ -2,7 +2,7 @@
 
 use crate::domain::project::Settings;
 use crate::domain::task::{Conflicts, DraftChange};
-use crate::domain::workflow::{Stage, State};
+use crate::domain::workflow::{Actor, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::parse;
 use crate::service::tasks::{self, Entry, TaskRow};
@@ -36,13 +36,13 @@ pub enum Merged {
 pub fn save(
     tx: &mut dyn Tx,
     task: &str,
-    user: &str,
+    actor: &Actor,
     settings: &Settings,
     change: &DraftChange,
     now: i64,
 ) -> Answer<Saved> {
     let mut t = tasks::get_for_change(tx, task)?;
-    leases::may_edit(&t, user, Some(change.fence))?;
+    leases::may_edit(&t, actor, Some(change.fence))?;
     if change.changes.is_empty() || change.changes.len() > merge::MAX_CHANGES {
         return Err(Problem::request(
             format!("一次须有 1 至 {} 处修改", merge::MAX_CHANGES),
@@ -67,7 +67,7 @@ pub fn save(
     t.version += 1;
     leases::extend(&mut t, settings, now);
     let from = Some(t.at.state);
-    let entry = Entry { action: "edit", actor: Some(user), from, changes: &changes, ..Entry::default() };
+    let entry = Entry { action: "edit", actor: Some(&actor.id), from, changes: &changes, ..Entry::default() };
     history::record(tx, &mut t, &entry, now)?;
     tasks::update(tx, &t)?;
     Ok(Saved { task: t, merged })

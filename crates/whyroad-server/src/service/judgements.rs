@@ -109,7 +109,8 @@ pub fn answer(
     now: i64,
 ) -> Answer<TaskRow> {
     let mut t = tasks::get_for_change(tx, id)?;
-    leases::held(&t, &actor.id, Some(given.fence))?;
+    let role = if t.at.state == State::InAudit { Role::Auditor } else { Role::Checker };
+    leases::held_as(&t, actor, role, Some(given.fence))?;
     let model = stored(tx, id, MODEL)?.filter(|m| m.version == t.version && m.judged.for_people);
     let Some(model) = model.filter(|_| may_answer(&t, &actor.id)) else {
         return Err(Problem::new(

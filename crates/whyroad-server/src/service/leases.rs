@@ -3,7 +3,7 @@
 
 use crate::domain::project::Settings;
 use crate::domain::task::Lease;
-use crate::domain::workflow::{self, Action, Actor, Draw, Position, State};
+use crate::domain::workflow::{self, Action, Actor, Draw, Position, Role, State};
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, seen};
@@ -158,9 +158,20 @@ pub fn held(t: &TaskRow, user: &str, fence: Option<i64>) -> Answer<()> {
     if t.at.holder.as_deref() == Some(user) && t.fence == fence { Ok(()) } else { Err(Problem::lease_lost()) }
 }
 
-/// Accepts only the holder with the newest token, and only while the draft may be changed.
-pub fn may_edit(t: &TaskRow, user: &str, fence: Option<i64>) -> Answer<()> {
-    held(t, user, fence)?;
+/// Accepts only the holder with the newest token, and only while they have the role for the work. To a user who is no
+/// longer a member, the task appears not to exist.
+pub fn held_as(t: &TaskRow, actor: &Actor, role: Role, fence: Option<i64>) -> Answer<()> {
+    if actor.roles.is_empty() {
+        return Err(Problem::missing());
+    }
+    held(t, &actor.id, fence)?;
+    Ok(actor.needs(role)?)
+}
+
+/// Accepts only the holder with the newest token who still labels in the project, and only while the draft may be
+/// changed.
+pub fn may_edit(t: &TaskRow, actor: &Actor, fence: Option<i64>) -> Answer<()> {
+    held_as(t, actor, Role::Annotator, fence)?;
     if !t.at.state.is_editable() {
         return Err(Problem::new(
             409,

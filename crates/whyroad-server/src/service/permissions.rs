@@ -23,10 +23,11 @@ pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
     };
     let holds = t.at.holder.as_deref() == Some(actor.id.as_str());
     let lead = actor.is(Role::Lead);
-    add("edit", holds && t.at.state.is_editable());
-    add("safety", holds && safety::applies(t.at.state));
-    add("uncertainty", holds && t.veiled && t.at.state == State::Stage2);
-    add("restore", holds && t.at.state.is_editable());
+    let labels = holds && actor.is(Role::Annotator);
+    add("edit", labels && t.at.state.is_editable());
+    add("safety", labels && safety::applies(t.at.state));
+    add("uncertainty", labels && t.veiled && t.at.state == State::Stage2);
+    add("restore", labels && t.at.state.is_editable());
     add("comment", holds || t.at.state.shows_future());
     add("assign", lead && !matches!(t.at.state, State::Accepted));
     let may_choose = lead && t.overlap_count > 1 && t.at.state.stage() == workflow::Stage::Stage2;

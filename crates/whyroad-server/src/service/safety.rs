@@ -4,7 +4,7 @@
 use crate::app::App;
 use crate::domain::project::Project;
 use crate::domain::safety::{SafetyCounts, SafetyReason, SafetyRequest};
-use crate::domain::workflow::{self, Action, Actor, Draw, State};
+use crate::domain::workflow::{self, Action, Actor, Draw, Role, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json as text_of, parse};
 use crate::service::tasks::{self, Entry, TaskRow};
@@ -54,7 +54,7 @@ pub fn record(
 ) -> Answer<TaskRow> {
     let mut t = tasks::get_for_change(tx, id)?;
     let now = app.lease_now(tx)?;
-    leases::held(&t, &actor.id, Some(request.fence))?;
+    leases::held_as(&t, actor, Role::Annotator, Some(request.fence))?;
     if !applies(t.at.state) {
         return Err(Problem::new(
             409,

@@ -2,7 +2,7 @@
 //! a mined folder, a task that was removed, an imported draft; and roles that end while a task is held.
 
 use crate::recorded::{at, episode};
-use crate::work::{Work, example};
+use crate::work::{Work, components, example};
 use crate::world::{Person, Reply, World};
 use serde_json::{Value, json};
 use whyroad_server::service::retention::sweep;
@@ -166,11 +166,20 @@ pub fn a_role_that_ended_decides_nothing(world: &World) {
     work.stage1();
     becomes("ann", "auditor");
     assert_eq!(work.act("lock_stage1", &json!({})).refusal(), refused);
+    let components = [("/critical_components", components())];
+    assert_eq!(work.set(&components).refusal(), refused);
+    assert_eq!(work.act("restore", &json!({ "seq": 1 })).refusal(), refused);
     becomes("ann", "annotator");
+    assert_eq!(work.set(&components).status, 200);
     work.act("lock_stage1", &json!({})).fine();
+    becomes("ann", "auditor");
+    let safe = json!({ "fence": work.fence, "answer": "safe" });
+    assert_eq!(ann.post(&work.path("/safety"), &safe).refusal(), refused);
+    becomes("ann", "annotator");
     work.stage2();
     becomes("ann", "auditor");
     assert_eq!(work.act("submit", &json!({})).refusal(), refused);
+    assert_eq!(work.set(&[("/coc_trace", json!("x"))]).refusal(), refused);
     becomes("ann", "annotator");
     work.act("submit", &json!({})).fine();
     let mut check = Work::take(&chen, &task);
@@ -179,4 +188,10 @@ pub fn a_role_that_ended_decides_nothing(world: &World) {
     assert_eq!(check.act("send_back", &json!({ "reason": "no" })).refusal(), refused);
     // The task is not lost: it can be released.
     chen.post(&check.path("/lease"), &json!({ "action": "release", "fence": check.fence })).fine();
+    // Who is removed from the project while they hold a task writes nothing either.
+    let task = world.tasks(&admin, &project, &["drive2"], 1)[0].clone();
+    let mut work = Work::take(&ann, &task);
+    let gone = json!({ "user": "ann", "roles": [] });
+    admin.post(&format!("/projects/{project}/members"), &gone).fine();
+    assert_eq!(work.set(&components).refusal(), (404, "not_found".into()));
 }

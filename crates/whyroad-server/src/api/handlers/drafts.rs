@@ -1,12 +1,13 @@
 //! Saving, acting, checking.
 
 use super::tasks::{actor, answer, look};
+use crate::api::access;
 use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::domain::people::User;
 use crate::domain::safety::SafetyRequest;
 use crate::domain::task::{DraftChange, DraftSaved, Findings, TaskAction, Validate};
-use crate::domain::workflow::{Actor, Stage};
+use crate::domain::workflow::{Actor, Seen, Stage};
 use crate::problem::{Answer, Problem};
 use crate::service::drafts::Merged;
 use crate::service::tasks::TaskRow;
@@ -17,12 +18,15 @@ use whyroad_label::merge::MAX_DRAFT;
 /// `PATCH /tasks/{t}/draft`
 pub fn save(call: &Call<'_>) -> Answer<Reply> {
     let change: DraftChange = call.body()?;
-    let (id, user, app) = (call.param("t").to_owned(), call.user()?.id.clone(), call.app.clone());
+    let (id, user, app) = (call.param("t").to_owned(), call.user()?.clone(), call.app.clone());
     let project = call.grant.project()?.to_owned();
     let saved = call.app.store.write(move |tx| {
         let settings = projects::get(tx, &project)?.settings;
         let now = app.lease_now(tx)?;
-        drafts::save(tx, &id, &user, &settings, &change, now)
+        // Saving asks for the role only, not for what was seen.
+        let roles = access::roles(tx, &project, &user)?;
+        let actor = Actor { id: user.id.clone(), roles, has_seen: Seen::History };
+        drafts::save(tx, &id, &actor, &settings, &change, now)
     })?;
     let t = saved.task;
     Reply::json(&DraftSaved {
