@@ -135,6 +135,7 @@ export const labelTexts = {
   "comp.high_needed": ["此 L3 场景要求至少一个要素的不确定性为“高”。", "This L3 scenario requires at least one component of high uncertainty."],
   "comp.n": ["要素 {id}", "Component {id}"],
 
+  "comp.imported": ["导入的草稿中的要素（阶段一不显示）：{n} 个", "Components of the imported draft, hidden in Stage I: {n}"],
   "comp.frozen": ["阶段一已锁定，要素不能再改", "Locked with Stage I"],
   "comp.description.hint": ["看到了什么：目标、状态、与自车的关系", "What was seen: object, state, relation to the ego"],
   "comp.now": ["此刻", "now"],

@@ -93,6 +93,9 @@ pub struct Task {
     /// Name of the model that drafted the label; null if a rule or a person did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drafted_by: Option<String>,
+    /// Components and causes of an imported draft (`critical_components`, `causes`), which Stage I does not show.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imported: Option<Value>,
     /// A model's judgment of the submitted label; for checkers, auditors and leads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub judgement: Option<Judgement>,

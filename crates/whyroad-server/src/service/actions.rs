@@ -22,7 +22,8 @@ use whyroad_model::messages::{Provenance, ProvenanceSource};
 use whyroad_model::{FORMAT_VERSION, Nanos};
 
 /// A submitted label is shown completely.
-const STAGE2: LabelView = LabelView { stage: Stage::Stage2, hides_leaf: false, in_hand: false };
+const STAGE2: LabelView =
+    LabelView { stage: Stage::Stage2, hides_leaf: false, hides_drafted: false, in_hand: false };
 
 /// Result of checking a draft before the transaction that acts on it: checking may take long, and a write transaction
 /// blocks all other writers.

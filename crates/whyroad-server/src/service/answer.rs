@@ -9,6 +9,7 @@ use crate::service::visible::{comments, label};
 use crate::service::{judgements, leases, permissions, projects};
 use crate::store::Tx;
 use crate::values;
+use serde_json::{Map, Value};
 use whyroad_model::label_fields::name;
 use whyroad_model::messages::{KeyframeType, ProvenanceSource};
 use whyroad_model::{Bilingual, Nanos};
@@ -44,6 +45,7 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         spec: app.framework.specs.get(&t.episode.scenario_id).filter(|_| !t.hides_leaf()).cloned(),
         suggestion: suggestion(t),
         drafted_by: drafted_by(t),
+        imported: imported(t),
         judgement: judgements::of(tx, t, actor)?,
         comments: comments(tx, t, &actor.id, &names)?,
         history_count,
@@ -58,6 +60,17 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         },
         draft: shown,
     })
+}
+
+/// What Stage I hides of an imported draft.
+fn imported(t: &TaskRow) -> Option<Value> {
+    if !t.imported || t.at.state.stage() == Stage::Stage1 {
+        return None;
+    }
+    let field = |name: &str| Some((name.to_owned(), t.initial.get(name)?.clone()));
+    let found: Map<String, Value> =
+        [name::CRITICAL_COMPONENTS, name::CAUSES].into_iter().filter_map(field).collect();
+    (!found.is_empty()).then_some(Value::Object(found))
 }
 
 /// Why `actor` cannot take `t` now, as a specific message.

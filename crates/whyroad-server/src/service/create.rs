@@ -340,12 +340,13 @@ pub fn prepare(
     last: &mut LastDrive,
 ) -> Answer<TaskRow> {
     let source = last.of(app, episode).map_err(missing)?;
+    let imported = draft.is_some();
     let start = match draft {
         // Nothing is derived that would be discarded.
         Some(draft) => Start::drafted(source, episode, imported::known_then(draft, &episode.keyframe)),
         None => Start::derived(app, project, source, episode, "")?,
     };
-    row(app, project, episode, String::new(), start)
+    Ok(TaskRow { imported, ..row(app, project, episode, String::new(), start)? })
 }
 
 fn missing(why: Bilingual) -> Problem {
@@ -453,6 +454,7 @@ fn row(app: &App, project: &Project, episode: &EpisodeRecord, lang: String, star
         disagrees: false,
         to_choose: false,
         pictured: false,
+        imported: false,
         pending,
         veiled,
         thumbnail,

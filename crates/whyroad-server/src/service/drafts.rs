@@ -11,7 +11,7 @@ use crate::store::Tx;
 use crate::values;
 use serde_json::Value;
 use whyroad_label::merge::{self, FieldChange};
-use whyroad_model::label_fields::pointer;
+use whyroad_model::label_fields::{name, pointer};
 
 /// Result of saving.
 #[derive(Clone, Debug)]
@@ -164,7 +164,10 @@ pub fn at(tx: &mut dyn Tx, t: &TaskRow, seq: i64) -> Answer<Value> {
 
 /// `now` with those parts of `old` that may be changed in this state.
 pub fn restored(t: &TaskRow, old: &Value) -> Value {
-    let open = |field: &str| visible::may_change(t, &format!("/{field}"), &Value::Null).is_ok();
+    let suggested = old.get(name::CRITICAL_COMPONENTS) == t.initial.get(name::CRITICAL_COMPONENTS);
+    let hidden = |field: &str| field == name::CRITICAL_COMPONENTS && suggested && t.hides_drafted();
+    let open =
+        |field: &str| visible::may_change(t, &format!("/{field}"), &Value::Null).is_ok() && !hidden(field);
     let mut out = t.draft.as_object().cloned().unwrap_or_default();
     out.retain(|field, _| !open(field));
     let back = old.as_object().into_iter().flatten().filter(|(field, _)| open(field));
@@ -178,5 +181,5 @@ pub fn at_for(tx: &mut dyn Tx, t: &TaskRow, user: &str, seq: i64) -> Answer<Valu
     if stage == Stage::Stage1 && !visible::history(tx, t, user)?.iter().any(|e| e.seq == seq) {
         return Err(Problem::missing());
     }
-    Ok(visible::label(&at(tx, t, seq)?, t.view()))
+    Ok(visible::earlier(&at(tx, t, seq)?, t))
 }

@@ -189,6 +189,7 @@ pub fn task() -> TaskRow {
         disagrees: false,
         to_choose: false,
         pictured: false,
+        imported: false,
         pending: false,
         veiled: false,
         thumbnail: String::new(),

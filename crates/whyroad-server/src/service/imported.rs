@@ -1,24 +1,17 @@
-//! Drafts from elsewhere, as Stage I may show them: with what was known at the suggested keyframe.
+//! Drafts from elsewhere: what Stage I shows of them was known at the suggested keyframe. It shows none of their
+//! components, whose words may tell what comes later; these are kept for Stage II.
 
 use serde_json::Value;
-use std::collections::BTreeSet;
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::{LabelField, name, pointer};
 use whyroad_model::messages::Keyframe;
 
 /// The draft with the data known at the suggested keyframe in those fields that Stage I shows: fields of the format
-/// only, no later keyframe, and no component whose evidence is all later.
+/// only, and no later keyframe.
 pub fn known_then(mut draft: Value, suggested: &Keyframe) -> Value {
     only_fields(draft.get_mut(name::SCENARIO), pointer::SCENARIO);
     keyframe(&mut draft, suggested);
-    let unseen = components(&mut draft, suggested.timestamp);
-    // A cause that names a removed component is removed, as in drafts by rule.
-    if let Some(causes) = draft.get_mut(name::CAUSES).and_then(Value::as_object_mut) {
-        causes.retain(|_, cause| {
-            let named = cause.get(name::COMPONENTS).and_then(Value::as_array).into_iter().flatten();
-            !named.filter_map(Value::as_str).any(|id| unseen.contains(id))
-        });
-    }
+    remove_unless(&mut draft, name::CRITICAL_COMPONENTS, Value::is_array);
     draft
 }
 
@@ -56,26 +49,4 @@ fn keyframe(draft: &mut Value, suggested: &Keyframe) {
     if own.get(name::RANGE_START).is_some_and(late) {
         own.remove(name::RANGE_START);
     }
-}
-
-/// Removes the components whose evidence is all later; returns their ids.
-fn components(draft: &mut Value, keyframe: Nanos) -> BTreeSet<String> {
-    remove_unless(draft, name::CRITICAL_COMPONENTS, Value::is_array);
-    let mut unseen = BTreeSet::new();
-    let Some(components) = draft.get_mut(name::CRITICAL_COMPONENTS).and_then(Value::as_array_mut) else {
-        return unseen;
-    };
-    components.retain_mut(|c| {
-        let Some(times) = c.get_mut(name::EVIDENCE_TIMES).and_then(Value::as_array_mut) else { return true };
-        let stated = !times.is_empty();
-        times.retain(|at| !is_late(at, keyframe));
-        let keeps = !stated || !times.is_empty();
-        if !keeps && let Some(id) = c.get(name::ID).and_then(Value::as_str) {
-            unseen.insert(id.to_owned());
-        }
-        keeps
-    });
-    let at = pointer::critical_components_item(0);
-    components.iter_mut().for_each(|c| only_fields(Some(c), &at));
-    unseen
 }

@@ -9,7 +9,7 @@ use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, seen};
 use crate::store::Tx;
 use crate::values;
-use serde_json::{Value, json};
+use serde_json::json;
 use whyroad_model::label_fields::name;
 
 /// The lease of `t` for its holder.
@@ -32,14 +32,16 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     if others {
         t.draft = t.initial.clone();
     }
-    // The rule's components were drafted for the L3 class.
-    let drafted =
-        t.draft.get(name::CRITICAL_COMPONENTS).and_then(Value::as_array).is_some_and(|c| !c.is_empty());
-    let cleared = t.hides_leaf()
+    // Hidden components are kept in the suggested draft, as are the causes that refer to them.
+    let drafted = t.draft.get(name::CRITICAL_COMPONENTS).is_some_and(|c| *c != json!([]));
+    let cleared = t.hides_drafted()
         && drafted
         && t.draft.get(name::CRITICAL_COMPONENTS) == t.initial.get(name::CRITICAL_COMPONENTS);
     if cleared {
         t.draft[name::CRITICAL_COMPONENTS] = json!([]);
+        if let Some(fields) = t.draft.as_object_mut() {
+            fields.remove(name::CAUSES);
+        }
     }
     t.version += i64::from(others || cleared);
     let snapshot = (others || cleared).then(|| t.draft.clone());
@@ -97,14 +99,6 @@ pub(super) fn may_take(
             "another label of this episode was chosen",
         ));
     }
-    if waits_for_choice(t) {
-        return Err(Problem::new(
-            409,
-            NOT_CHOSEN,
-            "该事件有多份独立标注，负责人选用其中一份之后才质检",
-            "this episode has several independent labels: one is checked after a lead has chosen it",
-        ));
-    }
     if t.at.state == State::Open && t.assigned.as_deref().is_some_and(|a| a != actor.id) {
         return Err(Problem::new(
             403,
@@ -118,13 +112,20 @@ pub(super) fn may_take(
         only_one_of_a_group(tx, t, &actor.id)?;
     }
     seen::may_be_shown(tx, t, next.state, &actor.id)?;
+    if waits_for_choice(t) {
+        return Err(Problem::new(
+            409,
+            NOT_CHOSEN,
+            "该事件有多份独立标注，负责人选用其中一份之后才质检",
+            "this episode has several independent labels: one is checked after a lead has chosen it",
+        ));
+    }
     Ok(next)
 }
 
 /// A submitted label of an overlap group that a lead has not chosen: it is not checked.
 pub(super) fn waits_for_choice(t: &TaskRow) -> bool {
-    let to_check =
-        matches!(t.at.state, State::Submitted | State::InCheck | State::Checked | State::InAudit);
+    let to_check = matches!(t.at.state, State::Submitted | State::InCheck | State::Checked | State::InAudit);
     t.overlap_count > 1 && !t.is_chosen() && to_check
 }
 

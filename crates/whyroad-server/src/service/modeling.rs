@@ -270,7 +270,7 @@ fn draft(app: &App, session: &dyn ModelSession, run: &Claimed, task: &str) -> Re
         let entry = Entry { action: "model_draft", actor, from, note: model.as_deref(), ..Entry::default() };
         history::record(tx, &mut t, &entry, now)?;
         tasks::update(tx, &t)?;
-        tx.run("UPDATE tasks SET initial = $1 WHERE id = $2", values![&text, &task])?;
+        tx.run("UPDATE tasks SET initial = $1, imported = 0 WHERE id = $2", values![&text, &task])?;
         model_runs::settle(tx, &run.id, &task, &Outcome::Done)
     })?;
     Ok(())

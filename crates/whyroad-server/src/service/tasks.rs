@@ -75,6 +75,8 @@ pub struct TaskRow {
     pub pictured: bool,
     /// Its draft is still to be created.
     pub pending: bool,
+    /// Its suggested draft comes from an import.
+    pub imported: bool,
     /// Its project shows only the L2 of its class in Stage I.
     pub veiled: bool,
     /// The thumbnail of a task that is being created; empty for one that was read.
@@ -88,6 +90,8 @@ pub struct LabelView {
     pub stage: Stage,
     /// Its L3 class is hidden.
     pub hides_leaf: bool,
+    /// The suggested components are hidden.
+    pub hides_drafted: bool,
     /// A user is in Stage I: the components are theirs.
     pub in_hand: bool,
 }
@@ -103,11 +107,18 @@ impl TaskRow {
         self.veiled && self.at.state.stage() == Stage::Stage1
     }
 
+    /// True while the suggested components are hidden: those of a rule may depend on the hidden L3 class, the words of
+    /// imported ones on what comes after the keyframe.
+    pub fn hides_drafted(&self) -> bool {
+        self.hides_leaf() || (self.imported && self.at.state.stage() == Stage::Stage1)
+    }
+
     /// How much of its label is shown now.
     pub fn view(&self) -> LabelView {
         LabelView {
             stage: self.at.state.stage(),
             hides_leaf: self.hides_leaf(),
+            hides_drafted: self.hides_drafted(),
             in_hand: self.at.state == State::Stage1,
         }
     }
@@ -129,7 +140,7 @@ const VEILED_HISTORY_NS: i64 = 2_000_000_000;
 
 const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id, keyframe_ns, from_ns, \
     to_ns, episode, initial, draft, version, priority, state, authors, checker, auditor, checked, audited, adjudication, \
-    assigned, holder, fence, lease_until, seq, created, updated, lang, pending, coalesce(disagrees, 0) AS disagrees, complete, \
+    assigned, holder, fence, lease_until, seq, created, updated, lang, pending, coalesce(disagrees, 0) AS disagrees, complete, imported, \
     (SELECT count(*) FROM comments c WHERE c.task_id = tasks.id AND c.to_lead = 1 AND c.resolved = 0) AS asks, \
     (SELECT count(*) FROM thumbnails p WHERE p.task_id = tasks.id) AS pictured, \
     (SELECT v.veiled FROM projects v WHERE v.id = tasks.project_id) AS veiled";
@@ -143,6 +154,7 @@ fn task(row: &Row) -> Answer<TaskRow> {
     Ok(TaskRow {
         disagrees: row.flag("disagrees")? && adjudication.is_none() && known.is_handed_in(),
         to_choose: row.flag("complete")? && adjudication.is_none() && known.is_handed_in(),
+        imported: row.flag("imported")?,
         veiled: veiled.iter().any(|l2| l2 == veil::l2(&scenario)),
         id: row.text("id")?,
         project: row.text("project_id")?,
@@ -240,14 +252,15 @@ pub fn insert(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     let n = tx.run(
         "INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
            keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, checked, audited,
-           fence, seq, created, updated, lang, pending)
+           fence, seq, created, updated, lang, pending, imported)
          VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, '[]', 0, 0, 0, 0, $18, $19,
-           $20, $21)
+           $20, $21, $22)
          ON CONFLICT DO NOTHING",
         values![
             &t.id, &t.project, &t.episode.episode_id, t.overlap_index, t.overlap_count, &t.drive_id, &t.clip_id,
             &t.scenario_id, t.keyframe_ns, t.from_ns, t.to_ns, json(&t.episode)?, json(&t.initial)?, json(&t.draft)?,
             t.version, t.priority, t.at.state.word(), t.created, t.updated, &t.lang, i64::from(t.pending),
+            i64::from(t.imported),
         ],
     )?;
     if n == 1 {

@@ -37,8 +37,11 @@ pub fn label(label: &Value, view: LabelView) -> Value {
     if let Some(keyframe) = out.get_mut(name::KEYFRAME).and_then(Value::as_object_mut) {
         keyframe.remove(name::RANGE_END);
     }
+    if view.hides_drafted && !view.in_hand {
+        out.insert(name::CRITICAL_COMPONENTS.to_owned(), json!([]));
+    }
     if view.hides_leaf {
-        without_leaf(&mut out, view);
+        without_leaf(&mut out);
         return Value::Object(out);
     }
     if let Some(start) = label.pointer(pointer::TIME_RANGE_START_TIMESTAMP) {
@@ -47,9 +50,9 @@ pub fn label(label: &Value, view: LabelView) -> Value {
     Value::Object(out)
 }
 
-/// Removes the parts that depend on the L3 class: its name, the type of its keyframe, and the rule's draft for it. The
-/// start of its range was not added.
-fn without_leaf(out: &mut Map<String, Value>, view: LabelView) {
+/// Removes the parts that depend on the L3 class: its name, and the type of its keyframe. The start of its range was
+/// not added.
+fn without_leaf(out: &mut Map<String, Value>) {
     if let Some(scenario) = out.get_mut(name::SCENARIO).and_then(Value::as_object_mut) {
         scenario.retain(|part, _| part == name::L1 || part == name::L2);
     }
@@ -57,9 +60,13 @@ fn without_leaf(out: &mut Map<String, Value>, view: LabelView) {
         keyframe.retain(|part, _| MOMENT.contains(&part.as_str()));
         keyframe.insert(name::TYPE.to_owned(), json!(KeyframeType::Reactive.id()));
     }
-    if !view.in_hand {
-        out.insert(name::CRITICAL_COMPONENTS.to_owned(), json!([]));
-    }
+}
+
+/// The part of an earlier draft of `t` that is shown: in Stage I without the suggested components, if these are hidden.
+pub fn earlier(draft: &Value, t: &TaskRow) -> Value {
+    let suggested = draft.get(name::CRITICAL_COMPONENTS) == t.initial.get(name::CRITICAL_COMPONENTS);
+    let view = t.view();
+    label(draft, LabelView { in_hand: view.in_hand && !suggested, ..view })
 }
 
 /// The parts of a keyframe that state its time.
@@ -195,7 +202,7 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
                 continue;
             }
         }
-        let before = label(&before, t.view());
+        let before = earlier(&before, t);
         let was = |c: &FieldChange| before.pointer(&c.path).cloned().unwrap_or_default();
         out.push(HistoryEntry {
             before: changes.iter().map(was).collect(),

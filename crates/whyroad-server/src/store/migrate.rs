@@ -23,6 +23,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0015_not_compared.sql"),
     include_str!("../../migrations/0016_choice.sql"),
     include_str!("../../migrations/0017_webhook_owner.sql"),
+    include_str!("../../migrations/0018_imported.sql"),
 ];
 
 /// The version of this program.

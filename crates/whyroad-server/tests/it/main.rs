@@ -136,6 +136,7 @@ suite! {
     other_ways::who_browsed_an_episode_does_no_stage_one_of_it,
     other_ways::what_was_seen_outlasts_the_task,
     other_ways::an_imported_draft_carries_no_future_into_stage_one,
+    other_ways::an_imported_draft_does_not_come_back_in_stage_one,
     other_ways::a_role_that_ended_decides_nothing,
     other_ways::another_persons_label_is_hidden_until_the_own_one_is_submitted,
     meanwhile::who_is_disabled_while_a_password_is_hashed_stays_so,

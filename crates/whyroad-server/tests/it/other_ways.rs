@@ -1,7 +1,8 @@
 //! Ways to the future of a Stage I that lead through something else than the task itself: another copy of its episode,
 //! a mined folder, a task that was removed, an imported draft; and roles that end while a task is held.
 
-use crate::recorded::{at, episode};
+use crate::leaks::{all_answers, same};
+use crate::recorded::{Future, at, episode};
 use crate::work::{Work, components, example};
 use crate::world::{Person, Reply, World};
 use serde_json::{Value, json};
@@ -20,13 +21,13 @@ fn tells(answer: &Reply) -> bool {
     answer.text().contains(example()["coc_trace"].as_str().unwrap())
 }
 
-/// The administrator, somebody who labels and checks, and the two copies of an episode, of which another person has
+/// The administrator, somebody who labels, checks and leads, and the two copies of an episode, of which another person has
 /// labeled the first.
 fn two_copies(world: &World) -> (Person, Person, Vec<String>) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));
     let ann = world.person(&admin, &project, "ann", &["annotator"]);
-    let both = world.person(&admin, &project, "both", &["annotator", "checker"]);
+    let both = world.person(&admin, &project, "both", &["annotator", "checker", "lead"]);
     let ids = world.tasks(&admin, &project, &["drive1"], 2);
     Work::label(&ann, &ids[0]);
     (admin, both, ids)
@@ -109,46 +110,108 @@ pub fn what_was_seen_outlasts_the_task(world: &World) {
     assert_eq!(take(&ann, &again).refusal(), (403, "task.future_seen".into()));
 }
 
-pub fn an_imported_draft_carries_no_future_into_stage_one(world: &World) {
-    let admin = world.admin();
-    let project = world.project(&admin, "town", &json!({}));
-    let ann = world.person(&admin, &project, "ann", &["annotator"]);
-    // As an exported task whose keyframe was moved back and whose components were changed in rework.
+/// A line of an import: an exported task whose keyframe was moved back and whose components were changed in rework.
+fn imported_line(world: &World, words: &str) -> String {
     let episode = serde_json::to_value(episode("drive1", 1, world.future)).unwrap();
     let (before, after) = (at(90).to_string(), at(120).to_string());
     let mut draft = example();
     draft["clip_id"] = episode["clip_id"].clone();
     draft["time_range"] = episode["time_range"].clone();
     draft["keyframe"] = json!({ "timestamp": after, "frame_idx": 120, "type": "reactive", "range_start": after,
-        "range_end": after, "hint": "it stops" });
-    draft["scenario"]["outcome"] = json!("it stops");
+        "range_end": after, "hint": words });
+    draft["scenario"]["outcome"] = json!(words);
     draft["critical_components"] = json!([
         { "id": "c1", "category": "critical_objects", "description": "a car", "evidence_times": [before, after],
-          "note": "it stops" },
-        { "id": "c2", "category": "critical_objects", "description": "it stops", "evidence_times": [after] },
-        { "id": "c3", "category": "critical_objects", "description": "a lane" },
+          "note": words },
+        { "id": "c2", "category": "critical_objects", "description": "a van", "evidence_times": [after] },
+        { "id": "c3", "category": "critical_objects", "description": words, "evidence_times": [before] },
+        { "id": "c4", "category": "critical_objects", "description": words },
     ]);
     draft["causes"] =
         json!({ "longitudinal": { "components": ["c1", "c2"] }, "lateral": { "components": ["c3"] } });
-    let line = json!({ "task": { "episode": episode, "draft": draft } }).to_string();
-    let import = format!("/projects/{project}/import");
-    assert_eq!(admin.call("POST", &import, Some(line.as_bytes()), &[]).fine()["tasks"], 1);
-    let task = admin.get(&format!("/projects/{project}/tasks")).fine()["items"][0]["id"].clone();
-    let mut work = Work::take(&ann, task.as_str().unwrap());
-    let seen = work.view();
-    assert!(
-        !seen.to_string().contains("it stops") && !seen.to_string().contains(&after),
-        "{}",
-        seen["draft"]
-    );
-    assert_eq!(seen["draft"]["keyframe"]["timestamp"], episode["keyframe"]["timestamp"]);
-    let components = &seen["draft"]["critical_components"];
-    assert_eq!((&components[0]["evidence_times"], &components[1]["id"]), (&json!([before]), &json!("c3")));
-    assert_eq!(components[2], Value::Null);
-    // Causes name the remaining components only.
-    assert_eq!(work.act("lock_stage1", &json!({})).status, 200);
-    let causes = &work.view()["draft"]["causes"];
-    assert_eq!((&causes["longitudinal"], &causes["lateral"]["components"]), (&Value::Null, &json!(["c3"])));
+    json!({ "task": { "episode": episode, "draft": draft } }).to_string()
+}
+
+fn import(admin: &Person, project: &str, line: &str) -> String {
+    let path = format!("/projects/{project}/import");
+    assert_eq!(admin.call("POST", &path, Some(line.as_bytes()), &[]).fine()["tasks"], 1);
+    let list = admin.get(&format!("/projects/{project}/tasks")).fine();
+    list["items"][0]["id"].as_str().unwrap().to_owned()
+}
+
+pub fn an_imported_draft_carries_no_future_into_stage_one(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let [ann, bob] = ["ann", "bob"].map(|name| world.person(&admin, &project, name, &["annotator"]));
+    let line = imported_line(world, "it stops");
+    let task = import(&admin, &project, &line);
+    // Staff, before anybody has begun.
+    let open = admin.get(&format!("/tasks/{task}")).fine();
+    assert_eq!((&open["draft"]["critical_components"], &open["imported"]), (&json!([]), &Value::Null));
+    let draft: Value = serde_json::from_str(&line).unwrap();
+    let draft = &draft["task"]["draft"];
+    let mut work = Work::take(&ann, &task);
+    let hidden = |seen: &Value| {
+        assert!(
+            !seen.to_string().contains("it stops") && !seen.to_string().contains(&at(120).to_string()),
+            "{seen}"
+        );
+        assert_eq!((&seen["draft"]["critical_components"], &seen["imported"]), (&json!([]), &Value::Null));
+    };
+    hidden(&work.view());
+    assert_eq!(work.view()["draft"]["keyframe"]["timestamp"], open["suggestion"]["keyframe"]["timestamp"]);
+    // What is saved is the person's own; what is hidden is kept.
+    assert_eq!(work.set(&[("/critical_components/-", components()[0].clone())]).status, 200);
+    assert_eq!(work.view()["draft"]["critical_components"].as_array().unwrap().len(), 1);
+    work.stage1();
+    let locked = work.act("lock_stage1", &json!({})).fine();
+    assert_eq!(locked["draft"]["critical_components"], components());
+    assert_eq!(locked["draft"]["causes"], Value::Null, "they refer to other components");
+    assert_eq!(locked["imported"]["critical_components"], draft["critical_components"]);
+    assert_eq!(locked["imported"]["causes"], draft["causes"]);
+    assert_eq!(locked["draft"]["coc_trace"], draft["coc_trace"]);
+    // Started again, it is hidden again.
+    assert_eq!(act(&admin, &task, "reopen").status, 200);
+    let again = Work::take(&bob, &task);
+    hidden(&again.view());
+    let first = again.who.get(&again.path("/history")).fine()["items"][0]["seq"].as_i64().unwrap();
+    assert!(!again.who.get(&again.path(&format!("/history/{first}"))).text().contains("it stops"));
+    // An export gives the import back.
+    let other = world.project(&admin, "village", &json!({}));
+    import(&admin, &other, &line);
+    let exported = admin.get(&format!("/projects/{other}/export?format=tasks")).text();
+    let exported: Value = serde_json::from_str(&exported).unwrap();
+    assert_eq!(exported["task"]["draft"]["critical_components"], draft["critical_components"]);
+}
+
+/// Also a lead who labels is not shown by an earlier draft what they imported.
+pub fn an_imported_draft_does_not_come_back_in_stage_one(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let task = import(&admin, &project, &imported_line(world, "it stops"));
+    let mut work = Work::take(&admin, &task);
+    let first = admin.get(&work.path("/history/1"));
+    assert!(first.status == 200 && !first.text().contains("it stops"), "{}", first.text());
+    assert_eq!(work.set(&[("/critical_components", components())]).status, 200);
+    let back = work.act("restore", &json!({ "seq": 1 }));
+    assert!(!back.text().contains("it stops"), "{}", back.text());
+    assert_eq!(work.view()["draft"]["critical_components"], components());
+}
+
+#[test]
+fn imports_that_differ_only_in_hidden_words_answer_alike() {
+    let answers = |words: &str| {
+        let world = World::on_sqlite(Future::Brakes);
+        let admin = world.admin();
+        let project = world.project(&admin, "town", &json!({}));
+        let ann = world.person(&admin, &project, "ann", &["annotator"]);
+        let task = import(&admin, &project, &imported_line(&world, words));
+        world.wait(60);
+        let mut work = Work::take(&ann, &task);
+        work.set(&[("/critical_components", components())]);
+        all_answers(&project, &work, &ann)
+    };
+    same(&answers("it stops"), &answers("the light turns green, and it goes on"));
 }
 
 pub fn a_role_that_ended_decides_nothing(world: &World) {
