@@ -37,6 +37,7 @@ pub mod pickers;
 mod plans;
 pub mod projects;
 pub mod queue;
+pub mod recognized;
 pub mod retention;
 pub mod review;
 pub mod safety;

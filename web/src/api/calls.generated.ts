@@ -261,6 +261,10 @@ export const postUsers = (body: T["NewUser"], options?: CallOptions): Promise<T[
 export const patchUser = (u: string | number, body: T["UserChange"], options?: CallOptions): Promise<T["User"]> =>
   call<T["User"]>("PATCH", `/users/${encodeURIComponent(u)}`, body, options);
 
+/** GET /webhooks/paused */
+export const getWebhooksPaused = (options?: CallOptions): Promise<T["Webhooks"]> =>
+  call<T["Webhooks"]>("GET", `/webhooks/paused`, undefined, options);
+
 /** DELETE /webhooks/{w} */
 export const deleteWebhook = (w: string | number, options?: CallOptions): Promise<T["Done"]> =>
   call<T["Done"]>("DELETE", `/webhooks/${encodeURIComponent(w)}`, undefined, options);

@@ -169,6 +169,8 @@ export interface components {
             coverage: components["schemas"]["Coverage"][];
             safety: components["schemas"]["SafetyCounts"];
             throughput: components["schemas"]["Throughput"][];
+            /** Format: int64 */
+            to_choose: number;
         };
         DecisionChoice: {
             direction?: string | null;
@@ -725,7 +727,7 @@ export interface components {
             text: string;
         };
         QuestionKind: "decision" | "presence" | "cause_effect" | "proximate_cause" | "consistency" | "hindsight" | "safety" | "omission";
-        QueueReason: "role" | "no_tasks" | "finished" | "held" | "assigned" | "language" | "classes" | "future_seen" | "overlap_twice" | "own_work" | "own_check" | "stage1_first" | "other";
+        QueueReason: "role" | "no_tasks" | "finished" | "held" | "assigned" | "language" | "classes" | "future_seen" | "overlap_twice" | "own_work" | "own_check" | "not_chosen" | "stage1_first" | "other";
         QueueState: {
             reasons: components["schemas"]["QueueReason"][];
         };
@@ -900,6 +902,7 @@ export interface components {
             findings: components["schemas"]["Finding"][];
             /** Format: int64 */
             history_count: number;
+            imported?: unknown;
             judgement?: components["schemas"]["Judgement"] | null;
             /** Format: int64 */
             lease_until?: number | null;
@@ -950,6 +953,7 @@ export interface components {
             stage: components["schemas"]["Stage"];
             state: components["schemas"]["State"];
             thumbnail?: string | null;
+            to_choose: boolean;
             /** Format: int64 */
             updated: number;
         };
@@ -1060,8 +1064,11 @@ export interface components {
             last_error?: components["schemas"]["Bilingual"] | null;
             /** Format: int64 */
             next_try?: number | null;
+            owner?: string | null;
+            paused: boolean;
             /** Format: int64 */
             pending: number;
+            project: string;
             secret?: string | null;
             url: string;
         };
@@ -1079,6 +1086,8 @@ export interface components {
             mine: components["schemas"]["MyWork"];
             /** Format: int64 */
             pending: number;
+            /** Format: int64 */
+            to_choose: number;
             /** Format: int64 */
             total: number;
         };

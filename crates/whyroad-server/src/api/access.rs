@@ -7,6 +7,7 @@ use crate::app::App;
 use crate::domain::people::{TokenScope, User};
 use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
+use crate::service::recognized::Hidden;
 use crate::service::{people, projects, tasks, tokens};
 use crate::store::Tx;
 use crate::{secret, values};
@@ -129,7 +130,11 @@ pub fn roles(tx: &mut dyn Tx, project: &str, user: &User) -> Answer<Vec<Role>> {
 
 fn of_task(tx: &mut dyn Tx, task: &str, user: &User) -> Answer<(Grant, tasks::Concern)> {
     let concern = tasks::concern(tx, task)?;
-    Ok((in_project(tx, &concern.project, user)?, concern))
+    let grant = in_project(tx, &concern.project, user)?;
+    if Hidden::of(tx, &concern.project, &user.id, &grant.roles)?.ids.contains(task) {
+        return Err(Problem::missing());
+    }
+    Ok((grant, concern))
 }
 
 /// Staff read all tasks of their project, others the tasks that they hold, write or were given.

@@ -357,7 +357,7 @@ pub static ROUTES: &[Route] = &[
     Route::get(
         "/tasks/{t}/overlap",
         Access::TaskReader,
-        "The labels of the overlap group; for staff, once all are submitted",
+        "The labels of the overlap group; for leads, once all are submitted",
         talk::overlap,
     )
     .gives::<Overlap>(),

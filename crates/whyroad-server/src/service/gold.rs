@@ -77,6 +77,12 @@ fn refusal(
     if source.at.state != State::Accepted {
         return Ok(Some(Bilingual::new("不是已接受的任务", "the task is not accepted")));
     }
+    if source.overlap_count > 1 && !source.is_chosen() {
+        return Ok(Some(Bilingual::new(
+            "该事件有多份标注，此份未被选用",
+            "the episode has several labels, and this one was not chosen",
+        )));
+    }
     let twice = tx.row(
         "SELECT 1 FROM gold WHERE project_id = $1 AND user_id = $2 AND source_task = $3",
         values![&source.project, user, &source.id],

@@ -6,6 +6,7 @@ use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
 use crate::service::{disagreement, people, seen, tasks, veil};
 use crate::store::{Tx, Value as Cell};
+use std::collections::BTreeSet;
 
 /// Number of tasks on a page by default, and the maximum.
 const USUAL: usize = 50;
@@ -34,6 +35,8 @@ pub struct Filter<'a> {
     pub asks_lead: bool,
     /// Only tasks of these overlap groups.
     pub groups: Option<Groups>,
+    /// Not these tasks (ids).
+    pub hidden: Option<&'a BTreeSet<String>>,
     /// Only tasks of this user (id): held, written or assigned.
     pub only_of: Option<&'a str>,
 }
@@ -164,6 +167,11 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
     }
     if filter.asks_lead {
         query.and("id IN (SELECT task_id FROM comments WHERE to_lead = 1 AND resolved = 0)", &[]);
+    }
+    if let Some(hidden) = filter.hidden.filter(|ids| !ids.is_empty()) {
+        let holes = vec!["$"; hidden.len()].join(", ");
+        let values: Vec<Cell> = hidden.iter().map(Cell::from).collect();
+        query.and(&format!("id NOT IN ({holes})"), &values);
     }
     match filter.groups {
         Some(Groups::Disagreeing) => query.and(disagreement::TO_ADJUDICATE, &[]),

@@ -5,6 +5,7 @@ use crate::domain::project::Project;
 use crate::domain::task::{QueueReason, WorkKind};
 use crate::domain::workflow::{Role, State};
 use crate::problem::Answer;
+use crate::service::recognized::Hidden;
 use crate::service::tasks::TaskRow;
 use crate::service::{disagreement, leases, projects, seen, tasks};
 use crate::store::{Tx, Value as Cell};
@@ -61,6 +62,7 @@ pub fn next(
     now: i64,
 ) -> Answer<Option<TaskRow>> {
     let worker = Worker::of(tx, project, user, roles)?;
+    let hidden = Hidden::of(tx, &project.id, &user.id, roles)?.ids;
     // A remaining time longer than any lease is from before a clock was set back.
     let lease = leases::longest_ms(&project.settings);
     let expired = format!("(lease_until < $3 OR lease_until - $3 > {lease})");
@@ -74,7 +76,7 @@ pub fn next(
             let found = candidates(tx, &condition, &project.id, &worker, now, from)?;
             for (id, scenario) in &found {
                 let own = condition.contains("holder = $2") || condition.contains("assigned = $2");
-                if !own && !worker.labels(scenario) {
+                if (!own && !worker.labels(scenario)) || hidden.contains(id) {
                     continue;
                 }
                 let mut t = tasks::get_for_change(tx, id)?;
@@ -118,7 +120,9 @@ pub fn why_nothing(
          AND (adjudication IS NULL OR adjudication = 'chosen')
          ORDER BY id LIMIT {MOST_ASKED}"
     );
-    let waiting = tasks::select(tx, &sql, values![&project.id, &user.id])?;
+    let mut waiting = tasks::select(tx, &sql, values![&project.id, &user.id])?;
+    let hidden = Hidden::of(tx, &project.id, &user.id, roles)?.ids;
+    waiting.retain(|t| !hidden.contains(&t.id));
     if waiting.is_empty() {
         let any = tx.row("SELECT 1 FROM tasks WHERE project_id = $1 LIMIT 1", values![&project.id])?;
         return Ok([if any.is_some() { QueueReason::Finished } else { QueueReason::NoTasks }].into());

@@ -3,6 +3,7 @@
 use crate::domain::project::{MyWork, Work};
 use crate::domain::workflow::Role;
 use crate::problem::Answer;
+use crate::service::recognized::Hidden;
 use crate::service::{disagreement, drafting};
 use crate::store::{Tx, Value as Cell};
 use crate::values;
@@ -23,6 +24,7 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
         for r in rows {
             by_state.insert(r.text("state")?, r.int("n")?);
         }
+        Hidden::of(tx, project, user, roles)?.without(&mut by_state);
     }
     let mut count = |sql: &str, values: &[Cell]| tx.row(sql, values)?.map_or(Ok(0), |r| r.int("n"));
     let mut authored = |states: &str| {

@@ -172,3 +172,103 @@ pub fn gold_answers_are_compared_and_shown_to_leads_alone(world: &World) {
     assert_eq!(export.lines().count(), 1);
     assert_eq!(coverage(), covered);
 }
+
+/// What a member sees of the whole project: ids are random, so tasks are told apart by their clips.
+fn overview(who: &Person, project: &str) -> Value {
+    let get = |path: &str| who.get(&format!("/projects/{project}{path}")).fine();
+    let plain = |list: &Value, names: &[&str]| {
+        let one = |t: &Value| Value::Array(names.iter().map(|n| t[*n].clone()).collect());
+        let mut all: Vec<Value> = list.as_array().unwrap().iter().map(one).collect();
+        all.sort_by_key(Value::to_string);
+        all
+    };
+    let tasks = get("/tasks?limit=200");
+    let names = [
+        "clip_id",
+        "scenario_id",
+        "state",
+        "stage",
+        "priority",
+        "overlap",
+        "author",
+        "assigned_to",
+        "updated",
+    ];
+    let board = get("/dashboard");
+    json!({
+        "tasks": plain(&tasks["items"], &names), "total": tasks["total"], "work": get("/work"),
+        "by_state": board["by_state"], "coverage": board["coverage"],
+        "ageing": plain(&board["ageing"], &["scenario_id", "state", "hours"]),
+        "check": get("/queue?kind=check"), "to_choose": board["to_choose"],
+    })
+}
+
+/// What Ann, who also checks, sees before, during and after Stage I of a task of `drive1`: a gold task or an ordinary
+/// one. In both towns Bob's label of `drive2` is accepted.
+fn seen_by_a_checker(is_gold: bool) -> Vec<Value> {
+    let world = World::on_sqlite(crate::recorded::Future::Brakes);
+    let open: &[&str] = if is_gold { &["drive3"] } else { &["drive1", "drive3"] };
+    let town = town(&world, "drive2", open, &settings());
+    let members = format!("/projects/{}/members", town.project);
+    for name in ["ann", "cleo"] {
+        if name == "cleo" {
+            world.person(&town.admin, &town.project, name, ALL_ROLES);
+        }
+        let roles = json!({ "user": name, "roles": ["annotator", "checker"] });
+        town.admin.post(&members, &roles).fine();
+    }
+    let task = if is_gold {
+        let source = world.tasks(&town.admin, &town.project, &["drive1"], 1)[0].clone();
+        Work::label(&world.sign_in("bob"), &source);
+        Work::take(&world.sign_in("chen"), &source).act("accept", &json!({})).fine();
+        assert_eq!(gold(&town, &[&source], &["ann", "cleo"])["made"], 2);
+        let (ann, cleo) = (world.sign_in("ann"), world.sign_in("cleo"));
+        let copies = report(&town)["tasks"].clone();
+        let of = |user: &str| {
+            let one = copies.as_array().unwrap().iter().find(|t| t["user"] == user).unwrap();
+            one["task"].as_str().unwrap().to_owned()
+        };
+        let (own, other) = (of("ann"), of("cleo"));
+        // Neither by their addresses, nor from the queue.
+        Work::label(&cleo, &other);
+        for hidden in [&source, &other] {
+            assert_eq!(ann.get(&format!("/tasks/{hidden}")).refusal(), (404, "not_found".into()));
+            assert_eq!(ann.get(&format!("/tasks/{hidden}/scene")).status, 404);
+            let take = ann.post(&format!("/tasks/{hidden}/lease"), &json!({ "action": "take" }));
+            assert_eq!(take.refusal(), (404, "not_found".into()));
+        }
+        assert!(Work::next(&ann, &town.project, "check").is_none());
+        // Who only checks, and leads, see them.
+        for who in [&world.sign_in("chen"), &town.admin] {
+            assert_eq!(who.get(&format!("/tasks/{source}")).status, 200);
+        }
+        own
+    } else {
+        town.open[0].clone()
+    };
+    let ann = world.sign_in("ann");
+    let mut out = Vec::new();
+    let mut look = || out.push(overview(&ann, &town.project));
+    world.wait(3600);
+    look();
+    let mut work = Work::take(&ann, &task);
+    work.stage1();
+    look();
+    work.act("lock_stage1", &json!({})).fine();
+    work.stage2();
+    look();
+    work.act("submit", &json!({})).fine();
+    if is_gold {
+        // Now the comparison is made: nothing is hidden any more.
+        assert_eq!(overview(&ann, &town.project)["total"], 5);
+    }
+    out
+}
+
+#[test]
+fn who_also_checks_meets_no_source_of_a_gold_task() {
+    let (gold, ordinary) = (seen_by_a_checker(true), seen_by_a_checker(false));
+    for (a, b) in gold.iter().zip(&ordinary) {
+        assert_eq!(a, b);
+    }
+}

@@ -10,6 +10,7 @@ use crate::domain::project::{
 use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
 use crate::secret;
+use crate::service::recognized::Hidden;
 use crate::service::{classes, dashboard, facts, gold, people, projects, veil};
 use crate::store::Tx;
 use std::collections::BTreeMap;
@@ -151,13 +152,18 @@ pub fn dashboard(call: &Call<'_>) -> Answer<Reply> {
         })
     };
     let board = app.dashboards.get(project, read)?;
-    let labels = call.grant.roles.contains(&Role::Annotator);
-    let veiled = if labels { app.store.read(|tx| veil::of(tx, project))? } else { Vec::new() };
-    if veiled.is_empty() {
+    if !call.grant.roles.contains(&Role::Annotator) {
         return Reply::json(&*board);
     }
+    let (user, roles) = (&call.user()?.id, &call.grant.roles);
+    let (veiled, hidden) =
+        app.store.read(|tx| Ok((veil::of(tx, project)?, Hidden::of(tx, project, user, roles)?)))?;
+    if veiled.is_empty() && hidden.ids.is_empty() {
+        return Reply::json(&*board);
+    }
+    let board = hidden.from_dashboard((*board).clone());
     let coverage = dashboard::veil_coverage(board.coverage.clone(), &veiled);
-    Reply::json(&Dashboard { coverage, ..(*board).clone() })
+    Reply::json(&Dashboard { coverage, ..board })
 }
 
 /// `GET /projects/{p}/analytics`

@@ -11,6 +11,7 @@ use crate::domain::task::{
 use crate::domain::workflow::{Actor, Role};
 use crate::problem::{Answer, Problem};
 use crate::service::create::Drafting;
+use crate::service::recognized::Hidden;
 use crate::service::tasks::TaskRow;
 use crate::service::{
     answer, bulk, create, drafting, findings, leases, list as listing, projects, queue, seen, tasks, texts,
@@ -40,13 +41,19 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
         sort: call.query("sort"),
         asks_lead: call.query("asks") == Some("lead"),
         groups,
+        hidden: None,
         only_of: (!call.grant.is_staff() || call.query("mine") == Some("true"))
             .then_some(call.user()?.id.as_str()),
     };
     let project = call.grant.project()?;
     let (user, labels) = (call.user()?, call.grant.roles.contains(&Role::Annotator));
     let viewer = listing::Viewer { user: &user.id, labels, leads };
-    Reply::json(&call.app.store.read(|tx| listing::page(tx, project, &filter, viewer))?)
+    let page = call.app.store.read(|tx| {
+        let hidden = Hidden::of(tx, project, &user.id, &call.grant.roles)?;
+        let filter = listing::Filter { hidden: Some(&hidden.ids), ..filter };
+        listing::page(tx, project, &filter, viewer)
+    })?;
+    Reply::json(&page)
 }
 
 /// `GET /mined`
