@@ -234,6 +234,7 @@ impl Row<'_> {
         let column = |i: usize| self.columns.batch.column(self.columns.at[i]);
         filter.drive.as_ref().is_none_or(|d| self.text(2) == d.as_str())
             && scenario.is_none_or(|p| self.text(1) == p.whole || self.text(1).starts_with(&p.below))
+            && filter.classes.as_ref().is_none_or(|ids| ids.contains(self.text(1)))
             && (!filter.explained_only || self.text(1) != OTHER)
             && filter.min_score.is_none_or(|m| column(3).as_primitive::<Float64Type>().value(self.index) >= m)
             && (!filter.primary_only || column(4).as_boolean().value(self.index))

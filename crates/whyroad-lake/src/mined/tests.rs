@@ -62,6 +62,9 @@ proptest! {
         class in proptest::option::of(proptest::sample::select(vec![
             "reactive_agent", "reactive_agent.cutin", "reactive_agent.cutin.urgent", "reactive_agent.cut", "vru",
         ])),
+        classes in proptest::option::of(proptest::sample::subsequence(
+            vec!["reactive_agent.cutin.urgent", "reactive_agent.cutin", "other", "vru.none.such"], 0..4,
+        )),
         drive in proptest::option::of(proptest::sample::select(vec!["a", "b", "c"])),
         explained_only: bool,
         primary_only: bool,
@@ -71,6 +74,7 @@ proptest! {
         let filter = EpisodeFilter {
             scenario: class.map(|c| c.parse().unwrap()),
             drive: drive.map(Into::into),
+            classes: classes.map(|ids| ids.into_iter().map(str::to_owned).collect()),
             explained_only,
             primary_only,
             min_score,

@@ -4,6 +4,7 @@
 use super::episode::EpisodeRecord;
 use crate::ids::OTHER;
 use crate::{DriveId, ScenarioId};
+use std::collections::BTreeSet;
 
 /// Filter of episodes. The default is all of them; every field that is set narrows it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,6 +13,8 @@ pub struct EpisodeFilter {
     pub scenario: Option<ScenarioId>,
     /// Only episodes of this drive.
     pub drive: Option<DriveId>,
+    /// Only episodes of exactly one of these classes, by id.
+    pub classes: Option<BTreeSet<String>>,
     /// Only episodes that a class explains, not `other`.
     pub explained_only: bool,
     /// Only episodes that arbitration made primary.
@@ -30,6 +33,7 @@ impl EpisodeFilter {
     pub fn accepts(&self, record: &EpisodeRecord) -> bool {
         self.scenario.as_ref().is_none_or(|id| record.scenario_id.is_within(id))
             && self.drive.as_ref().is_none_or(|id| record.drive_id == *id)
+            && self.classes.as_ref().is_none_or(|ids| ids.contains(&record.scenario_id.to_string()))
             && (!self.explained_only || record.scenario_id.l1 != OTHER)
             && (!self.primary_only || record.is_primary)
             && self.min_score.is_none_or(|min| record.score >= min)

@@ -15,6 +15,7 @@ use serde_json::Value;
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
+use whyroad_framework::Taxonomy;
 use whyroad_framework::spec::PackSpec;
 use whyroad_label::draft::is_same;
 use whyroad_model::label_fields::name;
@@ -78,11 +79,11 @@ pub fn create(
         if request.limit.is_some_and(|l| (chosen + 1) * overlap > i64::from(l)) {
             // The limit is reached: no further episode can be used, so none has to be read.
             episodes.put_back(episode.clone());
-            let [all, explained, primary] = episodes.remaining()?;
-            let usable = if request.secondary { explained } else { primary };
+            let [all, known, primary] = episodes.remaining()?;
+            let usable = if request.secondary { known } else { primary };
             out.over_limit += usable;
-            out.secondary += explained.saturating_sub(usable);
-            out.no_class += all.saturating_sub(explained);
+            out.secondary += known.saturating_sub(usable);
+            out.no_class += all.saturating_sub(known);
             break;
         }
         let beyond = request.per_leaf.is_some_and(|l| *leaf >= l);
@@ -169,20 +170,28 @@ struct Episodes<'a> {
     ready: VecDeque<EpisodeRecord>,
     /// Position of the folder's next page; `None` if there is none.
     next: Option<EpisodeCursor>,
-    /// How many were taken: all, those that a class explains, and the primary ones of these.
+    /// The kinds of episodes that are counted: all, those of a class of the taxonomy, and the primary ones of these.
+    kinds: [EpisodeFilter; 3],
+    /// How many of each kind were taken.
     taken: [u64; 3],
 }
 
-/// The kinds of episodes that are counted: all, those that a class explains, and the primary ones of these.
-fn kinds() -> [EpisodeFilter; 3] {
-    let explained = EpisodeFilter { explained_only: true, ..EpisodeFilter::default() };
-    [EpisodeFilter::default(), explained.clone(), EpisodeFilter { primary_only: true, ..explained }]
+fn kinds(taxonomy: &Taxonomy) -> [EpisodeFilter; 3] {
+    let classes = taxonomy.ids().iter().map(ToString::to_string).collect();
+    let known = EpisodeFilter { classes: Some(classes), ..EpisodeFilter::default() };
+    [EpisodeFilter::default(), known.clone(), EpisodeFilter { primary_only: true, ..known }]
 }
 
 impl<'a> Episodes<'a> {
     fn of(app: &'a App, request: &'a CreateTasks) -> Answer<Self> {
-        let mut all =
-            Self { app, mined: request.mined.as_deref(), ready: [].into(), next: None, taken: [0; 3] };
+        let mut all = Self {
+            app,
+            mined: request.mined.as_deref(),
+            ready: [].into(),
+            next: None,
+            kinds: kinds(&app.framework.taxonomy),
+            taken: [0; 3],
+        };
         match (&request.mined, request.episodes.is_empty()) {
             // A mined folder is already in this order.
             (Some(_), true) => all.read()?,
@@ -215,7 +224,7 @@ impl<'a> Episodes<'a> {
         }
         let episode = self.ready.pop_front();
         if let Some(episode) = &episode {
-            for (n, kind) in self.taken.iter_mut().zip(kinds()) {
+            for (n, kind) in self.taken.iter_mut().zip(&self.kinds) {
                 *n += u64::from(kind.accepts(episode));
             }
         }
@@ -224,7 +233,7 @@ impl<'a> Episodes<'a> {
 
     /// Makes an episode the next one again.
     fn put_back(&mut self, episode: EpisodeRecord) {
-        for (n, kind) in self.taken.iter_mut().zip(kinds()) {
+        for (n, kind) in self.taken.iter_mut().zip(&self.kinds) {
             *n -= u64::from(kind.accepts(&episode));
         }
         self.ready.push_front(episode);
@@ -240,14 +249,14 @@ impl<'a> Episodes<'a> {
         Ok(())
     }
 
-    /// Numbers of episodes that were not taken, of each of the [`kinds`].
+    /// Numbers of episodes that were not taken, of each kind.
     fn remaining(&self) -> Answer<[u32; 3]> {
         let mut out = [0; 3];
-        for ((n, kind), taken) in out.iter_mut().zip(kinds()).zip(self.taken) {
+        for ((n, kind), taken) in out.iter_mut().zip(&self.kinds).zip(self.taken) {
             let remaining = match self.mined {
                 None => self.ready.iter().filter(|e| kind.accepts(e)).count() as u64,
                 Some(name) => {
-                    let all = self.app.recordings.episode_count(name, &kind);
+                    let all = self.app.recordings.episode_count(name, kind);
                     let all = all.ok_or_else(Problem::missing)?.map_err(Problem::mined_unreadable)?;
                     all.saturating_sub(taken)
                 }

@@ -24,6 +24,24 @@ fn read(recordings: &Counted) -> usize {
 }
 
 #[test]
+fn a_class_that_is_gone_counts_alike_before_and_after_the_limit() {
+    let (app, _recordings, _dir) = fixtures::counted();
+    let (known, gone) = ("reactive_agent.cutin.urgent", "reactive_agent.cutin.retired");
+    for (turn, order) in [[gone, known, known], [known, known, gone]].into_iter().enumerate() {
+        let of = |n: usize, class: &str| {
+            let mut e = fixtures::episode(&format!("e{turn}{n}"));
+            e["scenario_id"] = json!(class);
+            e["drive_id"] = json!(format!("d{n}"));
+            e
+        };
+        let episodes: Vec<Value> = order.iter().enumerate().map(|(n, class)| of(n, class)).collect();
+        let request = serde_json::from_value(json!({ "episodes": episodes, "limit": 1 })).unwrap();
+        let made = create(&app, "p", &request, None, Drafting::Later).unwrap();
+        assert_eq!((made.tasks.len(), made.no_class, made.over_limit), (1, 1, 1), "{order:?}");
+    }
+}
+
+#[test]
 fn tasks_whose_drafts_come_later_read_no_drive() {
     let (app, recordings, _dir) = fixtures::counted();
     let made = create(&app, "p", &request(60), None, Drafting::Later).unwrap();
