@@ -9,6 +9,7 @@ use crate::{secret, values};
 use serde_json::json;
 use std::collections::HashMap;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Failures of one name without a wait.
 const FREE_OF_NAME: u32 = 5;
@@ -26,6 +27,23 @@ const DAY: i64 = 24 * 3_600_000;
 pub struct Limits {
     failures: Failures,
     hashing: Mutex<()>,
+    hashes: AtomicUsize,
+}
+
+/// Counts one until it is dropped.
+struct Counted<'c>(&'c AtomicUsize);
+
+impl<'c> Counted<'c> {
+    fn new(count: &'c AtomicUsize) -> Self {
+        count.fetch_add(1, Ordering::SeqCst);
+        Self(count)
+    }
+}
+
+impl Drop for Counted<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
 }
 
 /// Where failures are counted.
@@ -135,7 +153,7 @@ impl Limits {
     /// Counts in the store if other services may use it, too.
     pub fn of(store: &Store) -> Self {
         let failures = if store.is_shared { Failures::Shared(store.clone()) } else { Failures::default() };
-        Self { failures, hashing: Mutex::default() }
+        Self { failures, ..Self::default() }
     }
 
     /// Starts a sign-in, or returns the time to wait.
@@ -188,8 +206,14 @@ impl Limits {
 
     /// Runs a password hash while no other one runs.
     pub fn one_at_a_time<T>(&self, hash: impl FnOnce() -> T) -> T {
+        let _counted = Counted::new(&self.hashes);
         let _alone = self.hashing.lock();
         hash()
+    }
+
+    /// Number of password hashes that run or wait for their turn.
+    pub fn hashes(&self) -> usize {
+        self.hashes.load(Ordering::SeqCst)
     }
 }
 
@@ -263,7 +287,7 @@ mod tests {
     /// Counting in memory, and in a store as services on PostgreSQL do.
     fn both(dir: &tempfile::TempDir) -> [Limits; 2] {
         let store = Store::open(&dir.path().join("store")).unwrap();
-        [Limits::default(), Limits { failures: Failures::Shared(store), hashing: Mutex::default() }]
+        [Limits::default(), Limits { failures: Failures::Shared(store), ..Limits::default() }]
     }
 
     /// Fails to sign in, or returns the time to wait, s.

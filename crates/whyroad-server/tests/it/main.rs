@@ -5,6 +5,7 @@
 
 mod access;
 mod attacks;
+mod auditor;
 mod choice;
 mod clock;
 mod drafts;
@@ -98,6 +99,7 @@ suite! {
     oidc::attempts_are_counted_and_the_first_account_is_made_here,
     access::every_route_lets_in_only_whom_it_should,
     access::the_roles_of_a_project_bound_its_work,
+    auditor::an_auditor_reads_the_project_and_changes_nothing,
     drafts::changes_of_different_fields_merge_and_of_the_same_conflict,
     drafts::an_older_token_writes_nothing,
     drafts::a_task_is_never_held_twice,
