@@ -206,6 +206,14 @@ fn whom_a_class_is_about_does_what_it_says_or_there_is_no_draft() {
     assert_ne!(nobody.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
 }
 
+/// LABELING.md 3: a cause is visible at the keyframe. What lets a waiting ego go is not, if it moves off later.
+#[test]
+fn what_lets_a_waiting_ego_go_comes_after_the_keyframe() {
+    // It stands at the keyframe and moves off at 1 m/s2, 4 s later.
+    let waits = draft_of("proactive.turn", |s| with_speed(s, |f| 0.1 * f.saturating_sub(80) as f64));
+    assert_eq!(waits.doubt, Some(Doubt::WaitsFirst));
+}
+
 /// The nearest cause comes first (LABELING.md 6, *proximate cause*).
 #[test]
 fn who_stops_behind_a_lead_or_at_red_does_not_stop_for_anything_farther() {
