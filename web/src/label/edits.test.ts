@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { afterEach, test } from "vitest";
 import type { SceneView, Task, User } from "../api/types.ts";
-import { addComponent, decide, evidenceNow, removeComponent, setKeyframe, setRange, toggleCause, toggleIn, toggleUncertainty } from "./edits.ts";
+import { addComponent, decide, dropLostCauses, evidenceNow, removeComponent, setKeyframe, setRange, toggleCause, toggleIn, toggleUncertainty } from "./edits.ts";
 import { readFramework } from "./framework.ts";
 import type { Json } from "./pointer.ts";
 import { clockOf } from "./times.ts";
@@ -185,4 +185,27 @@ test("the keyframe's own frame is evidence where the log's times are uneven", ()
   editor.player.seek(-1);
   evidenceNow(editor);
   assert.deepEqual(editor.draft.at("/critical_components/0/evidence_times"), [uneven]);
+});
+
+test("causes name only components that exist", () => {
+  const before = {
+    critical_components: [{ id: "c2", description: "bus" }],
+    driving_decision: { longitudinal: "resume", lateral: "turn" },
+    causes: { longitudinal: { components: ["c1"] }, lateral: { components: ["c1", "c2"] } },
+  };
+  const editor = opened("stage2", before);
+  dropLostCauses(editor);
+  // The only component is linked where none is left.
+  assert.deepEqual(editor.draft.at("/causes"), { longitudinal: { components: ["c2"] }, lateral: { components: ["c2"] } });
+
+  const two = { ...before, critical_components: [{ id: "c2" }, { id: "c3" }] };
+  const other = opened("stage2", two);
+  toggleCause(other, "longitudinal", "c3");
+  assert.deepEqual(other.draft.at("/causes/longitudinal"), { components: ["c3"] });
+  dropLostCauses(other);
+  assert.deepEqual(other.draft.at("/causes"), { longitudinal: { components: ["c3"] }, lateral: { components: ["c2"] } });
+
+  const chosen = opened("stage2", before);
+  decide(chosen, "longitudinal", "resume");
+  assert.deepEqual(chosen.draft.at("/causes/longitudinal"), { components: ["c2"] });
 });

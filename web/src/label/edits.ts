@@ -1,6 +1,6 @@
 // Edits of the label, for keyboard and pointer alike. Each checks `isEditable` and goes through the draft, so that it
 // is saved and can be undone.
-import type { Channel } from "./framework.ts";
+import { type Channel, channels } from "./framework.ts";
 import { type KeyframeName, pointers } from "./field_pointers.ts";
 import type { Json } from "./pointer.ts";
 import type { TaskEditor } from "./task_editor.svelte.ts";
@@ -97,20 +97,39 @@ export function evidenceNow(editor: TaskEditor): void {
   if (iso && at !== null && at <= keyframe) toggleIn(editor, editor.currentComponent, "evidence_times", iso);
 }
 
+/** The components that a channel's causes name and that still exist; null where it names none. */
+function livingCauses(editor: TaskEditor, channel: Channel): string[] | null {
+  const named = editor.draft.at(pointers.causeComponents(channel));
+  const known = new Set(editor.components.map((c) => c["id"]));
+  return Array.isArray(named) ? named.map(String).filter((id) => known.has(id)) : null;
+}
+
+/** Removes from the causes the components that no longer exist: Stage I, which may remove some, does not see causes. */
+export function dropLostCauses(editor: TaskEditor): void {
+  if (!editor.isEditable(pointers.causes)) return;
+  editor.draft.group(() => {
+    for (const channel of channels) {
+      const named = editor.draft.at(pointers.causeComponents(channel));
+      const living = livingCauses(editor, channel);
+      if (living === null || living.length === (named as Json[]).length) continue;
+      editor.draft.set(pointers.causesOf(channel), { components: living });
+      if (typeof editor.decision(channel) === "string") linkOnly(editor, channel);
+    }
+  });
+}
+
 /** The only component is the cause of a decision that has none yet. */
 function linkOnly(editor: TaskEditor, channel: Channel): void {
   const id = editor.components[0]?.["id"];
   const now = editor.draft.at(pointers.causesOf(channel));
-  const named = editor.draft.at(pointers.causeComponents(channel));
-  const open = now === undefined || now === null || (Array.isArray(named) && named.length === 0);
+  const open = now === undefined || now === null || livingCauses(editor, channel)?.length === 0;
   if (editor.components.length === 1 && typeof id === "string" && open) editor.draft.set(pointers.causesOf(channel), { components: [id] });
 }
 
 /** Adds a component to the causes of a decision, or removes it: a cause is observed or not, so UNOBSERVED goes. */
 export function toggleCause(editor: TaskEditor, channel: Channel, id: string): void {
   if (!editor.isEditable(pointers.causes)) return;
-  const now = editor.draft.at(pointers.causeComponents(channel));
-  const named = Array.isArray(now) ? now.map(String) : [];
+  const named = livingCauses(editor, channel) ?? [];
   editor.draft.set(pointers.causesOf(channel), { components: named.includes(id) ? named.filter((c) => c !== id) : [...named, id] });
 }
 

@@ -18,6 +18,7 @@ import type { Channel, Framework, Spec } from "./framework.ts";
 import { Lease } from "./lease.svelte.ts";
 import { type Json, read, same } from "./pointer.ts";
 import { ReviewMarks } from "./review_marks.svelte.ts";
+import { keepsDraft } from "./trace_slots.ts";
 
 /** States in which nobody holds the task and somebody has to take it. */
 const WAITING_STATES = ["open", "stage1_locked", "submitted", "rework", "checked"];
@@ -223,7 +224,13 @@ export class TaskEditor {
   private isUnaccepted(path: string): boolean {
     const before = this.initialAt(path);
     const filled = before !== undefined && before !== null && before !== "";
-    return filled && !this.#isEvident(path) && same(before, this.draft.at(path)) && !this.review.accepted.has(path) && !this.mustRewrite(path);
+    return filled && !this.#isEvident(path) && this.#isAsDrafted(path, before) && !this.review.accepted.has(path) && !this.mustRewrite(path);
+  }
+
+  /** The trace is as drafted while its state and its reason are: its decision follows the choice by itself. */
+  #isAsDrafted(path: string, before: Json): boolean {
+    if (same(before, this.draft.at(path))) return true;
+    return path === pointers.trace && typeof before === "string" && keepsDraft(this.draft.text(path), before);
   }
 
   /** The only component is linked: nothing was chosen, so nothing needs to be confirmed. */

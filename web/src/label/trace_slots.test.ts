@@ -1,7 +1,7 @@
 // The trace in slots and back: nothing typed is lost, and what is missing is named.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { fitsSlots, isDraft, lacks, languageOf, slotsOf, stillDraft, traceOf } from "./trace_slots.ts";
+import { fitsSlots, isDraft, keepsDraft, lacks, languageOf, slotsOf, stillDraft, traceOf } from "./trace_slots.ts";
 
 // The drafts as whyroad-label's draft/trace.rs writes them.
 const DRAFT_ZH = "【草稿】左前方的轿车正在驶入自车车道，因此自车让行。";
@@ -45,6 +45,17 @@ test("slots give back what was typed into them", () => {
   assert.equal(traceOf({ state: "", reason: "", decision: "" }, "zh"), "");
 });
 
+test("a decision alone is no state", () => {
+  for (const [language, decision] of [["zh", "自车让行"], ["en", "the ego yields"]] as const) {
+    const only = { state: "", reason: "", decision };
+    assert.deepEqual(slotsOf(traceOf(only, language)), only);
+    // A reason without a state would be read as one.
+    const stated = { ...only, state: language === "zh" ? "前车减速" : "the lead brakes" };
+    assert.deepEqual(slotsOf(traceOf(stated, language)), stated);
+  }
+  assert.equal(slotsOf("So far the lane is free.").state, "So far the lane is free");
+});
+
 test("sentences of a draft go to their slots, and stay there while one is typed into", () => {
   const zh = "本车道前方的轿车车速低于自车。自车正在追近前车，照这样开很快就会跟得太近，所以自车减速跟车，保持安全距离。";
   const slots = slotsOf(zh, true);
@@ -69,4 +80,12 @@ test("what is missing is named, by content", () => {
   assert.deepEqual(lacks({ state: "前车减速", reason: "太近", decision: "让行" }), ["short_reason"]);
   assert.deepEqual(lacks({ state: "前车正在减速", reason: "前车正在减速", decision: "让行" }), ["repeats_state"]);
   assert.deepEqual(lacks({ state: "the lead brakes", reason: "the gap is too short", decision: "yield" }), []);
+});
+
+test("a draft whose decision alone was changed is still one", () => {
+  const draft = "前车减速。车距不足，需要拉开间距，所以自车跟车。";
+  const slots = slotsOf(draft, true);
+  assert.ok(keepsDraft(traceOf({ ...slots, decision: "自车让行" }, "zh"), draft));
+  assert.ok(!keepsDraft(traceOf({ ...slots, reason: "再不减速会追尾" }, "zh"), draft));
+  assert.ok(!keepsDraft("", draft) && !keepsDraft("因此自车让行。", ""));
 });

@@ -18,6 +18,8 @@ const WORD = /[\p{Script=Latin}\d][\p{Script=Latin}\d'-]*/gu;
 
 /** Before the decision: the last of these in the text. */
 const THEREFORE = /[，,；;。.]?\s*(?:因此|所以|故而|(?<![\p{L}])(?:therefore|so|hence)(?![\p{L}]))[，,]?\s*/giu;
+/** A text that is only a decision, as `traceOf` writes it. */
+const BARE_DECISION = /^(?:因此|therefore )/i;
 /** Between state and reason: the first of these. */
 const BETWEEN = /[；;]\s*/u;
 const END = /[。.\s]+$/u;
@@ -45,7 +47,8 @@ export function languageOf(text: string, otherwise: Lang): Lang {
  */
 export function slotsOf(text: string, sentences = false): TraceSlots {
   const plain = text.replace(DRAFT_MARK, "").trim();
-  const found = [...plain.matchAll(THEREFORE)].filter((m) => m.index > 0).at(-1);
+  // At the beginning: a decision that has neither state nor reason yet.
+  const found = [...plain.matchAll(THEREFORE)].filter((m) => m.index > 0 || BARE_DECISION.test(plain)).at(-1);
   const before = found ? plain.slice(0, found.index) : plain;
   const decision = found ? plain.slice(found.index + found[0].length).replace(END, "") : "";
   const between = BETWEEN.exec(before) ?? (found && sentences ? [...before.matchAll(SENTENCE)].at(-1) : null);
@@ -53,6 +56,12 @@ export function slotsOf(text: string, sentences = false): TraceSlots {
   // After a semicolon no word begins with a capital because of its place.
   const reason = before.slice(between.index + between[0].length).replace(END, "").replace(/^[A-Z](?=[a-z ])/u, (c) => c.toLowerCase());
   return { state: before.slice(0, between.index), reason, decision };
+}
+
+/** Are state and reason of `text` those of the draft? What it decides follows the choice, and is no sign of a reader. */
+export function keepsDraft(text: string, draft: string): boolean {
+  const [now, was] = [slotsOf(text, true), slotsOf(draft, true)];
+  return now.state + now.reason !== "" && now.state === was.state && now.reason === was.reason;
 }
 
 /** The text of the slots: one sentence in the order state, reason, decision. Empty slots leave no marks behind. */

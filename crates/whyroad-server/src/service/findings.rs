@@ -35,6 +35,14 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
             let drafted = drafted_trace(&task.initial).map(without_draft_mark);
             if !known && (marked || drafted == Some(trace)) {
                 found.push(unwritten());
+            } else if !known && drafted.is_some_and(|drafted| keeps_reason(drafted, trace)) {
+                found.push(Finding {
+                    message_zh: "因果描述的原因仍是程序生成的草稿".to_owned(),
+                    message_en: "the reason of the trace is still the program's draft".to_owned(),
+                    hint_zh: Some("用自己的话改写原因".to_owned()),
+                    hint_en: Some("write the reason in your own words".to_owned()),
+                    ..unwritten()
+                });
             }
             if matches!(task.at.state, State::Stage1Locked | State::Stage2) {
                 found.iter_mut().for_each(|f| replace_frozen_hint(f, task.veiled));
@@ -91,6 +99,27 @@ fn drafted_trace(initial: &Value) -> Option<&str> {
     let by = initial.get(name::PROVENANCE)?.get(name::SOURCE)?.as_str()?;
     let trace = initial.get(name::COC_TRACE)?.as_str()?;
     (by == "rule" && !trace.is_empty()).then_some(trace)
+}
+
+/// `trace` states the reason of `drafted` in the same words, whatever it states as the decision.
+fn keeps_reason(drafted: &str, trace: &str) -> bool {
+    let bare = |text: &str| -> String {
+        text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+    };
+    let of = |text| reason(text).map(bare).filter(|reason| !reason.is_empty());
+    of(drafted).is_some_and(|reason| of(trace).as_ref() == Some(&reason))
+}
+
+/// The part of a trace between its state and its decision, as the page divides it.
+fn reason(trace: &str) -> Option<&str> {
+    let joints = ["因此", "所以", "故而", " therefore ", ", so ", " hence "];
+    let before = &trace[..joints.iter().filter_map(|joint| trace.rfind(joint)).max()?];
+    if let Some((_, reason)) = before.split_once(['；', ';']) {
+        return Some(reason);
+    }
+    let sentences = before.trim_end_matches(|c: char| !c.is_alphanumeric());
+    let ends = ["。", ". "].iter().filter_map(|end| sentences.rfind(end).map(|at| at + end.len()));
+    ends.max().map(|at| &sentences[at..])
 }
 
 /// The draft in the form of its submission: by a person, and with empty causes if it has none. An imported label may
@@ -211,5 +240,21 @@ mod tests {
         }
         assert_eq!(drafted_trace(&json!({ "coc_trace": "a; b, so c." })), None, "a label from elsewhere");
         assert_eq!(without_draft_mark(" 【草稿】前车减速"), "前车减速");
+    }
+
+    #[test]
+    fn a_drafted_reason_stays_one_beside_another_decision() {
+        // Patterns of `traces` in schema/draft_texts.yaml, and the text that the page writes of the same parts.
+        let zh = "前车减速。车距不足，需要拉开间距，所以自车跟车。";
+        for kept in [zh, "前车减速；车距不足，需要拉开间距，因此自车让行。", "别的状态；车距不足，需要拉开间距，因此停车。"] {
+            assert!(keeps_reason(zh, kept), "{kept}");
+        }
+        for written in ["前车减速；再不减速会追尾，因此自车跟车。", "前车减速。", "", "因此自车让行。"] {
+            assert!(!keeps_reason(zh, written), "{written}");
+        }
+        let en = "The lead brakes. The gap is too short, so the ego follows it.";
+        assert!(keeps_reason(en, "The lead brakes; the gap is too short, therefore the ego yields."));
+        assert!(!keeps_reason(en, "The lead brakes; it would be hit, therefore the ego yields."));
+        assert!(!keeps_reason("前车减速，因此自车跟车。", "前车减速，因此自车让行。"), "a draft without a reason");
     }
 }
