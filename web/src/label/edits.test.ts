@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { afterEach, test } from "vitest";
 import type { SceneView, Task, User } from "../api/types.ts";
-import { addComponent, decide, dropLostCauses, evidenceNow, removeComponent, setKeyframe, setRange, toggleCause, toggleIn, toggleUncertainty } from "./edits.ts";
+import { addComponent, decide, dropLostCauses, evidenceNow, removeComponent, setKeyframe, setRange, stateUncertainty, toggleCause, toggleIn, toggleUncertainty } from "./edits.ts";
 import { readFramework } from "./framework.ts";
 import type { Json } from "./pointer.ts";
 import { clockOf } from "./times.ts";
@@ -208,4 +208,10 @@ test("causes name only components that exist", () => {
   const chosen = opened("stage2", before);
   decide(chosen, "longitudinal", "resume");
   assert.deepEqual(chosen.draft.at("/causes/longitudinal"), { components: ["c2"] });
+});
+
+test("a component whose uncertainty nobody stated has a low one when Stage I is locked", () => {
+  const editor = opened("stage1", { critical_components: [{ id: "c1", description: "car" }, { id: "c2", description: "bus", uncertainty: "high" }] });
+  stateUncertainty(editor);
+  assert.deepEqual(editor.components.map((c) => c["uncertainty"]), ["low", "high"]);
 });

@@ -82,6 +82,16 @@ export function toggleIn(editor: TaskEditor, n: number, list: "evidence_times" |
   editor.draft.set(path, next.length === 0 ? undefined : list === "evidence_times" ? next.sort() : next);
 }
 
+/** Components whose uncertainty nobody stated have a low one, as those that are added: the page shows it so. */
+export function stateUncertainty(editor: TaskEditor): void {
+  editor.draft.group(() => {
+    editor.components.forEach((c, n) => {
+      const path = pointers.componentPart(n, "uncertainty");
+      if (c["uncertainty"] !== "low" && c["uncertainty"] !== "high" && editor.isEditable(path)) editor.draft.set(path, "low");
+    });
+  });
+}
+
 /** Uncertainty of component `n`: high where it was low or unset, else low. */
 export function toggleUncertainty(editor: TaskEditor, n: number): void {
   const path = pointers.componentPart(n, "uncertainty");

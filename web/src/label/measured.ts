@@ -6,7 +6,8 @@ import { scaleOf, withUnit } from "../plots/units.ts";
 import { objectsAt } from "../scene/objects.ts";
 import { objectClassName } from "../text/category_names.ts";
 import type { Lang } from "../text/text.svelte.ts";
-import { channels } from "./framework.ts";
+import { type Chosen, decisionSentence } from "./decision_words.ts";
+import { type Channel, channels } from "./framework.ts";
 import { pointers } from "./field_pointers.ts";
 import type { TaskEditor } from "./task_editor.svelte.ts";
 
@@ -21,21 +22,17 @@ export interface Insertion {
 /** Measured values offered beside the ego's and the target's: those that the rule compares come first. */
 const MOST_SIGNALS = 6;
 
-/** The decisions in words: `自车减速让行` or `the ego yields`. Empty while nothing is chosen. */
+/** The decisions in words: `自车让行` or `the ego yields`. Empty while nothing is chosen. */
 export function decisionText(editor: TaskEditor, language: Lang): string {
-  const zh = language === "zh";
-  const names: string[] = [];
-  for (const channel of channels) {
+  const of = (channel: Channel): Chosen | null => {
     const id = editor.decision(channel);
-    const name = typeof id === "string" ? editor.framework?.[channel].find((d) => d.id === id)?.name[language] : undefined;
-    if (name === undefined) continue;
-    const side = channel === "lateral" ? editor.draft.text(pointers.lateralDirection) : "";
-    const turned = side === "left" || side === "right";
-    names.push(zh ? (turned ? `向${side === "left" ? "左" : "右"}${name}` : name) : turned ? `${name} to the ${side}` : name);
-  }
+    if (typeof id !== "string") return null;
+    return { id, name: editor.framework?.[channel].find((d) => d.id === id)?.name[language] ?? id };
+  };
+  const text = decisionSentence(of("longitudinal"), of("lateral"), editor.draft.text(pointers.lateralDirection), language);
   const chosen = channels.every((channel) => editor.decision(channel) !== undefined);
-  if (names.length === 0) return chosen ? (zh ? "自车行驶状态不变" : "the ego goes on as before") : "";
-  return zh ? `自车${names.join("并")}` : `the ego's decision: ${names.join(" and ").toLowerCase()}`;
+  if (text === "" && chosen) return language === "zh" ? "自车行驶状态不变" : "the ego goes on as before";
+  return text;
 }
 
 const number = (value: number, digits: number): string => {
@@ -57,7 +54,7 @@ export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
   const object = objectsAt(scene, i, editor.target).find((o) => o.id === (editor.selected ?? editor.target));
   if (object) {
     const what = objectClassName(object.class, language);
-    if (object.distance !== null) add(zh ? `与${what}相距` : `distance to the ${what}`, `${number(object.distance, 0)} m`);
+    if (object.gap !== null) add(zh ? `与${what}的净距` : `gap to the ${what}`, `${number(object.gap, 1)} m`);
     if (object.speed !== null) add(zh ? `${what}速度` : `speed of the ${what}`, `${number(object.speed * ofSpeed.by, 1)} ${ofSpeed.unit}`);
   }
   const suggestion = editor.task?.suggestion;

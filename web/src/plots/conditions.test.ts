@@ -2,10 +2,21 @@
 // km/h).
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { comparison, decidingRank, isAbout, noteOf, thresholdsOf } from "./conditions.ts";
+import { comparison, comparisonText, decidingRank, isAbout, noteOf, thresholdsOf } from "./conditions.ts";
 import { scaleOf } from "./units.ts";
 
 const met = (condition: string, actual_value: unknown = null) => ({ condition, actual_value });
+
+test("a condition that its value does not meet is not shown as met", () => {
+  const c = comparison("abs(ego.accel) < 1m/s2");
+  assert.ok(c);
+  assert.equal(comparisonText(c, 1.17, "zh"), "±1 m/s² 以内 (1.17 m/s²，此刻不满足)");
+  assert.equal(comparisonText(c, -0.6, "zh"), "±1 m/s² 以内 (−0.6 m/s²)");
+  const speed = comparison("ego.speed > 36km/h");
+  assert.ok(speed);
+  assert.doesNotMatch(comparisonText(speed, 40, "en"), /not met/);
+  assert.match(comparisonText(speed, 30, "en"), /not met here/);
+});
 
 test("one signal compared with one number, also the other way round and as absolute value", () => {
   assert.deepEqual(comparison("target.ttc < 3s"), { signal: "target.ttc", absolute: false, operator: "<", value: 3, text: "3 s", unit: "s" });

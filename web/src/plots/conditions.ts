@@ -98,7 +98,31 @@ export function comparisonText(c: Comparison, actual: unknown, reader: "zh" | "e
   const alike = (digits: number): boolean => shown(Math.abs(actual), digits) === shown(Math.abs(c.value / (IN_BASE[c.unit] ?? 1)), 3);
   let digits = wanted;
   while (differs && digits < 3 && alike(digits)) digits++;
-  return `${compared} (${shown(actual, digits)})`;
+  const unmet = meets(c, actual * (IN_BASE[c.unit] ?? 1)) ? "" : reader === "zh" ? "，此刻不满足" : ", not met here";
+  return `${compared} (${shown(actual, digits)}${unmet})`;
+}
+
+/**
+ * Does a measured value, in base units, fulfill the comparison? One of several that a rule accepts may be listed with a
+ * value that does not.
+ */
+function meets(c: Comparison, measured: number): boolean {
+  const value = c.absolute ? Math.abs(measured) : measured;
+  const off = value - c.value;
+  // Values are rounded to four decimals.
+  const near = Math.abs(off) <= 1e-4 * Math.max(1, IN_BASE[c.unit] ?? 1);
+  switch (c.operator) {
+    case "<":
+    case "<=":
+      return near || off < 0;
+    case ">":
+    case ">=":
+      return near || off > 0;
+    case "==":
+      return near;
+    case "!=":
+      return !near;
+  }
 }
 
 /** A limit of an absolute value in words. */

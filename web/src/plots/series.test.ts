@@ -1,9 +1,17 @@
 // Rows of the board: unknown is a gap, never 0; axes end at round numbers. Expected values by hand.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { bounds, columnOf, linePath, percent, roundStep, runs, runSpan, ticks } from "./series.ts";
+import { bounds, columnOf, linePath, percent, roundStep, runs, runSpan, ticks, withoutOutliers } from "./series.ts";
 
 const span = { from: 0, to: 4 };
+
+test("a false value at the end does not flatten the curve", () => {
+  const driven = Array.from({ length: 100 }, (_, n) => 30 + n / 50);
+  assert.deepEqual(bounds(withoutOutliers([...driven, null, -100]), 1), bounds(driven, 1));
+  // Braking to a stop is no outlier.
+  const braking = [...Array.from({ length: 60 }, () => 30), ...Array.from({ length: 40 }, (_, n) => 30 * (1 - n / 39))];
+  assert.equal(bounds(withoutOutliers(braking), 1).low, 0);
+});
 
 test("a line has a gap where the value is unknown", () => {
   assert.equal(linePath([0, 1, 2, 3, 4], [0, 10, null, 5, 5], span, 0, 10), "M0.0 100.0L250.0 0.0M750.0 50.0L1000.0 50.0");

@@ -43,6 +43,21 @@ export interface Bounds {
   high: number;
 }
 
+/** The share of values at either end that may lie outside of the axis, and how much longer it would be with them. */
+const OUTLYING = 0.02;
+const MUCH_LONGER = 4;
+
+/** The known values without a few that lie far from all others, such as those of one false position: they are cut off. */
+export function withoutOutliers(values: readonly (number | null)[]): readonly number[] {
+  const known = values.filter((v): v is number => v !== null && Number.isFinite(v));
+  const sorted = [...known].sort((a, b) => a - b);
+  const cut = Math.max(1, Math.floor(sorted.length * OUTLYING));
+  if (sorted.length < 20) return known;
+  const inner = sorted.slice(cut, -cut);
+  const length = (of: readonly number[]): number => (of.at(-1) ?? 0) - (of[0] ?? 0);
+  return length(inner) > 0 && length(sorted) > MUCH_LONGER * length(inner) ? inner : known;
+}
+
 /** Least and greatest known value with some room, at least `least` apart, round numbers at both ends. */
 export function bounds(values: readonly (number | null)[], least: number, floor?: number): Bounds {
   const known = values.filter((v): v is number => v !== null && Number.isFinite(v));

@@ -24,6 +24,8 @@ export interface SignalRow {
   meaning: string;
   /** The rule reads it. */
   inRule: boolean;
+  /** Unknown, or known to be absent, throughout. */
+  isEmpty: boolean;
   /** What the rule compared it with, with measured values. */
   note: string | undefined;
   /** Of the rule, in the shown unit. */
@@ -73,6 +75,7 @@ export function signalRows(
         scale,
         meaning: [meaning, id].filter(Boolean).join("\n"),
         inRule: rank(id) < 2,
+        isEmpty: isEmpty(id) === 1,
         note: noteOf([id], conditions, reader.lang, scale),
         thresholds: thresholdsOf([id], conditions, scale),
         axisMax: isTimeToEvent(id, about?.unit) ? TIME_AXIS_MAX_S * scale.by : undefined,

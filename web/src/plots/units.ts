@@ -2,6 +2,12 @@
 
 export type SpeedUnit = "km/h" | "m/s";
 
+/** A number with so many digits and a real minus sign, which 0 never has. */
+export function fixed(value: number, digits: number): string {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
+}
+
 /** How a quantity is shown. */
 export interface Scale {
   /** Shown beside the number; empty for pure numbers. */

@@ -1,6 +1,8 @@
 // The objects at a frame as a list: the content of the canvas. Pure.
 import type { SceneView, TrackView } from "../api/types.ts";
+import { gapBetween } from "./gap.ts";
 import { egoPose, trackPose, trackValue } from "./motion.ts";
+import { sizeOf } from "./tracks.ts";
 
 export type Bearing = "ahead" | "ahead_left" | "left" | "behind_left" | "behind" | "behind_right" | "right" | "ahead_right";
 
@@ -11,6 +13,8 @@ export interface ListedObject {
   class: string;
   /** From the ego's center to its center, m; null without an ego. */
   distance: number | null;
+  /** From side to side, m: what lies free between them. */
+  gap: number | null;
   bearing: Bearing | null;
   /** m/s. */
   speed: number | null;
@@ -42,6 +46,7 @@ export function objectsAt(scene: SceneView, i: number, target: string | null): L
       id: track.id,
       class: track.class,
       distance: null,
+      gap: null,
       bearing: null,
       speed: trackValue(track, "speed", i),
       hidden: visible !== null && visible < 0.1,
@@ -52,6 +57,9 @@ export function objectsAt(scene: SceneView, i: number, target: string | null): L
       const raw = Math.atan2(dy, dx) - ego.heading;
       const eighth = Math.round(Math.atan2(Math.sin(raw), Math.cos(raw)) / (Math.PI / 4));
       seen.distance = Math.hypot(dx, dy);
+      const [length, width] = sizeOf(track);
+      const [egoLength, egoWidth] = scene.ego?.size ?? [];
+      seen.gap = gapBetween({ pose: ego, length: egoLength ?? 4.5, width: egoWidth ?? 1.9 }, { pose, length, width });
       seen.bearing = BEARINGS[(eighth + 8) % 8] ?? null;
     }
     out.push(seen);

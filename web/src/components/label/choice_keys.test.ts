@@ -15,6 +15,12 @@ test("the last choice is 0, the others count from 1", () => {
   assert.equal(choiceKey(9, 12), undefined);
 });
 
+test("letters find no id and no name of another language", () => {
+  const zh = choices.map(({ id, names }) => ({ id, names: names.slice(0, 1) }));
+  for (const letter of "ryfsno") assert.equal(typed(zh, letter), null, letter);
+  assert.equal(typed(zh, "让")?.id, "yield_to_agent");
+});
+
 test("letters find a name by its beginning, then by the beginning of a word", () => {
   assert.equal(typed(choices, "f")?.id, "follow_lead");
   assert.equal(typed(choices, "ob")?.id, "stop_for_obstacle");

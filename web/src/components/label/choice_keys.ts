@@ -9,7 +9,7 @@ export const CHOICE_KEYS = "123456789";
 
 export interface Choice {
   id: string;
-  /** Names that typing finds, in any language. */
+  /** Names that typing finds: those on the screen, since a letter of another name would choose what nobody reads. */
   names: readonly string[];
 }
 
@@ -18,13 +18,13 @@ export function choiceKey(n: number, count: number): string | undefined {
   return n === count - 1 ? "0" : CHOICE_KEYS[n];
 }
 
-/** The choice whose name or id, or a word of it, begins with what was typed; null without any. */
+/** The choice whose name, or a word of it, begins with what was typed; null without any. */
 export function typed(choices: readonly Choice[], text: string): Choice | null {
   const wanted = text.toLowerCase();
   const begins = (name: string): boolean => name.toLowerCase().startsWith(wanted);
-  const words = (name: string): string[] => name.toLowerCase().split(/[\s_]+/);
+  const words = (name: string): string[] => name.toLowerCase().split(/\s+/);
   return (
-    choices.find((c) => [c.id, ...c.names].some(begins)) ?? choices.find((c) => [c.id, ...c.names].some((name) => words(name).some((word) => word.startsWith(wanted)))) ?? null
+    choices.find((c) => c.names.some(begins)) ?? choices.find((c) => c.names.some((name) => words(name).some((word) => word.startsWith(wanted)))) ?? null
   );
 }
 

@@ -1,7 +1,7 @@
-// Where the key of the direction leads: to the direction of the lateral decision, or to that decision.
+// Where keys lead: to what is written or chosen there.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { toDirection } from "./focus.ts";
+import { toComment, toComponent, toDirection, toField } from "./focus.ts";
 
 const group = (name: string, values: string[], checked: string): string =>
   `<div data-choices="${name}">${values.map((v) => `<input type="radio" name="${name}" value="${v}" ${v === checked ? "checked" : ""}>`).join("")}</div>`;
@@ -23,4 +23,31 @@ test("a decision without a direction has the focus itself", () => {
   form(group("lateral", ["turn", "null"], "null"));
   toDirection();
   assert.equal(focused(), "null");
+});
+
+test("the key of the components leads to the description of the current one, not to a choice beside it", () => {
+  const part = (n: number): string => `<div data-component="${n}"><textarea id="t${n}"></textarea><input type="radio" id="r${n}" checked></div>`;
+  document.body.innerHTML = `<section data-section="components"><h2 tabindex="-1"></h2>${part(0)}${part(1)}</section>`;
+  toComponent(1);
+  assert.equal(document.activeElement?.id, "t1");
+  document.body.innerHTML = `<section data-section="components"><h2 tabindex="-1" id="h"></h2></section>`;
+  toComponent(0);
+  assert.equal(document.activeElement?.id, "h");
+});
+
+test("a finding about an input leads to the input, not to what stands before it", () => {
+  document.body.innerHTML = `<div data-field="/causes/lateral"><input type="checkbox" id="c1"><input type="text" id="why" data-input="/causes/lateral/unobserved"></div>`;
+  toField("/causes/lateral/unobserved");
+  assert.equal(document.activeElement?.id, "why");
+  toField("/causes/lateral");
+  assert.equal(document.activeElement?.id, "c1");
+});
+
+test("where a label is only read, the key of a part leads to its comment", () => {
+  document.body.innerHTML = `<div data-field="/critical_components/0"><button class="bubble" id="b0"></button></div><div data-field="/coc_trace"><button class="bubble" id="b1"></button></div>`;
+  assert.ok(toComment(["/critical_components"]));
+  assert.equal(document.activeElement?.id, "b0");
+  assert.ok(toComment(["/coc_trace"]));
+  assert.equal(document.activeElement?.id, "b1");
+  assert.ok(!toComment(["/records"]));
 });

@@ -8,10 +8,9 @@ const BUTTON = "button:not(:disabled)";
 function enter(place: Element | null | undefined): boolean {
   if (!place) return false;
   place.scrollIntoView({ block: "nearest" });
-  // Of radio buttons the checked one; else the first input.
-  const chosen = place.querySelector<HTMLElement>("input[type=radio]:checked:not(:disabled)");
   const first = (what: string): HTMLElement | null => place.querySelector<HTMLElement>(what);
-  const target = chosen ?? first(FIELD) ?? first(BUTTON) ?? first("h2");
+  // What is written comes before what is chosen beside it; of radio buttons the checked one; else the first input.
+  const target = first("textarea:not([readonly])") ?? first("input[type=radio]:checked:not(:disabled)") ?? first(FIELD) ?? first(BUTTON) ?? first("h2");
   target?.focus();
   return target !== null;
 }
@@ -30,8 +29,31 @@ export function toDirection(): void {
   toSection("decisions", has ? "[data-choices=direction]" : "[data-choices=lateral]");
 }
 
+/** Focuses the description of component `n`; without one to be written, the section. */
+export function toComponent(n: number): void {
+  const at = `[data-component="${n}"]`;
+  const written = document.querySelector(`[data-section=components] ${at} textarea:not([readonly])`);
+  toSection("components", written ? at : undefined);
+}
+
+/** Focuses the button that opens the comment on the first field of a card that is at one of these pointers. */
+export function toComment(pointers: readonly string[]): boolean {
+  const fields = [...document.querySelectorAll<HTMLElement>("[data-field]")];
+  const field = fields.find((f) => pointers.some((p) => f.dataset["field"] === p || f.dataset["field"]?.startsWith(`${p}/`)));
+  const button = field?.querySelector<HTMLElement>(".bubble");
+  button?.scrollIntoView({ block: "nearest" });
+  button?.focus();
+  return button != null;
+}
+
 /** Focuses the field at a JSON pointer, or the nearest field around it. */
 export function toField(pointer: string): void {
+  const input = document.querySelector<HTMLElement>(`[data-input="${CSS.escape(pointer)}"]`);
+  if (input) {
+    input.scrollIntoView({ block: "nearest" });
+    input.focus();
+    return;
+  }
   for (let at = pointer; at !== ""; at = at.slice(0, at.lastIndexOf("/"))) {
     if (enter(document.querySelector(`[data-field="${CSS.escape(at)}"]`))) return;
   }

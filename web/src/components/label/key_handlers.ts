@@ -1,13 +1,13 @@
 // What each keyboard action does on the labeling screen.
 import type { Handlers } from "../../keys/keys.svelte.ts";
 import { pointers } from "../../label/field_pointers.ts";
-import { addComponent, evidenceNow, setKeyRange, setKeyframe, setRange, toggleIn, toggleUncertainty } from "../../label/edits.ts";
+import { addComponent, evidenceNow, removeComponent, setKeyRange, setKeyframe, setRange, toggleIn, toggleUncertainty } from "../../label/edits.ts";
 import type { TaskEditor } from "../../label/task_editor.svelte.ts";
 import { nextCamera } from "../../scene/cameras.ts";
 import { trackPose } from "../../scene/motion.ts";
 import { objectsAt } from "../../scene/objects.ts";
 import { tick } from "svelte";
-import { toDirection, toField, toSection } from "./focus.ts";
+import { toComment, toComponent, toDirection, toField, toSection } from "./focus.ts";
 import { saveViewSettings, viewSettings } from "./view_settings.svelte.ts";
 import { undo, redo } from "./undo_actions.ts";
 
@@ -18,6 +18,8 @@ interface ScreenActions {
   sendBack: () => void;
   accept: () => void;
   answerSafe: () => void;
+  skip: () => void;
+  wrongClass: () => void;
 }
 
 /** Shows the selected object, or the rule's target, together with the ego. */
@@ -45,6 +47,24 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     if (n === null) return;
     await tick();
     document.querySelector<HTMLElement>(`[data-component="${n}"] textarea`)?.focus();
+  }
+
+  async function remove(): Promise<void> {
+    if (!editor.components[editor.currentComponent]) return;
+    removeComponent(editor, editor.currentComponent);
+    await tick();
+    toComponent(editor.currentComponent);
+  }
+
+  /** Goes to a section of the form; where the label is only read, to the button that comments on its fields. */
+  function to(section: string, fields: readonly string[], enter: () => void): void {
+    if (document.querySelector(`[data-section="${section}"]`)) enter();
+    else if (editor.can("comment")) toComment(fields);
+  }
+
+  function scroll(by: number): void {
+    const board = document.querySelector<HTMLElement>(".board .rows");
+    board?.scrollBy({ top: by * Math.max(48, board.clientHeight * 0.6) });
   }
 
   async function ask(): Promise<void> {
@@ -112,12 +132,16 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     nextObject: () => pickNext(1),
     previousObject: () => pickNext(-1),
     targetObject: () => (editor.selected = editor.target),
+    findObject: () => document.querySelector<HTMLElement>("[data-find-object]")?.focus(),
+    scrollDown: () => scroll(1),
+    scrollUp: () => scroll(-1),
     names: () => flip("names"),
     occlusion: () => flip("occlusion"),
     nextCamera: () => look(1),
     previousCamera: () => look(-1),
     addComponent: () => void add(),
     linkObject: () => editor.selected !== null && toggleIn(editor, editor.currentComponent, "linked_objects", editor.selected),
+    removeComponent: () => void remove(),
     evidence: () => evidenceNow(editor),
     uncertain: () => toggleUncertainty(editor, editor.currentComponent),
     keyframe: () => setKeyframe(editor, "keyframe"),
@@ -131,13 +155,15 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     accept: actions.accept,
     askLead: () => editor.can("comment") && void ask(),
     sendBack: actions.sendBack,
-    toComponents: () => toSection("components"),
-    toLongitudinal: () => toSection("decisions", "[data-choices=longitudinal]"),
-    toLateral: () => toSection("decisions", "[data-choices=lateral]"),
-    toDirection: () => toDirection(),
-    toCauses: () => toSection("causes"),
-    toTrace: () => toSection("trace"),
-    toRecords: () => toSection("records"),
+    skip: actions.skip,
+    wrongClass: actions.wrongClass,
+    toComponents: () => to("components", [pointers.components], () => toComponent(editor.currentComponent)),
+    toLongitudinal: () => to("decisions", [pointers.decisionOf("longitudinal")], () => toSection("decisions", "[data-choices=longitudinal]")),
+    toLateral: () => to("decisions", [pointers.decisionOf("lateral")], () => toSection("decisions", "[data-choices=lateral]")),
+    toDirection: () => to("decisions", [pointers.decisionOf("lateral")], toDirection),
+    toCauses: () => to("causes", [pointers.causes], () => toSection("causes")),
+    toTrace: () => to("trace", [pointers.trace], () => toSection("trace")),
+    toRecords: () => to("records", [pointers.records], () => toSection("records")),
     toFindings: () => toSection("findings"),
     toComments: () => toSection("comments"),
     spec: () => flip(editor.stage === "stage1" ? "spec" : "spec2"),
