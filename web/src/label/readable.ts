@@ -5,6 +5,7 @@ import { categoryOf, className, type Framework, type RecordSpec, type Spec } fro
 import { HIDDEN_MEMBERS, memberNames } from "./field_pointers.ts";
 import type { Json } from "./pointer.ts";
 import { signed } from "./times.ts";
+import { UNKNOWN } from "./unknown.ts";
 
 /** What formatting a value needs to know of the task. */
 export interface LabelContext {
@@ -30,6 +31,7 @@ const FIXED: Record<string, TextPair> = {
   left: ["左", "left"],
   right: ["右", "right"],
   uturn: ["掉头", "U-turn"],
+  unknown: ["未知", "unknown"],
 };
 
 export function readable(value: Json | undefined, words: LabelContext, lang: Lang): string {
@@ -58,8 +60,9 @@ export function readable(value: Json | undefined, words: LabelContext, lang: Lan
 }
 
 /** A recorded value: the name of a choice, an object by its name, a number with its unit. */
-function recorded(record: RecordSpec, value: Json, words: LabelContext, lang: Lang): string {
-  const choice = record.choices?.find((c) => c.id === value);
+export function recorded(record: RecordSpec, value: Json, words: LabelContext, lang: Lang): string {
+  if (value === UNKNOWN) return readable(value, words, lang);
+  const choice = record.choices?.find((c) => c.id === (value === true ? "yes" : value === false ? "no" : value));
   if (choice) return choice.name[lang];
   if (record.object && typeof value === "string") return words.trackName?.(value) ?? value;
   const text = readable(value, words, lang);

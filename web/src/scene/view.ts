@@ -67,7 +67,7 @@ export function zoomed(v: View, s: Size, factor: number, px: number, py: number)
 }
 
 /** Room at the edges for the tools at the top, names at the sides and the scale at the bottom, px. */
-const MARGIN = { top: 64, side: 48, bottom: 40 };
+const MARGIN = { top: 96, side: 48, bottom: 40 };
 
 /** The largest scale up to `most` at which a point `ahead` and `left` of the followed ego, m, is in sight. */
 export function fitting(s: Size, ahead: number, left: number, most: number): number {

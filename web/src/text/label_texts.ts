@@ -224,7 +224,7 @@ export const labelTexts = {
   "safety.why": ["为什么？（按数字键选择）", "Why? (digits choose)"],
   "safety.note": ["说明", "Note"],
   "safety.reject": ["剔除", "Reject"],
-  "stage.l2_only": ["阶段一只显示 L2 场景；锁定后显示 L3 场景和标注规范。", "Stage I names only the L2 scenario. The L3 scenario and its specification follow when it is locked."],
+  "stage.l2_only": ["阶段一只显示 L2 场景；有 L3 场景时，锁定后显示它和标注规范。", "Stage I names only the L2 scenario. An L3 scenario, where there is one, and its specification follow when it is locked."],
   "dec.others": ["其他（{n}）", "{n} {n:other|others}"],
   "dec.few": ["收起", "Fewer"],
   "dec.contradicts": ["决策表中不属于该场景", "Not a decision of this scenario in the decision table"],
@@ -333,6 +333,7 @@ export const labelTexts = {
   "adj.mixed": ["由各处所选拼成的标注，须重新质检。", "A label put together from the chosen fields. It has to be checked again."],
   "adj.take_mixed": ["采用拼成的标注", "Use the merged label"],
   "adj.chosen": ["已采用", "chosen"],
+  "adj.superseded.hint": ["同一事件采用了另一份标注；这一份不质检，不导出。", "Another label of this episode was chosen; this one is neither checked nor exported."],
   "adj.superseded": ["未采用", "not chosen"],
   "adj.differs": ["{n} 处不同", "{n} {n:difference|differences}"],
 

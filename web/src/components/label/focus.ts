@@ -5,6 +5,8 @@ import { SECTION_OF_FIELD } from "../../label/field_pointers.ts";
 const FIELD = "textarea:not([readonly]), input:not(:disabled, [readonly]), select:not(:disabled)";
 const BUTTON = "button:not(:disabled)";
 
+const all = (name: "field" | "input"): HTMLElement[] => [...document.querySelectorAll<HTMLElement>(`[data-${name}]`)];
+
 function enter(place: Element | null | undefined): boolean {
   if (!place) return false;
   place.scrollIntoView({ block: "nearest" });
@@ -38,8 +40,7 @@ export function toComponent(n: number): void {
 
 /** Focuses the button that opens the comment on the first field of a card that is at one of these pointers. */
 export function toComment(pointers: readonly string[]): boolean {
-  const fields = [...document.querySelectorAll<HTMLElement>("[data-field]")];
-  const field = fields.find((f) => pointers.some((p) => f.dataset["field"] === p || f.dataset["field"]?.startsWith(`${p}/`)));
+  const field = all("field").find((f) => pointers.some((p) => f.dataset["field"] === p || f.dataset["field"]?.startsWith(`${p}/`)));
   const button = field?.querySelector<HTMLElement>(".bubble");
   button?.scrollIntoView({ block: "nearest" });
   button?.focus();
@@ -48,14 +49,14 @@ export function toComment(pointers: readonly string[]): boolean {
 
 /** Focuses the field at a JSON pointer, or the nearest field around it. */
 export function toField(pointer: string): void {
-  const input = document.querySelector<HTMLElement>(`[data-input="${CSS.escape(pointer)}"]`);
+  const input = all("input").find((one) => one.dataset["input"] === pointer);
   if (input) {
     input.scrollIntoView({ block: "nearest" });
     input.focus();
     return;
   }
   for (let at = pointer; at !== ""; at = at.slice(0, at.lastIndexOf("/"))) {
-    if (enter(document.querySelector(`[data-field="${CSS.escape(at)}"]`))) return;
+    if (enter(all("field").find((one) => one.dataset["field"] === at))) return;
   }
   const id = SECTION_OF_FIELD[pointer.split("/")[1] ?? ""];
   if (id) toSection(id);
