@@ -246,7 +246,11 @@ mod tests {
     fn a_drafted_reason_stays_one_beside_another_decision() {
         // Patterns of `traces` in schema/draft_texts.yaml, and the text that the page writes of the same parts.
         let zh = "前车减速。车距不足，需要拉开间距，所以自车跟车。";
-        for kept in [zh, "前车减速；车距不足，需要拉开间距，因此自车让行。", "别的状态；车距不足，需要拉开间距，因此停车。"] {
+        for kept in [
+            zh,
+            "前车减速；车距不足，需要拉开间距，因此自车让行。",
+            "别的状态；车距不足，需要拉开间距，因此停车。",
+        ] {
             assert!(keeps_reason(zh, kept), "{kept}");
         }
         for written in ["前车减速；再不减速会追尾，因此自车跟车。", "前车减速。", "", "因此自车让行。"] {
