@@ -7,7 +7,7 @@ import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium as driver } from "playwright-core";
-import { ask, makeFirstAccount, person, settled, signIn, tooHigh } from "./people.mjs";
+import { ask, makeFirstAccount, person, readStageOne, settled, signIn, tooHigh } from "./people.mjs";
 import { chromium, serve } from "./service.mjs";
 
 const PASSWORD = "大漠孤烟直长河落日圆-2026";
@@ -43,6 +43,7 @@ async function look(page, leaf) {
   }
   await page.evaluate(() => document.activeElement?.blur());
   for (let n = 0; n < 3 && !(await page.locator('[data-section="decisions"]').isVisible()); n++) {
+    await readStageOne(page);
     await page.keyboard.press("Control+Enter");
     await page.locator('[data-section="decisions"]').waitFor({ timeout: 5_000 }).catch(() => {});
     // Some leaves ask for a component of high uncertainty.

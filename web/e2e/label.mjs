@@ -1,6 +1,6 @@
 // An annotator labels one task in Chinese with the keyboard only, through both stages. The pointer is never pressed.
 import assert from "node:assert/strict";
-import { checkAccessibility, settled, tabTo, typeChinese } from "./people.mjs";
+import { checkAccessibility, readStageOne, settled, tabTo, typeChinese } from "./people.mjs";
 import { PROJECT } from "./begin.mjs";
 import { shot } from "./shots.mjs";
 
@@ -32,6 +32,11 @@ async function open(day) {
   await page.unroute("**/scene");
   await page.locator("canvas").first().waitFor();
   assert.equal(await page.getByText("任务还在加载").count(), 0);
+  // What cannot be taken back is not done by a key pressed too early.
+  if (await page.locator('[data-action="lock"][disabled]').count()) {
+    await page.keyboard.press("Control+Enter");
+    assert.equal(await page.locator('[data-section="decisions"]').count(), 0);
+  }
   day.task = new URL(page.url()).pathname.split("/")[2];
 }
 
@@ -98,6 +103,7 @@ async function stageOne(day) {
   await checkAccessibility(page, "Stage I");
   await shot(day, page, "stage1");
   await page.keyboard.press("Escape");
+  await readStageOne(page);
   await page.keyboard.press("Control+Enter");
   await section(page, "decisions").waitFor();
 }

@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { endpoint } from "./endpoint.mjs";
-import { ask, checkAccessibility, makeFirstAccount, person, settled, signIn, tabTo } from "./people.mjs";
+import { ask, checkAccessibility, makeFirstAccount, person, readStageOne, settled, signIn, tabTo } from "./people.mjs";
 import { serve } from "./service.mjs";
 import { shot } from "./shots.mjs";
 
@@ -129,6 +129,7 @@ async function stageOne(day) {
   await checkAccessibility(page, "a model's draft, Stage I");
   await shot(day, page, "model-stage1");
   await page.keyboard.press("Escape");
+  await readStageOne(page);
   await page.keyboard.press("Control+Enter");
   await page.locator('[data-section="decisions"]').waitFor();
 }

@@ -46,6 +46,11 @@ export async function settled(page) {
   });
 }
 
+/** Waits until Stage I was on screen long enough to be locked. */
+export async function readStageOne(page) {
+  await page.locator('[data-action="lock"]:not([disabled])').waitFor();
+}
+
 /** The first user of a fresh service makes an account, and with it becomes the administrator. */
 export async function makeFirstAccount(page, name, display, password) {
   await page.getByLabel("用户名").fill(name);

@@ -1,7 +1,7 @@
 // Every screen in both languages, dark and light: axe finds nothing serious, nothing is wider than the window (also at
 // 200 %), and the language changes without a reload. Screenshots are taken on the way.
 import assert from "node:assert/strict";
-import { ask, checkAccessibility, person, settled } from "./people.mjs";
+import { ask, checkAccessibility, person, readStageOne, settled } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
 const APPEARANCES = [
@@ -143,6 +143,7 @@ async function held(day) {
     await page.keyboard.press("Escape");
   }
   await page.locator('[data-saving="saved"]').waitFor();
+  await readStageOne(page);
   await page.keyboard.press("Control+Enter");
   await page.locator('[data-section="decisions"]').waitFor();
   for (const [lang, theme] of APPEARANCES) {

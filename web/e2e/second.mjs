@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { ask, checkAccessibility, makeFirstAccount, person, settled } from "./people.mjs";
+import { ask, checkAccessibility, makeFirstAccount, person, readStageOne, settled } from "./people.mjs";
 import { picture } from "./png.mjs";
 import { serve, whyroad } from "./service.mjs";
 import { shot } from "./shots.mjs";
@@ -146,6 +146,7 @@ async function dragging(day) {
   await first.getByLabel("高").check();
   await saved(page);
   await page.keyboard.press("Escape");
+  await readStageOne(page);
   await page.keyboard.press("Control+Enter");
   await page.locator('[data-section="decisions"]').waitFor();
 }

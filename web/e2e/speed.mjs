@@ -9,7 +9,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium as driver } from "playwright-core";
-import { ask, makeFirstAccount, person, settled, signIn, tabTo, tooHigh } from "./people.mjs";
+import { ask, makeFirstAccount, person, readStageOne, settled, signIn, tabTo, tooHigh } from "./people.mjs";
 import { chromium, serve } from "./service.mjs";
 
 const WANTED = Number(process.argv[2] ?? 20);
@@ -123,6 +123,7 @@ async function label(page, task) {
   }
   await settled();
   await press("Escape");
+  await readStageOne(page);
   await press("Control+Enter");
   await page.locator('[data-section="decisions"]').waitFor();
   await page.locator(".board .later").waitFor({ state: "detached", timeout: 60_000 });

@@ -253,12 +253,16 @@ mod tests {
         ] {
             assert!(keeps_reason(zh, kept), "{kept}");
         }
-        for written in ["前车减速；再不减速会追尾，因此自车跟车。", "前车减速。", "", "因此自车让行。"] {
+        for written in ["前车减速；再不减速会追尾，因此自车跟车。", "前车减速。", "", "因此自车让行。"]
+        {
             assert!(!keeps_reason(zh, written), "{written}");
         }
         let en = "The lead brakes. The gap is too short, so the ego follows it.";
         assert!(keeps_reason(en, "The lead brakes; the gap is too short, therefore the ego yields."));
         assert!(!keeps_reason(en, "The lead brakes; it would be hit, therefore the ego yields."));
-        assert!(!keeps_reason("前车减速，因此自车跟车。", "前车减速，因此自车让行。"), "a draft without a reason");
+        assert!(
+            !keeps_reason("前车减速，因此自车跟车。", "前车减速，因此自车让行。"),
+            "a draft without a reason"
+        );
     }
 }
