@@ -166,7 +166,7 @@ export const screenTexts = {
   "tasks.filter.assignee": ["执行人", "Assignee"],
   "tasks.filter.mine": ["只看我的", "Mine only"],
   "tasks.filter.q": ["搜索", "Search"],
-  "tasks.filter.q.hint": ["场景、人员，片段或任务编号", "Class, person, clip or task id"],
+  "tasks.filter.q.hint": ["场景、人员、编号", "Class, person, id"],
   "tasks.pictures": ["您也是标注员：只显示您打开过的任务的缩略图，别的会透露后续。", "You are also an annotator: only tasks that you have opened have a picture, since others show what comes later."],
   "tasks.filter.any": ["全部", "all"],
   "tasks.filter.clear": ["清除筛选", "Clear filters"],
