@@ -89,7 +89,7 @@ export const labelTexts = {
   "plot.unavailable": ["日志中没有", "not in the log"],
 
   "stage.1": ["阶段一：只看历史，列出关键要素", "Stage I: critical components, from history only"],
-  "stage.2": ["阶段二：看后续 6 s，选择决策、关联原因、撰写因果描述", "Stage II: with the next 6 s: decisions, causes, trace"],
+  "stage.2": ["阶段二：看后续 6 s，选择决策、关联原因、撰写因果描述", "Stage II, with the next 6 s: what the ego does"],
   "stage.lock": ["锁定阶段一", "Lock Stage I"],
   "stage.submit": ["提交质检", "Submit for check"],
   "stage.skip": ["跳过", "Skip"],
