@@ -23,6 +23,7 @@ pub fn class_name(class: ObjectClass) -> Bilingual {
         ObjectClass::Cone => ("锥桶", "cone"),
         ObjectClass::Barrier => ("水马或隔离墩", "barrier"),
         ObjectClass::StaticObject => ("静态物体", "static object"),
+        ObjectClass::Vehicle => ("机动车", "motor vehicle"),
         ObjectClass::Unknown => ("未知物体", "unknown object"),
     };
     Bilingual::new(zh, en)

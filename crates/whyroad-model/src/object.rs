@@ -1,5 +1,6 @@
 //! Classes of tracked objects. The source's own class text is kept beside it in the track.
 
+use crate::Tri;
 use crate::decision::closed_set;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -42,6 +43,8 @@ closed_set!(
         Barrier = "barrier",
         /// Bollard, sign on a pole, other fixed object.
         StaticObject = "static_object",
+        /// Motor vehicle of a kind that the source does not state: any of those above.
+        Vehicle = "vehicle",
         /// Not stated by the source.
         #[default]
         Unknown = "unknown",
@@ -61,12 +64,21 @@ impl ObjectClass {
                 | Self::Motorcyclist
                 | Self::Tricycle
                 | Self::EmergencyVehicle
+                | Self::Vehicle
         )
     }
 
     /// Large vehicles in the sense of `cutin.large_vehicle`: truck, bus, special vehicle.
     pub fn is_large_vehicle(self) -> bool {
         matches!(self, Self::Truck | Self::Bus | Self::LargeVehicle)
+    }
+
+    /// [`Self::is_large_vehicle`], unknown where the source does not state the kind.
+    pub fn large_vehicle(self) -> Tri {
+        match self {
+            Self::Vehicle | Self::Unknown => Tri::Unknown,
+            known => Tri::from(known.is_large_vehicle()),
+        }
     }
 
     /// Vulnerable road users: people on foot or on two light wheels.

@@ -212,7 +212,9 @@ fn object(m: &mut Markup, view: &View, track: &Track, row: usize, role: &'static
 fn class_of(class: ObjectClass) -> &'static str {
     match class {
         ObjectClass::Truck | ObjectClass::Bus | ObjectClass::LargeVehicle => "large",
-        ObjectClass::Car | ObjectClass::EmergencyVehicle | ObjectClass::Tricycle => "vehicle",
+        ObjectClass::Car | ObjectClass::EmergencyVehicle | ObjectClass::Tricycle | ObjectClass::Vehicle => {
+            "vehicle"
+        }
         ObjectClass::Motorcycle
         | ObjectClass::Bicycle
         | ObjectClass::Bicyclist

@@ -32,6 +32,11 @@ pub fn missing(drive: &Drive) -> BTreeSet<Need> {
     if !drive.tracks.is_empty() && drive.tracks.iter().all(|t| t.class == ObjectClass::Unknown) {
         missing.insert(Need::ObjectClasses);
     }
+    // Where every motor vehicle may be of any kind, "no target is a large vehicle" would be unfounded.
+    let mut vehicles = drive.tracks.iter().map(|t| t.class).filter(|c| c.is_vehicle()).peekable();
+    if vehicles.peek().is_some() && vehicles.all(|c| c == ObjectClass::Vehicle) {
+        missing.insert(Need::VehicleKinds);
+    }
     if !drive.tracks.iter().any(|t| !t.turn_signal.is_empty()) {
         missing.insert(Need::TurnSignals);
     }

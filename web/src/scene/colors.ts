@@ -87,7 +87,7 @@ export const palettes = { light, dark };
 
 /** Object classes by their color in the view, in the order of the legend. Classes that are not listed are `thing`. */
 export const classGroups: readonly { color: keyof Palette["classes"]; classes: readonly string[] }[] = [
-  { color: "vehicle", classes: ["car", "emergency_vehicle", "tricycle"] },
+  { color: "vehicle", classes: ["car", "emergency_vehicle", "tricycle", "vehicle"] },
   { color: "large", classes: ["truck", "bus", "large_vehicle"] },
   { color: "two", classes: ["motorcycle", "bicycle", "bicyclist", "motorcyclist", "e_bike"] },
   { color: "person", classes: ["pedestrian", "wheeled_pedestrian", "animal"] },

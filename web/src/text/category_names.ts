@@ -21,6 +21,7 @@ export const classNames: Record<string, TextPair> = {
   cone: ["锥桶", "cone"],
   barrier: ["水马或隔离墩", "barrier"],
   static_object: ["静态物体", "static object"],
+  vehicle: ["机动车", "motor vehicle"],
   unknown: ["未知物体", "unknown object"],
 };
 

@@ -29,7 +29,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference, Trac
 use whyroad_model::{Diagnostic, Drive, Need, RoadMap};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 
 /// Argoverse 2 motion forecasting scenarios.
 pub struct Av2Motion;

@@ -296,7 +296,7 @@ fn ego(motion: Motion, bus: EgoBus) -> Ego {
 }
 
 /// Our class for a category of nuScenes (23 of the detection set and `static_object`); `None` for others.
-fn class_of(category: &str) -> Option<ObjectClass> {
+pub(crate) fn class_of(category: &str) -> Option<ObjectClass> {
     Some(match category {
         "vehicle.car" => ObjectClass::Car,
         "vehicle.truck" | "vehicle.trailer" => ObjectClass::Truck,

@@ -3,8 +3,9 @@
 //!
 //! Positions are box centers, meters, headings counter-clockwise from x: as here. Times are `start` plus the
 //! scenario's own seconds, which begin at 0. Rows that the scenario marks as not valid are not observations.
-//! A `VEHICLE` is taken for a car: ScenarioNet does not tell trucks and buses apart. The pickle is read as data;
-//! nothing that it names is imported or called (see [`crate::encodings::pickle`]).
+//! The class is the category that a conversion of nuScenes keeps in a track's metadata; a `VEHICLE` without one is a
+//! motor vehicle of unknown kind. The pickle is read as data; nothing that it names is imported or called (see
+//! [`crate::encodings::pickle`]).
 
 pub(crate) mod findings;
 mod map;
@@ -29,7 +30,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, LightState};
 use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 4;
+const REVISION: u32 = 5;
 /// Nothing is interpolated over more than this, s: two steps of the slowest sets (2 Hz) with room for jitter.
 const MAX_GAP_S: f64 = 0.6;
 /// Bytes of a pickle that are searched for the parts of a scenario.

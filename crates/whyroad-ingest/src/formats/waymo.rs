@@ -29,7 +29,7 @@ use whyroad_model::scene::{DriveMeta, Ego, LightColor, LightState};
 use whyroad_model::{Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 /// Nothing is interpolated over more than this, s.
 const MAX_GAP_S: f64 = 0.25;
 
@@ -158,7 +158,7 @@ fn of_record(
 /// `Track.ObjectType` and our class for it.
 fn class_of(kind: i64) -> (&'static str, ObjectClass) {
     match kind {
-        1 => ("TYPE_VEHICLE", ObjectClass::Car),
+        1 => ("TYPE_VEHICLE", ObjectClass::Vehicle),
         2 => ("TYPE_PEDESTRIAN", ObjectClass::Pedestrian),
         3 => ("TYPE_CYCLIST", ObjectClass::Bicycle),
         4 => ("TYPE_OTHER", ObjectClass::Unknown),

@@ -60,7 +60,7 @@ pub fn write(scene: &Interaction<'_>, standing: &[Standing], table: &mut TableBu
         };
         (0..n).map(at).collect()
     };
-    table.flag(id::LEAD_LARGE, flag(&|k, _| Tri::from(targets[k].track.class.is_large_vehicle())));
+    table.flag(id::LEAD_LARGE, flag(&|k, _| targets[k].track.class.large_vehicle()));
     let braking = |k: usize, r: usize| match targets[k].accel[r] {
         a if a.is_nan() => Tri::Unknown,
         a => Tri::from(a <= HARD_MPS2),

@@ -7,9 +7,9 @@ use crate::geometry::{P2, angle_between_lines, p2, wrap};
 use crate::table::TableBuilder;
 use crate::target::placement::Target;
 use crate::target::rows::Rows;
+use whyroad_model::Tri;
 use whyroad_model::catalog::{CategoryValue, id, value::TargetClass};
 use whyroad_model::scene::Drive;
-use whyroad_model::{ObjectClass, Tri};
 
 /// Minimum difference of headings of a target with the opposite direction: 135 deg (RefAV).
 pub const OPPOSITE_RAD: f64 = 135.0 * std::f64::consts::PI / 180.0;
@@ -22,7 +22,7 @@ pub fn write_relative(drive: &Drive, ego: Option<&EgoMotion>, table: &mut TableB
     let rows = Rows::new(drive, table);
     table.flag(id::TARGET_OBSERVED, rows.flags_or(Tri::False, |_, _| Tri::True));
     table.category(id::TARGET_CLASS, rows.values(|t, _| TargetClass::from_name(t.class.id())));
-    table.flag(id::TARGET_LARGE_VEHICLE, rows.flags(|t, _| known_class(t.class, t.class.is_large_vehicle())));
+    table.flag(id::TARGET_LARGE_VEHICLE, rows.flags(|t, _| t.class.large_vehicle()));
     table.flag(
         id::TARGET_VISIBLE,
         rows.flags(|t, r| Tri::from(t.interior_points.get(r).filter(|n| !n.is_nan()).map(|&n| n > 0.0))),
@@ -54,10 +54,6 @@ pub fn write_relative(drive: &Drive, ego: Option<&EgoMotion>, table: &mut TableB
     table.number(id::TARGET_LATERAL, aside);
     table.flag(id::TARGET_OPPOSITE_DIRECTION, turned.map(opposite));
     table.number(id::TARGET_HEADING_DIFFERENCE, turned);
-}
-
-fn known_class(class: ObjectClass, value: bool) -> Tri {
-    if class == ObjectClass::Unknown { Tri::Unknown } else { Tri::from(value) }
 }
 
 /// Writes the targets' motion over ground and their positions along the ego's path.

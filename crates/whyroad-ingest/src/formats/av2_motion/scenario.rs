@@ -91,7 +91,7 @@ impl Scenario {
 /// what the tracker could not name.
 pub(super) fn class_of(kind: &str) -> Option<ObjectClass> {
     Some(match kind {
-        "vehicle" => ObjectClass::Car,
+        "vehicle" => ObjectClass::Vehicle,
         "bus" => ObjectClass::Bus,
         "pedestrian" => ObjectClass::Pedestrian,
         "motorcyclist" => ObjectClass::Motorcyclist,

@@ -3,6 +3,7 @@
 use crate::assemble::frames::{Sample, Sampled};
 use crate::assemble::key_frames::KeyFrames;
 use crate::encodings::pickle::Value;
+use crate::formats::nuscenes;
 use crate::report::RowCount;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::ObjectClass;
@@ -26,17 +27,29 @@ pub(super) struct Tracks {
     pub ego_missing: Option<String>,
 }
 
-/// Our class for a type of MetaDrive 0.4; `None` for one that it does not define.
+/// What an object is: the category of the source, which the conversion of nuScenes keeps in the track's own metadata,
+/// if it is one of nuScenes'; else the type of MetaDrive.
+fn kind_of(object: Value<'_>) -> String {
+    let text = |v: Option<Value<'_>>| v.and_then(|v| v.text()).map(|t| t.into_owned());
+    let category = text(object.get("metadata").and_then(|m| m.get("type")));
+    category
+        .filter(|c| nuscenes::class_of(c).is_some())
+        .or_else(|| text(object.get("type")))
+        .unwrap_or_default()
+}
+
+/// Our class for a category of nuScenes or a type of MetaDrive 0.4; `None` for one that neither defines. A `VEHICLE`
+/// may be of any kind.
 fn class_of(kind: &str) -> Option<ObjectClass> {
     Some(match kind {
-        "VEHICLE" => ObjectClass::Car,
+        "VEHICLE" => ObjectClass::Vehicle,
         "PEDESTRIAN" => ObjectClass::Pedestrian,
         "CYCLIST" => ObjectClass::Bicycle,
         "TRAFFIC_CONE" => ObjectClass::Cone,
         "TRAFFIC_BARRIER" => ObjectClass::Barrier,
         "TRAFFIC_OBJECT" | "BUILDING" | "INVISIBLE_WALL" => ObjectClass::StaticObject,
         "OTHER" | "UNSET" => ObjectClass::Unknown,
-        _ => return None,
+        category => return nuscenes::class_of(category),
     })
 }
 
@@ -68,8 +81,7 @@ impl Tracks {
                 }
                 Ok(sampled) => {
                     out.count.keep("track", sampled.times.len());
-                    let kind = object.get("type").and_then(|v| v.text()).unwrap_or_default().into_owned();
-                    out.objects.push((id, kind, sampled));
+                    out.objects.push((id, kind_of(object), sampled));
                 }
             }
         }

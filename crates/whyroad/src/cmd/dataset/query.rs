@@ -72,9 +72,9 @@ impl Queries {
 /// Classes that a rule's `target` covers, in the words of `target.class`.
 fn members(target: &str) -> Option<&'static str> {
     match target {
-        "vehicle" => {
-            Some("car, truck, bus, large_vehicle, motorcycle, motorcyclist, tricycle, emergency_vehicle")
-        }
+        "vehicle" => Some(
+            "car, truck, bus, large_vehicle, motorcycle, motorcyclist, tricycle, emergency_vehicle, vehicle",
+        ),
         "large_vehicle" => Some("truck, bus, large_vehicle"),
         "vru" => Some("pedestrian, wheeled_pedestrian, bicycle, bicyclist, e_bike"),
         "pedestrian" => Some("pedestrian, wheeled_pedestrian"),
