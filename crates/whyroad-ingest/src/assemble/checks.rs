@@ -15,6 +15,7 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.height.heading",
     "ingest.velocity.last_zero",
     "ingest.accel.impossible",
+    "ingest.pose.impossible",
     "ingest.map.off",
     "ingest.position.far",
     "ingest.limit.connector",
@@ -48,6 +49,7 @@ const PLAUSIBLE: std::ops::Range<i64> = 946_684_800_000_000_000..4_102_444_800_0
 pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     out.extend(far_positions(drive));
+    out.extend(poses::steps_back(drive));
     out.extend(swapped_sizes(drive));
     out.extend(last_zero(drive));
     out.extend(accelerations(drive));
@@ -336,5 +338,6 @@ fn date(drive: &mut Drive) -> Option<Diagnostic> {
     ))
 }
 
+mod poses;
 #[cfg(test)]
 mod tests;

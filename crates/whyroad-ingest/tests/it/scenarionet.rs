@@ -75,6 +75,8 @@ fn ego_and_objects_are_where_the_script_puts_them() {
     // In view from frame 10: y = -6 + 2 t.
     assert_eq!((cyclist.class, cyclist.frames[0], cyclist.frames.len()), (ObjectClass::Bicycle, 10, 31));
     assert!(near(cyclist.motion.y[0], -4.0) && near(cyclist.motion.heading[0], std::f64::consts::FRAC_PI_2));
+    // A `VEHICLE` of no stated kind.
+    assert_eq!(drive.track(&"12".into()).unwrap().class, ObjectClass::Vehicle);
     assert!(near(drive.track(&"12".into()).unwrap().width_m[0], 2.5));
     assert_eq!(drive.track(&"cone".into()).unwrap().class, ObjectClass::Cone);
     // 4 objects of 41 rows, of which the cyclist's first 10 are not valid.
@@ -208,4 +210,44 @@ fn a_database_is_recognised_and_the_same_scenario_comes_in_once() {
     let lake = Lake::create_or_open(dir.path()).unwrap();
     let outcome = || whyroad_ingest::ingest(&sources[1], &Options::default(), &lake).outcome;
     assert_eq!((outcome(), outcome()), (Some(WriteOutcome::Written), Some(WriteOutcome::Unchanged)));
+}
+
+/// Scenes of nuScenes as ScenarioNet converts them. Classes: the objects by `metadata.type`, counted with Python's pickle
+/// (cars, trucks with trailers, buses, construction vehicles, motorcycles, bicycles). Poses: the rows from the step
+/// backwards on (-0.35, -0.42 and -1.91 m along the heading within 0.1 s), by numpy.
+#[test]
+fn scenes_of_nuscenes_have_categories_and_no_impossible_pose() {
+    let root = std::env::var_os("WHYROAD_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
+    let root = root.join("nuscenes_scenarionet");
+    if !root.is_dir() {
+        crate::require::skipped("recorded", "no recorded data");
+        return;
+    }
+    for (file, classes, unknown_from) in [
+        ("nuscenes_0/sd_nuscenes_v1.0-mini_scene-0061.pkl", [14, 5, 2, 2, 3, 3], Some(188)),
+        ("nuscenes_0/sd_nuscenes_v1.0-mini_scene-0103.pkl", [59, 1, 0, 0, 2, 5], Some(194)),
+        ("nuscenes_1/sd_nuscenes_v1.0-mini_scene-0553.pkl", [22, 3, 2, 0, 0, 1], None),
+        ("nuscenes_1/sd_nuscenes_v1.0-mini_scene-0655.pkl", [95, 11, 2, 2, 0, 0], Some(197)),
+        ("nuscenes_2/0.pkl", [16, 3, 1, 1, 0, 1], None),
+    ] {
+        let (sources, _) = find_sources(None, &[root.join(file)]);
+        let (drive, report) = whyroad_ingest::read(&sources[0], &Options::default());
+        let drive = drive.unwrap();
+        let count = |class: ObjectClass| drive.tracks.iter().filter(|t| t.class == class).count();
+        let found = [
+            ObjectClass::Car,
+            ObjectClass::Truck,
+            ObjectClass::Bus,
+            ObjectClass::LargeVehicle,
+            ObjectClass::Motorcycle,
+            ObjectClass::Bicycle,
+        ];
+        assert_eq!(found.map(count), classes, "{file}");
+        assert_eq!(count(ObjectClass::Vehicle), 0, "{file}");
+        let x = &drive.ego.as_ref().unwrap().motion.x;
+        assert_eq!(x.iter().position(|x| x.is_nan()), unknown_from, "{file}");
+        assert!(x[unknown_from.unwrap_or(x.len())..].iter().all(|x| x.is_nan()), "{file}");
+        assert_eq!(codes(&report).contains(&"ingest.pose.impossible"), unknown_from.is_some(), "{file}");
+    }
 }

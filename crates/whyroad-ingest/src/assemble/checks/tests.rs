@@ -91,6 +91,53 @@ fn accelerations_and_positions_that_cannot_be_are_unknown() {
     assert!(d.tracks[0].motion.x[9].is_nan() && d.tracks[0].motion.x[8] == 28.0);
 }
 
+/// The last poses of scene-0655 of nuScenes as its ScenarioNet pickle has them: along the road, rounded to 1 cm.
+#[test]
+fn poses_behind_a_step_back_are_unknown() {
+    let scene_0655 = [0.0, 0.90, 1.79, 2.67, 3.57, 1.66, 2.55, 3.44, 4.33];
+    let mut d = drive();
+    let m = &mut d.ego.as_mut().unwrap().motion;
+    for (i, x) in scene_0655.into_iter().enumerate() {
+        m.x[41 + i] = 41.0 + x;
+    }
+    assert_eq!(codes(&mut d), ["ingest.pose.impossible"]);
+    let x = &d.ego.as_ref().unwrap().motion.x;
+    assert!(x[..46].iter().all(|x| x.is_finite()) && x[46..].iter().all(|x| x.is_nan()), "{x:?}");
+    assert!(d.ego.unwrap().motion.vx[46..].iter().all(|v| v.is_nan()));
+}
+
+/// One pose 1 m behind is left out; a correction of the localization by 3 m is left out for its first second only.
+#[test]
+fn one_bad_pose_and_a_lasting_correction() {
+    let unknown = |displace: &dyn Fn(usize) -> f64| {
+        let mut d = drive();
+        let m = &mut d.ego.as_mut().unwrap().motion;
+        (0..50).for_each(|i| m.x[i] += displace(i));
+        check(&mut d);
+        let x = d.ego.unwrap().motion.x;
+        (0..50).filter(|&i| x[i].is_nan()).collect::<Vec<_>>()
+    };
+    assert_eq!(unknown(&|i| if i == 20 { -2.0 } else { 0.0 }), [20]);
+    let lasting = unknown(&|i| if i >= 20 { -3.0 } else { 0.0 });
+    // Braking at 9.81 m/s2 explains 2.95 m after 0.78 s.
+    assert_eq!(lasting, (20..27).collect::<Vec<_>>());
+}
+
+/// An emergency stop at 1 g, then backwards at 0.5 m/s2.
+#[test]
+fn braking_hard_and_then_reversing_is_possible() {
+    let mut d = drive();
+    let m = &mut d.ego.as_mut().unwrap().motion;
+    for i in 0..50 {
+        let t = i as f64 * 0.1;
+        let (stops, t2) = (10.0 / 9.81, (t - 10.0 / 9.81).max(0.0));
+        let t1 = t.min(stops);
+        m.x[i] = 10.0 * t1 - 0.5 * 9.81 * t1 * t1 - 0.25 * t2 * t2;
+        m.vx[i] = 10.0 - 9.81 * t1 - 0.5 * t2;
+    }
+    assert!(!codes(&mut d).contains(&"ingest.pose.impossible"));
+}
+
 #[test]
 fn a_projected_frame_is_no_fault() {
     let mut d = drive();

@@ -1,0 +1,82 @@
+//! Poses of the ego to which it cannot have moved: a step backwards while it drives forwards. Converters that repeat or
+//! extrapolate the end of a log make them (three scenes of nuScenes in ScenarioNet pickles).
+
+use super::{MAX_ACCEL_MPS2, warning};
+use whyroad_model::Diagnostic;
+use whyroad_model::scene::{Drive, Motion};
+
+/// Minimum speed before the step, m/s, and minimum length of the step, m.
+const DRIVES_MPS: f64 = 1.0;
+const STEP_M: f64 = 0.1;
+/// After a step, poses are unknown for as long as they are behind the place that the ego can reach by braking at 1 g, at
+/// most this time: poses that stay displaced are a correction of the localization, s.
+const DISPLACED_S: f64 = 1.0;
+const BRAKING_MPS2: f64 = 9.81;
+/// Error of a pose, m.
+const POSE_M: f64 = 0.05;
+
+/// Sets impossible poses of the ego to unknown.
+pub(super) fn steps_back(drive: &mut Drive) -> Option<Diagnostic> {
+    let start = *drive.times.first()?;
+    let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
+    let m = &mut drive.ego.as_mut()?.motion;
+    let rows = impossible(&seconds, m);
+    for &i in &rows {
+        for column in [
+            &mut m.x,
+            &mut m.y,
+            &mut m.z,
+            &mut m.heading,
+            &mut m.vx,
+            &mut m.vy,
+            &mut m.accel,
+            &mut m.yaw_rate,
+            &mut m.forward,
+        ] {
+            column.get_mut(i).into_iter().for_each(|v| *v = f64::NAN);
+        }
+    }
+    let at = seconds[*rows.first()?];
+    let n = rows.len();
+    Some(warning(
+        "ingest.pose.impossible",
+        format!("行程开始后 {at:.1} s，自车在前进中向后跳；{n} 行位姿不可能，记为未知"),
+        format!(
+            "{at:.1} s after its start the ego jumps backwards while it drives forwards; {n} poses are impossible and are \
+             set to unknown"
+        ),
+    ))
+}
+
+/// The rows, each decided from earlier ones only.
+fn impossible(seconds: &[f64], m: &Motion) -> Vec<usize> {
+    let mut out = Vec::new();
+    // The last possible row, and the speed along the heading there.
+    let mut last: Option<(usize, Option<f64>)> = None;
+    let mut displaced = false;
+    for i in (0..m.len().min(seconds.len())).filter(|&i| m.x[i].is_finite() && m.y[i].is_finite()) {
+        let Some((from, speed)) = last else {
+            last = Some((i, None));
+            continue;
+        };
+        let dt = seconds[i] - seconds[from];
+        let (sin, cos) = m.heading[from].sin_cos();
+        let along = (m.x[i] - m.x[from]) * cos + (m.y[i] - m.y[from]) * sin;
+        displaced = dt > 0.0
+            && dt <= DISPLACED_S
+            && speed.filter(|v| *v >= DRIVES_MPS).is_some_and(|v| {
+                if displaced {
+                    along - v * dt < -(POSE_M + 0.5 * BRAKING_MPS2 * dt * dt)
+                } else {
+                    along <= -STEP_M && (v - along / dt) / dt > MAX_ACCEL_MPS2
+                }
+            });
+        if displaced {
+            out.push(i);
+        } else {
+            // Over a gap the mean speed is not that of its end.
+            last = Some((i, Some(along / dt).filter(|_| i == from + 1)));
+        }
+    }
+    out
+}
