@@ -3,13 +3,14 @@
 
 pub mod cache;
 mod columns;
+mod history;
 mod map;
 mod shown;
 
 pub use map::map;
 
 use cache::SceneKey;
-use shown::{Shown, shown};
+use shown::{Shown, shown, shown_in};
 
 use crate::app::App;
 use crate::domain::scene::{CameraFrame, CameraView, EgoView, LightView, MetaView, SceneView};
@@ -34,24 +35,40 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     if let Some(scene) = app.scenes.get(&key) {
         return Ok(scene);
     }
-    let Shown { drive, frames } = shown(app, t)?;
-    let signals = app.recordings.signals(&drive);
-    let drive = app.recordings.estimated(&drive);
-    let mut view = match t.hides_leaf() {
-        false => view(t, stage, &drive, frames, &signals),
-        // The signals and the target of the rule reveal its L3 class.
-        true => {
-            let mut bare = t.clone();
-            bare.episode.signals.clear();
-            bare.episode.target_id = None;
-            view(&bare, stage, &drive, frames, &signals)
+    let mut view = derived(app, t, stage)?;
+    match stage {
+        Stage::Stage1 => history::withhold_uncertain(&mut view),
+        Stage::Stage2 => {
+            let mut before = derived(app, t, Stage::Stage1)?;
+            history::withhold_uncertain(&mut before);
+            history::keep(&mut view, &before);
         }
-    };
+    }
     let about = |name: &String| Some((name.clone(), app.recordings.about(name)?));
     view.about = view.signals.keys().filter_map(about).collect();
+    for (name, values) in &mut view.signals {
+        if view.about.get(name).is_some_and(|a| a.unit.as_deref() == Some("rad")) {
+            columns::unwrap(values);
+        }
+    }
     let view = Arc::new(view);
     app.scenes.put(key, &view);
     Ok(view)
+}
+
+/// The scene as derived from the part of the drive that `stage` shows.
+fn derived(app: &App, t: &TaskRow, stage: Stage) -> Answer<SceneView> {
+    let Shown { drive, frames } = shown_in(app, t, stage)?;
+    let signals = app.recordings.signals(&drive);
+    let drive = app.recordings.estimated(&drive);
+    if !t.hides_leaf() {
+        return Ok(view(t, stage, &drive, frames, &signals));
+    }
+    // The signals and the target of the rule reveal its L3 class.
+    let mut bare = t.clone();
+    bare.episode.signals.clear();
+    bare.episode.target_id = None;
+    Ok(view(&bare, stage, &drive, frames, &signals))
 }
 
 fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &SignalTable) -> SceneView {

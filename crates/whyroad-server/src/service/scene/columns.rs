@@ -4,6 +4,7 @@ use crate::domain::scene::{Numbers, TrackView};
 use crate::service::tasks::TaskRow;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use whyroad_model::scene::Track;
 use whyroad_model::{Column, Drive, FrameRange, SignalTable, TrackId};
 
@@ -82,6 +83,18 @@ pub(super) fn signals(
     out
 }
 
+/// Makes an angle in rad continuous: a curve that passes pi goes on beyond it instead of jumping to -pi.
+pub(super) fn unwrap(values: &mut [Value]) {
+    let mut last: Option<f64> = None;
+    for value in values {
+        let Some(angle) = value.as_f64() else { continue };
+        let turns = last.map_or(0.0, |last| ((last - angle) / TAU).round());
+        let continuous = rounded(angle + turns * TAU);
+        *value = Value::from(continuous);
+        last = Some(continuous);
+    }
+}
+
 fn value(column: &Column, row: usize) -> Value {
     match column {
         // Unknown and absent are different, and JSON has no infinite number.
@@ -89,5 +102,19 @@ fn value(column: &Column, row: usize) -> Value {
         Column::Number(_) => number(column.number(row)).map_or(Value::Null, Value::from),
         Column::Flag(_) => column.flag(row).known().map_or(Value::Null, Value::from),
         Column::Category { .. } => column.category(row).map_or(Value::Null, Value::from),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// Headings of a half circle in steps of 60 degrees from 150 degrees on: 150, 210, 270.
+    #[test]
+    fn an_angle_that_passes_pi_goes_on() {
+        let mut values = vec![json!(2.618), json!(null), json!(-2.618), json!("none"), json!(-1.571)];
+        unwrap(&mut values);
+        assert_eq!(values, [json!(2.618), json!(null), json!(3.665), json!("none"), json!(4.712)]);
     }
 }

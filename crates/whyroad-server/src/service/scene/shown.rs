@@ -17,6 +17,11 @@ pub struct Shown {
 
 /// The part of the drive that may be shown now.
 pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
+    shown_in(app, t, t.at.state.stage())
+}
+
+/// The part of the drive that `stage` shows.
+pub(super) fn shown_in(app: &App, t: &TaskRow, stage: Stage) -> Answer<Shown> {
     let whole = app.recordings.drive(&t.drive_id.as_str().into()).map_err(|why| {
         Problem::new(
             503,
@@ -25,7 +30,7 @@ pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
             format!("the drive is unavailable: {}", why.en),
         )
     })?;
-    let (drive, last) = match t.at.state.stage() {
+    let (drive, last) = match stage {
         Stage::Stage1 => (Arc::new(whole.until(Nanos(t.keyframe_ns))), t.keyframe_ns),
         Stage::Stage2 => (whole, t.to_ns),
     };
