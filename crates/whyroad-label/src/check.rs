@@ -27,7 +27,7 @@ pub use clips::{ClipFacts, ClipIndex};
 pub use codes::{CODES, QUALITY_CODES};
 pub use form::placeholder::without_draft_mark;
 pub use quality::{Quality, QualityKind};
-pub use recording::{Recorded, Recordings};
+pub use recording::{COMPONENT_SIGNALS, Recorded, Recordings};
 
 use form::{lean, tolerant};
 use rulebook::Rulebook;
@@ -46,9 +46,12 @@ pub struct Checker<'f> {
     classes: ClassIndex,
     clips: Option<ClipIndex>,
     recordings: Option<Arc<dyn Recordings>>,
+    /// Only what Stage I shows may be compared: the components with the history.
+    stage_one: bool,
 }
 
 /// Records only whether there was a finding.
+#[derive(Default)]
 struct Silence {
     broken: bool,
 }
@@ -62,7 +65,13 @@ impl Sink for Silence {
 impl<'f> Checker<'f> {
     /// A checker without a list of clips.
     pub fn new(framework: &'f Framework) -> Self {
-        Self { framework, classes: ClassIndex::new(framework), clips: None, recordings: None }
+        Self {
+            framework,
+            classes: ClassIndex::new(framework),
+            clips: None,
+            recordings: None,
+            stage_one: false,
+        }
     }
 
     /// The same, checking labels against these clips.
@@ -79,17 +88,36 @@ impl<'f> Checker<'f> {
         self
     }
 
-    /// Applies every rule, including those that compare with the recording if there is one.
-    fn rules(&self, label: &View<'_>, sink: &mut dyn Sink) {
-        self.rulebook().check(label, sink);
-        let recorded = self.recordings.as_ref().zip(label.clip_id.get()).and_then(|(r, id)| r.of_clip(id));
-        if let Some(recorded) = recorded {
-            motion::check(label, &recorded, self.framework, &self.classes, sink);
-        }
+    /// The same, comparing only components, and only with the drives up to the keyframe ([`Recordings::until`]): no
+    /// finding depends on what comes later.
+    #[must_use]
+    pub fn with_histories(mut self, recordings: Arc<dyn Recordings>) -> Self {
+        self.stage_one = true;
+        self.with_recordings(recordings)
     }
 
-    fn rulebook(&self) -> Rulebook<'_> {
-        Rulebook { classes: &self.classes, framework: self.framework, clips: self.clips.as_ref() }
+    /// Applies every rule, including those that compare with the recording if there is one.
+    fn rules(&self, label: &View<'_>, sink: &mut dyn Sink) {
+        let of_clip = self.recordings.as_deref().zip(label.clip_id.get());
+        let until_keyframe = || {
+            let (recordings, id) = of_clip?;
+            recordings.until(id, label.keyframe.timestamp.get()?)
+        };
+        let recorded = of_clip.filter(|_| !self.stage_one).and_then(|(r, id)| r.of_clip(id));
+        let rulebook = Rulebook {
+            classes: &self.classes,
+            framework: self.framework,
+            clips: self.clips.as_ref(),
+            recorded: recorded.as_deref(),
+        };
+        rulebook.check(label, sink);
+        if let Some(recorded) = &recorded {
+            motion::check(label, recorded, &until_keyframe, self.framework, &self.classes, sink);
+        } else if self.stage_one
+            && let Some(history) = until_keyframe()
+        {
+            motion::components(label, &history, self.framework, sink);
+        }
     }
 
     /// Checks one document and adds the findings, sorted by location, to `out`. Locations have no file name.
@@ -116,7 +144,7 @@ impl<'f> Checker<'f> {
     /// The fast path: true when `text` is a label without any finding. False means only that the slow path must decide.
     pub fn is_clean_label(&self, text: &str) -> bool {
         lean::LeanCocLabel::read(text).is_some_and(|label| {
-            let mut sink = Silence { broken: false };
+            let mut sink = Silence::default();
             self.rules(&label.view(), &mut sink);
             !sink.broken
         })

@@ -41,6 +41,9 @@ pub struct App {
     pub framework: &'static Framework,
     /// The label checker without recordings: for everything that may be shown in Stage I.
     pub checker: Checker<'static>,
+    /// The label checker that compares components with drives cut at the label's keyframe. In Stage I only for labels
+    /// with the keyframe of their task: see [`crate::service::findings`].
+    pub stage1_checker: Checker<'static>,
     /// The label checker with recordings: only for labels whose Stage I is locked.
     pub stage2_checker: Checker<'static>,
     /// Drives.
@@ -152,6 +155,8 @@ impl App {
             store,
             framework,
             checker: Checker::new(framework),
+            stage1_checker: Checker::new(framework)
+                .with_histories(Arc::new(CheckedDrives(Arc::clone(&recordings)))),
             stage2_checker: Checker::new(framework)
                 .with_recordings(Arc::new(CheckedDrives(Arc::clone(&recordings)))),
             recordings,

@@ -104,6 +104,12 @@ pub trait Recordings: Send + Sync {
         None
     }
 
+    /// The drive of a clip as Stage I shows it, cut at `keyframe`, for checks of components: it has nothing of what comes
+    /// later. `None` if it is not available.
+    fn recorded_until(&self, _clip_id: &str, _keyframe: Nanos) -> Option<Arc<Recorded>> {
+        None
+    }
+
     /// Names of the folders of mining results from which tasks can be created.
     fn mined(&self) -> Vec<String>;
 
@@ -157,5 +163,9 @@ pub struct CheckedDrives(pub Arc<dyn Recordings>);
 impl whyroad_label::check::Recordings for CheckedDrives {
     fn of_clip(&self, clip_id: &str) -> Option<Arc<Recorded>> {
         self.0.recorded(clip_id)
+    }
+
+    fn until(&self, clip_id: &str, keyframe: Nanos) -> Option<Arc<Recorded>> {
+        self.0.recorded_until(clip_id, keyframe)
     }
 }

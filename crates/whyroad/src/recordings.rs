@@ -204,6 +204,10 @@ impl Recordings for ServiceRecordings {
         self.checked.of_clip(clip_id)
     }
 
+    fn recorded_until(&self, clip_id: &str, keyframe: Nanos) -> Option<Arc<Recorded>> {
+        self.checked.until(clip_id, keyframe)
+    }
+
     fn mined(&self) -> Vec<String> {
         self.lake.mined()
     }

@@ -87,6 +87,7 @@ pub const CODES: &[&str] = &[
     "label.object.unseen",
     "label.keyframe.moment",
     "label.class.rule",
+    "label.class.motion",
     "label.cause.no_effect",
     // From `migrate`.
     "label.migrate.lost",

@@ -10,10 +10,12 @@ mod object;
 
 pub(super) use decision::said_speed;
 
+use super::Silence;
 use super::recording::Recorded;
 use super::texts::Texts;
 use super::view::View;
-use crate::driven::Driven;
+use crate::driven::{Driven, across, along};
+use std::sync::Arc;
 use whyroad_framework::Framework;
 use whyroad_framework::check::class_index::ClassIndex;
 use whyroad_framework::check::{Finding, Sink, Words};
@@ -23,10 +25,11 @@ use whyroad_model::time::frame_at;
 /// Maximum distance of a keyframe from the nearest frame, s.
 const FRAME_SLACK_S: f64 = 0.15;
 
-/// Runs every check against the recording.
+/// Runs every check against the recording. `history` is the drive as Stage I shows it.
 pub(super) fn check(
     label: &View<'_>,
     recorded: &Recorded,
+    history: &dyn Fn() -> Option<Arc<Recorded>>,
     framework: &Framework,
     classes: &ClassIndex,
     sink: &mut dyn Sink,
@@ -49,9 +52,55 @@ pub(super) fn check(
     decision::check(label, &window, names, sink);
     lateral::check(label, &window, names, sink);
     let texts = Texts::of(label, words);
-    object::check(label, &texts, words, &window, sink);
+    // Components were written before anything later was shown: only what contradicts the values of that time, too, is a
+    // fault. They are derived only where there may be one.
+    let mut quiet = Silence::default();
+    object::check(label, &texts, words, &window, &mut quiet);
+    if quiet.broken {
+        match history() {
+            Some(history) => components(label, &history, framework, sink),
+            None => object::check(label, &texts, words, &window, sink),
+        }
+    }
     effect::check(label, &texts, words, &window, sink);
     moment::check(label, recorded, classes, sink);
+}
+
+/// Compares the components with `history`, a drive that was cut at the keyframe.
+pub(super) fn components(label: &View<'_>, history: &Recorded, framework: &Framework, sink: &mut dyn Sink) {
+    let Some(keyframe) = label.keyframe.timestamp.get() else { return };
+    let times = &history.drive.times;
+    if times.last().is_none_or(|last| last.seconds_since(keyframe) < -FRAME_SLACK_S) {
+        return;
+    }
+    let words = framework.label_words();
+    let window = Driven::after(&history.drive, &history.signals, times.len() - 1, None);
+    object::check(label, &Texts::of(label, words), words, &window, sink);
+}
+
+/// Channels of the decision that the recorded motion plainly shows: for a class that does not allow them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shown {
+    pub longitudinal: bool,
+    pub lateral: bool,
+}
+
+/// The parts of the label's decision that the ego plainly carries out after the keyframe.
+pub(super) fn shown(label: &View<'_>, recorded: &Recorded) -> Shown {
+    let times = &recorded.drive.times;
+    let (Some(keyframe), Some(first), Some(last)) =
+        (label.keyframe.timestamp.get(), times.first(), times.last())
+    else {
+        return Shown::default();
+    };
+    if keyframe < *first || keyframe > *last {
+        return Shown::default();
+    }
+    let w = driven(label, recorded, frame_at(times, keyframe).min(times.len() - 1));
+    Shown {
+        longitudinal: label.longitudinal.get().is_some_and(|d| along::shows(&w, d)),
+        lateral: label.lateral.get().is_some_and(|d| across::shows(&w, d, label.direction.get())),
+    }
 }
 
 /// The recorded motion after the keyframe of a label.

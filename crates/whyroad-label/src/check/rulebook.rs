@@ -9,6 +9,8 @@ use super::consistency::{
     duplicates, moment, objects, parts, plausible, records as told, text, trace, trace_rules,
 };
 use super::form::{placeholder, version};
+use super::motion;
+use super::recording::Recorded;
 use super::texts::{TextScope, Texts};
 use super::view::View;
 use whyroad_framework::Framework;
@@ -21,6 +23,8 @@ pub(super) struct Rulebook<'f> {
     pub classes: &'f ClassIndex,
     pub framework: &'f Framework,
     pub clips: Option<&'f ClipIndex>,
+    /// The label's whole drive, where it is available.
+    pub recorded: Option<&'f Recorded>,
 }
 
 impl Rulebook<'_> {
@@ -39,8 +43,9 @@ impl Rulebook<'_> {
         if let Some(p) = prescribed {
             records::missing(label, p, sink);
             if let Some(decisions) = &p.decisions {
-                impossible =
-                    combination::decisions(label, p, decisions, f.decision_table(), &f.decisions, sink);
+                let shown = || self.recorded.map(|r| motion::shown(label, r)).unwrap_or_default();
+                let (table, names) = (f.decision_table(), &f.decisions);
+                impossible = combination::decisions(label, p, decisions, table, names, &shown, sink);
             }
         }
         records::types(label, prescribed, &f.record_types, sink);

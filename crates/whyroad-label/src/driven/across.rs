@@ -6,6 +6,8 @@ use whyroad_model::decision::{Lateral, LateralDirection};
 
 /// Minimum sideways movement that is not noise, m.
 const OFFSET_M: f64 = 0.35;
+/// Minimum change of heading of a turn, degrees.
+const TURN_DEG: f64 = 25.0;
 
 /// How a decision contradicts the recorded motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +66,26 @@ pub(crate) fn first_lane_change(w: &Driven<'_>, mut frames: std::ops::Range<usiz
     })
 }
 
+/// The ego plainly does what `decision` says, to that side: it changes lanes, or turns by at least 25 degrees.
+pub(crate) fn shows(w: &Driven<'_>, decision: Lateral, direction: Option<LateralDirection>) -> bool {
+    let left = match direction {
+        Some(LateralDirection::Left) => true,
+        Some(LateralDirection::Right) => false,
+        _ => return false,
+    };
+    match decision {
+        Lateral::LaneChange => {
+            first_lane_change(w, w.keyframe..w.range_end).is_some_and(|(_, to_left)| to_left == left)
+        }
+        Lateral::Turn => {
+            let changes = w.heading_changes(w.range_end);
+            let most = changes.iter().map(|c| if left { *c } else { -c }).fold(0.0, f64::max);
+            most.to_degrees() >= TURN_DEG
+        }
+        _ => false,
+    }
+}
+
 fn lane_change(w: &Driven<'_>, direction: Option<LateralDirection>) -> Option<Conflict> {
     let from = w.keyframe.saturating_sub(10);
     match (first_lane_change(w, from..w.range_end), direction) {
@@ -84,8 +106,8 @@ fn turn(w: &Driven<'_>, direction: Option<LateralDirection>) -> Option<Conflict>
     let extreme = changes.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     let degrees = extreme.to_degrees();
     let against = match direction {
-        Some(LateralDirection::Left) => degrees < -25.0,
-        Some(LateralDirection::Right) => degrees > 25.0,
+        Some(LateralDirection::Left) => degrees < -TURN_DEG,
+        Some(LateralDirection::Right) => degrees > TURN_DEG,
         _ => false,
     };
     if against {

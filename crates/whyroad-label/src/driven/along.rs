@@ -116,6 +116,23 @@ pub(crate) fn conflict(w: &Driven<'_>, decision: Option<Longitudinal>) -> Option
     }
 }
 
+/// The ego plainly does what `decision` says: it slows, stops, starts or speeds up so that nobody can overlook it.
+pub(crate) fn shows(w: &Driven<'_>, decision: Longitudinal) -> bool {
+    let Some((v0, all)) = known_speeds(w) else { return false };
+    if conflict(w, Some(decision)).is_some() {
+        return false;
+    }
+    match decision {
+        Longitudinal::YieldToAgent | Longitudinal::RoadSpeedAdaptation => all.min <= v0 - LARGE_MPS,
+        Longitudinal::StopForRegulation | Longitudinal::StopForObstacle => {
+            v0 >= LARGE_MPS && all.min < STANDSTILL_MPS
+        }
+        Longitudinal::Resume => v0 < STANDSTILL_MPS && all.max >= PLAIN_MPS,
+        Longitudinal::AccelerationForPassing => all.max >= v0 + LARGE_MPS,
+        Longitudinal::SetSpeedTracking | Longitudinal::LeadFollowing | Longitudinal::GapMatching => false,
+    }
+}
+
 /// Nothing is decided, although the ego clearly changes its speed at once.
 fn undecided(w: &Driven<'_>, v0: f64) -> Option<Conflict> {
     let soon = w.speeds(w.keyframe..(w.keyframe + 31).min(w.end))?;

@@ -461,3 +461,49 @@ fn what_may_come_is_no_hindsight() {
     let ahead = "An old man is walking across, with no room to get by without touching him, so the ego slows down and yields to him.";
     assert_eq!(yielding(CROSSING_EN, ahead), [""; 0]);
 }
+
+/// A route is a legal cause that was not observed (LABELING.md 6), and so is what Stage I did not list.
+#[test]
+fn a_route_and_what_stage_one_did_not_list_are_reasons() {
+    let of = |unobserved: &str| {
+        let label = json!({
+            "version": "2.1.0",
+            "clip_id": "clip_1",
+            "scenario": { "l1": "proactive", "l2": "turn", "l3": "left_unprotected" },
+            "time_range": { "start_timestamp": "2026-01-15T10:30:08.000Z", "end_timestamp": "2026-01-15T10:30:16.000Z" },
+            "keyframe": { "timestamp": "2026-01-15T10:30:10.000Z", "frame_idx": 100, "type": "reactive" },
+            "driving_decision": { "longitudinal": "resume", "lateral": "turn", "lateral_direction": "left" },
+            "critical_components": [{ "id": "c0", "description": "前方路口内没有其他车" }],
+            "coc_trace": "前方路口内没有其他车，导航路线在此路口左转，因此自车起步并左转。",
+            "causes": { "longitudinal": { "components": ["c0"] }, "lateral": { "unobserved": unobserved } },
+            "provenance": { "source": "person" },
+        });
+        let found = Checker::new(Framework::bundled()).check_text(&label.to_string());
+        let at = |d: &whyroad_model::Diagnostic| d.location.pointer.clone().unwrap_or_default();
+        let of = found.iter().filter(|d| at(d).starts_with("/causes/lateral"));
+        of.map(|d| d.code).collect::<Vec<_>>()
+    };
+    for reason in [
+        "导航路线在此路口左转",
+        "左转取决于对向来车是否通过，阶段一没有列出它",
+        "The turn follows the navigation route",
+        "It depends on the oncoming car, which is not listed in Stage I",
+    ] {
+        assert!(of(reason).is_empty(), "{reason}: {:?}", of(reason));
+    }
+    assert!(of("不太好说").contains(&"label.cause.unobserved"));
+}
+
+#[test]
+fn what_is_driving_past_the_junction_can_be_seen() {
+    let hindsight = |text: &str| {
+        following(&[text], "The lead is driving slowly, so the ego follows it.")
+            .contains(&"label.text.hindsight")
+    };
+    for text in ["An oncoming car is slowly driving past the junction", "The lead is past the junction"] {
+        assert!(!hindsight(text), "{text}");
+    }
+    for text in ["The lead stopped at the stop past the junction", "The lead gets past the junction"] {
+        assert!(hindsight(text), "{text}");
+    }
+}

@@ -6,3 +6,4 @@ mod corpus;
 mod counterfactual;
 mod facts;
 mod hindsight;
+mod recording;

@@ -19,7 +19,7 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
     match view.stage {
         Stage::Stage1 => {
             let probe = probe(draft, view);
-            let mut found = check(app, &probe);
+            let mut found = in_stage1(app, task, &probe);
             found.retain(|f| {
                 f.pointer.starts_with(pointer::CRITICAL_COMPONENTS)
                     || f.pointer.starts_with(pointer::KEYFRAME_TIMESTAMP)
@@ -139,9 +139,19 @@ pub fn has_error(findings: &[Finding]) -> bool {
     findings.iter().any(|f| f.severity == "error")
 }
 
-/// Findings of the checker in any label.
-pub fn check(app: &App, label: &Value) -> Vec<Finding> {
-    app.checker.check_text(&label.to_string()).iter().map(finding).collect()
+/// Findings of the checker in any label that may be seen in Stage I of `task`: from the recording only what lies at or
+/// before the keyframe.
+pub fn in_stage1(app: &App, task: &TaskRow, label: &Value) -> Vec<Finding> {
+    let checker = if is_of(task, label) { &app.stage1_checker } else { &app.checker };
+    checker.check_text(&label.to_string()).iter().map(finding).collect()
+}
+
+/// True for a label of the clip of `task` with a keyframe that is not later than the task's: up to it the recording may
+/// be shown.
+fn is_of(task: &TaskRow, label: &Value) -> bool {
+    let text = |at: &str| label.pointer(at).and_then(Value::as_str);
+    let keyframe = text(pointer::KEYFRAME_TIMESTAMP).and_then(|k| Nanos::parse_iso(k).ok());
+    text(pointer::CLIP_ID) == Some(task.clip_id.as_str()) && keyframe.is_some_and(|k| k.0 <= task.keyframe_ns)
 }
 
 /// The visible part of a draft, with neutral values for the hidden fields.

@@ -1,5 +1,6 @@
 //! Checks decisions against the class and against each other, with the table `scenarios/decisions.yaml`.
 
+use crate::check::motion::Shown;
 use crate::check::view::View;
 use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
@@ -10,6 +11,8 @@ use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
 const CODE: &str = "label.decision.impossible";
+/// Where the recorded motion shows the decision.
+const CLASS_CODE: &str = "label.class.motion";
 
 /// Reports at most one impossible part: the channel that contradicts the class, then the pair. Returns true when there
 /// is one.
@@ -19,6 +22,7 @@ pub(in crate::check) fn decisions(
     class: &ClassDecisions,
     table: &DecisionTable,
     names: &DecisionSets,
+    shown: &dyn Fn() -> Shown,
     sink: &mut dyn Sink,
 ) -> bool {
     let (Some(along), Some(across)) = (given(label.longitudinal), given(label.lateral)) else { return false };
@@ -31,6 +35,30 @@ pub(in crate::check) fn decisions(
         None => Bilingual::new("无决策变化", "no change of decision"),
     };
     let impossible = |sink: &mut dyn Sink, at: &'static str, found: &Bilingual, usual: Vec<Bilingual>| {
+        let shown = match at {
+            pointer::DRIVING_DECISION_LONGITUDINAL => shown().longitudinal,
+            pointer::DRIVING_DECISION_LATERAL | pointer::DRIVING_DECISION_LATERAL_DIRECTION => {
+                shown().lateral
+            }
+            _ => false,
+        };
+        if shown {
+            sink.report(Finding::warning(CLASS_CODE, pointer::SCENARIO), &|| {
+                let class = &prescribed.title;
+                Words::new(
+                    format!("“{}”没有决策“{}”，但记录中自车确实这样行驶：场景类别可能不对", class.zh, found.zh),
+                    format!(
+                        "the class '{}' has no decision '{}', but the recording shows it: the class may be wrong",
+                        class.en, found.en
+                    ),
+                )
+                .hint(
+                    "决策可以这样写；告诉负责人应为哪个场景类别",
+                    "the decision may stay; tell the lead which class it should be",
+                )
+            });
+            return true;
+        }
         sink.report(Finding::error(CODE, at), &|| {
             let class = &prescribed.title;
             let list = |pick: fn(&Bilingual) -> &String, or: &str| {

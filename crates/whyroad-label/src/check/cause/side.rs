@@ -3,7 +3,7 @@
 
 use crate::check::texts::TextScope;
 use whyroad_framework::Framework;
-use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
@@ -32,6 +32,13 @@ pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework
             || lower.split(|c: char| !c.is_ascii_alphabetic()).any(|w| w == side[1])
             || words.subjects.lanes.iter().any(|w| lower.contains(w.as_str()))
     };
+    // A route to that side is a cause that was not observed (LABELING.md 6).
+    if let Slot::Is(causes) = &label.causes
+        && let Slot::Is(cause) = &causes.lateral
+        && cause.unobserved.get().is_some_and(|t| names_it(t) || words.gives_reason(t))
+    {
+        return;
+    }
     let mut parts = label.parts.iter().map(|c| c.description.get());
     if label.parts.is_empty() || parts.any(|t| t.is_none_or(names_it)) {
         return;
@@ -39,12 +46,13 @@ pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework
     sink.report(Finding::warning("label.cause.kind", pointer::CAUSES_LATERAL), &|| {
         let name = framework.decisions.name(lateral.id());
         Words::new(
-            format!("没有关键要素提到自车要去的一侧，因此没有要素会引起“{}”", name.zh),
-            format!("no component mentions the side to which the ego goes, so none causes '{}'", name.en),
+            format!("没有关键要素说明为什么向{}{}", side[0], name.zh),
+            format!("no component states the reason for '{}' to the {}", name.en, side[1]),
         )
         .hint(
-            "补上那一侧的要素（空当、车道、路线），或把横向决策改为“无决策变化”",
-            "add what is on that side (a gap, a lane, the route), or remove the lateral decision",
+            "补上那一侧的要素（空当、车道），或写原因未观测到（路线），或把横向决策改为“无决策变化”",
+            "add what is on that side (a gap, a lane), state that the cause was not observed (the route), or remove the \
+             lateral decision",
         )
     });
 }

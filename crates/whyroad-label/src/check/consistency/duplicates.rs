@@ -67,8 +67,14 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     };
     let meanings: Vec<Meaning<'_>> =
         (0..facts.len()).map(|k| Meaning::of(text(k), &facts[k], words, background)).collect();
+    // Two linked objects are two things, however similar the texts are.
+    let linked = |k: usize| &label.parts[k].objects;
+    let are_two = |i: usize, j: usize| {
+        !linked(i).is_empty() && !linked(j).is_empty() && !linked(i).iter().any(|id| linked(j).contains(id))
+    };
     let same_facts = |i: usize, j: usize| {
-        groups[i].meets(groups[j])
+        !are_two(i, j)
+            && groups[i].meets(groups[j])
             && of_ego(i) == of_ego(j)
             && (introduced_twice((text(i), &facts[i]), (text(j), &facts[j]), words)
                 || meanings[i].may_repeat(&meanings[j])
@@ -90,8 +96,9 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
         .filter_map(|(c, facts)| Some((c.index, pieces(c.description.get()?, facts, &words.compared))))
         .collect();
     for (i, (index, own)) in all.iter().enumerate() {
-        let alike =
-            |(k, other): &&(usize, Pieces)| is_alike(own, other) || by_facts && same_facts(*index, *k);
+        let alike = |(k, other): &&(usize, Pieces)| {
+            !are_two(*index, *k) && is_alike(own, other) || by_facts && same_facts(*index, *k)
+        };
         let Some((first, _)) = all[..i].iter().find(alike) else { continue };
         let at = pointer::critical_components_item_description(*index);
         sink.report(Finding::warning("label.component.duplicate", at), &|| {

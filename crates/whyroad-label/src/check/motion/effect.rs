@@ -12,6 +12,9 @@ use whyroad_model::label_fields::pointer;
 use whyroad_model::names::class_name;
 use whyroad_model::{Bilingual, ObjectClass, TrackId};
 
+/// History in which a cause was visible, frames.
+const HISTORY_FRAMES: usize = 20;
+
 pub(super) fn check(
     label: &View<'_>,
     texts: &Texts,
@@ -49,7 +52,16 @@ pub(super) fn check(
     if found.effects.iter().filter(is_named).any(|e| !e.is_none()) {
         return;
     }
-    let Some(other) = found.effects.iter().find(|e| !is_named(e) && e.is_plain()) else { return };
+    // Nothing that came into view later can be a cause.
+    let was_seen = |e: &&Effect| match &e.removed {
+        Removed::Light => true,
+        Removed::Object(id) => {
+            let history = w.keyframe.saturating_sub(HISTORY_FRAMES)..=w.keyframe;
+            w.drive.track(id).is_some_and(|t| t.frames.iter().any(|f| history.contains(&(*f as usize))))
+        }
+    };
+    let other = found.effects.iter().filter(was_seen).find(|e| !is_named(e) && e.is_plain());
+    let Some(other) = other else { return };
     sink.report(Finding::warning("label.cause.no_effect", pointer::CAUSES_LONGITUDINAL), &|| {
         let what = match &other.removed {
             Removed::Light => Bilingual::new("本车道的信号灯", "the light of the ego's lane"),

@@ -1,6 +1,8 @@
 //! The objects of the components against the tracks: they exist, could be seen at their evidence times, and have the
 //! position and motion that the text states.
 
+mod place;
+
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
@@ -32,6 +34,17 @@ pub(super) fn check(
         let mut broken = false;
         for (k, id) in c.objects.iter().enumerate() {
             match w.drive.track(&TrackId::from(*id)) {
+                Some(t) if t.frames.first().is_some_and(|f| *f as usize > w.keyframe + 2) => {
+                    broken = true;
+                    let at = pointer::critical_components_item_linked_objects_item(c.index, k);
+                    sink.report(Finding::error("label.object.unseen", at), &|| {
+                        Words::new(
+                            "该目标在关键帧之后才出现",
+                            "the object came into view only after the keyframe",
+                        )
+                        .hint("关联关键帧时能看到的目标", "link an object that can be seen at the keyframe")
+                    });
+                }
                 Some(_) => linked.push(*id),
                 None => {
                     broken = true;
@@ -106,7 +119,7 @@ fn unseen(c: &ComponentView<'_>, linked: &[&str], w: &Driven<'_>, sink: &mut dyn
     false
 }
 
-/// The linked object has the class, the side and the state that the text gives it.
+/// The linked object has the class, the place, the speed and the state that the text gives it.
 fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driven<'_>, sink: &mut dyn Sink) {
     let signals = w.signals;
     let track = TrackId::from(id);
@@ -114,7 +127,7 @@ fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driv
     let at = pointer::critical_components_item_description(c.index);
     let class = w.drive.track(&track).map_or(ObjectClass::Unknown, |t| t.class);
     if !class_fits(words, n, class) {
-        sink.report(Finding::error("label.object.class", at), &|| {
+        sink.report(Finding::error("label.object.class", at.clone()), &|| {
             let name = class_name(class);
             Words::new(
                 format!("关联的目标是{}，与描述不符", name.zh),
@@ -122,34 +135,21 @@ fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driv
             )
             .hint("改正描述，或关联另一个目标", "correct the text, or link another object")
         });
-        return;
     }
     let mut frames = frames_of(c, w);
     frames.push(w.keyframe);
     let rows: Vec<(usize, usize)> = frames.iter().filter_map(|f| Some((*f, span.row(*f)?))).collect();
-    let number = |name: &str, row: usize| signals.target_columns.get(name).and_then(|c| c.number(row));
-    if let Some(left) = n.side {
-        let laterals: Vec<f64> = rows.iter().filter_map(|(_, r)| number("target.lateral", *r)).collect();
-        let wrong = |y: &f64| if left { *y < -SIDE_M } else { *y > SIDE_M };
-        if !laterals.is_empty() && laterals.iter().all(wrong) {
-            sink.report(Finding::error("label.object.position", at), &|| {
-                let (side, y) =
-                    (if laterals[0] > 0.0 { ("左", "left") } else { ("右", "right") }, laterals[0].abs());
-                Words::new(
-                    format!("该目标在自车{}侧 {y:.1} m，与描述的方位不符", side.0),
-                    format!(
-                        "the object is {y:.1} m to the {} of the ego, not on the side that the text names",
-                        side.1
-                    ),
-                )
-            });
-            return;
-        }
+    let values = |name: &str| -> Vec<f64> {
+        let column = signals.target_columns.get(name);
+        rows.iter().filter_map(|(_, r)| column.and_then(|c| c.number(*r))).filter(|v| v.is_finite()).collect()
+    };
+    if place::check(c, n, words, &values, &at, sink) {
+        return;
     }
-    let speeds: Vec<f64> = rows.iter().filter_map(|(_, r)| number("target.speed", *r)).collect();
+    let speeds = values("target.speed");
     let Some(slowest) = speeds.iter().copied().min_by(f64::total_cmp) else { return };
     let fastest = speeds.iter().copied().fold(0.0, f64::max);
-    let accels: Vec<f64> = rows.iter().filter_map(|(_, r)| number("target.accel", *r)).collect();
+    let accels = values("target.accel");
     let moves_off = !accels.is_empty() && accels.iter().all(|a| *a > 0.7);
     let wrong = match n.state {
         Some(SaidState::Standing) => slowest > 1.5,
@@ -165,7 +165,9 @@ fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driv
                 format!("the object moves at {v:.0} km/h at the evidence times, which differs from the text"),
             )
         });
+        return;
     }
+    place::speed(c, n, words, (slowest, fastest), &at, sink);
 }
 
 fn class_fits(words: &LabelWords, n: &Named, class: ObjectClass) -> bool {
@@ -174,6 +176,10 @@ fn class_fits(words: &LabelWords, n: &Named, class: ObjectClass) -> bool {
     let motorcycle = own.meets(kind(words, "motorcycle")) || own.meets(kind(words, "rider"));
     match class {
         ObjectClass::Unknown | ObjectClass::StaticObject | ObjectClass::Cone => true,
+        ObjectClass::Vehicle => own.meets(vehicle),
+        ObjectClass::Car => {
+            own.meets(vehicle) && !own.meets(kind(words, "bus")) && !own.meets(kind(words, "truck"))
+        }
         ObjectClass::Animal => own.meets(kind(words, "animal")),
         ObjectClass::Motorcycle | ObjectClass::Motorcyclist => motorcycle || own.meets(vehicle),
         c if c.is_vru() => own.meets(vru),

@@ -92,9 +92,9 @@ pub fn validate(call: &Call<'_>) -> Answer<Reply> {
     if label.to_string().len() > MAX_DRAFT {
         return Err(Problem::new(413, "draft.too_large", "草稿过大", "the draft is too large"));
     }
-    // In Stage I without the recording, because it contains the future.
+    // In Stage I without what the recording has after the keyframe.
     let findings = match t.view().stage {
-        Stage::Stage1 => findings::check(call.app, &label),
+        Stage::Stage1 => findings::in_stage1(call.app, &t, &label),
         Stage::Stage2 => findings::of(call.app, &t, &label, t.view()),
     };
     Reply::json(&Findings { findings })

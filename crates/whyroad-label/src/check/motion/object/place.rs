@@ -1,0 +1,175 @@
+//! Where a linked object is, how far away, and how fast, against what the text states.
+
+use super::{SIDE_M, kind};
+use crate::check::reading::Named;
+use crate::check::view::ComponentView;
+use crate::driven::kmh;
+use whyroad_framework::LabelWords;
+use whyroad_framework::check::{Finding, Sink, Words};
+
+/// Minimum distance along the ego's axis at which ahead and behind are certain, m.
+const ALONG_M: f64 = 6.0;
+/// Lengths in a text that may be distances; shorter ones are widths and margins, m.
+const DISTANCES_M: std::ops::RangeInclusive<f64> = 8.0..=300.0;
+/// A distance differs by at least this share of the larger one, and by this, m: people estimate, and measure from bumper
+/// to bumper or from center to center.
+const DISTANCE_SHARE: f64 = 0.4;
+const DISTANCE_M: f64 = 8.0;
+/// The same for a speed, km/h.
+const SPEED_SHARE: f64 = 0.4;
+const SPEED_KMH: f64 = 12.0;
+/// Headings that differ by less are not those of oncoming traffic, rad (100 deg), where the object moves, m/s.
+const ONCOMING_RAD: f64 = 1.75;
+const MOVES_MPS: f64 = 1.5;
+/// Words that place a thing behind the ego: before its name in Chinese, after it in English.
+const BEHIND_ZH: [&str; 4] = ["后方的", "后面的", "身后的", "后方"];
+const BEHIND_EN: [&str; 4] = [" behind the ego", " behind us", " from behind", " behind our"];
+
+/// Reports the first contradiction in side, direction or distance. `values`: those of a signal at the evidence times and
+/// at the keyframe.
+pub(super) fn check(
+    c: &ComponentView<'_>,
+    n: &Named,
+    words: &LabelWords,
+    values: &dyn Fn(&str) -> Vec<f64>,
+    at: &str,
+    sink: &mut dyn Sink,
+) -> bool {
+    let all = |v: &[f64], wrong: &dyn Fn(f64) -> bool| !v.is_empty() && v.iter().all(|x| wrong(*x));
+    let position = |sink: &mut dyn Sink, is_error: bool, zh: String, en: String| {
+        let code = "label.object.position";
+        let finding = if is_error {
+            Finding::error(code, at.to_owned())
+        } else {
+            Finding::warning(code, at.to_owned())
+        };
+        sink.report(finding, &|| {
+            Words::new(zh.clone(), en.clone())
+                .hint("改正描述，或关联另一个目标", "correct the text, or link another object")
+        });
+        true
+    };
+    if let Some(left) = n.side {
+        let laterals = values("target.lateral");
+        if all(&laterals, &|y| if left { y < -SIDE_M } else { y > SIDE_M }) {
+            let (side, y) =
+                (if laterals[0] > 0.0 { ("左", "left") } else { ("右", "right") }, laterals[0].abs());
+            return position(
+                sink,
+                true,
+                format!("该目标在自车{}侧 {y:.1} m，与描述的方位不符", side.0),
+                format!(
+                    "the object is {y:.1} m to the {} of the ego, not on the side that the text names",
+                    side.1
+                ),
+            );
+        }
+    }
+    let Some(text) = c.description.get() else { return false };
+    let ahead = values("target.longitudinal");
+    let behind = said_behind(text, n);
+    let wrong =
+        if behind { all(&ahead, &|x| x > ALONG_M) } else { n.ahead && all(&ahead, &|x| x < -ALONG_M) };
+    if wrong {
+        let (x, place) =
+            (ahead[0].abs(), if ahead[0] > 0.0 { ("前方", "ahead of") } else { ("后方", "behind") });
+        return position(
+            sink,
+            false,
+            format!("该目标在自车{} {x:.0} m，与描述的方位不符", place.0),
+            format!("the object is {x:.0} m {} the ego, which differs from the text", place.1),
+        );
+    }
+    if words.objects[n.group].own.meets(kind(words, "oncoming")) {
+        let (turned, speeds) = (values("target.heading_difference"), values("target.speed"));
+        if all(&turned, &|a| a.abs() < ONCOMING_RAD) && all(&speeds, &|v| v > MOVES_MPS) {
+            let degrees = turned[0].to_degrees().abs();
+            return position(
+                sink,
+                false,
+                format!("该目标的航向与自车相差 {degrees:.0}°，不是对向来车"),
+                format!(
+                    "the object's heading differs from the ego's by {degrees:.0} degrees: it is not oncoming"
+                ),
+            );
+        }
+    }
+    // A text with one length and one thing: how far away it is.
+    let lengths = words.quantities.lengths(text);
+    let distances = values("target.distance");
+    if let ([said], false) = (lengths.as_slice(), distances.is_empty()) {
+        let is = said.value;
+        let differs = |d: f64| (d - is).abs() > DISTANCE_M.max(DISTANCE_SHARE * d.max(is));
+        if DISTANCES_M.contains(&is) && !names_speed(text) && only_thing(text, n) && all(&distances, &differs)
+        {
+            let d = distances[distances.len() - 1];
+            return position(
+                sink,
+                false,
+                format!("该目标距自车 {d:.0} m，描述为 {is:.0} m"),
+                format!("the object is {d:.0} m from the ego, the text states {is:.0} m"),
+            );
+        }
+    }
+    false
+}
+
+/// Reports a speed that differs from the recorded ones, m/s.
+pub(super) fn speed(
+    c: &ComponentView<'_>,
+    n: &Named,
+    words: &LabelWords,
+    (slowest, fastest): (f64, f64),
+    at: &str,
+    sink: &mut dyn Sink,
+) {
+    let Some(text) = c.description.get() else { return };
+    let speeds = words.quantities.find(text, "km/h");
+    let ([said], true, true) = (speeds.as_slice(), names_speed(text), only_thing(text, n)) else {
+        return;
+    };
+    let is = said.value;
+    let differs = |v: f64| (v - is).abs() > SPEED_KMH.max(SPEED_SHARE * v.max(is));
+    let (low, high) = (kmh(slowest), kmh(fastest));
+    if !differs(low) || !differs(high) || (low..=high).contains(&is) {
+        return;
+    }
+    sink.report(Finding::warning("label.object.state", at.to_owned()), &|| {
+        Words::new(
+            format!("该目标的车速为 {high:.0} km/h，描述为 {is:.0} km/h"),
+            format!("the object moves at {high:.0} km/h, the text states {is:.0} km/h"),
+        )
+    });
+}
+
+fn names_speed(text: &str) -> bool {
+    ["时速", "车速", "km/h", "kph", "公里/小时", "每小时"].iter().any(|w| text.contains(w))
+}
+
+/// The text places the thing behind the ego.
+fn said_behind(text: &str, n: &Named) -> bool {
+    let after = text[n.end..].to_ascii_lowercase();
+    BEHIND_ZH.iter().any(|w| text[..n.start].ends_with(w)) || BEHIND_EN.iter().any(|w| after.starts_with(w))
+}
+
+/// The text is about nothing else that a number could belong to: one clause that begins with the thing.
+fn only_thing(text: &str, n: &Named) -> bool {
+    const OTHERS: [&str; 14] = [
+        "路口",
+        "停止线",
+        "斑马线",
+        "限速",
+        "限高",
+        "匝道",
+        "junction",
+        "intersection",
+        "stop line",
+        "crosswalk",
+        "limit",
+        "from the",
+        "of the lane",
+        "自车车速",
+    ];
+    let lower = text.to_ascii_lowercase();
+    n.end <= text.len() && !OTHERS.iter().any(|w| lower.contains(w))
+}

@@ -1,0 +1,249 @@
+//! Labels against a recording in closed form: the ego drives east and brakes, beside it a car, a bus and a crossing
+//! vehicle. What is true is in the formulas; distances, sides and speeds of the texts follow from them.
+
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use whyroad_framework::Framework;
+use whyroad_label::check::{Checker, Recorded, Recordings};
+use whyroad_model::scene::{Ego, Motion, Track};
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::time::FrameRange;
+use whyroad_model::{Column, Diagnostic, Drive, Nanos, ObjectClass, SignalTable};
+
+const FRAMES: usize = 160;
+/// The keyframe, 8 s after the start.
+const KEYFRAME: usize = 80;
+const TIME: &str = "2026-01-15T10:30:10.000Z";
+
+fn time() -> Nanos {
+    Nanos::parse_iso(TIME).unwrap()
+}
+
+/// The ego's speed, m/s: 10 up to the keyframe, then braking at 2 m/s2 to 4, or `turns` at a steady 10 m/s.
+fn speed(frame: usize) -> f64 {
+    (10.0 - 0.2 * frame.saturating_sub(KEYFRAME) as f64).max(4.0)
+}
+
+/// One object: class, position and heading relative to the ego at the keyframe, and speed, m, rad, m/s.
+type Object = (&'static str, ObjectClass, [f64; 2], f64, f64);
+
+/// In the order of their ids, as the tracks of a drive.
+const OBJECTS: [Object; 4] = [
+    ("any", ObjectClass::Vehicle, [25.0, 3.5], 0.0, 9.0),
+    ("bus", ObjectClass::Bus, [40.0, 12.0], -std::f64::consts::FRAC_PI_2, 8.0),
+    ("car", ObjectClass::Car, [10.0, 0.0], 0.0, 5.0),
+    ("late", ObjectClass::Car, [30.0, 0.0], 0.0, 2.0),
+];
+
+/// The drive, its last `FRAMES - end` frames cut off; `late` comes into view 3 s after the keyframe. The ego's heading
+/// changes by `turn_deg` in the 4 s after the keyframe.
+fn recorded(end: usize, turn_deg: f64) -> Recorded {
+    let times: Vec<Nanos> = (0..end).map(|f| time().plus_secs((f as f64 - KEYFRAME as f64) / 10.0)).collect();
+    let mut ego = Motion::unknown(end);
+    for f in 0..end {
+        let turned = (f.saturating_sub(KEYFRAME) as f64 / 40.0).min(1.0);
+        (ego.x[f], ego.y[f], ego.heading[f]) = (f as f64, 0.0, turned * turn_deg.to_radians());
+        (ego.vx[f], ego.vy[f]) = (speed(f), 0.0);
+    }
+    let (mut tracks, mut targets, mut rows) = (Vec::new(), Vec::new(), 0);
+    let mut columns: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for (id, class, [x, y], heading, v) in OBJECTS {
+        let first = if id == "late" { KEYFRAME + 30 } else { 0 };
+        if first >= end {
+            continue;
+        }
+        let n = end - first;
+        tracks.push(Track {
+            id: id.into(),
+            class,
+            frames: (first as u32..end as u32).collect(),
+            motion: Motion::unknown(n),
+            ..Track::default()
+        });
+        targets.push(TargetSpan {
+            id: id.into(),
+            class,
+            first_row: rows,
+            frames: FrameRange { start: first, end },
+        });
+        rows += n;
+        let values = [
+            ("target.longitudinal", x),
+            ("target.lateral", y),
+            ("target.distance", x.hypot(y)),
+            ("target.heading_difference", heading),
+            ("target.speed", v),
+            ("target.accel", 0.0),
+        ];
+        for (name, value) in values {
+            columns.entry(name.to_owned()).or_default().extend(std::iter::repeat_n(value, n));
+        }
+    }
+    let signals = SignalTable {
+        times: times.clone(),
+        frame_columns: BTreeMap::from([(
+            "ego.speed".to_owned(),
+            Column::Number((0..end).map(speed).collect()),
+        )]),
+        targets,
+        target_columns: columns.into_iter().map(|(name, v)| (name, Column::Number(v))).collect(),
+        ..SignalTable::default()
+    };
+    let ego = Ego { length_m: 4.6, width_m: 1.9, motion: ego, ..Ego::default() };
+    let drive = Drive { times, ego: Some(ego), tracks, ..Drive::default() };
+    Recorded { drive: Arc::new(drive), signals: Arc::new(signals), episodes: Vec::new() }
+}
+
+struct Lake {
+    turn_deg: f64,
+    /// What Stage I knew of the car's speed, m/s.
+    then: f64,
+}
+
+impl Recordings for Lake {
+    fn of_clip(&self, _: &str) -> Option<Arc<Recorded>> {
+        Some(Arc::new(recorded(FRAMES, self.turn_deg)))
+    }
+
+    fn until(&self, _: &str, keyframe: Nanos) -> Option<Arc<Recorded>> {
+        assert_eq!(keyframe, time());
+        let mut cut = recorded(KEYFRAME + 1, 0.0);
+        let signals = Arc::get_mut(&mut cut.signals).unwrap();
+        let Some(Column::Number(speeds)) = signals.target_columns.get_mut("target.speed") else { panic!() };
+        // The rows of the car, the third object.
+        speeds[2 * (KEYFRAME + 1)..].fill(self.then);
+        Some(Arc::new(cut))
+    }
+}
+
+/// The whole drive alone, without what Stage I showed.
+struct Whole;
+
+impl Recordings for Whole {
+    fn of_clip(&self, _: &str) -> Option<Arc<Recorded>> {
+        Some(Arc::new(recorded(FRAMES, 0.0)))
+    }
+}
+
+fn label(class: [&str; 3], decision: Value, components: &[(&str, &str)]) -> Value {
+    let part = |(i, (text, id)): (usize, &(&str, &str))| json!({ "id": format!("c{i}"), "description": text, "linked_objects": [id] });
+    let channel = if decision["longitudinal"].is_null() { "lateral" } else { "longitudinal" };
+    let ids: Vec<String> = (0..components.len()).map(|i| format!("c{i}")).collect();
+    json!({
+        "version": "2.1.0",
+        "clip_id": "clip_1",
+        "scenario": { "l1": class[0], "l2": class[1], "l3": class[2] },
+        "time_range": { "start_timestamp": TIME, "end_timestamp": "2026-01-15T10:30:15.000Z" },
+        "keyframe": { "timestamp": TIME, "frame_idx": 100, "type": "reactive" },
+        "driving_decision": decision,
+        "critical_components": components.iter().enumerate().map(part).collect::<Vec<_>>(),
+        "coc_trace": "前方的车挡在自车要走的路线上，继续前行会与它相撞，因此自车减速让行，等它过去。",
+        "causes": { channel: { "components": ids } },
+        "provenance": { "source": "person" },
+    })
+}
+
+fn found(checker: &Checker<'_>, label: &Value, part: &str) -> Vec<(&'static str, bool)> {
+    let all: Vec<Diagnostic> = checker.check_text(&label.to_string());
+    let of = all.iter().filter(|d| d.code.starts_with(part));
+    of.map(|d| (d.code, d.severity == whyroad_model::Severity::Error)).collect()
+}
+
+fn whole(turn_deg: f64, then: f64) -> Checker<'static> {
+    Checker::new(Framework::bundled()).with_recordings(Arc::new(Lake { turn_deg, then }))
+}
+
+fn stage_one() -> Checker<'static> {
+    Checker::new(Framework::bundled()).with_histories(Arc::new(Lake { turn_deg: 0.0, then: 5.0 }))
+}
+
+const CUT_IN: [&str; 3] = ["reactive_agent", "cutin", "slow"];
+
+fn yields() -> Value {
+    json!({ "longitudinal": "yield_to_agent", "lateral": null })
+}
+
+#[test]
+fn components_are_compared_with_the_history_before_anything_is_locked() {
+    let of =
+        |text: &str, id: &str| found(&stage_one(), &label(CUT_IN, yields(), &[(text, id)]), "label.object.");
+    for (text, id, codes) in [
+        // The linked car is 10 m ahead in the ego's lane and drives 18 km/h.
+        ("前方的卡车正在急刹", "car", vec![("label.object.class", true)]),
+        ("后方的轿车正在靠近", "car", vec![("label.object.position", false)]),
+        ("前方 60 m 处的轿车正在减速", "car", vec![("label.object.position", false)]),
+        (
+            "前方 60 m 处的卡车正在减速",
+            "car",
+            vec![("label.object.class", true), ("label.object.position", false)],
+        ),
+        ("前方的轿车停着不动", "car", vec![("label.object.state", false)]),
+        ("前方的轿车以时速 50 公里行驶", "car", vec![("label.object.state", false)]),
+        // The bus comes from the left, at a right angle.
+        ("对向来车正在驶近", "bus", vec![("label.object.position", false)]),
+        ("右侧的公交车正在横穿", "bus", vec![("label.object.position", true)]),
+        // It is not in the history.
+        ("前方的轿车正在减速", "late", vec![("label.object.unknown", true)]),
+        // True of them.
+        ("前方 10 m 处的轿车正在慢行", "car", vec![]),
+        ("前方的轿车以时速 20 公里行驶", "car", vec![]),
+        ("左侧一辆公交车正在横穿前方路口", "bus", vec![]),
+    ] {
+        assert_eq!(of(text, id), codes, "{text}");
+    }
+}
+
+#[test]
+fn an_object_that_appears_later_is_not_seen() {
+    let late = label(CUT_IN, yields(), &[("前方的轿车正在减速", "late")]);
+    let checker = Checker::new(Framework::bundled()).with_recordings(Arc::new(Whole));
+    assert_eq!(found(&checker, &late, "label.object."), [("label.object.unseen", true)]);
+}
+
+/// A vehicle of unknown kind may be any of them.
+#[test]
+fn a_vehicle_of_unknown_kind_has_every_name_of_a_vehicle_and_none_of_a_person() {
+    let of = |text: &str| found(&stage_one(), &label(CUT_IN, yields(), &[(text, "any")]), "label.object.");
+    for text in ["左侧的轿车正在切入", "左侧的卡车正在切入", "左侧的公交车正在切入", "左侧一辆机动车正在切入"]
+    {
+        assert!(of(text).is_empty(), "{text}");
+    }
+    assert_eq!(of("左侧的行人正在横穿"), [("label.object.class", true)]);
+}
+
+/// The car stood by the values of Stage I, and by the smoothed ones it drives 18 km/h.
+#[test]
+fn what_was_true_of_the_values_of_stage_one_is_no_fault_later() {
+    let standing = label(CUT_IN, yields(), &[("前方的轿车停着不动", "car")]);
+    assert_eq!(found(&whole(0.0, 5.0), &standing, "label.object."), [("label.object.state", false)]);
+    assert!(found(&whole(0.0, 0.2), &standing, "label.object.").is_empty());
+}
+
+/// LABELING.md 1: the axis of classification is the trigger. The ego brakes from 36 to 14 km/h; it turns by 44 degrees,
+/// which the taxonomy still calls straight (below 45).
+#[test]
+fn a_decision_that_the_recording_shows_is_a_doubt_about_the_class() {
+    let straight = ["proactive", "turn", "straight"];
+    let of = |decision: Value, turn_deg: f64| {
+        let l = label(straight, decision, &[("前方的轿车正在慢行", "car")]);
+        let all = found(&whole(turn_deg, 5.0), &l, "label.");
+        let asked = ["label.class.motion", "label.decision.impossible"];
+        all.into_iter().filter(|(code, _)| asked.contains(code)).collect::<Vec<_>>()
+    };
+    let turn = |side: &str| json!({ "longitudinal": null, "lateral": "turn", "lateral_direction": side });
+    assert_eq!(of(yields(), 0.0), [("label.class.motion", false)]);
+    assert_eq!(of(turn("right"), -44.0), [("label.class.motion", false)]);
+    assert_eq!(of(turn("right"), -10.0), [("label.decision.impossible", true)]);
+    assert_eq!(of(turn("left"), -44.0), [("label.decision.impossible", true)]);
+}
+
+#[test]
+fn two_linked_objects_are_two_components() {
+    let twice = |a: &str, b: &str| {
+        let parts = [("前方一辆车正在慢慢行驶挡住自车", a), ("前方一辆车正在慢慢行驶挡住自车", b)];
+        found(&stage_one(), &label(CUT_IN, yields(), &parts), "label.component.duplicate")
+    };
+    assert!(twice("car", "any").is_empty());
+    assert_eq!(twice("car", "car").len(), 1);
+}
