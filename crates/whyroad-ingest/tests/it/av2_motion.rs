@@ -71,7 +71,7 @@ fn classes_are_those_of_the_object_types() {
     }
     // pandas, rows by object_type; of the 1774 of vehicles 110 are the AV's.
     let expected = [
-        (ObjectClass::Car, 1664),
+        (ObjectClass::Vehicle, 1664),
         (ObjectClass::Bicycle, 142),
         (ObjectClass::Pedestrian, 329),
         (ObjectClass::StaticObject, 167),
