@@ -104,8 +104,8 @@ pub trait Recordings: Send + Sync {
         None
     }
 
-    /// The drive of a clip as Stage I shows it, cut at `keyframe`, for checks of components: it has nothing of what comes
-    /// later. `None` if it is not available.
+    /// The drive of a clip as Stage I shows it, cut at `keyframe`, for checks of components: it has nothing of
+    /// what comes later. `None` if it is not available.
     fn recorded_until(&self, _clip_id: &str, _keyframe: Nanos) -> Option<Arc<Recorded>> {
         None
     }

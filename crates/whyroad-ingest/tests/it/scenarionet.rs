@@ -212,7 +212,7 @@ fn a_database_is_recognised_and_the_same_scenario_comes_in_once() {
     assert_eq!((outcome(), outcome()), (Some(WriteOutcome::Written), Some(WriteOutcome::Unchanged)));
 }
 
-/// Scenes of nuScenes as ScenarioNet converts them. Classes: the objects by `metadata.type`, counted with Python's pickle
+/// Scenes of nuScenes in ScenarioNet pickles. Classes: the objects by `metadata.type`, counted by Python's pickle
 /// (cars, trucks with trailers, buses, construction vehicles, motorcycles, bicycles). Poses: the rows from the step
 /// backwards on (-0.35, -0.42 and -1.91 m along the heading within 0.1 s), by numpy.
 #[test]

@@ -470,7 +470,9 @@ fn a_route_and_what_stage_one_did_not_list_are_reasons() {
             "version": "2.1.0",
             "clip_id": "clip_1",
             "scenario": { "l1": "proactive", "l2": "turn", "l3": "left_unprotected" },
-            "time_range": { "start_timestamp": "2026-01-15T10:30:08.000Z", "end_timestamp": "2026-01-15T10:30:16.000Z" },
+            "time_range": {
+                "start_timestamp": "2026-01-15T10:30:08.000Z", "end_timestamp": "2026-01-15T10:30:16.000Z"
+            },
             "keyframe": { "timestamp": "2026-01-15T10:30:10.000Z", "frame_idx": 100, "type": "reactive" },
             "driving_decision": { "longitudinal": "resume", "lateral": "turn", "lateral_direction": "left" },
             "critical_components": [{ "id": "c0", "description": "前方路口内没有其他车" }],

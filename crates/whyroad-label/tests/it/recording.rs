@@ -127,7 +127,10 @@ impl Recordings for Whole {
 }
 
 fn label(class: [&str; 3], decision: Value, components: &[(&str, &str)]) -> Value {
-    let part = |(i, (text, id)): (usize, &(&str, &str))| json!({ "id": format!("c{i}"), "description": text, "linked_objects": [id] });
+    let part = |(i, (text, id)): (usize, &(&str, &str))| {
+        let own = format!("c{i}");
+        json!({ "id": own, "description": text, "linked_objects": [id] })
+    };
     let channel = if decision["longitudinal"].is_null() { "lateral" } else { "longitudinal" };
     let ids: Vec<String> = (0..components.len()).map(|i| format!("c{i}")).collect();
     json!({

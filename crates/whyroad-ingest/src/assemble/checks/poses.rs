@@ -8,7 +8,7 @@ use whyroad_model::scene::{Drive, Motion};
 /// Minimum speed before the step, m/s, and minimum length of the step, m.
 const DRIVES_MPS: f64 = 1.0;
 const STEP_M: f64 = 0.1;
-/// After a step, poses are unknown for as long as they are behind the place that the ego can reach by braking at 1 g, at
+/// After a step, poses are unknown for as long as they are behind the place that it can reach by braking at 1 g, at
 /// most this time: poses that stay displaced are a correction of the localization, s.
 const DISPLACED_S: f64 = 1.0;
 const BRAKING_MPS2: f64 = 9.81;
@@ -42,8 +42,8 @@ pub(super) fn steps_back(drive: &mut Drive) -> Option<Diagnostic> {
         "ingest.pose.impossible",
         format!("行程开始后 {at:.1} s，自车在前进中向后跳；{n} 行位姿不可能，记为未知"),
         format!(
-            "{at:.1} s after its start the ego jumps backwards while it drives forwards; {n} poses are impossible and are \
-             set to unknown"
+            "{at:.1} s after its start the ego jumps backwards while it drives forwards; {n} poses are impossible and \
+             are set to unknown"
         ),
     ))
 }

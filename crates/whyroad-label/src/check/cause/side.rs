@@ -51,7 +51,7 @@ pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework
         )
         .hint(
             "补上那一侧的要素（空当、车道），或写原因未观测到（路线），或把横向决策改为“无决策变化”",
-            "add what is on that side (a gap, a lane), state that the cause was not observed (the route), or remove the \
+            "add what is on that side (a gap, a lane), say that the cause was not observed (the route), or remove the \
              lateral decision",
         )
     });

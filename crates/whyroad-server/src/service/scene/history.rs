@@ -1,10 +1,10 @@
-//! Values up to the keyframe are the same in both stages: those of the drive cut at the keyframe, by which the components
-//! were written. The whole drive has others, because its estimates use later measurements.
+//! Values up to the keyframe are the same in both stages: those of the drive cut at the keyframe, by which the
+//! components were written. The whole drive has others, because its estimates use later measurements.
 
 use crate::domain::scene::SceneView;
 use serde_json::Value;
 
-/// Half of the window of a derivative, s (`schema/signals.yaml`, `ego.jerk`): nearer to the end of a drive it is one-sided.
+/// Half of the window of a derivative, s (`schema/signals.yaml`, `ego.jerk`): nearer to the end it is one-sided.
 const REACH_S: f64 = 0.2;
 /// The signal that is a derivative of a derivative: one-sided it is mostly noise.
 const JERK: &str = "ego.jerk";

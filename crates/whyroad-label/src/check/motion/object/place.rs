@@ -11,7 +11,7 @@ use whyroad_framework::check::{Finding, Sink, Words};
 const ALONG_M: f64 = 6.0;
 /// Lengths in a text that may be distances; shorter ones are widths and margins, m.
 const DISTANCES_M: std::ops::RangeInclusive<f64> = 8.0..=300.0;
-/// A distance differs by at least this share of the larger one, and by this, m: people estimate, and measure from bumper
+/// A distance differs by at least this share of the larger one, and this, m: people estimate, and measure from bumper
 /// to bumper or from center to center.
 const DISTANCE_SHARE: f64 = 0.4;
 const DISTANCE_M: f64 = 8.0;
@@ -25,7 +25,7 @@ const MOVES_MPS: f64 = 1.5;
 const BEHIND_ZH: [&str; 4] = ["后方的", "后面的", "身后的", "后方"];
 const BEHIND_EN: [&str; 4] = [" behind the ego", " behind us", " from behind", " behind our"];
 
-/// Reports the first contradiction in side, direction or distance. `values`: those of a signal at the evidence times and
+/// Reports the first contradiction in side, direction or distance. `values`: a signal's at the evidence times and
 /// at the keyframe.
 pub(super) fn check(
     c: &ComponentView<'_>,
