@@ -42,7 +42,7 @@ pub(crate) fn of(sample: &Sample, named: &BTreeSet<String>) -> Vec<f32> {
     put(row(0.0).and_then(|(o, r)| o.vy[r]), 1.0);
     let class = target.map(|o| o.class.as_str());
     for group in [
-        ["car", "emergency_vehicle", "tricycle", "", ""],
+        ["car", "emergency_vehicle", "tricycle", "vehicle", ""],
         ["truck", "bus", "large_vehicle", "", ""],
         ["bicycle", "bicyclist", "motorcycle", "motorcyclist", "e_bike"],
         ["pedestrian", "wheeled_pedestrian", "animal", "", ""],

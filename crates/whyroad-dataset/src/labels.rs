@@ -319,7 +319,7 @@ fn of_task(task: &Value, checker: &Checker<'_>) -> Result<Read, Fault> {
         _ if task["overlap_count"].as_i64().is_some_and(|n| n > 1) => Some((
             "not_chosen",
             Bilingual::new(
-                "同一事件有多份标签，尚未选用其中一份",
+                "同一事件有多份标签，尚未采用其中一份",
                 "there are several labels of the episode, of which none was chosen",
             ),
         )),

@@ -49,8 +49,14 @@ pub struct Claim {
 
 impl Claim {
     fn is_made(&self, text: &str, lang: Lang) -> bool {
-        let words = if lang == Lang::Zh { &self.zh } else { &self.en };
-        words.iter().any(|word| text.contains(word.as_str()))
+        match lang {
+            Lang::Zh => self.zh.iter().any(|word| text.contains(word.as_str())),
+            // A sentence may begin with one.
+            Lang::En => {
+                let text = text.to_ascii_lowercase();
+                self.en.iter().any(|word| text.contains(word.as_str()))
+            }
+        }
     }
 
     fn is_of(&self, class: &ScenarioId) -> bool {

@@ -116,7 +116,7 @@ impl<'f> Checker<'f> {
         } else if self.stage_one
             && let Some(history) = until_keyframe()
         {
-            motion::components(label, &history, self.framework, sink);
+            motion::components(label, &history, None, self.framework, sink);
         }
     }
 

@@ -11,7 +11,7 @@ const LONGITUDINAL: Record<string, TextPair> = {
   gap_matching: ["自车调整车速匹配空档", "the ego adjusts its speed to the gap"],
   acceleration_for_passing: ["自车加速超车", "the ego accelerates to pass"],
   yield_to_agent: ["自车让行", "the ego yields"],
-  stop_for_regulation: ["自车在停止线前停车", "the ego stops at the stop line"],
+  stop_for_regulation: ["自车按规定停车", "the ego stops as required"],
   stop_for_obstacle: ["自车减速停车", "the ego slows down and stops"],
   resume: ["自车起步", "the ego moves off"],
 };
@@ -22,7 +22,7 @@ const LATERAL: Record<string, TextPair> = {
   in_lane_nudge: ["在本车道内[向{side}]偏移", "nudges[ to the {side}] within its lane"],
   out_of_lane_nudge: ["[向{side}]借道绕行", "goes round over the line[ on the {side}]"],
   lane_change: ["[向{side}]换道", "changes lanes[ to the {side}]"],
-  merge_or_split: ["汇入汇出", "merges or splits off"],
+  merge_or_split: ["汇入或汇出", "merges or leaves the road"],
   turn: ["[向{side}]转弯", "turns[ {side}]"],
   pull_over: ["靠边停车", "pulls over"],
   maneuver_abort: ["放弃变道，回到原车道", "aborts the maneuver and returns to its lane"],

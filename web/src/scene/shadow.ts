@@ -8,7 +8,7 @@ export const REACH = 90;
 type Point = readonly [number, number];
 
 /** Classes that occlude; people, cones and two-wheelers occlude too little to be drawn. */
-const HIDING = new Set(["car", "truck", "bus", "large_vehicle"]);
+const HIDING = new Set(["car", "truck", "bus", "large_vehicle", "vehicle"]);
 
 export function hides(track: TrackView): boolean {
   return HIDING.has(track.class) && (track.length ?? 0) > 2;

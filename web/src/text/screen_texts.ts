@@ -134,7 +134,7 @@ export const screenTexts = {
   "queue.own_work": ["有的任务由您标注，须由他人质检。", "You cannot check your own labels."],
   "queue.own_check": ["有的任务由您质检，须由他人抽检。", "You cannot audit labels that you checked."],
   "queue.not_chosen": [
-    "有的事件有多份独立标注，负责人选用其中一份之后才质检。",
+    "有的事件有多份独立标注，负责人采用其中一份之后才质检。",
     "Some episodes have several independent labels: one is checked after a lead has chosen it.",
   ],
   "queue.other": ["其余任务现在不能领取。", "The other tasks are not available now."],
@@ -191,9 +191,9 @@ export const screenTexts = {
   "tasks.bulk.keep": ["不变", "unchanged"],
   "tasks.bulk.changed": ["已更改 {n} 个任务。", "{n} {n:task|tasks} changed."],
   "tasks.bulk.refused": ["{n} 个任务未更改：", "{n} {n:task was|tasks were} not changed:"],
-  "tasks.filter.to_choose": ["待选用", "To choose"],
+  "tasks.filter.to_choose": ["待采用", "To choose"],
   "tasks.filter.to_choose.hint": [
-    "独立标注已全部提交、尚未选用其中一份：打开一份后选用；选用之前不质检、不导出",
+    "独立标注已全部提交、尚未采用其中一份：打开一份后采用；采用之前不质检、不导出",
     "All independent labels are handed in and none was chosen: open one to choose; before that none is checked or exported",
   ],
   "tasks.filter.disagreeing": ["分歧", "Disagreeing"],
@@ -273,7 +273,7 @@ export const screenTexts = {
   ],
   "dash.agreement": ["一致性", "Agreement"],
   "dash.to_choose": [
-    "{n} 个事件的独立标注已全部提交，等待负责人选用其中一份。",
+    "{n} 个事件的独立标注已全部提交，等待负责人采用其中一份。",
     "{n} {n:episode waits|episodes wait} for a lead to choose one of the independent labels.",
   ],
   "dash.agreement.none": ["还没有由两人都完成的独立标注任务。", "No episode has been labeled by two annotators yet."],
@@ -484,10 +484,10 @@ export const screenTexts = {
     "Labels: the accepted ones, one per line. Tasks: with their full history.",
   ],
   "exchange.out.not_chosen": [
-    "{n} 份独立标注等待选用，未导出。",
+    "{n} 份独立标注等待采用，未导出。",
     "{n} independent {n:label waits|labels wait} for a choice and {n:is|are} not exported.",
   ],
-  "exchange.out.choose": ["选用", "Choose"],
+  "exchange.out.choose": ["采用", "Choose"],
   "exchange.out.v20": ["导出标注，格式 2.0", "Export labels, format 2.0"],
   "exchange.in": ["导入", "Import"],
   "exchange.in.hint": ["任务或标注的 JSONL。标注成为草稿，仍需质检。", "Tasks or labels as JSONL. Labels become drafts and still have to be checked."],
@@ -506,7 +506,7 @@ export const screenTexts = {
   ],
   "hooks.url": ["地址", "Address"],
   "hooks.owner": ["添加者", "Added by"],
-  "hooks.paused": ["已暂停：添加者的账号已停用", "paused: the account of who added it is disabled"],
+  "hooks.paused": ["已暂停：添加者的账号已停用", "paused: the account of the user who added it is disabled"],
   "hooks.paused.all": [
     "以下 webhook 因添加者的账号停用而暂停；账号恢复后继续，也可在项目的“导入与导出”中删除：",
     "These webhooks are paused because the account of who added them is disabled. They go on when it is enabled, and can be removed under Import and export of the project:",

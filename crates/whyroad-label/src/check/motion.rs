@@ -55,19 +55,26 @@ pub(super) fn check(
     // Components were written before anything later was shown: only what contradicts the values of that time, too, is a
     // fault. They are derived only where there may be one.
     let mut quiet = Silence::default();
-    object::check(label, &texts, words, &window, &mut quiet);
+    object::check(label, &texts, words, &window, None, &mut quiet);
     if quiet.broken {
         match history() {
-            Some(history) => components(label, &history, framework, sink),
-            None => object::check(label, &texts, words, &window, sink),
+            Some(history) => components(label, &history, Some(&recorded.drive), framework, sink),
+            None => object::check(label, &texts, words, &window, None, sink),
         }
     }
     effect::check(label, &texts, words, &window, sink);
     moment::check(label, recorded, classes, sink);
 }
 
-/// Compares the components with `history`, a drive that was cut at the keyframe.
-pub(super) fn components(label: &View<'_>, history: &Recorded, framework: &Framework, sink: &mut dyn Sink) {
+/// Compares the components with `history`, a drive that was cut at the keyframe; an object that only the `whole` drive
+/// has appears later.
+pub(super) fn components(
+    label: &View<'_>,
+    history: &Recorded,
+    whole: Option<&Drive>,
+    framework: &Framework,
+    sink: &mut dyn Sink,
+) {
     let Some(keyframe) = label.keyframe.timestamp.get() else { return };
     let times = &history.drive.times;
     if times.last().is_none_or(|last| last.seconds_since(keyframe) < -FRAME_SLACK_S) {
@@ -75,7 +82,7 @@ pub(super) fn components(label: &View<'_>, history: &Recorded, framework: &Frame
     }
     let words = framework.label_words();
     let window = Driven::after(&history.drive, &history.signals, times.len() - 1, None);
-    object::check(label, &Texts::of(label, words), words, &window, sink);
+    object::check(label, &Texts::of(label, words), words, &window, whole, sink);
 }
 
 /// Channels of the decision that the recorded motion plainly shows: for a class that does not allow them.

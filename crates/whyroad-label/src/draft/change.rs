@@ -57,14 +57,17 @@ impl Moment<'_> {
             "past.target_leaves" => self.target_leaves(),
             "past.stood" => {
                 let from = self.frame().saturating_sub(STOOD_FRAMES);
-                is(self.least_speed(from..=self.frame()), |v| v < STOPPED_MPS)
+                let stood = is(self.least_speed(from..=self.frame()), |v| v < STOPPED_MPS);
+                self.unless_cut(stood, self.frame() >= STOOD_FRAMES)
             }
             "past.closer" => is(distance(), |d| d < -DISTANCE_M),
             "past.farther" => is(distance(), |d| d > DISTANCE_M),
             "soon.falls" => is(self.gains(SOON_FRAMES), |d| d < 0.0),
             "soon.rises" => is(self.gains(SOON_FRAMES), |d| d > 0.0),
             "soon.stops" => {
-                is(self.least_speed(self.frame()..=self.frame() + STOP_FRAMES), |v| v < STOPPED_MPS)
+                let stops =
+                    is(self.least_speed(self.frame()..=self.frame() + STOP_FRAMES), |v| v < STOPPED_MPS);
+                self.unless_cut(stops, self.gains(STOP_FRAMES).is_some())
             }
             "soon.brakes_on" => self.brakes_on(),
             "soon.under_limit" => self.is_under_limit(),
@@ -93,6 +96,11 @@ impl Moment<'_> {
         speeds.fold(None, |least: Option<f64>, v| Some(least.map_or(v, |l| l.min(v))))
     }
 
+    /// What was not found in frames of which some are outside of the drive is unknown.
+    fn unless_cut(&self, found: Tri, is_whole: bool) -> Tri {
+        if found == Tri::False && !is_whole { Tri::Unknown } else { found }
+    }
+
     fn brakes_on(&self) -> Tri {
         let now = self.number_at("ego.speed", self.frame());
         let lost = self.gains(KEPT_FRAMES).map(|d| -d);
@@ -103,7 +111,8 @@ impl Moment<'_> {
         let Some(limit) = self.number_at("map.speed_limit", self.frame()) else { return Tri::Unknown };
         let frames = self.frame()..=self.frame() + LIMIT_FRAMES;
         let mut speeds = frames.filter_map(|f| self.number_at("ego.speed", f));
-        Tri::from(speeds.all(|v| v <= limit * OVER_SHARE))
+        let under = Tri::from(speeds.all(|v| v <= limit * OVER_SHARE));
+        !self.unless_cut(!under, self.gains(LIMIT_FRAMES).is_some())
     }
 
     fn target_leaves(&self) -> Tri {
@@ -117,17 +126,21 @@ impl Moment<'_> {
         let before = (from..self.frame()).filter_map(|f| self.number_at("ego.speed", f));
         let most = before.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |m| m.max(v))));
         let now = self.number_at("ego.speed", self.frame());
-        most.zip(now).map_or(Tri::Unknown, |(m, v)| Tri::from(m > v * (1.0 + FASTER_SHARE) + FASTER_MPS))
+        let faster =
+            most.zip(now).map_or(Tri::Unknown, |(m, v)| Tri::from(m > v * (1.0 + FASTER_SHARE) + FASTER_MPS));
+        self.unless_cut(faster, self.frame() >= FASTER_FRAMES)
     }
 
     /// The ego loses speed at once, or was losing it already.
     fn answers(&self) -> Tri {
         let speeds = (1..=ANSWER_FRAMES).filter_map(|n| self.gains(n));
         let least = speeds.fold(None, |least: Option<f64>, d| Some(least.map_or(d, |l| l.min(d))));
-        is(least, |d| d < -ANSWER_MPS).or(is(self.gained("ego.speed", EGO_FRAMES), |d| d < -ANSWER_MPS))
+        let answers = is(least, |d| d < -ANSWER_MPS);
+        self.unless_cut(answers, self.gains(ANSWER_FRAMES).is_some())
+            .or(is(self.gained("ego.speed", EGO_FRAMES), |d| d < -ANSWER_MPS))
     }
 
-    /// The speed stays within a share of its value and a tolerance (m/s), from 0.5 s before the keyframe on.
+    /// The speed stays within a share of its value and a tolerance (m/s), from 0.8 s before the keyframe to 3 s after it.
     fn stays_within(&self, (share, tolerance_mps): (f64, f64)) -> Tri {
         let (Some(now), Some(_)) = (self.number_at("ego.speed", self.frame()), self.gains(KEPT_FRAMES))
         else {

@@ -202,6 +202,8 @@ fn an_object_that_appears_later_is_not_seen() {
     let late = label(CUT_IN, yields(), &[("前方的轿车正在减速", "late")]);
     let checker = Checker::new(Framework::bundled()).with_recordings(Arc::new(Whole));
     assert_eq!(found(&checker, &late, "label.object."), [("label.object.unseen", true)]);
+    // As in the service, which compares with the drive cut at the keyframe.
+    assert_eq!(found(&whole(0.0, 5.0), &late, "label.object."), [("label.object.unseen", true)]);
 }
 
 /// A vehicle of unknown kind may be any of them.

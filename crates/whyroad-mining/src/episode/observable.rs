@@ -1,6 +1,6 @@
 //! Whether a drive can show a class at all: by the signals that it has, not by what happens in it.
 
-use crate::language::program::{NodeId, Op, Program};
+use crate::language::program::{NodeId, Op, Program, Subject};
 use crate::rule::Rule;
 
 /// The truths that a condition can take; for a number or a category, both say whether it can be known.
@@ -24,6 +24,10 @@ impl Possible {
 /// accepts are known. A stop at a red light needs the light. What the rule excludes (`not`) need not be known
 /// everywhere: what is excluded at ramps only can be looked for elsewhere.
 pub(crate) fn is_decidable(rule: &Rule, has: impl Fn(&str) -> bool) -> bool {
+    // Which targets are large is not a node of the rule.
+    if rule.subject == Some(Subject::LargeVehicle) && !has("target.large_vehicle") {
+        return false;
+    }
     let possible = possible(&rule.program, has);
     let mut todo: Vec<NodeId> = std::iter::once(&rule.when).chain(&rule.require).copied().collect();
     while let Some(id) = todo.pop() {

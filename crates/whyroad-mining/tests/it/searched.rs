@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use whyroad_mining::episode::{Found, find};
 use whyroad_mining::fast::{Plan, Signals, find_all};
+use whyroad_mining::language::program::Subject;
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{Column, Nanos, SignalTable, Tri};
 use whyroad_signals::Catalog;
@@ -39,6 +40,18 @@ fn a_drive_in_which_nobody_brakes_was_not_searched_either() {
     assert_eq!(searched("ego.brake and ego.aeb", &drive(0..0)), (0, lacks()));
     assert_eq!(searched("ego.brake and ego.aeb", &drive(20..40)), (0, lacks()));
     assert_eq!(searched("ego.brake", &drive(0..0)), (0, vec![]));
+}
+
+/// Which targets are large is not known of vehicles of unknown kind: none of them was searched for.
+#[test]
+fn a_rule_about_large_vehicles_needs_the_kinds_of_vehicles() {
+    let large = |table: &SignalTable| {
+        let class = "reactive_agent.cutin.large_vehicle".parse().unwrap();
+        let subject = Some(Subject::LargeVehicle);
+        let rule = compile_text("ego.brake", subject, &class, Catalog::bundled(), "test").unwrap();
+        find(&rule, table).missing.into_iter().collect::<Vec<_>>()
+    };
+    assert_eq!(large(&drive(20..40)), ["target.large_vehicle"]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, leases, visible};
 use crate::store::Tx;
 use crate::values;
-use serde_json::Value;
+use serde_json::{Value, json};
 use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::label_fields::{name, pointer};
 
@@ -164,7 +164,9 @@ pub fn at(tx: &mut dyn Tx, t: &TaskRow, seq: i64) -> Answer<Value> {
 
 /// `now` with those parts of `old` that may be changed in this state.
 pub fn restored(t: &TaskRow, old: &Value) -> Value {
-    let suggested = old.get(name::CRITICAL_COMPONENTS) == t.initial.get(name::CRITICAL_COMPONENTS);
+    let components =
+        |label: &Value| label.get(name::CRITICAL_COMPONENTS).filter(|c| **c != json!([])).cloned();
+    let suggested = components(old).is_some() && components(old) == components(&t.initial);
     let hidden = |field: &str| field == name::CRITICAL_COMPONENTS && suggested && t.hides_drafted();
     let open =
         |field: &str| visible::may_change(t, &format!("/{field}"), &Value::Null).is_ok() && !hidden(field);

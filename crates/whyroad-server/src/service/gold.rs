@@ -79,7 +79,7 @@ fn refusal(
     }
     if source.overlap_count > 1 && !source.is_chosen() {
         return Ok(Some(Bilingual::new(
-            "该事件有多份标注，此份未被选用",
+            "该事件有多份标注，此份未被采用",
             "the episode has several labels, and this one was not chosen",
         )));
     }

@@ -95,7 +95,7 @@ pub(super) fn may_take(
         return Err(Problem::new(
             409,
             "task.superseded",
-            "已选用另一份标注",
+            "已采用另一份标注",
             "another label of this episode was chosen",
         ));
     }
@@ -116,7 +116,7 @@ pub(super) fn may_take(
         return Err(Problem::new(
             409,
             NOT_CHOSEN,
-            "该事件有多份独立标注，负责人选用其中一份之后才质检",
+            "该事件有多份独立标注，负责人采用其中一份之后才质检",
             "this episode has several independent labels: one is checked after a lead has chosen it",
         ));
     }

@@ -145,7 +145,9 @@ pub fn not_chosen(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answ
     let sql = format!(
         "SELECT count(DISTINCT episode_id) AS n FROM tasks
          WHERE project_id = $1 AND overlap_count > 1 AND adjudication IS NULL AND {NOT_GOLD}
-           AND (({TO_CHOOSE}) OR state IN ({}))",
+           AND (({TO_CHOOSE}) OR state IN ({}))
+           AND NOT EXISTS (SELECT 1 FROM tasks c WHERE c.project_id = tasks.project_id
+             AND c.episode_id = tasks.episode_id AND c.adjudication = 'chosen')",
         states.join(", ")
     );
     tx.row(&sql, values![project])?.map_or(Ok(0), |r| r.int("n"))
@@ -154,11 +156,11 @@ pub fn not_chosen(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answ
 /// What is reported with an export that leaves out `episodes` because no label of them was chosen.
 pub fn report_not_chosen(episodes: i64) -> Diagnostic {
     let message = Bilingual::new(
-        format!("{episodes} 个事件有多份独立标注，尚未选用其中一份：未导出"),
+        format!("{episodes} 个事件有多份独立标注，尚未采用其中一份：未导出"),
         format!("{episodes} episodes have several independent labels of which none was chosen: not exported"),
     );
     let hint = Bilingual::new(
-        "由负责人选用：页面“任务”中的“待选用”，或 POST /tasks/{t}/actions {\"action\": \"adjudicate\"}；\
+        "由负责人采用：页面“任务”中的“待采用”，或 POST /tasks/{t}/actions {\"action\": \"adjudicate\"}；\
          尚未标注的份先标注或跳过",
         "a lead chooses one: under Tasks, \"To choose\", or by POST /tasks/{t}/actions {\"action\": \"adjudicate\"}; \
          copies that are not labeled yet are labeled or skipped before",

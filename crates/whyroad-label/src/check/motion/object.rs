@@ -13,7 +13,7 @@ use whyroad_framework::label_words::{GroupSet, SaidState};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::names::class_name;
 use whyroad_model::time::frame_at;
-use whyroad_model::{Nanos, ObjectClass, TrackId};
+use whyroad_model::{Drive, Nanos, ObjectClass, TrackId};
 
 /// Maximum distance of an object that a text can mean, m.
 const NEAR_M: f64 = 80.0;
@@ -27,14 +27,20 @@ pub(super) fn check(
     texts: &Texts,
     words: &LabelWords,
     w: &Driven<'_>,
+    whole: Option<&Drive>,
     sink: &mut dyn Sink,
 ) {
+    let later = |id: &str| whole.is_some_and(|drive| drive.track(&TrackId::from(id)).is_some());
+    let is_late = |id: &str| match w.drive.track(&TrackId::from(id)) {
+        Some(t) => t.frames.first().is_some_and(|f| *f as usize > w.keyframe + 2),
+        None => later(id),
+    };
     for (c, facts) in label.parts.iter().zip(&texts.components) {
         let mut linked = Vec::new();
         let mut broken = false;
         for (k, id) in c.objects.iter().enumerate() {
             match w.drive.track(&TrackId::from(*id)) {
-                Some(t) if t.frames.first().is_some_and(|f| *f as usize > w.keyframe + 2) => {
+                _ if is_late(id) => {
                     broken = true;
                     let at = pointer::critical_components_item_linked_objects_item(c.index, k);
                     sink.report(Finding::error("label.object.unseen", at), &|| {
@@ -64,7 +70,7 @@ pub(super) fn check(
         }
         let things: Vec<&Named> = facts.there().filter(|n| is_tracked(words, n)).collect();
         match (&linked[..], &things[..]) {
-            ([id], [first, ..]) => said(c, id, first, words, w, sink),
+            ([id], [first, others @ ..]) => said(c, id, (first, others.is_empty()), words, w, sink),
             ([], things) => things.iter().for_each(|n| anybody(c, n, words, w, sink)),
             _ => {}
         }
@@ -120,7 +126,15 @@ fn unseen(c: &ComponentView<'_>, linked: &[&str], w: &Driven<'_>, sink: &mut dyn
 }
 
 /// The linked object has the class, the place, the speed and the state that the text gives it.
-fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driven<'_>, sink: &mut dyn Sink) {
+/// `n`: the thing that the text names, and whether it names no other.
+fn said(
+    c: &ComponentView<'_>,
+    id: &str,
+    (n, is_only): (&Named, bool),
+    words: &LabelWords,
+    w: &Driven<'_>,
+    sink: &mut dyn Sink,
+) {
     let signals = w.signals;
     let track = TrackId::from(id);
     let Some(span) = signals.target(&track) else { return };
@@ -143,7 +157,7 @@ fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driv
         let column = signals.target_columns.get(name);
         rows.iter().filter_map(|(_, r)| column.and_then(|c| c.number(*r))).filter(|v| v.is_finite()).collect()
     };
-    if place::check(c, n, words, &values, &at, sink) {
+    if place::check(c, (n, is_only), words, &values, &at, sink) {
         return;
     }
     let speeds = values("target.speed");
@@ -167,7 +181,9 @@ fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Driv
         });
         return;
     }
-    place::speed(c, n, words, (slowest, fastest), &at, sink);
+    if is_only {
+        place::speed(c, words, (slowest, fastest), &at, sink);
+    }
 }
 
 fn class_fits(words: &LabelWords, n: &Named, class: ObjectClass) -> bool {

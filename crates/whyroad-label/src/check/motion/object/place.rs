@@ -23,13 +23,15 @@ const ONCOMING_RAD: f64 = 1.75;
 const MOVES_MPS: f64 = 1.5;
 /// Words that place a thing behind the ego: before its name in Chinese, after it in English.
 const BEHIND_ZH: [&str; 4] = ["后方的", "后面的", "身后的", "后方"];
-const BEHIND_EN: [&str; 4] = [" behind the ego", " behind us", " from behind", " behind our"];
+const BEHIND_EN: [&str; 3] = [" behind the ego", " behind us", " behind our"];
+/// What stands before them where they are about the ego.
+const OF_EGO_ZH: [&str; 7] = ["自车", "本车", "我车", "我", "左", "右", "，"];
 
-/// Reports the first contradiction in side, direction or distance. `values`: a signal's at the evidence times and
-/// at the keyframe.
+/// Reports the first contradiction in side, direction or distance. `is_only`: the text names no other road user;
+/// `values`: a signal's at the evidence times and at the keyframe.
 pub(super) fn check(
     c: &ComponentView<'_>,
-    n: &Named,
+    (n, is_only): (&Named, bool),
     words: &LabelWords,
     values: &dyn Fn(&str) -> Vec<f64>,
     at: &str,
@@ -100,8 +102,8 @@ pub(super) fn check(
     if let ([said], false) = (lengths.as_slice(), distances.is_empty()) {
         let is = said.value;
         let differs = |d: f64| (d - is).abs() > DISTANCE_M.max(DISTANCE_SHARE * d.max(is));
-        if DISTANCES_M.contains(&is) && !names_speed(text) && only_thing(text, n) && all(&distances, &differs)
-        {
+        let of_it = is_only && !names_speed(text) && !names_place(text);
+        if of_it && DISTANCES_M.contains(&is) && all(&distances, &differs) {
             let d = distances[distances.len() - 1];
             return position(
                 sink,
@@ -117,7 +119,6 @@ pub(super) fn check(
 /// Reports a speed that differs from the recorded ones, m/s.
 pub(super) fn speed(
     c: &ComponentView<'_>,
-    n: &Named,
     words: &LabelWords,
     (slowest, fastest): (f64, f64),
     at: &str,
@@ -125,7 +126,7 @@ pub(super) fn speed(
 ) {
     let Some(text) = c.description.get() else { return };
     let speeds = words.quantities.find(text, "km/h");
-    let ([said], true, true) = (speeds.as_slice(), names_speed(text), only_thing(text, n)) else {
+    let ([said], true, false) = (speeds.as_slice(), names_speed(text), names_place(text)) else {
         return;
     };
     let is = said.value;
@@ -148,12 +149,15 @@ fn names_speed(text: &str) -> bool {
 
 /// The text places the thing behind the ego.
 fn said_behind(text: &str, n: &Named) -> bool {
-    let after = text[n.end..].to_ascii_lowercase();
-    BEHIND_ZH.iter().any(|w| text[..n.start].ends_with(w)) || BEHIND_EN.iter().any(|w| after.starts_with(w))
+    let (before, after) = (&text[..n.start], text[n.end..].to_ascii_lowercase());
+    // What is behind a hedge or another vehicle may be ahead of the ego.
+    let of_ego = |rest: &str| rest.is_empty() || OF_EGO_ZH.iter().any(|w| rest.ends_with(w));
+    BEHIND_ZH.iter().any(|w| before.strip_suffix(w).is_some_and(of_ego))
+        || BEHIND_EN.iter().any(|w| after.starts_with(w))
 }
 
-/// The text is about nothing else that a number could belong to: one clause that begins with the thing.
-fn only_thing(text: &str, n: &Named) -> bool {
+/// The text names a place to which a number could belong.
+fn names_place(text: &str) -> bool {
     const OTHERS: [&str; 14] = [
         "路口",
         "停止线",
@@ -171,5 +175,5 @@ fn only_thing(text: &str, n: &Named) -> bool {
         "自车车速",
     ];
     let lower = text.to_ascii_lowercase();
-    n.end <= text.len() && !OTHERS.iter().any(|w| lower.contains(w))
+    OTHERS.iter().any(|w| lower.contains(w))
 }
