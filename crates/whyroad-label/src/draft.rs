@@ -430,8 +430,8 @@ fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
     frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1))
 }
 
-/// Inserts the component that every episode of the class has as the first one, if the `observed` ones do not show it, in
-/// the words for this moment. The Chinese texts decide what a component is about, so that drafts of both
+/// Inserts the component that every episode of the class has as the first one, if the `observed` ones do not show it,
+/// in the words for this moment. The Chinese texts decide what a component is about, so that drafts of both
 /// languages have the same ones.
 fn with_cause(
     scene: &components::Scene<'_>,

@@ -58,7 +58,7 @@ export function slotsOf(text: string, sentences = false): TraceSlots {
   return { state: before.slice(0, between.index), reason, decision };
 }
 
-/** Are state and reason of `text` those of the draft? What it decides follows the choice, and is no sign of a reader. */
+/** Are state and reason of `text` those of the draft? What it decides follows the choice: no sign of a reader. */
 export function keepsDraft(text: string, draft: string): boolean {
   const [now, was] = [slotsOf(text, true), slotsOf(draft, true)];
   return now.state + now.reason !== "" && now.state === was.state && now.reason === was.reason;

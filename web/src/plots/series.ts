@@ -47,7 +47,7 @@ export interface Bounds {
 const OUTLYING = 0.02;
 const MUCH_LONGER = 4;
 
-/** The known values without a few that lie far from all others, such as those of one false position: they are cut off. */
+/** The known values without a few that lie far from all others, such as those of one false position. */
 export function withoutOutliers(values: readonly (number | null)[]): readonly number[] {
   const known = values.filter((v): v is number => v !== null && Number.isFinite(v));
   const sorted = [...known].sort((a, b) => a - b);

@@ -29,7 +29,8 @@ const ANSWER_MPS: f64 = 0.4;
 /// A speed is kept if it stays within this share, and within this, m/s; it changes little within the larger ones.
 const KEPT: (f64, f64) = (0.1, 0.6);
 const LITTLE: (f64, f64) = (0.2, 1.5);
-/// Frames in which the ego comes to a stand: 10 s; the speed below which it does, m/s; and the same before the keyframe.
+/// Frames in which the ego comes to a stand: 10 s; the speed below which it does, m/s; and the same before the
+/// keyframe.
 const STOP_FRAMES: usize = 100;
 const STOPPED_MPS: f64 = 0.6;
 const STOOD_FRAMES: usize = 30;
@@ -140,7 +141,8 @@ impl Moment<'_> {
             .or(is(self.gained("ego.speed", EGO_FRAMES), |d| d < -ANSWER_MPS))
     }
 
-    /// The speed stays within a share of its value and a tolerance (m/s), from 0.8 s before the keyframe to 3 s after it.
+    /// The speed stays within a share of its value and a tolerance (m/s), from 0.8 s before the keyframe to 3 s after
+    /// it.
     fn stays_within(&self, (share, tolerance_mps): (f64, f64)) -> Tri {
         let (Some(now), Some(_)) = (self.number_at("ego.speed", self.frame()), self.gains(KEPT_FRAMES))
         else {

@@ -22,7 +22,8 @@ const LANE_SIDE_M: f64 = 1.7;
 const COMES_IN_M: f64 = 0.3;
 /// An object that comes out of an occlusion matters if it comes nearer to the path than this within 8 s, m.
 const NEAR_PATH_M: f64 = 3.0;
-/// A near miss is one at its keyframe: the time to a collision of the boxes, s, or their distance, m, is less than this.
+/// A near miss is one at its keyframe: the time to a collision of the boxes, s, or their distance, m, is less than
+/// this.
 const NEAR_MISS_S: f64 = 2.5;
 const NEAR_MISS_M: f64 = 2.0;
 /// Minimum change of the heading within 3 s of a road user that does not go straight, rad: 30 degrees, ...

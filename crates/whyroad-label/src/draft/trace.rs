@@ -185,8 +185,8 @@ fn fits(text: &str, lang: Lang) -> bool {
 }
 
 /// The trace with the phrasings that `seed` selects, of the preferred length: with the ego's motion at the keyframe if
-/// there is room, and with fewer components in the state if there is not. `None` where the signals contradict a claim of
-/// each of them.
+/// there is room, and with fewer components in the state if there is not. `None` where the signals contradict a claim
+/// of each of them.
 pub(super) fn trace(
     facts: &DraftFacts<'_>,
     order: StateOrder,
@@ -372,8 +372,8 @@ impl<'a> DraftFacts<'a> {
         reasons.into_iter().find(|r| moment.all(r.when)).map(|r| r.texts)
     }
 
-    /// Whether what the words of a text claim is true, as far as signals show it. What is said of the lead is compared with
-    /// the lead, also where the class is about another road user.
+    /// Whether what the words of a text claim is true, as far as signals show it. What is said of the lead is compared
+    /// with the lead, also where the class is about another road user.
     fn claims(&self, text: &str, moment: &Moment<'_>) -> Tri {
         let made = self.framework.draft_texts.claims(self.class, text, self.lang);
         let truth = |claim: &Claim| {

@@ -45,15 +45,6 @@ pub(super) fn note(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> 
     .map(drop)
 }
 
-/// A label was added to the overlap group of an episode.
-pub(super) fn added(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> {
-    tx.run(
-        "UPDATE tasks SET complete = 0 WHERE project_id = $1 AND episode_id = $2 AND complete <> 0",
-        values![project, episode],
-    )
-    .map(drop)
-}
-
 /// Opens the choice of the group of `t` again.
 pub(super) fn reopen(tx: &mut dyn Tx, t: &mut TaskRow) -> Answer<()> {
     t.adjudication = None;

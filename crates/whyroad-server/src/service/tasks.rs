@@ -4,7 +4,7 @@ use crate::domain::task::TaskSummary;
 use crate::domain::workflow::{Position, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
-use crate::service::{disagreement, thumbnail, veil};
+use crate::service::{thumbnail, veil};
 use crate::store::{Row, Tx, Value as Cell};
 use crate::values;
 use serde_json::Value;
@@ -266,7 +266,7 @@ pub fn insert(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     if n == 1 {
         thumbnail::put(tx, &t.id, &t.thumbnail)?;
         if t.overlap_count > 1 {
-            disagreement::added(tx, &t.project, &t.episode.episode_id)?;
+            add_to_group(tx, &t.project, &t.episode.episode_id)?;
         }
     }
     Ok(n == 1)
@@ -337,4 +337,13 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         to_choose: false,
         thumbnail: None,
     }
+}
+
+/// A label was added to the overlap group of an episode.
+fn add_to_group(tx: &mut dyn Tx, project: &str, episode: &str) -> Answer<()> {
+    tx.run(
+        "UPDATE tasks SET complete = 0 WHERE project_id = $1 AND episode_id = $2 AND complete <> 0",
+        values![project, episode],
+    )
+    .map(drop)
 }

@@ -21,8 +21,8 @@ fn tells(answer: &Reply) -> bool {
     answer.text().contains(example()["coc_trace"].as_str().unwrap())
 }
 
-/// The administrator, somebody who labels, checks and leads, and the two copies of an episode, of which another person has
-/// labeled the first.
+/// The administrator, somebody who labels, checks and leads, and the two copies of an episode, of which another person
+/// has labeled the first.
 fn two_copies(world: &World) -> (Person, Person, Vec<String>) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));

@@ -255,8 +255,9 @@ fn post_encroachment_time_by_hand() {
     assert_eq!(t.num("hits", "target.pet", 20), 0.0);
 }
 
-/// A lead 11 s ahead waits at 150 m from 4 s to 9 s and then turns off the ego's way to the left, with 4 m/s on a radius
-/// of 5.1 m. Before it waits, no place of its way is one that both pass within 10 s: nothing is encroached there.
+/// A lead 11 s ahead waits at 150 m from 4 s to 9 s and then turns off the ego's way to the left, with 4 m/s on a
+/// radius of 5.1 m. Before it waits, no place of its way is one that both pass within 10 s: nothing is encroached
+/// there.
 #[test]
 fn an_encounter_begins_where_both_pass_within_ten_seconds() {
     let mut d = drive(170, |t| (10.0 * t, 0.0, 0.0));

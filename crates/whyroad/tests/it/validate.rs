@@ -240,6 +240,7 @@ mod twins {
             "label.time_range.start",
             "label.keyframe.range_outside",
             "label.keyframe.moment",
+            "label.class.motion",
             "label.class.rule",
             "label.migrate.lost",
             "label.trace.draft",
