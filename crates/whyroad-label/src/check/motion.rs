@@ -19,6 +19,7 @@ use std::sync::Arc;
 use whyroad_framework::Framework;
 use whyroad_framework::check::class_index::ClassIndex;
 use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_model::Drive;
 use whyroad_model::label_fields::pointer;
 use whyroad_model::time::frame_at;
 
