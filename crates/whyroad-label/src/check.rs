@@ -19,6 +19,7 @@ mod quality;
 mod reading;
 mod recording;
 mod rulebook;
+mod silence;
 mod subject;
 mod texts;
 mod view;
@@ -31,11 +32,12 @@ pub use recording::{COMPONENT_SIGNALS, Recorded, Recordings};
 
 use form::{lean, tolerant};
 use rulebook::Rulebook;
+use silence::Silence;
 use std::sync::Arc;
 use view::View;
 use whyroad_framework::Framework;
 use whyroad_framework::check::{
-    ClassIndex, Document, Finding, MessageKind, Origin, Sink, Verdict, Words, check_document, not_utf8,
+    ClassIndex, Document, MessageKind, Origin, Sink, Verdict, check_document, not_utf8,
 };
 use whyroad_model::Diagnostic;
 
@@ -48,18 +50,6 @@ pub struct Checker<'f> {
     recordings: Option<Arc<dyn Recordings>>,
     /// Only what Stage I shows may be compared: the components with the history.
     stage_one: bool,
-}
-
-/// Records only whether there was a finding.
-#[derive(Default)]
-struct Silence {
-    broken: bool,
-}
-
-impl Sink for Silence {
-    fn report(&mut self, _: Finding, _: &dyn Fn() -> Words) {
-        self.broken = true;
-    }
 }
 
 impl<'f> Checker<'f> {

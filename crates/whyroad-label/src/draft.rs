@@ -234,7 +234,7 @@ fn make(
             "the signals show no critical component: add them",
         ));
     }
-    let mut components = with_cause(&scene, components, &moment, lang);
+    let mut components = with_cause(&scene, components, (&moment, goes_on), lang);
     let mut also = trace::also(framework, class, &moment, lang).filter(|c| how.lists(c));
     let mut order = trace::StateOrder::FirstLast;
     let mut of_turn = None;
@@ -412,7 +412,7 @@ pub fn components(
     let moment = Moment::of(signals, keyframe, target, None);
     let has_course = false;
     let scene = components::Scene { framework, drive, signals, episode, target, keyframe, has_course };
-    let mut all = with_cause(&scene, scene.observed(&moment, lang), &moment, lang);
+    let mut all = with_cause(&scene, scene.observed(&moment, lang), (&moment, false), lang);
     all.extend(trace::also(framework, class, &moment, lang));
     // A near lead and the announced turn may be causes, whatever the ego then does.
     let lead = lead.filter(|lead| lead_is == LeadIs::Nearer && lead.is_near());
@@ -430,19 +430,19 @@ fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
     frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1))
 }
 
-/// Inserts the component that every episode of the class has as the first one, if the `observed` ones do not show it,
-/// in the words for this moment. The Chinese texts decide what a component is about, so that drafts of both
+/// Inserts the component that every episode of the class has as the first one, if the `observed` ones do not show it;
+/// `detailed`: in the words for this moment. The Chinese texts decide what a component is about, so that drafts of both
 /// languages have the same ones.
 fn with_cause(
     scene: &components::Scene<'_>,
     mut observed: Vec<CriticalComponent>,
-    moment: &Moment<'_>,
+    (moment, detailed): (&Moment<'_>, bool),
     lang: Lang,
 ) -> Vec<CriticalComponent> {
     let (framework, class) = (scene.framework, &scene.episode.scenario_id);
     let in_chinese = (lang != Lang::Zh).then(|| scene.observed(moment, Lang::Zh));
     let found = in_chinese.as_ref().unwrap_or(&observed);
-    if let Some(seen) = trace::seen(framework, class, found, moment, lang) {
+    if let Some(seen) = trace::seen(framework, class, found, detailed.then_some(moment), lang) {
         observed.insert(0, seen);
     }
     // LABELING.md 3: at least one component about a hidden road user is uncertain.

@@ -10,8 +10,8 @@ mod object;
 
 pub(super) use decision::said_speed;
 
-use super::Silence;
 use super::recording::Recorded;
+use super::silence::Silence;
 use super::texts::Texts;
 use super::view::View;
 use crate::driven::{Driven, across, along};

@@ -586,7 +586,7 @@ pub(super) fn seen(
     framework: &Framework,
     class: &ScenarioId,
     found: &[CriticalComponent],
-    moment: &Moment<'_>,
+    moment: Option<&Moment<'_>>,
     lang: Lang,
 ) -> Option<CriticalComponent> {
     let words = framework.label_words();
@@ -613,7 +613,7 @@ pub(super) fn seen(
     }
     let texts = &framework.draft_texts;
     let seen = texts.seen(class)?;
-    let told = texts.seen_when(class).iter().find_map(|w| when_told(w, moment, lang));
+    let told = moment.and_then(|m| texts.seen_when(class).iter().find_map(|w| when_told(w, m, lang)));
     let (category, description) = told.unwrap_or_else(|| (None, seen.get(lang).to_owned()));
     Some(component(category.or(seen.category), description, seen.high.then_some(Uncertainty::High)))
 }

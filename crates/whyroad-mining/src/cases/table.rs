@@ -13,6 +13,9 @@ use whyroad_model::units::Dimension;
 use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalId, SignalTable, Tri};
 use whyroad_signals::{Catalog, SignalKind};
 
+/// The classes of a case's objects state it.
+const LARGE: &str = "target.large_vehicle";
+
 /// The table that the case describes.
 pub(super) fn table(
     case: &CaseText,
@@ -66,6 +69,11 @@ pub(super) fn table(
         } else {
             table.frame_columns.insert(def.name.clone(), column);
         }
+    }
+    if !table.targets.is_empty() && !table.target_columns.contains_key(LARGE) && !lacks(&LARGE.to_owned()) {
+        let of = |t: &TargetSpan| vec![t.class.large_vehicle(); t.frames.end - t.frames.start];
+        let large = table.targets.iter().flat_map(of).collect();
+        table.target_columns.insert(LARGE.to_owned(), Column::Flag(large));
     }
     for name in &case.lacks {
         let needs = SignalId::from_name(name).map(SignalId::needs).unwrap_or_default();

@@ -88,19 +88,22 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     if !by_words && !by_facts {
         return;
     }
+    // Components that cannot be read are no parts: the place among the parts differs from the index in the document.
     let all: Vec<(usize, Pieces)> = label
         .parts
         .iter()
         .zip(&texts.components)
         .take(COMPARED)
-        .filter_map(|(c, facts)| Some((c.index, pieces(c.description.get()?, facts, &words.compared))))
+        .enumerate()
+        .filter_map(|(k, (c, facts))| Some((k, pieces(c.description.get()?, facts, &words.compared))))
         .collect();
-    for (i, (index, own)) in all.iter().enumerate() {
+    for (i, (at, own)) in all.iter().enumerate() {
         let alike = |(k, other): &&(usize, Pieces)| {
-            !are_two(*index, *k) && is_alike(own, other) || by_facts && same_facts(*index, *k)
+            !are_two(*at, *k) && is_alike(own, other) || by_facts && same_facts(*at, *k)
         };
         let Some((first, _)) = all[..i].iter().find(alike) else { continue };
-        let at = pointer::critical_components_item_description(*index);
+        let [first, index] = [*first, *at].map(|k| label.parts[k].index);
+        let at = pointer::critical_components_item_description(index);
         sink.report(Finding::warning("label.component.duplicate", at), &|| {
             Words::new(
                 format!("关键要素 {} 与 {} 说的是同一件事", first + 1, index + 1),
