@@ -209,11 +209,16 @@ impl<'a> Moment<'a> {
         self.flag("ego.in_junction").or(near.map_or(Tri::Unknown, |d| Tri::from(d < NEAR_JUNCTION_M)))
     }
 
-    /// The ego is on a ramp or in a merging lane, or was on a ramp shortly before.
+    /// The ego is on a ramp or in a lane where one joins, or was there shortly before.
     fn ramp(&self) -> Tri {
-        let Some(ramp) = self.signals.frame_columns.get("map.on_ramp") else { return Tri::Unknown };
+        let columns = &self.signals.frame_columns;
+        let (Some(ramp), Some(zone)) = (columns.get("map.on_ramp"), columns.get("map.merge_zone")) else {
+            return Tri::Unknown;
+        };
+        let joins = |zone: &str| Tri::from(matches!(zone, "acceleration" | "weaving"));
+        let at = |f: usize| ramp.flag(f).or(zone.category(f).map_or(Tri::Unknown, joins));
         let frames = self.frame.saturating_sub(RAMP_FRAMES)..=self.frame;
-        frames.map(|f| ramp.flag(f)).fold(self.flag("map.merge_zone"), Tri::or)
+        frames.map(at).fold(Tri::False, Tri::or)
     }
 
     /// Number of a frame before or after the keyframe, or of the target in it.

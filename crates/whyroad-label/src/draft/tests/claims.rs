@@ -86,3 +86,22 @@ fn an_ego_that_goes_at_red_has_no_draft_unless_it_turns_to_its_own_side() {
     assert_eq!(doubt("proactive.turn.left_unprotected", "left", "green"), None);
     assert_eq!(doubt("proactive.turn.right_normal", "right", "red"), None);
 }
+
+#[test]
+fn no_ramp_is_named_where_there_is_none() {
+    // `map.merge_zone` in signals.yaml: an acceleration lane lies behind a ramp.
+    let merging = |ramp: bool, zone: &'static str| {
+        traces("proactive.merge_interaction.normal_merge", Lang::Zh, move |s| {
+            with_speed(s, |f| 12.0 - 0.12 * f.saturating_sub(40) as f64);
+            flag(s, "map.on_ramp", ramp);
+            s.frame_columns.insert("map.merge_zone".into(), category(&[zone], vec![0; fixture::FRAMES]));
+        })
+    };
+    let named = |all: &[String]| all.iter().filter(|t| t.contains("匝道") || t.contains("加速车道")).count();
+    let comes_to_it = |t: &String| t.contains("接近要汇入的道路");
+    let neither = merging(false, "none");
+    assert!(neither.iter().any(comes_to_it) && named(&neither) == 0, "{neither:?}");
+    for on_it in [merging(true, "none"), merging(false, "acceleration")] {
+        assert!(named(&on_it) > 0 && !on_it.iter().any(comes_to_it), "{on_it:?}");
+    }
+}
