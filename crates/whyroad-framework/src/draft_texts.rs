@@ -48,15 +48,13 @@ pub struct Claim {
 }
 
 impl Claim {
+    /// `text` is in lower case, since a sentence may begin with the words.
     fn is_made(&self, text: &str, lang: Lang) -> bool {
-        match lang {
-            Lang::Zh => self.zh.iter().any(|word| text.contains(word.as_str())),
-            // A sentence may begin with one.
-            Lang::En => {
-                let text = text.to_ascii_lowercase();
-                self.en.iter().any(|word| text.contains(word.as_str()))
-            }
-        }
+        let words = match lang {
+            Lang::Zh => &self.zh,
+            Lang::En => &self.en,
+        };
+        words.iter().any(|word| text.contains(word.as_str()))
     }
 
     fn is_of(&self, class: &ScenarioId) -> bool {
@@ -382,10 +380,11 @@ impl DraftTexts {
     pub fn claims<'a>(
         &'a self,
         class: &'a ScenarioId,
-        text: &'a str,
+        text: &str,
         lang: Lang,
     ) -> impl Iterator<Item = &'a Claim> {
-        self.claims.iter().filter(move |claim| claim.is_of(class) && claim.is_made(text, lang))
+        let text = text.to_ascii_lowercase();
+        self.claims.iter().filter(move |claim| claim.is_of(class) && claim.is_made(&text, lang))
     }
 
     /// Action of the target, in Chinese and English: of the leaf, or of its L2.
@@ -517,6 +516,10 @@ mod tests {
     #[test]
     fn every_leaf_and_decision_has_texts() {
         let f = Framework::bundled();
+        let is_known = |name: &str| {
+            let own = ["around.", "decided.", "past.", "soon."];
+            own.iter().any(|p| name.starts_with(p)) || f.signals_yaml.contains(&format!("- name: {name}\n"))
+        };
         for leaf in f.specs.keys() {
             let seen = f.draft_texts.seen(leaf).unwrap_or_else(|| panic!("{leaf}"));
             assert!(!seen.get(Lang::Zh).is_ascii() && seen.get(Lang::En).is_ascii(), "{leaf}");
@@ -531,9 +534,7 @@ mod tests {
             for when in of_doing.chain(of_seen).chain(reasons.iter().map(|r| r.when)).flatten() {
                 let others = [&when.above_signal, &when.below_signal];
                 for name in others.into_iter().flatten().chain([&when.signal]) {
-                    let known = f.signals_yaml.contains(&format!("- name: {name}\n"));
-                    let own = ["around.", "decided.", "past.", "soon."];
-                    assert!(known || own.iter().any(|p| name.starts_with(p)), "{leaf}: {name}");
+                    assert!(is_known(name), "{leaf}: {name}");
                 }
             }
             for lang in [Lang::Zh, Lang::En] {
@@ -551,9 +552,7 @@ mod tests {
         for claim in &f.draft_texts.claims {
             assert!(!claim.zh.is_empty() && !claim.en.is_empty() && !claim.when.is_empty(), "{claim:?}");
             for condition in &claim.when {
-                let known = f.signals_yaml.contains(&format!("- name: {}\n", condition.signal));
-                let own = ["around.", "decided.", "past.", "soon."];
-                assert!(known || own.iter().any(|p| condition.signal.starts_with(p)), "{claim:?}");
+                assert!(is_known(&condition.signal), "{claim:?}");
             }
         }
         let leaf = f.specs.keys().next().unwrap().clone();

@@ -234,7 +234,7 @@ fn make(
             "the signals show no critical component: add them",
         ));
     }
-    let mut components = with_cause(&scene, components, (&moment, goes_on), lang);
+    let mut components = with_cause(&scene, components, &moment, lang);
     let mut also = trace::also(framework, class, &moment, lang).filter(|c| how.lists(c));
     let mut order = trace::StateOrder::FirstLast;
     let mut of_turn = None;
@@ -266,7 +266,7 @@ fn make(
     how.reword(&mut components);
     // An ego that changes lanes does not stop behind what it leaves; one that keeps rolling has not stopped.
     let leaves = decision.lateral == Some(Lateral::LaneChange) && motion == LongitudinalMotion::Stops;
-    let rolls = motion == LongitudinalMotion::Stops && goes_on && moment.change("soon.stops") == Tri::False;
+    let rolls = motion == LongitudinalMotion::Stops && moment.change("soon.stops") == Tri::False;
     let facts = trace::DraftFacts {
         framework,
         class,
@@ -412,7 +412,7 @@ pub fn components(
     let moment = Moment::of(signals, keyframe, target, None);
     let has_course = false;
     let scene = components::Scene { framework, drive, signals, episode, target, keyframe, has_course };
-    let mut all = with_cause(&scene, scene.observed(&moment, lang), (&moment, false), lang);
+    let mut all = with_cause(&scene, scene.observed(&moment, lang), &moment, lang);
     all.extend(trace::also(framework, class, &moment, lang));
     // A near lead and the announced turn may be causes, whatever the ego then does.
     let lead = lead.filter(|lead| lead_is == LeadIs::Nearer && lead.is_near());
@@ -431,18 +431,18 @@ fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
 }
 
 /// Inserts the component that every episode of the class has as the first one, if the `observed` ones do not show it;
-/// `detailed`: in the words for this moment. The Chinese texts decide what a component is about, so that drafts of both
-/// languages have the same ones.
+/// where the course is known, in the words for this moment. The Chinese texts decide what a component is about, so that
+/// drafts of both languages have the same ones.
 fn with_cause(
     scene: &components::Scene<'_>,
     mut observed: Vec<CriticalComponent>,
-    (moment, detailed): (&Moment<'_>, bool),
+    moment: &Moment<'_>,
     lang: Lang,
 ) -> Vec<CriticalComponent> {
     let (framework, class) = (scene.framework, &scene.episode.scenario_id);
     let in_chinese = (lang != Lang::Zh).then(|| scene.observed(moment, Lang::Zh));
     let found = in_chinese.as_ref().unwrap_or(&observed);
-    if let Some(seen) = trace::seen(framework, class, found, detailed.then_some(moment), lang) {
+    if let Some(seen) = trace::seen(framework, class, found, moment, lang) {
         observed.insert(0, seen);
     }
     // LABELING.md 3: at least one component about a hidden road user is uncertain.

@@ -99,14 +99,19 @@ impl<'r> Driven<'r> {
             if h.is_nan() {
                 continue;
             }
-            let turn =
-                (h - last + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+            let turn = turned(last, *h);
             sum += if turn.is_nan() { 0.0 } else { turn };
             last = *h;
             out.push(sum);
         }
         out
     }
+}
+
+/// The turn between two headings, the shorter way, rad; left is positive.
+pub(crate) fn turned(from: f64, to: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    (to - from + PI).rem_euclid(TAU) - PI
 }
 
 /// Speeds in a range of frames, m/s.

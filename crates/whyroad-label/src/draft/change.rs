@@ -2,6 +2,7 @@
 //! conditions of `schema/draft_texts.yaml` refer. A change that needs frames outside of the drive is unknown.
 
 use super::moment::Moment;
+use std::ops::RangeInclusive;
 use whyroad_model::Tri;
 
 /// Frames before the keyframe over which the ego's change is measured, and those over which another's is.
@@ -43,8 +44,12 @@ const LIMIT_FRAMES: usize = 60;
 const LEAVES_M: f64 = 0.1;
 
 impl Moment<'_> {
-    /// The change with this name in `schema/draft_texts.yaml`; unknown for other names.
+    /// The change with this name in `schema/draft_texts.yaml`; unknown for other names, and where the table has only the
+    /// keyframe.
     pub(super) fn change(&self, name: &str) -> Tri {
+        if !self.has_course() {
+            return Tri::Unknown;
+        }
         let ego = || self.gained("ego.speed", EGO_FRAMES);
         let target = |frames| self.gained("target.speed", frames);
         let distance = || self.gained("target.distance", OTHER_FRAMES);
@@ -92,9 +97,8 @@ impl Moment<'_> {
     }
 
     /// Least known speed of the ego in `frames`, m/s.
-    fn least_speed(&self, frames: std::ops::RangeInclusive<usize>) -> Option<f64> {
-        let speeds = frames.filter_map(|f| self.number_at("ego.speed", f));
-        speeds.fold(None, |least: Option<f64>, v| Some(least.map_or(v, |l| l.min(v))))
+    fn least_speed(&self, frames: RangeInclusive<usize>) -> Option<f64> {
+        frames.filter_map(|f| self.number_at("ego.speed", f)).min_by(f64::total_cmp)
     }
 
     /// What was not found in frames of which some are outside of the drive is unknown.
@@ -125,8 +129,8 @@ impl Moment<'_> {
     fn was_faster(&self) -> Tri {
         let from = self.frame().saturating_sub(FASTER_FRAMES);
         let before = (from..self.frame()).filter_map(|f| self.number_at("ego.speed", f));
-        let most = before.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |m| m.max(v))));
         let now = self.number_at("ego.speed", self.frame());
+        let most = before.max_by(f64::total_cmp);
         let faster =
             most.zip(now).map_or(Tri::Unknown, |(m, v)| Tri::from(m > v * (1.0 + FASTER_SHARE) + FASTER_MPS));
         self.unless_cut(faster, self.frame() >= FASTER_FRAMES)
@@ -134,8 +138,7 @@ impl Moment<'_> {
 
     /// The ego loses speed at once, or was losing it already.
     fn answers(&self) -> Tri {
-        let speeds = (1..=ANSWER_FRAMES).filter_map(|n| self.gains(n));
-        let least = speeds.fold(None, |least: Option<f64>, d| Some(least.map_or(d, |l| l.min(d))));
+        let least = (1..=ANSWER_FRAMES).filter_map(|n| self.gains(n)).min_by(f64::total_cmp);
         let answers = is(least, |d| d < -ANSWER_MPS);
         self.unless_cut(answers, self.gains(ANSWER_FRAMES).is_some())
             .or(is(self.gained("ego.speed", EGO_FRAMES), |d| d < -ANSWER_MPS))

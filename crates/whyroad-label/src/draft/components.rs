@@ -193,21 +193,20 @@ impl Scene<'_> {
             let speeds =
                 || Some(number("target.speed")? - signals.frame_columns.get("ego.speed")?.number(frame)?);
             let faster = number("target.relative_speed").or_else(speeds).filter(|v| is_lead && !v.is_nan());
-            let moment = Moment::of(signals, frame, Some(id), None);
-            let change = |name: &str| if self.has_course { moment.change(name) } else { Tri::Unknown };
+            let of_it = Moment::of(signals, frame, Some(id), None).with_course(self.has_course);
             match number("target.accel") {
                 _ if oncoming && class == ObjectClass::Pedestrian => {
                     Bilingual::new("正迎面走来", "is coming towards the ego")
                 }
                 _ if oncoming => Bilingual::new("正对向驶来", "is oncoming"),
                 // What changes only after the keyframe is not seen at it.
-                Some(a) if a < -0.5 && change("past.target_slowed") != Tri::False => {
+                Some(a) if a < -0.5 && of_it.change("past.target_slowed") != Tri::False => {
                     Bilingual::new("正在减速", "is slowing")
                 }
                 // A lead that the ego closes in on is slow first of all.
                 Some(a)
                     if a > 0.5
-                        && change("past.target_gained") != Tri::False
+                        && of_it.change("past.target_gained") != Tri::False
                         && faster.is_none_or(|v| v > -MUCH_SLOWER_MPS) =>
                 {
                     Bilingual::new("正在加速", "is speeding up")

@@ -6,10 +6,10 @@ use super::decision::{Asked, LeadIs};
 use super::lead::Lead;
 use super::moment::{is_green, light_state};
 use super::motion::LongitudinalMotion;
-use crate::driven::Driven;
 use crate::driven::across::first_lane_change;
 use crate::driven::along::{Course, Trend};
 use crate::driven::other::{First, Moves, Other};
+use crate::driven::{Driven, turned};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::messages::DrivingDecision;
 use whyroad_model::{Bilingual, Drive, ObjectClass, ScenarioId, TrackId, Tri};
@@ -266,13 +266,8 @@ fn turns_off(other: &Other<'_>, w: &Driven<'_>) -> bool {
     let heading =
         |f: usize| Some(w.number("ego.heading", f)? + other.number("target.heading_difference", f)?);
     let k = other.keyframe();
-    let change = heading(k).zip(heading(k + TURN_FRAMES)).map(|(now, then)| wrapped(then - now).abs());
-    change.is_some_and(|turned| turned > TURNS_RAD)
-}
-
-/// An angle between -pi and pi, rad.
-fn wrapped(angle: f64) -> f64 {
-    angle.sin().atan2(angle.cos())
+    let change = heading(k).zip(heading(k + TURN_FRAMES)).map(|(now, then)| turned(now, then).abs());
+    change.is_some_and(|turn| turn > TURNS_RAD)
 }
 
 fn first_of(all: &[(bool, Doubt)]) -> Option<Doubt> {
@@ -367,13 +362,8 @@ pub(super) fn of_ego(
             let turns = (w.keyframe..w.end)
                 .any(|f| matches!(w.category("ego.movement", f), Some("left" | "right" | "uturn")));
             let soon = w.keyframe..(w.keyframe + SOON_FRAMES).min(w.end);
-            let heading = |f: usize| w.number("ego.heading", f);
-            let now = heading(w.keyframe);
-            let turned = (w.keyframe..w.end).filter_map(heading).zip(now.into_iter().cycle());
-            let bends = turned
-                .map(|(then, now)| wrapped(then - now).abs())
-                .fold(None, |most: Option<f64>, a| Some(most.map_or(a, |m| m.max(a))));
-            let straight = !slows && w.lasts(6.0) && bends.is_some_and(|most| most < BEND_RAD);
+            let most = w.heading_changes(w.end).into_iter().map(f64::abs).max_by(f64::total_cmp);
+            let straight = !slows && w.lasts(6.0) && most.is_some_and(|turn| turn < BEND_RAD);
             first_of(&[
                 (l3 == "high_curvature" && slows && turns, Doubt::TurnsThere),
                 (l3 == "high_curvature" && straight, Doubt::Motion),

@@ -60,7 +60,6 @@ pub(super) struct Moment<'a> {
     fits_gap: bool,
     /// The ego turns.
     turns: bool,
-    /// Frames before the keyframe, and after it, are known too.
     has_course: bool,
 }
 
@@ -173,13 +172,7 @@ impl<'a> Moment<'a> {
             "around.ramp" => self.ramp(),
             "decided.against_red" => self.goes_against_red(),
             "around.indicator_against" => Tri::from(self.indicator_against()),
-            _ if name.starts_with("past.") || name.starts_with("soon.") => {
-                if self.has_course {
-                    self.change(name)
-                } else {
-                    Tri::Unknown
-                }
-            }
+            _ if name.starts_with("past.") || name.starts_with("soon.") => self.change(name),
             _ if name.starts_with("decided.") => {
                 Tri::from(name.strip_prefix("decided.") == Some(self.motion.id()))
             }
@@ -234,6 +227,11 @@ impl<'a> Moment<'a> {
             }
         };
         value.filter(|v| !v.is_nan())
+    }
+
+    /// Frames before the keyframe, and after it, are known too.
+    pub(super) fn has_course(&self) -> bool {
+        self.has_course
     }
 
     /// The frame of the keyframe.

@@ -214,37 +214,34 @@ pub(super) fn trace(
     let choices = (0..others).flat_map(|why| {
         (0..2).map(move |action| Choice { why: choice.why + why, action: choice.action + action, ..choice })
     });
-    let texts: Vec<String> = choices
-        .flat_map(|choice| {
-            let why = reasons.map_or("", |p| p.pick(facts.lang, choice.why));
-            let of = |&(things, opening): &(usize, Option<&str>)| {
-                facts.sentence(opening, (things, order), why, choice)
-            };
-            variants.iter().map(of).collect::<Vec<_>>()
-        })
-        .collect();
+    let texts = choices.flat_map(|choice| {
+        let why = reasons.map_or("", |p| p.pick(facts.lang, choice.why));
+        let of = |&(things, opening): &(usize, Option<&str>)| {
+            facts.sentence(opening, (things, order), why, choice)
+        };
+        variants.iter().map(of).collect::<Vec<_>>()
+    });
+    let judged = texts.map(|text| (facts.claims(&text, moment), text));
+    let mut texts: Vec<(Tri, String)> = judged.filter(|(truth, _)| *truth != Tri::False).collect();
     // Texts with words that contradict the numbers, or with long chains of clauses, are left out if there are others.
-    let smooth = |t: &String| facts.brakes_hard && SMOOTH.iter().any(|w| t.contains(w));
-    let chained = |t: &String| t.matches(" and ").count() > MOST_ANDS;
-    let mut texts = texts;
-    texts.retain(|t| facts.claims(t, moment) != Tri::False);
-    let unsure = |t: &String| facts.claims(t, moment) == Tri::Unknown;
-    for is_worse in [&smooth as &dyn Fn(&String) -> bool, &unsure, &chained] {
+    let smooth = |t: &(Tri, String)| facts.brakes_hard && SMOOTH.iter().any(|w| t.1.contains(w));
+    let unsure = |t: &(Tri, String)| t.0 == Tri::Unknown;
+    let chained = |t: &(Tri, String)| t.1.matches(" and ").count() > MOST_ANDS;
+    for is_worse in [&smooth as &dyn Fn(&(Tri, String)) -> bool, &unsure, &chained] {
         if !texts.iter().all(is_worse) {
             texts.retain(|t| !is_worse(t));
         }
     }
-    let length = |t: &&String| t.chars().count();
-    let found = texts.iter().find(|t| fits(t, facts.lang));
+    let found = texts.iter().find(|t| fits(&t.1, facts.lang));
     // None fits: the one that exceeds the length least, or else the longest.
     let wanted = wanted(facts.lang);
     let nearest = || {
         texts.iter().min_by_key(|t| {
-            let n = length(t);
+            let n = t.1.chars().count();
             if n > *wanted.end() { (1, n) } else { (0, wanted.start().saturating_sub(n)) }
         })
     };
-    found.or_else(nearest).cloned()
+    found.or_else(nearest).map(|t| t.1.clone())
 }
 
 /// Phrasings of the ego's motion at the keyframe, that of `seed` first.
@@ -586,7 +583,7 @@ pub(super) fn seen(
     framework: &Framework,
     class: &ScenarioId,
     found: &[CriticalComponent],
-    moment: Option<&Moment<'_>>,
+    moment: &Moment<'_>,
     lang: Lang,
 ) -> Option<CriticalComponent> {
     let words = framework.label_words();
@@ -613,7 +610,11 @@ pub(super) fn seen(
     }
     let texts = &framework.draft_texts;
     let seen = texts.seen(class)?;
-    let told = moment.and_then(|m| texts.seen_when(class).iter().find_map(|w| when_told(w, m, lang)));
+    let told = if moment.has_course() {
+        texts.seen_when(class).iter().find_map(|w| when_told(w, moment, lang))
+    } else {
+        None
+    };
     let (category, description) = told.unwrap_or_else(|| (None, seen.get(lang).to_owned()));
     Some(component(category.or(seen.category), description, seen.high.then_some(Uncertainty::High)))
 }

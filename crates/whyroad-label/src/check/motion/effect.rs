@@ -1,6 +1,7 @@
 //! The named cause against its counterfactual: a cause whose removal changes nothing is not a cause if the removal of
 //! something that the label does not name would have let the ego drive on.
 
+use super::HISTORY_FRAMES;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use crate::counterfactual::{Effect, Removed, counterfactual};
@@ -11,9 +12,6 @@ use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 use whyroad_model::names::class_name;
 use whyroad_model::{Bilingual, ObjectClass, TrackId};
-
-/// History in which a cause was visible, frames.
-const HISTORY_FRAMES: usize = 20;
 
 pub(super) fn check(
     label: &View<'_>,

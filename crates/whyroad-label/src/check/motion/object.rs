@@ -3,6 +3,7 @@
 
 mod place;
 
+use super::HISTORY_FRAMES;
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
@@ -19,8 +20,6 @@ use whyroad_model::{Drive, Nanos, ObjectClass, TrackId};
 const NEAR_M: f64 = 80.0;
 /// Minimum lateral distance at which the side is certain, m.
 const SIDE_M: f64 = 1.5;
-/// History in which it may have been visible, frames.
-const HISTORY_FRAMES: usize = 20;
 
 pub(super) fn check(
     label: &View<'_>,
@@ -30,39 +29,36 @@ pub(super) fn check(
     whole: Option<&Drive>,
     sink: &mut dyn Sink,
 ) {
-    let later = |id: &str| whole.is_some_and(|drive| drive.track(&TrackId::from(id)).is_some());
-    let is_late = |id: &str| match w.drive.track(&TrackId::from(id)) {
+    let is_late = |id: &TrackId| match w.drive.track(id) {
         Some(t) => t.frames.first().is_some_and(|f| *f as usize > w.keyframe + 2),
-        None => later(id),
+        None => whole.is_some_and(|drive| drive.track(id).is_some()),
     };
     for (c, facts) in label.parts.iter().zip(&texts.components) {
         let mut linked = Vec::new();
         let mut broken = false;
         for (k, id) in c.objects.iter().enumerate() {
-            match w.drive.track(&TrackId::from(*id)) {
-                _ if is_late(id) => {
-                    broken = true;
-                    let at = pointer::critical_components_item_linked_objects_item(c.index, k);
-                    sink.report(Finding::error("label.object.unseen", at), &|| {
-                        Words::new(
-                            "该目标在关键帧之后才出现",
-                            "the object came into view only after the keyframe",
-                        )
-                        .hint("关联关键帧时能看到的目标", "link an object that can be seen at the keyframe")
-                    });
-                }
-                Some(_) => linked.push(*id),
-                None => {
-                    broken = true;
-                    let at = pointer::critical_components_item_linked_objects_item(c.index, k);
-                    sink.report(Finding::error("label.object.unknown", at), &|| {
-                        Words::new(
-                            format!("该行程中没有编号为 {id} 的目标"),
-                            format!("the drive has no object with the id {id}"),
-                        )
-                        .hint("在画面上重新选择该目标", "choose the object in the scene again")
-                    });
-                }
+            let (track, at) =
+                (TrackId::from(*id), pointer::critical_components_item_linked_objects_item(c.index, k));
+            if is_late(&track) {
+                broken = true;
+                sink.report(Finding::error("label.object.unseen", at), &|| {
+                    Words::new(
+                        "该目标在关键帧之后才出现",
+                        "the object came into view only after the keyframe",
+                    )
+                    .hint("关联关键帧时能看到的目标", "link an object that can be seen at the keyframe")
+                });
+            } else if w.drive.track(&track).is_none() {
+                broken = true;
+                sink.report(Finding::error("label.object.unknown", at), &|| {
+                    Words::new(
+                        format!("该行程中没有编号为 {id} 的目标"),
+                        format!("the drive has no object with the id {id}"),
+                    )
+                    .hint("在画面上重新选择该目标", "choose the object in the scene again")
+                });
+            } else {
+                linked.push(*id);
             }
         }
         if broken || unseen(c, &linked, w, sink) {
