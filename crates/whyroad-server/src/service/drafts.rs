@@ -9,7 +9,7 @@ use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, leases, visible};
 use crate::store::Tx;
 use crate::values;
-use serde_json::{Value, json};
+use serde_json::Value;
 use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::label_fields::{name, pointer};
 
@@ -164,10 +164,8 @@ pub fn at(tx: &mut dyn Tx, t: &TaskRow, seq: i64) -> Answer<Value> {
 
 /// `now` with those parts of `old` that may be changed in this state.
 pub fn restored(t: &TaskRow, old: &Value) -> Value {
-    let components =
-        |label: &Value| label.get(name::CRITICAL_COMPONENTS).filter(|c| **c != json!([])).cloned();
-    let suggested = components(old).is_some() && components(old) == components(&t.initial);
-    let hidden = |field: &str| field == name::CRITICAL_COMPONENTS && suggested && t.hides_drafted();
+    let suggested = t.hides_drafted() && t.are_suggested_in(old);
+    let hidden = |field: &str| field == name::CRITICAL_COMPONENTS && suggested;
     let open =
         |field: &str| visible::may_change(t, &format!("/{field}"), &Value::Null).is_ok() && !hidden(field);
     let mut out = t.draft.as_object().cloned().unwrap_or_default();

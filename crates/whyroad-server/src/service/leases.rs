@@ -33,10 +33,7 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
         t.draft = t.initial.clone();
     }
     // Hidden components are kept in the suggested draft, as are the causes that refer to them.
-    let drafted = t.draft.get(name::CRITICAL_COMPONENTS).is_some_and(|c| *c != json!([]));
-    let cleared = t.hides_drafted()
-        && drafted
-        && t.draft.get(name::CRITICAL_COMPONENTS) == t.initial.get(name::CRITICAL_COMPONENTS);
+    let cleared = t.hides_drafted() && t.are_suggested_in(&t.draft);
     if cleared {
         t.draft[name::CRITICAL_COMPONENTS] = json!([]);
         if let Some(fields) = t.draft.as_object_mut() {

@@ -10,6 +10,7 @@ use crate::values;
 use serde_json::Value;
 use std::collections::HashMap;
 use whyroad_label::merge::FieldChange;
+use whyroad_model::label_fields::name;
 use whyroad_model::messages::EpisodeRecord;
 
 /// A complete task.
@@ -111,6 +112,13 @@ impl TaskRow {
     /// imported ones on what comes after the keyframe.
     pub fn hides_drafted(&self) -> bool {
         self.hides_leaf() || (self.imported && self.at.state.stage() == Stage::Stage1)
+    }
+
+    /// True where the components of `draft` are the suggested ones, and there are some.
+    pub fn are_suggested_in<'a>(&'a self, draft: &'a Value) -> bool {
+        let of =
+            |label: &'a Value| label.get(name::CRITICAL_COMPONENTS)?.as_array().filter(|all| !all.is_empty());
+        of(draft).is_some_and(|all| Some(all) == of(&self.initial))
     }
 
     /// How much of its label is shown now.

@@ -64,9 +64,8 @@ fn without_leaf(out: &mut Map<String, Value>) {
 
 /// The part of an earlier draft of `t` that is shown: in Stage I without the suggested components, if these are hidden.
 pub fn earlier(draft: &Value, t: &TaskRow) -> Value {
-    let suggested = draft.get(name::CRITICAL_COMPONENTS) == t.initial.get(name::CRITICAL_COMPONENTS);
     let view = t.view();
-    label(draft, LabelView { in_hand: view.in_hand && !suggested, ..view })
+    label(draft, LabelView { in_hand: view.in_hand && !t.are_suggested_in(draft), ..view })
 }
 
 /// The parts of a keyframe that state its time.
