@@ -253,10 +253,8 @@ impl Rule {
         let roots = std::iter::once(&self.when).chain(&self.require);
         let asked: BTreeSet<String> = roots.flat_map(|id| self.program.asked_for(*id)).collect();
         let mut needs: BTreeSet<String> = self.signals().difference(&asked).cloned().collect();
-        if self.subject == Some(Subject::LargeVehicle) {
-            // A vehicle of unknown kind is not looked at; that it is not large is not known.
-            needs.insert("target.large_vehicle".to_owned());
-        }
+        // A vehicle of unknown kind is not looked at; that it is not large is not known.
+        needs.extend(self.subject.and_then(Subject::signal).map(str::to_owned));
         needs
     }
 }

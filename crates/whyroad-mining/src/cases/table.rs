@@ -5,6 +5,7 @@ use super::trace::time as duration;
 use super::trace::{self, Segment, segments};
 use crate::interpret::STEP;
 use crate::language::check::nearest;
+use crate::language::program::Subject;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
@@ -12,9 +13,6 @@ use whyroad_model::signal::TargetSpan;
 use whyroad_model::units::Dimension;
 use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalId, SignalTable, Tri};
 use whyroad_signals::{Catalog, SignalKind};
-
-/// The classes of a case's objects state it.
-const LARGE: &str = "target.large_vehicle";
 
 /// The table that the case describes.
 pub(super) fn table(
@@ -70,10 +68,15 @@ pub(super) fn table(
             table.frame_columns.insert(def.name.clone(), column);
         }
     }
-    if !table.targets.is_empty() && !table.target_columns.contains_key(LARGE) && !lacks(&LARGE.to_owned()) {
+    // The classes of a case's objects state which are large.
+    if let Some(name) = Subject::LargeVehicle.signal()
+        && !table.targets.is_empty()
+        && !table.target_columns.contains_key(name)
+        && !lacks(&name.to_owned())
+    {
         let of = |t: &TargetSpan| vec![t.class.large_vehicle(); t.frames.end - t.frames.start];
         let large = table.targets.iter().flat_map(of).collect();
-        table.target_columns.insert(LARGE.to_owned(), Column::Flag(large));
+        table.target_columns.insert(name.to_owned(), Column::Flag(large));
     }
     for name in &case.lacks {
         let needs = SignalId::from_name(name).map(SignalId::needs).unwrap_or_default();

@@ -24,8 +24,8 @@ impl Possible {
 /// accepts are known. A stop at a red light needs the light. What the rule excludes (`not`) need not be known
 /// everywhere: what is excluded at ramps only can be looked for elsewhere.
 pub(crate) fn is_decidable(rule: &Rule, has: impl Fn(&str) -> bool) -> bool {
-    // Which targets are large is not a node of the rule.
-    if rule.subject == Some(Subject::LargeVehicle) && !has("target.large_vehicle") {
+    // Which objects are its targets is not a node of the rule.
+    if rule.subject.and_then(Subject::signal).is_some_and(|signal| !has(signal)) {
         return false;
     }
     let possible = possible(&rule.program, has);

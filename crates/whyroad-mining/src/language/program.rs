@@ -84,6 +84,11 @@ impl Subject {
             Self::Class(only) => class == only,
         }
     }
+
+    /// The signal without which it is unknown which objects it admits; the class of an object alone shows the others.
+    pub fn signal(self) -> Option<&'static str> {
+        (self == Self::LargeVehicle).then_some("target.large_vehicle")
+    }
 }
 
 /// Type of a node's value.
