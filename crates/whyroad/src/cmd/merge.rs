@@ -1,6 +1,6 @@
 //! `whyroad merge`: the parts that workers mined, as one mined folder.
 
-use super::mine::missing::{Missing, MissingArgs};
+use super::mine::missing::MissingArgs;
 use super::mine::{other_question, table::Results};
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
@@ -72,12 +72,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         taxonomy: &framework.taxonomy,
         lang,
     };
-    let lacking = args.missing.any().then(|| Missing::read(&results, lake.as_ref()));
-    if let (Some(file), Some(lacking)) = (&args.missing.missing_list, &lacking) {
-        lacking.write(&results, file)?;
-    }
-    let shown = lacking.as_ref().filter(|_| args.missing.missing).map(|lacking| lacking.text(&results));
-    args.print.put(&results.json(), || results.text(shown))?;
+    let missing = args.missing.list(&results, lake.as_ref())?;
+    args.print.put(&results.json(), || results.text(missing))?;
     Ok(if failed.is_empty() { output::FINE } else { output::lost_input() })
 }
 

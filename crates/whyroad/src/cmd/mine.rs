@@ -9,7 +9,7 @@ pub(super) mod table;
 use crate::output::reason::{folders_only, stop};
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
-use missing::{Missing, MissingArgs};
+use missing::MissingArgs;
 use plan::CustomRule;
 pub(super) use plan::rule_name;
 use serde_json::Value;
@@ -292,12 +292,8 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         taxonomy: &framework.taxonomy,
         lang: global.lang,
     };
-    let lacking = args.missing.any().then(|| Missing::read(&results, Some(&lake)));
-    if let (Some(file), Some(lacking)) = (&args.missing.missing_list, &lacking) {
-        lacking.write(&results, file)?;
-    }
-    let shown = lacking.as_ref().filter(|_| args.missing.missing).map(|lacking| lacking.text(&results));
-    let results = Some((results.json(), results.text(shown)));
+    let missing = args.missing.list(&results, Some(&lake))?;
+    let results = Some((results.json(), results.text(missing)));
     if mined.same > 0 {
         say!("{}", unchanged(mined.same, summary.drives, global.lang));
     }

@@ -29,9 +29,16 @@ pub(in crate::cmd) struct MissingArgs {
 }
 
 impl MissingArgs {
-    /// True where any of it is asked for.
-    pub fn any(&self) -> bool {
-        self.missing || self.missing_list.is_some()
+    /// Writes the list, and returns the text, as far as they are asked for.
+    pub fn list(&self, results: &Results<'_>, lake: Option<&Lake>) -> anyhow::Result<Option<String>> {
+        if !self.missing && self.missing_list.is_none() {
+            return Ok(None);
+        }
+        let missing = Missing::read(results, lake);
+        if let Some(file) = &self.missing_list {
+            missing.write(results, file)?;
+        }
+        Ok(self.missing.then(|| missing.text(results)))
     }
 }
 
@@ -79,7 +86,7 @@ struct Row<'a> {
 }
 
 /// What drives lack for the requested classes.
-pub(in crate::cmd) struct Missing {
+struct Missing {
     /// Unsupported signals of each drive with the missing data, where the lake stores its signals.
     unavailable: BTreeMap<DriveId, BTreeMap<String, Vec<Need>>>,
     by_data: Vec<(Lack, Lacking)>,
@@ -89,7 +96,7 @@ pub(in crate::cmd) struct Missing {
 
 impl Missing {
     /// Reads what the drives lack, where there is a lake.
-    pub fn read(results: &Results<'_>, lake: Option<&Lake>) -> Self {
+    fn read(results: &Results<'_>, lake: Option<&Lake>) -> Self {
         let rows = results.gaps();
         let drives: BTreeSet<DriveId> =
             rows.iter().flat_map(|l| &l.gaps).flat_map(|g| g.drives.iter().cloned()).collect();
@@ -122,7 +129,7 @@ impl Missing {
     }
 
     /// The text: data first, then classes.
-    pub fn text(&self, results: &Results<'_>) -> String {
+    fn text(&self, results: &Results<'_>) -> String {
         let lang = results.lang;
         let zh = lang == Lang::Zh;
         let mut out = String::new();
@@ -141,7 +148,7 @@ impl Missing {
                 if zh {
                     format!("{name}（{classes} 个类别）")
                 } else {
-                    format!("{name} ({classes} classes)")
+                    format!("{name} ({classes} {})", if classes == 1 { "class" } else { "classes" })
                 }
             });
             let data: Vec<String> = data.collect();
@@ -166,7 +173,7 @@ impl Missing {
     }
 
     /// Writes every drive and class.
-    pub fn write(&self, results: &Results<'_>, file: &Path) -> anyhow::Result<()> {
+    fn write(&self, results: &Results<'_>, file: &Path) -> anyhow::Result<()> {
         let cannot = || cannot_write(file.display());
         let gaps = results.gaps();
         let rows = gaps.iter().flat_map(|l| l.gaps.iter().map(move |g| (l, g)));
