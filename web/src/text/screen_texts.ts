@@ -509,7 +509,7 @@ export const screenTexts = {
   "hooks.paused": ["已暂停：添加者的账号已停用", "paused: the account of the user who added it is disabled"],
   "hooks.paused.all": [
     "以下 webhook 因添加者的账号停用而暂停；账号恢复后继续，也可在项目的“导入与导出”中删除：",
-    "These webhooks are paused because the account of who added them is disabled. They go on when it is enabled, and can be removed under Import and export of the project:",
+    "These webhooks are paused because the accounts of the users who added them are disabled. They go on when the accounts are enabled, and can be removed under Import and export of the project:",
   ],
   "hooks.events": ["触发操作", "Events"],
   "hooks.all": ["全部", "all"],
