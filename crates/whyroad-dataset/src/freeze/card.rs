@@ -69,10 +69,14 @@ pub(crate) fn card(m: &Manifest) -> String {
     let _ = writeln!(t, "---\n\n# {title}\n");
     let _ = writeln!(
         t,
-        "Chain-of-Causation driving data, version {}, made by {}. Each sample is a keyframe of a drive: history, objects,\nmap and images that a model may see, and the decision, its causes, the trace and the future that it should learn.\n",
+        "Chain-of-Causation driving data, version {}, made by {}. Each sample is a keyframe of a drive: history,\nobjects, map and images that a model may see, and the decision, its causes, the trace and the future that it should\nlearn.\n",
         m.version, m.created_by
     );
-    let _ = writeln!(t, "因果链驾驶数据集，版本 {}。每个样本是行程中的一个关键帧及其前后窗口。\n", m.version);
+    let _ = writeln!(
+        t,
+        "因果链驾驶数据集，版本 {}。每个样本是行程中的一个关键帧：模型可以看到的历史、目标物、地图和\n图像，以及应当学会的决策、原因、推理文本和未来。\n",
+        m.version
+    );
     samples(&mut t, m);
     labels(&mut t, m);
     splits(&mut t, m);

@@ -4,7 +4,18 @@
 use std::path::{Path, PathBuf};
 use whyroad_framework::docs::wrap::{WIDTH, columns};
 
-const SKIPPED: &[&str] = &["target", "node_modules", "dist", "assets", "generated", "snapshots"];
+/// The last three are what our own commands make (see `.gitignore`).
+const SKIPPED: &[&str] = &[
+    "target",
+    "node_modules",
+    "dist",
+    "assets",
+    "generated",
+    "snapshots",
+    "out",
+    "whyroad-data",
+    "whyroad-demo",
+];
 
 fn files(folder: &Path, out: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
