@@ -44,8 +44,8 @@ const LIMIT_FRAMES: usize = 60;
 const LEAVES_M: f64 = 0.1;
 
 impl Moment<'_> {
-    /// The change with this name in `schema/draft_texts.yaml`; unknown for other names, and where the table has only the
-    /// keyframe.
+    /// The change with this name in `schema/draft_texts.yaml`; unknown for other names, and where the table has only
+    /// the keyframe.
     pub(super) fn change(&self, name: &str) -> Tri {
         if !self.has_course() {
             return Tri::Unknown;
