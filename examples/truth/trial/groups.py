@@ -27,6 +27,7 @@ from networks_everyday import artery, hill_road, quarter, works
 from networks_gateway import airport, diamond, indirect, railside
 from networks_joined import dumbbell, herringbone, hexagons, plain_exits
 from networks_local import ring_motorway, school, suburb, two_banks
+from networks_midland import boulevard, parclo, throughabout, twostage
 from networks_mixed import lit_grid, parked, spokes, weaving
 from networks_newtown import retail, sideroads, singlepoint, turbine
 from networks_outskirts import contraflow, crossings, hamlet, viaduct
@@ -147,6 +148,12 @@ SETS = {
         "singlepoint": (singlepoint, 16033, 270, 0.1, "KraussPlain", 3.4, 0.8, 0),
         "retail": (retail, 16057, 310, 0.05, "KraussTame+moto", 2.6, 0.34, 0),
     },
+    "held16": {
+        "throughabout": (throughabout, 17011, 290, 0.1, "KraussKeen+moto", 3, 0.5, 0),
+        "boulevard": (boulevard, 17021, 290, 0.05, "EIDM11+moto", "sublane", 0.36, 0.12),
+        "twostage": (twostage, 17029, 300, 0.1, "KraussWary+moto", 3.5, 0.32, 0),
+        "parclo": (parclo, 17033, 230, 0.2, "IDM13", 4.2, 1.2, 0),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -175,4 +182,6 @@ NOISE = {
     "held14/railside": (0.11, 0.06, 0.19, 1.2, 0.05),
     "held15/sideroads": (0.04, 0.13, 0.21, 1.1, 0.08),
     "held15/turbine": (0.13, 0.08, 0.34, 0.4, 0.06),
+    "held16/boulevard": (0.05, 0.17, 0.23, 1.3, 0.05),
+    "held16/parclo": (0.1, 0.1, 0.29, 0.7, 0.09),
 }

@@ -156,7 +156,8 @@ def junctions(w, ego, lead):
                 if p.first - m.q.first > 30:
                     # It gives way long before it enters.
                     yield from perhaps(w, ego, m.name, m.q)
-        if p.node.on_ring or not p.began:
+        # Where a road passes through the middle of a ring, who drives on along it crosses the ring as at any junction.
+        if p.node.on_ring and not {p.link.a, p.link.b}.isdisjoint(net.ring) or not p.began:
             continue
         yield from turn(w, ego, p, lead, into, out, near)
 
