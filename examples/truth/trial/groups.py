@@ -149,9 +149,9 @@ SETS = {
         "retail": (retail, 16057, 310, 0.05, "KraussTame+moto", 2.6, 0.34, 0),
     },
     "held16": {
-        "throughabout": (throughabout, 17011, 290, 0.1, "KraussKeen+moto", 3, 0.5, 0),
-        "boulevard": (boulevard, 17021, 290, 0.05, "EIDM11+moto", "sublane", 0.36, 0.12),
-        "twostage": (twostage, 17029, 300, 0.1, "KraussWary+moto", 3.5, 0.32, 0),
+        "throughabout": (throughabout, 17011, 290, 0.1, "KraussKeen+moto", 3, 0.4, 0),
+        "boulevard": (boulevard, 17021, 290, 0.05, "EIDM11+moto", "sublane", 0.27, 0.1),
+        "twostage": (twostage, 17029, 300, 0.1, "KraussWary+moto", 3.5, 0.4, 0),
         "parclo": (parclo, 17033, 230, 0.2, "IDM13", 4.2, 1.2, 0),
     },
 }

@@ -29,13 +29,13 @@ def first_pulse(rows, slow):
 
 def lights(w, ego):
     rows = w.rows[ego]
-    previous = min(rows)
+    previous, last_lit = min(rows), False
     for p in w.passing[ego]:
         if not p.whole:
             continue
-        begin = previous
+        begin, lit = previous, last_lit
         if p.node.real or p.link.tl:
-            previous = p.last
+            previous, last_lit = p.last, bool(p.link.tl)
         if not p.link.tl:
             continue
         # Where the road only widens it is the same approach.
@@ -59,6 +59,11 @@ def lights(w, ego):
                 # Yellow lasts 3 s, or longer.
                 red = w.turned_to(p.link, a, "r")
                 edge = turned and (abs((slow - turned) - 30) < 8 if red - turned < 45 else abs(slow - red) < 8)
+                if lit and slow < begin:
+                    # It slowed at the light before already: since when for this one, too, is open.
+                    edge = True
+                    for leaf in ("red_stop", "yellow_stop"):
+                        yield w.entry(T + leaf, ego, begin - 20, max(begin, turned), a + 10, optional=True)
                 again = n and slow - halts[n - 1][1] < 60 or max(rows[u].v for u in range(slow - 20, slow + 1) if u in rows) < 4
                 for leaf in ("red_stop", "yellow_stop"):
                     sure = leaf == ("yellow_stop" if yellow else "red_stop") and not (again or edge or mixed or far)

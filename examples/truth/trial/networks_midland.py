@@ -27,7 +27,7 @@ def throughabout(work, draw):
     around = list(angles)
     for a, b in zip(around, [*around[1:], around[0]]):
         sweep = (angles[b] - angles[a]) % 360
-        edges.append(edge(f"o{a}", a, b, 2, 11.11, main, 9, [spot(angles[a] + sweep * t / 8) for t in range(9)]))
+        edges.append(edge(f"o{a}", a, b, 2, 9.72, main, 9, [spot(angles[a] + sweep * t / 8) for t in range(9)]))
     edges.append(f'<roundabout nodes="{" ".join(around)}" edges="{" ".join("o" + n for n in around)}"/>')
     place = {"wa": (-150, 4), "q": (-405 + jolt(), 16), "t1": (-590 + jolt(), 12), "w": (-900, -22), "em": (148, -5), "x": (400 + jolt(), -24), "z": (690, -60),
              "qn": (-392, 270), "t2": (-418, -165 + jolt()), "qz": (-440, -420), "N": (12, 290), "S": (-18, -300), "V": (196, -196), "VV": (330, -330), "xn": (418, 220), "xs": (385, -270)}
@@ -102,19 +102,19 @@ def boulevard(work, draw):
     for a, b in zip(slant, slant[1:]):
         for u, v in ((a, b), (b, a)):
             edges.append(edge(f"{u}-{v}", u, v, 3, 13.89, broad, 9).replace("></edge>", '><lane index="0" allow="bicycle" width="1.8"/><lane index="1" disallow="bicycle pedestrian"/><lane index="2" disallow="bicycle pedestrian"/></edge>'))
-    # Nobody turns back sharply from or into the boulevard.
+    # Nobody turns back sharply from or into the boulevard; at a crossing of six arms nobody turns left.
     every = [(u, v) for u, v, *_ in roads] + [p for a, b in zip(slant, slant[1:]) for p in ((a, b), (b, a))]
     aim = lambda u, v: math.atan2(place[v][1] - place[u][1], place[v][0] - place[u][0])
     bays = {(u, v) for u, v, lanes, _, kind, _ in roads if v in ("01", "21") and lanes == 1 and kind == avenue}
     for u, v in every:
         for s, t in every:
-            turn = abs((aim(s, t) - aim(u, v) + math.pi) % (2 * math.pi) - math.pi)
-            if v == s and t != u and turn > math.radians(112):
+            turn = (aim(s, t) - aim(u, v) + math.pi) % (2 * math.pi) - math.pi
+            if v == s and t != u and (abs(turn) > math.radians(112) or kinds.get(v) == "six" and turn > math.radians(20)):
                 links.append(f'<delete from="{u}-{v}{".-40" if (u, v) in bays else ""}" to="{s}-{t}"/>')
     document(work / "nod.xml", "nodes", nodes)
     document(work / "edg.xml", "edges", edges)
     document(work / "con.xml", "connections", links)
-    flows = (("car", "b0-00", "22-b1", 15), ("car", "b1-22", "00-b0", 16), ("car", "b0-00", "11-21", 43), ("car", "w1-01", "22-b1", 47), ("car", "w1-01", "21-e1", 29), ("car", "e1-21", "01-w1", 31), ("van", "b1-22", "10-z1", 53), ("car", "z2-20", "22-t2", 27), ("car", "t0-02", "00-z0", 29),
+    flows = (("car", "b0-00", "22-b1", 21), ("car", "b1-22", "00-b0", 23), ("car", "b0-00", "11-21", 43), ("car", "w1-01", "22-b1", 47), ("car", "w1-01", "21-e1", 29), ("car", "e1-21", "01-w1", 31), ("van", "b1-22", "10-z1", 53), ("car", "z2-20", "22-t2", 27), ("car", "t0-02", "00-z0", 29),
              ("cycle", "b0-00", "22-b1", 23), ("cycle", "b1-22", "00-b0", 27), ("truck", "b0-00", "22-b1", 71))
     (work / "parked.txt").write_text("\n".join(f'<flow id="slant{i}" type="{kind}" begin="0" period="{p}" number="{int(240 / p)}" from="{a}" to="{b}" departLane="best"/>' for i, (kind, a, b, p) in enumerate(flows)))
     return ["--no-turnarounds", "--junctions.corner-detail", 5, "--junctions.internal-link-detail", 8, "--tls.cycle.time", 84, "--tls.yellow.time", 3, "--tls.left-green.time", 7, "--sidewalks.guess", "--sidewalks.guess.max-speed", 13.95, "--crossings.guess"]
@@ -190,7 +190,7 @@ def twostage(work, draw):
         *(f'<flow id="rest{i}" type="truck" begin="{i * 3}" period="{p}" number="{int(250 / p)}" from="{a}" to="{b}" departSpeed="max">{rest(road, 62, 10, 24)}</flow>' for i, (a, road, b, p) in enumerate((("wln", "lmn", "hen", 41), ("eks", "mls", "lws", 43)))),
         *(f'<flow id="fuel{i}" type="car" begin="0" period="{p}" number="{int(260 / p)}" from="wln" to="hen" departSpeed="max"><stop lane="pab_{i}" startPos="{15 + 12 * i}" endPos="{22 + 12 * i}" duration="{draw.randint(15, 30)}"/></flow>' for i, p in enumerate((67, 71, 83))),
         *(f'<flow id="plain{i}" type="{kind}" begin="0" period="{p}" number="{int(270 / p)}" from="{a}" to="{b}" departLane="best" departSpeed="max"/>' for i, (kind, a, b, p) in enumerate((
-            ("car", "wln", "hen", 13), ("car", "eks", "lws", 12), ("quick", "wln", "hen", 37), ("truck", "eks", "lws", 53), ("car", "cNcn", "cScZ", 41), ("car", "cZcS", "cncN", 47), ("car", "wln", "dSdZ", 39), ("car", "dZdS", "hen", 37), ("car", "kNkn", "kSkZ", 29), ("car", "eks", "knkN", 33),
+            ("car", "wln", "hen", 9), ("car", "eks", "lws", 8), ("quick", "wln", "hen", 29), ("quick", "eks", "lws", 31), ("truck", "eks", "lws", 53), ("car", "cNcn", "cScZ", 41), ("car", "cZcS", "cncN", 47), ("car", "wln", "dSdZ", 39), ("car", "dZdS", "hen", 37), ("car", "kNkn", "kSkZ", 29), ("car", "eks", "knkN", 33),
             ("car", "wln", "kSkZ", 43), ("van", "fn2fn", "hen", 89), ("car", "ooo", "hen", 17), ("van", "wln", "fnfn2", 97)))) ]))
     return ["as drawn", "--lefthand", "--no-turnarounds", "--junctions.corner-detail", 5, "--junctions.internal-link-detail", 8, "--tls.cycle.time", 70, "--tls.yellow.time", 4, "--tls.left-green.time", 8]
 
