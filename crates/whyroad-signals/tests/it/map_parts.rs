@@ -373,6 +373,29 @@ fn a_roundabout() {
     assert_eq!((t.ego_flag("map.in_roundabout", 130), t.ego("map.roundabout_lanes", 130)), (False, 0.0));
 }
 
+/// A road through the island of a ring of radius 40 m, 4 m beside its middle: who keeps to it drives round nothing.
+#[test]
+fn a_road_through_the_middle_of_a_roundabout() {
+    let circle = |radius: f64| -> Vec<(f64, f64)> {
+        (0..72)
+            .map(|i| f64::from(i) * PI / 36.0)
+            .map(|a| (100.0 + radius * a.cos(), 4.0 + radius * a.sin()))
+            .collect()
+    };
+    let mut d = drive(160, |t: f64| (10.0 * t, 0.0, 0.0));
+    let mut m = map(vec![lane("a", &[(0.0, 0.0), (200.0, 0.0)], 3.5)]);
+    m.facilities = vec![facility("roundabout", &circle(40.0))];
+    d.map = Some(m);
+    let t = Table::of(&d);
+    assert_eq!(
+        (t.ego_flag("map.in_roundabout", 100), t.ego("map.distance_to_roundabout", 40)),
+        (False, f64::INFINITY)
+    );
+    // Over the edge of a ring of radius 5 m, whose middle is 4 m away, it goes round that.
+    d.map.as_mut().unwrap().facilities = vec![facility("roundabout", &circle(5.0))];
+    assert_eq!(Table::of(&d).ego_flag("map.in_roundabout", 100), True);
+}
+
 #[test]
 fn the_next_sign_of_the_ego_s_own_lanes() {
     let sign = |id: &str, kind: &str, x: f64, y: f64, lanes: &[&str]| Sign {
