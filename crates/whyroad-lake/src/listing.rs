@@ -33,6 +33,14 @@ impl Lake {
         Ok(DriveEntry { bytes, ..entry })
     }
 
+    /// Whether the log of a listed drive states its date.
+    ///
+    /// # Errors
+    /// Where only the drive itself knows, and it is missing or cannot be read.
+    pub fn is_dated(&self, entry: &DriveEntry) -> Result<bool, LakeError> {
+        entry.dated.map_or_else(|| Ok(self.manifest(&entry.drive_id)?.meta.is_dated()), Ok)
+    }
+
     fn entry_at(&self, id: &DriveId, place: &Place) -> Result<DriveEntry, LakeError> {
         let Place::Loose(dir) = place else {
             let catalog = self.catalog()?;

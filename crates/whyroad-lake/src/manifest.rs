@@ -40,6 +40,7 @@ impl DriveManifest {
             licence: meta.licence.clone(),
             session: meta.session.clone(),
             vehicle: meta.vehicle.clone(),
+            dated: Some(meta.is_dated()),
             start,
             end,
             frames: rows(self.frames),

@@ -37,6 +37,9 @@ pub struct DriveEntry {
     pub session: Option<String>,
     /// Vehicle.
     pub vehicle: Option<String>,
+    /// Whether the log states its date; without one, `start` and `end` count from an invented start. `None` in
+    /// catalogs of earlier versions (see [`crate::Lake::is_dated`]).
+    pub dated: Option<bool>,
     /// Time of the first frame.
     pub start: Nanos,
     /// Time of the last frame.
@@ -63,6 +66,7 @@ pub(crate) struct Catalog {
 #[derive(Debug, Default)]
 struct Numbers {
     rows: Vec<u32>,
+    dated: Vec<Option<bool>>,
     starts: Vec<i64>,
     ends: Vec<i64>,
     frames: Vec<i64>,
@@ -94,6 +98,8 @@ impl Catalog {
         }
         let numbers = Numbers {
             rows: table.indices("row")?,
+            // Earlier versions wrote no such column.
+            dated: if table.has("dated") { table.flags("dated")? } else { vec![None; table.rows()] },
             starts: table.integers("start_ns")?,
             ends: table.integers("end_ns")?,
             frames: table.integers("frames")?,
@@ -121,6 +127,7 @@ impl Catalog {
             .texts_or_null("licence", all().map(|e| e.licence.as_ref()))
             .texts_or_null("session", all().map(|e| e.session.as_ref()))
             .texts_or_null("vehicle", all().map(|e| e.vehicle.as_ref()))
+            .flags("dated", all().map(|e| e.dated))
             .integers("start_ns", all().map(|e| e.start.0))
             .integers("end_ns", all().map(|e| e.end.0))
             .integers("frames", all().map(|e| whole(e.frames)))
@@ -193,6 +200,7 @@ impl Catalog {
             licence: maybe("licence"),
             session: maybe("session"),
             vehicle: maybe("vehicle"),
+            dated: self.numbers.dated[at],
             start: Nanos(self.numbers.starts[at]),
             end: Nanos(self.numbers.ends[at]),
             frames,

@@ -17,7 +17,8 @@ static MADE: LazyLock<TempDir> = LazyLock::new(|| {
     let run = |args: &[&str]| good(whyroad_in(dir.path(), args));
     for name in ["back_street", "multilane", "signal_junction"] {
         let drive = root().join("examples/drives").join(name);
-        run(&["ingest", "sumo", drive.to_str().unwrap(), "--lake", "lake"]);
+        let day = ["--start-time", "2026-05-01T08:00:00Z"];
+        run(&[&["ingest", "sumo", drive.to_str().unwrap(), "--lake", "lake"][..], &day].concat());
     }
     run(&["mine", "--lake", "lake", "--out", "mined/all"]);
     let rule = ["--rule", "target.gap < 40 m for 1 s", "--limit", "2"];
@@ -182,6 +183,19 @@ fn old_drives_are_chosen_by_their_end() {
     assert_eq!(fs::read_dir(&lake).unwrap().count(), 3);
     let (_, printed) = delete(dir.path(), &["--older-than", "0d", "--dry-run"]);
     assert_eq!(printed["lake_drives"], 3);
+    // SUMO states no date: how old such a drive is, nobody knows. It is kept and named, loose and packed.
+    let street = root().join("examples/drives/back_street");
+    let args = ["ingest", "sumo", street.to_str().unwrap(), "--lake", "lake", "--drive-id", "undated"];
+    good(whyroad_in(dir.path(), &args));
+    for packed in [false, true] {
+        if packed {
+            good(whyroad_in(dir.path(), &["lake", "compact", "--lake", "lake"]));
+        }
+        let (run, printed) = delete(dir.path(), &["--older-than", "0d", "--dry-run"]);
+        assert_eq!((run.code, &printed["lake_drives"]), (1, &3.into()), "{}", run.err);
+        let unsearched = printed["unsearched"].as_array().unwrap();
+        assert!(unsearched.contains(&"undated: date unknown".into()), "{printed:#}");
+    }
     let wrong = whyroad_in(dir.path(), &["lake", "delete", "--lake", "lake", "--older-than", "yesterday"]);
     assert_eq!(wrong.code, 2, "{}", wrong.err);
 }

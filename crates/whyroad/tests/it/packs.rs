@@ -148,6 +148,26 @@ fn a_list_is_filtered_by_place_format_and_time() {
     assert_eq!(ids(&[]), ["d0", "d1", "d2", "d3", "d4", "d7"]);
     assert_eq!(ids(&["--since", "2026-02-03", "--until", "2026-02-05"]), ["d2", "d3"]);
     assert_eq!(ids(&["--since", "2026-02-05"]), ["d4", "d7"]);
+    // A drive without a date has no start to show and is in no range of time.
+    let street = root().join("examples/drives/back_street");
+    let args = ["ingest", "sumo", street.to_str().unwrap(), "--lake", "lake", "--drive-id", "d8"];
+    good(whyroad_in(dir.path(), &args));
+    for packed in [false, true] {
+        if packed {
+            compact(dir.path(), &[]);
+        }
+        let all = good(whyroad_in(dir.path(), &["lake", "list", "--lake", "lake"])).out;
+        let start = |id: &str| {
+            let line = all.lines().find(|l| l.starts_with(&format!("{id}\t"))).unwrap();
+            line.split('\t').nth(1).unwrap().to_owned()
+        };
+        assert_eq!((start("d7").as_str(), start("d8").as_str()), ("2026-02-08T00:00:00Z", "-"));
+        assert_eq!(ids(&["--since", "2026-02-05"]), ["d4", "d7"]);
+        let until = ["lake", "list", "--lake", "lake", "--until", "2026-02-02"];
+        let until = good(whyroad_in(dir.path(), &until));
+        assert!(until.out.starts_with("d0\t") && until.out.lines().count() == 1, "{}", until.out);
+        assert!(until.err.contains("1 drive without a date not listed"), "{}", until.err);
+    }
     assert_eq!(ids(&["--source-format", "av2"]), Vec::<String>::new());
     let place = listed(dir.path())[0]["place"].clone();
     assert_eq!(ids(&["--place", "Atlantis"]), Vec::<String>::new());

@@ -169,11 +169,13 @@ fn selected(lake: &Lake, args: &Args) -> (BTreeSet<DriveId>, Vec<String>) {
     let mut undated = Vec::new();
     if let Some(before) = args.older_than {
         for (id, entry) in lake.entries() {
-            match entry.map(|e| e.end) {
-                Ok(end) if end < before => {
+            match entry.and_then(|e| Ok((lake.is_dated(&e)?, e.end))) {
+                Ok((true, end)) if end < before => {
                     drives.insert(id);
                 }
-                Ok(_) => {}
+                Ok((true, _)) => {}
+                // Times of such a drive count from an invented start.
+                Ok((false, _)) => undated.push(format!("{id}: date unknown")),
                 Err(_) => undated.push(format!("{id}: end unknown")),
             }
         }
