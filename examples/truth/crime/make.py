@@ -41,7 +41,8 @@ def vehicle(number, x, speed, accel, length, width):
     return DynamicObstacle(number, ObstacleType.CAR, shape, state(0), TrajectoryPrediction(rest, shape))
 
 
-def main():
+def configuration():
+    """The scene, as CriMe takes it."""
     scenario = Scenario(DT_S, ScenarioID.from_benchmark_id("ZAM_Straight-1_1_T-1", "2020a"))
     xs = np.arange(-100.0, 401.0, 5.0)
     # A ten-thousandth off the axis: ALongReq takes a direction of exactly 0 for "no direction" and answers 0.
@@ -52,6 +53,11 @@ def main():
     scenario.assign_obstacles_to_lanelets()
     config = CriMeConfiguration()
     config.update(ego_id=100, sce=scenario)
+    return config
+
+
+def main():
+    config = configuration()
     print("step,other,hw_m,thw_s,ttc_s,dst_mps2,a_long_req_mps2,btn")
     for other in (200, 300, 400, 500):
         for step in range(0, 30, 3):
