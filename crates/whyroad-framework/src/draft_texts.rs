@@ -44,7 +44,14 @@ pub struct Claim {
     #[serde(default)]
     pub of_lead: bool,
     /// They are true where all of these hold.
+    #[serde(default)]
     pub when: Vec<SignalCondition>,
+    /// Facts that they state; no text states a fact and denies it.
+    #[serde(default)]
+    pub states: Vec<String>,
+    /// Facts that they deny.
+    #[serde(default)]
+    pub denies: Vec<String>,
 }
 
 impl Claim {

@@ -15,6 +15,7 @@ mod moment;
 mod motion;
 mod records;
 mod trace;
+mod wording;
 
 pub use doubt::Doubt;
 pub use motion::LongitudinalMotion;
@@ -175,6 +176,7 @@ fn make(
         is_stopped_behind: lead.zip(driven.as_ref()).is_some_and(|(lead, w)| lead.is_stopped_behind(w)),
         course,
         of_road: class.l1 == ROAD,
+        of_turn: class.l1 == "proactive" && class.l2.as_deref() == Some("turn"),
     };
     let (decision, motion) = decision::infer(signals, keyframe, &asked, &mut notes);
     let goes_to =
@@ -211,7 +213,8 @@ fn make(
         // A turn or a lane change needs a reason of its own, and so does one that is given up.
         let only_lateral =
             (undecided && decision.lateral.is_some()) || decision.lateral == Some(Lateral::ManeuverAbort);
-        !only_lateral && (is_because_of(lead, &decision, motion) || (undecided && slows))
+        let queues = undecided && lead.is_crept_behind();
+        !only_lateral && (is_because_of(lead, &decision, motion) || (undecided && slows) || queues)
     });
     if class.l1 == ROAD && motion == LongitudinalMotion::Stops {
         notes.push(Bilingual::new(

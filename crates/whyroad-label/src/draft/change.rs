@@ -37,6 +37,15 @@ const STOPPED_MPS: f64 = 0.6;
 const STOOD_FRAMES: usize = 30;
 /// An ego that goes on braking loses more than this share of its speed within the frames in which a speed is kept.
 const BRAKES_ON_SHARE: f64 = 0.4;
+/// An ego that speeds up gains this within 3 s, m/s, and one that slows loses this, or this share of its speed, within
+/// 4 s.
+const CHANGED_MPS: f64 = 0.5;
+const CHANGED_SHARE: f64 = 0.3;
+const SLOWS_FRAMES: usize = 40;
+/// Frames before the keyframe between which an ego brakes that does not begin to at the keyframe: 2 s and 1 s; its loss
+/// of speed over them, m/s.
+const BRAKING_FRAMES: (usize, usize) = (20, 10);
+const BRAKING_MPS: f64 = 1.0;
 /// Share of the limit above which a speed exceeds it, and the frames in which it does: 6 s.
 const OVER_SHARE: f64 = 1.03;
 const LIMIT_FRAMES: usize = 60;
@@ -70,6 +79,9 @@ impl Moment<'_> {
             "past.farther" => is(distance(), |d| d > DISTANCE_M),
             "soon.falls" => is(self.gains(SOON_FRAMES), |d| d < 0.0),
             "soon.rises" => is(self.gains(SOON_FRAMES), |d| d > 0.0),
+            "soon.gains" => is(self.gains(KEPT_FRAMES), |d| d > CHANGED_MPS),
+            "soon.slows" => self.slows(),
+            "past.braking" => self.was_braking(),
             "soon.stops" => {
                 let stops =
                     is(self.least_speed(self.frame()..=self.frame() + STOP_FRAMES), |v| v < STOPPED_MPS);
@@ -104,6 +116,21 @@ impl Moment<'_> {
     /// What was not found in frames of which some are outside of the drive is unknown.
     fn unless_cut(&self, found: Tri, is_whole: bool) -> Tri {
         if found == Tri::False && !is_whole { Tri::Unknown } else { found }
+    }
+
+    fn slows(&self) -> Tri {
+        let least = self.least_speed(self.frame()..=self.frame() + SLOWS_FRAMES);
+        let slows = self
+            .number_at("ego.speed", self.frame())
+            .zip(least)
+            .map_or(Tri::Unknown, |(v, least)| Tri::from(v - least > CHANGED_MPS.min(CHANGED_SHARE * v)));
+        self.unless_cut(slows, self.gains(SLOWS_FRAMES).is_some())
+    }
+
+    fn was_braking(&self) -> Tri {
+        let speed = |before: usize| self.number_at("ego.speed", self.frame().checked_sub(before)?);
+        let lost = speed(BRAKING_FRAMES.0).zip(speed(BRAKING_FRAMES.1)).map(|(then, later)| then - later);
+        lost.map_or(Tri::Unknown, |lost| Tri::from(lost > BRAKING_MPS))
     }
 
     fn brakes_on(&self) -> Tri {

@@ -29,6 +29,9 @@ const MOVING_OFF_MPS2: f64 = 0.3;
 /// The L2 class about traffic lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
 
+/// The L3 class about going straight through a junction.
+const STRAIGHT: &str = "straight";
+
 /// The L1 class about the road.
 pub(super) const ROAD: &str = "reactive_road";
 
@@ -91,7 +94,9 @@ impl Scene<'_> {
         if framework.draft_texts.is_routed(&episode.scenario_id) {
             let intent = route(signals, keyframe).or_else(|| {
                 // An indicator that was left on, or is for an earlier lane change, is no evidence of this turn.
-                let tells = is_of_junction(episode) && !moment.indicator_against();
+                // Nor is one of a way straight on.
+                let is_straight = episode.scenario_id.l3.as_deref() == Some(STRAIGHT);
+                let tells = is_of_junction(episode) && !is_straight && !moment.indicator_against();
                 tells.then(|| signaled_turn(signals, keyframe)).flatten()
             });
             add(ComponentCategory::RoutingIntent, intent);
@@ -197,6 +202,9 @@ impl Scene<'_> {
             match number("target.accel") {
                 _ if oncoming && class == ObjectClass::Pedestrian => {
                     Bilingual::new("正迎面走来", "is coming towards the ego")
+                }
+                _ if oncoming && ahead < -BESIDE_M => {
+                    Bilingual::new("已经对向驶过", "has come the other way and passed")
                 }
                 _ if oncoming => Bilingual::new("正对向驶来", "is oncoming"),
                 // What changes only after the keyframe is not seen at it.

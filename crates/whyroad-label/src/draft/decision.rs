@@ -44,6 +44,10 @@ const SLOWED_FRAMES: usize = 50;
 const SLOW_MPS: f64 = 15.0 / 3.6;
 /// An ego that does not reach this speed has not moved off, m/s.
 const MOVED_OFF_MPS: f64 = 1.0;
+/// Slowing that begins later than this is not for a turn that the ego is in or at, s.
+const TURN_SOON_S: f64 = 1.5;
+/// Within the frames over which a change of speed is measured, an ego that speeds up gains this, m/s.
+const GAIN_MPS: f64 = 0.5;
 /// Speeding up that begins later than this is not a return to the target speed that the keyframe calls for, s.
 const SOON_S: f64 = 2.0;
 /// Minimum rise of the speed for such a return, m/s.
@@ -84,6 +88,8 @@ pub(super) struct Asked<'a> {
     pub course: Option<Course>,
     /// The class is about the road.
     pub of_road: bool,
+    /// The class is about the ego's turn, or its way straight on, at a junction.
+    pub of_turn: bool,
 }
 
 /// Relation of the lead to the subject of a class.
@@ -173,9 +179,10 @@ pub(super) fn infer(
             }
             // A lane change is not made to drive slowly.
             Longitudinal::RoadSpeedAdaptation => {
+                let late = asked.of_turn && began > TURN_SOON_S;
                 let lane_change =
                     lateral == Some(Lateral::LaneChange) && !asked.typical.longitudinal.contains(&d);
-                lane_change || (slows && !gets_slower(signals, keyframe))
+                lane_change || late || (slows && !gets_slower(signals, keyframe))
             }
             _ => false,
         };
@@ -312,10 +319,14 @@ fn changes_clearly(signals: &SignalTable, keyframe: usize) -> bool {
     })
 }
 
-/// The speed rises significantly and soon, so what is seen at the keyframe may be the cause. True where it is unknown.
+/// The speed rises significantly and soon, so what is seen at the keyframe may be the cause, and does not fall first.
+/// True where it is unknown.
 fn rises_soon(signals: &SignalTable, keyframe: usize, began_s: f64) -> bool {
     let frames = (began_s * FRAME_RATE_HZ).round() as usize;
-    began_s <= SOON_S && speeds(signals, keyframe + frames).is_none_or(|(now, then)| then - now > RISE_MPS)
+    let gains = speeds(signals, keyframe).is_none_or(|(now, then)| then - now > GAIN_MPS);
+    began_s <= SOON_S
+        && gains
+        && speeds(signals, keyframe + frames).is_none_or(|(now, then)| then - now > RISE_MPS)
 }
 
 /// The ego is slow, or was clearly faster within the 5 s before, so there is a speed to return to. True where it is

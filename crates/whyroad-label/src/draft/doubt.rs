@@ -51,6 +51,11 @@ const FASTER_MPS: f64 = 0.5;
 /// A faster road user holds the ego up if it is slower than the limit by this, m/s.
 const BELOW_MPS: f64 = 2.0;
 
+/// An ego that was not in the roundabout this many frames before is at its entry: 1 s.
+const ENTERED_FRAMES: usize = 10;
+/// It stays in it if it is there after this many frames: 5 s.
+const STAYS_FRAMES: usize = 50;
+
 /// Frames within which a lane change explains a rise of the speed, and the ego responds to hard braking: 2 s.
 const SOON_FRAMES: usize = 20;
 
@@ -239,13 +244,20 @@ pub(super) fn of_target(
             let least = |name: &str| other.least(name, other.frames(5, 5));
             let [ttc, distance] = [least("target.ttc_box"), least("target.distance")];
             let near = ttc.is_none_or(|s| s < NEAR_MISS_S) || distance.is_none_or(|m| m < NEAR_MISS_M);
-            (!near).then_some(Doubt::NotComing)
+            // One that comes towards the ego in its own lane passes beside it.
+            let passes = other.moves(k) == Some(Moves::Against)
+                && other.nearest_aside(other.frames(0, SOON_FRAMES)).is_some_and(|m| m > IN_LANE_M);
+            (!near || passes).then_some(Doubt::NotComing)
         }
         ("proactive", "lane_change") if matches!(l3, "" | "efficiency" | "overtake") => {
             // It is coming in from the next lane.
             let moves = other.number("target.speed", k).is_some_and(|v| v > STOOD_MPS);
             let enters = moves && other.ever("target.wheel_over_line", other.frames(0, 0)).is_true();
-            enters.then_some(Doubt::NotInLane)
+            // It changes to the same side: the ego stays behind it.
+            let side = first_lane_change(w, k..(k + TURN_FRAMES).min(w.end));
+            let side = side.map(|(_, left)| if left { "left" } else { "right" });
+            let goes_along = side.is_some() && other.category("target.lane_change", k) == side;
+            (enters || goes_along).then_some(Doubt::NotInLane)
         }
         ("proactive", "obstacle_avoidance") => {
             let width = super::lead::size_at(drive, id, k).map_or(f64::NAN, |(_, width)| width);
@@ -353,7 +365,20 @@ pub(super) fn of_ego(
         ("proactive", "roundabout") if matches!(l3, "lane_in_roundabout" | "exit") => {
             let inside = w.flag("map.in_roundabout", w.keyframe) != Tri::False
                 || w.flag("ego.in_junction", w.keyframe).is_true();
-            (!inside).then_some(Doubt::NotInRoundabout)
+            // An ego that has only just come in, and stays for a while, is at its entry.
+            let stays = w.flag("map.in_roundabout", w.keyframe + STAYS_FRAMES).is_true();
+            let enters = l3 == "exit"
+                && stays
+                && w.keyframe.checked_sub(ENTERED_FRAMES).is_some_and(|f| {
+                    w.flag("map.in_roundabout", f) == Tri::False && w.flag("ego.in_junction", f) == Tri::False
+                });
+            (!inside || enters).then_some(Doubt::NotInRoundabout)
+        }
+        ("reactive_road", "blind_spot_slowdown") if l3 == "ramp" => {
+            // The ego slows for the ramp that it takes itself.
+            let exits = w.category("map.merge_zone", w.keyframe) == Some("deceleration")
+                || w.flag("map.on_ramp", w.keyframe).is_true();
+            (exits && slows).then_some(Doubt::Motion)
         }
         ("reactive_road", "blind_spot_slowdown") if l3 == "vehicle" => {
             (!is_somebody_beside(w, drive)).then_some(Doubt::NobodyBeside)

@@ -19,6 +19,8 @@ const CLOSING_M: f64 = 70.0;
 const AHEAD_S: f64 = 2.0;
 /// An ego that stands within this distance behind a lead waits for it, m.
 const QUEUE_M: f64 = 12.0;
+/// Speed below which both are in a queue, m/s: walking pace.
+const QUEUE_MPS: f64 = 2.0;
 /// Maximum distance at which a lead is a reason to change lanes, m; at speed, the time that the ego needs for it, s
 /// (TAXONOMY.md, following: a THW of 3 s).
 const REASON_M: f64 = 50.0;
@@ -108,6 +110,12 @@ impl<'a> Lead<'a> {
     /// It stands, or will in a moment.
     pub(super) fn stops(&self) -> bool {
         self.soon_mps() < STANDING_MPS
+    }
+
+    /// Both move slowly, close behind each other: the ego goes on as the lead lets it.
+    pub(super) fn is_crept_behind(&self) -> bool {
+        let slow = |mps: f64| (STANDING_MPS..QUEUE_MPS).contains(&mps);
+        slow(self.ego_mps) && self.speed_mps < QUEUE_MPS && self.gap_m < NEAR_M
     }
 
     pub(super) fn stands(&self) -> bool {

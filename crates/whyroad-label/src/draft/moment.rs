@@ -22,8 +22,10 @@ const AT_JUNCTION_M: f64 = 40.0;
 /// A junction nearer than this may be named, m.
 const NEAR_JUNCTION_M: f64 = 120.0;
 
-/// Frames before the keyframe in which an ego on a ramp comes from it: 5 s.
+/// Frames before the keyframe in which an ego on a ramp comes from it: 5 s; and those after it in which it reaches the
+/// lane behind the ramp: 8 s.
 const RAMP_FRAMES: usize = 50;
+const LANE_FRAMES: usize = 80;
 
 /// The light lets the ego go: round, an arrow, or with the duty to give way. A flashing green is about to end.
 pub(super) fn is_green(state: &str) -> bool {
@@ -170,6 +172,7 @@ impl<'a> Moment<'a> {
             "decided.turns" => Tri::from(self.turns),
             "around.junction" => self.junction(),
             "around.ramp" => self.ramp(),
+            "around.acceleration_lane" => self.acceleration_lane(),
             "decided.against_red" => self.goes_against_red(),
             "around.indicator_against" => Tri::from(self.indicator_against()),
             _ if name.starts_with("past.") || name.starts_with("soon.") => self.change(name),
@@ -212,6 +215,15 @@ impl<'a> Moment<'a> {
         let at = |f: usize| ramp.flag(f).or(zone.category(f).map_or(Tri::Unknown, joins));
         let frames = self.frame.saturating_sub(RAMP_FRAMES)..=self.frame;
         frames.map(at).fold(Tri::False, Tri::or)
+    }
+
+    /// The ego is in an acceleration or weaving lane, was there shortly before, or comes to one soon.
+    fn acceleration_lane(&self) -> Tri {
+        let Some(zone) = self.signals.frame_columns.get("map.merge_zone") else { return Tri::Unknown };
+        let last = if self.has_course { self.frame + LANE_FRAMES } else { self.frame };
+        let frames = self.frame.saturating_sub(RAMP_FRAMES)..=last.min(zone.len().saturating_sub(1));
+        let joins = |zone: &str| Tri::from(matches!(zone, "acceleration" | "weaving"));
+        frames.map(|f| zone.category(f).map_or(Tri::Unknown, joins)).fold(Tri::False, Tri::or)
     }
 
     /// Number of a frame before or after the keyframe, or of the target in it.

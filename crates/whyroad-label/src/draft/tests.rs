@@ -1,5 +1,6 @@
 //! Hand-made motions; expected decisions from LABELING.md 2 and the classes' typical decisions.
 
+mod agree;
 mod claims;
 mod maneuver;
 mod motion;

@@ -3,8 +3,8 @@
 
 use super::moment::Moment;
 use super::motion::LongitudinalMotion;
+use super::wording::{backwards, capital, fits, repeats, wanted, without_side};
 use crate::driven::along::{Course, Trend};
-use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::{Claim, Phrasings, SeenWhen, WhyKept};
 use whyroad_framework::label_words::WordRole;
@@ -168,20 +168,16 @@ pub(super) enum StateOrder {
     AsListed,
 }
 
-/// Preferred length in characters (LABELING.md 7: 50 to 100 in Chinese; in English about 25 to 60 words).
-fn wanted(lang: Lang) -> RangeInclusive<usize> {
-    match lang {
-        Lang::Zh => 50..=100,
-        Lang::En => 120..=330,
-    }
-}
+/// Phrasings of the decision that are tried.
+const MOST_ACTIONS: u64 = 4;
 
-/// Maximum number of words of an English trace.
-const MOST_WORDS: usize = 60;
-
-fn fits(text: &str, lang: Lang) -> bool {
-    wanted(lang).contains(&text.chars().count())
-        && (lang == Lang::Zh || text.split_whitespace().count() <= MOST_WORDS)
+/// A text that may be used.
+struct Told {
+    /// Whether what it claims is true.
+    truth: Tri,
+    /// Bytes of its state.
+    state: usize,
+    text: String,
 }
 
 /// The trace with the phrasings that `seed` selects, of the preferred length: with the ego's motion at the keyframe if
@@ -211,37 +207,57 @@ pub(super) fn trace(
     };
     // The other phrasings of reason and decision are used where no opening gives a fitting length.
     let others = reasons.map_or(1, |p| p.all(facts.lang).len().max(1) as u64);
+    let actions = facts.phrasings().0.clamp(1, MOST_ACTIONS);
     let choices = (0..others).flat_map(|why| {
-        (0..2).map(move |action| Choice { why: choice.why + why, action: choice.action + action, ..choice })
+        (0..actions).map(move |action| Choice {
+            why: choice.why + why,
+            action: choice.action + action,
+            ..choice
+        })
     });
+    // What is claimed before the reason does not depend on the choice, nor the rest on the components.
+    let states: Vec<(String, Vec<&Claim>)> = variants
+        .iter()
+        .map(|(things, opening)| {
+            let state = facts.state(*opening, (*things, order));
+            let claims = facts.claims(&state);
+            (state, claims)
+        })
+        .collect();
     let texts = choices.flat_map(|choice| {
         let why = reasons.map_or("", |p| p.pick(facts.lang, choice.why));
-        let of = |&(things, opening): &(usize, Option<&str>)| {
-            facts.sentence(opening, (things, order), why, choice)
-        };
-        variants.iter().map(of).collect::<Vec<_>>()
+        let mut of_rest: Option<Vec<&Claim>> = None;
+        let told = variants.iter().zip(&states).map(|((things, opening), (state, of_state))| {
+            let text = facts.sentence(*opening, (*things, order), why, choice);
+            let of_rest =
+                of_rest.get_or_insert_with(|| facts.claims(text.get(state.len()..).unwrap_or(text.as_str())));
+            let claims = of_state.iter().chain(of_rest.iter()).copied();
+            Told { truth: facts.truth(claims, moment), state: state.len(), text }
+        });
+        told.collect::<Vec<_>>()
     });
-    let judged = texts.map(|text| (facts.claims(&text, moment), text));
-    let mut texts: Vec<(Tri, String)> = judged.filter(|(truth, _)| *truth != Tri::False).collect();
+    let mut texts: Vec<Told> = texts.filter(|t| t.truth != Tri::False).collect();
     // Texts with words that contradict the numbers, or with long chains of clauses, are left out if there are others.
-    let smooth = |t: &(Tri, String)| facts.brakes_hard && SMOOTH.iter().any(|w| t.1.contains(w));
-    let unsure = |t: &(Tri, String)| t.0 == Tri::Unknown;
-    let chained = |t: &(Tri, String)| t.1.matches(" and ").count() > MOST_ANDS;
-    for is_worse in [&smooth as &dyn Fn(&(Tri, String)) -> bool, &unsure, &chained] {
+    let smooth = |t: &Told| facts.brakes_hard && SMOOTH.iter().any(|w| t.text.contains(w));
+    let unsure = |t: &Told| t.truth == Tri::Unknown;
+    let chained = |t: &Told| t.text.matches(" and ").count() > MOST_ANDS;
+    let short = |t: &Told| t.text.chars().count() < *wanted(facts.lang).start();
+    let repeats = |t: &Told| repeats(&t.text, t.state, facts.lang);
+    for is_worse in [&smooth as &dyn Fn(&Told) -> bool, &unsure, &chained, &short, &repeats] {
         if !texts.iter().all(is_worse) {
             texts.retain(|t| !is_worse(t));
         }
     }
-    let found = texts.iter().find(|t| fits(&t.1, facts.lang));
+    let found = texts.iter().find(|t| fits(&t.text, facts.lang));
     // None fits: the one that exceeds the length least, or else the longest.
     let wanted = wanted(facts.lang);
     let nearest = || {
         texts.iter().min_by_key(|t| {
-            let n = t.1.chars().count();
+            let n = t.text.chars().count();
             if n > *wanted.end() { (1, n) } else { (0, wanted.start().saturating_sub(n)) }
         })
     };
-    found.or_else(nearest).map(|t| t.1.clone())
+    found.or_else(nearest).map(|t| t.text.clone())
 }
 
 /// Phrasings of the ego's motion at the keyframe, that of `seed` first.
@@ -292,14 +308,8 @@ fn said(joined: &str, state: &str, why: &str) -> String {
 }
 
 impl<'a> DraftFacts<'a> {
-    /// One sentence from the parts.
-    fn sentence(
-        &self,
-        opening: Option<&str>,
-        (things, order): (usize, StateOrder),
-        why: &str,
-        choice: Choice,
-    ) -> String {
+    /// The opening and the components, as one text.
+    fn state(&self, opening: Option<&str>, (things, order): (usize, StateOrder)) -> String {
         let mut state: Vec<&str> = self
             .components
             .iter()
@@ -309,14 +319,6 @@ impl<'a> DraftFacts<'a> {
         if order == StateOrder::FirstLast {
             state.reverse();
         }
-        let mut action = self.action(choice.action);
-        // A subject that the reason already names is not repeated.
-        if why.starts_with(OF_EGO)
-            && let Some(rest) = action.strip_prefix(OF_EGO)
-        {
-            action = format!("it {rest}");
-        }
-        let joined = self.framework.draft_texts.traces().pick(self.lang, choice.joined);
         let comma = if self.lang == Lang::Zh { "，" } else { ", and " };
         let mut state = state.join(comma);
         if let Some(opening) = opening {
@@ -328,6 +330,26 @@ impl<'a> DraftFacts<'a> {
                 Lang::En => format!("{opening}, {state}"),
             };
         }
+        state
+    }
+
+    /// One sentence from the parts.
+    fn sentence(
+        &self,
+        opening: Option<&str>,
+        (things, order): (usize, StateOrder),
+        why: &str,
+        choice: Choice,
+    ) -> String {
+        let mut action = self.action(choice.action);
+        // A subject that the reason already names is not repeated.
+        if why.starts_with(OF_EGO)
+            && let Some(rest) = action.strip_prefix(OF_EGO)
+        {
+            action = format!("it {rest}");
+        }
+        let joined = self.framework.draft_texts.traces().pick(self.lang, choice.joined);
+        let state = self.state(opening, (things, order));
         let why = if joined.contains("{Why}") { capital(why) } else { why.to_owned() };
         let joined = said(joined, &state, &why);
         let text = joined.replace("{state}", &state).replace("{why}", &why).replace("{Why}", &why);
@@ -369,15 +391,23 @@ impl<'a> DraftFacts<'a> {
         reasons.into_iter().find(|r| moment.all(r.when)).map(|r| r.texts)
     }
 
-    /// Whether what the words of a text claim is true, as far as signals show it. What is said of the lead is compared
+    /// What the words of a text claim.
+    fn claims(&self, text: &str) -> Vec<&'a Claim> {
+        self.framework.draft_texts.claims(self.class, text, self.lang).collect()
+    }
+
+    /// Whether that is true, as far as signals show it; what is denied too is not. What is said of the lead is compared
     /// with the lead, also where the class is about another road user.
-    fn claims(&self, text: &str, moment: &Moment<'_>) -> Tri {
-        let made = self.framework.draft_texts.claims(self.class, text, self.lang);
+    fn truth<'c>(&self, claims: impl Iterator<Item = &'c Claim> + Clone, moment: &Moment<'_>) -> Tri {
+        let denied = |fact: &String| claims.clone().any(|other| other.denies.contains(fact));
+        if claims.clone().any(|claim| claim.states.iter().any(denied)) {
+            return Tri::False;
+        }
         let truth = |claim: &Claim| {
             let of = self.lead.as_ref().filter(|_| claim.of_lead).unwrap_or(moment);
             claim.when.iter().map(|c| of.truth(c)).fold(Tri::True, Tri::and)
         };
-        made.map(truth).fold(Tri::True, Tri::and)
+        claims.map(truth).fold(Tri::True, Tri::and)
     }
 
     /// Every reason that a draft may contain.
@@ -457,32 +487,6 @@ impl<'a> DraftFacts<'a> {
 /// Greatest common divisor.
 fn common(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { common(b, a % b) }
-}
-
-/// The text of an action whose side is not known yet; a person adds it.
-fn without_side(text: &str) -> String {
-    let parts = [
-        ("向{side}偏移", "向一侧偏移"),
-        ("向{side}", ""),
-        ("从{side}侧", ""),
-        ("{side}转", "转弯"),
-        (" to the {side} lane", " lanes"),
-        (" to the {side}", ""),
-        (" {side}", ""),
-    ];
-    parts.iter().fold(text.to_owned(), |text, (with, without)| text.replace(with, without))
-}
-
-/// The text of a turn that leads back.
-fn backwards(text: &str) -> String {
-    let parts = [("向{side}转弯", "掉头"), ("{side}转", "掉头"), ("turns {side}", "makes a U-turn")];
-    let text = parts.iter().fold(text.to_owned(), |text, (with, without)| text.replace(with, without));
-    without_side(&text)
-}
-
-fn capital(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or_else(String::new, |c| c.to_uppercase().chain(chars).collect())
 }
 
 /// A number from an id and a run's seed, equal on every machine (FNV-1a with the last step of SplitMix64, without which

@@ -1,0 +1,168 @@
+//! The parts of a text agree with each other, with the map, and with what the ego does next.
+
+use super::*;
+
+/// Drafts of one episode in the phrasings of 60 runs, in both languages.
+fn drafts(leaf: &str, change: impl Fn(&mut SignalTable)) -> Vec<Draft> {
+    let mut drive = fixture::drive("d");
+    let mut signals = fixture::signals(&drive);
+    change(&mut signals);
+    turn_with(&mut drive, &signals);
+    let mut episode = fixture::episode(&drive);
+    episode.scenario_id = leaf.parse().unwrap();
+    let of = |(lang, run)| draft_with_seed(Framework::bundled(), &drive, &signals, &episode, lang, run);
+    [Lang::Zh, Lang::En].iter().flat_map(|lang| (0..60).map(|run| (*lang, run))).map(of).collect()
+}
+
+fn traces(leaf: &str, change: impl Fn(&mut SignalTable)) -> Vec<String> {
+    drafts(leaf, change).into_iter().filter(|d| d.doubt.is_none()).map(|d| d.label.coc_trace).collect()
+}
+
+fn says(all: &[String], words: &[&str]) -> usize {
+    all.iter().filter(|t| words.iter().any(|w| t.contains(w))).count()
+}
+
+/// A signal with the same number in every frame.
+fn number(signals: &mut SignalTable, name: &str, value: f64) {
+    signals.frame_columns.insert(name.into(), Column::Number(vec![value; fixture::FRAMES]));
+}
+
+fn word(signals: &mut SignalTable, name: &str, value: &str) {
+    signals.frame_columns.insert(name.into(), category(&[value], vec![0; fixture::FRAMES]));
+}
+
+#[test]
+fn an_ego_that_brakes_to_a_stand_does_not_go_on_as_it_is() {
+    // At 2 m/s2 from 6 m/s at the keyframe it stands after 3 s.
+    let stops = traces("reactive_agent.vru_crossing.horizontal", |s| {
+        with_speed(s, |f| (6.0 - 0.2 * (f as f64 - 40.0)).clamp(0.0, 12.0));
+    });
+    let unchanged =
+        ["不再另作调整", "按现在的状态继续行驶", "no further change", "goes on like this for now"];
+    assert_eq!(says(&stops, &unchanged), 0, "{stops:?}");
+}
+
+#[test]
+fn an_ego_that_has_braked_for_seconds_does_not_brake_at_once() {
+    // At 3 m/s2 for 3.5 s before the keyframe; or from the keyframe on.
+    let near_miss = |from: f64| {
+        traces("safety.near_miss.general", move |s| {
+            with_speed(s, move |f| (14.0 - 0.3 * (f as f64 - from).max(0.0)).max(0.0));
+            of_target(s, "target.longitudinal", 12.0);
+            of_target(s, "target.lateral", 0.0);
+        })
+    };
+    let at_once = ["立即", "马上", "at once"];
+    let (late, now) = (near_miss(5.0), near_miss(40.0));
+    assert!(!late.is_empty() && says(&late, &at_once) == 0, "{late:?}");
+    assert!(says(&now, &at_once) > 0, "{now:?}");
+}
+
+#[test]
+fn a_speed_that_falls_first_does_not_rise() {
+    // 6 m/s at the keyframe, 5 m/s 1 s later, 6.2 m/s after 3 s: it has gained 0.2 m/s.
+    let dips = drafts("proactive.turn.right_normal", |s| {
+        with_speed(s, |f| {
+            let t = (f as f64 - 40.0) / 10.0;
+            if t < 1.0 { 6.0 - t.max(0.0) } else { (5.0 + 0.6 * (t - 1.0)).min(8.0) }
+        });
+        turns(s, "right");
+    });
+    let decided = dips.iter().filter_map(|d| d.label.driving_decision.longitudinal);
+    assert!(
+        decided.clone().all(|d| d != Longitudinal::SetSpeedTracking),
+        "{:?}",
+        decided.collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn no_indicator_is_named_where_the_ego_goes_straight_on() {
+    let straight = traces("proactive.turn.straight", |s| {
+        with_speed(s, |f| 8.0 + 0.1 * f.saturating_sub(40) as f64);
+        word(s, "ego.turn_signal", "right");
+        flag(s, "ego.in_junction", true);
+    });
+    assert!(!straight.is_empty() && says(&straight, &["转向灯", "signals right"]) == 0, "{straight:?}");
+}
+
+#[test]
+fn a_junction_is_named_only_where_one_is_near() {
+    let changing = |junction: f64| {
+        traces("proactive.lane_change.navigation", move |s| {
+            with_speed(s, |_| 12.0);
+            number(s, "map.distance_to_junction", junction);
+            flag(s, "ego.in_junction", false);
+            let codes = (0..fixture::FRAMES).map(|f| if f < 45 { u16::MAX } else { 0 }).collect();
+            s.frame_columns.insert("ego.lane_change".into(), category(&["left"], codes));
+        })
+    };
+    let (far, near) = (changing(f64::INFINITY), changing(60.0));
+    assert!(!far.is_empty() && says(&far, &["路口", "junction"]) == 0, "{far:?}");
+    assert!(says(&near, &["路口"]) > 0, "{near:?}");
+}
+
+#[test]
+fn the_way_out_of_a_roundabout_does_not_leave_a_main_road() {
+    let exit = |inside: bool| {
+        traces("proactive.merge_interaction.split_exit", move |s| {
+            with_speed(s, |_| 8.0);
+            flag(s, "map.in_roundabout", inside);
+        })
+    };
+    let (inside, outside) = (exit(true), exit(false));
+    assert!(!inside.is_empty() && says(&inside, &["主路", "main road"]) == 0, "{inside:?}");
+    assert_eq!(says(&inside, &["环岛", "roundabout"]), inside.len(), "{inside:?}");
+    assert_eq!(says(&outside, &["环岛", "roundabout"]), 0, "{outside:?}");
+}
+
+#[test]
+fn who_changes_lanes_to_the_same_side_is_not_overtaken() {
+    let overtakes = |side: &'static str| {
+        draft_of("proactive.lane_change.overtake", move |s| {
+            with_speed(s, |_| 15.0);
+            of_target(s, "target.speed", 12.0);
+            of_target(s, "target.relative_speed", -3.0);
+            of_target(s, "target.longitudinal", 40.0);
+            of_target(s, "target.lateral", 0.0);
+            s.target_columns.insert("target.lane_change".into(), category(&[side], vec![0; fixture::FRAMES]));
+            let codes = (0..fixture::FRAMES).map(|f| if f < 45 { u16::MAX } else { 0 }).collect();
+            s.frame_columns.insert("ego.lane_change".into(), category(&["left"], codes));
+        })
+        .doubt
+    };
+    assert_eq!((overtakes("left"), overtakes("right")), (Some(Doubt::NotInLane), None));
+}
+
+#[test]
+fn who_meets_the_ego_in_its_own_lane_is_no_near_miss() {
+    // Two lanes of 3.2 m: the centers are 3.2 m apart when both meet.
+    let meets = |aside: f64| {
+        draft_of("safety.near_miss.general", move |s| {
+            with_speed(s, |_| 8.0);
+            s.target_columns
+                .insert("target.moves_along".into(), category(&["against"], vec![0; fixture::FRAMES]));
+            of_target(s, "target.distance", 1.2);
+            of_target(s, "target.longitudinal", 10.0);
+            of_target(s, "target.lateral", aside);
+            of_target(s, "target.path_lateral", aside);
+        })
+        .doubt
+    };
+    assert_eq!(meets(3.2), Some(Doubt::NotComing));
+    assert_ne!(meets(0.5), Some(Doubt::NotComing));
+}
+
+#[test]
+fn an_ego_over_the_limit_is_not_said_to_drive_as_usual() {
+    // 25 m/s where 20 m/s are allowed.
+    let over = traces("reactive_rule.speed_limit", |s| {
+        with_speed(s, |f| 25.0 - 0.15 * f.saturating_sub(42) as f64);
+        number(s, "map.speed_limit", 20.0);
+        number(s, "map.speed_limit_ahead", 20.0);
+    });
+    assert!(
+        !over.is_empty() && over.iter().all(|t| !(t.contains("超过") && t.contains("正常行驶"))),
+        "{over:?}"
+    );
+}
