@@ -51,6 +51,11 @@ const FASTER_MPS: f64 = 0.5;
 /// A faster road user holds the ego up if it is slower than the limit by this, m/s.
 const BELOW_MPS: f64 = 2.0;
 
+/// Maximum distance to a junction whose red light an ego slows for that loses half of its speed within these frames, m:
+/// 4 s.
+const NEAR_LIGHT_M: f64 = 60.0;
+const HALVES_FRAMES: usize = 40;
+
 /// An ego that was not in the roundabout this many frames before is at its entry: 1 s.
 const ENTERED_FRAMES: usize = 10;
 /// It stays in it if it is there after this many frames: 5 s.
@@ -449,9 +454,14 @@ pub(super) fn of_nearer(
     let names_light = matches!(class.l2.as_deref(), Some("traffic_light" | "turn"));
     let of_light = decided != StopForRegulation && !names_light && !asked.of_others;
     let red = matches!(light_state(w.signals, w.keyframe), Some("red" | "red_yellow"));
+    // An ego that loses half of its speed close to the light slows for it, even if it turns green before the ego stands.
+    let near = w.number("map.distance_to_junction", w.keyframe).is_some_and(|m| m < NEAR_LIGHT_M);
+    let later = w.speed(w.keyframe + HALVES_FRAMES);
+    let halves = w.speed(w.keyframe).zip(later).is_some_and(|(now, then)| then < now / 2.0);
+    let stops_at_it = motion == LongitudinalMotion::Stops || (near && halves);
     first_of(&[
         (lead.as_ref().is_some_and(stops), Doubt::BehindLead),
-        (of_light && red && motion == LongitudinalMotion::Stops, Doubt::RedLight),
+        (of_light && red && stops_at_it, Doubt::RedLight),
     ])
 }
 

@@ -27,6 +27,9 @@ const NEAR_JUNCTION_M: f64 = 120.0;
 const RAMP_FRAMES: usize = 50;
 const LANE_FRAMES: usize = 80;
 
+/// An ego that is in a junction after these frames has not left it: 1.5 s.
+const JUNCTION_FRAMES: usize = 15;
+
 /// The light lets the ego go: round, an arrow, or with the duty to give way. A flashing green is about to end.
 pub(super) fn is_green(state: &str) -> bool {
     state.starts_with("green")
@@ -173,6 +176,11 @@ impl<'a> Moment<'a> {
             "around.junction" => self.junction(),
             "around.ramp" => self.ramp(),
             "around.acceleration_lane" => self.acceleration_lane(),
+            "soon.in_junction" => {
+                let column = self.signals.frame_columns.get("ego.in_junction").filter(|_| self.has_course);
+                let at = self.frame + JUNCTION_FRAMES;
+                column.filter(|c| at < c.len()).map_or(Tri::Unknown, |c| c.flag(at))
+            }
             "decided.against_red" => self.goes_against_red(),
             "around.indicator_against" => Tri::from(self.indicator_against()),
             _ if name.starts_with("past.") || name.starts_with("soon.") => self.change(name),

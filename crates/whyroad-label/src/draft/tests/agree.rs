@@ -166,3 +166,33 @@ fn an_ego_over_the_limit_is_not_said_to_drive_as_usual() {
         "{over:?}"
     );
 }
+
+#[test]
+fn an_ego_that_slows_behind_a_junction_does_not_watch_its_sides() {
+    // It leaves the junction 1 s after the keyframe, or 4 s after it.
+    let through = |frames: usize| {
+        traces("proactive.turn.straight", move |s| {
+            with_speed(s, |f| 15.0 - 0.15 * f.saturating_sub(45) as f64);
+            let inside = (0..fixture::FRAMES).map(|f| Tri::from((35..40 + frames).contains(&f))).collect();
+            s.frame_columns.insert("ego.in_junction".into(), Column::Flag(inside));
+        })
+    };
+    let sides = ["还没有驶出路口", "路口里可能有车横穿", "until it is through"];
+    assert_eq!(says(&through(10), &sides), 0);
+    assert!(says(&through(40), &sides) > 0);
+}
+
+#[test]
+fn who_brakes_before_a_red_light_does_not_slow_for_the_road() {
+    // From 16 m/s at 3.4 m/s2: half of the speed is lost after 2.4 s, 40 m before the line.
+    let slows = |light: &'static str| {
+        draft_of("reactive_road.geometry_adaptation.dead_end", move |s| {
+            with_speed(s, |f| (16.0 - 0.34 * f.saturating_sub(40) as f64).max(3.0));
+            number(s, "map.distance_to_junction", 47.0);
+            word(s, "light.state", light);
+        })
+        .doubt
+    };
+    assert_eq!(slows("red"), Some(Doubt::RedLight));
+    assert_ne!(slows("green"), Some(Doubt::RedLight));
+}
