@@ -104,7 +104,7 @@ async function tasks(day) {
   await page.getByText(`已列出 ${made} 个任务`).waitFor();
   day.made = made;
   day.project = new URL(page.url()).pathname.split("/")[2];
-  await page.getByLabel("场景").selectOption("reactive_agent.cutin.urgent");
+  await page.getByLabel("场景", { exact: true }).selectOption("reactive_agent.cutin.urgent");
   await page.getByText("已列出 1 个任务").waitFor();
   assert.match(page.url(), /scenario=reactive_agent\.cutin\.urgent/);
   await page.getByRole("button", { name: "指派" }).click();

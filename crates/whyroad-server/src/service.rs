@@ -30,6 +30,7 @@ pub mod migration;
 pub mod mined;
 pub mod model_runs;
 pub mod modeling;
+pub mod other_class;
 pub mod people;
 pub mod permissions;
 pub mod pickers;

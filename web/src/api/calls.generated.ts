@@ -105,6 +105,10 @@ export const getProjectMinedByMMediaByCameraByIndexUrl = (p: string | number, m:
 export const getProjectMinedByMSimilar = (p: string | number, m: string | number, query: { drive?: QueryValue; scenario?: QueryValue; episode?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["SimilarEpisodes"]> =>
   call<T["SimilarEpisodes"]>("GET", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/similar${queryString(query)}`, undefined, options);
 
+/** POST /projects/{p}/mined/{m}/tasks */
+export const postProjectMinedByMTasks = (p: string | number, m: string | number, body: T["EpisodeTask"], options?: CallOptions): Promise<T["Created"]> =>
+  call<T["Created"]>("POST", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/tasks`, body, options);
+
 /** GET /projects/{p}/model-runs */
 export const getProjectModelRuns = (p: string | number, options?: CallOptions): Promise<T["ModelWork"]> =>
   call<T["ModelWork"]>("GET", `/projects/${encodeURIComponent(p)}/model-runs`, undefined, options);
@@ -122,7 +126,7 @@ export const getProjectQueue = (p: string | number, query: { kind?: QueryValue }
   call<T["QueueState"]>("GET", `/projects/${encodeURIComponent(p)}/queue${queryString(query)}`, undefined, options);
 
 /** GET /projects/{p}/tasks */
-export const getProjectTasks = (p: string | number, query: { state?: QueryValue; scenario?: QueryValue; assignee?: QueryValue; mine?: QueryValue; q?: QueryValue; asks?: QueryValue; overlap?: QueryValue; sort?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["Tasks"]> =>
+export const getProjectTasks = (p: string | number, query: { state?: QueryValue; scenario?: QueryValue; assignee?: QueryValue; mine?: QueryValue; q?: QueryValue; asks?: QueryValue; finding?: QueryValue; overlap?: QueryValue; sort?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["Tasks"]> =>
   call<T["Tasks"]>("GET", `/projects/${encodeURIComponent(p)}/tasks${queryString(query)}`, undefined, options);
 
 /** POST /projects/{p}/tasks:change */
@@ -220,6 +224,10 @@ export const getTaskMediaByCameraByIndexUrl = (t: string | number, camera: strin
 /** GET /tasks/{t}/overlap */
 export const getTaskOverlap = (t: string | number, options?: CallOptions): Promise<T["Overlap"]> =>
   call<T["Overlap"]>("GET", `/tasks/${encodeURIComponent(t)}/overlap`, undefined, options);
+
+/** POST /tasks/{t}/reclass */
+export const postTaskReclass = (t: string | number, body: T["OtherClass"], options?: CallOptions): Promise<T["Created"]> =>
+  call<T["Created"]>("POST", `/tasks/${encodeURIComponent(t)}/reclass`, body, options);
 
 /** POST /tasks/{t}/safety */
 export const postTaskSafety = (t: string | number, body: T["SafetyRequest"], options?: CallOptions): Promise<T["Task"]> =>

@@ -171,6 +171,8 @@ export interface components {
             throughput: components["schemas"]["Throughput"][];
             /** Format: int64 */
             to_choose: number;
+            /** Format: int32 */
+            utc_offset_min: number;
         };
         DecisionChoice: {
             direction?: string | null;
@@ -229,6 +231,18 @@ export interface components {
             next?: string | null;
             /** Format: uint64 */
             total?: number | null;
+        };
+        EpisodeTask: {
+            /** @default null */
+            as_class?: string | null;
+            drive: string;
+            episode: string;
+            /**
+             * Format: int64
+             * @default 0
+             */
+            priority?: number;
+            scenario: string;
         };
         FieldChange: {
             path: string;
@@ -612,7 +626,8 @@ export interface components {
              *       "lease_s": 300,
              *       "place_precision_m": 0,
              *       "retention_days": 0,
-             *       "stage1_class": "leaf"
+             *       "stage1_class": "leaf",
+             *       "utc_offset_min": 0
              *     }
              */
             settings?: components["schemas"]["Settings"];
@@ -660,6 +675,9 @@ export interface components {
         };
         NextTask: {
             kind: components["schemas"]["Kind"];
+        };
+        OtherClass: {
+            scenario: string;
         };
         Overlap: {
             items: components["schemas"]["OverlapItem"][];
@@ -766,6 +784,10 @@ export interface components {
             };
             cameras: components["schemas"]["CameraView"][];
             clip_frames: number[];
+            /** @default {} */
+            deviations?: {
+                [key: string]: (number | null)[];
+            };
             ego?: components["schemas"]["EgoView"] | null;
             /** Format: double */
             frame_rate: number;
@@ -781,6 +803,10 @@ export interface components {
             t_s: number[];
             times: string[];
             tracks: components["schemas"]["TrackView"][];
+            /** @default {} */
+            uncertain?: {
+                [key: string]: number[][];
+            };
         };
         Session: {
             csrf: string;
@@ -837,6 +863,11 @@ export interface components {
             retention_days?: number;
             /** @default leaf */
             stage1_class?: components["schemas"]["Stage1Class"];
+            /**
+             * Format: int32
+             * @default 0
+             */
+            utc_offset_min?: number;
         };
         Setup: {
             display: string;
@@ -927,6 +958,8 @@ export interface components {
             label?: unknown;
             /** @default null */
             reason?: string | null;
+            /** @default null */
+            right_class?: string | null;
             /**
              * Format: int64
              * @default null
@@ -942,13 +975,20 @@ export interface components {
             clip_id: string;
             disagrees: boolean;
             drive_id: string;
+            /** @default [] */
+            findings?: string[];
             id: string;
+            /** Format: double */
+            keyframe_s?: number | null;
             /** Format: int64 */
             lease_until?: number | null;
             overlap: boolean;
             /** Format: int64 */
             priority: number;
             project: string;
+            replaced_by?: string | null;
+            replaces?: string | null;
+            right_class?: string | null;
             scenario_id: string;
             stage: components["schemas"]["Stage"];
             state: components["schemas"]["State"];
@@ -1090,6 +1130,8 @@ export interface components {
             to_choose: number;
             /** Format: int64 */
             total: number;
+            /** Format: int64 */
+            wrong_class: number;
         };
     };
     responses: never;
@@ -1128,6 +1170,7 @@ export type DraftSaved = components["schemas"]["DraftSaved"];
 export type EgoView = components["schemas"]["EgoView"];
 export type EpisodeCard = components["schemas"]["EpisodeCard"];
 export type EpisodeCards = components["schemas"]["EpisodeCards"];
+export type EpisodeTask = components["schemas"]["EpisodeTask"];
 export type FieldChange = components["schemas"]["FieldChange"];
 export type Finding = components["schemas"]["Finding"];
 export type Findings = components["schemas"]["Findings"];
@@ -1182,6 +1225,7 @@ export type NewUser = components["schemas"]["NewUser"];
 export type NewVerdict = components["schemas"]["NewVerdict"];
 export type NewWebhook = components["schemas"]["NewWebhook"];
 export type NextTask = components["schemas"]["NextTask"];
+export type OtherClass = components["schemas"]["OtherClass"];
 export type Overlap = components["schemas"]["Overlap"];
 export type OverlapItem = components["schemas"]["OverlapItem"];
 export type PairAgreement = components["schemas"]["PairAgreement"];

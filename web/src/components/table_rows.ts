@@ -5,6 +5,8 @@ export interface Column<Row> {
   title: string;
   /** The heading is for screen readers only: columns of buttons and bars. */
   titleHidden?: boolean;
+  /** Tooltip of the heading. */
+  hint?: string;
   /** Right-aligned, tabular digits. */
   numeric?: boolean;
   /** What the rows are sorted by; absent: the column cannot be sorted. */

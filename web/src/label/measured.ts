@@ -1,5 +1,5 @@
 // What can be inserted into the trace: components, the decision in words, and what was measured at the moment shown.
-import { columnOf } from "../plots/series.ts";
+import { columnOf, isInside } from "../plots/series.ts";
 import { signalRows } from "../plots/signal_rows.ts";
 import { speedUnit } from "../plots/speed_unit.svelte.ts";
 import { scaleOf, withUnit } from "../plots/units.ts";
@@ -64,7 +64,9 @@ export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
     if (row.id === "target.speed" && object?.id === editor.target && object?.speed != null) continue;
     const column = row.column ?? columnOf([], "number");
     const value = column?.kind === "line" ? column.values[i] : null;
-    if (row.inRule && typeof value === "number" && Number.isFinite(value)) add(row.name, withUnit(number(value, row.scale.digits), row.scale.unit));
+    // A rate that is not certain yet is no measurement to write down.
+    const isUncertain = isInside(row.uncertain, i);
+    if (row.inRule && !isUncertain && typeof value === "number" && Number.isFinite(value)) add(row.name, withUnit(number(value, row.scale.digits), row.scale.unit));
   }
   return out;
 }

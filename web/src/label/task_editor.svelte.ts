@@ -185,9 +185,9 @@ export class TaskEditor {
   }
 
   /** Saves what is unsaved, then acts. False when that failed; `request` or the draft then has the reason. */
-  async act(action: ActionName, reason?: string): Promise<boolean> {
+  async act(action: ActionName, reason?: string, rightClass?: string): Promise<boolean> {
     if (this.holdsLease && !(await this.draft.flush())) return false;
-    return this.#post({ fence: this.#lease.fence, action, reason: reason ?? null });
+    return this.#post({ fence: this.#lease.fence, action, reason: reason ?? null, ...(rightClass !== undefined && { right_class: rightClass }) });
   }
 
   /** Records the answer of the safety filter; an unsafe one rejects the task. */

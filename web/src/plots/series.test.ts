@@ -1,7 +1,7 @@
 // Rows of the board: unknown is a gap, never 0; axes end at round numbers. Expected values by hand.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { bounds, columnOf, linePath, percent, roundStep, runs, runSpan, ticks, withoutOutliers } from "./series.ts";
+import { bandPath, bounds, columnOf, linePath, percent, roundStep, runs, runSpan, split, ticks, withoutOutliers } from "./series.ts";
 
 const span = { from: 0, to: 4 };
 
@@ -50,4 +50,17 @@ test("a column is what the server says it is; none is endless, unknown a gap", (
   assert.deepEqual(columnOf([1, "none", null], "number"), { kind: "line", values: [1, Infinity, null] });
   assert.deepEqual(columnOf(["none", "none"], "number"), { kind: "line", values: [Infinity, Infinity] });
   assert.deepEqual(columnOf(["none", "car"], "category"), { kind: "words", values: ["none", "car"] });
+});
+
+test("what is uncertain is a line of its own that meets the other one", () => {
+  assert.deepEqual(split([1, 2, 3, 4, 5], [[3, 5]]), { certain: [1, 2, 3, null, null], uncertain: [null, null, 3, 4, 5] });
+  // In Stage II the curve goes on.
+  assert.deepEqual(split([1, 2, 3, 4], [[1, 2]]), { certain: [1, null, 3, 4], uncertain: [1, 2, 3, null] });
+  assert.deepEqual(split([1, 2], []), { certain: [1, 2], uncertain: [] });
+});
+
+test("a band is one standard deviation to either side, cut at the axis, with a gap where one is unknown", () => {
+  // x: 0, 250, 500 of 1000; y of 0 to 10 on 100 down to 0.
+  assert.equal(bandPath([0, 1, 2], [5, 5, 9], [1, 2, 4], span, 0, 10), "M0.0 40.0L250.0 30.0L500.0 0.0L500.0 50.0L250.0 70.0L0.0 60.0Z");
+  assert.equal(bandPath([0, 1, 2, 3], [5, null, 5, 5], [1, 1, 1, null], span, 0, 10), "", "one moment has no area");
 });

@@ -38,6 +38,39 @@ export function linePath(t: readonly number[], values: readonly (number | null)[
   return parts.join("");
 }
 
+/** The SVG path of the band from `values` less `spread` to `values` plus `spread`; a gap where either is unknown. */
+export function bandPath(t: readonly number[], values: readonly (number | null)[], spread: readonly (number | null)[], span: Span, low: number, high: number): string {
+  const parts: string[] = [];
+  const at = (i: number, sign: number): string => {
+    const v = Math.min(high, Math.max(low, (values[i] as number) + sign * (spread[i] as number)));
+    return `${((percent(span, t[i] as number) * WIDTH) / 100).toFixed(1)} ${(HEIGHT - ((v - low) * HEIGHT) / (high - low)).toFixed(1)}`;
+  };
+  const isKnown = (i: number): boolean => Number.isFinite(values[i] ?? Number.NaN) && Number.isFinite(spread[i] ?? Number.NaN);
+  let from = 0;
+  for (let i = 0; i <= values.length; i++) {
+    if (i < values.length && isKnown(i)) continue;
+    const run = Array.from({ length: i - from }, (_, n) => from + n);
+    if (run.length > 1) parts.push(`M${run.map((n) => at(n, 1)).join("L")}L${run.toReversed().map((n) => at(n, -1)).join("L")}Z`);
+    from = i + 1;
+  }
+  return parts.join("");
+}
+
+/** Intervals of indices: the first, and one past the last. */
+export type Intervals = readonly (readonly [number, number])[];
+
+export const isInside = (intervals: Intervals, i: number): boolean => intervals.some(([from, to]) => i >= from && i < to);
+
+/** The values outside and inside of intervals, for two lines that meet. */
+export function split(values: readonly (number | null)[], intervals: Intervals): { certain: readonly (number | null)[]; uncertain: readonly (number | null)[] } {
+  if (intervals.length === 0) return { certain: values, uncertain: [] };
+  const inside = values.map((_, i) => isInside(intervals, i));
+  return {
+    certain: values.map((v, i) => (inside[i] ? null : v)),
+    uncertain: values.map((v, i) => (inside[i - 1] || inside[i] || inside[i + 1] ? v : null)),
+  };
+}
+
 export interface Bounds {
   low: number;
   high: number;

@@ -55,3 +55,12 @@ test("times to an event have an axis from 0 to 10 s, other signals fit their val
   assert.deepEqual([ttc?.axisMax, ttc?.thresholds, ttc?.note], [10, [3], "< 3 s (2.48 s)"]);
   assert.equal(rows.find((r) => r.id === "target.speed")?.axisMax, undefined);
 });
+
+test("deviations are in the shown unit; where a rate is uncertain is told of the signal alone", () => {
+  const spread = { ...scene, deviations: { "target.speed": [0.5, null] }, uncertain: { "target.heading_change": [[1, 2]] } } as unknown as SceneView;
+  const rows = signalRows(spread, [], [], { speeds: "km/h", lang: "zh" });
+  const of = (id: string) => rows.find((r) => r.id === id);
+  assert.deepEqual(of("target.speed")?.deviations, [1.8, null]);
+  assert.deepEqual(of("target.speed")?.uncertain, []);
+  assert.deepEqual(of("target.heading_change")?.uncertain, [[1, 2]]);
+});

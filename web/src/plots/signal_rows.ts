@@ -1,7 +1,7 @@
 // Signal rows of the timeline: the signals that the rule reads, beside the four plots of LABELING.md 6. Pure.
 import type { MatchedCondition, SceneView } from "../api/types.ts";
 import { decidingRank, noteOf, thresholdsOf } from "./conditions.ts";
-import { type Column, columnOf } from "./series.ts";
+import { type Column, columnOf, type Intervals } from "./series.ts";
 import { type Scale, scaled, scaleOf, type SpeedUnit } from "./units.ts";
 
 /** Signals that the four plots and the meta action rows already show. */
@@ -32,10 +32,23 @@ export interface SignalRow {
   thresholds: readonly number[];
   /** The axis is from 0 to this, in the shown unit; without it the axis fits the values. */
   axisMax: number | undefined;
+  /** Standard deviations, in the shown unit. */
+  deviations: readonly (number | null)[] | undefined;
+  /** Where the values are uncertain. */
+  uncertain: Intervals;
 }
 
 /** Time to collision, headway and other times to an event. */
 const isTimeToEvent = (id: string, unit: string | null | undefined): boolean => unit === "s" && /(^|[._])(ttc|thw|time_to)(_|$)/.test(id);
+
+/** Where the numbers of a signal are uncertain. */
+export const uncertainOf = (scene: SceneView, id: string): Intervals => (scene.uncertain?.[id] ?? []) as [number, number][];
+
+/** How certain the numbers of a signal are, in the unit of `scale`. */
+export function certaintyOf(scene: SceneView, id: string, scale: Scale): Pick<SignalRow, "deviations" | "uncertain"> {
+  const deviations = scene.deviations?.[id];
+  return { deviations: deviations && scaled(deviations, scale), uncertain: uncertainOf(scene, id) };
+}
 
 export function signalRows(
   scene: SceneView,
@@ -78,6 +91,7 @@ export function signalRows(
         isEmpty: isEmpty(id) === 1,
         note: noteOf([id], conditions, reader.lang, scale),
         thresholds: thresholdsOf([id], conditions, scale),
+        ...certaintyOf(scene, id, scale),
         axisMax: isTimeToEvent(id, about?.unit) ? TIME_AXIS_MAX_S * scale.by : undefined,
       };
     });

@@ -1,7 +1,7 @@
 // What a number on the wire is for people. Factors by definition: 1 m/s = 3.6 km/h, pi rad = 180 degrees.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { scaled, scaleOf, withUnit } from "./units.ts";
+import { scaled, scaleOf, uncertainText, withUnit } from "./units.ts";
 
 test("speeds are shown in the unit that the reader chose", () => {
   assert.equal(scaleOf("m/s", "km/h").unit, "km/h");
@@ -26,4 +26,9 @@ test("pure numbers have no unit, and an unknown unit is not dropped", () => {
   assert.equal(scaleOf(null, "km/h").unit, "");
   assert.equal(scaleOf("kg", "km/h").unit, "kg");
   assert.equal(scaleOf("kg", "km/h").by, 1);
+});
+
+test("an uncertain value says so, with its deviation where that is known", () => {
+  assert.equal(uncertainText("1.43", 0.804, 2), "≈ 1.43 ± 0.80");
+  assert.equal(uncertainText("−0.3", null, 1), "≈ −0.3");
 });

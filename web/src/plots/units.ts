@@ -8,6 +8,11 @@ export function fixed(value: number, digits: number): string {
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }
 
+/** A value that is uncertain, with its standard deviation if that is known: `≈ 1.43 ± 0.80`. */
+export function uncertainText(text: string, deviation: number | null | undefined, digits: number): string {
+  return deviation === null || deviation === undefined ? `≈ ${text}` : `≈ ${text} ± ${fixed(deviation, digits)}`;
+}
+
 /** How a quantity is shown. */
 export interface Scale {
   /** Shown beside the number; empty for pure numbers. */

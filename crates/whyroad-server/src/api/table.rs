@@ -191,7 +191,12 @@ pub static ROUTES: &[Route] = &[
             ("assignee", "only tasks held by, assigned to or written by this user (name or id)"),
             ("mine", "`true`: only own tasks"),
             ("q", "part of the clip's or task's id"),
-            ("asks", "`lead`: only tasks with an open question to the lead"),
+            (
+                "asks",
+                "`lead`: only tasks with an open question to the lead; for leads `class`: only those whose class does \
+                 not fit, as their annotators say, and that no other task replaces",
+            ),
+            ("finding", "only tasks submitted with a finding of this code; `any` for every code"),
             (
                 "overlap",
                 "only tasks of overlap groups of which no label was chosen; for leads: `to_choose` all that are handed \
@@ -199,7 +204,7 @@ pub static ROUTES: &[Route] = &[
             ),
             (
                 "sort",
-                "`priority` (default), `updated`, `created`, `scenario`, `clip` or `state`; `-` in front for descending",
+                "`priority` (default), `updated`, `created`, `scenario`, `clip`, `state` or `keyframe` (drive and time in it); `-` in front for descending",
             ),
             ("cursor", "from the previous page"),
             ("limit", "page length, 1 to 200; default 50"),
@@ -252,6 +257,14 @@ pub static ROUTES: &[Route] = &[
     .query(EPISODE)
     .gives_media("image/*"),
     Route::post(
+        "/projects/{p}/mined/{m}/tasks",
+        Access::Lead,
+        "Create a task from one mined episode, also of another class than the mined one",
+        tasks::from_episode,
+    )
+    .takes::<EpisodeTask>()
+    .gives::<Created>(),
+    Route::post(
         "/projects/{p}/verdicts",
         Access::Lead,
         "Record a verdict on a mined episode, or remove it",
@@ -297,6 +310,14 @@ pub static ROUTES: &[Route] = &[
     )
     .takes::<Assign>()
     .gives::<Task>(),
+    Route::post(
+        "/tasks/{t}/reclass",
+        Access::TaskLead,
+        "Create a task of another class in place of this one, which is closed",
+        tasks::reclass,
+    )
+    .takes::<OtherClass>()
+    .gives::<Created>(),
     Route::post(
         "/projects/{p}/tasks:change",
         Access::Lead,

@@ -30,6 +30,24 @@ pub struct CreateTasks {
     pub lang: Option<String>,
 }
 
+/// Body of `POST /projects/{p}/mined/{m}/tasks`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EpisodeTask {
+    /// Drive of the episode.
+    pub drive: String,
+    /// Class of the episode.
+    pub scenario: String,
+    /// Id of the episode.
+    pub episode: String,
+    /// The L3 class of the task, if it is not that of the episode; required where no class explains the episode.
+    #[serde(default)]
+    pub as_class: Option<String>,
+    /// Higher values come first.
+    #[serde(default)]
+    pub priority: i64,
+}
+
 /// Result of creating tasks.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Created {

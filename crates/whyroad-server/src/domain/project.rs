@@ -55,6 +55,9 @@ pub struct Settings {
     pub hourly_rate: Option<f64>,
     /// Currency of the rate, for display.
     pub currency: String,
+    /// Minutes by which the project's clock is ahead of UTC: its days begin at midnight of that clock. A change applies
+    /// to work from then on.
+    pub utc_offset_min: i32,
 }
 
 /// What a user may have seen of a drive and still do Stage I of one of its tasks.
@@ -97,6 +100,7 @@ impl Default for Settings {
             retention_days: 0,
             hourly_rate: None,
             currency: "CNY".to_owned(),
+            utc_offset_min: 0,
         }
     }
 }
@@ -112,6 +116,9 @@ pub struct Work {
     pub asked: i64,
     /// Tasks of overlap groups that are still to be adjudicated; 0 for users who are not leads.
     pub disagreeing: i64,
+    /// Tasks whose class does not fit, as their annotators say, and that no other task replaces; 0 for users who are
+    /// not leads.
+    pub wrong_class: i64,
     /// Tasks of overlap groups that are handed in and of which no label was chosen; 0 for users who are not leads.
     pub to_choose: i64,
     /// Tasks whose drafts are still being created in the background; 0 for users who are not staff.
@@ -133,7 +140,7 @@ pub struct MyWork {
     pub waiting: i64,
     /// Accepted.
     pub accepted: i64,
-    /// Submissions of today (UTC).
+    /// Submissions of today, by the project's clock.
     pub submitted_today: i64,
 }
 
@@ -221,7 +228,9 @@ pub struct MemberChange {
 pub struct Dashboard {
     /// Tasks by state.
     pub by_state: BTreeMap<String, i64>,
-    /// Submissions and checks by day (UTC) and person.
+    /// Minutes by which the project's clock, which separates the days, is ahead of UTC.
+    pub utc_offset_min: i32,
+    /// Submissions and checks by day and person.
     pub throughput: Vec<Throughput>,
     /// Unfinished tasks with the oldest last change, at most 20.
     pub ageing: Vec<Ageing>,

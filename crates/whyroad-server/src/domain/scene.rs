@@ -38,6 +38,15 @@ pub struct SceneView {
     /// Signals of the rule and of the plots by name, of the ego or of the rule's target: numbers, truth values or
     /// category names. In a column of numbers, `none` means known to be absent (no lead, no conflict: infinite).
     pub signals: BTreeMap<String, Vec<Value>>,
+    /// Standard deviations of numbers, where they were estimated: of `signals`, and of the ego's speed, acceleration and
+    /// yaw rate as `ego.forward_speed`, `ego.accel` and `ego.yaw_rate`.
+    #[serde(default)]
+    pub deviations: BTreeMap<String, Numbers>,
+    /// Where a rate of change is uncertain, because it was computed without what precedes or follows: intervals of the
+    /// first index into `times` and one past the last. By the same names; both stages have the same values up to the
+    /// keyframe.
+    #[serde(default)]
+    pub uncertain: BTreeMap<String, Vec<[usize; 2]>>,
     /// Description of each of `signals`.
     pub about: BTreeMap<String, SignalAbout>,
     /// `stage2` while the future is withheld.

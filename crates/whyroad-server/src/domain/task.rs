@@ -46,6 +46,21 @@ pub struct TaskSummary {
     pub adjudication: Option<String>,
     /// When it last changed.
     pub updated: i64,
+    /// Seconds from the start of the drive to the keyframe; in lists, where the lake has the drive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keyframe_s: Option<f64>,
+    /// The class that fits instead, as its annotator says; empty for one that they do not know.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub right_class: Option<String>,
+    /// The task of another class that replaces it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub replaced_by: Option<String>,
+    /// The task of another class that it replaces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub replaces: Option<String>,
+    /// Codes of the findings with which it was submitted.
+    #[serde(default)]
+    pub findings: Vec<String>,
     /// It has a question to the lead that is not answered.
     pub asks_lead: bool,
     /// The labels of its overlap group disagree about the decision, and none was chosen yet; set for leads only.
@@ -293,6 +308,14 @@ pub struct BulkRefused {
     pub text: Bilingual,
 }
 
+/// Body of `POST /tasks/{t}/reclass`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OtherClass {
+    /// The L3 class that fits.
+    pub scenario: String,
+}
+
 /// Body of `PATCH /tasks/{t}/draft`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -348,6 +371,9 @@ pub struct TaskAction {
     /// For restore: entry of the history whose draft is restored.
     #[serde(default)]
     pub seq: Option<i64>,
+    /// For skip, if the class of the task does not fit: the class that fits (L2 or L3), or an empty text.
+    #[serde(default)]
+    pub right_class: Option<String>,
     /// For adjudicate: a label merged from those of the group, instead of the task's own. It is checked again.
     #[serde(default)]
     pub label: Option<Value>,

@@ -11,11 +11,12 @@ use crate::secret;
 use crate::service::tasks::{self, Entry, LabelView, TaskRow};
 use crate::service::texts::{TEXT, is_long};
 use crate::service::{
-    audits, dashboard, disagreement, drafts, findings, gold, history, leases, safety, seen, texts,
+    audits, dashboard, disagreement, drafts, findings, gold, history, leases, other_class, safety, seen, texts,
 };
 use crate::store::Tx;
 use crate::values;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::{Provenance, ProvenanceSource};
@@ -135,6 +136,7 @@ pub fn act(
         Action::Submit => {
             safety::required(&t)?;
             let checked = current(checked, &t)?;
+            t.findings = codes(&checked.found);
             refuse_errors(checked.found)?;
             (t.draft, changes) = (checked.draft, checked.changes);
             t.version += 1;
@@ -147,9 +149,18 @@ pub fn act(
             t.version += 1;
             snapshot = Some(t.draft.clone());
             t.audited = false;
+            t.findings.clear();
             safety::forget(tx, &t.id)?;
             disagreement::reopen(tx, &mut t)?;
         }
+        _ => {}
+    }
+    match action {
+        Action::Skip => t.right_class = right_class(app, request)?,
+        Action::Reopen => t.right_class = None,
+        _ => {}
+    }
+    match action {
         // The others can stand for the episode again.
         Action::Skip | Action::Reject if t.is_chosen() => disagreement::reopen(tx, &mut t)?,
         _ => {}
@@ -180,6 +191,21 @@ pub fn act(
         disagreement::note(tx, &t.project, &t.episode.episode_id)?;
     }
     Ok(t)
+}
+
+/// The class that fits instead of the task's, as the request says.
+fn right_class(app: &App, request: &TaskAction) -> Answer<Option<String>> {
+    match request.right_class.as_deref() {
+        Some(id) if !id.is_empty() => {
+            other_class::class(app.framework, id).map(|class| Some(class.to_string()))
+        }
+        other => Ok(other.map(str::to_owned)),
+    }
+}
+
+/// The codes of findings.
+fn codes(found: &[Finding]) -> BTreeSet<String> {
+    found.iter().map(|f| f.code.clone()).collect()
 }
 
 /// Stores a comment on a field; returns its id.
@@ -355,6 +381,7 @@ fn adjudicate(
     let mut snapshot = None;
     let before = t.at.state;
     if let Some(merged) = merged {
+        t.findings = codes(&merged.found);
         refuse_errors(merged.found)?;
         t.draft = merged.draft;
         t.version += 1;

@@ -20,7 +20,7 @@ use whyroad_framework::spec::PackSpec;
 use whyroad_label::draft::is_same;
 use whyroad_model::label_fields::name;
 use whyroad_model::messages::{
-    Cause, Causes, CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodeRecord,
+    Cause, Causes, CocLabel, CriticalComponent, DrivingDecision, EpisodeCursor, EpisodeFilter, EpisodeRecord,
 };
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
@@ -362,6 +362,31 @@ fn missing(why: Bilingual) -> Problem {
     Problem::new(422, "drive.missing", why.zh, why.en)
 }
 
+/// A task for an episode, not yet stored, without decision, components and text: for a class of which no rule found it.
+pub fn undrafted(app: &App, project: &Project, episode: &EpisodeRecord, lang: &str) -> Answer<TaskRow> {
+    let mut last = LastDrive::default();
+    let source = last.of(app, episode).map_err(missing)?;
+    let words = if lang.is_empty() { &project.settings.lang } else { lang };
+    let words = words.parse().unwrap_or_default();
+    let whole = app.recordings.draft(&source.drive, source.signals(app), episode, words, None);
+    let bare = CocLabel {
+        critical_components: vec![],
+        causes: None,
+        driving_decision: DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None },
+        coc_trace: String::new(),
+        second_keyframe: None,
+        ..whole
+    };
+    let draft = serde_json::to_value(bare).map_err(Problem::store)?;
+    row(app, project, episode, lang.to_owned(), Start::drafted(source, episode, draft))
+}
+
+/// A task for an episode, not yet stored, with the rule's draft.
+pub fn drafted(app: &App, project: &Project, episode: &EpisodeRecord) -> Answer<TaskRow> {
+    let start = start_of(app, project, episode, "", &mut LastDrive::default())?;
+    row(app, project, episode, String::new(), start)
+}
+
 /// An episode as a task that is not stored: for showing it.
 pub fn shown(app: &App, project: &Project, episode: &EpisodeRecord) -> Answer<TaskRow> {
     let mut last = LastDrive::default();
@@ -466,6 +491,10 @@ fn row(app: &App, project: &Project, episode: &EpisodeRecord, lang: String, star
         imported: false,
         pending,
         veiled,
+        right_class: None,
+        replaced_by: None,
+        replaces: None,
+        findings: Default::default(),
         thumbnail,
     })
 }

@@ -6,7 +6,7 @@ use crate::domain::project::{
 };
 use crate::problem::Answer;
 use crate::service::copies::NOT_GOLD;
-use crate::service::projects::parse;
+use crate::service::projects::{self, parse};
 use crate::service::{disagreement, drafts, safety, tasks, veil};
 use crate::store::Tx;
 use crate::values;
@@ -41,7 +41,8 @@ pub fn of(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<Dashboard> {
     )?;
     Ok(Dashboard {
         by_state: by_state.iter().map(|r| Ok((r.text("state")?, r.int("n")?))).collect::<Answer<_>>()?,
-        throughput: throughput(tx, &project.id, &names, now)?,
+        utc_offset_min: project.settings.utc_offset_min,
+        throughput: throughput(tx, project, &names, now)?,
         ageing: ageing(tx, &project.id, &names, now)?,
         agreement: agreement(tx, &project.id, &names)?,
         to_choose: disagreement::episodes_to_choose(tx, &project.id)?,
@@ -55,10 +56,10 @@ fn display(names: &Names, id: Option<String>) -> Option<String> {
     id.map(|id| names.get(&id).cloned().unwrap_or(id))
 }
 
-fn throughput(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec<Throughput>> {
+fn throughput(tx: &mut dyn Tx, project: &Project, names: &Names, now: i64) -> Answer<Vec<Throughput>> {
     let rows = tx.rows(
         "SELECT day, actor, action, n FROM activity WHERE project_id = $1 AND day >= $2",
-        values![project, now / DAY_MS - DAYS],
+        values![&project.id, projects::day(&project.settings, now) - DAYS],
     )?;
     let mut out = Vec::new();
     for r in rows {

@@ -192,6 +192,10 @@ pub fn task() -> TaskRow {
         imported: false,
         pending: false,
         veiled: false,
+        right_class: None,
+        replaced_by: None,
+        replaces: None,
+        findings: Default::default(),
         thumbnail: String::new(),
     }
 }

@@ -2,14 +2,11 @@
 
 use crate::domain::workflow::State;
 use crate::problem::Answer;
-use crate::service::projects::json;
+use crate::service::projects::{self, json};
 use crate::service::tasks::{Entry, TaskRow};
 use crate::service::webhooks;
 use crate::store::Tx;
 use crate::values;
-
-/// Milliseconds of a day.
-const DAY_MS: i64 = 86_400_000;
 
 /// Appends to the history of `t` and counts it there; the caller writes `t` after it.
 pub fn record(tx: &mut dyn Tx, t: &mut TaskRow, entry: &Entry<'_>, now: i64) -> Answer<()> {
@@ -31,7 +28,7 @@ pub fn record(tx: &mut dyn Tx, t: &mut TaskRow, entry: &Entry<'_>, now: i64) -> 
 /// Actions that dashboards count.
 const COUNTED: [&str; 3] = ["submit", "accept", "send_back"];
 
-/// Counts what dashboards show by day, person and action.
+/// Counts what dashboards show by day of the project's clock, person and action.
 pub(super) fn count(
     tx: &mut dyn Tx,
     project: &str,
@@ -41,10 +38,11 @@ pub(super) fn count(
     if !COUNTED.contains(&action) {
         return Ok(());
     }
+    let day = projects::day(&projects::get(tx, project)?.settings, now);
     tx.run(
         "INSERT INTO activity (project_id, day, actor, action, n) VALUES ($1, $2, $3, $4, 1)
          ON CONFLICT (project_id, day, actor, action) DO UPDATE SET n = activity.n + 1",
-        values![project, now / DAY_MS, actor.unwrap_or_default(), action],
+        values![project, day, actor.unwrap_or_default(), action],
     )?;
     Ok(())
 }

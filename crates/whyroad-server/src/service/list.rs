@@ -4,9 +4,10 @@
 use crate::domain::task::{TaskSummary, Tasks};
 use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
-use crate::service::{disagreement, people, seen, tasks, veil};
+use crate::service::{disagreement, other_class, people, seen, tasks, veil};
 use crate::store::{Tx, Value as Cell};
 use std::collections::BTreeSet;
+use whyroad_model::Nanos;
 
 /// Number of tasks on a page by default, and the maximum.
 const USUAL: usize = 50;
@@ -33,6 +34,10 @@ pub struct Filter<'a> {
     pub sort: Option<&'a str>,
     /// Only tasks with an open question to the lead.
     pub asks_lead: bool,
+    /// Only tasks whose class does not fit, as their annotators say, and that nothing replaces.
+    pub wrong_class: bool,
+    /// Only tasks that were submitted with a finding of this code; `any` for every code.
+    pub finding: Option<&'a str>,
     /// Only tasks of these overlap groups.
     pub groups: Option<Groups>,
     /// Not these tasks (ids).
@@ -62,13 +67,18 @@ pub struct Viewer<'a> {
 }
 
 /// Orders other than that of the queue, with their column and whether it contains numbers.
-const ORDERS: [(&str, &str, bool); 5] = [
+const ORDERS: [(&str, &str, bool); 6] = [
     ("updated", "updated", true),
     ("created", "created", true),
     ("scenario", "scenario_id", false),
     ("clip", "clip_id", false),
     ("state", "state", false),
+    ("keyframe", MOMENT, false),
 ];
+
+/// The drive and the keyframe in it, as a text with digits of equal number.
+const MOMENT: &str = "(drive_id || ' ' || substr('0000000000000000000' || CAST(keyframe_ns AS TEXT),
+    length(CAST(keyframe_ns AS TEXT)) + 1))";
 
 /// A column to sort by.
 #[derive(Clone, Copy)]
@@ -116,13 +126,19 @@ impl Order {
             "created" => format!("{}_{}", t.created, t.id),
             "scenario_id" => format!("{}_{}", t.shown_class(), t.id),
             "clip_id" => format!("{}_{}", t.clip_id, t.id),
+            MOMENT => format!("{} {:019}_{}", t.drive_id, t.keyframe_ns, t.id),
             _ => format!("{}_{}", t.at.state.word(), t.id),
         }
     }
 }
 
-/// One page of the tasks of a project.
-pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<'_>) -> Answer<Tasks> {
+/// One page of the tasks of a project, and the keyframe of each.
+pub fn page(
+    tx: &mut dyn Tx,
+    project: &str,
+    filter: &Filter<'_>,
+    viewer: Viewer<'_>,
+) -> Answer<(Tasks, Vec<Nanos>)> {
     let order = Order::of(filter.sort)?;
     let limit = match filter.limit {
         None => USUAL,
@@ -130,7 +146,13 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
             Problem::request(format!("limit 须为 1 至 {MOST}"), format!("limit must be 1 to {MOST}"))
         })?,
     };
-    for (name, text) in [("q", filter.part), ("scenario", filter.scenario), ("assignee", filter.assignee)] {
+    let texts = [
+        ("q", filter.part),
+        ("scenario", filter.scenario),
+        ("assignee", filter.assignee),
+        ("finding", filter.finding),
+    ];
+    for (name, text) in texts {
         if text.is_some_and(|t| t.chars().count() > LONGEST_TEXT) {
             return Err(Problem::request(
                 format!("{name} 至多 {LONGEST_TEXT} 个字符"),
@@ -167,6 +189,16 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
     }
     if filter.asks_lead {
         query.and("id IN (SELECT task_id FROM comments WHERE to_lead = 1 AND resolved = 0)", &[]);
+    }
+    if filter.wrong_class {
+        query.and(other_class::WAITING, &[]);
+    }
+    match filter.finding {
+        None => {}
+        Some("any") => query.and("findings > ' '", &[]),
+        Some(code) => {
+            query.and("findings LIKE $ ESCAPE '\\'", &[format!("% {} %", literal(code)).into()]);
+        }
     }
     if let Some(hidden) = filter.hidden.filter(|ids| !ids.is_empty()) {
         let holes = vec!["$"; hidden.len()].join(", ");
@@ -221,7 +253,7 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
         let (disagrees, to_choose) = (viewer.leads && t.disagrees, viewer.leads && t.to_choose);
         items.push(TaskSummary { thumbnail, disagrees, to_choose, ..tasks::summary(t, &names) });
     }
-    Ok(Tasks { items, total, next })
+    Ok((Tasks { items, total, next }, found.iter().map(|t| Nanos(t.keyframe_ns)).collect()))
 }
 
 fn states(query: &mut Query, words: Option<&str>) -> Answer<()> {

@@ -8,7 +8,7 @@ use crate::service::{actions, leases, safety};
 use crate::store::Tx;
 
 /// Actions that the workflow allows, and `edit`, `safety`, `uncertainty` (of frozen components), `comment`, `assign`,
-/// `adjudicate`.
+/// `adjudicate`, `reclass`.
 pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
     let mut out: Vec<String> = Action::ALL
         .iter()
@@ -30,6 +30,9 @@ pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
     add("restore", labels && t.at.state.is_editable());
     add("comment", holds || t.at.state.shows_future());
     add("assign", lead && !matches!(t.at.state, State::Accepted));
+    let may_end = matches!(t.at.state, State::Skipped | State::Rejected)
+        || workflow::step(&t.at, actor, Action::Skip, Draw::Pass).is_ok();
+    add("reclass", lead && t.replaced_by.is_none() && may_end);
     let may_choose = lead && t.overlap_count > 1 && t.at.state.stage() == workflow::Stage::Stage2;
     add("adjudicate", may_choose && actions::group_is_ready(tx, t)?);
     Ok(out)

@@ -63,6 +63,7 @@ fn check(project: &Project) -> Answer<()> {
         retention_days,
         hourly_rate,
         currency,
+        utc_offset_min,
     } = &project.settings;
     let sound = !project.name.trim().is_empty()
         && project.name.chars().count() <= 100
@@ -76,6 +77,7 @@ fn check(project: &Project) -> Answer<()> {
         && *retention_days <= 36_500
         && hourly_rate.is_none_or(|r| (0.0..=1e6).contains(&r))
         && currency.chars().count() <= 10
+        && (-14 * 60..=14 * 60).contains(utc_offset_min)
         && matches!(lang.as_str(), "zh" | "en");
     if sound {
         Ok(())
@@ -83,10 +85,18 @@ fn check(project: &Project) -> Answer<()> {
         Err(Problem::new(
             422,
             "project.invalid",
-            "项目设置无效：名称 1–100 个字符，领取时限 30–3600 秒，抽检比例 0–100 且最小值不大于最大值，位置精度 0 或 100 m 以上，金标数 0–1000，合格线 0–100，保留天数 0–36500，工时费率 0–1000000",
-            "invalid project settings: name 1 to 100 characters, lease 30 to 3600 s, audit rates 0 to 100 % with minimum <= maximum, place precision 0 or from 100 m, gold labels 0 to 1000, qualifying share 0 to 100 %, retention 0 to 36500 days, hourly rate 0 to 1000000",
+            "项目设置无效：名称 1–100 个字符，领取时限 30–3600 秒，抽检比例 0–100 且最小值不大于最大值，位置精度 0 或 100 m 以上，金标数 0–1000，合格线 0–100，保留天数 0–36500，工时费率 0–1000000，时差 -14 至 14 小时",
+            "invalid project settings: name 1 to 100 characters, lease 30 to 3600 s, audit rates 0 to 100 % with minimum <= maximum, place precision 0 or from 100 m, gold labels 0 to 1000, qualifying share 0 to 100 %, retention 0 to 36500 days, hourly rate 0 to 1000000, offset from UTC -14 to 14 hours",
         ))
     }
+}
+
+/// Milliseconds of a day.
+const DAY_MS: i64 = 86_400_000;
+
+/// The day, counted from 1970, of `now` by the clock of a project with these settings.
+pub fn day(settings: &Settings, now: i64) -> i64 {
+    (now + i64::from(settings.utc_offset_min) * 60_000).div_euclid(DAY_MS)
 }
 
 /// Stores a new project.

@@ -19,6 +19,7 @@ use crate::problem::{Answer, Problem};
 use crate::recordings::CameraImage;
 use crate::service::tasks::TaskRow;
 use columns::{number, tracks, word};
+use history::Ends;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use whyroad_model::scene::{FRAME_RATE_HZ, MediaFrame, TurnSignal};
@@ -44,8 +45,6 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
             history::keep(&mut view, &before);
         }
     }
-    let about = |name: &String| Some((name.clone(), app.recordings.about(name)?));
-    view.about = view.signals.keys().filter_map(about).collect();
     for (name, values) in &mut view.signals {
         if view.about.get(name).is_some_and(|a| a.unit.as_deref() == Some("rad")) {
             columns::unwrap(values);
@@ -60,15 +59,32 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
 fn derived(app: &App, t: &TaskRow, stage: Stage) -> Answer<SceneView> {
     let Shown { drive, frames } = shown_in(app, t, stage)?;
     let signals = app.recordings.signals(&drive);
+    let measured = measured(&drive, frames);
+    let ends = Ends { start: frames.start == 0, end: frames.end == drive.frame_count() };
     let drive = app.recordings.estimated(&drive);
+    let described = |view: SceneView| {
+        let about = |name: &String| Some((name.clone(), app.recordings.about(name)?));
+        let about = view.signals.keys().filter_map(about).collect();
+        let mut view = SceneView { about, ..view };
+        history::mark_uncertain(&mut view, ends, &measured);
+        view
+    };
     if !t.hides_leaf() {
-        return Ok(view(t, stage, &drive, frames, &signals));
+        return Ok(described(view(t, stage, &drive, frames, &signals)));
     }
     // The signals and the target of the rule reveal its L3 class.
     let mut bare = t.clone();
     bare.episode.signals.clear();
     bare.episode.target_id = None;
-    Ok(view(&bare, stage, &drive, frames, &signals))
+    Ok(described(view(&bare, stage, &drive, frames, &signals)))
+}
+
+/// Rates of change of the ego that the log has: they are not computed from other values.
+fn measured(drive: &Drive, frames: FrameRange) -> Vec<&'static str> {
+    let Some((ego, last)) = drive.ego.as_ref().zip(frames.end.checked_sub(1)) else { return vec![] };
+    let rates = [("ego.accel", &ego.motion.accel), ("ego.yaw_rate", &ego.motion.yaw_rate)];
+    let is_measured = |values: &[f64]| values.get(last).is_some_and(|v| v.is_finite());
+    rates.into_iter().filter(|(_, values)| is_measured(values)).map(|(name, _)| name).collect()
 }
 
 fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &SignalTable) -> SceneView {
@@ -92,6 +108,8 @@ fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &
         },
         cameras: cameras(t, stage, drive, times),
         signals: columns::signals(t, &PLOTTED, signals, frames),
+        deviations: columns::deviations(t, &PLOTTED, signals, frames),
+        uncertain: BTreeMap::new(),
         about: BTreeMap::new(),
         hidden_until: (stage == Stage::Stage1).then(|| "stage2".to_owned()),
     }

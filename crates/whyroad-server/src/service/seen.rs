@@ -17,9 +17,9 @@ pub fn actor(tx: &mut dyn Tx, t: &TaskRow, user: &str, roles: &[Role], rule: His
 }
 
 fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<bool> {
-    // A gold task is a copy of its episode.
-    let episode = copies::episode_of(&t.episode.episode_id);
-    let copies = copies::copies_of(episode);
+    // Gold tasks and tasks of another class are of the same episode.
+    let episode = copies::mined_of(&t.episode.episode_id);
+    let [copies, classes] = copies::from_mined(episode);
     let row = match rule {
         HistoryRule::Drive => tx.row(
             "SELECT 1 FROM seen WHERE user_id = $1 AND drive_id = $2 AND to_ns > $3 AND from_ns < $4 LIMIT 1",
@@ -28,8 +28,9 @@ fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<
         HistoryRule::Episode => tx.row(
             "SELECT 1 FROM seen s LEFT JOIN tasks o ON o.id = s.task_id
              WHERE s.user_id = $1 AND s.drive_id = $2 AND s.to_ns > $4
-               AND (o.episode_id = $3 OR substr(o.episode_id, 1, length($5)) = $6 OR s.task_id = $7) LIMIT 1",
-            values![user, &t.drive_id, episode, t.keyframe_ns, &copies, &copies, of_episode(episode)],
+               AND (o.episode_id = $3 OR substr(o.episode_id, 1, length($5)) IN ($6, $7) OR s.task_id = $8)
+             LIMIT 1",
+            values![user, &t.drive_id, episode, t.keyframe_ns, &copies, &copies, &classes, of_episode(episode)],
         )?,
     };
     Ok(row.is_some())
@@ -37,7 +38,7 @@ fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<
 
 /// The place of a task id for an episode that was seen without a task, or in a task that was removed.
 pub fn of_episode(episode_id: &str) -> String {
-    format!("mined:{}", copies::episode_of(episode_id))
+    format!("mined:{}", copies::mined_of(episode_id))
 }
 
 /// Keeps what users have seen in a task that is about to be removed, under its episode.
@@ -107,7 +108,7 @@ pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> A
     let rule = projects::get(tx, &t.project)?.settings.history;
     for other in others {
         let same =
-            copies::episode_of(&other.text("episode_id")?) == copies::episode_of(&t.episode.episode_id);
+            copies::mined_of(&other.text("episode_id")?) == copies::mined_of(&t.episode.episode_id);
         if same || rule == HistoryRule::Drive || state.stage() == Stage::Stage2 {
             return Err(Problem::new(
                 409,

@@ -8,7 +8,7 @@ use crate::service::{thumbnail, veil};
 use crate::store::{Row, Tx, Value as Cell};
 use crate::values;
 use serde_json::Value;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use whyroad_label::merge::FieldChange;
 use whyroad_model::label_fields::name;
 use whyroad_model::messages::EpisodeRecord;
@@ -80,6 +80,14 @@ pub struct TaskRow {
     pub imported: bool,
     /// Its project shows only the L2 of its class in Stage I.
     pub veiled: bool,
+    /// The class that fits instead, as its annotator says; empty for one that they do not know.
+    pub right_class: Option<String>,
+    /// The task of another class that replaces it.
+    pub replaced_by: Option<String>,
+    /// The task of another class that it replaces.
+    pub replaces: Option<String>,
+    /// Codes of the findings with which it was submitted.
+    pub findings: BTreeSet<String>,
     /// The thumbnail of a task that is being created; empty for one that was read.
     pub thumbnail: String,
 }
@@ -149,6 +157,7 @@ const VEILED_HISTORY_NS: i64 = 2_000_000_000;
 const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id, keyframe_ns, from_ns, \
     to_ns, episode, initial, draft, version, priority, state, authors, checker, auditor, checked, audited, adjudication, \
     assigned, holder, fence, lease_until, seq, created, updated, lang, pending, coalesce(disagrees, 0) AS disagrees, complete, imported, \
+    right_class, replaced_by, replaces, findings, \
     (SELECT count(*) FROM comments c WHERE c.task_id = tasks.id AND c.to_lead = 1 AND c.resolved = 0) AS asks, \
     (SELECT count(*) FROM thumbnails p WHERE p.task_id = tasks.id) AS pictured, \
     (SELECT v.veiled FROM projects v WHERE v.id = tasks.project_id) AS veiled";
@@ -199,6 +208,10 @@ fn task(row: &Row) -> Answer<TaskRow> {
         asks_lead: row.int("asks")? > 0,
         pictured: row.int("pictured")? > 0,
         pending: row.int("pending")? != 0,
+        right_class: row.maybe_text("right_class")?,
+        replaced_by: row.maybe_text("replaced_by")?,
+        replaces: row.maybe_text("replaces")?,
+        findings: row.text("findings")?.split_whitespace().map(str::to_owned).collect(),
         thumbnail: String::new(),
     })
 }
@@ -260,15 +273,15 @@ pub fn insert(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     let n = tx.run(
         "INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
            keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, checked, audited,
-           fence, seq, created, updated, lang, pending, imported)
+           fence, seq, created, updated, lang, pending, imported, replaces)
          VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, '[]', 0, 0, 0, 0, $18, $19,
-           $20, $21, $22)
+           $20, $21, $22, $23)
          ON CONFLICT DO NOTHING",
         values![
             &t.id, &t.project, &t.episode.episode_id, t.overlap_index, t.overlap_count, &t.drive_id, &t.clip_id,
             &t.scenario_id, t.keyframe_ns, t.from_ns, t.to_ns, json(&t.episode)?, json(&t.initial)?, json(&t.draft)?,
             t.version, t.priority, t.at.state.word(), t.created, t.updated, &t.lang, i64::from(t.pending),
-            i64::from(t.imported),
+            i64::from(t.imported), t.replaces.as_ref(),
         ],
     )?;
     if n == 1 {
@@ -285,15 +298,21 @@ pub fn update(tx: &mut dyn Tx, t: &TaskRow) -> Answer<()> {
     tx.run(
         "UPDATE tasks SET draft = $1, version = $2, priority = $3, state = $4, authors = $5, author = $6, checker = $7,
            auditor = $8, checked = $9, audited = $10, adjudication = $11, assigned = $12, holder = $13, fence = $14,
-           lease_until = $15, seq = $16, updated = $17 WHERE id = $18",
+           lease_until = $15, seq = $16, updated = $17, right_class = $18, replaced_by = $19, findings = $20
+         WHERE id = $21",
         values![
             json(&t.draft)?, t.version, t.priority, t.at.state.word(), json(&t.at.authors)?,
             t.at.author(), t.at.checker.as_ref(), t.at.auditor.as_ref(), i64::from(t.at.checked), i64::from(t.audited),
             t.adjudication.as_ref(), t.assigned.as_ref(), t.at.holder.as_ref(), t.fence, t.lease_until, t.seq,
-            t.updated, &t.id,
+            t.updated, t.right_class.as_ref(), t.replaced_by.as_ref(), spaced(&t.findings), &t.id,
         ],
     )?;
     Ok(())
+}
+
+/// Words with a space before and after each, so that one can be found in the store.
+fn spaced(words: &BTreeSet<String>) -> String {
+    words.iter().fold(" ".to_owned(), |text, word| text + word + " ")
 }
 
 /// A new entry of the history.
@@ -340,6 +359,11 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         overlap: t.overlap_count > 1,
         adjudication: t.adjudication.clone(),
         updated: t.updated,
+        keyframe_s: None,
+        right_class: t.right_class.clone(),
+        replaced_by: t.replaced_by.clone(),
+        replaces: t.replaces.clone(),
+        findings: t.findings.iter().cloned().collect(),
         asks_lead: t.asks_lead,
         disagrees: false,
         to_choose: false,

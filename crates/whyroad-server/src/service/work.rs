@@ -4,16 +4,14 @@ use crate::domain::project::{MyWork, Work};
 use crate::domain::workflow::Role;
 use crate::problem::Answer;
 use crate::service::recognized::Hidden;
-use crate::service::{disagreement, drafting};
+use crate::service::{disagreement, drafting, other_class, projects};
 use crate::store::{Tx, Value as Cell};
 use crate::values;
-
-/// Milliseconds of a day.
-const DAY_MS: i64 = 86_400_000;
 
 /// The work of `user` in `project` at `now`, ms since 1970; for staff also tasks by state, and for leads the tasks to
 /// adjudicate.
 pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) -> Answer<Work> {
+    let today = projects::day(&projects::get(tx, project)?.settings, now);
     let staff = roles.iter().any(|r| *r != Role::Annotator);
     let mut by_state = std::collections::BTreeMap::new();
     if staff {
@@ -44,7 +42,7 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
     let submitted_today = count(
         "SELECT CAST(coalesce(sum(n), 0) AS BIGINT) AS n FROM activity
          WHERE project_id = $1 AND day = $2 AND actor = $3 AND action = 'submit'",
-        values![project, now / DAY_MS, user],
+        values![project, today, user],
     )?;
     let asked = if staff {
         count(
@@ -56,12 +54,13 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
         0
     };
     let pending = if staff { drafting::pending(tx, project)? } else { 0 };
-    let (mut disagreeing, mut to_choose) = (0, 0);
+    let (mut disagreeing, mut to_choose, mut wrong_class) = (0, 0, 0);
     if roles.contains(&Role::Lead) {
         disagreeing = disagreement::count(tx, project, disagreement::TO_ADJUDICATE)?;
         to_choose = disagreement::count(tx, project, disagreement::TO_CHOOSE)?;
+        wrong_class = disagreement::count(tx, project, other_class::WAITING)?;
     }
     let total = by_state.values().sum();
     let mine = MyWork { returned, begun, assigned, waiting, accepted, submitted_today };
-    Ok(Work { by_state, total, asked, disagreeing, to_choose, pending, mine })
+    Ok(Work { by_state, total, asked, disagreeing, wrong_class, to_choose, pending, mine })
 }

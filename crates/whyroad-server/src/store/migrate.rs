@@ -24,6 +24,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0016_choice.sql"),
     include_str!("../../migrations/0017_webhook_owner.sql"),
     include_str!("../../migrations/0018_imported.sql"),
+    include_str!("../../migrations/0019_other_class.sql"),
 ];
 
 /// The version of this program.

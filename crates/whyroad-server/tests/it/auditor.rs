@@ -75,6 +75,8 @@ fn table(task: &str) -> Vec<(&'static str, &'static str, Value, u16)> {
         all.push(("get", path, none.clone(), 403));
     }
     let (name, everybody) = (json!({ "name": "x" }), json!({ "user": "aud", "roles": ["lead"] }));
+    let episode =
+        json!({ "drive": "drive1", "scenario": "reactive_agent.cutin.urgent", "episode": "drive1_e1" });
     let verdict = json!({ "mined": "week1", "drive": "drive1", "scenario": "reactive_agent.cutin.urgent",
         "episode": "drive1_e1", "verdict": "right" });
     all.extend([
@@ -93,6 +95,8 @@ fn table(task: &str) -> Vec<(&'static str, &'static str, Value, u16)> {
         ("post", "/users", json!({ "name": "eve", "password": PASSWORD }), 403),
         ("patch", "/users/{u}", json!({ "display": "Somebody" }), 403),
         ("post", "/tasks/{t}/assign", json!({ "user": "ann" }), 403),
+        ("post", "/tasks/{t}/reclass", json!({ "scenario": "reactive_agent.cutin.slow" }), 403),
+        ("post", "/projects/{p}/mined/{m}/tasks", episode, 403),
         // The queue has nothing for them, whatever they ask for.
         ("post", "/projects/{p}/tasks:next", json!({ "kind": "audit" }), 204),
         ("post", "/projects/{p}/tasks:next", json!({ "kind": "check" }), 204),

@@ -21,6 +21,7 @@ mod migration;
 mod mined;
 mod model;
 mod oidc;
+mod other_class;
 mod other_ways;
 mod page;
 #[allow(dead_code, reason = "restarts are for the tests of the binary")]
@@ -133,6 +134,11 @@ suite! {
     later_task::a_task_that_comes_back_asks_again_what_was_seen,
     later_task::opening_a_later_task_shows_no_future_of_the_one_in_hand,
     later_task::where_only_the_episode_bars_a_later_task_may_be_begun,
+    other_class::a_lead_makes_the_task_of_the_class_that_fits,
+    other_class::who_saw_no_future_may_do_the_task_again_with_another_class,
+    other_class::an_episode_that_no_class_explains_becomes_a_task_of_a_chosen_class,
+    other_class::lists_have_the_time_in_the_drive_and_what_checks_found,
+    other_class::days_are_those_of_the_projects_clock,
     other_ways::labels_side_by_side_count_as_seen,
     other_ways::a_choice_in_a_group_shows_no_future_of_the_task_in_hand,
     other_ways::who_browsed_an_episode_does_no_stage_one_of_it,

@@ -5,19 +5,22 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::domain::people::User;
 use crate::domain::task::{
-    Assign, BulkChange, CreateTasks, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask,
-    QueueState, WorkKind,
+    Assign, BulkChange, CreateTasks, EpisodeTask, LeaseAction, LeaseRequest, MinedFolder, MinedFolders,
+    NextTask, OtherClass, QueueState, WorkKind,
 };
 use crate::domain::workflow::{Actor, Role};
 use crate::problem::{Answer, Problem};
 use crate::service::create::Drafting;
+use crate::service::mined::EpisodeName;
 use crate::service::recognized::Hidden;
 use crate::service::tasks::TaskRow;
 use crate::service::{
-    answer, bulk, create, drafting, findings, leases, list as listing, projects, queue, seen, tasks, texts,
-    thumbnail, work,
+    answer, bulk, create, drafting, findings, leases, list as listing, mined as episodes, other_class, projects, queue,
+    seen, tasks, texts, thumbnail, work,
 };
 use crate::store::Tx;
+use std::collections::HashMap;
+use whyroad_model::Nanos;
 use whyroad_model::messages::EpisodeFilter;
 
 /// `GET /projects/{p}/tasks`
@@ -40,6 +43,8 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
         limit: call.query("limit"),
         sort: call.query("sort"),
         asks_lead: call.query("asks") == Some("lead"),
+        wrong_class: leads && call.query("asks") == Some("class"),
+        finding: call.query("finding"),
         groups,
         hidden: None,
         only_of: (!call.grant.is_staff() || call.query("mine") == Some("true"))
@@ -48,11 +53,17 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
     let project = call.grant.project()?;
     let (user, labels) = (call.user()?, call.grant.roles.contains(&Role::Annotator));
     let viewer = listing::Viewer { user: &user.id, labels, leads };
-    let page = call.app.store.read(|tx| {
+    let (mut page, keyframes) = call.app.store.read(|tx| {
         let hidden = Hidden::of(tx, project, &user.id, &call.grant.roles)?;
         let filter = listing::Filter { hidden: Some(&hidden.ids), ..filter };
         listing::page(tx, project, &filter, viewer)
     })?;
+    let mut starts: HashMap<String, Option<Nanos>> = HashMap::new();
+    for (item, keyframe) in page.items.iter_mut().zip(keyframes) {
+        let start = || call.app.recordings.span(&item.drive_id.as_str().into()).ok().map(|(first, _)| first);
+        let start = *starts.entry(item.drive_id.clone()).or_insert_with(start);
+        item.keyframe_s = start.map(|start| keyframe.seconds_since(start));
+    }
     Reply::json(&page)
 }
 
@@ -188,6 +199,58 @@ pub fn assign(call: &Call<'_>) -> Answer<Reply> {
         Ok(t)
     })?;
     answer(call, &t)
+}
+
+/// `POST /tasks/{t}/reclass`
+pub fn reclass(call: &Call<'_>) -> Answer<Reply> {
+    let OtherClass { scenario } = call.body()?;
+    let (id, user) = (call.param("t").to_owned(), call.user()?.clone());
+    let (t, project) = call.app.store.read(|tx| {
+        let t = tasks::get(tx, &id)?;
+        let project = projects::get(tx, &t.project)?;
+        Ok((t, project))
+    })?;
+    // Outside of the transaction: it reads the drive.
+    let row = other_class::prepare(call.app, &project, &t, &scenario)?;
+    let now = call.app.now();
+    let made = call.app.store.write(move |tx| {
+        let actor = actor(tx, &row, &user)?;
+        other_class::replace(tx, &id, &row, &actor, now)
+    })?;
+    Reply::json(&made)
+}
+
+/// `POST /projects/{p}/mined/{m}/tasks`
+pub fn from_episode(call: &Call<'_>) -> Answer<Reply> {
+    let request: EpisodeTask = call.body()?;
+    let project = call.app.store.read(|tx| projects::get(tx, call.grant.project()?))?;
+    let name = EpisodeName {
+        mined: call.param("m"),
+        drive: &request.drive,
+        scenario: &request.scenario,
+        episode: &request.episode,
+    };
+    let found = episodes::find(call.app, name)?;
+    let other = request.as_class.as_deref().filter(|class| *class != request.scenario);
+    let row = match other {
+        Some(class) => {
+            let episode = other_class::episode_as(call.app.framework, &found, class)?;
+            create::undrafted(call.app, &project, &episode, "")?
+        }
+        None if !call.app.framework.taxonomy.contains(&found.scenario_id) => {
+            return Err(Problem::new(
+                422,
+                "class.missing",
+                "没有场景可解释此事件：须给出任务的场景",
+                "no class explains this episode: give the class of the task",
+            ));
+        }
+        None => create::drafted(call.app, &project, &found)?,
+    };
+    let row = TaskRow { priority: request.priority, ..row };
+    let (user, now) = (call.user()?.id.clone(), call.app.now());
+    let made = call.app.store.write(move |tx| other_class::store(tx, &row, 1, &user, now))?;
+    Reply::json(&made)
 }
 
 /// `POST /projects/{p}/tasks:change`

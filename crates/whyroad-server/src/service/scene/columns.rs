@@ -6,6 +6,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use whyroad_model::scene::Track;
+use whyroad_model::signal::deviation_name;
 use whyroad_model::{Column, Drive, FrameRange, SignalTable, TrackId};
 
 /// A number that is known to be absent: no lead, no conflict.
@@ -79,6 +80,33 @@ pub(super) fn signals(
             let at = |f: usize| span.row(f).map_or(Value::Null, |row| value(column, row));
             out.insert(name.to_owned(), (frames.start..frames.end).map(at).collect());
         }
+    }
+    out
+}
+
+/// Speed, acceleration and yaw rate of the ego, which have columns of their own.
+const OF_EGO: [&str; 3] = ["ego.forward_speed", "ego.accel", "ego.yaw_rate"];
+
+/// Standard deviations of the numbers of [`signals`] and of the ego's motion that are known by estimation.
+pub(super) fn deviations(
+    t: &TaskRow,
+    plotted: &[&str],
+    table: &SignalTable,
+    frames: FrameRange,
+) -> BTreeMap<String, Numbers> {
+    let span = t.episode.target_id.as_ref().and_then(|id| table.target(id));
+    let read = t.episode.signals.iter().map(String::as_str);
+    let mut out = BTreeMap::new();
+    for name in read.chain(plotted.iter().copied()).chain(OF_EGO) {
+        let stored = deviation_name(name);
+        let column: Numbers = if let Some(column) = table.frame_columns.get(&stored) {
+            (frames.start..frames.end).map(|f| number(column.number(f))).collect()
+        } else if let (Some(column), Some(span)) = (table.target_columns.get(&stored), span) {
+            (frames.start..frames.end).map(|f| span.row(f).and_then(|row| number(column.number(row)))).collect()
+        } else {
+            continue;
+        };
+        out.insert(name.to_owned(), column);
     }
     out
 }

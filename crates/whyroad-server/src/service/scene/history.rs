@@ -17,6 +17,59 @@ pub(super) fn withhold_uncertain(view: &mut SceneView) {
     jerk.iter_mut().zip(near).filter(|(_, near)| *near).for_each(|(v, _)| *v = Value::Null);
 }
 
+/// Units of rates of change, which are computed from what is on both sides of a moment.
+const RATES: [&str; 3] = ["m/s2", "m/s3", "rad/s"];
+/// Standard deviations that are this much longer than usual are those of an end.
+const MUCH_LONGER: f64 = 1.5;
+
+/// The ends of a drive that are shown: beyond them nothing is known.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ends {
+    /// The first frame shown is that of the drive.
+    pub start: bool,
+    /// The last frame shown is that of the drive, which in Stage I ends at the keyframe.
+    pub end: bool,
+}
+
+/// Marks the rates of change at the ends of the drive, where measurements beyond would change them, except those that
+/// the log has (`measured`).
+pub(super) fn mark_uncertain(view: &mut SceneView, ends: Ends, measured: &[&str]) {
+    let n = view.t_s.len();
+    let (Some(first), Some(last)) = (view.t_s.first().copied(), view.t_s.last().copied()) else { return };
+    let start = view.t_s.partition_point(|t| *t < first + REACH_S - 1e-3);
+    let end = view.t_s.partition_point(|t| *t <= last - REACH_S + 1e-3);
+    let is_rate = |unit: Option<&str>| unit.is_some_and(|unit| RATES.contains(&unit));
+    let read = view.about.iter().filter(|(_, a)| is_rate(a.unit.as_deref())).map(|(name, _)| name.clone());
+    let of_ego = ["ego.accel", "ego.yaw_rate"].map(str::to_owned);
+    for name in read.chain(of_ego).filter(|name| !measured.contains(&name.as_str())) {
+        let known = view.deviations.get(&name);
+        let wide = |from_start| known.map_or(0, |deviations| wide_end(deviations, from_start));
+        let mut ranges = Vec::new();
+        if ends.start {
+            ranges.push([0, start.max(wide(true)).min(n)]);
+        }
+        if ends.end {
+            ranges.push([end.min(n - wide(false)), n]);
+        }
+        if !ranges.is_empty() {
+            view.uncertain.insert(name, ranges);
+        }
+    }
+}
+
+/// Number of frames from the start, or from the end, whose deviations are all much longer than in the middle.
+fn wide_end(deviations: &[Option<f64>], from_start: bool) -> usize {
+    let mut known: Vec<f64> = deviations.iter().copied().flatten().collect();
+    known.sort_by(f64::total_cmp);
+    let Some(usual) = known.get(known.len() / 2).copied().filter(|usual| *usual > 0.0) else { return 0 };
+    let is_wide = |d: &&Option<f64>| d.is_none_or(|d| d > MUCH_LONGER * usual);
+    if from_start {
+        deviations.iter().take_while(is_wide).count()
+    } else {
+        deviations.iter().rev().take_while(is_wide).count()
+    }
+}
+
 /// Gives `view` the values that Stage I showed, `before`. What was unknown then keeps its value.
 pub(super) fn keep(view: &mut SceneView, before: &SceneView) {
     let n = before.times.len();
@@ -37,6 +90,17 @@ pub(super) fn keep(view: &mut SceneView, before: &SceneView) {
     }
     known(&mut view.meta.longitudinal, &before.meta.longitudinal);
     known(&mut view.meta.lateral, &before.meta.lateral);
+    for (name, then) in &before.uncertain {
+        let now = view.uncertain.entry(name.clone()).or_default();
+        now.extend(then);
+        now.sort_unstable();
+        now.dedup();
+    }
+    for (name, then) in &before.deviations {
+        if let Some(now) = view.deviations.get_mut(name) {
+            known(now, then);
+        }
+    }
     for (name, then) in &before.signals {
         let Some(now) = view.signals.get_mut(name) else { continue };
         now.iter_mut().zip(then).filter(|(_, v)| !v.is_null()).for_each(|(now, v)| now.clone_from(v));
@@ -80,6 +144,8 @@ mod tests {
             cameras: vec![],
             signals: [(JERK.to_owned(), vec![accel.clone(); n]), ("ego.passes".to_owned(), vec![accel; n])]
                 .into(),
+            deviations: Default::default(),
+            uncertain: Default::default(),
             about: Default::default(),
             hidden_until: None,
         }
@@ -102,5 +168,32 @@ mod tests {
             [json!(0.25), json!(0.25), json!(0.25), json!(-1.5), json!(-1.5)]
         );
         assert_eq!(after.signals["ego.passes"], vec![json!(-1.5); 7], "unknown before is not shown before");
+    }
+
+    /// Frames every 0.1 s: a window of 0.2 s to either side is one-sided in two frames. The deviations of a smoother
+    /// rise towards an end (made up).
+    #[test]
+    fn rates_of_change_are_uncertain_at_the_ends() {
+        let at_end = Ends { start: false, end: true };
+        let mut before = view(Stage::Stage1, 6, 11.0, json!(0.25));
+        mark_uncertain(&mut before, at_end, &["ego.yaw_rate"]);
+        assert_eq!(before.uncertain, [("ego.accel".to_owned(), vec![[4, 6]])].into(), "the log has the yaw rate");
+        before.deviations.insert("ego.accel".into(), [0.3, 0.3, 0.3, 0.5, 0.6, 0.9].map(Some).into());
+        mark_uncertain(&mut before, at_end, &["ego.yaw_rate"]);
+        assert_eq!(before.uncertain["ego.accel"], [[3, 6]], "by what the estimator says");
+        let mut after = view(Stage::Stage2, 9, 14.4, json!(-1.5));
+        after.deviations.insert("ego.accel".into(), vec![Some(0.3); 9]);
+        mark_uncertain(&mut after, Ends { start: true, end: true }, &["ego.yaw_rate"]);
+        keep(&mut after, &before);
+        assert_eq!(after.uncertain["ego.accel"], [[0, 2], [3, 6], [7, 9]]);
+        assert_eq!(after.deviations["ego.accel"], [0.3, 0.3, 0.3, 0.5, 0.6, 0.9, 0.3, 0.3, 0.3].map(Some));
+    }
+
+    #[test]
+    fn a_wide_end_lasts_until_the_deviations_are_the_usual_ones() {
+        let rising = [0.9, 0.3, 0.3, 0.3, 0.3, 0.5, 0.6, 0.9].map(Some);
+        assert_eq!([wide_end(&rising, true), wide_end(&rising, false)], [1, 3]);
+        assert_eq!(wide_end(&[0.3; 4].map(Some), false), 0);
+        assert_eq!(wide_end(&[None; 3], false), 0);
     }
 }
