@@ -11,7 +11,8 @@ use crate::secret;
 use crate::service::tasks::{self, Entry, LabelView, TaskRow};
 use crate::service::texts::{TEXT, is_long};
 use crate::service::{
-    audits, dashboard, disagreement, drafts, findings, gold, history, leases, other_class, safety, seen, texts,
+    audits, dashboard, disagreement, drafts, findings, gold, history, leases, other_class, safety, seen,
+    texts,
 };
 use crate::store::Tx;
 use crate::values;

@@ -77,12 +77,7 @@ pub fn store(tx: &mut dyn Tx, row: &TaskRow, copies: i64, actor: &str, now: i64)
 /// A task in place of `t`, of another class, that is not stored yet.
 pub fn prepare(app: &App, project: &Project, t: &TaskRow, id: &str) -> Answer<TaskRow> {
     if t.scenario_id == id {
-        return Err(Problem::new(
-            422,
-            "class.same",
-            "该任务已是此场景",
-            "the task is of this class already",
-        ));
+        return Err(Problem::new(422, "class.same", "该任务已是此场景", "the task is of this class already"));
     }
     let episode = episode_as(app.framework, &t.episode, id)?;
     let row = create::undrafted(app, project, &episode, &t.lang)?;
@@ -118,8 +113,7 @@ pub fn replace(tx: &mut dyn Tx, id: &str, row: &TaskRow, actor: &Actor, now: i64
         }
         // The class is not told to those who may label the new task: its name may reveal the outcome.
         old.replaced_by = Some(new.clone());
-        let entry =
-            Entry { action: "replace", actor: Some(&actor.id), from: Some(from), ..Entry::default() };
+        let entry = Entry { action: "replace", actor: Some(&actor.id), from: Some(from), ..Entry::default() };
         history::record(tx, &mut old, &entry, now)?;
         tasks::update(tx, &old)?;
         // The question of the annotator is answered.

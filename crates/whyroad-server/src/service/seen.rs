@@ -30,7 +30,16 @@ fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<
              WHERE s.user_id = $1 AND s.drive_id = $2 AND s.to_ns > $4
                AND (o.episode_id = $3 OR substr(o.episode_id, 1, length($5)) IN ($6, $7) OR s.task_id = $8)
              LIMIT 1",
-            values![user, &t.drive_id, episode, t.keyframe_ns, &copies, &copies, &classes, of_episode(episode)],
+            values![
+                user,
+                &t.drive_id,
+                episode,
+                t.keyframe_ns,
+                &copies,
+                &copies,
+                &classes,
+                of_episode(episode)
+            ],
         )?,
     };
     Ok(row.is_some())
@@ -107,8 +116,7 @@ pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> A
     // opened.
     let rule = projects::get(tx, &t.project)?.settings.history;
     for other in others {
-        let same =
-            copies::mined_of(&other.text("episode_id")?) == copies::mined_of(&t.episode.episode_id);
+        let same = copies::mined_of(&other.text("episode_id")?) == copies::mined_of(&t.episode.episode_id);
         if same || rule == HistoryRule::Drive || state.stage() == Stage::Stage2 {
             return Err(Problem::new(
                 409,

@@ -15,8 +15,8 @@ use crate::service::mined::EpisodeName;
 use crate::service::recognized::Hidden;
 use crate::service::tasks::TaskRow;
 use crate::service::{
-    answer, bulk, create, drafting, findings, leases, list as listing, mined as episodes, other_class, projects, queue,
-    seen, tasks, texts, thumbnail, work,
+    answer, bulk, create, drafting, findings, leases, list as listing, mined as episodes, other_class,
+    projects, queue, seen, tasks, texts, thumbnail, work,
 };
 use crate::store::Tx;
 use std::collections::HashMap;

@@ -102,7 +102,9 @@ pub(super) fn deviations(
         let column: Numbers = if let Some(column) = table.frame_columns.get(&stored) {
             (frames.start..frames.end).map(|f| number(column.number(f))).collect()
         } else if let (Some(column), Some(span)) = (table.target_columns.get(&stored), span) {
-            (frames.start..frames.end).map(|f| span.row(f).and_then(|row| number(column.number(row)))).collect()
+            (frames.start..frames.end)
+                .map(|f| span.row(f).and_then(|row| number(column.number(row))))
+                .collect()
         } else {
             continue;
         };

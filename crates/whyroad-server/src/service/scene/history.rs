@@ -177,7 +177,11 @@ mod tests {
         let at_end = Ends { start: false, end: true };
         let mut before = view(Stage::Stage1, 6, 11.0, json!(0.25));
         mark_uncertain(&mut before, at_end, &["ego.yaw_rate"]);
-        assert_eq!(before.uncertain, [("ego.accel".to_owned(), vec![[4, 6]])].into(), "the log has the yaw rate");
+        assert_eq!(
+            before.uncertain,
+            [("ego.accel".to_owned(), vec![[4, 6]])].into(),
+            "the log has the yaw rate"
+        );
         before.deviations.insert("ego.accel".into(), [0.3, 0.3, 0.3, 0.5, 0.6, 0.9].map(Some).into());
         mark_uncertain(&mut before, at_end, &["ego.yaw_rate"]);
         assert_eq!(before.uncertain["ego.accel"], [[3, 6]], "by what the estimator says");
