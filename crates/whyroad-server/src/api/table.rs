@@ -204,7 +204,8 @@ pub static ROUTES: &[Route] = &[
             ),
             (
                 "sort",
-                "`priority` (default), `updated`, `created`, `scenario`, `clip`, `state` or `keyframe` (drive and time in it); `-` in front for descending",
+                "`priority` (default), `updated`, `created`, `scenario`, `clip`, `state` or `keyframe` (drive and time in \
+                 it); `-` in front for descending",
             ),
             ("cursor", "from the previous page"),
             ("limit", "page length, 1 to 200; default 50"),

@@ -38,8 +38,8 @@ pub struct SceneView {
     /// Signals of the rule and of the plots by name, of the ego or of the rule's target: numbers, truth values or
     /// category names. In a column of numbers, `none` means known to be absent (no lead, no conflict: infinite).
     pub signals: BTreeMap<String, Vec<Value>>,
-    /// Standard deviations of numbers, where they were estimated: of `signals`, and of the ego's speed, acceleration and
-    /// yaw rate as `ego.forward_speed`, `ego.accel` and `ego.yaw_rate`.
+    /// Standard deviations of numbers, where they were estimated: of `signals`, and of the ego's speed, acceleration
+    /// and yaw rate as `ego.forward_speed`, `ego.accel` and `ego.yaw_rate`.
     #[serde(default)]
     pub deviations: BTreeMap<String, Numbers>,
     /// Where a rate of change is uncertain, because it was computed without what precedes or follows: intervals of the
