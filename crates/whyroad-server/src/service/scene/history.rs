@@ -61,7 +61,10 @@ pub(super) fn mark_uncertain(view: &mut SceneView, ends: Ends, measured: &[&str]
 fn wide_end(deviations: &[Option<f64>], from_start: bool) -> usize {
     let mut known: Vec<f64> = deviations.iter().copied().flatten().collect();
     known.sort_by(f64::total_cmp);
-    let Some(usual) = known.get(known.len().saturating_sub(1) / 2).copied().filter(|usual| *usual > 0.0) else { return 0 };
+    let Some(usual) = known.get(known.len().saturating_sub(1) / 2).copied().filter(|usual| *usual > 0.0)
+    else {
+        return 0;
+    };
     let is_wide = |d: &&Option<f64>| d.is_none_or(|d| d > MUCH_LONGER * usual);
     if from_start {
         deviations.iter().take_while(is_wide).count()
