@@ -9,6 +9,7 @@ mod compared;
 mod compile;
 mod concepts;
 mod draft_notes;
+mod forms;
 mod numbers;
 mod quantity;
 mod remote;
@@ -21,6 +22,7 @@ pub use bearing::{Bearing, Bears};
 pub use clauses::{Clauses, Divider};
 pub use compared::{CharSet, Compared, hashed};
 pub use concepts::{ConceptSet, Concepts};
+pub use forms::Forms;
 pub use numbers::Numbers;
 pub use quantity::{Quantities, Quantity};
 pub use remote::Remote;
@@ -313,6 +315,8 @@ pub struct LabelWords {
     pub subjects: Subjects,
     /// Times and distances that are far from any decision.
     pub remote: Remote,
+    /// Statements that are recognized by their place.
+    pub forms: Forms,
     /// Numbers with a unit.
     pub quantities: Quantities,
     /// Words that say nearly the same.
@@ -536,6 +540,8 @@ struct File {
     #[serde(default)]
     concepts: BTreeMap<String, Words>,
     remote: remote::RawRemote,
+    #[serde(default)]
+    forms: forms::RawForms,
     quantities: quantity::RawQuantities,
     exits: Vec<Words>,
     placeholder: Words,

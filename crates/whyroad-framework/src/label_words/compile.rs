@@ -169,6 +169,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         apart: super::apart::compile(&raw.apart, &mut problems),
         concepts: super::concepts::compile(&raw.concepts, &["unseen", "hides"], &mut problems),
         remote: raw.remote.compile(),
+        forms: raw.forms.compile(&mut problems),
         quantities: raw.quantities.compile(),
         exits: raw.exits.iter().map(|w| w.all().map(str::to_owned).collect()).collect(),
         undecided: raw.undecided.compile(),

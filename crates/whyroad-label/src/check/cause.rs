@@ -1,8 +1,10 @@
 //! Causes (LABELING.md 6): each decision has one that could be observed.
 
 pub(super) mod circular;
+pub(super) mod far_reason;
 mod grounds;
 pub(super) mod links;
+pub(super) mod ordinary;
 pub(super) mod remote;
 pub(super) mod side;
 pub(super) mod text;

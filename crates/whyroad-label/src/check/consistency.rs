@@ -2,6 +2,7 @@
 
 mod attributes;
 pub(super) mod duplicates;
+pub(super) mod last_action;
 mod meaning;
 pub(super) mod moment;
 pub(super) mod objects;

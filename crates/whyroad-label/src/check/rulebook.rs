@@ -2,7 +2,7 @@
 //! message is only built when it is read, so that the fast path pays only for the condition.
 
 use super::business::{class, combination, decision, records};
-use super::cause::{circular, links, remote, side, text as cause_text, unused};
+use super::cause::{circular, far_reason, links, ordinary, remote, side, text as cause_text, unused};
 use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::trace_rules::Said;
 use super::consistency::{
@@ -94,10 +94,17 @@ impl Rulebook<'_> {
         parts::against_decision(scope, sink);
         let another_class = class.is_some_and(|c| text::class(scope, c, sink));
         cause_text::proximate(scope, sink);
-        if !remote::remote(scope, sink) && !cause_text::distant(scope, sink) {
+        let far = remote::remote(scope, sink)
+            || cause_text::distant(scope, sink)
+            || far_reason::far_reason(scope, sink);
+        let ordinary = ordinary::ordinary(scope, sink);
+        if !far && !ordinary {
             unused::unused(scope, sink);
         }
-        if !another_class && !impossible && !cause_text::kind(label, decisions, &texts, self.framework, sink)
+        if !another_class
+            && !impossible
+            && !ordinary
+            && !cause_text::kind(label, decisions, &texts, self.framework, sink)
         {
             side::of_maneuver(scope, self.framework, sink);
         }

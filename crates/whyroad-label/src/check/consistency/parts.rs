@@ -7,7 +7,7 @@ use crate::check::consistency::trace_rules;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::TextScope;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
-use whyroad_framework::label_words::KnownKinds;
+use whyroad_framework::label_words::{Forms, KnownKinds};
 use whyroad_framework::lexicon::units::Units;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
@@ -21,6 +21,9 @@ pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn S
     let parts = label.parts.iter().zip(&texts.components);
     let found = parts.filter_map(|(c, f)| Some((c.index, c.description.get()?, f))).find_map(|(i, t, f)| {
         let at = ego_acts(t, scope)
+            .or_else(|| ego_refuses(t, scope))
+            .or_else(|| place_is_free(i, t, scope))
+            .or_else(|| denies_another(i, t, scope))
             .or_else(|| way_is_free(t, f, scope))
             .or_else(|| no_room(t, f, scope))
             .or_else(|| room_for_aborted(t, f, scope))
@@ -79,6 +82,103 @@ fn ego_acts(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
         |at: &(usize, usize)| reading.refused.is_some_and(|(from, to, _)| from <= at.1 && at.0 <= to);
     let denied = lexicon.stems.denied(text, along, None).filter(refused);
     denied.or_else(|| lexicon.stems.speeds(text, along, across))
+}
+
+/// Bytes of the label's decision in a later clause of a component, where the ego does not take it: "..., and the ego has
+/// not changed to the left".
+fn ego_refuses(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, lexicon, .. } = *scope;
+    let starts =
+        std::iter::once(0).chain(text.match_indices(['，', ',', ';', '；']).map(|(at, c)| at + c.len()));
+    let from = starts
+        .map(|at| at + (text[at..].len() - text[at..].trim_start().len()))
+        .find(|at| words.subjects.begins_with_ego(&text[*at..]) || text[*at..].starts_with('我'))?;
+    let part = text.get(from..)?;
+    let lower = part.to_ascii_lowercase();
+    let room = Forms::find(&words.forms.room, &lower).is_some();
+    if room || words.subjects.unable.iter().any(|w| lower.contains(w.as_str())) {
+        return None;
+    }
+    let reading = trace::read(part, &Units::of(part), lexicon);
+    let refuses = |m: &&trace::Mention| {
+        // Directly before it: "has not", "instead of".
+        let near =
+            (m.start.saturating_sub(30)..=m.start).find(|i| lower.is_char_boundary(*i)).unwrap_or(m.start);
+        let before = &lower[near..m.start];
+        let before = before.rsplit(['，', ',']).next().unwrap_or_default();
+        let not = match part.is_ascii() {
+            true => Forms::find(&words.forms.instead, before).is_some(),
+            false => before.contains(['没', '未']),
+        };
+        not && !m.by_other && trace_rules::says_label(m, lexicon, label) && m.force == Force::Negated
+    };
+    let m = reading.mentions.iter().find(refuses)?;
+    Some((from + m.start, from + m.end))
+}
+
+/// Bytes of the statement that nothing is at a place where another component says that somebody or something is. English
+/// only: the place is the words before the statement. Not of the side to which the ego goes.
+fn place_is_free(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    /// Minimum number and share of the words for the place that the other component has.
+    const SHARED: (usize, f64) = (2, 0.6);
+    const EMPTY: [&str; 12] =
+        ["the", "our", "its", "and", "for", "with", "has", "one", "are", "now", "ahead", "all"];
+    let TextScope { label, texts, words, .. } = *scope;
+    if !text.is_ascii() {
+        return None;
+    }
+    let lower = text.to_ascii_lowercase();
+    let (start, end) = Forms::find(&words.forms.free, &lower)?;
+    let side = match label.direction.get() {
+        Some(LateralDirection::Left) => "left",
+        Some(LateralDirection::Right) => "right",
+        _ => "",
+    };
+    let content = |t: &str| -> Vec<String> {
+        let all = t.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| w.len() > 2 && !EMPTY.contains(w));
+        let mut out: Vec<String> = all.map(str::to_owned).collect();
+        out.sort_unstable();
+        out.dedup();
+        out
+    };
+    let place = content(&lower[..start]);
+    if place.iter().any(|w| w == side) {
+        return None;
+    }
+    let known = &words.known;
+    let filled = |f: &TextFacts| {
+        let there = |n: &Named| words.objects[n.group].own.meets(known.actor.with(known.adverse));
+        f.there().any(there) || f.acts.iter().any(|a| !a.denied && a.doing.meets(words.reaching))
+    };
+    let mut others = label.parts.iter().zip(&texts.components).filter(|(c, _)| c.index != index);
+    let same = others.any(|(c, f)| {
+        let Some(other) = c.description.get().map(str::to_ascii_lowercase) else { return false };
+        let own = content(&other);
+        let shared = place.iter().filter(|w| own.contains(w)).count();
+        Forms::find(&words.forms.free, &other).is_none()
+            && shared >= SHARED.0
+            && shared as f64 >= SHARED.1 * place.len() as f64
+            && filled(f)
+    });
+    same.then_some((start, end))
+}
+
+/// Bytes of "there is no ..." in a Chinese component, where another one has the same words as being there.
+fn denies_another(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    const NONE: &str = "没有";
+    const LEAST: usize = 4;
+    let at = text.find(NONE)?;
+    let rest = text[at + NONE.len()..].trim_start_matches("任何");
+    let thing = rest.split(['，', '。', '；', '、']).next().filter(|t| t.chars().count() >= LEAST)?;
+    let mut others =
+        scope.label.parts.iter().filter(|c| c.index != index).filter_map(|c| c.description.get());
+    let there = others.any(|t| {
+        t.match_indices(thing).any(|(i, _)| {
+            let before = t[..i].trim_end_matches(['个', '条', '一', '辆', '块', '道']);
+            before.ends_with('有') && !before.ends_with("没有")
+        })
+    });
+    there.then_some((at, at + NONE.len() + (text.len() - at - NONE.len() - rest.len()) + thing.len()))
 }
 
 /// Bytes of the statement that the ego's path is free, where it stops or yields: not about another lane or side.

@@ -10,7 +10,7 @@ use crate::check::texts::TextScope;
 use crate::check::view::View;
 use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::{Divider, GroupSet};
+use whyroad_framework::label_words::{Divider, Forms, GroupSet};
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
@@ -227,7 +227,10 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
         let found = all.filter_map(|w| lower.rfind(w.as_str()).map(|at| (at, at + w.len())));
         found.filter(|(_, end)| !of_thing(*end)).max()
     };
-    let kept = if beside { course() } else { None };
+    // "The wheel has not moved, in the middle of the lane as before": also beside a set speed, which is kept by itself.
+    let keeps_lane = label.longitudinal.get().is_some() && label.lateral.get() == Some(Lateral::LaneKeeping);
+    let kept =
+        if beside { course() } else { None }.or_else(|| keeps_lane.then(|| kept_course(scope)).flatten());
     let (Some((start, end)), Some(text)) =
         (texts.trace.unchanged.filter(|_| stops).or(kept), label.trace.get())
     else {
@@ -249,6 +252,26 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
             )
         },
     );
+}
+
+/// Bytes of a clause of the trace that states that the ego's course stays as it was.
+fn kept_course(scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, .. } = *scope;
+    let lower = label.trace.get()?.to_ascii_lowercase();
+    let mut from = 0;
+    for clause in lower.split(['，', '。', '；', '、', ',', '.', ';']) {
+        let to = from + clause.len();
+        let of_speed = clause.contains("speed") || clause.contains('速');
+        if !of_speed
+            && Forms::find(&words.forms.course, clause).is_some()
+            && Forms::find(&words.forms.same, clause).is_some()
+        {
+            let begin = from + (clause.len() - clause.trim_start().len());
+            return Some((begin, to));
+        }
+        from = to + lower[to..].chars().next().map_or(0, char::len_utf8);
+    }
+    None
 }
 
 /// The texts are about the subject of the class. Reported only where they are about something else, and about no thing

@@ -1,5 +1,6 @@
 //! Rules of the trace text (LABELING.md 7): its form, and its agreement with the decisions.
 
+use crate::check::consistency::last_action;
 use crate::check::consistency::sequel;
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
 use crate::check::consistency::trace_stems::{self, ByStem};
@@ -211,8 +212,9 @@ pub(in crate::check) fn trace(
             found = true;
             // A trace that is too short is reported for its length.
             if !(not_stated && seen.length < limits.too_short_below / 2) {
-                let read =
-                    not_stated && undecided::is_undecided(text, reading, texts, words, undecided::Strict::No);
+                let read = not_stated
+                    && (undecided::is_undecided(text, reading, texts, words, undecided::Strict::No)
+                        || !reading.marked && last_action::describes_at_last(text, &words.forms));
                 verdict(&v, text, names, read, sink);
             }
         }
@@ -244,6 +246,11 @@ pub(in crate::check) fn trace(
         found = true;
         verdict(&v, text, names, false, sink);
     }
+    if let (true, Some(v)) = (!found || none, last_action::other_side(scope)) {
+        found = true;
+        verdict(&v, text, names, false, sink);
+    }
+    found = found || last_action::without_decision(scope, sink);
     let says = |m: &Mention| says_label(m, lexicon, label);
     found = found || sequel::second_action(scope, reading, class, names, &says, sink);
     // "Does not yield and turns left": the other channel is stated.
