@@ -36,6 +36,8 @@ pub struct Forms {
     pub instead: Vec<String>,
     /// Behind a movement: room for it.
     pub room: Vec<String>,
+    /// The rest of the sentence is supposed.
+    pub suppose: Vec<String>,
     /// Before a side: a movement to it.
     pub towards: Vec<String>,
     /// Finite verbs for how something is.
@@ -77,6 +79,7 @@ pub(super) struct RawForms {
     denied: Words,
     instead: Words,
     room: Words,
+    suppose: Words,
     towards: Words,
     is: Words,
     controls: Words,
@@ -99,6 +102,7 @@ impl RawForms {
             denied: all(&self.denied),
             instead: all(&self.instead),
             room: all(&self.room),
+            suppose: all(&self.suppose),
             towards: all(&self.towards),
             is: all(&self.is),
             controls: all(&self.controls),

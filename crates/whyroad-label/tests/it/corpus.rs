@@ -256,6 +256,7 @@ fn labels_that_were_unseen_stay_found() {
         twenty_second,
         twenty_third,
         twenty_fourth,
+        twenty_fifth,
     ] = unseen();
     // Of the third set and of the general one the bases with an even number were improved on, the others were run once.
     let half_of = |set: &[(&'static str, Vec<Base>)], odd: usize| -> Vec<(&'static str, Vec<Base>)> {
@@ -306,6 +307,7 @@ fn labels_that_were_unseen_stay_found() {
         ("twenty-second set", twenty_second, (50, 50), TWENTY_SECOND),
         ("twenty-third set", twenty_third, (50, 50), TWENTY_THIRD),
         ("twenty-fourth set", twenty_fourth, (50, 50), TWENTY_FOURTH),
+        ("twenty-fifth set", twenty_fifth, (50, 50), TWENTY_FIFTH),
         ("twelve voices", voices(), (60, 120), VOICES),
     ];
     let mut worse = Vec::new();

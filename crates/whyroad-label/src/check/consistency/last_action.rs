@@ -26,7 +26,7 @@ pub(in crate::check) fn last_sentence(text: &str) -> (usize, &str) {
             "。；！？".contains(*c) || ".!?;".contains(*c) && body[at + 1..].starts_with(char::is_whitespace)
         })
         .map(|(at, c)| at + c.len_utf8())
-        .last()
+        .next_back()
         .unwrap_or(0);
     (from, &body[from..])
 }

@@ -229,8 +229,8 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     };
     // "The wheel has not moved, in the middle of the lane as before": also beside a set speed, which is kept by itself.
     let keeps_lane = label.longitudinal.get().is_some() && label.lateral.get() == Some(Lateral::LaneKeeping);
-    let kept =
-        if beside { course() } else { None }.or_else(|| keeps_lane.then(|| kept_course(scope)).flatten());
+    let as_before = if beside { course() } else { None };
+    let kept = as_before.or_else(|| keeps_lane.then(|| kept_course(scope)).flatten());
     let (Some((start, end)), Some(text)) =
         (texts.trace.unchanged.filter(|_| stops).or(kept), label.trace.get())
     else {
@@ -299,7 +299,16 @@ pub(in crate::check) fn class(scope: &TextScope<'_>, prescribed: &Prescribed, si
     let facility = words.kinds.get("facility").copied().unwrap_or_default();
     let something = words.known.actor.with(words.known.adverse).with(facility);
     let by_place = !class.about.meets(words.known.actor) && !all.meets(something);
-    if hides || written || by_place || any_unread(scope) {
+    // The first component is about the weather: whatever the other words, the class is about something else.
+    let kind = |id: &str| words.kinds.get(id).copied().unwrap_or_default();
+    let weather =
+        kind("rain").with(kind("fog")).with(kind("snow")).with(kind("snow_ice")).with(kind("glare"));
+    let by_weather = !class.about.meets(words.known.condition.without(kind("bump")))
+        && texts
+            .components
+            .first()
+            .is_some_and(|f| f.there().any(|n| words.objects[n.group].own.meets(weather)));
+    if hides || written || !by_weather && (by_place || any_unread(scope)) {
         return false;
     }
     sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {
