@@ -36,8 +36,12 @@ pub struct Forms {
     pub instead: Vec<String>,
     /// Behind a movement: room for it.
     pub room: Vec<String>,
-    /// The rest of the sentence is supposed.
-    pub suppose: Vec<String>,
+    /// Speed and what sets it, and words with which a clause does not state that it is kept.
+    pub pace: Vec<String>,
+    /// See `pace`.
+    pub kept: Vec<String>,
+    /// See `pace`.
+    pub changed: Vec<String>,
     /// Before a side: a movement to it.
     pub towards: Vec<String>,
     /// Finite verbs for how something is.
@@ -79,7 +83,9 @@ pub(super) struct RawForms {
     denied: Words,
     instead: Words,
     room: Words,
-    suppose: Words,
+    pace: Words,
+    kept: Words,
+    changed: Words,
     towards: Words,
     is: Words,
     controls: Words,
@@ -102,7 +108,9 @@ impl RawForms {
             denied: all(&self.denied),
             instead: all(&self.instead),
             room: all(&self.room),
-            suppose: all(&self.suppose),
+            pace: all(&self.pace),
+            kept: all(&self.kept),
+            changed: all(&self.changed),
             towards: all(&self.towards),
             is: all(&self.is),
             controls: all(&self.controls),

@@ -41,7 +41,8 @@ pub(in crate::check) fn far_reason(scope: &TextScope<'_>, sink: &mut dyn Sink) -
     let to = lower[from..].find(['，', '。', ',', '.', ';', '；']).map_or(lower.len(), |i| from + i);
     let inside = || texts.trace.named.iter().filter(|n| (from..to).contains(&n.start));
     let own = |n: &Named| words.objects[n.group].own;
-    let somebody = inside().any(|n| own(n).meets(known.actor)) || text.get(from..to).is_none_or(|t| words.subjects.has_pronoun(t));
+    let somebody = inside().any(|n| own(n).meets(known.actor))
+        || text.get(from..to).is_none_or(|t| words.subjects.has_pronoun(t));
     let Some(n) = inside().find(|n| own(n).meets(far)).filter(|_| !somebody) else { return false };
     let (start, end) = (n.start, n.end);
     sink.report(Finding::warning("label.cause.proximate", pointer::COC_TRACE).part(start, end), &|| {

@@ -6,7 +6,7 @@ use crate::check::consistency::trace::TraceVerdict;
 use crate::check::texts::TextScope;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::label_words::Forms;
-use whyroad_model::decision::LateralDirection;
+use whyroad_model::decision::{LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
 /// Clauses at the end of the last sentence that state the decision.
@@ -159,6 +159,34 @@ fn sides<'c>(clause: &'c str, forms: &Forms) -> Vec<(usize, usize, &'c str)> {
         }
     }
     out
+}
+
+/// Bytes of a clause at the end that states that the ego keeps its speed, where it has to slow, stop or give way.
+pub(super) fn keeps_speed(text: &str, along: Option<Longitudinal>, forms: &Forms) -> Option<(usize, usize)> {
+    let slows = matches!(
+        along,
+        Some(
+            Longitudinal::RoadSpeedAdaptation
+                | Longitudinal::YieldToAgent
+                | Longitudinal::StopForRegulation
+                | Longitudinal::StopForObstacle
+        )
+    );
+    let lower = text.to_lowercase();
+    if !slows || lower.len() != text.len() {
+        return None;
+    }
+    let (from, sentence) = last_sentence(&lower);
+    let keeps = |clause: &str| {
+        let any = |list: &[String]| Forms::find(list, clause).is_some();
+        any(&forms.pace) && (any(&forms.same) || any(&forms.kept)) && !any(&forms.changed)
+    };
+    let all = clauses(sentence);
+    let found = all.iter().rev().take(DECIDING).find(|(_, clause)| keeps(clause));
+    found.map(|(at, clause)| {
+        let begin = from + at + (clause.len() - clause.trim_start().len());
+        (begin, from + at + clause.len())
+    })
 }
 
 /// The last sentence of an English trace describes something: it has a finite verb for how something is among its first

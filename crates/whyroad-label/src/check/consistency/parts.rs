@@ -108,7 +108,11 @@ fn ego_refuses(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
         let before = before.rsplit(['，', ',']).next().unwrap_or_default();
         let not = match part.is_ascii() {
             true => Forms::find(&words.forms.instead, before).is_some(),
-            false => before.contains(['没', '未']),
+            // Not inside another name: "no left-turn light" is "没有左转专用灯".
+            false => {
+                before.contains(['没', '未'])
+                    && !lower[m.end..].starts_with(|c: char| c.is_alphanumeric() && c != '了')
+            }
         };
         not && !m.by_other && trace_rules::says_label(m, lexicon, label) && m.force == Force::Negated
     };
@@ -145,9 +149,9 @@ fn place_is_free(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usi
     if place.iter().any(|w| w == side) {
         return None;
     }
-    let known = &words.known;
+    let site = words.kinds.get("site").copied().unwrap_or_default();
     let filled = |f: &TextFacts| {
-        let there = |n: &Named| words.objects[n.group].own.meets(known.actor.with(known.adverse));
+        let there = |n: &Named| words.objects[n.group].own.meets(words.known.actor.with(site));
         f.there().any(there) || f.acts.iter().any(|a| !a.denied && a.doing.meets(words.reaching))
     };
     let mut others = label.parts.iter().zip(&texts.components).filter(|(c, _)| c.index != index);

@@ -30,7 +30,10 @@ pub(in crate::check) fn against_texts(
         let spec = class.and_then(|c| c.records.iter().find(|(k, ..)| k == id));
         let Some((_, title, unit)) = spec else { continue };
         let said = match *value {
-            RecordValue::Number(n) => unit.as_ref().and_then(|u| other_number(label, id, n, u, words)),
+            RecordValue::Number(n) => {
+                let other = unit.as_ref().and_then(|u| other_number(label, id, n, u, words));
+                other.or_else(|| falls_uphill(label, id, n))
+            }
             RecordValue::Flag(there) => there.then(|| denied_light(scope)).flatten(),
             RecordValue::Text(text) => other_ordinal(label, text, words)
                 .or_else(|| other_place(label, text, words))
@@ -46,6 +49,12 @@ pub(in crate::check) fn against_texts(
             .hint("改正其中有误的一处", "correct the one that is wrong")
         });
     }
+}
+
+/// A slope upwards with a negative grade: the name of the class.
+fn falls_uphill(label: &View<'_>, id: &str, value: f64) -> Option<String> {
+    let up = label.scenario.l3.get() == Some("slope_up");
+    (up && id == "grade" && value < 0.0).then(|| "slope_up".to_owned())
 }
 
 /// Texts of the components and the trace.

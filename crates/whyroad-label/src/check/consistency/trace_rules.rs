@@ -26,8 +26,11 @@ pub(in crate::check) fn aftermath(
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     let decides =
         |m: &Mention| matches!(m.force, Force::Asserted | Force::Doubtful) && says_label(m, lexicon, label);
+    // A set speed is kept on the way: nothing is resumed.
+    let set_speed = label.longitudinal.get() == Some(Longitudinal::SetSpeedTracking);
     let resumes = |m: &Mention| match lexicon.phrases[m.phrase].longitudinal.as_slice() {
         [] => None,
+        _ if set_speed => None,
         all if all.contains(&Longitudinal::Resume) => {
             let slows =
                 [Longitudinal::YieldToAgent, Longitudinal::StopForRegulation, Longitudinal::StopForObstacle];
@@ -186,11 +189,14 @@ pub(in crate::check) fn trace(
                         ByStem::Unread => {
                             let denied =
                                 denied_of_vehicle(text, scope, reading).or_else(|| refused(text, reading));
+                            let keeps = || last_action::keeps_speed(text, longitudinal.get(), &words.forms);
                             let side = || goes_to_other_side(text, scope, reading);
                             if let Some((start, end)) = denied {
                                 v = TraceVerdict::Denied { label: decision, start, end };
                             } else if let Some(other) = side() {
                                 v = other;
+                            } else if let Some((start, end)) = keeps() {
+                                v = TraceVerdict::Against { label: decision, start, end };
                             }
                         }
                     }

@@ -7,7 +7,7 @@ use super::{Force, Mention, Reading};
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::{Divider, Forms, TellWord};
+use whyroad_framework::label_words::TellWord;
 
 /// Maximum number of clauses after the decision that are read, and of bytes of one.
 const MOST_CLAUSES: usize = 24;
@@ -77,12 +77,6 @@ pub(in crate::check::consistency) fn find(
     let in_past = stated.is_some_and(|m| is_past(&text[m.start..m.end], words));
     let stops = stated.is_some_and(|m| resumes(m) == Some(false));
     let clause_end = |from: usize| words.clauses.clause_end(&texts.units, from, text.len());
-    // "If somebody were parked there, one would see him only when over the crest".
-    let supposed = |at: usize| {
-        let (from, _) = words.clauses.around(&texts.units, at..at, text.len(), &|d| d == Divider::Sentence);
-        let before = text.get(from..at).unwrap_or_default().to_ascii_lowercase();
-        Forms::find(&words.forms.suppose, &before).is_some()
-    };
     let mut start = clause_end(decided);
     // "Because ..." continues to the end of its sentence.
     let mut because = false;
@@ -106,7 +100,7 @@ pub(in crate::check::consistency) fn find(
             break;
         }
         match told(clause, start, texts, words, own_decision, in_past) {
-            Told::Event(from, to, sure) if !because && (sure || last < end) && !supposed(start + from) => {
+            Told::Event(from, to, sure) if !because && (sure || last < end) => {
                 return Some((start + from, start + to));
             }
             Told::Exempt => because |= words.clauses.reason.iter().any(|w| clause.contains(w.as_str())),
@@ -153,6 +147,11 @@ pub(in crate::check::consistency) fn done(
     let is_told = |&(start, to): &(usize, usize)| {
         // "Having reached the stop, the ego ...": before its decision.
         if text[..start].trim().is_empty() && text[start..].starts_with("Having") {
+            return false;
+        }
+        // How the ego got where it is: "having come round the corner, ..." in Chinese.
+        let head = text.find(['，', '。', '；', ',']).unwrap_or(0);
+        if !text.is_ascii() && start < head {
             return false;
         }
         // "Not going over there we get nowhere".
