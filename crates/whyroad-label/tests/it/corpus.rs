@@ -99,8 +99,8 @@ const TWENTY_THIRD: (f64, f64) = (0.74, 0.0);
 /// of 50. The words were changed for one of the four since.
 const TWENTY_FOURTH: (f64, f64) = (0.74, 0.06);
 
-/// The same of the twenty-fifth set, by another author, run once after statements were read by their place: 35 of 50 and
-/// 4 of 50 (34 and 4 before). The checks were changed for three of the four since.
+/// The same of the twenty-fifth set, by another author, run once after statements were read by their place: 35 of 50
+/// and 4 of 50 (34 and 4 before). The checks were changed for two of the four since.
 const TWENTY_FIFTH: (f64, f64) = (0.70, 0.08);
 
 /// The same of the labels in twelve voices, which were used for development: at first 36 of 60 and 16 of 120.

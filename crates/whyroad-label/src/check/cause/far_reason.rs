@@ -1,5 +1,5 @@
-//! A reason, marked as one, that names a light, a sign or a place and nobody, where the ego responds to a road user: "on
-//! account of that red light we brake behind the queue" (LABELING.md 6, proximate cause).
+//! A reason, marked as one, that names a light, a sign or a place and nobody, where the ego responds to a road user:
+//! "on account of that red light we brake behind the queue" (LABELING.md 6, proximate cause).
 
 use crate::check::reading::Named;
 use crate::check::texts::TextScope;

@@ -84,8 +84,8 @@ fn ego_acts(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     denied.or_else(|| lexicon.stems.speeds(text, along, across))
 }
 
-/// Bytes of the label's decision in a later clause of a component, where the ego does not take it: "..., and the ego has
-/// not changed to the left".
+/// Bytes of the label's decision in a later clause of a component, where the ego does not take it: "..., and the ego
+/// has not changed to the left".
 fn ego_refuses(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, lexicon, .. } = *scope;
     let starts =
@@ -120,8 +120,8 @@ fn ego_refuses(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     Some((from + m.start, from + m.end))
 }
 
-/// Bytes of the statement that nothing is at a place where another component says that somebody or something is. English
-/// only: the place is the words before the statement. Not of the side to which the ego goes.
+/// Bytes of the statement that nothing is at a place where another component says that somebody or something is.
+/// English only: the place is the words before the statement. Not of the side to which the ego goes.
 fn place_is_free(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
     /// Minimum number and share of the words for the place that the other component has.
     const SHARED: (usize, f64) = (2, 0.6);
