@@ -161,7 +161,7 @@ fn a_list_is_filtered_by_place_format_and_time() {
             let line = all.lines().find(|l| l.starts_with(&format!("{id}\t"))).unwrap();
             line.split('\t').nth(1).unwrap().to_owned()
         };
-        assert_eq!((start("d7").as_str(), start("d8").as_str()), ("2026-02-08T00:00:00Z", "-"));
+        assert_eq!((start("d7").as_str(), start("d8").as_str()), ("2026-02-08T00:00:00.000Z", "-"));
         assert_eq!(ids(&["--since", "2026-02-05"]), ["d4", "d7"]);
         let until = ["lake", "list", "--lake", "lake", "--until", "2026-02-02"];
         let until = good(whyroad_in(dir.path(), &until));
