@@ -9,6 +9,8 @@ import { shot } from "./shots.mjs";
 
 const PASSWORD = "欲穷千里目-更上一层楼";
 const NAME = "独立标注对比";
+/** Annotators of each episode: more tasks than one page of the list. */
+const EACH = 7;
 
 async function prepare(day) {
   const { page } = day.people.admin;
@@ -110,17 +112,26 @@ async function pages(day) {
   await page.goto(`${day.service.url}/projects/${day.blind}/tasks`);
   await page.getByRole("button", { name: "从挖掘结果创建任务" }).click();
   const dialog = page.getByRole("dialog");
-  await dialog.getByLabel("最大任务数", { exact: true }).fill("60");
-  await dialog.getByLabel("独立（背靠背）标注人数").fill("4");
+  await dialog.getByLabel("最大任务数", { exact: true }).fill("200");
+  await dialog.getByLabel("独立（背靠背）标注人数").fill(String(EACH));
   await dialog.getByRole("button", { name: "创建任务" }).click();
   const message = await dialog.getByText(/已创建 \d+ 个任务/).textContent({ timeout: 120_000 });
   const all = Number(message.match(/\d+/)[0]) + day.pair.length;
-  assert.ok(all > 50, `${all} tasks`);
+  assert.ok(all > 100, `${all} tasks`);
   await page.keyboard.press("Escape");
-  await page.getByText(`共 ${all} 个任务，已列出 50 个`).waitFor();
+  await page.getByText(`共 ${all} 个任务，已列出 100 个`).waitFor();
   await page.getByRole("button", { name: "加载更多" }).click();
   await page.getByText(`已列出 ${all} 个任务`).waitFor();
-  const links = await page.locator("tbody a").evaluateAll((found) => found.map((a) => a.getAttribute("href")));
+  // Only rows in view are drawn.
+  const links = await page.locator(".scroll:has(tbody)").evaluate(async (box) => {
+    const found = [];
+    for (let top = 0; top < box.scrollHeight; top += box.clientHeight / 2) {
+      box.scrollTop = top;
+      await new Promise((drawn) => setTimeout(drawn, 100));
+      found.push(...[...box.querySelectorAll("tbody a[href*='/tasks/']")].map((a) => a.getAttribute("href")));
+    }
+    return found;
+  });
   assert.equal(new Set(links).size, all);
   assert.equal(await page.getByRole("button", { name: "加载更多" }).count(), 0);
   await page.getByLabel("状态").selectOption({ label: "待质检" });
@@ -133,14 +144,14 @@ async function listed(day) {
   for (const id of day.pair) assert.ok(out.includes(id), out);
 }
 
-/** Of four labels of one episode two are left out; the others set the keyframe 1 s apart, and the lead finds them. */
+/** Of the labels of one episode all but two are left out; these set the keyframe 1 s apart, and the lead finds them. */
 async function disagreeing(day) {
   const { page } = day.people.wang;
-  const four = (await ask(page, "GET", `/projects/${day.blind}/tasks?scenario=reactive_agent.vru_crossing.crosswalk&sort=clip&limit=4`)).items;
-  for (const task of four.slice(2)) await ask(page, "POST", `/tasks/${task.id}/actions`, { action: "skip", reason: "两人足够" });
+  const copies = (await ask(page, "GET", `/projects/${day.blind}/tasks?scenario=reactive_agent.vru_crossing.crosswalk&sort=clip&limit=${EACH}`)).items;
+  for (const task of copies.slice(2)) await ask(page, "POST", `/tasks/${task.id}/actions`, { action: "skip", reason: "两人足够" });
   for (const [n, who] of ["zhou", "wu"].entries()) {
     const { page } = day.people[who];
-    const path = `/tasks/${four[n].id}`;
+    const path = `/tasks/${copies[n].id}`;
     await ask(day.people.wang.page, "POST", `${path}/assign`, { user: who });
     const { fence } = await ask(page, "POST", `${path}/lease`, { action: "take" });
     const { draft, version } = await ask(page, "GET", path);

@@ -20,8 +20,6 @@ pub struct Forms {
     pub free: Vec<String>,
     /// A reason follows.
     pub because: Vec<String>,
-    /// Responses of the ego.
-    pub responses: Vec<String>,
     /// Movements of the ego out of its lane.
     pub sideways: Vec<String>,
     /// A clause about the ego begins with one.
@@ -75,7 +73,6 @@ pub(super) struct RawForms {
     same: Words,
     free: Words,
     because: Words,
-    responses: Words,
     sideways: Words,
     begins: Words,
     others: Words,
@@ -100,7 +97,6 @@ impl RawForms {
             same: all(&self.same),
             free: all(&self.free),
             because: all(&self.because),
-            responses: all(&self.responses),
             sideways: all(&self.sideways),
             begins: all(&self.begins),
             others: all(&self.others),

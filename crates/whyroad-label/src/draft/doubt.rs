@@ -454,7 +454,8 @@ pub(super) fn of_nearer(
     let names_light = matches!(class.l2.as_deref(), Some("traffic_light" | "turn"));
     let of_light = decided != StopForRegulation && !names_light && !asked.of_others;
     let red = matches!(light_state(w.signals, w.keyframe), Some("red" | "red_yellow"));
-    // An ego that loses half of its speed close to the light slows for it, even if it turns green before the ego stands.
+    // An ego that loses half of its speed close to the light slows for it, even if it turns green before the ego
+    // stands.
     let near = w.number("map.distance_to_junction", w.keyframe).is_some_and(|m| m < NEAR_LIGHT_M);
     let later = w.speed(w.keyframe + HALVES_FRAMES);
     let halves = w.speed(w.keyframe).zip(later).is_some_and(|(now, then)| then < now / 2.0);

@@ -1,5 +1,5 @@
-//! Criticality measures against those who define them: commonroad-crime, per vehicle and step, and SUMO's SSM device, per
-//! equipped vehicle and step. `WHYROAD_PEERS=PYTHON cargo bench -p whyroad-signals --bench peers`; that Python has
+//! Criticality measures against those who define them: commonroad-crime, per vehicle and step, and SUMO's SSM device,
+//! per equipped vehicle and step. `WHYROAD_PEERS=PYTHON cargo bench -p whyroad-signals --bench peers`; that Python has
 //! `commonroad-crime==0.4.5`, or `eclipse-sumo==1.28.0`, or both (several Pythons are separated by `:`). Values are
 //! compared by tests (`crime`, `sumo_truth`). CPU time, least of several rounds; only ratios of one run count.
 #![allow(clippy::print_stdout, reason = "a bench prints")]

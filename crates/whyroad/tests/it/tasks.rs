@@ -141,7 +141,7 @@ fn a_backup_of_a_running_service_restores_whole_or_not_at_all() {
     assert!(taken.code == 1 && taken.err.contains("already exists"), "{}", taken.err);
 
     // Cut off: refused, and the new store stays empty.
-    let whole = std::fs::read_to_string(at.join("safe/backup.jsonl")).unwrap();
+    let whole = std::fs::read(at.join("safe/backup.jsonl")).unwrap();
     std::fs::write(at.join("cut.jsonl"), &whole[..whole.len() / 2]).unwrap();
     assert_eq!(run(at, "restore --data two --from cut.jsonl").code, 1);
     // Secrets in it are sealed: it needs the key that it was made with.

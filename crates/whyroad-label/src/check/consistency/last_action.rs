@@ -11,8 +11,6 @@ use whyroad_model::label_fields::pointer;
 
 /// Clauses at the end of the last sentence that state the decision.
 const DECIDING: usize = 2;
-/// The same where both channels are empty, so that anything the ego does is too much.
-const DECIDING_OF_NONE: usize = 3;
 /// Maximum bytes between a verb of movement and its side.
 const NEAR: usize = 36;
 
@@ -44,11 +42,11 @@ pub(in crate::check) fn clauses(part: &str) -> Vec<(usize, &str)> {
     out
 }
 
-/// The label has no decision in a channel in which the last sentence says that the ego acts. Returns true when it does.
+/// The label has no lateral decision, and the last sentence says that the ego leaves its lane. Returns true when it
+/// does.
 pub(super) fn without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     let Some(text) = label.trace.get() else { return false };
-    let none = label.longitudinal == Slot::Absent && label.lateral == Slot::Absent;
     if label.lateral != Slot::Absent || label.longitudinal == Slot::Broken || texts.trace.unchanged.is_some()
     {
         return false;
@@ -60,32 +58,21 @@ pub(super) fn without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bo
     let forms = &words.forms;
     let (from, sentence) = last_sentence(&lower);
     let all = clauses(sentence);
-    let deciding = if none { DECIDING_OF_NONE } else { DECIDING };
-    let last = all.iter().rev().take(deciding).rev();
+    let last = all.iter().rev().take(DECIDING).rev();
     let found = last.filter_map(|(at, clause)| {
-        let (a, b) = if none { responds(clause, forms) } else { moves(clause, forms) }?;
+        let (a, b) = moves(clause, forms)?;
         Some((from + at + a, from + at + b))
     });
     let Some((start, end)) = found.min() else { return false };
     sink.report(Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(start, end), &|| {
         let phrase = &text[start..end];
-        let (zh, en) = if none {
-            ("两个通道的决策", "both decisions are")
-        } else {
-            ("横向决策", "the lateral decision is")
-        };
         Words::new(
-            format!("因果描述说自车“{phrase}”，{zh}却是“无决策变化”"),
-            format!("the trace says '{phrase}' about the ego, but {en} 'no change'"),
+            format!("因果描述说自车“{phrase}”，横向决策却是“无决策变化”"),
+            format!("the trace says '{phrase}' about the ego, but the lateral decision is 'no change'"),
         )
         .hint("确有新决策时补上，否则改写因果描述", "add the decision if there was one, or rewrite the trace")
     });
     true
-}
-
-/// Bytes of a response of the ego in a clause.
-fn responds(clause: &str, forms: &Forms) -> Option<(usize, usize)> {
-    Forms::find(&forms.denied, clause).is_none().then(|| Forms::find(&forms.responses, clause)).flatten()
 }
 
 /// Bytes of a movement of the ego out of its lane in a clause that is about the ego.
@@ -235,7 +222,7 @@ mod tests {
     #[test]
     fn a_description_is_no_decision() {
         let forms = &Framework::bundled().label_words().forms;
-        assert!(describes_at_last("The gap is going. There is very little time left for it.", forms));
+        assert!(describes_at_last("The gap is going. There is very little room left for it.", forms));
         assert!(!describes_at_last("There is a queue. The vehicle brakes and is held there.", forms));
     }
 }
