@@ -27,7 +27,7 @@ DRIVES = 12
 #: Dies on every attempt.
 VICTIM = "d03"
 #: A fault must be found and survived within this, s.
-LONGEST = 240.0
+LONGEST = 480.0
 
 
 @pytest.fixture(scope="session")
