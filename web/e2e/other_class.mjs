@@ -29,7 +29,7 @@ async function sayWrong(day) {
   await page.keyboard.type("稳态");
   await dialog.getByText(/个场景含有这些字/).waitFor();
   await dialog.getByLabel("应为哪个场景").fill(RIGHT);
-  await dialog.getByText("跟车响应").waitFor();
+  await dialog.getByRole("paragraph").filter({ hasText: "跟车响应" }).waitFor();
   await checkAccessibility(page, "wrong class");
   await page.keyboard.press("Enter");
   await page.locator('[data-action="next"]').waitFor();

@@ -53,7 +53,7 @@ day.browser = await driver.launch({ executablePath, args: ["--no-sandbox", "--di
 try {
   day.restart = (port) => serve({ ...day, port });
   await step("the service starts on a fresh store", async () => (day.service = await day.restart(0)));
-  for (const [name, work] of [...begin, ...label, ...check, ...exchange, ...troubles, ...overlap, ...second, ...model, ...screens, ...otherClass, ...oidc]) await step(name, work);
+  for (const [name, work] of [...begin, ...label, ...check, ...exchange, ...troubles, ...overlap, ...second, ...model, ...otherClass, ...screens, ...oidc]) await step(name, work);
   await step("the page complained of nothing", () => assert.deepEqual(day.faults, []));
   await step("axe found nothing serious on any screen", () => assert.deepEqual(seriousFindings, []));
   await step("the service stops on SIGTERM", async () => assert.equal(await day.service.stop(), "0"));
