@@ -247,12 +247,11 @@ impl Rule {
         (!signals.is_empty()).then_some(OnDemand { signals, others, pairs })
     }
 
-    /// Those of them without which the absence of a match is unknown: all except the ones that the rule itself tests
-    /// with `is known`.
+    /// Those of them without which the absence of a match is unknown: all except where a test `x is known` decides
+    /// without them ([`Program::needs`]).
     pub fn needs(&self) -> BTreeSet<String> {
-        let roots = std::iter::once(&self.when).chain(&self.require);
-        let asked: BTreeSet<String> = roots.flat_map(|id| self.program.asked_for(*id)).collect();
-        let mut needs: BTreeSet<String> = self.signals().difference(&asked).cloned().collect();
+        let roots: Vec<NodeId> = std::iter::once(&self.when).chain(&self.require).copied().collect();
+        let mut needs = self.program.needs(&roots);
         // A vehicle of unknown kind is not looked at; that it is not large is not known.
         needs.extend(self.subject.and_then(Subject::signal).map(str::to_owned));
         needs

@@ -1,7 +1,7 @@
 //! One rule on one drive: its matches, and an episode for each that also meets `require` at its keyframe.
 
 use super::moment::{Known, Sought, resolve};
-use super::observable::is_decidable;
+use super::observable::lacking_signals;
 use super::pairs;
 use super::{Episode, Rank};
 use crate::interpret::{CLOCK_TOLERANCE, Evaluator, Moments, Pass, Roles, Row, Series, Truths};
@@ -82,8 +82,7 @@ fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<Stri
 
 /// Signals that the rule needs and the drive does not have; none where it can be decided without them.
 pub(crate) fn lacking(rule: &Rule, table: &SignalTable) -> BTreeSet<String> {
-    let absent = absent(rule, table);
-    if is_decidable(rule, |s| !absent.contains(s)) { BTreeSet::new() } else { absent }
+    lacking_signals(rule, &rule.needs(), |s| column(s, table).is_some())
 }
 
 fn absent(rule: &Rule, table: &SignalTable) -> BTreeSet<String> {

@@ -2,6 +2,7 @@
 
 use crate::language::program::{NodeId, Op, Program, Subject};
 use crate::rule::Rule;
+use std::collections::BTreeSet;
 
 /// The truths that a condition can take; for a number or a category, both say whether it can be known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,43 +21,90 @@ impl Possible {
     }
 }
 
+/// What a drive can tell of a condition that has to hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shown {
+    /// It can be known to hold, each alternative included.
+    Holding,
+    /// It is known not to hold: it asks for a signal to be known that the drive does not have.
+    Excluded,
+    Unknown,
+}
+
+/// Signals of `needs` that the drive does not have; none where the rule can be decided without them. Where the rule can
+/// only match with a signal that it tests with `is known` and the drive does not have: these.
+pub(crate) fn lacking_signals(
+    rule: &Rule,
+    needs: &BTreeSet<String>,
+    has: impl Fn(&str) -> bool,
+) -> BTreeSet<String> {
+    if is_decidable(rule, &has) {
+        return BTreeSet::new();
+    }
+    let absent: BTreeSet<String> = needs.iter().filter(|s| !has(s)).cloned().collect();
+    if absent.is_empty() { rule.signals().into_iter().filter(|s| !has(s)).collect() } else { absent }
+}
+
 /// True when all that the rule asks for can be known to hold, each alternative included, where only signals that `has`
-/// accepts are known. A stop at a red light needs the light. What the rule excludes (`not`) need not be known
-/// everywhere: what is excluded at ramps only can be looked for elsewhere.
-pub(crate) fn is_decidable(rule: &Rule, has: impl Fn(&str) -> bool) -> bool {
+/// accepts are known. A stop at a red light needs the light. An alternative that a test `x is known` leaves out is not
+/// looked at. What the rule excludes (`not`) need not be known everywhere: what is excluded at ramps only can be looked
+/// for elsewhere.
+fn is_decidable(rule: &Rule, has: impl Fn(&str) -> bool) -> bool {
     // Which objects are its targets is not a node of the rule.
     if rule.subject.and_then(Subject::signal).is_some_and(|signal| !has(signal)) {
         return false;
     }
     let possible = possible(&rule.program, has);
-    let mut todo: Vec<NodeId> = std::iter::once(&rule.when).chain(&rule.require).copied().collect();
-    while let Some(id) = todo.pop() {
-        let shown = match &rule.program.node(id).op {
-            Op::And(all) | Op::Or(all) => {
-                todo.extend(all);
-                true
-            }
-            Op::For(a, _)
-            | Op::Within(a, _)
-            | Op::Previously(a, _)
-            | Op::Bridge(a, _)
-            | Op::Before(a)
-            | Op::AtKeyframe(a)
-            | Op::InMatch(a) => {
-                todo.push(*a);
-                true
-            }
-            Op::Since(a, b) | Op::Until(a, b) => {
-                todo.extend([*a, *b]);
-                true
-            }
-            _ => possible[id.0].yes,
-        };
-        if !shown {
-            return false;
+    let mut roots = std::iter::once(&rule.when).chain(&rule.require);
+    roots.all(|root| shown(&rule.program, &possible, *root) == Shown::Holding)
+}
+
+fn shown(program: &Program, possible: &[Possible], id: NodeId) -> Shown {
+    let of = |id: &NodeId| shown(program, possible, *id);
+    match &program.node(id).op {
+        // `x is known and x` of what can be known only not to hold.
+        Op::And(all) if all.iter().any(|a| is_tested(program, *a, all) && !possible[a.0].yes) => {
+            Shown::Excluded
         }
+        Op::And(all) => {
+            let all: Vec<Shown> = all.iter().map(of).collect();
+            [Shown::Excluded, Shown::Unknown].into_iter().find(|s| all.contains(s)).unwrap_or(Shown::Holding)
+        }
+        // `x is unknown`, of what cannot be known here, decides the rest.
+        Op::Or(all) if all.iter().any(|a| is_unknown(program, possible, *a)) => Shown::Holding,
+        Op::Or(all) => {
+            let all: Vec<Shown> = all.iter().map(of).collect();
+            [Shown::Unknown, Shown::Holding].into_iter().find(|s| all.contains(s)).unwrap_or(Shown::Excluded)
+        }
+        Op::For(a, _)
+        | Op::Within(a, _)
+        | Op::Previously(a, _)
+        | Op::Bridge(a, _)
+        | Op::Before(a)
+        | Op::AtKeyframe(a)
+        | Op::InMatch(a) => of(a),
+        Op::Since(a, b) | Op::Until(a, b) => match (of(a), of(b)) {
+            (_, Shown::Excluded) => Shown::Excluded,
+            (Shown::Unknown, _) | (_, Shown::Unknown) => Shown::Unknown,
+            _ => Shown::Holding,
+        },
+        _ => match possible[id.0] {
+            Possible { yes: true, .. } => Shown::Holding,
+            Possible { no: true, .. } => Shown::Excluded,
+            _ => Shown::Unknown,
+        },
     }
-    true
+}
+
+/// True where `x is known` is one of the parts beside x.
+fn is_tested(program: &Program, x: NodeId, parts: &[NodeId]) -> bool {
+    parts.iter().any(|part| matches!(program.node(*part).op, Op::Known(of) if of == x))
+}
+
+/// True for `x is unknown` where x cannot be known.
+fn is_unknown(program: &Program, possible: &[Possible], id: NodeId) -> bool {
+    let Op::Not(test) = program.node(id).op else { return false };
+    matches!(program.node(test).op, Op::Known(of) if !possible[of.0].is_known())
 }
 
 /// What each node can be. Operands come before their users.
@@ -79,7 +127,7 @@ fn possible(program: &Program, has: impl Fn(&str) -> bool) -> Vec<Possible> {
             Op::Since(a, b) | Op::Until(a, b) => Possible { yes: of(b).yes, no: of(a).no || of(b).no },
             // An object for which a signal is missing may or may not count.
             Op::AtLeast { of, .. } | Op::AtLeastNear { of, .. } => {
-                Possible::both(program.signals(*of).iter().all(|s| has(s)))
+                Possible::both(program.needs(&[*of]).iter().all(|s| has(s)))
             }
             Op::Negate(a)
             | Op::Absolute(a)

@@ -10,7 +10,7 @@ use super::signals::Signals;
 use super::truth::Truth;
 use crate::drive::{DriveEpisodes, arbitrated};
 use crate::episode::Found;
-use crate::episode::observable::is_decidable;
+use crate::episode::observable::lacking_signals;
 use crate::interpret::{CLOCK_TOLERANCE, Row};
 use crate::rule::{Rule, RuleSet};
 use std::collections::BTreeSet;
@@ -98,8 +98,7 @@ fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTre
 
 /// Signals that the rule needs and the drive does not have; none where it can be decided without them.
 pub fn lacking(rule: &PlanRule<'_>, has: impl Fn(&str) -> bool) -> BTreeSet<String> {
-    let absent: BTreeSet<String> = rule.needs.iter().filter(|s| !has(s)).cloned().collect();
-    if is_decidable(rule.rule, |s| !absent.contains(s)) { BTreeSet::new() } else { absent }
+    lacking_signals(rule.rule, &rule.needs, has)
 }
 
 fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {

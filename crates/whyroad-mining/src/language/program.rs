@@ -348,14 +348,7 @@ impl Program {
 
     /// Names of all signals that `root` reads.
     pub fn signals(&self, root: NodeId) -> BTreeSet<String> {
-        let mut out = BTreeSet::new();
-        for id in self.reached(root) {
-            if let Op::Signal(name) | Op::SecondSignal(name) | Op::PairSignal { name, .. } = &self.node(id).op
-            {
-                out.insert(name.clone());
-            }
-        }
-        out
+        self.reached(root).into_iter().filter_map(|id| self.own_signal(id)).collect()
     }
 
     /// Names of the signals of the object in the first role that `root` reads.
@@ -374,22 +367,82 @@ impl Program {
 
     /// Names of all signals that any node reads.
     pub fn all_signals(&self) -> BTreeSet<String> {
-        let name = |n: &Node| match &n.op {
-            Op::Signal(name) | Op::SecondSignal(name) | Op::PairSignal { name, .. } => Some(name.clone()),
-            _ => None,
-        };
-        self.nodes.iter().filter_map(name).collect()
+        (0..self.nodes.len()).filter_map(|i| self.own_signal(NodeId(i))).collect()
     }
 
-    /// Names of the signals below a node in a test `x is known`: the rule itself states the result without them.
-    pub fn asked_for(&self, root: NodeId) -> BTreeSet<String> {
-        let mut out = BTreeSet::new();
-        for id in self.reached(root) {
-            if let Op::Known(a) = &self.node(id).op {
-                out.extend(self.signals(*a));
+    /// Names of the signals without which it is unknown whether all of `roots` hold: all that they read, except where a
+    /// test `x is known` decides in their absence: below the test itself, and in the other parts of its `and`, which is
+    /// false without them, or of an `or` with `x is unknown`, which is true.
+    pub fn needs(&self, roots: &[NodeId]) -> BTreeSet<String> {
+        let mut done = BTreeMap::new();
+        self.needs_of_all(roots, &mut done)
+    }
+
+    fn needs_of_all(
+        &self,
+        parts: &[NodeId],
+        done: &mut BTreeMap<NodeId, BTreeSet<String>>,
+    ) -> BTreeSet<String> {
+        let mut needs = BTreeSet::new();
+        for part in parts {
+            needs.extend(self.needs_of(*part, done));
+        }
+        for part in parts {
+            let tests = match &self.node(*part).op {
+                Op::And(inner) => inner.as_slice(),
+                _ => std::slice::from_ref(part),
+            };
+            for test in tests {
+                if let Op::Known(of) = self.node(*test).op {
+                    needs = &needs - &self.signals(of);
+                }
             }
         }
-        out
+        needs
+    }
+
+    fn needs_of(&self, id: NodeId, done: &mut BTreeMap<NodeId, BTreeSet<String>>) -> BTreeSet<String> {
+        if let Some(known) = done.get(&id) {
+            return known.clone();
+        }
+        let needs = match &self.node(id).op {
+            Op::Known(_) => BTreeSet::new(),
+            Op::And(parts) => self.needs_of_all(parts, done),
+            Op::Or(parts) => {
+                let mut needs = self.needs_of_operands(id, done);
+                for part in parts {
+                    if let Op::Not(test) = self.node(*part).op
+                        && let Op::Known(of) = self.node(test).op
+                    {
+                        needs = &needs - &self.signals(of);
+                    }
+                }
+                needs
+            }
+            _ => self.needs_of_operands(id, done),
+        };
+        done.insert(id, needs.clone());
+        needs
+    }
+
+    fn needs_of_operands(
+        &self,
+        id: NodeId,
+        done: &mut BTreeMap<NodeId, BTreeSet<String>>,
+    ) -> BTreeSet<String> {
+        let mut needs: BTreeSet<String> = self.own_signal(id).into_iter().collect();
+        for operand in self.node(id).op.operands() {
+            needs.extend(self.needs_of(operand, done));
+        }
+        needs
+    }
+
+    /// The signal that a node is, if it is one.
+    fn own_signal(&self, id: NodeId) -> Option<String> {
+        match &self.node(id).op {
+            Op::Signal(name) | Op::SecondSignal(name) | Op::PairSignal { name, .. } => Some(name.clone()),
+            _ => None,
+        }
     }
 
     /// True when a comparison of numbers affects the value of `root`.

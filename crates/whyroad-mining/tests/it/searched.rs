@@ -64,3 +64,20 @@ fn what_an_alternative_finds_does_not_make_the_drive_searched() {
     let asks = "ego.brake and not (ego.aeb and ego.aeb is known)";
     assert_eq!(searched(asks, &drive(0..0)), (0, vec![]));
 }
+
+/// A test `is known` speaks for the condition that it is part of, not for others of the rule that read the signal.
+#[test]
+fn a_test_speaks_for_its_own_condition_only() {
+    let lacks = || vec!["ego.aeb".to_owned()];
+    let elsewhere = "ego.aeb and not (ego.standstill and ego.aeb is known and ego.aeb)";
+    assert_eq!(searched(elsewhere, &drive(20..40)), (0, lacks()));
+    // An alternative with a test is left out; so is what it is joined to.
+    let alternative = "ego.brake or (ego.aeb is known and ego.aeb and ego.standstill)";
+    assert_eq!(searched(alternative, &drive(20..40)), (1, vec![]));
+    assert_eq!(searched("ego.brake and (ego.aeb is unknown or ego.aeb)", &drive(20..40)), (1, vec![]));
+    // Nothing can match where the test itself is required.
+    assert_eq!(searched("ego.brake and ego.aeb is known", &drive(20..40)), (0, lacks()));
+    // The alternative that is left needs the signal all the same.
+    let both = "(ego.aeb is known and ego.aeb) or (ego.brake and ego.aeb)";
+    assert_eq!(searched(both, &drive(20..40)), (0, lacks()));
+}
