@@ -159,10 +159,10 @@ impl Missing {
             let n = self.unknown;
             out += &wrapped(
                 &if zh {
-                    format!("  {n} 个行程没有已存信号，其缺少的数据未列出，只列信号")
+                    format!("  {n} 个行程没有可读的已存信号，其缺少的数据未列出，只列信号")
                 } else {
                     let of = counted(n, "drive");
-                    format!("  of {of} without stored signals only the missing signals are known")
+                    format!("  of {of} without readable stored signals only the missing signals are known")
                 },
                 4,
             );
