@@ -6,7 +6,7 @@ use crate::domain::project::{
 };
 use crate::problem::Answer;
 use crate::service::copies::NOT_GOLD;
-use crate::service::projects::{self, parse};
+use crate::service::projects::{self, DAY_MS, parse};
 use crate::service::{disagreement, drafts, safety, tasks, veil};
 use crate::store::Tx;
 use crate::values;
@@ -16,8 +16,6 @@ use whyroad_label::agreement::{cohen, fleiss, median};
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::pointer;
 
-/// Milliseconds of a day.
-const DAY_MS: i64 = 86_400_000;
 /// Number of days of throughput that are shown.
 const DAYS: i64 = 60;
 /// Number of tasks with the oldest last change that are shown.

@@ -92,7 +92,7 @@ fn check(project: &Project) -> Answer<()> {
 }
 
 /// Milliseconds of a day.
-const DAY_MS: i64 = 86_400_000;
+pub const DAY_MS: i64 = 86_400_000;
 
 /// The day, counted from 1970, of `now` by the clock of a project with these settings.
 pub fn day(settings: &Settings, now: i64) -> i64 {

@@ -4,14 +4,13 @@
 
 use crate::app::App;
 use crate::problem::Answer;
-use crate::service::{deletion, projects, seen};
+use crate::service::projects::{self, DAY_MS};
+use crate::service::{deletion, seen};
 use crate::values;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Milliseconds of a day.
-const DAY_MS: i64 = 86_400_000;
 /// Time between two sweeps, and between two checks whether the service has ended.
 const SWEEP_EVERY: Duration = Duration::from_secs(3600);
 const LOOK_EVERY: Duration = Duration::from_secs(1);

@@ -3,6 +3,7 @@
 use crate::domain::people::{NewToken, Token, TokenScope, User};
 use crate::problem::{Answer, Problem};
 use crate::service::people::{self, OF_U};
+use crate::service::projects::DAY_MS;
 use crate::store::{Row, Tx};
 use crate::{secret, values};
 
@@ -11,8 +12,6 @@ const MOST_TOKENS: i64 = 50;
 /// Days until a token expires: the default, and the maximum.
 const USUAL_DAYS: u32 = 90;
 const MOST_DAYS: u32 = 365;
-/// Milliseconds of a day.
-const DAY_MS: i64 = 24 * 3_600_000;
 
 /// The token as it is stored, and its text, which is shown once.
 pub fn fresh(wanted: &NewToken, now: i64) -> Answer<Token> {

@@ -35,9 +35,10 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
     let Some(lake) = super::opened(&args.lake, global) else { return Ok(output::FINDINGS) };
     let (mut found, mut undated, mut unreadable) = (Vec::new(), 0, false);
     for (_, entry) in lake.entries() {
-        let entry = entry.and_then(|e| Ok(DriveEntry { dated: Some(lake.is_dated(&e)?), ..e }));
-        match entry {
-            Ok(entry) if !args.asks_for(&entry) => {}
+        if entry.as_ref().is_ok_and(|e| !args.asks_for(e)) {
+            continue;
+        }
+        match entry.and_then(|e| Ok(DriveEntry { dated: Some(lake.is_dated(&e)?), ..e })) {
             // Its times count from an invented start.
             Ok(entry) if args.asks_for_a_time() && entry.dated == Some(false) => undated += 1,
             Ok(entry) if !args.is_within(&entry) => {}
