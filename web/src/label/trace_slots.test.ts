@@ -1,7 +1,7 @@
 // The trace in slots and back: nothing typed is lost, and what is missing is named.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { fitsSlots, isDraft, keepsDraft, lacks, languageOf, slotsOf, stillDraft, traceOf } from "./trace_slots.ts";
+import { fitsSlots, isDraft, keepsDraft, lacks, languageOf, slotsOf, stillDraft, traceOf, type TraceSlots } from "./trace_slots.ts";
 
 // The drafts as whyroad-label's draft/trace.rs writes them.
 const DRAFT_ZH = "【草稿】左前方的轿车正在驶入自车车道，因此自车让行。";
@@ -43,6 +43,24 @@ test("slots give back what was typed into them", () => {
     }
   }
   assert.equal(traceOf({ state: "", reason: "", decision: "" }, "zh"), "");
+});
+
+test("who writes \"therefore\" into the decision has it once", () => {
+  const typing = (before: TraceSlots, typed: string, language: "zh" | "en"): string => {
+    let text = traceOf(before, language);
+    // The box shows all that was typed so far; the other slots are read from the text.
+    for (let n = 1; n <= typed.length; n++) text = traceOf({ ...slotsOf(text), decision: typed.slice(0, n) }, language);
+    return text;
+  };
+  const zh = { state: "行人正走上斑马线", reason: "他会走到自车前方", decision: "" };
+  assert.equal(typing(zh, "因此自车停住让行", "zh"), "行人正走上斑马线；他会走到自车前方，因此自车停住让行。");
+  assert.equal(typing(zh, "所以，自车停住让行", "zh"), "行人正走上斑马线；他会走到自车前方，因此自车停住让行。");
+  const en = { state: "a person steps onto the crosswalk", reason: "they will be in the ego's way", decision: "" };
+  const whole = "a person steps onto the crosswalk; they will be in the ego's way, therefore the ego stops.";
+  assert.equal(typing(en, "so the ego stops", "en"), whole);
+  assert.equal(typing(en, "Therefore, the ego stops", "en"), whole);
+  // A word that only begins like it.
+  assert.equal(traceOf({ ...en, decision: "soon the ego stops" }, "en"), whole.replace("the ego stops", "soon the ego stops"));
 });
 
 test("a decision alone is no state", () => {

@@ -18,6 +18,8 @@ const WORD = /[\p{Script=Latin}\d][\p{Script=Latin}\d'-]*/gu;
 
 /** Before the decision: the last of these in the text. */
 const THEREFORE = /[，,；;。.]?\s*(?:因此|所以|故而|(?<![\p{L}])(?:therefore|so|hence)(?![\p{L}]))[，,]?\s*/giu;
+/** Who writes a decision writes this before it, as in a sentence; the text has it already. */
+const LEADS = /^[，,；;]?\s*(?:因此|所以|故而|(?:therefore|so|hence)(?![\p{L}]))[，,]?\s*/iu;
 /** A text that is only a decision, as `traceOf` writes it. */
 const BARE_DECISION = /^(?:因此|therefore )/i;
 /** Between state and reason: the first of these. */
@@ -66,7 +68,8 @@ export function keepsDraft(text: string, draft: string): boolean {
 
 /** The text of the slots: one sentence in the order state, reason, decision. Empty slots leave no marks behind. */
 export function traceOf(slots: TraceSlots, language: Lang): string {
-  const { state, reason, decision } = slots;
+  const { state, reason } = slots;
+  const decision = slots.decision.replace(LEADS, "");
   const zh = language === "zh";
   const first = [state, reason].filter((part) => part !== "").join(zh ? "；" : "; ");
   if (first === "" && decision === "") return "";
