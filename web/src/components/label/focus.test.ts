@@ -43,11 +43,15 @@ test("a finding about an input leads to the input, not to what stands before it"
   assert.equal(document.activeElement?.id, "c1");
 });
 
-test("where a label is only read, the key of a part leads to its comment", () => {
-  document.body.innerHTML = `<div data-field="/critical_components/0"><button class="bubble" id="b0"></button></div><div data-field="/coc_trace"><button class="bubble" id="b1"></button></div>`;
+test("where a label is only read, the key of a part opens its comment", () => {
+  document.body.innerHTML = `<div data-field="/critical_components/0"><button class="bubble" id="b0" aria-expanded="false"></button></div><div data-field="/coc_trace"><button class="bubble" id="b1" aria-expanded="true"></button><form><textarea id="t1"></textarea></form></div>`;
+  const pressed: string[] = [];
+  for (const button of document.querySelectorAll("button")) button.onclick = () => void pressed.push(button.id);
   assert.ok(toComment(["/critical_components"]));
-  assert.equal(document.activeElement?.id, "b0");
+  assert.deepEqual(pressed, ["b0"]);
+  // One that is open is not closed: it gets the focus.
   assert.ok(toComment(["/coc_trace"]));
-  assert.equal(document.activeElement?.id, "b1");
+  assert.deepEqual(pressed, ["b0"]);
+  assert.equal(document.activeElement?.id, "t1");
   assert.ok(!toComment(["/records"]));
 });

@@ -38,12 +38,16 @@ export function toComponent(n: number): void {
   toSection("components", written ? at : undefined);
 }
 
-/** Focuses the button that opens the comment on the first field of a card that is at one of these pointers. */
+/**
+ * Opens the comment on the first field of a card that is at one of these pointers, so that what is typed next is the
+ * comment and no key of the page; an open one gets the focus.
+ */
 export function toComment(pointers: readonly string[]): boolean {
   const field = all("field").find((f) => pointers.some((p) => f.dataset["field"] === p || f.dataset["field"]?.startsWith(`${p}/`)));
   const button = field?.querySelector<HTMLElement>(".bubble");
   button?.scrollIntoView({ block: "nearest" });
-  button?.focus();
+  if (button?.getAttribute("aria-expanded") === "true") field?.querySelector<HTMLElement>("form textarea")?.focus();
+  else button?.click();
   return button != null;
 }
 

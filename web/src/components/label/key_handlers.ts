@@ -56,7 +56,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     toComponent(editor.currentComponent);
   }
 
-  /** Goes to a section of the form; where the label is only read, to the button that comments on its fields. */
+  /** Goes to a section of the form; where the label is only read, to a comment on its fields. */
   function to(section: string, fields: readonly string[], enter: () => void): void {
     if (document.querySelector(`[data-section="${section}"]`)) enter();
     else if (editor.can("comment")) toComment(fields);
