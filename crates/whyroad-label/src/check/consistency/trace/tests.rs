@@ -198,6 +198,10 @@ const SENTENCES: &[(&str, &str, &str)] = &[
         "The light turns green, but pedestrians still cross; therefore the ego yields and stays stopped.",
         "other resume: yields",
     ),
+    ("-/-", "The car from the right is there first, therefore the ego stays nearly stopped.", "ok"),
+    ("-/-", "右侧来车先到路口，因此自车保持几乎停住。", "ok"),
+    ("-/-", "右侧来车先到路口，因此自车仍停着不动。", "ok"),
+    ("-/-", "右侧来车先到路口，因此自车停住。", "unlabeled yield_to_agent"),
     ("-/turn/right", "The route turns right here and the crosswalk is clear, hence turn right.", "ok"),
     ("-/turn/right", "The route goes left here and the crosswalk is clear, hence turn left.", "side left"),
     (
