@@ -1,5 +1,8 @@
 //! Texts of label drafts (`schema/draft_texts.yaml`, which documents each part).
 
+#[cfg(test)]
+mod checked;
+
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
@@ -22,6 +25,9 @@ pub struct DraftTexts {
     goes_on: BTreeMap<String, Phrasings>,
     /// Why the lead requires a decision where the class is about something else.
     lead: Vec<WhyWhen>,
+    /// Why the light requires a decision where the class is about something else.
+    #[serde(default)]
+    light: Vec<WhyWhen>,
     /// Words whose truth the signals show.
     #[serde(default)]
     claims: Vec<Claim>,
@@ -196,6 +202,15 @@ impl WhyWhen {
     fn is_of_none(&self) -> bool {
         self.decision.as_deref() == Some("none")
     }
+}
+
+/// Those of one decision, or of no new one.
+fn of_decision(all: &[WhyWhen], decision: Option<Longitudinal>) -> Vec<Reason<'_>> {
+    let fits = |w: &&WhyWhen| match decision {
+        Some(d) => w.decision.as_deref() == Some(d.id()),
+        None => w.is_of_none(),
+    };
+    all.iter().filter(fits).map(|w| Reason { when: &w.when, texts: &w.why }).collect()
 }
 
 /// A reason, and when it may be given.
@@ -376,11 +391,12 @@ impl DraftTexts {
 
     /// Why the lead requires this longitudinal decision, in any class, in the order in which they are tried.
     pub fn reasons_of_lead(&self, decision: Option<Longitudinal>) -> Vec<Reason<'_>> {
-        let fits = |w: &&WhyWhen| match decision {
-            Some(d) => w.decision.as_deref() == Some(d.id()),
-            None => w.is_of_none(),
-        };
-        self.lead.iter().filter(fits).map(|w| Reason { when: &w.when, texts: &w.why }).collect()
+        of_decision(&self.lead, decision)
+    }
+
+    /// The same of the light.
+    pub fn reasons_of_light(&self, decision: Option<Longitudinal>) -> Vec<Reason<'_>> {
+        of_decision(&self.light, decision)
     }
 
     /// The claims that a text of the class makes.

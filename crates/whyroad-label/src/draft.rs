@@ -29,6 +29,7 @@ use lead::Lead;
 use moment::Moment;
 use std::collections::BTreeMap;
 use whyroad_framework::decision_table::ClassDecisions;
+use whyroad_framework::draft_texts::WhyKept;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_framework::{Framework, Taxonomy};
 use whyroad_model::decision::{Lateral, Longitudinal};
@@ -251,6 +252,11 @@ fn make(
         of_turn = intent.is_some().then_some(components.len());
         components.extend(intent);
     }
+    let is_light =
+        |c: &CriticalComponent| c.category.as_deref() == Some(ComponentCategory::TrafficLights.id());
+    let names_light = components.iter().chain(&also).any(is_light);
+    let light = scene.light(&moment, lang).filter(|c| goes_on && !names_light && how.lists(c));
+    let waits = decision.longitudinal == Some(Longitudinal::Resume) && motion == LongitudinalMotion::Waits;
     // If the class requires a decision other than following, a lead that slows the ego is still named.
     let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);
     let beside = lead.filter(|lead| by_lead.is_none() && slows && lead.is_cause_of(motion));
@@ -266,6 +272,30 @@ fn make(
         .seen(class)
         .is_some_and(|seen| seen.high || seen.category == Some(ComponentCategory::CriticalObjects));
     let kept = trace::why_kept(signals, keyframe, target_id, of_others, course.as_ref());
+    let stops = decision.longitudinal.is_none()
+        && (kept == WhyKept::Standing
+            || (kept == WhyKept::Slowing && course.is_some_and(|c| c.nearly_stands)));
+    // A road user in the way is nearer to the ego than its light; one that enters the lane or moves along it is not,
+    // where the ego stands.
+    let moves_along = matches!(class.l2.as_deref(), Some("cutin" | "vru_invasion" | "vehicle_abnormal"));
+    let passes_by = class.l2.as_deref() == Some(doubt::MEETING) || (moves_along && kept == WhyKept::Standing);
+    let of_other = class.l1 == "safety" || (class.l1 == "reactive_agent" && !passes_by);
+    let by_light = light.is_some()
+        && moment.red().is_true()
+        && by_lead.is_none()
+        && !of_other
+        && decision.lateral.is_none()
+        && (stops || waits);
+    if let Some(component) = light {
+        if by_light {
+            // What the text after it refers to comes last.
+            order = trace::StateOrder::AsListed;
+            components.truncate(1);
+            components.push(component);
+        } else if components.len() < trace::MOST_IN_STATE {
+            components.push(component);
+        }
+    }
     how.reword(&mut components);
     // An ego that changes lanes does not stop behind what it leaves; one that keeps rolling has not stopped.
     let leaves = decision.lateral == Some(Lateral::LaneChange) && motion == LongitudinalMotion::Stops;
@@ -280,6 +310,7 @@ fn make(
         trend: course.map_or(Trend::Unknown, |c| c.trend),
         brakes_hard: course.is_some_and(|c| c.braking_mps2 > trace::SMOOTH_MPS2),
         lead: by_lead.map(|lead| moment.of_row(lead.row)),
+        by_light,
         lang,
     };
     let seed = trace::seed(&episode.episode_id, run);
@@ -292,7 +323,7 @@ fn make(
     ));
     let clipped = clip::inside(drive, episode, &mut notes);
     number(&mut components, clipped.1.timestamp);
-    let along = usize::from(by_lead.is_some() && components.len() > 1);
+    let along = usize::from((by_lead.is_some() || by_light) && components.len() > 1);
     let across = match decision.lateral {
         Some(lateral) if !typical.lateral.contains(&lateral) && spec.and_then(|s| s.lateral).is_none() => {
             of_turn
@@ -417,6 +448,11 @@ pub fn components(
     let scene = components::Scene { framework, drive, signals, episode, target, keyframe, has_course };
     let mut all = with_cause(&scene, scene.observed(&moment, lang), &moment, lang);
     all.extend(trace::also(framework, class, &moment, lang));
+    let is_light =
+        |c: &CriticalComponent| c.category.as_deref() == Some(ComponentCategory::TrafficLights.id());
+    if !all.iter().any(is_light) {
+        all.extend(scene.light(&moment, lang));
+    }
     // A near lead and the announced turn may be causes, whatever the ego then does.
     let lead = lead.filter(|lead| lead_is == LeadIs::Nearer && lead.is_near());
     all.extend(lead.and_then(|lead| scene.lead(&lead, lang)));

@@ -89,6 +89,7 @@ impl Moment<'_> {
             }
             "soon.brakes_on" => self.brakes_on(),
             "soon.under_limit" => self.is_under_limit(),
+            "soon.reaches_limit" => self.reaches_limit(),
             "soon.answers" => self.answers(),
             "soon.keeps" => self.stays_within(KEPT),
             "soon.changes_little" => self.stays_within(LITTLE),
@@ -141,10 +142,23 @@ impl Moment<'_> {
 
     fn is_under_limit(&self) -> Tri {
         let Some(limit) = self.number_at("map.speed_limit", self.frame()) else { return Tri::Unknown };
+        // A higher limit that is near may be used.
+        let limit = self.limit().map_or(limit, |ahead| ahead.max(limit));
         let frames = self.frame()..=self.frame() + LIMIT_FRAMES;
         let mut speeds = frames.filter_map(|f| self.number_at("ego.speed", f));
         let under = Tri::from(speeds.all(|v| v <= limit * OVER_SHARE));
         !self.unless_cut(!under, self.gains(LIMIT_FRAMES).is_some())
+    }
+
+    fn reaches_limit(&self) -> Tri {
+        let Some(limit) = self.limit() else { return Tri::Unknown };
+        let least = self.least_speed(self.frame()..=self.frame() + STOP_FRAMES);
+        self.unless_cut(is_below(least, limit * OVER_SHARE), self.gains(STOP_FRAMES).is_some())
+    }
+
+    /// Change of the ego's speed in the frames in which a speed is kept, m/s.
+    pub(super) fn gain(&self) -> Option<f64> {
+        if self.has_course() { self.gains(KEPT_FRAMES) } else { None }
     }
 
     fn target_leaves(&self) -> Tri {
@@ -183,6 +197,10 @@ impl Moment<'_> {
         let mut speeds = frames.filter_map(|f| self.number_at("ego.speed", f));
         Tri::from(speeds.all(|v| (v - now).abs() <= limit))
     }
+}
+
+fn is_below(value: Option<f64>, limit: f64) -> Tri {
+    value.map_or(Tri::Unknown, |v| Tri::from(v <= limit))
 }
 
 fn is(change: Option<f64>, condition: fn(f64) -> bool) -> Tri {

@@ -29,7 +29,7 @@ const MOVING_OFF_MPS2: f64 = 0.3;
 /// The L2 class about traffic lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
 
-/// The L3 class about going straight through a junction.
+/// The L3 class about going straight through a junction, and the movement of an ego that does.
 const STRAIGHT: &str = "straight";
 
 /// The L1 class about the road.
@@ -95,7 +95,8 @@ impl Scene<'_> {
             let intent = route(signals, keyframe).or_else(|| {
                 // An indicator that was left on, or is for an earlier lane change, is no evidence of this turn.
                 // Nor is one of a way straight on.
-                let is_straight = episode.scenario_id.l3.as_deref() == Some(STRAIGHT);
+                let goes_straight = moment.category("ego.movement") == Some(STRAIGHT);
+                let is_straight = goes_straight || episode.scenario_id.l3.as_deref() == Some(STRAIGHT);
                 let tells = is_of_junction(episode) && !is_straight && !moment.indicator_against();
                 tells.then(|| signaled_turn(signals, keyframe)).flatten()
             });
@@ -113,6 +114,15 @@ impl Scene<'_> {
         let signaled = || signaled_turn(self.signals, self.keyframe).filter(|_| !moment.indicator_against());
         let text = route(self.signals, self.keyframe).or_else(signaled)?;
         Some(component(ComponentCategory::RoutingIntent, &text, lang))
+    }
+
+    /// The light that the ego faces, if it concerns what the ego does and the class is not about it.
+    pub(super) fn light(&self, moment: &Moment<'_>, lang: Lang) -> Option<CriticalComponent> {
+        if is_of_lights(self.episode) || !moment.concerns_light() {
+            return None;
+        }
+        let text = light(self.signals, self.keyframe)?;
+        Some(component(ComponentCategory::TrafficLights, &text, lang))
     }
 
     /// The lead, if it is not the subject of the class.

@@ -64,6 +64,9 @@ const STAYS_FRAMES: usize = 50;
 /// Frames within which a lane change explains a rise of the speed, and the ego responds to hard braking: 2 s.
 const SOON_FRAMES: usize = 20;
 
+/// The L2 class about meeting oncoming traffic, which need not be what stops the ego.
+pub(super) const MEETING: &str = "passing";
+
 /// Minimum decrease of the speed within these frames that is a response, m/s.
 const ANSWER_MPS: f64 = 0.4;
 
@@ -452,8 +455,9 @@ pub(super) fn of_nearer(
         .filter(|lead| asked.lead_is == LeadIs::Nearer && lead.is_cause_of(LongitudinalMotion::Slows));
     // The texts of turns name a red light themselves.
     let names_light = matches!(class.l2.as_deref(), Some("traffic_light" | "turn"));
-    let of_light = decided != StopForRegulation && !names_light && !asked.of_others;
-    let red = matches!(light_state(w.signals, w.keyframe), Some("red" | "red_yellow"));
+    let of_others = asked.of_others && class.l2.as_deref() != Some(MEETING);
+    let of_light = decided != StopForRegulation && !names_light && !of_others;
+    let red = matches!(light_state(w.signals, w.keyframe), Some("red" | "red_yellow" | "yellow"));
     // An ego that loses half of its speed close to the light slows for it, even if it turns green before the ego
     // stands.
     let near = w.number("map.distance_to_junction", w.keyframe).is_some_and(|m| m < NEAR_LIGHT_M);

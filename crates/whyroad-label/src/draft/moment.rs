@@ -22,6 +22,13 @@ const AT_JUNCTION_M: f64 = 40.0;
 /// A junction nearer than this may be named, m.
 const NEAR_JUNCTION_M: f64 = 120.0;
 
+/// A light whose stop line is nearer than this concerns the ego at any speed, m; a farther one within its stopping
+/// distance.
+const NEAR_LIGHT_M: f64 = 40.0;
+
+/// An ego slower than this has not moved off yet, m/s.
+const HARDLY_MOVES_MPS: f64 = 1.0;
+
 /// Frames before the keyframe in which an ego on a ramp comes from it: 5 s; and those after it in which it reaches the
 /// lane behind the ramp: 8 s.
 const RAMP_FRAMES: usize = 50;
@@ -144,6 +151,8 @@ impl<'a> Moment<'a> {
         let value = match name {
             "around.room_ahead" => self.room(|longitudinal| longitudinal >= 0.0),
             "around.room_behind" => self.room(|longitudinal| longitudinal < 0.0),
+            "around.limit_left" => self.limit().zip(self.number("ego.speed")).map(|(limit, v)| limit - v),
+            "soon.gain" => self.gain(),
             _ => match self.signals.frame_columns.get(name) {
                 Some(column) => column.number(self.frame),
                 None => self.signals.target_columns.get(name)?.number(self.row?),
@@ -152,7 +161,7 @@ impl<'a> Moment<'a> {
         value.filter(|v| !v.is_nan())
     }
 
-    fn category(&self, name: &str) -> Option<&'a str> {
+    pub(super) fn category(&self, name: &str) -> Option<&'a str> {
         if name == LIGHT {
             return light_state(self.signals, self.frame);
         }
@@ -170,6 +179,7 @@ impl<'a> Moment<'a> {
             "around.green" => {
                 self.category("light.state").map_or(Tri::Unknown, |state| Tri::from(is_green(state)))
             }
+            "around.red" => self.red(),
             "decided.changes_lane" => Tri::from(changes_lane(self.signals, self.frame)),
             "decided.fits_gap" => Tri::from(self.fits_gap),
             "decided.turns" => Tri::from(self.turns),
@@ -196,6 +206,35 @@ impl<'a> Moment<'a> {
                 }
             }
         }
+    }
+
+    /// The light that the ego faces is red or yellow, and near. A log without lights shows none.
+    pub(super) fn red(&self) -> Tri {
+        if !self.signals.frame_columns.contains_key(LIGHT) {
+            return Tri::False;
+        }
+        let red = |state| Tri::from(matches!(state, "red" | "red_yellow" | "yellow"));
+        self.category(LIGHT).map_or(Tri::Unknown, red).and(self.is_at_light())
+    }
+
+    /// The stop line of the light that the ego faces is near; the junction, where the line is not known.
+    fn is_at_light(&self) -> Tri {
+        let line = self.number("light.distance_to_stop_line");
+        let stopping = self.number("ego.stopping_distance").filter(|d| d.is_finite()).unwrap_or(0.0);
+        let near = |m| Tri::from(m < NEAR_LIGHT_M.max(stopping));
+        line.or_else(|| self.number("map.distance_to_junction")).map_or(Tri::Unknown, near)
+    }
+
+    /// The light concerns what the ego does: it is near, and red or yellow, or green where the ego stands.
+    pub(super) fn concerns_light(&self) -> bool {
+        let green = self.category(LIGHT).is_some_and(is_green) && self.is_at_light().is_true();
+        self.red().is_true() || (green && self.number("ego.speed").is_some_and(|v| v < HARDLY_MOVES_MPS))
+    }
+
+    /// The limit that a text names, m/s: the next one where it differs.
+    pub(super) fn limit(&self) -> Option<f64> {
+        let here = self.number("map.speed_limit");
+        self.number("map.speed_limit_ahead").filter(|v| v.is_finite()).or(here)
     }
 
     /// The ego goes although its light is red, and does not turn to the side on which it drives.

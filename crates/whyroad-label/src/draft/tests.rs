@@ -2,6 +2,7 @@
 
 mod agree;
 mod claims;
+mod lights;
 mod maneuver;
 mod motion;
 mod others;

@@ -47,7 +47,7 @@ pub(super) const SMOOTH_MPS2: f64 = 2.5;
 const SMOOTH: [&str; 3] = ["平稳", "smooth", "gently"];
 /// An English trace with more of these words needs one sentence less.
 const MOST_ANDS: usize = 2;
-/// Speeds are given in steps of this, km/h.
+/// Speeds are given in steps of this, km/h, and below two of them in whole numbers.
 const SPEED_STEP_KMH: f64 = 5.0;
 
 /// Beginning of an English clause about the ego.
@@ -69,6 +69,8 @@ pub(super) struct DraftFacts<'a> {
     pub brakes_hard: bool,
     /// The keyframe with the lead as the target, where the lead and not the subject of the class is the nearest cause.
     pub lead: Option<Moment<'a>>,
+    /// The light, and not the subject of the class, is the nearest cause.
+    pub by_light: bool,
     pub lang: Lang,
 }
 
@@ -243,7 +245,13 @@ pub(super) fn trace(
     let chained = |t: &Told| t.text.matches(" and ").count() > MOST_ANDS;
     let short = |t: &Told| t.text.chars().count() < *wanted(facts.lang).start();
     let repeats = |t: &Told| repeats(&t.text, t.state, facts.lang);
-    for is_worse in [&smooth as &dyn Fn(&Told) -> bool, &unsure, &chained, &short, &repeats] {
+    // A light that concerns the ego is mentioned.
+    let light = ComponentCategory::TrafficLights.id();
+    let shown = facts.components.iter().take(MOST_IN_STATE);
+    let light =
+        shown.filter(|c| c.category.as_deref() == Some(light)).map(|c| c.description.to_lowercase()).next();
+    let unlit = |t: &Told| light.as_ref().is_some_and(|l| !t.text.to_lowercase().contains(l.as_str()));
+    for is_worse in [&smooth as &dyn Fn(&Told) -> bool, &unlit, &unsure, &chained, &short, &repeats] {
         if !texts.iter().all(is_worse) {
             texts.retain(|t| !is_worse(t));
         }
@@ -287,7 +295,8 @@ fn openings(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed
     if state().any(|text| text.contains(|c: char| c.is_ascii_digit())) {
         return of(&all.moving_without_speed);
     }
-    let kmh = (speed * 3.6 / SPEED_STEP_KMH).round().max(1.0) * SPEED_STEP_KMH;
+    let step = if speed * 3.6 < 2.0 * SPEED_STEP_KMH { 1.0 } else { SPEED_STEP_KMH };
+    let kmh = (speed * 3.6 / step).round().max(1.0) * step;
     of(&all.moving).into_iter().map(|text| text.replace("{speed}", &format!("{kmh:.0}"))).collect()
 }
 
@@ -382,6 +391,10 @@ impl<'a> DraftFacts<'a> {
         if let Some(reason) = of_lead {
             return Some(reason.texts);
         }
+        let of_light = self.by_light.then(|| texts.reasons_of_light(self.decision.longitudinal));
+        if let Some(reason) = of_light.into_iter().flatten().find(|r| moment.all(r.when)) {
+            return Some(reason.texts);
+        }
         if !self.decides() {
             let told = texts.reasons_for_none(self.class).into_iter();
             let told = told.filter(|_| self.decision.lateral.is_none()).find(|r| moment.all(r.when));
@@ -414,13 +427,15 @@ impl<'a> DraftFacts<'a> {
     fn whys(&self) -> Vec<&'a str> {
         let of = |p: &'a Phrasings| p.all(self.lang).iter().map(String::as_str);
         let texts = &self.framework.draft_texts;
-        let of_lead = texts.reasons_of_lead(self.decision.longitudinal).into_iter().map(|r| r.texts);
+        let along = self.decision.longitudinal;
+        let nearer = texts.reasons_of_lead(along).into_iter().chain(texts.reasons_of_light(along));
+        let nearer = nearer.map(|r| r.texts);
         if !self.decides() {
             let told = texts.reasons_for_none(self.class).into_iter().map(|r| r.texts);
-            return told.chain(self.kept().0).chain(of_lead).flat_map(of).collect();
+            return told.chain(self.kept().0).chain(nearer).flat_map(of).collect();
         }
         let reasons = texts.reasons(self.class, self.decision).into_iter().map(|r| r.texts);
-        reasons.chain(of_lead).flat_map(of).collect()
+        reasons.chain(nearer).flat_map(of).collect()
     }
 
     fn decides(&self) -> bool {
@@ -508,9 +523,18 @@ fn all_facts<'a>(
     decision: &'a DrivingDecision,
 ) -> impl Iterator<Item = DraftFacts<'a>> {
     let motion = LongitudinalMotion::Unknown;
-    let of = move |lang, kept| {
-        let (lead, trend, brakes_hard) = (None, Trend::Unknown, false);
-        DraftFacts { framework, class, components, decision, motion, kept, trend, brakes_hard, lead, lang }
+    let of = move |lang, kept| DraftFacts {
+        framework,
+        class,
+        components,
+        decision,
+        motion,
+        kept,
+        trend: Trend::Unknown,
+        brakes_hard: false,
+        lead: None,
+        by_light: false,
+        lang,
     };
     [Lang::Zh, Lang::En].into_iter().flat_map(move |lang| {
         // These are used only where nothing new is decided.

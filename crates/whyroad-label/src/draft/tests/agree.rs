@@ -18,16 +18,16 @@ fn traces(leaf: &str, change: impl Fn(&mut SignalTable)) -> Vec<String> {
     drafts(leaf, change).into_iter().filter(|d| d.doubt.is_none()).map(|d| d.label.coc_trace).collect()
 }
 
-fn says(all: &[String], words: &[&str]) -> usize {
+pub(super) fn says(all: &[String], words: &[&str]) -> usize {
     all.iter().filter(|t| words.iter().any(|w| t.contains(w))).count()
 }
 
 /// A signal with the same number in every frame.
-fn number(signals: &mut SignalTable, name: &str, value: f64) {
+pub(super) fn number(signals: &mut SignalTable, name: &str, value: f64) {
     signals.frame_columns.insert(name.into(), Column::Number(vec![value; fixture::FRAMES]));
 }
 
-fn word(signals: &mut SignalTable, name: &str, value: &str) {
+pub(super) fn word(signals: &mut SignalTable, name: &str, value: &str) {
     signals.frame_columns.insert(name.into(), category(&[value], vec![0; fixture::FRAMES]));
 }
 
