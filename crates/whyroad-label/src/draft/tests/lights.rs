@@ -42,10 +42,16 @@ fn a_red_light_is_why_an_ego_stands() {
 #[test]
 fn a_red_light_far_away_is_not_mentioned() {
     // At 10 m/s two seconds and 3 m/s2 take 36.7 m: within 40 m the light concerns the ego, at 120 m it does not yet.
-    let (near, far) = (at_light("red", 30.0, |_| 10.0), at_light("red", 120.0, |_| 10.0));
+    let slows = |f: usize| 10.0 - 0.1 * f.saturating_sub(42) as f64;
+    let (near, far) = (at_light("red", 30.0, slows), at_light("red", 120.0, slows));
     let named = |all: &[String]| says(all, &["红灯", "is red"]);
     assert!(!near.is_empty() && named(&near) == near.len(), "{near:?}");
     assert!(!far.is_empty() && named(&far) == 0, "{far:?}");
+}
+
+#[test]
+fn a_speed_does_not_suit_a_red_light() {
+    let (near, far) = (at_light("red", 30.0, |_| 10.0), at_light("red", 120.0, |_| 10.0));
     let free = ["适合这一段路", "不需要急刹", "suits the road", "without braking"];
     assert_eq!(says(&near, &free), 0, "{near:?}");
     assert!(says(&far, &free) > 0, "{far:?}");
