@@ -62,11 +62,15 @@ MODEL = {
     "EIDM11": 'carFollowModel="EIDM" tau="1.15" accel="2.1" decel="3.2" treaction="0.4" tpreview="3.5" ccoolness="0.9" startupDelay="0.45" lcStrategic="1.5" lcSpeedGain="1.7" jmTimegapMinor="1.2" speedFactor="normc(0.99,0.1,0.8,1.24)"',
     "KraussWary": 'carFollowModel="KraussPS" sigma="0.25" tau="1.3" accel="2.2" decel="3.7" jmTimegapMinor="1.4" jmStoplineGap="1.0" startupDelay="0.35" lcSpeedGain="1.6" speedFactor="normc(1.0,0.12,0.76,1.26)"',
     "IDM13": 'carFollowModel="IDM" delta="4.2" tau="1.1" sigma="0" lcAssertive="1.8" lcSpeedGain="2.3" lcCooperative="0.85" lcKeepRight="0.6" speedFactor="normc(1.0,0.12,0.75,1.28)"',
+    "EIDM12": 'carFollowModel="EIDM" tau="1.1" accel="2.2" decel="3.5" treaction="0.35" tpreview="3.5" ccoolness="0.94" startupDelay="0.3" lcStrategic="1.4" lcSpeedGain="1.5" jmTimegapMinor="1.1" jmStoplineGap="1.0" speedFactor="normc(0.98,0.1,0.78,1.22)"',
+    "IDM14": 'carFollowModel="IDM" delta="4" tau="1.15" sigma="0" lcAssertive="1.9" lcSpeedGain="2.5" lcCooperative="0.8" lcKeepRight="0.9" speedFactor="normc(1.0,0.14,0.74,1.3)"',
+    "KraussCivil": 'carFollowModel="KraussPS" sigma="0.2" tau="1.15" accel="2.1" decel="3.8" jmTimegapMinor="1.2" lcStrategic="1.6" lcSpeedGain="1.6" lcCooperative="0.9" startupDelay="0.45" speedFactor="normc(0.99,0.09,0.8,1.22)"',
+    "KraussNight": 'carFollowModel="Krauss" sigma="0.15" tau="1.3" accel="2.6" decel="3.9" jmTimegapMinor="1.0" jmStoplineGap="1.3" lcSpeedGain="2.2" startupDelay="0.5" speedFactor="normc(1.06,0.13,0.78,1.38)"',
     "IDM9": 'carFollowModel="IDM" delta="3.5" tau="1.1" sigma="0" lcAssertive="2" lcSpeedGain="3" lcCooperative="0.5" actionStepLength="0.4" speedFactor="normc(0.99,0.15,0.72,1.3)"',
 }
 
 # How many of car, quick, van and truck in the traffic of a model, where it is not as elsewhere.
-SHARES = {"IDM5": [5, 3, 2, 1.5], "IDM6": [5, 2, 2, 3.5], "IDM7": [4, 2, 2, 5], "IDM8": [4, 3, 2, 4], "EIDM6": [5, 2, 3, 4], "KraussFirm": [5, 3, 2, 2], "IDM9": [4, 3, 2, 5], "IDM12": [5, 3, 2, 3], "IDM13": [5, 3, 2, 4]}
+SHARES = {"IDM5": [5, 3, 2, 1.5], "IDM6": [5, 2, 2, 3.5], "IDM7": [4, 2, 2, 5], "IDM8": [4, 3, 2, 4], "EIDM6": [5, 2, 3, 4], "KraussFirm": [5, 3, 2, 2], "IDM9": [4, 3, 2, 5], "IDM12": [5, 3, 2, 3], "IDM13": [5, 3, 2, 4], "IDM14": [5, 2, 2, 4.5], "KraussNight": [4, 3, 2, 3]}
 
 
 def types(model, lateral):

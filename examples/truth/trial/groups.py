@@ -22,6 +22,7 @@ from networks import (
     web_town,
 )
 from networks_channeled import distributors, pairs, third_lane, turbo
+from networks_citadel import highstreet, nightshift, tee, walls
 from networks_drawn import circles, country, knotted, motorway, street
 from networks_everyday import artery, hill_road, quarter, works
 from networks_gateway import airport, diamond, indirect, railside
@@ -154,6 +155,12 @@ SETS = {
         "twostage": (twostage, 17029, 300, 0.1, "KraussWary+moto", 3.5, 0.4, 0),
         "parclo": (parclo, 17033, 230, 0.2, "IDM13", 4.2, 1.2, 0),
     },
+    "held17": {
+        "walls": (walls, 18013, 300, 0.1, "EIDM12+moto", "sublane", 0.3, 0.12),
+        "tee": (tee, 18041, 240, 0.2, "IDM14", 3.4, 1.35, 0),
+        "highstreet": (highstreet, 18043, 300, 0.1, "KraussCivil+moto", 2.8, 0.4, 0),
+        "nightshift": (nightshift, 18061, 320, 0.05, "KraussNight+moto", 3.2, 0.2, 0),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -182,6 +189,8 @@ NOISE = {
     "held14/railside": (0.11, 0.06, 0.19, 1.2, 0.05),
     "held15/sideroads": (0.04, 0.13, 0.21, 1.1, 0.08),
     "held15/turbine": (0.13, 0.08, 0.34, 0.4, 0.06),
+    "held17/walls": (0.07, 0.12, 0.2, 1.0, 0.05),
+    "held17/tee": (0.09, 0.15, 0.31, 0.5, 0.07),
     "held16/boulevard": (0.05, 0.17, 0.23, 1.3, 0.05),
     "held16/parclo": (0.1, 0.1, 0.29, 0.7, 0.09),
 }
