@@ -130,8 +130,8 @@ def junctions(w, ego, lead):
         for m in met(w, ego, p):
             if w.kind(m.name) == "bicycle":
                 near |= m.apart < 8
-                # For whom it waits in the junction, and for how long, is open.
-                if m.its < m.mine and m.q.last > p.first - 20:
+                # For whom it waits in the junction or before it, and for how long, is open.
+                if m.its < m.mine and (m.q.last > p.first - 20 or predicted(w, ego, m)):
                     yield from perhaps(w, ego, m.name, m.q)
                 continue
             leaf = leaf_of(w, ego, p, m)
@@ -153,8 +153,8 @@ def junctions(w, ego, lead):
                 for each in ("unprotected_left", "right_vs_straight", "cross_conflict"):
                     for q in joints:
                         yield w.entry(I + each, ego, q.first, q.first, q.last, m.name, optional=True)
-                if p.first - m.q.first > 30:
-                    # It gives way long before it enters.
+                if p.first - m.q.first > 30 or m.q.first - p.first > 50:
+                    # It gives way long before it enters; or it waits inside for one after the other: since when for this one is open.
                     yield from perhaps(w, ego, m.name, m.q)
         # Where a road passes through the middle of a ring, who drives on along it crosses the ring as at any junction.
         if p.node.on_ring and not {p.link.a, p.link.b}.isdisjoint(net.ring) or not p.began:
@@ -219,7 +219,9 @@ def turn(w, ego, p, lead, into, out, near):
     oncoming = any(angle > 135 for angle in from_ahead)
     if p.turned > 45 and not oncoming and any(angle > 105 for angle in from_ahead):
         short = True
-    protected = p.link.tl and w.letter(p.link, p.first) == "G"
+    # On the yellow that ends such a green the traffic opposite is still held.
+    shown = next((x for k in range(p.first, max(0, p.first - 60), -1) if (x := w.letter(p.link, k)) != "y"), None) if p.link.tl else None
+    protected = shown == "G"
     if abs(p.turned) > 135:
         leaf = "uturn"
     elif p.turned < 0:

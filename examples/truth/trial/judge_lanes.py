@@ -132,7 +132,9 @@ def changes(w, ego, lead):
                 leaf, target = ("overtake", name) if passed(w, ego, name, c.k) else ("efficiency", None)
                 queue = min(rows[k].v for k in range(began - 30, c.k + 60) if k in rows) < 2
                 later = max((rows[k].v for k in range(c.k, c.k + 120) if k in rows), default=0)
-                sure = sure and not queue and (leaf == "overtake" or later > its.v + 2)
+                # Who speeds up ahead as the ego does holds it up for that moment only.
+                freed = max((w.rows[name][k].v for k in range(c.k, c.k + 60) if k in w.rows[name]), default=0) > its.v + 5 and its.a > 1
+                sure = sure and not queue and (leaf == "overtake" or later > its.v + 2 and not freed)
         if leaf:
             yield w.entry(P + leaf, ego, start, start, end, target, optional=not sure)
         elif sure:

@@ -150,7 +150,9 @@ def waits_for_people(w, ego, met):
             a = math.radians(o.angle)
             ahead = (q.x - o.x) * math.sin(a) + (q.y - o.y) * math.cos(a)
             slow = o.v < 2 or any(rows[u].a < -0.9 for u in range(k - 20, k + 40, 5) if u in rows)
-            if d < 35 and ahead > -4 and q.v > 0.2 and slow and (w.net.on_crossing(q.lane) or 20 < abs(bend(o.angle, q.angle)) < 160):
+            # At the end of a crossing that they take soon people turn towards it, and wait for who drives there.
+            across = w.net.on_crossing(q.lane) or 20 < abs(bend(o.angle, q.angle)) < 160
+            if d < 35 and ahead > -4 and slow and (across and q.v > 0.2 or q.person and w.net.at_crossing(q.lane) and any(u in its and w.net.on_crossing(its[u].lane) for u in range(k, k + 100, 3))):
                 hits.append(k)
         for a, b in spans(hits, gap=10):
             for key in range(a - 20, b + 1, 20):

@@ -88,8 +88,11 @@ def following(w, ego, lead):
                     for key in range(slow, a + 1, 40):
                         yield w.entry(F + "follow_stop", ego, key - 20, key, a + 10, name, optional=True)
         starts = next((k for k in range(a, b + 40) if k in its and its[k].v >= 0.3 and all(its[u].v < 0.3 for u in range(k - 10, k) if u in its)), None)
-        went = any(rows[k].v > 2 for k in range(b, b + 60) if k in rows)
-        if starts is not None and b - a >= 8 and went:
+        fastest = max((rows[k].v for k in range(b, b + 60) if k in rows), default=0)
+        if starts is not None and b - a >= 8 and 0.8 < fastest <= 2:
+            # Whether who only moves up at a walking pace starts is open.
+            yield w.entry(F + "follow_start", ego, starts, starts, b + 30, name, optional=True)
+        if starts is not None and b - a >= 8 and fastest > 2:
             yield w.entry(F + "follow_start", ego, starts, starts, b + 30, name,
                           optional=aside or gap > 13 or inside(a) or b - starts > 45 or b < starts or b - a < 13 or released(w, ego, starts) or starts - 10 < a or not rests(a, b))
 
@@ -178,6 +181,10 @@ def braking(w, ego, lead):
             if b - a >= 3 and exact in lead and lead[exact][0] == name:
                 near = lead[exact][1] < 3 * w.rows[ego][exact].v
                 yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not followed or not near or n and a - hard[n - 1][1] < 20)
+                continue
+            if b - a >= 3 and exact in w.rows[ego] and w.rows[ego][exact].leader == name:
+                # Ahead in its lane still, into one beside the ego's way: whether the ego follows it is open.
+                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=True)
 
 
 def track(w, name, a, b):

@@ -112,6 +112,11 @@ class Net:
         edge = self.edges.get(place) or self.edges.get(place.rsplit("_", 1)[0])
         return edge is not None and edge.crossing
 
+    def at_crossing(self, place):
+        """On a crossing or at its end."""
+        edge = self.edges.get(place) or self.edges.get(place.rsplit("_", 1)[0])
+        return edge is not None and edge.walk
+
     def heading(self, lane, end=True):
         (ax, ay), (bx, by) = self.lanes[lane].points[-2:] if end else self.lanes[lane].points[:2]
         return math.degrees(math.atan2(bx - ax, by - ay)) % 360
