@@ -13,9 +13,9 @@ from networks_outskirts import ahead, lifted
 
 
 def walls(work, draw):
-    """Ten joints of a boulevard of two lanes, driven around anti-clockwise: five gates with lights, where roads come from
-    outside, and five openings that give way. Inside, crooked streets of 20 and 30 km/h, two of them one way, in which
-    things are delivered; many riders and people.
+    """Ten joints of a boulevard of two lanes, driven around anti-clockwise: five gates with lights, where roads come
+    from outside, and five openings that give way. Inside, crooked streets of 20 and 30 km/h, two of them one way,
+    in which things are delivered; many riders and people.
     """
     around, street, lane = "highway.secondary", "highway.tertiary", "highway.living_street"
     jolt = lambda most=6: draw.uniform(-most, most)
@@ -65,10 +65,10 @@ def walls(work, draw):
 
 
 def tee(work, draw):
-    """A motorway from the south ends at one from west to east, whose left turns pass over it and over each other's road.
-    Eastwards: an exit of two lanes, an entry of two, then lanes end one after the other, by turns and on the right, and
-    a stretch of 45 km/h at whose start three lanes become two. Westwards: an exit without a lane, an entry by a lane that ends, a left
-    lane that ends, a place to rest.
+    """A motorway from the south ends at one from west to east, whose left turns pass over it and over each other's
+    road. Eastwards: an exit of two lanes, an entry of two, then lanes end one after the other, by turns and on the
+    right, and a stretch of 45 km/h at whose start three lanes become two. Westwards: an exit without a lane, an
+    entry by a lane that ends, a left lane that ends, a place to rest.
     """
     main, ramp, high = "motorway", "motorway_link", 6.5
     jolt = lambda: draw.uniform(-12, 12)
@@ -132,9 +132,9 @@ def tee(work, draw):
 
 
 def highstreet(work, draw):
-    """Traffic on the left. Crossings with lights and bays for right turns, between them lanes for buses and riders that
-    end 50 m before the lights, stops on them, two crossings with lights of their own for people, two side roads 46 m apart
-    on both sides. At the east end a roundabout of two lanes, clockwise; behind the shops a street with a very small one.
+    """Traffic on the left. Crossings with lights and bays for right turns, between them lanes for buses and riders
+    that end 50 m before the lights, stops on them, two crossings with lights of their own for people, two side
+    roads 46 m apart on both sides. At the east end a roundabout of two lanes, clockwise; behind the shops a street.
     """
     high, side, back = "highway.primary", "highway.tertiary", "highway.residential"
     jolt = lambda most=8: draw.uniform(-most, most)
@@ -183,10 +183,9 @@ def highstreet(work, draw):
 
 
 def nightshift(work, draw):
-    """A bypass of 80 km/h with a lane more where it climbs, a town road with lights that answer to traffic and give right of
-    way to whom they see, two crossings whose lights blink, a divided road to halls, on which one turns round at a light, a
-    roundabout of one lane at which lorries meet, a lane across the fields whose crossings have stop signs. Few vehicles, many of
-    them lorries.
+    """A bypass of 80 km/h with a lane more for 350 m, two lights on it that answer to traffic, two crossings whose
+    lights blink, a divided road to halls, on which one turns round at a light, a roundabout of one lane at which
+    lorries meet, a lane across the fields whose crossings have stop signs. Few vehicles, many of them lorries.
     """
     bypass, town, yard, field = "highway.primary", "highway.secondary", "highway.unclassified", "highway.residential"
     jolt = lambda: draw.uniform(-9, 9)
