@@ -25,8 +25,9 @@ mod texts;
 mod view;
 
 pub use clips::{ClipFacts, ClipIndex};
+pub(crate) use form::kept::bare;
+
 pub use codes::{CODES, QUALITY_CODES};
-pub use form::placeholder::without_draft_mark;
 pub use quality::{Quality, QualityKind};
 pub use recording::{COMPONENT_SIGNALS, Recorded, Recordings};
 
@@ -86,8 +87,8 @@ impl<'f> Checker<'f> {
         self.with_recordings(recordings)
     }
 
-    /// Applies every rule, including those that compare with the recording if there is one.
-    fn rules(&self, label: &View<'_>, sink: &mut dyn Sink) {
+    /// Applies every rule, including those that compare with the recording, or with the draft, if there is one.
+    fn rules(&self, label: &View<'_>, drafted: Option<&str>, sink: &mut dyn Sink) {
         let of_clip = self.recordings.as_deref().zip(label.clip_id.get());
         let until_keyframe = || {
             let (recordings, id) = of_clip?;
@@ -99,6 +100,7 @@ impl<'f> Checker<'f> {
             framework: self.framework,
             clips: self.clips.as_ref(),
             recorded: recorded.as_deref(),
+            drafted,
         };
         rulebook.check(label, sink);
         if let Some(recorded) = &recorded {
@@ -112,11 +114,20 @@ impl<'f> Checker<'f> {
 
     /// Checks one document and adds the findings, sorted by location, to `out`. Locations have no file name.
     pub fn check(&self, document: &Document<'_>, out: &mut Vec<Diagnostic>) -> Verdict {
+        self.check_since(document, None, out)
+    }
+
+    fn check_since(
+        &self,
+        document: &Document<'_>,
+        drafted: Option<&str>,
+        out: &mut Vec<Diagnostic>,
+    ) -> Verdict {
         match std::str::from_utf8(document.bytes) {
-            Ok(text) if self.is_clean_label(text) => {
+            Ok(text) if self.is_clean(text, drafted) => {
                 Verdict { kind: Some(MessageKind::CocLabel), valid: true, foreign: false }
             }
-            Ok(text) => self.explain(text, &document.origin, out),
+            Ok(text) => self.explain(text, drafted, &document.origin, out),
             Err(e) => {
                 out.push(not_utf8(document, e.valid_up_to()));
                 Verdict { kind: None, valid: false, foreign: false }
@@ -126,25 +137,41 @@ impl<'f> Checker<'f> {
 
     /// Checks a single document.
     pub fn check_text(&self, text: &str) -> Vec<Diagnostic> {
+        self.check_text_since(text, None)
+    }
+
+    /// The same for a label that began with the trace `drafted`, which a program wrote: also a draft that was changed is
+    /// recognized.
+    pub fn check_text_since(&self, text: &str, drafted: Option<&str>) -> Vec<Diagnostic> {
         let mut out = Vec::new();
-        self.check(&Document { origin: Origin::start(), bytes: text.as_bytes() }, &mut out);
+        self.check_since(&Document { origin: Origin::start(), bytes: text.as_bytes() }, drafted, &mut out);
         out
     }
 
     /// The fast path: true when `text` is a label without any finding. False means only that the slow path must decide.
     pub fn is_clean_label(&self, text: &str) -> bool {
+        self.is_clean(text, None)
+    }
+
+    fn is_clean(&self, text: &str, drafted: Option<&str>) -> bool {
         lean::LeanCocLabel::read(text).is_some_and(|label| {
             let mut sink = Silence::default();
-            self.rules(&label.view(), &mut sink);
+            self.rules(&label.view(), drafted, &mut sink);
             !sink.broken
         })
     }
 
     /// The slow path: reports every finding in `text`, independent of the fast path.
-    fn explain(&self, text: &str, origin: &Origin, out: &mut Vec<Diagnostic>) -> Verdict {
+    fn explain(
+        &self,
+        text: &str,
+        drafted: Option<&str>,
+        origin: &Origin,
+        out: &mut Vec<Diagnostic>,
+    ) -> Verdict {
         check_document(text, origin, &self.classes, out, |walk| {
             let view = tolerant::read(walk, &self.framework.decisions);
-            self.rules(&view, walk);
+            self.rules(&view, drafted, walk);
         })
     }
 }

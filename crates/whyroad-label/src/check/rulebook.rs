@@ -25,6 +25,8 @@ pub(super) struct Rulebook<'f> {
     pub clips: Option<&'f ClipIndex>,
     /// The label's whole drive, where it is available.
     pub recorded: Option<&'f Recorded>,
+    /// The trace that a program drafted for the label, where it is known.
+    pub drafted: Option<&'f str>,
 }
 
 impl Rulebook<'_> {
@@ -108,7 +110,7 @@ impl Rulebook<'_> {
         {
             side::of_maneuver(scope, self.framework, sink);
         }
-        if placeholder::trace(scope, sink) || placeholder::draft(label, self.framework, sink) {
+        if placeholder::trace(scope, sink) || placeholder::draft(label, self.framework, self.drafted, sink) {
             return;
         }
         if cause_text::unobserved_in_trace(scope, sink)

@@ -26,7 +26,7 @@ fn known(code: &str) -> bool {
 /// Findings of the slow path alone.
 fn slowly(text: &str) -> (Verdict, Vec<Diagnostic>) {
     let mut out = Vec::new();
-    let verdict = checker().explain(text, &Origin::start(), &mut out);
+    let verdict = checker().explain(text, None, &Origin::start(), &mut out);
     (verdict, out)
 }
 

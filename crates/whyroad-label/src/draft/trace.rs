@@ -4,6 +4,7 @@
 use super::moment::Moment;
 use super::motion::LongitudinalMotion;
 use super::wording::{backwards, capital, fits, repeats, wanted, without_side};
+use crate::check::bare;
 use crate::driven::along::{Course, Trend};
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::{Claim, Phrasings, SeenWhen, WhyKept};
@@ -570,8 +571,6 @@ pub(crate) fn is_draft(
     decision: &DrivingDecision,
     trace: &str,
 ) -> bool {
-    let bare =
-        |t: &str| t.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect::<String>();
     let all = all_facts(framework, class, components, decision);
     let likely: Vec<DraftFacts<'_>> = all.filter(|facts| facts.may_be(trace)).collect();
     if likely.is_empty() {

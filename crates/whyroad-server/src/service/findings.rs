@@ -7,12 +7,8 @@ use crate::domain::workflow::{Stage, State};
 use crate::service::tasks::{LabelView, TaskRow};
 use crate::service::visible;
 use serde_json::{Value, json};
-use whyroad_label::check::without_draft_mark;
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::{Diagnostic, Nanos, Severity};
-
-/// Codes of the findings of this crate, in addition to those of whyroad-framework.
-pub const CODES: &[&str] = &["label.trace.draft"];
 
 /// The findings in `draft`, a label of `task`, as far as the stage of `view` shows it, sorted by location.
 pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Finding> {
@@ -28,22 +24,9 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
         }
         Stage::Stage2 => {
             let text = as_submitted(draft).to_string();
-            let mut found: Vec<Finding> = app.stage2_checker.check_text(&text).iter().map(finding).collect();
-            let trace = draft.get(name::COC_TRACE).and_then(Value::as_str).unwrap_or_default();
-            let known = found.iter().any(|f| f.code == CODES[0]);
-            let marked = without_draft_mark(trace) != trace;
-            let drafted = drafted_trace(&task.initial).map(without_draft_mark);
-            if !known && (marked || drafted == Some(trace)) {
-                found.push(unwritten());
-            } else if !known && drafted.is_some_and(|drafted| keeps_reason(drafted, trace)) {
-                found.push(Finding {
-                    message_zh: "因果描述的原因仍是程序生成的草稿".to_owned(),
-                    message_en: "the reason of the trace is still the program's draft".to_owned(),
-                    hint_zh: Some("用自己的话改写原因".to_owned()),
-                    hint_en: Some("write the reason in your own words".to_owned()),
-                    ..unwritten()
-                });
-            }
+            let checker = if is_within(task, draft) { &app.stage2_checker } else { &app.checker };
+            let found = checker.check_text_since(&text, drafted_trace(&task.initial));
+            let mut found: Vec<Finding> = found.iter().map(finding).collect();
             if matches!(task.at.state, State::Stage1Locked | State::Stage2) {
                 found.iter_mut().for_each(|f| replace_frozen_hint(f, task.veiled));
             }
@@ -92,34 +75,11 @@ fn replace_frozen_hint(f: &mut Finding, veiled: bool) {
     f.hint_en = Some(format!("{en}. Components are locked with Stage I: {then_en}"));
 }
 
-/// The trace that a rule drafted for the task; a person who has read a model's text may accept it. The checker
-/// recognizes a draft only by the content of a label: not one from which components were removed, or whose words depend
-/// on something that Stage I hides.
+/// The trace that a rule drafted for the task; a person who has read a model's text may accept it.
 fn drafted_trace(initial: &Value) -> Option<&str> {
     let by = initial.get(name::PROVENANCE)?.get(name::SOURCE)?.as_str()?;
     let trace = initial.get(name::COC_TRACE)?.as_str()?;
     (by == "rule" && !trace.is_empty()).then_some(trace)
-}
-
-/// `trace` states the reason of `drafted` in the same words, whatever it states as the decision.
-fn keeps_reason(drafted: &str, trace: &str) -> bool {
-    let bare = |text: &str| -> String {
-        text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
-    };
-    let of = |text| reason(text).map(bare).filter(|reason| !reason.is_empty());
-    of(drafted).is_some_and(|reason| of(trace).as_ref() == Some(&reason))
-}
-
-/// The part of a trace between its state and its decision, as the page divides it.
-fn reason(trace: &str) -> Option<&str> {
-    let joints = ["因此", "所以", "故而", " therefore ", ", so ", " hence "];
-    let before = &trace[..joints.iter().filter_map(|joint| trace.rfind(joint)).max()?];
-    if let Some((_, reason)) = before.split_once(['；', ';']) {
-        return Some(reason);
-    }
-    let sentences = before.trim_end_matches(|c: char| !c.is_alphanumeric());
-    let ends = ["。", ". "].iter().filter_map(|end| sentences.rfind(end).map(|at| at + end.len()));
-    ends.max().map(|at| &sentences[at..])
 }
 
 /// The draft in the form of its submission: by a person, and with empty causes if it has none. An imported label may
@@ -149,9 +109,20 @@ pub fn in_stage1(app: &App, task: &TaskRow, label: &Value) -> Vec<Finding> {
 /// True for a label of the clip of `task` with a keyframe that is not later than the task's: up to it the recording may
 /// be shown.
 fn is_of(task: &TaskRow, label: &Value) -> bool {
+    keyframe_in(task, label).is_some_and(|k| k <= task.keyframe_ns)
+}
+
+/// True for a label of the clip of `task` at a moment that the task shows in Stage II: the recording of another clip or
+/// moment may be one whose Stage I the user does.
+fn is_within(task: &TaskRow, label: &Value) -> bool {
+    keyframe_in(task, label).is_some_and(|k| task.from_ns <= k && k <= task.to_ns)
+}
+
+/// The keyframe of `label`, if it is of the clip of `task`.
+fn keyframe_in(task: &TaskRow, label: &Value) -> Option<i64> {
     let text = |at: &str| label.pointer(at).and_then(Value::as_str);
     let keyframe = text(pointer::KEYFRAME_TIMESTAMP).and_then(|k| Nanos::parse_iso(k).ok());
-    text(pointer::CLIP_ID) == Some(task.clip_id.as_str()) && keyframe.is_some_and(|k| k.0 <= task.keyframe_ns)
+    keyframe.filter(|_| text(pointer::CLIP_ID) == Some(task.clip_id.as_str())).map(|k| k.0)
 }
 
 /// The visible part of a draft, with neutral values for the hidden fields.
@@ -188,18 +159,6 @@ fn finding(d: &Diagnostic) -> Finding {
     }
 }
 
-fn unwritten() -> Finding {
-    Finding {
-        code: CODES[0].to_owned(),
-        severity: "error".to_owned(),
-        message_zh: "因果描述仍是程序生成的草稿".to_owned(),
-        message_en: "the trace is still the program's draft".to_owned(),
-        pointer: pointer::COC_TRACE.to_owned(),
-        hint_zh: Some("用自己的话改写为：状态、原因、决策".to_owned()),
-        hint_en: Some("write state, reason and decision in your own words".to_owned()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -208,10 +167,11 @@ mod tests {
         Finding {
             code: code.to_owned(),
             severity: severity.to_owned(),
+            message_zh: String::new(),
+            message_en: String::new(),
             pointer: pointer.to_owned(),
             hint_zh: Some("补上该要素".to_owned()),
             hint_en: Some("add it as a component".to_owned()),
-            ..unwritten()
         }
     }
 
@@ -244,35 +204,10 @@ mod tests {
     fn only_what_a_rule_wrote_is_drafted() {
         let initial =
             |source: &str| json!({ "coc_trace": "[DRAFT] a; b, so c.", "provenance": { "source": source } });
-        assert_eq!(drafted_trace(&initial("rule")).map(without_draft_mark), Some("a; b, so c."));
+        assert_eq!(drafted_trace(&initial("rule")), Some("[DRAFT] a; b, so c."));
         for source in ["model", "person"] {
             assert_eq!(drafted_trace(&initial(source)), None, "{source}");
         }
         assert_eq!(drafted_trace(&json!({ "coc_trace": "a; b, so c." })), None, "a label from elsewhere");
-        assert_eq!(without_draft_mark(" 【草稿】前车减速"), "前车减速");
-    }
-
-    #[test]
-    fn a_drafted_reason_stays_one_beside_another_decision() {
-        // Patterns of `traces` in schema/draft_texts.yaml, and the text that the page writes of the same parts.
-        let zh = "前车减速。车距不足，需要拉开间距，所以自车跟车。";
-        for kept in [
-            zh,
-            "前车减速；车距不足，需要拉开间距，因此自车让行。",
-            "别的状态；车距不足，需要拉开间距，因此停车。",
-        ] {
-            assert!(keeps_reason(zh, kept), "{kept}");
-        }
-        for written in ["前车减速；再不减速会追尾，因此自车跟车。", "前车减速。", "", "因此自车让行。"]
-        {
-            assert!(!keeps_reason(zh, written), "{written}");
-        }
-        let en = "The lead brakes. The gap is too short, so the ego follows it.";
-        assert!(keeps_reason(en, "The lead brakes; the gap is too short, therefore the ego yields."));
-        assert!(!keeps_reason(en, "The lead brakes; it would be hit, therefore the ego yields."));
-        assert!(
-            !keeps_reason("前车减速，因此自车跟车。", "前车减速，因此自车让行。"),
-            "a draft without a reason"
-        );
     }
 }

@@ -1,5 +1,6 @@
 //! Texts without content: placeholders, and words that are unrelated to the road.
 
+use super::kept::{Kept, kept};
 use crate::check::overlap;
 use crate::check::reading::TextFacts;
 use crate::check::texts::TextScope;
@@ -151,14 +152,21 @@ fn placeholder(at: String, text: &str, sink: &mut dyn Sink) {
     });
 }
 
-/// The trace is still the text of the program.
-pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mut dyn Sink) -> bool {
+/// The trace is still the text of the program: of the one that drafted it, `drafted` where that is known.
+pub(in crate::check) fn draft(
+    label: &View<'_>,
+    framework: &Framework,
+    drafted: Option<&str>,
+    sink: &mut dyn Sink,
+) -> bool {
     let Some(text) = label.trace.get() else { return false };
     // A draft that is marked as one is not an error.
     if matches!(label.source, Slot::Is(ProvenanceSource::Rule | ProvenanceSource::Model)) {
         return false;
     }
-    let marked = without_draft_mark(text) != text || is_unchanged(label, text, framework);
+    let kept = drafted.and_then(|drafted| kept(drafted, text));
+    let marked =
+        without_draft_mark(text) != text || kept == Some(Kept::Trace) || is_unchanged(label, text, framework);
     // "(draft, re-watch the clip)": a note of the author.
     if let Some((start, end)) = framework.label_words().draft_note(text).filter(|_| !marked) {
         sink.report(Finding::error("label.trace.draft", pointer::COC_TRACE).part(start, end), &|| {
@@ -177,6 +185,14 @@ pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mu
                 "用自己的话改写为：状态、原因、决策",
                 "write state, reason and decision in your own words",
             )
+        });
+    } else if kept == Some(Kept::Reason) {
+        sink.report(Finding::error("label.trace.draft", pointer::COC_TRACE), &|| {
+            Words::new(
+                "因果描述的原因仍是程序生成的草稿",
+                "the reason of the trace is still the program's draft",
+            )
+            .hint("用自己的话改写原因", "write the reason in your own words")
         });
     }
     marked
