@@ -335,8 +335,11 @@ impl Source {
         self.signals.get_or_init(|| app.recordings.whole_signals(&self.drive))
     }
 
+    /// The drive as it was known at the keyframe: at that moment itself, positions and classes of objects may rest on
+    /// later measurements.
     fn picture(&self, episode: &EpisodeRecord) -> String {
-        thumbnail::draw(&self.drive, episode.keyframe.timestamp, episode.target_id.as_ref())
+        let at = episode.keyframe.timestamp;
+        thumbnail::draw(&self.drive.until(at), at, episode.target_id.as_ref())
     }
 }
 

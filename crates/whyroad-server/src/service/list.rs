@@ -4,7 +4,7 @@
 use crate::domain::task::{TaskSummary, Tasks};
 use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
-use crate::service::{disagreement, other_class, people, seen, tasks, veil};
+use crate::service::{disagreement, other_class, people, projects, seen, tasks, veil};
 use crate::store::{Tx, Value as Cell};
 use std::collections::BTreeSet;
 use whyroad_model::Nanos;
@@ -161,6 +161,8 @@ pub fn page(
         }
     }
     let mut query = Query { sql: "project_id = $1".to_owned(), values: vec![project.into()] };
+    let rule = projects::get(tx, project)?.settings.history;
+    query.and(&seen::hidden_in_stage1(rule), &[viewer.user.into()]);
     states(&mut query, filter.states)?;
     // Neither filter nor order may reveal more of a class than is displayed.
     let class_sql = veil::shown_class_sql(&veil::of(tx, project)?);

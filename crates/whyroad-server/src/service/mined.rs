@@ -80,6 +80,7 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
         explained_only: wanted.explained,
         ..EpisodeFilter::default()
     };
+    not_in_hand(app, mined, user, filter.drive.as_ref())?;
     let bad = || Problem::request("cursor 无效", "cursor is invalid");
     let mut next = wanted.cursor.map(|c| c.parse().map(EpisodeCursor).map_err(|_| bad())).transpose()?;
     let total = match wanted.cursor {
@@ -109,6 +110,19 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
         }
     }
     Ok(EpisodeCards { items, total, next: next.map(|c| c.0.to_string()) })
+}
+
+/// Refuses what a folder states about episodes, their class, range and score, to a user who does Stage I of a drive in
+/// it; of `only` this drive, if one is given.
+fn not_in_hand(app: &App, mined: &str, user: &str, only: Option<&DriveId>) -> Answer<()> {
+    seen::not_in_hand(&app.store, user, |drive| {
+        if only.is_some_and(|only| only != drive) {
+            return Ok(false);
+        }
+        let filter = EpisodeFilter { drive: Some(drive.clone()), ..EpisodeFilter::default() };
+        let count = app.recordings.episode_count(mined, &filter).ok_or_else(Problem::missing)?;
+        Ok(count.map_err(Problem::mined_unreadable)? > 0)
+    })
 }
 
 fn cards(app: &App, project: &str, user: &str, episodes: &[EpisodeRecord]) -> Answer<Vec<EpisodeCard>> {
@@ -241,11 +255,8 @@ pub fn image(
     index: usize,
 ) -> Answer<CameraImage> {
     let t = as_task(app, project, &find(app, name)?)?;
-    let (row, who) = (t.clone(), user.to_owned());
     // Images are requested in large numbers: a write only for users who have not opened the episode.
-    if !app.store.read(|tx| seen::was_shown(tx, &t, user))? {
-        app.store.write(move |tx| seen::show(tx, &row, &who))?;
-    }
+    seen::note(&app.store, &t, user)?;
     scene::image(app, &t, camera, index)
 }
 
@@ -257,6 +268,7 @@ pub fn judge(app: &App, project: &str, user: &str, request: &NewVerdict) -> Answ
         scenario: &request.scenario,
         episode: &request.episode,
     };
+    not_in_hand(app, name.mined, user, Some(&name.drive.into()))?;
     let e = find(app, name)?;
     let note = texts::reason(request.note.as_deref())?.map(str::to_owned);
     let moved = match (request.verdict, &request.keyframe) {
@@ -422,6 +434,7 @@ pub fn similar(
     user: &str,
     limit: usize,
 ) -> Answer<SimilarEpisodes> {
+    not_in_hand(app, name.mined, user, None)?;
     let e = find(app, name)?;
     let found = app.recordings.similar(name.mined, &e, limit.clamp(1, MOST)).ok_or_else(Problem::missing)?;
     let found = found.map_err(Problem::mined_unreadable)?;

@@ -1,7 +1,8 @@
 //! Query plans of SQLite for frequent queries (<https://www.sqlite.org/eqp.html>). A row of a task has several
 //! kilobytes; for a hundred thousand of them only an index may be read.
 
-use crate::service::{dashboard, disagreement, drafting, fixtures};
+use crate::domain::project::HistoryRule;
+use crate::service::{dashboard, disagreement, drafting, fixtures, seen};
 use crate::store::Value;
 use crate::values;
 
@@ -59,4 +60,18 @@ fn a_service_that_starts_reads_no_ordinary_task() {
         matches!(&lines[..], [one] if one.contains("USING COVERING INDEX tasks_not_compared")),
         "{lines:?}"
     );
+}
+
+#[test]
+fn what_a_user_has_in_hand_is_read_from_its_index() {
+    let lines = read_for(seen::IN_HAND_BEFORE, values!["u", "d", "t", 2_i64, 1_i64]);
+    assert!(matches!(&lines[..], [one] if one.contains("USING COVERING INDEX tasks_in_hand")), "{lines:?}");
+    let hidden = seen::hidden_in_stage1(HistoryRule::Drive).replace('$', "$2");
+    let sql = format!("SELECT count(*) FROM tasks WHERE project_id = $1 AND {hidden}");
+    let lines = plan(&sql, values!["p", "u"]);
+    for index in ["SEARCH h USING COVERING INDEX tasks_in_hand", "SEARCH t USING INDEX tasks_drive"] {
+        assert!(lines.iter().any(|l| l.contains(index)), "{index}: {lines:?}");
+    }
+    // Once, not for each task of the project.
+    assert!(!lines.iter().any(|l| l.contains("CORRELATED")), "{lines:?}");
 }

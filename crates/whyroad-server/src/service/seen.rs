@@ -8,6 +8,7 @@ use crate::service::tasks::TaskRow;
 use crate::service::{copies, projects};
 use crate::store::{Store, Tx};
 use crate::values;
+use whyroad_model::DriveId;
 
 /// The user as an actor on `t`: roles, and whether its future was shown to them, by this task or by another of its
 /// drive.
@@ -73,17 +74,51 @@ fn shown_until(t: &TaskRow, state: State) -> i64 {
 
 /// True when `user` was already shown the current content of `t`, in this task.
 pub fn was_shown(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<bool> {
-    let sql = "SELECT 1 FROM seen WHERE user_id = $1 AND task_id = $2 AND to_ns >= $3";
-    Ok(tx.row(sql, values![user, &t.id, shown_until(t, t.at.state)])?.is_some())
+    was_shown_until(tx, t, user, shown_until(t, t.at.state))
 }
 
-/// Records that `t` is shown to `user`; writes only if it is more than they were shown before.
+fn was_shown_until(tx: &mut dyn Tx, t: &TaskRow, user: &str, until: i64) -> Answer<bool> {
+    let sql = "SELECT 1 FROM seen WHERE user_id = $1 AND task_id = $2 AND to_ns >= $3";
+    Ok(tx.row(sql, values![user, &t.id, until])?.is_some())
+}
+
+/// Lets one transaction at a time change what `user` is doing and has seen. On PostgreSQL, two of them could otherwise
+/// each miss what the other does: one begins a Stage I while the other shows its future.
+pub fn lock(tx: &mut dyn Tx, user: &str) -> Answer<()> {
+    // The weaker lock: entries of the history refer to users.
+    let lock = if tx.lock().is_empty() { "" } else { " FOR NO KEY UPDATE" };
+    tx.row(&format!("SELECT 1 FROM users WHERE id = $1{lock}"), values![user]).map(drop)
+}
+
+/// Records that `t` is shown to `user`; writes only if it is more than they were shown before. Refused if
+/// [`may_be_shown`] refuses it, also where it was shown before.
 pub fn note(store: &Store, t: &TaskRow, user: &str) -> Answer<()> {
-    if store.read(|tx| was_shown(tx, t, user))? {
+    let known = store.read(|tx| {
+        may_be_shown(tx, t, t.at.state, user)?;
+        was_shown(tx, t, user)
+    })?;
+    if known {
         return Ok(());
     }
     let (t, user) = (t.clone(), user.to_owned());
     store.write(move |tx| show(tx, &t, &user))
+}
+
+/// Records that the keyframe of `t` is shown to `user`, and nothing after it.
+pub fn note_keyframe(store: &Store, t: &TaskRow, user: &str) -> Answer<()> {
+    let known = store.read(|tx| {
+        may_be_shown(tx, t, State::Open, user)?;
+        was_shown_until(tx, t, user, t.keyframe_ns)
+    })?;
+    if known {
+        return Ok(());
+    }
+    let (t, user) = (t.clone(), user.to_owned());
+    store.write(move |tx| {
+        lock(tx, &user)?;
+        may_be_shown(tx, &t, State::Open, &user)?;
+        record(tx, &t, &user, t.keyframe_ns)
+    })
 }
 
 /// Refuses to show `t` in `state` to `user` while they do Stage I of another task whose future it would show, or have
@@ -104,11 +139,8 @@ pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> A
             ));
         }
     }
-    let others = tx.rows(
-        "SELECT id, episode_id FROM tasks WHERE holder = $1 AND state = 'stage1' AND drive_id = $2 AND id <> $3
-           AND keyframe_ns < $4 AND to_ns > $5 ORDER BY id",
-        values![user, &t.drive_id, &t.id, shown_until(t, state), t.from_ns],
-    )?;
+    let others =
+        tx.rows(IN_HAND_BEFORE, values![user, &t.drive_id, &t.id, shown_until(t, state), t.from_ns])?;
     if others.is_empty() {
         return Ok(());
     }
@@ -118,13 +150,57 @@ pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> A
     for other in others {
         let same = copies::mined_of(&other.text("episode_id")?) == copies::mined_of(&t.episode.episode_id);
         if same || rule == HistoryRule::Drive || state.stage() == Stage::Stage2 {
-            return Err(Problem::new(
-                409,
-                "task.stage1_first",
-                "这会显示您正在做阶段一的另一任务关键帧之后的内容；请先完成该任务或将其退回队列",
-                "this would show the future of another task whose Stage I you are doing: finish or release that one first",
-            )
-            .with(serde_json::json!({ "task": other.text("id")? })));
+            return Err(stage1_first(&other.text("id")?));
+        }
+    }
+    Ok(())
+}
+
+/// Tasks whose Stage I a user does, and whose future something else of their drive would show: until `$4`, from `$5`.
+pub(super) const IN_HAND_BEFORE: &str = "SELECT id, episode_id FROM tasks WHERE holder = $1 AND state = 'stage1' \
+    AND drive_id = $2 AND id <> $3 AND keyframe_ns < $4 AND to_ns > $5 ORDER BY id";
+
+fn stage1_first(task: &str) -> Problem {
+    Problem::new(
+        409,
+        "task.stage1_first",
+        "这会显示您正在做阶段一的另一任务关键帧之后的内容；请先完成该任务或将其退回队列",
+        "this would show the future of another task whose Stage I you are doing: finish or release that one first",
+    )
+    .with(serde_json::json!({ "task": task }))
+}
+
+/// SQL for the ids of tasks that lists leave out for a user (`$`), because they are in the future of a task whose Stage
+/// I the user does: of their class and their number, too, nothing is shown before the lock. The same tasks as
+/// [`may_be_shown`] refuses.
+pub fn hidden_in_stage1(rule: HistoryRule) -> String {
+    let before = "('open', 'stage1', 'skipped', 'rejected')";
+    let begun = match rule {
+        HistoryRule::Drive => String::new(),
+        HistoryRule::Episode => format!(" AND t.state NOT IN {before}"),
+    };
+    format!(
+        "id NOT IN (SELECT t.id FROM tasks h JOIN tasks t ON t.drive_id = h.drive_id
+           WHERE h.holder = $ AND h.state = 'stage1' AND t.id <> h.id AND t.from_ns < h.to_ns
+             AND CASE WHEN t.state IN {before} THEN t.keyframe_ns ELSE t.to_ns END > h.keyframe_ns{begun})"
+    )
+}
+
+/// The tasks whose Stage I `user` does, with their drives.
+pub fn in_hand(tx: &mut dyn Tx, user: &str) -> Answer<Vec<(String, DriveId)>> {
+    let rows = tx.rows(
+        "SELECT id, drive_id FROM tasks WHERE holder = $1 AND state = 'stage1' ORDER BY drive_id, id",
+        values![user],
+    )?;
+    rows.iter().map(|r| Ok((r.text("id")?, r.text("drive_id")?.as_str().into()))).collect()
+}
+
+/// Refuses to show what is known about whole drives to a user who does Stage I of one of them; `shows` says whether a
+/// drive is among them.
+pub fn not_in_hand(store: &Store, user: &str, mut shows: impl FnMut(&DriveId) -> Answer<bool>) -> Answer<()> {
+    for (task, drive) in store.read(|tx| in_hand(tx, user))? {
+        if shows(&drive)? {
+            return Err(stage1_first(&task));
         }
     }
     Ok(())
@@ -132,15 +208,20 @@ pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> A
 
 /// Records that `user` is shown the current content of `t`; refused if [`may_be_shown`] refuses it.
 pub fn show(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
+    lock(tx, user)?;
+    may_be_shown(tx, t, t.at.state, user)?;
     if was_shown(tx, t, user)? {
         return Ok(());
     }
-    may_be_shown(tx, t, t.at.state, user)?;
+    record(tx, t, user, shown_until(t, t.at.state))
+}
+
+fn record(tx: &mut dyn Tx, t: &TaskRow, user: &str, until: i64) -> Answer<()> {
     tx.run(
         "INSERT INTO seen (user_id, task_id, drive_id, from_ns, to_ns) VALUES ($1, $2, $3, $4, $5)
          ON CONFLICT (user_id, task_id) DO UPDATE SET
            to_ns = CASE WHEN excluded.to_ns > seen.to_ns THEN excluded.to_ns ELSE seen.to_ns END",
-        values![user, &t.id, &t.drive_id, t.from_ns, shown_until(t, t.at.state)],
-    )?;
-    Ok(())
+        values![user, &t.id, &t.drive_id, t.from_ns, until],
+    )
+    .map(drop)
 }

@@ -19,22 +19,29 @@ const MOST_LARGER: f64 = 3.0;
 const MOST_OBJECTS: usize = 40;
 const MOST_LINES: usize = 60;
 
-/// The thumbnail of `drive` at `at`, with the ego driving to the right.
+/// The thumbnail of `drive` at `at`, or at the last frame before it at which the ego's pose is known, with the ego
+/// driving to the right. The drive is cut at `at`.
 pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
-    let frame = drive.times.partition_point(|t| *t <= at).saturating_sub(1);
     let Some(ego) = &drive.ego else { return String::new() };
-    let pose = |values: &[f64]| values.get(frame).copied().filter(|v| v.is_finite());
     let m = &ego.motion;
-    let (Some(x), Some(y), Some(heading)) = (pose(&m.x), pose(&m.y), pose(&m.heading)) else {
-        return String::new();
+    let pose = |frame: usize| {
+        let value = |values: &[f64]| values.get(frame).copied().filter(|v| v.is_finite());
+        Some((frame, value(&m.x)?, value(&m.y)?, value(&m.heading)?))
     };
+    let frames = drive.times.partition_point(|t| *t <= at);
+    let Some((frame, x, y, heading)) = (0..frames).rev().find_map(pose) else { return String::new() };
     let (sin, cos) = heading.sin_cos();
     // In the ego's frame, with y pointing down as on a screen.
     let from_ego = |px: f64, py: f64| {
         let (dx, dy) = (px - x, py - y);
         (dx * cos + dy * sin, dx * sin - dy * cos)
     };
-    let row_of = |track: &Track| track.frames.binary_search(&(frame as u32)).ok();
+    let row_of = |track: &Track| match track.frames.binary_search(&(frame as u32)) {
+        Ok(row) => Some(row),
+        // Between two measurements, of which the second is later: the target is where it was seen last.
+        Err(next) if target == Some(&track.id) => next.checked_sub(1),
+        Err(_) => None,
+    };
     let larger = drive.tracks.iter().find(|track| target == Some(&track.id)).and_then(|track| {
         let row = row_of(track)?;
         Some(larger_for(from_ego(*track.motion.x.get(row)?, *track.motion.y.get(row)?)))

@@ -88,6 +88,14 @@ pub fn may_change(t: &TaskRow, path: &str, value: &Value) -> Answer<()> {
             "the safety filter has a separate request and cannot be changed as a field",
         ));
     }
+    if field == name::CLIP_ID {
+        return Err(Problem::new(
+            422,
+            "draft.clip",
+            "标注属于其任务的片段，不能改为另一片段",
+            "a label is of the clip of its task and cannot be moved to another one",
+        ));
+    }
     let part_of_keyframe = path.strip_prefix(pointer::KEYFRAME).and_then(|rest| rest.strip_prefix('/'));
     if t.hides_leaf() && part_of_keyframe.is_some_and(|part| !MOMENT.contains(&part)) {
         return Err(Problem::new(

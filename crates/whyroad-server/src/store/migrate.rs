@@ -25,6 +25,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0017_webhook_owner.sql"),
     include_str!("../../migrations/0018_imported.sql"),
     include_str!("../../migrations/0019_other_class.sql"),
+    include_str!("../../migrations/0020_in_hand.sql"),
 ];
 
 /// The version of this program.

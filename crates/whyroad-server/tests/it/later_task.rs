@@ -7,21 +7,22 @@ use crate::world::{Person, Reply, World};
 use serde_json::{Value, json};
 
 /// Tasks of one drive: with the keyframe at 9.4 s, and 4 s later. Returns their ids.
-fn two_moments(world: &World, admin: &Person, project: &str, drive: &str) -> (String, String) {
+pub fn two_moments(world: &World, admin: &Person, project: &str, drive: &str) -> (String, String) {
     let mut later = episode(drive, 2, world.future);
     (later.keyframe.timestamp, later.keyframe.frame_idx) = (at(134), 134);
     (later.time_range.start_timestamp, later.time_range.end_timestamp) = (at(114), at(150));
+    (later.time_range.start_frame_idx, later.time_range.end_frame_idx) = (Some(114), Some(150));
     let body = json!({ "episodes": [episode(drive, 1, world.future), later] });
     let made = admin.post(&format!("/projects/{project}/tasks:create"), &body).fine();
     let id = |i: usize| made["tasks"][i].as_str().unwrap().to_owned();
     (id(0), id(1))
 }
 
-fn take(who: &Person, task: &str) -> Reply {
+pub fn take(who: &Person, task: &str) -> Reply {
     who.post(&format!("/tasks/{task}/lease"), &json!({ "action": "take" }))
 }
 
-fn give_back(work: &Work<'_>) {
+pub fn give_back(work: &Work<'_>) {
     work.who.post(&work.path("/lease"), &json!({ "action": "release", "fence": work.fence })).fine();
 }
 

@@ -14,6 +14,7 @@ mod flow;
 mod gold;
 mod group;
 mod identities;
+mod in_hand;
 mod later_task;
 mod leaks;
 mod meanwhile;
@@ -134,6 +135,13 @@ suite! {
     later_task::a_task_that_comes_back_asks_again_what_was_seen,
     later_task::opening_a_later_task_shows_no_future_of_the_one_in_hand,
     later_task::where_only_the_episode_bars_a_later_task_may_be_begun,
+    in_hand::lists_leave_out_what_comes_after_the_keyframe_in_hand,
+    in_hand::an_earlier_task_whose_label_reaches_further_is_left_out,
+    in_hand::exports_and_mined_lists_wait_for_the_stage_one_in_hand,
+    in_hand::what_was_seen_before_is_not_opened_again_during_stage_one,
+    in_hand::a_thumbnail_counts_as_seen,
+    in_hand::a_label_stays_with_its_clip,
+    in_hand::findings_compare_only_what_the_task_shows,
     other_class::a_lead_makes_the_task_of_the_class_that_fits,
     other_class::who_saw_no_future_may_do_the_task_again_with_another_class,
     other_class::an_episode_that_no_class_explains_becomes_a_task_of_a_chosen_class,

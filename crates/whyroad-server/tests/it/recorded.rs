@@ -73,6 +73,8 @@ pub fn drive(id: &DriveId, future: Future) -> Drive {
         ..Ego::default()
     };
     let mut tracks = vec![track("a", 0..frames, brakes), track("b", 50..90, brakes)];
+    tracks.push(recognized_later(frames, brakes));
+    tracks.push(measured_later(frames, brakes));
     if brakes {
         tracks.push(track("secret_pedestrian", KEYFRAME + 1..frames, brakes));
     }
@@ -134,6 +136,35 @@ fn track(id: &str, frames: std::ops::Range<usize>, brakes: bool) -> Track {
         height_m: vec![1.5; n],
         ..Track::default()
     }
+}
+
+/// An object that is recognized after the keyframe: as a pedestrian, or never.
+fn recognized_later(frames: usize, brakes: bool) -> Track {
+    let mut t = track("c", 0..frames, brakes);
+    t.motion.y.iter_mut().for_each(|y| *y += 6.0);
+    t.state_classes((0..frames).map(|f| {
+        if f > KEYFRAME && brakes {
+            (ObjectClass::Pedestrian, "person")
+        } else {
+            (ObjectClass::Unknown, "thing")
+        }
+    }));
+    t
+}
+
+/// An object whose pose is measured every ten frames, and interpolated between: at the keyframe from a later one.
+fn measured_later(frames: usize, brakes: bool) -> Track {
+    let mut t = track("d", 0..frames, brakes);
+    let of = |f: usize| f / 10 * 10..f.div_ceil(10) * 10;
+    let x = |f: usize| 30.0 + 0.8 * f as f64 + if f > KEYFRAME && brakes { 9.0 } else { 0.0 };
+    for f in 0..frames {
+        let (a, b) = (of(f).start, of(f).end);
+        let w = (f - a) as f64 / 10.0;
+        t.motion.x[f] = x(a) * (1.0 - w) + x(b) * w;
+        t.motion.y[f] = -3.0;
+    }
+    t.known_at = (0..frames).map(|f| at(of(f).end)).collect();
+    t
 }
 
 fn map() -> RoadMap {

@@ -11,7 +11,7 @@ use crate::domain::workflow::{Actor, Seen, Stage};
 use crate::problem::{Answer, Problem};
 use crate::service::drafts::Merged;
 use crate::service::tasks::TaskRow;
-use crate::service::{actions, drafts, findings, projects, safety, tasks, visible};
+use crate::service::{actions, drafts, findings, projects, safety, seen, tasks, visible};
 use crate::store::Tx;
 use whyroad_label::merge::MAX_DRAFT;
 
@@ -59,6 +59,7 @@ fn act_once(call: &Call<'_>, request: &TaskAction) -> Answer<TaskRow> {
     let checked = actions::check(&app, &before, &user.name, request, app.now())?;
     let (project, request) = (call.grant.project()?.to_owned(), request.clone());
     call.app.store.write(move |tx| {
+        seen::lock(tx, &user.id)?;
         let project = projects::get(tx, &project)?;
         let before = tasks::get_for_change(tx, &id)?;
         let actor = actor(tx, &before, &user)?;

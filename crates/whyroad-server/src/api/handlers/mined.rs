@@ -61,6 +61,8 @@ pub fn judge(call: &Call<'_>) -> Answer<Reply> {
 /// `GET /projects/{p}/verdicts`
 pub fn export(call: &Call<'_>) -> Answer<Reply> {
     let format = VerdictFormat::from_word(call.query("format"))?;
+    let told = "SELECT 1 FROM verdicts WHERE project_id = $1 AND drive_id = $2 LIMIT 1";
+    super::transfer::not_of_a_drive_in_hand(call, told)?;
     let (store, project) = (call.app.store.clone(), call.grant.project()?.to_owned());
     let name = store.read(|tx| projects::get(tx, &project))?.name;
     let stream = Stream::new(move |out| mined::export_to(&store, &project, format, out));

@@ -95,6 +95,7 @@ pub fn next(call: &Call<'_>) -> Answer<Reply> {
     let (app, user, roles) = (call.app.clone(), call.user()?.clone(), call.grant.roles.clone());
     let project = call.grant.project()?.to_owned();
     let found = call.app.store.write(move |tx| {
+        seen::lock(tx, &user.id)?;
         let project = projects::get(tx, &project)?;
         let now = app.lease_now(tx)?;
         queue::next(tx, &project, &user, &roles, kind, now)
@@ -163,6 +164,9 @@ pub fn lease(call: &Call<'_>) -> Answer<Reply> {
         drafting::ready(call.app, call.app.store.read(|tx| tasks::get(tx, &id))?)?;
     }
     let lease = call.app.store.write(move |tx| {
+        if request.action == LeaseAction::Take {
+            seen::lock(tx, &user.id)?;
+        }
         let now = app.lease_now(tx)?;
         let mut t = tasks::get_for_change(tx, &id)?;
         let settings = projects::get(tx, &t.project)?.settings;
@@ -193,6 +197,7 @@ pub fn assign(call: &Call<'_>) -> Answer<Reply> {
     let Assign { user: wanted } = call.body()?;
     let (id, caller, now) = (call.param("t").to_owned(), call.user()?.clone(), call.app.now());
     let t = call.app.store.write(move |tx| {
+        seen::lock(tx, &caller.id)?;
         let mut t = tasks::get_for_change(tx, &id)?;
         bulk::assign(tx, &mut t, wanted.as_deref(), None, &caller, now)?;
         seen::show(tx, &t, &caller.id)?;
@@ -272,7 +277,7 @@ pub fn work(call: &Call<'_>) -> Answer<Reply> {
 pub fn thumbnail(call: &Call<'_>) -> Answer<Reply> {
     let (id, user) = (call.param("t"), call.user()?);
     let labels = call.grant.roles.contains(&Role::Annotator);
-    let svg = call.app.store.read(|tx| {
+    let found = call.app.store.read(|tx| {
         let t = tasks::get(tx, id)?;
         // It shows the target, which reveals the L3 class.
         if t.hides_leaf() {
@@ -283,7 +288,12 @@ pub fn thumbnail(call: &Call<'_>) -> Answer<Reply> {
         if labels && !seen::was_shown(tx, &t, &user.id)? {
             return Ok(None);
         }
-        thumbnail::get(tx, id)
+        Ok(thumbnail::get(tx, id)?.map(|svg| (t, svg)))
     })?;
+    let svg = match found {
+        // Others may do Stage I one day.
+        Some((t, svg)) => seen::note_keyframe(&call.app.store, &t, &user.id).map(|()| Some(svg))?,
+        None => None,
+    };
     Ok(Reply::bytes("image/svg+xml", svg.ok_or_else(Problem::missing)?.into_bytes()))
 }

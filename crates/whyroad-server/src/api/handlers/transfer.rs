@@ -4,13 +4,15 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::api::stream::Stream;
 use crate::problem::{Answer, Problem};
-use crate::service::projects;
 use crate::service::transfer::{self, ExportFormat};
+use crate::service::{projects, seen};
+use crate::values;
 
 /// `GET /projects/{p}/export`
 pub fn export(call: &Call<'_>) -> Answer<Reply> {
     let project = call.grant.project()?;
     let format = ExportFormat::from_words(call.query("format"), call.query("version"), call.query("state"))?;
+    not_of_a_drive_in_hand(call, "SELECT 1 FROM tasks WHERE project_id = $1 AND drive_id = $2 LIMIT 1")?;
     let (name, not_chosen) = call
         .app
         .store
@@ -23,6 +25,14 @@ pub fn export(call: &Call<'_>) -> Answer<Reply> {
         stream: Some(stream),
         headers: vec![("x-whyroad-not-chosen", not_chosen.to_string())],
         ..Reply::bytes("application/x-ndjson", vec![])
+    })
+}
+
+/// Refuses an export to a user who does Stage I of a drive of which it tells something: `sql` finds that.
+pub(super) fn not_of_a_drive_in_hand(call: &Call<'_>, sql: &str) -> Answer<()> {
+    let (store, project) = (&call.app.store, call.grant.project()?);
+    seen::not_in_hand(store, &call.user()?.id, |drive| {
+        store.read(|tx| Ok(tx.row(sql, values![project, drive.as_str()])?.is_some()))
     })
 }
 
