@@ -40,24 +40,26 @@ const SUDDEN_LEAST_MPS: f64 = 1.0;
 const MEAN_REACH_S: f64 = 0.2;
 
 /// Whether a target that was stationary before frame `start` and moved backwards until frame `end` is soon stationary
-/// at its old position: its box slid, or it only made room for another road user.
-fn slides(times: &[f64], forward_speed: &[f64], start: usize, end: usize) -> bool {
+/// at its old position: its box slid, or it only made room for another road user. Unknown where the track ends in this
+/// time, on its way back there.
+fn slides(times: &[f64], forward_speed: &[f64], start: usize, end: usize) -> Tri {
     let stands = |i: usize| forward_speed[i].abs() < -REVERSE_MPS;
     let just_before = (0..start).rev().take_while(|&i| times[start] - times[i] <= CHANGE_OF_GEAR_S);
     if start == 0 || !just_before.into_iter().all(stands) {
-        return false;
+        return Tri::False;
     }
-    let mut way = 0.0;
+    let (mut way, mut farthest) = (0.0_f64, 0.0_f64);
     for i in start..forward_speed.len() - 1 {
         if i >= end && (forward_speed[i].is_nan() || times[i] - times[end - 1] > SLIDES_BACK_S) {
-            return false;
+            return Tri::False;
         }
         if i >= end && stands(i) && way > -SAME_PLACE_M {
-            return true;
+            return Tri::True;
         }
         way += forward_speed[i] * (times[i + 1] - times[i]);
+        farthest = farthest.min(way);
     }
-    false
+    if way > farthest + SAME_PLACE_M { Tri::Unknown } else { Tri::False }
 }
 
 /// By row, whether a vehicle reverses: for at least [`REVERSE_LEAST_M`] without interruption. A shorter distance that
@@ -86,11 +88,12 @@ fn reverses(is_vehicle: bool, times: &[f64], forward_speed: &[f64]) -> Vec<Tri> 
             let after = || (end..n).filter(near).map(|i| forward_speed[i]);
             let rocks = before().any(|v| v > ROCKING_MPS) && after().any(|v| v > ROCKING_MPS);
             let jumps = rocks || before().chain(after()).any(|v| v > FORWARD_MPS);
-            out[start..end].fill(if jumps || slides(times, forward_speed, start, end) {
+            let slides = slides(times, forward_speed, start, end);
+            out[start..end].fill(if jumps || slides == Tri::True {
                 Tri::False
-            } else if far {
+            } else if far && slides == Tri::False {
                 Tri::True
-            } else if cut {
+            } else if far || cut {
                 Tri::Unknown
             } else {
                 Tri::False

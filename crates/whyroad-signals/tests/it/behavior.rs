@@ -98,6 +98,10 @@ fn what_targets_do() {
     car(&mut d, "rocks", |t| (20.0 + 0.2 * t - 3.0 / PI * (PI * t / 2.0).cos(), 3.5, 0.0));
     // Stationary, and from 6 s on its box slides back by 2 m and returns to its position, all within 4 s.
     car(&mut d, "slides", |t| (50.0 - (1.0 - (PI / 2.0 * (t - 6.0).clamp(0.0, 4.0)).cos()), 3.5, 0.0));
+    // The same from 12 s on: the recording ends when it is half way back. And one that stays where it went.
+    let late = |t: f64| 2.0 * (1.0 - (PI / 2.0 * t.clamp(0.0, 4.0)).cos()) / 2.0;
+    car(&mut d, "slides late", move |t| (90.0 - late(t - 12.0), 3.5, 0.0));
+    car(&mut d, "backs late", move |t| (100.0 - late((t - 12.0).min(2.0)), 3.5, 0.0));
     // A truck at 5 m/s whose box runs ahead at 10 m/s for a second from 8 s on; a car may speed up that fast.
     let jump = |t: f64| (60.0 + 5.0 * t + 5.0 * (t - 8.0).clamp(0.0, 1.0), -3.5, 0.0);
     add(&mut d, "lorry", Truck, (8.0, 2.5), jump);
@@ -120,6 +124,9 @@ fn what_targets_do() {
     assert!((70..=71).contains(&from) && (98..=100).contains(&to), "{from} {to}");
     assert_eq!(when_of(&t, "brakes", "target.reverses", 150), None);
     assert_eq!(when_of(&t, "slides", "target.reverses", 150), None, "it stands where it stood");
+    assert_eq!(when_of(&t, "slides late", "target.reverses", 150), None, "whether it returns is not known");
+    let (from, to) = when_of(&t, "backs late", "target.reverses", 150).unwrap();
+    assert!((121..=124).contains(&from) && (136..=140).contains(&to), "{from} {to}");
     // Between two periods of forward motion; its motion at the end of the recording is unknown.
     assert_eq!(when_of(&t, "rocks", "target.reverses", 140), None);
     let (from, to) = when_of(&t, "lorry", "target.box_jumps", 150).unwrap();
