@@ -31,11 +31,22 @@ test("screen and world are inverse, ahead is up, and zooming keeps the point und
 test("the target is in sight at first: ahead, behind or beside, and never closer than asked", () => {
   const size = { width: 700, height: 420 };
   for (const [ahead, left] of [[50, 0], [110, 20], [-30, 3], [5, -60]] as const) {
-    const scale = fitting(size, ahead, left, 7);
-    const [x, y] = toScreen({ x: 0, y: 0, scale, turn: Math.PI / 2 }, size, ahead, left);
+    const fit = fitting(size, ahead, left, 7);
+    const [x, y] = toScreen({ x: 0, y: 0, ...fit, turn: Math.PI / 2 }, size, ahead, left);
     assert.ok(x > 40 && x < 660 && y > 60 && y < 385, `${ahead} m ahead, ${left} m left is at ${x}, ${y}`);
   }
-  assert.equal(fitting(size, 8, 1, 7), 7);
+  assert.equal(fitting(size, 8, 1, 7).scale, 7);
+});
+
+test("a target 62 m behind is in sight without losing the lanes: the ego moves up before the view zooms out", () => {
+  const size = { width: 700, height: 420 };
+  const fit = fitting(size, -62, 3, 7);
+  const at = (ahead: number, left: number): [number, number] => toScreen({ x: 0, y: 0, ...fit, turn: Math.PI / 2 }, size, ahead, left);
+  assert.ok(at(-62, 3)[1] < 385, "the target");
+  assert.ok(at(0, 0)[1] > 96, "the ego, below the tools");
+  // With the ego at its usual height 94 px are left for 62 m: 1.5 px per meter, a lane of 3.5 m is 5 px wide.
+  assert.ok(fit.scale > 3, `${fit.scale} px per meter`);
+  assert.deepEqual(fitting(size, 60, 3, 7).anchor, fitting(size, -5, 0, 7).anchor, "elsewhere nothing moves");
 });
 
 test("headings turn the short way round between two frames", () => {

@@ -9,7 +9,7 @@ export class SceneCamera {
   following = $state(true);
   /** Size of the canvas, px. */
   size: Size = $state.raw({ width: 0, height: 0 });
-  /** The free view; while following only its scale counts. */
+  /** The free view; while following only its scale and anchor count. */
   #free: View = $state.raw({ x: 0, y: 0, scale: START_SCALE, turn: Math.PI / 2 });
   /** What was put in sight, ahead and left of the ego, m; null once the view was moved or zoomed by hand. */
   #shown: { ahead: number; left: number; maxScale: number } | null = null;
@@ -29,12 +29,12 @@ export class SceneCamera {
   #fit(): void {
     if (!this.#shown) return;
     const { ahead, left, maxScale } = this.#shown;
-    this.#free = { ...this.#free, scale: fitting(this.size, ahead, left, maxScale) };
+    this.#free = { ...this.#free, ...fitting(this.size, ahead, left, maxScale) };
   }
 
   get view(): View {
     const ego = this.following ? this.#ego() : null;
-    return ego ? { x: ego.x, y: ego.y, scale: this.#free.scale, turn: Math.PI / 2 - ego.heading } : this.#free;
+    return ego ? { ...this.#free, x: ego.x, y: ego.y, turn: Math.PI / 2 - ego.heading } : this.#free;
   }
 
   /** Follows the ego, or leaves the view where it is. */

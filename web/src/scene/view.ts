@@ -8,6 +8,8 @@ export interface View {
   scale: number;
   /** Turn of the world, rad; pi/2 - heading puts that heading upwards. */
   turn: number;
+  /** Height of the anchor on the screen, as a fraction from the top; more is shown ahead of the ego than behind it. */
+  anchor?: number;
 }
 
 export interface Size {
@@ -19,8 +21,11 @@ export interface Size {
 const LEAST_SCALE = 0.8;
 const MOST_SCALE = 60;
 
-/** Height of the anchor on the screen, as a fraction: more is shown ahead of the ego than behind it. */
+/** Heights of the anchor: usually, and the least, with which a target far behind the ego is in sight. */
 const ANCHOR = 0.68;
+const LEAST_ANCHOR = 0.4;
+
+const anchorOf = (v: View, s: Size): number => s.height * (v.anchor ?? ANCHOR);
 
 /**
  * Coefficients for `setTransform`, for points relative to `origin`: canvases compute in 32 bits, maps may be far from
@@ -37,7 +42,7 @@ export function matrix(v: View, s: Size, origin: readonly [number, number]): DOM
     c: -sin,
     d: -cos,
     e: s.width / 2 + cos * dx - sin * dy,
-    f: s.height * ANCHOR - sin * dx - cos * dy,
+    f: anchorOf(v, s) - sin * dx - cos * dy,
   };
 }
 
@@ -46,13 +51,13 @@ export function toScreen(v: View, s: Size, x: number, y: number): [number, numbe
   const sin = Math.sin(v.turn) * v.scale;
   return [
     s.width / 2 + cos * (x - v.x) - sin * (y - v.y),
-    s.height * ANCHOR - sin * (x - v.x) - cos * (y - v.y),
+    anchorOf(v, s) - sin * (x - v.x) - cos * (y - v.y),
   ];
 }
 
 export function toWorld(v: View, s: Size, px: number, py: number): [number, number] {
   const u = (px - s.width / 2) / v.scale;
-  const w = (s.height * ANCHOR - py) / v.scale;
+  const w = (anchorOf(v, s) - py) / v.scale;
   const cos = Math.cos(v.turn);
   const sin = Math.sin(v.turn);
   return [v.x + cos * u + sin * w, v.y - sin * u + cos * w];
@@ -69,15 +74,18 @@ export function zoomed(v: View, s: Size, factor: number, px: number, py: number)
 /** Room at the edges for the tools at the top, names at the sides and the scale at the bottom, px. */
 const MARGIN = { top: 96, side: 48, bottom: 40 };
 
-/** The largest scale up to `most` at which a point `ahead` and `left` of the followed ego, m, is in sight. */
-export function fitting(s: Size, ahead: number, left: number, most: number): number {
-  const up = s.height * ANCHOR - MARGIN.top;
-  const down = s.height * (1 - ANCHOR) - MARGIN.bottom;
-  const limits = [
-    ahead > 0 ? up / ahead : ahead < 0 ? down / -ahead : most,
-    left === 0 ? most : (s.width / 2 - MARGIN.side) / Math.abs(left),
-  ];
-  return Math.max(LEAST_SCALE, Math.min(most, ...limits));
+/**
+ * The largest scale up to `most` at which a point `ahead` and `left` of the followed ego, m, is in sight, and the
+ * anchor that it needs: for a point behind, the ego moves up the screen before the view zooms out.
+ */
+export function fitting(s: Size, ahead: number, left: number, most: number): { scale: number; anchor: number } {
+  const side = left === 0 ? most : Math.min(most, (s.width / 2 - MARGIN.side) / Math.abs(left));
+  const behind = Math.max(0, -ahead) * side + MARGIN.bottom;
+  const anchor = Math.min(ANCHOR, Math.max(LEAST_ANCHOR, 1 - behind / s.height));
+  const up = s.height * anchor - MARGIN.top;
+  const down = s.height * (1 - anchor) - MARGIN.bottom;
+  const length = ahead > 0 ? up / ahead : ahead < 0 ? down / -ahead : most;
+  return { scale: Math.max(LEAST_SCALE, Math.min(side, length)), anchor };
 }
 
 /**

@@ -251,6 +251,7 @@ export const labelTexts = {
   "draft.accepted": ["已采纳", "accepted"],
   "draft.was": ["草稿原为", "Draft"],
   "draft.revert": ["恢复", "Restore"],
+  "stage.errors_left": ["还有 {n} 个错误须改正：{fields}。", "{n} {n:error|errors} to fix: {fields}."],
   "draft.left": [
     "草稿还有 {n} 项未确认：{fields}。逐项修改，或按 {key} 采纳。",
     "{n} {n:field|fields} of the draft not confirmed yet: {fields}. Change each, or accept it with {key}.",
