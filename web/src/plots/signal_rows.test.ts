@@ -49,6 +49,12 @@ test("without conditions, as in Stage I, times to an event come first of what th
   assert.deepEqual(rows.slice(0, 2).map((r) => r.id), ["target.ttc", "target.speed"]);
 });
 
+test("without conditions numbers of the target come before those of other vehicles", () => {
+  const both = { ...scene, signals: { "lead.gap": [47, 46], "target.speed": [10, 9] }, about: { ...scene.about, "lead.gap": about("m", "净距") } } as unknown as SceneView;
+  const rows = signalRows(both, ["lead.gap", "target.speed"], [], { speeds: "km/h", lang: "zh" });
+  assert.deepEqual(rows.map((r) => r.id), ["target.speed", "lead.gap"]);
+});
+
 test("times to an event have an axis from 0 to 10 s, other signals fit their values; thresholds are drawn", () => {
   const rows = signalRows(scene, [], [{ condition: "target.ttc < 3s", actual_value: 2.48 }], { speeds: "km/h", lang: "en" });
   const ttc = rows.find((r) => r.id === "target.ttc");

@@ -63,10 +63,11 @@ export function signalRows(
   const rank = (id: string): number => (compared(id) < Infinity ? 0 : read.includes(id) ? 1 : 2);
   const before = (a: number, b: number): number => (a < b ? -1 : a > b ? 1 : 0);
   const isEmpty = (id: string): number => ((scene.signals[id] ?? []).every((v) => v === null || v === "none") ? 1 : 0);
-  // Stage I is not told the conditions: of what the rule reads a time to an event decides most, a flag least.
+  // Stage I is not told the conditions: of what the rule reads a time to an event decides most, then numbers of the
+  // target, a flag least.
   const kind = (id: string): number => {
     const about = scene.about[id];
-    return conditions.length > 0 || !read.includes(id) ? 0 : isTimeToEvent(id, about?.unit) ? 0 : about?.kind === "number" ? 1 : 2;
+    return conditions.length > 0 || !read.includes(id) ? 0 : isTimeToEvent(id, about?.unit) ? 0 : about?.kind !== "number" ? 3 : id.startsWith("target.") ? 1 : 2;
   };
   const position = (id: string): number => (read.includes(id) ? read.indexOf(id) : Infinity);
   return Object.keys(scene.signals)
