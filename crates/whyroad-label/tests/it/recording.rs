@@ -206,6 +206,44 @@ fn an_object_that_appears_later_is_not_seen() {
     assert_eq!(found(&whole(0.0, 5.0), &late, "label.object."), [("label.object.unseen", true)]);
 }
 
+/// A log that has objects every fifth frame, as nuScenes has at 10 Hz: a drive cut at the keyframe ends between two of
+/// them, and the rows after the last one are withheld. `last`: the frame of the car's last observation.
+struct Sparse {
+    last: usize,
+}
+
+impl Recordings for Sparse {
+    fn of_clip(&self, _: &str) -> Option<Arc<Recorded>> {
+        None
+    }
+
+    fn until(&self, _: &str, _: Nanos) -> Option<Arc<Recorded>> {
+        let mut cut = recorded(KEYFRAME + 1, 0.0);
+        let drive = Arc::get_mut(&mut cut.drive).unwrap();
+        let car = drive.tracks.iter_mut().find(|t| t.class == ObjectClass::Car).unwrap();
+        car.frames.truncate(self.last + 1);
+        car.motion = Motion::unknown(self.last + 1);
+        // Observed at frames 1, 6, 11, ...; a row between is known with the next of them.
+        let next = |frame: usize| (frame + 3) / 5 * 5 + 1;
+        car.known_at = (0..=self.last).map(|f| drive.times[if f == 0 { 1 } else { next(f) }]).collect();
+        Some(Arc::new(cut))
+    }
+}
+
+#[test]
+fn an_object_of_a_log_with_few_observations_is_seen_until_the_next_one_is_due() {
+    let mut draft = label(CUT_IN, yields(), &[("前方的轿车正在减速", "car")]);
+    draft["critical_components"][0]["evidence_times"] = json!([TIME]);
+    let unseen = |last: usize| {
+        let checker = Checker::new(Framework::bundled()).with_histories(Arc::new(Sparse { last }));
+        found(&checker, &draft, "label.object.unseen")
+    };
+    // The next observation is due at frame 81, one after the keyframe.
+    assert_eq!(unseen(KEYFRAME - 4), []);
+    // It should have been observed at frame 76.
+    assert_eq!(unseen(KEYFRAME - 9), [("label.object.unseen", true)]);
+}
+
 /// A vehicle of unknown kind may be any of them.
 #[test]
 fn a_vehicle_of_unknown_kind_has_every_name_of_a_vehicle_and_none_of_a_person() {

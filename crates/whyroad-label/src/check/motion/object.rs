@@ -18,6 +18,8 @@ use whyroad_model::{Drive, Nanos, ObjectClass, TrackId};
 
 /// Maximum distance of an object that a text can mean, m.
 const NEAR_M: f64 = 80.0;
+/// An object that was not observed for this many frames was still in view.
+const UNSEEN_FRAMES: usize = 2;
 /// Minimum lateral distance at which the side is certain, m.
 const SIDE_M: f64 = 1.5;
 
@@ -93,26 +95,45 @@ fn frames_of(c: &ComponentView<'_>, w: &Driven<'_>) -> Vec<usize> {
     given.iter().filter(|t| inside(t)).map(|t| frame_at(times, *t).min(times.len() - 1)).collect()
 }
 
+/// Frames between two observations of objects: 1, or more where the log has objects at a lower rate and the frames
+/// between were interpolated. Those after the last observation are withheld from a drive that ends at the keyframe.
+fn observation_step(drive: &Drive) -> usize {
+    let steps = drive.tracks.iter().filter(|t| t.known_at.len() == t.frames.len()).filter_map(|t| {
+        let rows = t.frames.iter().map(|f| *f as usize).zip(&t.known_at);
+        let observed: Vec<usize> = rows
+            .filter(|(f, known)| drive.times.get(*f).is_some_and(|at| at >= *known))
+            .map(|(f, _)| f)
+            .collect();
+        observed.windows(2).map(|pair| pair[1] - pair[0]).min()
+    });
+    steps.min().unwrap_or(1)
+}
+
 /// No linked object was observed at an evidence time.
 fn unseen(c: &ComponentView<'_>, linked: &[&str], w: &Driven<'_>, sink: &mut dyn Sink) -> bool {
     if linked.is_empty() {
         return false;
     }
     for (k, frame) in frames_of(c, w).into_iter().enumerate() {
-        let seen = |id: &&str| {
-            w.drive
-                .track(&TrackId::from(*id))
-                .is_some_and(|t| t.frames.iter().any(|f| (*f as usize).abs_diff(frame) <= 2))
+        let within = |frames: usize| {
+            let near = |id: &&str| {
+                let track = w.drive.track(&TrackId::from(*id));
+                track.is_some_and(|t| t.frames.iter().any(|f| (*f as usize).abs_diff(frame) <= frames))
+            };
+            linked.iter().any(near)
         };
-        if linked.iter().any(seen) {
+        if within(UNSEEN_FRAMES) || within(observation_step(w.drive)) {
             continue;
         }
         let at = pointer::critical_components_item_evidence_times_item(c.index, k);
         sink.report(Finding::error("label.object.unseen", at), &|| {
-            let t = -w.seconds(frame);
+            let (zh, en) = match -w.seconds(frame) {
+                t if t < 0.05 => ("即关键帧".to_owned(), "the keyframe".to_owned()),
+                t => (format!("关键帧前 {t:.1} s"), format!("{t:.1} s before the keyframe")),
+            };
             Words::new(
-                format!("证据时间（关键帧前 {t:.1} s）没有观测到该目标"),
-                format!("the object was not observed at this evidence time ({t:.1} s before the keyframe)"),
+                format!("证据时间（{zh}）没有观测到该目标"),
+                format!("the object was not observed at this evidence time ({en})"),
             )
             .hint("写能看到它的时刻", "give a time at which it can be seen")
         });
