@@ -140,8 +140,8 @@ impl<'f> Checker<'f> {
         self.check_text_since(text, None)
     }
 
-    /// The same for a label that began with the trace `drafted`, which a program wrote: also a draft that was changed is
-    /// recognized.
+    /// The same for a label that began with the trace `drafted`, which a program wrote: a draft that was changed is
+    /// recognized, too.
     pub fn check_text_since(&self, text: &str, drafted: Option<&str>) -> Vec<Diagnostic> {
         let mut out = Vec::new();
         self.check_since(&Document { origin: Origin::start(), bytes: text.as_bytes() }, drafted, &mut out);

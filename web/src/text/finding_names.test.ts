@@ -1,5 +1,5 @@
-// Every code of a label that its page in docs/diagnostics calls a warning or a note, always or in some cases, has a name:
-// an error cannot be submitted.
+// Every code of a label that its page in docs/diagnostics calls a warning or a note, always or in some cases, has a
+// name: an error cannot be submitted.
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { test } from "vitest";

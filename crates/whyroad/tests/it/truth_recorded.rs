@@ -36,8 +36,8 @@ pub fn whyroad(args: &[&str]) -> String {
         .env_remove("WHYROAD_LANG")
         .output()
         .unwrap();
-    // 1: there are findings about the logs, which is fine here.
-    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", String::from_utf8_lossy(&output.stderr));
+    // 1: there are findings about the logs. 3: some input is not used: a vehicle of a recording leaves its map.
+    assert!(matches!(output.status.code(), Some(0 | 1 | 3)), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
 

@@ -1,8 +1,10 @@
-//! What a trace keeps of the draft that its label began with, where that draft is known. Without it, a draft is recognized
-//! by the framework's phrasings (`crate::draft::is_draft`): not one whose components or decision were changed, or whose
-//! words depend on something that the label does not state.
+//! What a trace keeps of the draft that its label began with, where that draft is known. Without it, a draft is
+//! recognized by the framework's phrasings (`crate::draft::is_draft`): not one whose components or decision were changed,
+//! or whose words depend on something that the label does not state.
 
-use super::placeholder::without_draft_mark;
+/// Marks at the beginning of the drafts of this program up to version 0.1; a trace that has one was not written by a
+/// person.
+const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
 
 /// What is left of a draft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +27,12 @@ pub(super) fn kept(drafted: &str, trace: &str) -> Option<Kept> {
     let of = |text| reason(text).map(bare).filter(|reason| !reason.is_empty());
     let reason = of(drafted)?;
     (of(trace)? == reason).then_some(Kept::Reason)
+}
+
+/// The trace without a draft mark at its beginning.
+pub(super) fn without_draft_mark(trace: &str) -> &str {
+    let text = trace.trim_start();
+    DRAFT_MARKS.iter().find_map(|m| text.strip_prefix(m)).map_or(trace, str::trim_start)
 }
 
 /// The letters and digits of a text, in lower case: what remains when punctuation is changed.

@@ -1,6 +1,6 @@
 //! Texts without content: placeholders, and words that are unrelated to the road.
 
-use super::kept::{Kept, kept};
+use super::kept::{Kept, kept, without_draft_mark};
 use crate::check::overlap;
 use crate::check::reading::TextFacts;
 use crate::check::texts::TextScope;
@@ -12,16 +12,6 @@ use whyroad_framework::{Framework, LabelWords, Lexicon};
 use whyroad_model::ScenarioId;
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::{CriticalComponent, DrivingDecision, ProvenanceSource};
-
-/// Marks at the beginning of the drafts of this program up to version 0.1; a trace that has one was not written by a
-/// person.
-const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
-
-/// The trace without a draft mark at its beginning.
-pub fn without_draft_mark(trace: &str) -> &str {
-    let text = trace.trim_start();
-    DRAFT_MARKS.iter().find_map(|m| text.strip_prefix(m)).map_or(trace, str::trim_start)
-}
 
 /// Each component has content. Returns true when one does not.
 pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
