@@ -12,7 +12,7 @@ use std::process::Command;
 /// The files of truth, the number of their drives, and the least precision and recall: what is reached, rounded down.
 /// The goals are 0.90 and 0.80 on drives that nobody has looked at, which these no longer are.
 const SETS: [(&str, usize, f64, f64); 3] =
-    [("blind", 40, 0.95, 0.88), ("second", 20, 0.95, 0.77), ("third", 20, 0.88, 0.85)];
+    [("blind", 40, 0.95, 0.88), ("second", 20, 0.95, 0.70), ("third", 20, 0.90, 0.80)];
 
 /// The recordings that have a pose.
 fn recordings(data: &Path) -> Vec<PathBuf> {
