@@ -84,9 +84,12 @@ fn compare(folders: &[PathBuf]) -> usize {
                 let of = |signals| draft(framework, &drive, signals, episode, lang).label;
                 assert_eq!(of(&stored), of(&derived));
                 let short = components(framework, &cut, &last, episode, lang);
-                let long = draft(framework, &cut, &all, episode, lang).label.critical_components;
-                assert_eq!(short, long, "{}", episode.episode_id);
-                with_components += usize::from(!short.is_empty());
+                let long = draft(framework, &cut, &all, episode, lang);
+                // Without what comes after, no wording may fit: such a skeleton has no components.
+                if long.doubt.is_none() {
+                    assert_eq!(short, long.label.critical_components, "{}", episode.episode_id);
+                    with_components += usize::from(!short.is_empty());
+                }
             }
         }
     }
