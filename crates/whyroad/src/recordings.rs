@@ -153,12 +153,12 @@ impl Recordings for ServiceRecordings {
     fn span(&self, id: &DriveId) -> Result<(Nanos, Nanos), Bilingual> {
         // Before the read: never newer than what was read.
         let version = self.lake.version(id);
+        let known = |spans: &HashMap<DriveId, (String, Span)>| {
+            spans.get(id).filter(|(of, _)| *of == version && !version.is_empty()).map(|(_, span)| *span)
+        };
         let broken = |e: &dyn std::fmt::Display| Bilingual::same(e.to_string());
-        {
-            let spans = self.spans.lock().map_err(|e| broken(&e))?;
-            if let Some((_, span)) = spans.get(id).filter(|(of, _)| *of == version && !version.is_empty()) {
-                return Ok(*span);
-            }
+        if let Some(span) = known(&*self.spans.lock().map_err(|e| broken(&e))?) {
+            return Ok(span);
         }
         let span = span_of(&self.lake.frame_times(id).map_err(in_words)?)?;
         let mut spans = self.spans.lock().map_err(|e| broken(&e))?;
