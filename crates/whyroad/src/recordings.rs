@@ -28,11 +28,7 @@ pub(crate) struct ServiceRecordings {
     framework: &'static Framework,
     /// By version of the drive and episode; none for a moment without a pose.
     descriptors: Mutex<HashMap<(String, String), Option<EpisodeDescriptor>>>,
-    /// First and last frame of drives, with the version of the drive on disk: a page of a list may name a hundred.
-    spans: Mutex<HashMap<DriveId, (String, Span)>>,
 }
-
-type Span = (Nanos, Nanos);
 
 impl ServiceRecordings {
     /// See [`LakeRecordings::open`].
@@ -48,7 +44,6 @@ impl ServiceRecordings {
             checked,
             framework,
             descriptors: Mutex::default(),
-            spans: Mutex::default(),
         })
     }
 }
@@ -63,7 +58,7 @@ impl ServiceRecordings {
 /// Maximum number of episodes of the L2 that one is compared with. A descriptor takes about a millisecond once the
 /// drive is in memory.
 const MOST_COMPARED: usize = 2000;
-/// Maximum number of kept descriptors, and of kept spans.
+/// Maximum number of kept descriptors.
 const MOST_KEPT: usize = 20_000;
 
 impl ServiceRecordings {
@@ -151,22 +146,7 @@ impl Recordings for ServiceRecordings {
     }
 
     fn span(&self, id: &DriveId) -> Result<(Nanos, Nanos), Bilingual> {
-        // Before the read: never newer than what was read.
-        let version = self.lake.version(id);
-        let known = |spans: &HashMap<DriveId, (String, Span)>| {
-            spans.get(id).filter(|(of, _)| *of == version && !version.is_empty()).map(|(_, span)| *span)
-        };
-        let broken = |e: &dyn std::fmt::Display| Bilingual::same(e.to_string());
-        if let Some(span) = known(&*self.spans.lock().map_err(|e| broken(&e))?) {
-            return Ok(span);
-        }
-        let span = span_of(&self.lake.frame_times(id).map_err(in_words)?)?;
-        let mut spans = self.spans.lock().map_err(|e| broken(&e))?;
-        if spans.len() >= MOST_KEPT {
-            spans.clear();
-        }
-        spans.insert(id.clone(), (version, span));
-        Ok(span)
+        span_of(&self.lake.frame_times(id).map_err(in_words)?)
     }
 
     fn version(&self, id: &DriveId) -> String {
@@ -278,24 +258,6 @@ impl Recordings for ServiceRecordings {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_span_of_a_drive_follows_what_is_on_disk() {
-        let dir = tempfile::tempdir().unwrap();
-        let lake = Lake::create_or_open(dir.path()).unwrap();
-        let recordings = ServiceRecordings::open(lake.clone(), Framework::bundled(), &[], &[]).unwrap();
-        let id = DriveId::from("d");
-        assert!(recordings.span(&id).is_err());
-        for frames in [3, 5, 9] {
-            let times: Vec<Nanos> = (0..frames).map(|i| Nanos(i * 100_000_000)).collect();
-            let last = times[times.len() - 1];
-            let meta = whyroad_model::scene::DriveMeta { drive_id: id.clone(), ..Default::default() };
-            lake.write_drive(&Drive { meta, times, ..Drive::default() }).unwrap();
-            for _ in 0..2 {
-                assert_eq!(recordings.span(&id).unwrap(), (Nanos(0), last), "{frames}");
-            }
-        }
-    }
 
     #[test]
     fn a_signal_has_the_unit_of_its_column() {
