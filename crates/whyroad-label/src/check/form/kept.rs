@@ -1,6 +1,6 @@
 //! What a trace keeps of the draft that its label began with, where that draft is known. Without it, a draft is
-//! recognized by the framework's phrasings (`crate::draft::is_draft`): not one whose components or decision were changed,
-//! or whose words depend on something that the label does not state.
+//! recognized by the framework's phrasings (`crate::draft::is_draft`): not one whose components or decision were
+//! changed, or whose words depend on something that the label does not state.
 
 /// Marks at the beginning of the drafts of this program up to version 0.1; a trace that has one was not written by a
 /// person.
