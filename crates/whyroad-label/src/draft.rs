@@ -23,7 +23,7 @@ pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 
 use crate::driven::along::{self, Trend, course};
 use crate::driven::{Driven, across};
-use components::ROAD;
+use components::{ROAD, is_light};
 use decision::LeadIs;
 use lead::Lead;
 use moment::Moment;
@@ -252,8 +252,6 @@ fn make(
         of_turn = intent.is_some().then_some(components.len());
         components.extend(intent);
     }
-    let is_light =
-        |c: &CriticalComponent| c.category.as_deref() == Some(ComponentCategory::TrafficLights.id());
     let names_light = components.iter().chain(&also).any(is_light);
     let light = scene.light(&moment, lang).filter(|c| goes_on && !names_light && how.lists(c));
     let waits = decision.longitudinal == Some(Longitudinal::Resume) && motion == LongitudinalMotion::Waits;
@@ -448,8 +446,6 @@ pub fn components(
     let scene = components::Scene { framework, drive, signals, episode, target, keyframe, has_course };
     let mut all = with_cause(&scene, scene.observed(&moment, lang), &moment, lang);
     all.extend(trace::also(framework, class, &moment, lang));
-    let is_light =
-        |c: &CriticalComponent| c.category.as_deref() == Some(ComponentCategory::TrafficLights.id());
     if !all.iter().any(is_light) {
         all.extend(scene.light(&moment, lang));
     }

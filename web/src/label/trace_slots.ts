@@ -16,10 +16,11 @@ const DRAFT_MARK = /^\s*(?:【草稿】|\[DRAFT\])\s*/i;
 const HAN = /\p{Script=Han}/gu;
 const WORD = /[\p{Script=Latin}\d][\p{Script=Latin}\d'-]*/gu;
 
+const JOINT = String.raw`\s*(?:因此|所以|故而|(?<!\p{L})(?:therefore|so|hence)(?!\p{L}))[，,]?\s*`;
 /** Before the decision: the last of these in the text. */
-const THEREFORE = /[，,；;。.]?\s*(?:因此|所以|故而|(?<![\p{L}])(?:therefore|so|hence)(?![\p{L}]))[，,]?\s*/giu;
+const THEREFORE = new RegExp(`[，,；;。.]?${JOINT}`, "giu");
 /** Who writes a decision writes this before it, as in a sentence; the text has it already. */
-const LEADS = /^[，,；;]?\s*(?:因此|所以|故而|(?:therefore|so|hence)(?![\p{L}]))[，,]?\s*/iu;
+const LEADS = new RegExp(`^[，,；;]?${JOINT}`, "iu");
 /** A text that is only a decision, as `traceOf` writes it. */
 const BARE_DECISION = /^(?:因此|therefore )/i;
 /** Between state and reason: the first of these. */

@@ -147,6 +147,11 @@ impl Scene<'_> {
     }
 }
 
+/// True for a component about a traffic light.
+pub(super) fn is_light(component: &CriticalComponent) -> bool {
+    component.category.as_deref() == Some(ComponentCategory::TrafficLights.id())
+}
+
 fn component(category: ComponentCategory, text: &Bilingual, lang: Lang) -> CriticalComponent {
     CriticalComponent {
         category: Some(category.id().to_owned()),

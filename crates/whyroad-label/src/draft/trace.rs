@@ -1,6 +1,7 @@
 //! The draft of the trace: the state, the reason for the decision, the decision (LABELING.md 7), in phrasings of
 //! `schema/draft_texts.yaml`. A seed selects the phrasings, so that the same episode always gets the same text.
 
+use super::components::is_light;
 use super::moment::Moment;
 use super::motion::LongitudinalMotion;
 use super::wording::{backwards, capital, fits, repeats, wanted, without_side};
@@ -247,10 +248,8 @@ pub(super) fn trace(
     let short = |t: &Told| t.text.chars().count() < *wanted(facts.lang).start();
     let repeats = |t: &Told| repeats(&t.text, t.state, facts.lang);
     // A light that concerns the ego is mentioned.
-    let light = ComponentCategory::TrafficLights.id();
-    let shown = facts.components.iter().take(MOST_IN_STATE);
-    let light =
-        shown.filter(|c| c.category.as_deref() == Some(light)).map(|c| c.description.to_lowercase()).next();
+    let light = facts.components.iter().take(MOST_IN_STATE).find(|c| is_light(c));
+    let light = light.map(|c| c.description.to_lowercase());
     let unlit = |t: &Told| light.as_ref().is_some_and(|l| !t.text.to_lowercase().contains(l.as_str()));
     for is_worse in [&smooth as &dyn Fn(&Told) -> bool, &unlit, &unsure, &chained, &short, &repeats] {
         if !texts.iter().all(is_worse) {
@@ -618,8 +617,6 @@ pub(super) fn seen(
     // A light is the subject only of classes that have no other subject.
     let light = words.kinds.get("light").copied().unwrap_or_default();
     let only_light = about == Some(light);
-    let is_light =
-        |c: &CriticalComponent| c.category.as_deref() == Some(ComponentCategory::TrafficLights.id());
     let speaks = |c: &CriticalComponent| {
         if is_light(c) && !only_light {
             return false;

@@ -127,7 +127,9 @@ fn possible(program: &Program, has: impl Fn(&str) -> bool) -> Vec<Possible> {
             Op::Since(a, b) | Op::Until(a, b) => Possible { yes: of(b).yes, no: of(a).no || of(b).no },
             // An object for which a signal is missing may or may not count.
             Op::AtLeast { of, .. } | Op::AtLeastNear { of, .. } => {
-                Possible::both(program.needs(&[*of]).iter().all(|s| has(s)))
+                // Mostly all signals are there: what is needed of them need not be worked out.
+                let all = |signals: BTreeSet<String>| signals.iter().all(|s| has(s));
+                Possible::both(all(program.signals(*of)) || all(program.needs(&[*of])))
             }
             Op::Negate(a)
             | Op::Absolute(a)

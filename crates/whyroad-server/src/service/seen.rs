@@ -74,12 +74,12 @@ fn shown_until(t: &TaskRow, state: State) -> i64 {
 
 /// True when `user` was already shown the current content of `t`, in this task.
 pub fn was_shown(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<bool> {
-    was_shown_until(tx, t, user, shown_until(t, t.at.state))
+    was_shown_in(tx, t, t.at.state, user)
 }
 
-fn was_shown_until(tx: &mut dyn Tx, t: &TaskRow, user: &str, until: i64) -> Answer<bool> {
+fn was_shown_in(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> Answer<bool> {
     let sql = "SELECT 1 FROM seen WHERE user_id = $1 AND task_id = $2 AND to_ns >= $3";
-    Ok(tx.row(sql, values![user, &t.id, until])?.is_some())
+    Ok(tx.row(sql, values![user, &t.id, shown_until(t, state)])?.is_some())
 }
 
 /// Lets one transaction at a time change what `user` is doing and has seen. On PostgreSQL, two of them could otherwise
@@ -93,32 +93,24 @@ pub fn lock(tx: &mut dyn Tx, user: &str) -> Answer<()> {
 /// Records that `t` is shown to `user`; writes only if it is more than they were shown before. Refused if
 /// [`may_be_shown`] refuses it, also where it was shown before.
 pub fn note(store: &Store, t: &TaskRow, user: &str) -> Answer<()> {
-    let known = store.read(|tx| {
-        may_be_shown(tx, t, t.at.state, user)?;
-        was_shown(tx, t, user)
-    })?;
-    if known {
-        return Ok(());
-    }
-    let (t, user) = (t.clone(), user.to_owned());
-    store.write(move |tx| show(tx, &t, &user))
+    note_in(store, t, t.at.state, user)
 }
 
 /// Records that the keyframe of `t` is shown to `user`, and nothing after it.
 pub fn note_keyframe(store: &Store, t: &TaskRow, user: &str) -> Answer<()> {
+    note_in(store, t, State::Open, user)
+}
+
+fn note_in(store: &Store, t: &TaskRow, state: State, user: &str) -> Answer<()> {
     let known = store.read(|tx| {
-        may_be_shown(tx, t, State::Open, user)?;
-        was_shown_until(tx, t, user, t.keyframe_ns)
+        may_be_shown(tx, t, state, user)?;
+        was_shown_in(tx, t, state, user)
     })?;
     if known {
         return Ok(());
     }
     let (t, user) = (t.clone(), user.to_owned());
-    store.write(move |tx| {
-        lock(tx, &user)?;
-        may_be_shown(tx, &t, State::Open, &user)?;
-        record(tx, &t, &user, t.keyframe_ns)
-    })
+    store.write(move |tx| show_in(tx, &t, state, &user))
 }
 
 /// Refuses to show `t` in `state` to `user` while they do Stage I of another task whose future it would show, or have
@@ -208,20 +200,20 @@ pub fn not_in_hand(store: &Store, user: &str, mut shows: impl FnMut(&DriveId) ->
 
 /// Records that `user` is shown the current content of `t`; refused if [`may_be_shown`] refuses it.
 pub fn show(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
-    lock(tx, user)?;
-    may_be_shown(tx, t, t.at.state, user)?;
-    if was_shown(tx, t, user)? {
-        return Ok(());
-    }
-    record(tx, t, user, shown_until(t, t.at.state))
+    show_in(tx, t, t.at.state, user)
 }
 
-fn record(tx: &mut dyn Tx, t: &TaskRow, user: &str, until: i64) -> Answer<()> {
+fn show_in(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> Answer<()> {
+    lock(tx, user)?;
+    may_be_shown(tx, t, state, user)?;
+    if was_shown_in(tx, t, state, user)? {
+        return Ok(());
+    }
     tx.run(
         "INSERT INTO seen (user_id, task_id, drive_id, from_ns, to_ns) VALUES ($1, $2, $3, $4, $5)
          ON CONFLICT (user_id, task_id) DO UPDATE SET
            to_ns = CASE WHEN excluded.to_ns > seen.to_ns THEN excluded.to_ns ELSE seen.to_ns END",
-        values![user, &t.id, &t.drive_id, t.from_ns, until],
+        values![user, &t.id, &t.drive_id, t.from_ns, shown_until(t, state)],
     )
     .map(drop)
 }

@@ -1,22 +1,14 @@
 //! The end of the service: requests in progress are finished, no new ones are accepted.
 
 use crate::postgres_server::Server;
-use crate::recorded::{Future, Recorded};
+use crate::recorded::{Future, Recorded, Watched};
 use crate::world::{Person, World};
 use std::io::{Read, Write};
 use std::net::TcpStream;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use whyroad_framework::Framework;
-use whyroad_model::messages::{
-    CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord,
-};
-use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Bilingual, Drive, DriveId, Lang, SignalTable};
 use whyroad_server::App;
-use whyroad_server::domain::scene::SignalAbout;
-use whyroad_server::recordings::Recordings;
 use whyroad_server::store::{Store, StoreLocation};
 
 #[test]
@@ -92,48 +84,10 @@ fn a_service_on_postgresql_ends_without_a_panic() {
     assert!(ended.expect("no panic").is_ok());
 }
 
-/// Drives whose derivation never ends.
-struct Endless(Recorded);
-
-impl Recordings for Endless {
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
-        self.0.drive(id)
-    }
-    fn signals(&self, _: &Drive) -> SignalTable {
-        loop {
-            std::thread::sleep(Duration::from_secs(1));
-        }
-    }
-    fn about(&self, name: &str) -> Option<SignalAbout> {
-        self.0.about(name)
-    }
-    fn draft(
-        &self,
-        drive: &Drive,
-        signals: &SignalTable,
-        episode: &EpisodeRecord,
-        lang: Lang,
-        listed: Option<&[CriticalComponent]>,
-    ) -> CocLabel {
-        self.0.draft(drive, signals, episode, lang, listed)
-    }
-    fn mined(&self) -> Vec<String> {
-        self.0.mined()
-    }
-    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
-        self.0.episode_count(name, filter)
-    }
-    fn episodes(
-        &self,
-        name: &str,
-        filter: &EpisodeFilter,
-        after: Option<EpisodeCursor>,
-        limit: usize,
-    ) -> Option<Result<EpisodePage, Bilingual>> {
-        self.0.episodes(name, filter, after, limit)
-    }
-    fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {
-        self.0.media(drive, frame)
+/// A derivation that never ends.
+fn endless() {
+    loop {
+        std::thread::sleep(Duration::from_secs(1));
     }
 }
 
@@ -149,7 +103,7 @@ fn the_service_ends_within_twenty_seconds_while_derivations_hang() {
     ann.post(&format!("/tasks/{task}/lease"), &serde_json::json!({ "action": "take" })).fine();
     let app = world.second(|app| {
         let drives = Recorded { future: Future::Brakes, pictures: std::env::temp_dir() };
-        app.recordings = Arc::new(Endless(drives));
+        app.recordings = Arc::new(Watched { drives, before_signals: endless, clips: Arc::default() });
     });
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
     let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).unwrap();

@@ -3,22 +3,14 @@
 
 use crate::later_task::{give_back, take, two_moments};
 use crate::postgres_server::Server;
-use crate::recorded::{Future, Recorded, episode};
+use crate::recorded::{Future, Recorded, Watched, episode};
 use crate::work::{Work, example};
 use crate::world::{Person, World};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Barrier, Mutex};
 use whyroad_framework::Framework;
-use whyroad_label::check::Recorded as CheckedDrive;
-use whyroad_model::messages::{
-    CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord,
-};
-use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Bilingual, Drive, DriveId, Lang, SignalTable};
 use whyroad_server::App;
-use whyroad_server::domain::scene::SignalAbout;
-use whyroad_server::recordings::Recordings;
 
 /// The ids in a list, with its total.
 fn listed(who: &Person, project: &str, query: &str) -> (BTreeSet<String>, i64) {
@@ -182,56 +174,6 @@ pub fn a_label_stays_with_its_clip(world: &World) {
     assert_eq!(work.view()["draft"]["clip_id"], "drive1_000");
 }
 
-/// Recordings that keep which clips the checker asked for.
-struct Asked {
-    drives: Recorded,
-    clips: Arc<Mutex<Vec<String>>>,
-}
-
-impl Recordings for Asked {
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
-        self.drives.drive(id)
-    }
-    fn signals(&self, drive: &Drive) -> SignalTable {
-        self.drives.signals(drive)
-    }
-    fn about(&self, name: &str) -> Option<SignalAbout> {
-        self.drives.about(name)
-    }
-    fn draft(
-        &self,
-        drive: &Drive,
-        signals: &SignalTable,
-        episode: &EpisodeRecord,
-        lang: Lang,
-        listed: Option<&[CriticalComponent]>,
-    ) -> CocLabel {
-        self.drives.draft(drive, signals, episode, lang, listed)
-    }
-    fn recorded(&self, clip_id: &str) -> Option<Arc<CheckedDrive>> {
-        self.clips.lock().unwrap().push(clip_id.to_owned());
-        None
-    }
-    fn mined(&self) -> Vec<String> {
-        self.drives.mined()
-    }
-    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
-        self.drives.episode_count(name, filter)
-    }
-    fn episodes(
-        &self,
-        name: &str,
-        filter: &EpisodeFilter,
-        after: Option<EpisodeCursor>,
-        limit: usize,
-    ) -> Option<Result<EpisodePage, Bilingual>> {
-        self.drives.episodes(name, filter, after, limit)
-    }
-    fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<std::path::PathBuf> {
-        self.drives.media(drive, frame)
-    }
-}
-
 /// Findings compare a label with its recording: of another clip than the task's, or at a moment that the task does not
 /// show, they would tell what happens there.
 pub fn findings_compare_only_what_the_task_shows(world: &World) {
@@ -240,8 +182,9 @@ pub fn findings_compare_only_what_the_task_shows(world: &World) {
     let world = world.beside(move |app| {
         let store = app.store.clone();
         let drives = Recorded { future: Future::Brakes, pictures: std::env::temp_dir() };
+        let watched = Watched { drives, before_signals: || (), clips: asked };
         let clock = Arc::clone(&app.clock);
-        *app = App::new(store, Framework::bundled(), Arc::new(Asked { drives, clips: asked })).unwrap();
+        *app = App::new(store, Framework::bundled(), Arc::new(watched)).unwrap();
         app.clock = clock;
         app.lease_clock = whyroad_server::app::LeaseClock::Service;
     });

@@ -3,7 +3,8 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
+use whyroad_label::check::Recorded as CheckedDrive;
 use whyroad_model::messages::{
     CocLabel, CriticalComponent, DrivingDecision, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord,
     Keyframe, KeyframeType, MatchedCondition, ScenarioLabel, TimeRange,
@@ -389,6 +390,58 @@ impl Recordings for Recorded {
         let file = self.pictures.join(frame.uri.replace('/', "_"));
         std::fs::write(&file, format!("picture of frame {}", frame.index)).ok()?;
         Some(file)
+    }
+}
+
+/// These drives, with a hook before each derivation of signals, and the clips whose recording the checker asked for.
+pub struct Watched {
+    pub drives: Recorded,
+    pub before_signals: fn(),
+    pub clips: Arc<Mutex<Vec<String>>>,
+}
+
+impl Recordings for Watched {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
+        self.drives.drive(id)
+    }
+    fn signals(&self, drive: &Drive) -> SignalTable {
+        (self.before_signals)();
+        self.drives.signals(drive)
+    }
+    fn about(&self, name: &str) -> Option<SignalAbout> {
+        self.drives.about(name)
+    }
+    fn draft(
+        &self,
+        drive: &Drive,
+        signals: &SignalTable,
+        episode: &EpisodeRecord,
+        lang: Lang,
+        listed: Option<&[CriticalComponent]>,
+    ) -> CocLabel {
+        self.drives.draft(drive, signals, episode, lang, listed)
+    }
+    fn recorded(&self, clip_id: &str) -> Option<Arc<CheckedDrive>> {
+        self.clips.lock().unwrap().push(clip_id.to_owned());
+        None
+    }
+    fn mined(&self) -> Vec<String> {
+        self.drives.mined()
+    }
+    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
+        self.drives.episode_count(name, filter)
+    }
+    fn episodes(
+        &self,
+        name: &str,
+        filter: &EpisodeFilter,
+        after: Option<EpisodeCursor>,
+        limit: usize,
+    ) -> Option<Result<EpisodePage, Bilingual>> {
+        self.drives.episodes(name, filter, after, limit)
+    }
+    fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {
+        self.drives.media(drive, frame)
     }
 }
 
