@@ -11,8 +11,12 @@ use std::process::Command;
 
 /// The files of truth, the number of their drives, and the least precision and recall: what is reached, rounded down.
 /// The goals are 0.90 and 0.80 on drives that nobody has looked at, which these no longer are.
-const SETS: [(&str, usize, f64, f64); 3] =
-    [("blind", 40, 0.95, 0.88), ("second", 20, 0.95, 0.70), ("third", 20, 0.90, 0.80)];
+const SETS: [(&str, usize, f64, f64); 4] = [
+    ("blind", 40, 0.95, 0.88),
+    ("second", 20, 0.95, 0.70),
+    ("third", 20, 0.90, 0.80),
+    ("fourth", 20, 0.76, 0.72),
+];
 
 /// The recordings that have a pose.
 fn recordings(data: &Path) -> Vec<PathBuf> {
@@ -55,7 +59,7 @@ fn what_a_judge_saw_from_other_egos_is_found() {
         .arg(root().join("examples/reroot/reroot.py"))
         .arg(&made)
         .args(recordings(&data))
-        .args(["--least-seconds", "6", "--least-metres", "7"])
+        .args(["--least-seconds", "5", "--least-metres", "5"])
         .output()
         .unwrap();
     assert!(reroot.status.success(), "{}", String::from_utf8_lossy(&reroot.stderr));
