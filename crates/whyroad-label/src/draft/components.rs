@@ -98,7 +98,7 @@ impl Scene<'_> {
                 let goes_straight = moment.category("ego.movement") == Some(STRAIGHT);
                 let is_straight = goes_straight || episode.scenario_id.l3.as_deref() == Some(STRAIGHT);
                 let tells = is_of_junction(episode) && !is_straight && !moment.indicator_against();
-                tells.then(|| signaled_turn(signals, keyframe)).flatten()
+                tells.then(|| signaled_turn(signals, keyframe, moment)).flatten()
             });
             add(ComponentCategory::RoutingIntent, intent);
         }
@@ -111,7 +111,8 @@ impl Scene<'_> {
         if self.framework.draft_texts.is_routed(&self.episode.scenario_id) {
             return None;
         }
-        let signaled = || signaled_turn(self.signals, self.keyframe).filter(|_| !moment.indicator_against());
+        let signaled =
+            || signaled_turn(self.signals, self.keyframe, moment).filter(|_| !moment.indicator_against());
         let text = route(self.signals, self.keyframe).or_else(signaled)?;
         Some(component(ComponentCategory::RoutingIntent, &text, lang))
     }
@@ -204,7 +205,11 @@ impl Scene<'_> {
         } else if class.is_vru() && holds("target.on_crosswalk") {
             Bilingual::new("正在斑马线上通行", "is on the crosswalk")
         } else if class.is_vru() && number("target.crossing_angle").is_some_and(|a| a > 20_f64.to_radians()) {
-            Bilingual::new("正在横穿自车前方的道路", "is crossing the road in front of the ego")
+            if ahead > 0.0 {
+                Bilingual::new("正在横穿自车前方的道路", "is crossing the road in front of the ego")
+            } else {
+                Bilingual::new("正在横穿道路", "is crossing the road")
+            }
         } else if comes_in && class.is_vehicle() {
             Bilingual::new("正在驶入自车车道", "is coming into the ego's lane")
         } else if comes_in {
@@ -342,16 +347,22 @@ fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
     Some(Bilingual::new(zh, en))
 }
 
-/// The turn that the ego's own turn signal announces at a junction.
-fn signaled_turn(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
+/// The turn that the ego's own turn signal announces; at a junction only where the map shows one near.
+fn signaled_turn(signals: &SignalTable, frame: usize, moment: &Moment<'_>) -> Option<Bilingual> {
     let on = signals.frame_columns.get("ego.turn_signal")?.category(frame)?;
-    let (zh, en) = match (on, is_inside(signals, frame)) {
-        ("left", false) => ("前方为路口，自车已打左转向灯", "a junction lies ahead and the ego signals left"),
-        ("right", false) => {
+    let (zh, en) = match (on, is_inside(signals, frame), moment.junction().is_true()) {
+        ("left", true, _) => ("自车已在路口内，打着左转向灯", "the ego is in the junction and signals left"),
+        ("right", true, _) => {
+            ("自车已在路口内，打着右转向灯", "the ego is in the junction and signals right")
+        }
+        ("left", false, true) => {
+            ("前方为路口，自车已打左转向灯", "a junction lies ahead and the ego signals left")
+        }
+        ("right", false, true) => {
             ("前方为路口，自车已打右转向灯", "a junction lies ahead and the ego signals right")
         }
-        ("left", true) => ("自车已在路口内，打着左转向灯", "the ego is in the junction and signals left"),
-        ("right", true) => ("自车已在路口内，打着右转向灯", "the ego is in the junction and signals right"),
+        ("left", false, false) => ("自车已打左转向灯", "the ego signals left"),
+        ("right", false, false) => ("自车已打右转向灯", "the ego signals right"),
         _ => return None,
     };
     Some(Bilingual::new(zh, en))

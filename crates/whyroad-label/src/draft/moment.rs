@@ -247,7 +247,7 @@ impl<'a> Moment<'a> {
     }
 
     /// The ego is in a junction, or one is ahead.
-    fn junction(&self) -> Tri {
+    pub(super) fn junction(&self) -> Tri {
         let near = self.number("map.distance_to_junction");
         self.flag("ego.in_junction").or(near.map_or(Tri::Unknown, |d| Tri::from(d < NEAR_JUNCTION_M)))
     }

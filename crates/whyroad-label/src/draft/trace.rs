@@ -356,6 +356,11 @@ impl<'a> DraftFacts<'a> {
             && let Some(rest) = action.strip_prefix(OF_EGO)
         {
             action = format!("it {rest}");
+        } else if !why.starts_with(OF_EGO)
+            && let Some(rest) = action.strip_prefix("it ")
+        {
+            // After another subject, "it" would be that one.
+            action = format!("{OF_EGO}{rest}");
         }
         let joined = self.framework.draft_texts.traces().pick(self.lang, choice.joined);
         let state = self.state(opening, (things, order));
