@@ -992,6 +992,7 @@ export interface components {
             scenario_id: string;
             stage: components["schemas"]["Stage"];
             state: components["schemas"]["State"];
+            target_id?: string | null;
             thumbnail?: string | null;
             to_choose: boolean;
             /** Format: int64 */

@@ -44,6 +44,20 @@ describe("DataTable", () => {
     assert.equal(screen.getAllByRole("button", { name: /^Remove/ }).length, 3);
   });
 
+  test("the heading of a column that ticks rows ticks all of them", async () => {
+    const asked: boolean[] = [];
+    const ticks = { label: "All", all: false, some: true, set: (all: boolean) => void asked.push(all) };
+    const { rerender } = render(PeopleTable, { people, ticks });
+    const box = (): HTMLInputElement => screen.getByRole("checkbox", { name: "All" });
+    assert.ok(box().indeterminate && !box().checked, "some are ticked");
+    await fireEvent.click(box());
+    assert.deepEqual(asked, [true]);
+    await rerender({ people, ticks: { ...ticks, all: true } });
+    assert.ok(!box().indeterminate && box().checked);
+    await fireEvent.click(box());
+    assert.deepEqual(asked, [true, false]);
+  });
+
   test("renders a window of many rows and shows how many there are", () => {
     const many = Array.from({ length: 5000 }, (_, i) => ({ id: String(i), name: `n${i}`, age: i }));
     render(PeopleTable, { people: many });

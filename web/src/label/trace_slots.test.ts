@@ -1,7 +1,7 @@
 // The trace in slots and back: nothing typed is lost, and what is missing is named.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { fitsSlots, isDraft, keepsDraft, lacks, languageOf, slotsOf, stillDraft, traceOf, type TraceSlots } from "./trace_slots.ts";
+import { fitsSlots, isDraft, keepsDraft, lacks, languageOf, slotsOf, slotsShown, stillDraft, traceOf, type TraceSlots, type TypedTrace } from "./trace_slots.ts";
 
 // The drafts as whyroad-label's draft/trace.rs writes them.
 const DRAFT_ZH = "【草稿】左前方的轿车正在驶入自车车道，因此自车让行。";
@@ -61,6 +61,29 @@ test("who writes \"therefore\" into the decision has it once", () => {
   assert.equal(typing(en, "Therefore, the ego stops", "en"), whole);
   // A word that only begins like it.
   assert.equal(traceOf({ ...en, decision: "soon the ego stops" }, "en"), whole.replace("the ego stops", "soon the ego stops"));
+});
+
+test("what is typed into a slot stays there until it is left", () => {
+  const typing = (before: TraceSlots, slot: "state" | "reason", words: string, language: "zh" | "en"): string => {
+    let text = traceOf(before, language);
+    let typed: TypedTrace | null = null;
+    for (let n = 1; n <= words.length; n++) {
+      const slots: TraceSlots = { ...slotsShown(text, typed), [slot]: words.slice(0, n) };
+      text = traceOf(slots, language);
+      typed = { text, slots };
+      assert.deepEqual(slotsShown(text, typed), slots);
+    }
+    return text;
+  };
+  const en = { state: "a person steps onto the crosswalk", reason: "", decision: "" };
+  const sentence = typing(en, "reason", "the gap will be too short soon, so the ego stops.", "en");
+  assert.equal(sentence, "a person steps onto the crosswalk; the gap will be too short soon, so the ego stops.");
+  assert.deepEqual(slotsOf(sentence), { ...en, reason: "the gap will be too short soon", decision: "the ego stops" });
+  const zh = typing({ state: "行人正走上斑马线", reason: "", decision: "" }, "reason", "两者路径相交，因此自车停住让行", "zh");
+  assert.deepEqual(slotsOf(zh), { state: "行人正走上斑马线", reason: "两者路径相交", decision: "自车停住让行" });
+  // A sentence that was ended leaves no second mark; another change of the text is read from the text.
+  assert.equal(typing({ ...en, reason: "they are in the way" }, "state", "A person waits.", "en"), "A person waits; they are in the way.");
+  assert.equal(slotsShown("前车减速。", { text: "前车刹车。", slots: { state: "前车刹车", reason: "", decision: "" } }).state, "前车减速");
 });
 
 test("a decision alone is no state", () => {

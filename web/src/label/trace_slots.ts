@@ -67,10 +67,24 @@ export function keepsDraft(text: string, draft: string): boolean {
   return now.state + now.reason !== "" && now.state === was.state && now.reason === was.reason;
 }
 
+/** What a person typed into the slots, and the text that it made. */
+export interface TypedTrace {
+  text: string;
+  slots: TraceSlots;
+}
+
+/**
+ * The slots to show for `text`: those that were typed, as long as nothing else changed the text. Read back from the
+ * text, a "so" or a semicolon would move what is being typed into another slot.
+ */
+export function slotsShown(text: string, typed: TypedTrace | null, sentences = false): TraceSlots {
+  return typed?.text === text ? typed.slots : slotsOf(text, sentences);
+}
+
 /** The text of the slots: one sentence in the order state, reason, decision. Empty slots leave no marks behind. */
 export function traceOf(slots: TraceSlots, language: Lang): string {
-  const { state, reason } = slots;
-  const decision = slots.decision.replace(LEADS, "");
+  const [state, reason] = [slots.state.replace(END, ""), slots.reason.replace(END, "")];
+  const decision = slots.decision.replace(LEADS, "").replace(END, "");
   const zh = language === "zh";
   const first = [state, reason].filter((part) => part !== "").join(zh ? "；" : "; ");
   if (first === "" && decision === "") return "";

@@ -189,7 +189,7 @@ export const screenTexts = {
   "tasks.export_tasks": ["导出任务 (JSONL)", "Export tasks (JSONL)"],
   "tasks.count_of": ["共 {total} 个任务，已列出 {n} 个", "{n} of {total} {total:task|tasks} listed"],
   "tasks.tick": ["选择", "Select"],
-  "tasks.tick_all": ["全选已列出的", "Select all listed"],
+  "tasks.tick_all": ["全选已列出的任务", "Select all tasks listed"],
   "tasks.tick_none": ["取消选择", "Clear selection"],
   "tasks.bulk": ["更改 {n} 个任务…", "Change {n} {n:task|tasks}…"],
   "tasks.bulk.apply": ["更改", "Change"],

@@ -26,6 +26,9 @@ pub struct TaskSummary {
     pub drive_id: String,
     /// Class.
     pub scenario_id: String,
+    /// The object that the rule bound, unless the class is hidden; tells tasks of one class and keyframe apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target_id: Option<String>,
     /// State.
     pub state: State,
     /// How much may be shown.

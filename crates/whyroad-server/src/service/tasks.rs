@@ -349,6 +349,7 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         clip_id: t.clip_id.clone(),
         drive_id: t.drive_id.clone(),
         scenario_id: t.shown_class().to_owned(),
+        target_id: t.episode.target_id.as_ref().filter(|_| !t.hides_leaf()).map(ToString::to_string),
         state: t.at.state,
         stage: t.at.state.stage(),
         priority: t.priority,
