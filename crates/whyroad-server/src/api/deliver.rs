@@ -180,6 +180,9 @@ fn gzip(body: &[u8]) -> Option<Vec<u8>> {
     out.finish().ok()
 }
 
+/// Member of a problem's `more`, and header of the response, with the methods of a path (RFC 9110, 15.5.6).
+pub(super) const ALLOW: &str = "allow";
+
 /// A refusal as problem+json (RFC 9457).
 pub(super) fn problem(p: &Problem) -> Reply {
     let title = p.text.en.split([':', '；']).next().unwrap_or_default().to_owned();
@@ -192,10 +195,12 @@ pub(super) fn problem(p: &Problem) -> Reply {
         detail_en: p.text.en.clone(),
         more: p.more.as_deref().cloned(),
     };
+    let allow = body.more.as_ref().and_then(|more| more[ALLOW].as_str()).map(str::to_owned);
     Reply {
         status: p.status,
         media: "application/problem+json".to_owned(),
         body: serde_json::to_vec(&body).unwrap_or_default(),
+        headers: allow.map(|methods| (ALLOW, methods)).into_iter().collect(),
         ..Reply::default()
     }
 }

@@ -25,7 +25,9 @@ fn router(app: Arc<App>) -> Router {
 
 async fn answer(app: Arc<App>, method: &Method, path: &str) -> Response<Body> {
     if method != Method::GET && method != Method::HEAD {
-        return plain(StatusCode::METHOD_NOT_ALLOWED, "only GET\n".to_owned());
+        let mut response = plain(StatusCode::METHOD_NOT_ALLOWED, "only GET\n".to_owned());
+        response.headers_mut().insert(header::ALLOW, header::HeaderValue::from_static("GET, HEAD"));
+        return response;
     }
     match path {
         // The process answers; a restart could not improve anything else.

@@ -1,10 +1,13 @@
 //! Finds the route of the table for a method and a path, with the values of the path's parameters.
 
+use super::deliver::ALLOW;
+use super::openapi::verb_word;
 use super::route::{Route, Verb};
 use super::table::ROUTES;
 use crate::problem::{Answer, Problem};
 use axum::http::Method;
 use percent_encoding::percent_decode_str;
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
@@ -25,15 +28,16 @@ fn paths() -> Result<matchit::Router<Vec<&'static Route>>, matchit::InsertError>
 /// The route of a path below the API's root, and the values of its parameters.
 pub(super) fn find(method: &Method, path: &str) -> Answer<(&'static Route, BTreeMap<String, String>)> {
     let verb = match method.as_str() {
-        "GET" | "HEAD" => Verb::Get,
-        "POST" => Verb::Post,
-        "PATCH" => Verb::Patch,
-        "DELETE" => Verb::Delete,
-        _ => return Err(wrong_method()),
+        "GET" | "HEAD" => Some(Verb::Get),
+        "POST" => Some(Verb::Post),
+        "PATCH" => Some(Verb::Patch),
+        "DELETE" => Some(Verb::Delete),
+        _ => None,
     };
     let paths = PATHS.as_ref().map_err(|e| Problem::new(500, "internal", "内部错误", e.to_string()))?;
     let found = paths.at(path).map_err(|_| Problem::missing())?;
-    let route = found.value.iter().find(|r| r.verb == verb).ok_or_else(wrong_method)?;
+    let route = found.value.iter().find(|r| Some(r.verb) == verb);
+    let route = route.ok_or_else(|| wrong_method(found.value.iter().map(|r| r.verb)))?;
     if found.params.iter().any(|(_, value)| value.is_empty()) {
         return Err(Problem::missing());
     }
@@ -44,9 +48,17 @@ pub(super) fn find(method: &Method, path: &str) -> Answer<(&'static Route, BTree
     Ok((route, params))
 }
 
-/// The path exists, but not for this method.
-pub(super) fn wrong_method() -> Problem {
+/// The path exists, but not for this method: `verbs` are those that it has.
+pub(super) fn wrong_method(verbs: impl IntoIterator<Item = Verb>) -> Problem {
+    let mut allowed = Vec::new();
+    for verb in verbs {
+        allowed.push(verb_word(verb).to_uppercase());
+        // Whatever can be read has a header, too.
+        allowed.extend((verb == Verb::Get).then(|| "HEAD".to_owned()));
+    }
+    allowed.sort();
     Problem::new(405, "request.method", "不支持该方法", "this path does not support the method")
+        .with(json!({ ALLOW: allowed.join(", ") }))
 }
 
 #[cfg(test)]
@@ -61,7 +73,7 @@ mod tests {
     fn every_route_of_the_table_is_found_under_its_own_path() {
         assert!(paths().is_ok(), "{:?}", paths().err());
         for route in ROUTES {
-            let method = super::super::openapi::verb_word(route.verb).to_uppercase();
+            let method = verb_word(route.verb).to_uppercase();
             let (there, params) = find(&method.parse().unwrap(), route.path).unwrap();
             assert!(std::ptr::eq(there, route), "{method} {}", route.path);
             assert_eq!(params.len(), route.path.matches('{').count());

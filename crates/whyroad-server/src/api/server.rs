@@ -179,7 +179,7 @@ fn outside(app: &App, method: &Method, path: &str, accepted: &Accepted) -> Respo
         return deliver(problem(&Problem::missing()), ReplyKind::Done, accepted);
     }
     if method != Method::GET && method != Method::HEAD {
-        return deliver(problem(&wrong_method()), ReplyKind::Done, accepted);
+        return deliver(problem(&wrong_method([Verb::Get])), ReplyKind::Done, accepted);
     }
     let (mut reply, keep) = pages::page(path);
     reply.image_origins.clone_from(&app.image_links.origins);

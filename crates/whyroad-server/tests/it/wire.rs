@@ -32,8 +32,12 @@ pub fn unchanged_answers_are_not_sent_again(world: &World) {
 pub fn what_is_wrong_is_said_as_problem_json(world: &World) {
     let admin = world.admin();
     assert_eq!(admin.get("/no/such").refusal(), (404, "not_found".into()));
-    assert_eq!(admin.call("PUT", "/projects", Some(b"{}"), &[]).refusal(), (405, "request.method".into()));
-    assert_eq!(admin.call("DELETE", "/projects", None, &[]).refusal(), (405, "request.method".into()));
+    // RFC 9110, 15.5.6: the response names the methods that the path has.
+    for method in ["PUT", "DELETE"] {
+        let refused = admin.call(method, "/projects", Some(b"{}"), &[]);
+        assert_eq!(refused.refusal(), (405, "request.method".into()));
+        assert_eq!(refused.header("allow"), Some("GET, HEAD, POST"), "{method}");
+    }
     assert_eq!(
         admin.call("POST", "/projects", Some(b"{not json"), &[]).refusal(),
         (400, "request.invalid".into())
