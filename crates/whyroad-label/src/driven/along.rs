@@ -49,6 +49,8 @@ const NEARLY_STANDS_MPS: f64 = 0.6;
 pub(crate) enum Conflict {
     /// It only gets faster.
     SpeedsUp { to: f64, frame: usize },
+    /// It stands at the keyframe, where it cannot slow any more, and only gets faster.
+    MovesOff { to: f64, frame: usize },
     /// It only gets slower.
     Slows { to: f64, frame: usize },
     /// It does not come to a stop.
@@ -88,6 +90,10 @@ pub(crate) fn conflict(w: &Driven<'_>, decision: Option<Longitudinal>) -> Option
             let no_stop = range.min >= STANDSTILL_MPS && !slows_still && w.lasts(6.0);
             no_stop.then_some(Conflict::NoStop { lowest: range.min, frame: range.min_at })
         }),
+        // An ego that has stopped to give way before the keyframe can only move off.
+        Longitudinal::YieldToAgent if only_faster && v0 < STEADY_MPS => {
+            Some(Conflict::MovesOff { to: all.max, frame: all.max_at })
+        }
         Longitudinal::YieldToAgent | Longitudinal::RoadSpeedAdaptation => faster.or(unchanged),
         Longitudinal::LeadFollowing => {
             let known = |f: &usize| w.flag("lead.exists", *f) != Tri::Unknown;

@@ -281,6 +281,38 @@ fn a_decision_that_the_recording_shows_is_a_doubt_about_the_class() {
     assert_eq!(of(turn("left"), -44.0), [("label.decision.impossible", true)]);
 }
 
+/// The ego drives this fast, m/s, until 0.7 s after the keyframe, then speeds up at 1.5 m/s2.
+struct SpeedsUp(f64);
+
+impl Recordings for SpeedsUp {
+    fn of_clip(&self, _: &str) -> Option<Arc<Recorded>> {
+        let mut whole = recorded(FRAMES, 0.0);
+        let signals = Arc::get_mut(&mut whole.signals).unwrap();
+        let gained = |f: usize| 0.15 * f.saturating_sub(KEYFRAME + 7) as f64;
+        let speeds = Column::Number((0..FRAMES).map(|f| self.0 + gained(f)).collect());
+        signals.frame_columns.insert("ego.speed".to_owned(), speeds);
+        Some(Arc::new(whole))
+    }
+}
+
+/// LABELING.md 2: yielding is to slow or stop to give way. An ego that stands at the keyframe has done so before; the
+/// recording only makes it doubtful that this is the first action after the keyframe.
+#[test]
+fn who_stopped_before_the_keyframe_may_have_yielded() {
+    let of = |speed: f64, decision: Value| {
+        let l = label(CUT_IN, decision, &[("前方的轿车正在慢行", "car")]);
+        found(
+            &Checker::new(Framework::bundled()).with_recordings(Arc::new(SpeedsUp(speed))),
+            &l,
+            "label.motion.",
+        )
+    };
+    assert_eq!(of(0.1, yields()), [("label.motion.no_change", false)]);
+    assert_eq!(of(5.0, yields()), [("label.motion.contradicts", true)]);
+    let stops = json!({ "longitudinal": "stop_for_regulation", "lateral": null });
+    assert_eq!(of(0.1, stops), [("label.motion.contradicts", true)]);
+}
+
 #[test]
 fn two_linked_objects_are_two_components() {
     let twice = |a: &str, b: &str| {

@@ -69,6 +69,23 @@ fn report(
         });
         return;
     }
+    if let Conflict::MovesOff { to, frame } = conflict {
+        sink.report(Finding::warning("label.motion.no_change", at), &|| {
+            let (to, t) = (kmh(to), w.seconds(frame));
+            Words::new(
+                format!("关键帧时自车已停住，{t:.1} s 后升至 {to:.0} km/h：“{}”在关键帧之前", name.zh),
+                format!(
+                    "the ego stands at the keyframe and drives {to:.0} km/h {t:.1} s later: '{}' comes before the keyframe",
+                    name.en.to_lowercase()
+                ),
+            )
+            .hint(
+                "第一个新动作是起步时选“起步”；否则检查关键帧",
+                "if moving off is the first new action choose 'resume'; otherwise check the keyframe",
+            )
+        });
+        return;
+    }
     let shown = in_words(w, conflict);
     sink.report(Finding::error("label.motion.contradicts", at), &|| {
         Words::new(
@@ -125,7 +142,9 @@ fn in_words(w: &Driven<'_>, conflict: Conflict) -> Bilingual {
             "关键帧后 6 s 内自车一直没有起步",
             "the ego does not move off within 6 s of the keyframe",
         ),
-        Conflict::Unchanged { .. } | Conflict::Changes { .. } => Bilingual::default(),
+        Conflict::Unchanged { .. } | Conflict::Changes { .. } | Conflict::MovesOff { .. } => {
+            Bilingual::default()
+        }
     }
 }
 
