@@ -8,7 +8,7 @@
 //! and returns documents.
 
 mod business;
-mod cause;
+pub(crate) mod cause;
 mod clips;
 mod codes;
 mod consistency;

@@ -21,6 +21,7 @@ pub use doubt::Doubt;
 pub use motion::LongitudinalMotion;
 pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 
+use crate::check::cause::side::{Side, to_mention};
 use crate::driven::along::{self, Trend, course};
 use crate::driven::{Driven, across};
 use components::{ROAD, is_light};
@@ -326,7 +327,13 @@ fn make(
         Some(lateral) if !typical.lateral.contains(&lateral) && spec.and_then(|s| s.lateral).is_none() => {
             of_turn
         }
-        _ => Some(0),
+        // What is known at the keyframe may not say to which side the ego goes.
+        _ => {
+            let words = framework.label_words();
+            let about = framework.decision_table().leaves.get(class).map(|c| c.about).unwrap_or_default();
+            let unnamed = |side: Side| !components.iter().any(|c| side.is_named(&c.description, words));
+            (!to_mention(&decision, about, words).is_some_and(unnamed)).then_some(0)
+        }
     };
     let causes = causes(&decision, &components, along, across, lang);
     let parts = Parts { decision, components, coc_trace, records, causes };

@@ -6,6 +6,6 @@ mod grounds;
 pub(super) mod links;
 pub(super) mod ordinary;
 pub(super) mod remote;
-pub(super) mod side;
+pub(crate) mod side;
 pub(super) mod text;
 pub(super) mod unused;

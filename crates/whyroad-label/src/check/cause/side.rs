@@ -2,36 +2,62 @@
 //! the road has a cause of its own (a free lane, a gap or the route), which is on the side to which the ego goes.
 
 use crate::check::texts::TextScope;
-use whyroad_framework::Framework;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::label_words::GroupSet;
+use whyroad_framework::{Framework, LabelWords};
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
+use whyroad_model::messages::DrivingDecision;
+
+/// The side to which the ego goes, as texts name it.
+#[derive(Clone, Copy)]
+pub(crate) struct Side {
+    zh: &'static str,
+    en: &'static str,
+}
+
+impl Side {
+    /// The text names the side, or a lane.
+    pub(crate) fn is_named(self, text: &str, words: &LabelWords) -> bool {
+        let lower = text.to_ascii_lowercase();
+        lower.contains(self.zh)
+            || lower.split(|c: char| !c.is_ascii_alphabetic()).any(|w| w == self.en)
+            || words.subjects.lanes.iter().any(|w| lower.contains(w.as_str()))
+    }
+}
+
+/// The side that a component has to mention: that of a lane change or a turn, if there is another decision besides it.
+/// `about` is what the class is about.
+pub(crate) fn to_mention(decision: &DrivingDecision, about: GroupSet, words: &LabelWords) -> Option<Side> {
+    let lateral = decision.lateral.filter(|l| matches!(l, Lateral::LaneChange | Lateral::Turn))?;
+    // Passing somebody or matching a gap implies a lane change.
+    let by_itself = [Longitudinal::AccelerationForPassing, Longitudinal::GapMatching];
+    if decision.longitudinal.is_none_or(|d| by_itself.contains(&d)) || words.is_empty() {
+        return None;
+    }
+    // Onto a roundabout and off it there is one side only.
+    let facility = words.kinds.get("facility").copied().unwrap_or_default();
+    if lateral == Lateral::Turn && about.meets(facility) {
+        return None;
+    }
+    match decision.lateral_direction? {
+        LateralDirection::Left => Some(Side { zh: "左", en: "left" }),
+        LateralDirection::Right => Some(Side { zh: "右", en: "right" }),
+        LateralDirection::Uturn => None,
+    }
+}
 
 /// Some component mentions the side of the lane change or turn, if there is another decision besides it.
 pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework, sink: &mut dyn Sink) {
     let TextScope { label, words, .. } = *scope;
-    let Some(lateral @ (Lateral::LaneChange | Lateral::Turn)) = label.lateral.get() else { return };
-    // Passing somebody or matching a gap implies a lane change.
-    let by_itself = [Longitudinal::AccelerationForPassing, Longitudinal::GapMatching];
-    if label.longitudinal.get().is_none_or(|d| by_itself.contains(&d)) || words.is_empty() {
-        return;
-    }
-    // Onto a roundabout and off it there is one side only.
-    let facility = words.kinds.get("facility").copied().unwrap_or_default();
-    if lateral == Lateral::Turn && scope.about.meets(facility) {
-        return;
-    }
-    let side = match label.direction.get() {
-        Some(LateralDirection::Left) => ["左", "left"],
-        Some(LateralDirection::Right) => ["右", "right"],
-        _ => return,
+    let Some(lateral) = label.lateral.get() else { return };
+    let decision = DrivingDecision {
+        longitudinal: label.longitudinal.get(),
+        lateral: Some(lateral),
+        lateral_direction: label.direction.get(),
     };
-    let names_it = |text: &str| {
-        let lower = text.to_ascii_lowercase();
-        lower.contains(side[0])
-            || lower.split(|c: char| !c.is_ascii_alphabetic()).any(|w| w == side[1])
-            || words.subjects.lanes.iter().any(|w| lower.contains(w.as_str()))
-    };
+    let Some(side) = to_mention(&decision, scope.about, words) else { return };
+    let names_it = |text: &str| side.is_named(text, words);
     // A route to that side is a cause that was not observed (LABELING.md 6).
     if let Slot::Is(causes) = &label.causes
         && let Slot::Is(cause) = &causes.lateral
@@ -46,8 +72,8 @@ pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework
     sink.report(Finding::warning("label.cause.kind", pointer::CAUSES_LATERAL), &|| {
         let name = framework.decisions.name(lateral.id());
         Words::new(
-            format!("没有关键要素说明为什么向{}{}", side[0], name.zh),
-            format!("no component states the reason for '{}' to the {}", name.en, side[1]),
+            format!("没有关键要素说明为什么向{}{}", side.zh, name.zh),
+            format!("no component states the reason for '{}' to the {}", name.en, side.en),
         )
         .hint(
             "补上那一侧的要素（空当、车道），或写原因未观测到（路线），或把横向决策改为“无决策变化”",

@@ -116,6 +116,32 @@ fn who_turns_the_way_of_its_lane_does_not_leave_it_and_who_stands_at_red_waits()
     assert!(waits.coc_trace.contains("红灯") && waits.coc_trace.contains('等'), "{}", waits.coc_trace);
 }
 
+/// What Stage I lists of a turn is the junction: without a word of the side, the route to that side was not observed.
+#[test]
+fn a_turn_whose_side_no_component_names_has_a_cause_that_was_not_observed() {
+    let drive = fixture::drive("d");
+    let (mut drive, mut signals) = (drive.clone(), fixture::signals(&drive));
+    turns(&mut signals, "left");
+    with_speed(&mut signals, |f| 10.0 - 0.15 * f.saturating_sub(45) as f64);
+    turn_with(&mut drive, &signals);
+    let mut episode = fixture::episode(&drive);
+    episode.scenario_id = "proactive.turn.left_normal".parse().unwrap();
+    let framework = Framework::bundled();
+    let drafted = |description: &str| {
+        let mut listed = draft(framework, &drive, &signals, &episode, Lang::Zh).label.critical_components;
+        assert_eq!(listed.len(), 1, "{listed:?}");
+        listed[0].description = description.to_owned();
+        let label = draft_of_listed(framework, &drive, &signals, &episode, Lang::Zh, &listed).label;
+        let found = crate::check::Checker::new(framework).check_text(&serde_json::to_string(&label).unwrap());
+        assert!(found.iter().all(|d| d.code != "label.cause.kind"), "{found:?}");
+        assert!(label.driving_decision.longitudinal.is_some());
+        label.causes.unwrap().lateral.unwrap()
+    };
+    let unnamed = drafted("已经行至一处路口");
+    assert!(unnamed.components.is_empty() && unnamed.unobserved.is_some());
+    assert_eq!(drafted("自车已经行至路口，要向左转").components, ["c1"]);
+}
+
 #[test]
 fn a_turn_that_follows_at_once_is_a_decision_whose_cause_is_the_indicator_or_unobserved() {
     let turn = |from: usize, signals_left: bool| {
