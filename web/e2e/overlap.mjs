@@ -89,6 +89,9 @@ async function sideBySide(day) {
   await shot(day, page, "side-by-side");
   await dialog.getByRole("button", { name: "采用这一份" }).nth(1).click();
   await dialog.waitFor({ state: "detached" });
+  // The chosen label is shown; the other one says what became of it.
+  await page.waitForURL(`**/tasks/${day.pair[1]}`);
+  await page.goto(`${day.service.url}/tasks/${day.pair[0]}`);
   await page.getByText("裁决采用了另一份，导出不含这一份。").waitFor();
   await page.goto(`${day.service.url}/projects/${day.blind}/tasks`);
   await page.getByText("未采用", { exact: true }).waitFor();

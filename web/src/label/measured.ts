@@ -40,6 +40,9 @@ const number = (value: number, digits: number): string => {
   return Number(text) === 0 ? text.replace("-", "") : text;
 };
 
+/** A signal's name with what the target is: a reader of the trace knows of no target. */
+export const named = (signal: string, what: string, language: Lang): string => signal.replace(language === "zh" ? /目标/g : /\btarget\b/g, what);
+
 /** Values at the moment shown, in the reader's units. */
 export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
   const scene = editor.clip.scene;
@@ -52,21 +55,24 @@ export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
   const speed = scene.ego?.speed[i];
   if (typeof speed === "number") add(zh ? "自车速度" : "ego speed", `${number(speed * ofSpeed.by, 1)} ${ofSpeed.unit}`);
   const object = objectsAt(scene, i, editor.target).find((o) => o.id === (editor.selected ?? editor.target));
-  if (object) {
-    const what = objectClassName(object.class, language);
-    if (object.gap !== null) add(zh ? `与${what}的净距` : `gap to the ${what}`, `${number(object.gap, 1)} m`);
-    if (object.speed !== null) add(zh ? `${what}速度` : `speed of the ${what}`, `${number(object.speed * ofSpeed.by, 1)} ${ofSpeed.unit}`);
-  }
+  const what = object ? objectClassName(object.class, language) : "";
+  const ofTarget = object !== undefined && object.id === editor.target;
+  const gap = object && object.gap !== null ? `${number(object.gap, 1)} m` : "";
+  const itsSpeed = object && object.speed !== null ? `${number(object.speed * ofSpeed.by, 1)} ${ofSpeed.unit}` : "";
+  if (gap !== "") add(zh ? `与${what}的净距` : `gap to the ${what}`, gap);
+  if (itsSpeed !== "") add(zh ? `${what}速度` : `speed of the ${what}`, itsSpeed);
   const suggestion = editor.task?.suggestion;
   for (const row of signalRows(scene, suggestion?.signals ?? [], suggestion?.conditions ?? [], { speeds: speedUnit.unit, lang: language })) {
     if (out.length >= MOST_SIGNALS + 3) break;
-    // Said already, by what the target is.
-    if (row.id === "target.speed" && object?.id === editor.target && object?.speed != null) continue;
     const column = row.column ?? columnOf([], "number");
     const value = column?.kind === "line" ? column.values[i] : null;
     // A rate that is not certain yet is no measurement to write down.
     const isUncertain = isInside(row.uncertain, i);
-    if (row.inRule && !isUncertain && typeof value === "number" && Number.isFinite(value)) add(row.name, withUnit(number(value, row.scale.digits), row.scale.unit));
+    if (!row.inRule || isUncertain || typeof value !== "number" || !Number.isFinite(value)) continue;
+    const text = withUnit(number(value, row.scale.digits), row.scale.unit);
+    // Said already, by what the target is; the lead mostly is the target.
+    if (ofTarget && /^(target|lead)\.(gap|speed)$/.test(row.id) && (text === gap || text === itsSpeed)) continue;
+    add(ofTarget ? named(row.name, what, language) : row.name, text);
   }
   return out;
 }

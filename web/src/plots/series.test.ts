@@ -24,6 +24,7 @@ test("bounds are round, and a flat line is not blown up", () => {
   assert.deepEqual(bounds([13.2, 47], 20, 0), { low: 0, high: 60 });
   assert.deepEqual(bounds([0.01, 0.02], 4), { low: -2, high: 3 });
   assert.deepEqual(bounds([-0.2, 47], 20, 0), { low: 0, high: 60 }, "noise under the floor");
+  assert.deepEqual(bounds([-0.2, 0.1], 20, 0), { low: 0, high: 20 }, "noise of what stands");
   assert.deepEqual(bounds([-12, 28], 20, 0), { low: -20, high: 30 }, "reversing is none");
   assert.deepEqual(bounds([null], 2), { low: -1, high: 1 });
   assert.deepEqual([roundStep(0.13), roundStep(3), roundStep(70)].map((v) => Math.round(v * 10) / 10), [0.2, 5, 100]);

@@ -97,7 +97,7 @@ export function bounds(values: readonly (number | null)[], least: number, floor?
   let low = known.length > 0 ? Math.min(...known) : 0;
   let high = known.length > 0 ? Math.max(...known) : 0;
   // Noise a little under the floor is cut off rather than given a step of the axis.
-  if (floor !== undefined) low = floor - low > 0.05 * (high - low) ? low : floor;
+  if (floor !== undefined) low = floor - low > 0.05 * Math.max(high - low, least) ? low : floor;
   const missing = least - (high - low);
   if (missing > 0) {
     high += floor === undefined ? missing / 2 : missing;

@@ -31,4 +31,5 @@ test("pure numbers have no unit, and an unknown unit is not dropped", () => {
 test("an uncertain value says so, with its deviation where that is known", () => {
   assert.equal(uncertainText("1.43", 0.804, 2), "≈ 1.43 ± 0.80");
   assert.equal(uncertainText("−0.3", null, 1), "≈ −0.3");
+  assert.equal(uncertainText("1.43", 0.001, 2), "≈ 1.43", "a deviation of 0.00 would say that it is certain");
 });

@@ -10,7 +10,8 @@ export function fixed(value: number, digits: number): string {
 
 /** A value that is uncertain, with its standard deviation if that is known: `≈ 1.43 ± 0.80`. */
 export function uncertainText(text: string, deviation: number | null | undefined, digits: number): string {
-  return deviation === null || deviation === undefined ? `≈ ${text}` : `≈ ${text} ± ${fixed(deviation, digits)}`;
+  const spread = deviation === null || deviation === undefined ? "" : fixed(deviation, digits);
+  return Number(spread) === 0 ? `≈ ${text}` : `≈ ${text} ± ${spread}`;
 }
 
 /** How a quantity is shown. */

@@ -1,7 +1,7 @@
 // Ids as people are shown them. The form of a UUID is that of RFC 9562, section 4; the others are ids of public logs.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { shortId } from "./short_id.ts";
+import { shortId, shortTrack } from "./short_id.ts";
 
 test("a UUID is shown by its first part, whatever is around it", () => {
   assert.equal(shortId("f81d4fae-7dec-11d0-a765-00a0c91e6bf6_000"), "f81d4fae…_000");
@@ -15,4 +15,9 @@ test("long ids of a series still differ", () => {
 
 test("short ids stay as they are", () => {
   for (const id of ["multilane-ego_002", "signal_junction-ego_001", "0_000"]) assert.equal(shortId(id), id);
+});
+
+test("of a long id of an object the beginning is shown", () => {
+  assert.equal(shortTrack("c1958768d48640948f6053d04cffd35b"), "c1958768…");
+  assert.equal(shortTrack("ped_left.12"), "ped_left.12");
 });

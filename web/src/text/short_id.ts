@@ -5,6 +5,8 @@ const UUID = /([0-9a-f]{8})-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}/gi;
 const MOST = 24;
 const FIRST = 8;
 const LAST = 15;
+/** Longer ids of objects say nothing: UUIDs and hashes. */
+const MOST_OF_TRACK = 16;
 
 /**
  * `adcf7d18…_000` for an id with a UUID in it. Of another long id the beginning and the end, where names of a series
@@ -13,4 +15,9 @@ const LAST = 15;
 export function shortId(id: string): string {
   const short = id.replace(UUID, "$1…");
   return short.length > MOST ? `${short.slice(0, FIRST)}…${short.slice(-LAST)}` : short;
+}
+
+/** Of an id of an object that is longer than a name its beginning, which tells objects of one drive apart. */
+export function shortTrack(id: string): string {
+  return id.length > MOST_OF_TRACK ? `${id.slice(0, FIRST)}…` : id;
 }
