@@ -139,6 +139,16 @@ async function pages(day) {
   assert.equal(await page.getByRole("button", { name: "加载更多" }).count(), 0);
   await page.getByLabel("状态").selectOption({ label: "待质检" });
   await page.getByText(`已列出 ${day.pair.length} 个任务`).waitFor();
+  // The heading ticks all that are listed.
+  await page.getByRole("checkbox", { name: "全选已列出的任务" }).check();
+  await page.getByRole("button", { name: `更改 ${day.pair.length} 个任务…` }).waitFor();
+  await page.getByRole("checkbox", { name: "全选已列出的任务" }).uncheck();
+  await page.getByRole("button", { name: /更改 \d+ 个任务…/ }).waitFor({ state: "detached" });
+  // A part of a class's name finds the class.
+  await page.getByRole("button", { name: "清除筛选" }).click();
+  await page.getByLabel("搜索").fill("蠕行");
+  await page.getByRole("button", { name: "蠕行跟车" }).click();
+  await page.waitForURL(/scenario=reactive_agent\.following\.creeping/);
 }
 
 /** The same on the command line: what the page shows is in the store that the commands read. */

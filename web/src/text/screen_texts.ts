@@ -171,6 +171,7 @@ export const screenTexts = {
   "tasks.filter.q": ["搜索", "Search"],
   "tasks.filter.q.hint": ["场景、人员、编号", "Class, person, id"],
   "tasks.pictures": ["您也是标注员：只显示您打开过的任务的缩略图，别的会透露后续。", "You are also an annotator: only tasks that you have opened have a picture, since others show what comes later."],
+  "tasks.filter.meant": ["按名称筛选：", "Filter by name:"],
   "tasks.filter.any": ["全部", "all"],
   "tasks.filter.clear": ["清除筛选", "Clear filters"],
   "tasks.col.scenario": ["场景", "Scenario"],
