@@ -106,6 +106,9 @@ pub struct RecordSpec {
     /// The value is the id of an object of the scene.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub object: bool,
+    /// The object is the target of the rule, which is proposed.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub target: bool,
     /// The values to choose from; empty for free text and for measured values.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<RecordChoice>,
@@ -118,4 +121,7 @@ pub struct RecordChoice {
     pub id: String,
     /// Displayed name.
     pub name: Bilingual,
+    /// Values of the record's signal for which it is proposed, besides its own id.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<String>,
 }

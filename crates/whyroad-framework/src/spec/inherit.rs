@@ -121,13 +121,18 @@ pub(crate) fn finish(leaf: ScenarioId, layer: &LabelingLayer) -> Result<Resolved
 }
 
 fn finish_record(r: &RecordLayer) -> RecordSpec {
-    let choice = |c: &ChoiceLayer| RecordChoice { id: c.id.clone(), name: Bilingual::from(&c.name) };
+    let choice = |c: &ChoiceLayer| RecordChoice {
+        id: c.id.clone(),
+        name: Bilingual::from(&c.name),
+        measured: c.measured.clone(),
+    };
     RecordSpec {
         id: r.id.clone(),
         name: Bilingual::from(&r.name),
         unit: r.unit.clone(),
         signal: r.signal.clone(),
         object: r.object,
+        target: r.target,
         choices: r.choices.iter().map(choice).collect(),
     }
 }

@@ -158,6 +158,9 @@ pub struct RecordLayer {
     /// The value is the id of an object of the scene.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub object: bool,
+    /// The object is the target of the rule, which is proposed.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub target: bool,
     /// The values to choose from; absent for free text and for measured values.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<ChoiceLayer>,
@@ -172,6 +175,9 @@ pub struct ChoiceLayer {
     pub id: String,
     /// Displayed name.
     pub name: Words,
+    /// Values of the record's signal for which it is proposed, besides its own id.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<String>,
 }
 
 /// One text in Chinese and English, neither empty.

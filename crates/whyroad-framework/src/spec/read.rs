@@ -286,6 +286,7 @@ fn records(node: &Node, r: &mut FileReport) -> Vec<RecordLayer> {
         let unit = f.text_opt("unit", r);
         let signal = f.text_opt("signal", r);
         let object = f.text_opt("object", r).is_some_and(|text| text == "true");
+        let target = f.text_opt("target", r).is_some_and(|text| text == "true");
         let choices = f.get("choices").map(|n| choices(n, r)).unwrap_or_default();
         f.close(r);
         let (Some(id), Some(name)) = (id, name) else { continue };
@@ -297,7 +298,7 @@ fn records(node: &Node, r: &mut FileReport) -> Vec<RecordLayer> {
             r.error("spec.record.id", item, zh, en);
             continue;
         }
-        out.push(RecordLayer { id, name, unit, signal, object, choices });
+        out.push(RecordLayer { id, name, unit, signal, object, target, choices });
     }
     out
 }
@@ -314,6 +315,7 @@ fn choices(node: &Node, r: &mut FileReport) -> Vec<ChoiceLayer> {
         let Some(mut f) = Fields::open(item, r) else { continue };
         let id = f.text("id", r);
         let name = f.need("name", r).and_then(|n| words(n, r));
+        let measured = f.list("measured", r).iter().filter_map(|n| r.text(n)).collect();
         f.close(r);
         let (Some(id), Some(name)) = (id, name) else { continue };
         if !is_key(&id) || out.iter().any(|o| o.id == id) {
@@ -324,7 +326,7 @@ fn choices(node: &Node, r: &mut FileReport) -> Vec<ChoiceLayer> {
             r.error("spec.record.id", item, zh, en);
             continue;
         }
-        out.push(ChoiceLayer { id, name });
+        out.push(ChoiceLayer { id, name, measured });
     }
     out
 }

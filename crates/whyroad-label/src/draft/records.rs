@@ -31,13 +31,16 @@ pub(super) fn known(
     out
 }
 
-/// The value of the record's signal at the keyframe, in the record's unit or among its choices.
+/// The target, or the value of the record's signal at the keyframe, in the record's unit or among its choices.
 fn measured(
     signals: &SignalTable,
     keyframe: usize,
     target: Option<&TrackId>,
     spec: &RecordSpec,
 ) -> Option<serde_json::Value> {
+    if spec.target {
+        return target.map(|id| id.as_str().into());
+    }
     let name = spec.signal.as_deref()?;
     let (column, row): (&Column, usize) = match signals.frame_columns.get(name) {
         Some(column) => (column, keyframe),
@@ -57,7 +60,8 @@ fn measured(
             Tri::Unknown => None,
         };
     };
-    spec.choices.iter().any(|c| c.id == word).then(|| word.into())
+    let choice = spec.choices.iter().find(|c| c.id == word || c.measured.iter().any(|m| m == word))?;
+    Some(choice.id.as_str().into())
 }
 
 /// Three significant digits: maps and estimates are not more accurate.

@@ -63,12 +63,29 @@ fn what_is_owed_is_null_in_the_label_and_named_in_the_notes() {
         s.frame_columns.insert("map.curvature_ahead".into(), Column::Number(vec![0.04; fixture::FRAMES]));
     });
     assert_eq!(bend.label.records["curvature"], serde_json::json!(0.04));
+    // Whom the rule found to be overtaken is proposed.
     let overtake = draft_of("proactive.lane_change.overtake", |_| ());
-    assert_eq!(overtake.label.records["overtaken_vehicle"], serde_json::Value::Null);
-    let spec = &Framework::bundled().specs[&"proactive.lane_change.overtake".parse().unwrap()];
-    let name = &spec.records.iter().find(|r| r.id == "overtaken_vehicle").unwrap().name.en;
-    assert!(overtake.notes.iter().any(|n| n.en.contains(name)));
-    // LABELING.md 3: mandatory for blind spots.
+    assert_eq!(overtake.label.records["overtaken_vehicle"], fixture::drive("d").tracks[0].id.as_str());
+    // A route is in no signal.
+    let exit = draft_of("proactive.roundabout.exit", |_| ());
+    assert_eq!(exit.label.records["target_exit"], serde_json::Value::Null);
+    let spec = &Framework::bundled().specs[&"proactive.roundabout.exit".parse().unwrap()];
+    let name = &spec.records.iter().find(|r| r.id == "target_exit").unwrap().name.en;
+    assert!(exit.notes.iter().any(|n| n.en.contains(name)));
+    // TAXONOMY.md, cutin.ramp: the position of the merge, from where the target is seen.
+    let merges = |side: &str| {
+        draft_of("reactive_agent.cutin.ramp", |s| {
+            let last = |t: &whyroad_model::signal::TargetSpan| t.first_row + t.frames.end - t.frames.start;
+            let rows = s.targets.iter().map(last).max().unwrap_or(0);
+            s.target_columns.insert("target.side".into(), category(&[side], vec![0; rows]));
+        })
+        .label
+        .records["merge_position"]
+            .clone()
+    };
+    let sides = ["front", "left", "right", "rear", "other"].map(merges);
+    let positions = [Some("ahead"), Some("beside"), Some("beside"), Some("behind"), None];
+    assert_eq!(sides, positions.map(|id| serde_json::json!(id)));
     // LABELING.md 3: mandatory for blind spots, for road users that come out of an occlusion, and for what a lead
     // reveals.
     for leaf in [
