@@ -302,6 +302,7 @@ pub fn the_leaf_is_shown_when_stage_one_is_locked(world: &World) {
     assert_eq!(view["draft"]["scenario"], json!({ "l1": "reactive_agent", "l2": "following" }));
     assert_eq!(view["draft"]["critical_components"], json!([]));
     assert_eq!((&view["spec"], &view["suggestion"]["target_id"]), (&Value::Null, &Value::Null));
+    assert_eq!(view["task"]["target_id"], Value::Null);
     let kind = work.set(&[("/keyframe/range_start", json!("2026-01-15T10:30:08.000Z"))]);
     assert_eq!(kind.refusal(), (422, "draft.hidden".into()));
     let moment = json!({ "timestamp": "2026-01-15T10:30:09.400Z", "frame_idx": 94, "type": "proactive" });
@@ -310,6 +311,8 @@ pub fn the_leaf_is_shown_when_stage_one_is_locked(world: &World) {
     work.act("lock_stage1", &json!({})).fine();
     let view = work.view();
     assert_eq!(view["task"]["scenario_id"], SUDDEN);
+    assert_eq!(view["task"]["target_id"], view["suggestion"]["target_id"]);
+    assert!(view["task"]["target_id"].is_string());
     assert_eq!(view["draft"]["keyframe"]["type"], "reactive", "only the moment was set");
     assert!(view["spec"].is_object());
     // The requirement of an L3 class on uncertainty could not be known before.
