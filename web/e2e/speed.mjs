@@ -142,6 +142,14 @@ async function label(page, task) {
     await press(key === "·" ? "Enter" : key);
     await page.keyboard.press("Escape");
   }
+  // Without a draft nothing was chosen; a class of a maneuver does not allow that: its usual decision comes first.
+  await settled();
+  if ((await page.locator("[data-section=decisions]").getByText("不允许决策“无决策变化”").count()) > 0) {
+    await press("3");
+    await press("1");
+    thoughts++;
+    await page.keyboard.press("Escape");
+  }
   const direction = page.locator("[data-choices=direction]");
   if ((await direction.count()) > 0 && (await direction.locator("input:checked").count()) === 0) {
     await tabTo(page, direction.locator("input").first());

@@ -1,5 +1,6 @@
 // The objects at a frame as a list: the content of the canvas. Pure.
 import type { SceneView, TrackView } from "../api/types.ts";
+import { LONGEST_TRACK } from "../text/short_id.ts";
 import { gapBetween } from "./gap.ts";
 import { egoPose, trackPose, trackValue } from "./motion.ts";
 import { sizeOf } from "./tracks.ts";
@@ -22,16 +23,13 @@ export interface ListedObject {
   hidden: boolean;
 }
 
-/** Longer ids are replaced by numbers: a UUID says nothing and fills the screen. */
-const LONGEST_NAME = 12;
-
 /**
  * Display names of tracks: short ids as they are, long ones as `#1`, `#2`, … in the order of their first frame. Tracks
  * that only Stage II shows appear later and so do not renumber those of Stage I.
  */
 export function trackNames(tracks: readonly TrackView[]): ReadonlyMap<string, string> {
   const inOrder = [...tracks].sort((a, b) => a.first - b.first || a.id.localeCompare(b.id));
-  return new Map(inOrder.map((track, n) => [track.id, track.id.length > LONGEST_NAME ? `#${n + 1}` : track.id]));
+  return new Map(inOrder.map((track, n) => [track.id, track.id.length > LONGEST_TRACK ? `#${n + 1}` : track.id]));
 }
 
 /** Objects present at frame `i`: the rule's `target`, then the nearest first. */

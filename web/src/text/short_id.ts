@@ -5,8 +5,8 @@ const UUID = /([0-9a-f]{8})-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}/gi;
 const MOST = 24;
 const FIRST = 8;
 const LAST = 15;
-/** Longer ids of objects say nothing: UUIDs and hashes. */
-const MOST_OF_TRACK = 16;
+/** Longer ids of objects say nothing and fill the screen: UUIDs and hashes. */
+export const LONGEST_TRACK = 12;
 
 /**
  * `adcf7d18…_000` for an id with a UUID in it. Of another long id the beginning and the end, where names of a series
@@ -19,5 +19,5 @@ export function shortId(id: string): string {
 
 /** Of an id of an object that is longer than a name its beginning, which tells objects of one drive apart. */
 export function shortTrack(id: string): string {
-  return id.length > MOST_OF_TRACK ? `${id.slice(0, FIRST)}…` : id;
+  return id.length > LONGEST_TRACK ? `${id.slice(0, FIRST)}…` : id;
 }
