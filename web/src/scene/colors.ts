@@ -98,11 +98,31 @@ export function classColor(p: Palette, name: string): string {
   return p.classes[classGroups.find((group) => group.classes.includes(name))?.color ?? "thing"];
 }
 
-export const lightColors: Record<string, string> = {
-  red: "#e53935",
-  yellow: "#f9a825",
-  red_yellow: "#f57c00",
-  green: "#2e9e44",
-  off: "#757575",
-  unknown: "#757575",
+/** How a light is drawn: its color, and the dashes of its bar in parts of the bar's width. */
+export interface LightStyle {
+  color: string;
+  pattern: readonly number[];
+}
+
+const GREEN = "#2e9e44";
+const NOT_KNOWN: LightStyle = { color: "#757575", pattern: [0.1, 0.1] };
+
+/** By the values of `light.state`. The patterns make states legible without color. */
+const lights: Record<string, LightStyle> = {
+  red: { color: "#e53935", pattern: [] },
+  red_yellow: { color: "#f57c00", pattern: [0.3, 0.1] },
+  yellow: { color: "#f9a825", pattern: [0.2, 0.2] },
+  flashing_yellow: { color: "#f9a825", pattern: [0.05, 0.1] },
+  green: { color: GREEN, pattern: [0.4, 0.2] },
+  green_arrow: { color: GREEN, pattern: [0.7, 0.3] },
+  green_round: { color: GREEN, pattern: [0.25, 0.125] },
+  green_yield: { color: GREEN, pattern: [0.2, 0.2] },
+  flashing_green: { color: GREEN, pattern: [0.05, 0.1] },
+  off: NOT_KNOWN,
+  unknown: NOT_KNOWN,
 };
+
+/** The style of a light in this state; of an unknown one where the state has none. */
+export function lightStyle(state: string): LightStyle {
+  return lights[state] ?? NOT_KNOWN;
+}

@@ -1,5 +1,5 @@
 // Draws one frame of a scene. Called on every frame of a playback, so it allocates little and strokes the road in bulk.
-import { lightColors } from "./colors.ts";
+import { lightStyle } from "./colors.ts";
 import { egoPose, lightsAt, trackPose, trackValue } from "./motion.ts";
 import type { Road } from "./road.ts";
 import type { SceneFrame } from "./scene_frame.ts";
@@ -114,9 +114,6 @@ function drawEgoPath(ctx: CanvasRenderingContext2D, p: SceneFrame): void {
   ctx.setLineDash([]);
 }
 
-/** Pattern of a light's bar, in parts of its width, so that its state is legible without color; unknown is dotted. */
-const BAR_PATTERNS: Record<string, readonly number[]> = { red: [], red_yellow: [0.3, 0.1], yellow: [0.2, 0.2], green: [0.4, 0.2] };
-
 /**
  * A light is a colored bar across the end of its lane; lights of several movements of one lane are one behind the
  * other.
@@ -135,8 +132,9 @@ function drawStopBars(ctx: CanvasRenderingContext2D, p: SceneFrame, road: Road):
     const x = end.x - p.origin[0] - n * 1.6 * width * cos;
     const y = end.y - p.origin[1] - n * 1.6 * width * sin;
     const half = end.width / 2;
-    ctx.strokeStyle = lightColors[light.colour] ?? lightColors.unknown ?? "#777";
-    ctx.setLineDash((BAR_PATTERNS[light.colour] ?? [0.1, 0.1]).map((part) => part * end.width));
+    const style = lightStyle(light.colour);
+    ctx.strokeStyle = style.color;
+    ctx.setLineDash(style.pattern.map((part) => part * end.width));
     ctx.beginPath();
     ctx.moveTo(x - half * sin, y + half * cos);
     ctx.lineTo(x + half * sin, y - half * cos);

@@ -1,6 +1,8 @@
 // The view's geometry. Expected values by hand.
 import assert from "node:assert/strict";
 import { test } from "vitest";
+import { readFileSync } from "node:fs";
+import { lightStyle } from "./colors.ts";
 import { hits, lightsAt, trackPose } from "./motion.ts";
 import { frameAt, imageAt } from "./player.svelte.ts";
 import { corners, REACH, shadows, wedge } from "./shadow.ts";
@@ -127,4 +129,16 @@ test("the ruler measures between two world points", () => {
   assert.equal(ruler.distance, 5);
   ruler.stop();
   assert.equal(ruler.distance, null);
+});
+
+test("every state of a light has its own look, and a green one is green", () => {
+  const signals = readFileSync(`${import.meta.dirname}/../../../schema/signals.yaml`, "utf8");
+  const values = /name: light\.state\n[\s\S]*?values: \[(.*?)\]/.exec(signals)?.[1] ?? "";
+  const states = values.split(",").map((state) => state.trim().replaceAll('"', "")).filter((state) => state !== "none");
+  assert.ok(states.length > 9, values);
+  const looks = states.map((state) => JSON.stringify(lightStyle(state)));
+  assert.equal(new Set(looks).size, states.length, "no two states look alike");
+  for (const state of states) {
+    assert.equal(lightStyle(state).color === lightStyle("green").color, state.includes("green"), state);
+  }
 });
