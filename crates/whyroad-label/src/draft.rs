@@ -178,6 +178,8 @@ fn make(
         is_stopped_behind: lead.zip(driven.as_ref()).is_some_and(|(lead, w)| lead.is_stopped_behind(w)),
         course,
         of_road: class.l1 == ROAD,
+        of_limit: class.l2.as_deref() == Some("speed_limit")
+            && !matches!(class.l3.as_deref(), Some("bump_limit" | "crosswalk_limit")),
         of_turn: class.l1 == "proactive" && class.l2.as_deref() == Some("turn"),
     };
     let (decision, motion) = decision::infer(signals, keyframe, &asked, &mut notes);

@@ -2,7 +2,7 @@
 //! or signaled by then. Nothing after the keyframe is read: the later maneuver is not the intention that caused it.
 
 use super::lead::{self, Lead};
-use super::moment::{Moment, light_state};
+use super::moment::{Moment, NEAR_JUNCTION_M, light_state};
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::DoingWhen;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
@@ -350,7 +350,9 @@ fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
 /// The turn that the ego's own turn signal announces; at a junction only where the map shows one near.
 fn signaled_turn(signals: &SignalTable, frame: usize, moment: &Moment<'_>) -> Option<Bilingual> {
     let on = signals.frame_columns.get("ego.turn_signal")?.category(frame)?;
-    let (zh, en) = match (on, is_inside(signals, frame), moment.junction().is_true()) {
+    // The way onto a roundabout and off it is not called a junction.
+    let rounds = moment.number("map.distance_to_roundabout").is_some_and(|d| d < NEAR_JUNCTION_M);
+    let (zh, en) = match (on, is_inside(signals, frame), moment.junction().is_true() && !rounds) {
         ("left", true, _) => ("自车已在路口内，打着左转向灯", "the ego is in the junction and signals left"),
         ("right", true, _) => {
             ("自车已在路口内，打着右转向灯", "the ego is in the junction and signals right")

@@ -88,6 +88,8 @@ pub(super) struct Asked<'a> {
     pub course: Option<Course>,
     /// The class is about the road.
     pub of_road: bool,
+    /// The class is about a legal limit, and not about what the limit is for.
+    pub of_limit: bool,
     /// The class is about the ego's turn, or its way straight on, at a junction.
     pub of_turn: bool,
 }
@@ -484,6 +486,10 @@ fn choose(
     asked: &Asked<'_>,
     out: impl Fn(Longitudinal) -> bool,
 ) -> Option<Longitudinal> {
+    // Slowing for a rule is not slowing for the road (LABELING.md 2): the ego goes to the speed that the limit sets.
+    if asked.of_limit && motion == LongitudinalMotion::Slows && !out(Longitudinal::RoadSpeedAdaptation) {
+        return Some(Longitudinal::SetSpeedTracking);
+    }
     let possible = candidates(motion);
     // A crossing person, an animal, or an object that causes emergency braking is not followed.
     let follows =
@@ -494,7 +500,7 @@ fn choose(
     asked.typical.longitudinal.iter().find(fits).copied().or_else(|| choose_allowed(motion, asked, out))
 }
 
-/// Decisions that the class allows although they are not typical. Slowing for a lower limit is one; an ego that stands
+/// Decisions that the class allows although they are not typical. Slowing before a crosswalk is one; an ego that stands
 /// because of another road user and moves off, or that speeds up, may do so for any reason.
 fn choose_allowed(
     motion: LongitudinalMotion,
@@ -504,7 +510,7 @@ fn choose_allowed(
     use Longitudinal as D;
     let of_the_road: &[D] = match motion {
         LongitudinalMotion::Starts | LongitudinalMotion::Waits if !asked.of_others => &[D::Resume],
-        LongitudinalMotion::Slows | LongitudinalMotion::Stops => &[D::RoadSpeedAdaptation],
+        LongitudinalMotion::Slows | LongitudinalMotion::Stops if !asked.of_limit => &[D::RoadSpeedAdaptation],
         _ => return None,
     };
     // If the variant of a class is not known, no decision is known to be impossible.

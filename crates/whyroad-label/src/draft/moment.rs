@@ -20,7 +20,7 @@ const FACING_RAD: f64 = 100.0 * std::f64::consts::PI / 180.0;
 const AT_JUNCTION_M: f64 = 40.0;
 
 /// A junction nearer than this may be named, m.
-const NEAR_JUNCTION_M: f64 = 120.0;
+pub(super) const NEAR_JUNCTION_M: f64 = 120.0;
 
 /// A light whose stop line is nearer than this concerns the ego at any speed, m; a farther one within its stopping
 /// distance.

@@ -109,7 +109,9 @@ fn a_clear_change_of_speed_is_a_decision_though_it_began_before() {
     // From 133 to 111 km/h in 2 s, begun 1 s before the keyframe: 37 m/s to 31 m/s.
     let falls = |f: usize| (37.0 - 0.3 * f.saturating_sub(30) as f64).max(28.0);
     let limit = draft_of("reactive_rule.speed_limit", |s| with_speed(s, falls));
-    assert_eq!(limit.label.driving_decision.longitudinal, Some(Longitudinal::RoadSpeedAdaptation));
+    // LABELING.md 2: road_speed_adaptation is not "because of a rule".
+    assert_eq!(limit.label.driving_decision.longitudinal, Some(Longitudinal::SetSpeedTracking));
+    assert!(limit.label.coc_trace.contains("减速") || limit.label.coc_trace.contains('降'));
     // From 15 to 42 km/h.
     let rises = |f: usize| (4.0 + 0.14 * f.saturating_sub(20) as f64).min(11.7);
     let crosswalk = draft_of("reactive_rule.speed_limit.crosswalk_limit", |s| with_speed(s, rises));
