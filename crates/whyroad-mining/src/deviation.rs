@@ -1,6 +1,6 @@
 //! Thresholds of numbers that have standard deviations. A comparison by `<`, `<=`, `>` or `>=` changes its answer only
 //! where the two sides differ by more than the deviation of their difference; within it the answer of the previous row
-//! is kept. Without deviations each row is compared by itself.
+//! is kept, unless [`ROWS_ACROSS`] rows in succession contradict it. Without deviations each row is compared by itself.
 //!
 //! Here are the rules by which deviations combine, and the plain definition of such a comparison; both evaluators use
 //! the first, the reference also the second.
@@ -8,6 +8,11 @@
 use crate::comparison::compare;
 use crate::language::syntax::CompareOp;
 use whyroad_model::Tri;
+
+/// Rows in succession on the other side of a threshold, however near, that change the answer: 2 s at 10 Hz. Errors that
+/// are correlated over 1 s rarely keep their sign for longer; without this, one sample decides for the rest of a drive
+/// on a slow deceleration or on a speed just below a limit.
+pub(crate) const ROWS_ACROSS: usize = 20;
 
 /// Of a sum or difference of independent numbers.
 pub(crate) fn of_sum(a: f64, b: f64) -> f64 {
@@ -40,13 +45,18 @@ pub(crate) fn has_threshold(op: CompareOp) -> bool {
 /// Truth of a comparison row by row. The first known row, and the first after an unknown one, is compared by itself.
 pub(crate) fn crossed(op: CompareOp, a: &[f64], b: &[f64], deviation: &[f64]) -> Vec<Tri> {
     let mut before = Tri::Unknown;
+    let mut across = 0;
     let mut out = Vec::with_capacity(a.len());
     for ((a, b), deviation) in a.iter().zip(b).zip(deviation) {
         let plain = compare(op, *a, *b, 1.0).0;
         let noise = stated(*deviation);
         let within = noise > 0.0 && (a - b).abs() <= noise;
-        let decided = before == Tri::Unknown || !within;
-        before = if plain == Tri::Unknown || decided { plain } else { before };
+        let decided = plain == Tri::Unknown || before == Tri::Unknown || !within;
+        across = if decided || plain == before { 0 } else { across + 1 };
+        if decided || across == ROWS_ACROSS {
+            before = plain;
+            across = 0;
+        }
         out.push(before);
     }
     out
@@ -67,6 +77,20 @@ mod tests {
         assert_eq!(above(f64::NAN), above(0.0), "a deviation that is not known counts as none");
         let below = crossed(CompareOp::LessOrEqual, &a, &[2.0; 7], &[0.1; 7]);
         assert!(below.iter().zip(above(0.1)).all(|(b, a)| *b == !a), "the negation is the other operator");
+    }
+
+    #[test]
+    fn two_seconds_on_the_other_side_change_the_answer() {
+        // By hand: 1.9 is below, 2.05 within the noise of 2.0. 19 rows of it are not enough, the twentieth is.
+        let at = |k: usize, rows: usize| std::iter::repeat_n([1.9, 2.05, 1.95][k], rows);
+        let found = |values: Vec<f64>| {
+            let n = values.len();
+            crossed(CompareOp::Greater, &values, &vec![2.0; n], &vec![0.1; n])
+        };
+        let stays = found(at(0, 1).chain(at(1, 19)).chain(at(2, 1)).chain(at(1, 19)).collect());
+        assert!(stays.iter().all(|t| *t == False), "one row on the old side begins the count again");
+        let changes = found(at(0, 1).chain(at(1, 20)).chain(at(2, 1)).collect());
+        assert_eq!(changes[19..], [False, True, True], "the new answer is kept like any other");
     }
 
     #[test]

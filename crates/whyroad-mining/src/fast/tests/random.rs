@@ -16,11 +16,13 @@ use whyroad_model::{Bilingual, Column, FrameRange, Nanos, ObjectClass, SignalTab
 const NAMES: [&str; 4] = ["n", "f", "c", "x"];
 const WORDS: [&str; 3] = ["left", "right", "none"];
 
-/// Runs of values, as signals have them.
+/// Runs of values, as signals have them; some are so long that a value within noise of a threshold decides
+/// (`crate::deviation::ROWS_ACROSS`).
 fn runs<T: Clone + std::fmt::Debug + 'static>(
     value: impl Strategy<Value = T> + 'static,
 ) -> impl Strategy<Value = Vec<T>> {
-    prop::collection::vec((value, 1usize..9), 1..24)
+    let long = prop_oneof![12 => 1usize..9, 1 => 18usize..30];
+    prop::collection::vec((value, long), 1..24)
         .prop_map(|runs| runs.into_iter().flat_map(|(v, n)| std::iter::repeat_n(v, n)).collect())
 }
 
