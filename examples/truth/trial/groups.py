@@ -32,6 +32,7 @@ from networks_midland import boulevard, parclo, throughabout, twostage
 from networks_mixed import lit_grid, parked, spokes, weaving
 from networks_newtown import retail, sideroads, singlepoint, turbine
 from networks_outskirts import contraflow, crossings, hamlet, viaduct
+from networks_plains import downtown, freeway, gridroads, township
 from networks_planned import arterial, collector, estate, one_way_blocks
 from networks_regional import gyratory, terminus, tramway, upland
 from networks_seaside import coast, docks, expressway, market
@@ -161,6 +162,12 @@ SETS = {
         "highstreet": (highstreet, 18043, 300, 0.1, "KraussCivil+moto", 2.8, 0.4, 0),
         "nightshift": (nightshift, 18061, 320, 0.05, "KraussNight+moto", 3.2, 0.2, 0),
     },
+    "held18": {
+        "freeway": (freeway, 19001, 240, 0.2, "IDM15", 3.5, 0.7, 0),
+        "downtown": (downtown, 19009, 300, 0.1, "EIDM13+moto", "sublane", 0.22, 0.08),
+        "gridroads": (gridroads, 19013, 290, 0.1, "KraussSure+moto", 3, 0.3, 0),
+        "township": (township, 19031, 310, 0.05, "KraussPlains+moto", 3.3, 0.2, 0.04),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -191,6 +198,8 @@ NOISE = {
     "held15/turbine": (0.13, 0.08, 0.34, 0.4, 0.06),
     "held17/walls": (0.07, 0.12, 0.2, 1.0, 0.05),
     "held17/tee": (0.09, 0.15, 0.31, 0.5, 0.07),
+    "held18/freeway": (0.08, 0.13, 0.27, 0.6, 0.06),
+    "held18/downtown": (0.06, 0.1, 0.22, 1.1, 0.05),
     "held16/boulevard": (0.05, 0.17, 0.23, 1.3, 0.05),
     "held16/parclo": (0.1, 0.1, 0.29, 0.7, 0.09),
 }

@@ -126,8 +126,8 @@ def junctions(w, ego, lead):
                 yield w.entry("proactive.turn.straight", ego, into - 30, into, w.later(ego, p.last, w.length(ego) / 2) + 20, optional=True)
             continue
         into, out = w.later(ego, p.first, w.length(ego) / 2), w.later(ego, p.last, w.length(ego) / 2)
-        near = False
-        for m in met(w, ego, p):
+        near, foes = False, list(met(w, ego, p))
+        for m in foes:
             if w.kind(m.name) == "bicycle":
                 near |= m.apart < 8
                 # For whom it waits in the junction or before it, and for how long, is open.
@@ -144,8 +144,10 @@ def junctions(w, ego, lead):
             # Whether who comes at 105 to 135 degrees towards a left turn is oncoming or crosses is open.
             aslant = p.turned > 45 and 105 < abs(bend(rows[p.first].angle, w.rows[m.name][m.q.first].angle)) <= 140
             sure = waits and leaf and m.apart < 5 and p.whole and p.began and not (net.left_hand and abs(p.turned) > 45) and not aslant and 2 * len(queued) < len(waiting)
+            # Of several for which it waits in the junction in turn, since when for this one is open.
+            turns = m.its - p.first > 50 and any(o.must and o.name != m.name and p.first < o.its < m.its - 10 for o in foes)
             near |= m.apart < 8 or waits
-            if sure:
+            if sure and not turns:
                 yield w.entry(I + leaf, ego, p.first, p.first, out, m.name)
             if m.apart < 10 or waits or predicted(w, ego, m):
                 # In a ring each joint is a junction of its own; which of them the encounter belongs to is open.
@@ -260,7 +262,12 @@ def rings(w, ego):
         way = w.way(ego)
         start = next((k for k in keys if way[a] - way[k] <= 30 - w.length(ego) / 2), a)
         if a - 1 in rows:
-            yield w.entry("proactive.roundabout.entry", ego, start, start, whole_in, optional=not began)
+            # "No identifiable vehicle makes it yield": behind one that circulates, within 6 s of it or after a wait, that is the
+            # interaction, and whether it is an entry besides is open.
+            into = next((p for p in w.passing[ego] if p.first >= a and p.node.on_ring), None)
+            waits = any(rows[k].v < 1.5 for k in range(start, a) if k in rows)
+            before = [m for m in met(w, ego, into) if m.must and m.its < m.mine and w.kind(m.name) != "bicycle"] if into else []
+            yield w.entry("proactive.roundabout.entry", ego, start, start, whole_in, optional=not began or waits or any(m.apart < 6 for m in before))
         if b + 1 in rows:
             blink = next((k for k in run if k > b - 80 and all(rows[u].blink & (2 if net.left_hand else 1) for u in range(k, b) if u in rows)), None)
             centre = w.later(ego, b, w.length(ego) / 2)

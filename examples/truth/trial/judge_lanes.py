@@ -134,7 +134,8 @@ def changes(w, ego, lead):
                 later = max((rows[k].v for k in range(c.k, c.k + 120) if k in rows), default=0)
                 # Who speeds up ahead as the ego does holds it up for that moment only.
                 freed = max((w.rows[name][k].v for k in range(c.k, c.k + 60) if k in w.rows[name]), default=0) > its.v + 5 and its.a > 1
-                sure = sure and not queue and (leaf == "overtake" or later > its.v + 2 and not freed)
+                # A rider is passed, too, but it is a VRU in the lane before.
+                sure = sure and w.kind(name) != "bicycle" and not queue and (leaf == "overtake" or later > its.v + 2 and not freed)
         if leaf:
             yield w.entry(P + leaf, ego, start, start, end, target, optional=not sure)
         elif sure:

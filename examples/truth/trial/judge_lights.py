@@ -59,6 +59,8 @@ def lights(w, ego):
                 # Yellow lasts 3 s, or longer.
                 red = w.turned_to(p.link, a, "r")
                 edge = turned and (abs((slow - turned) - 30) < 8 if red - turned < 45 else abs(slow - red) < 8)
+                # Who had slowed by 2 m/s for something else when the light changed: whether it starts to slow then is open.
+                edge |= slow < turned - 5 and max(rows[k].v for k in range(turned - 30, turned + 1) if k in rows) - rows[min(turned, a)].v > 2
                 if lit and slow < begin:
                     # It slowed at the light before already: since when for this one, too, is open.
                     edge = True

@@ -69,6 +69,11 @@ def abnormal(w, ego, met):
             if seen:
                 for key in {seen[0], min(max(seen[0], (a + b) // 2), seen[-1]), seen[-1]}:
                     yield w.entry(A + "abnormal_motion", ego, seen[0], key, seen[-1], name, optional=True)
+        # Who overtakes another comes towards the ego in a lane of its direction, or goes the wrong way before it.
+        wrong = [k for k in near if (lane := w.net.lanes.get(w.rows[name][k].lane)) and not lane.id.startswith(":") and abs(bend(w.rows[name][k].angle, w.net.heading(lane.id))) > 120]
+        for a, b in spans(wrong, gap=5):
+            for key in {a, (a + b) // 2, b}:
+                yield w.entry(A + "abnormal_motion", ego, a, key, b, name, optional=True)
 
 
 def reveals(w, ego, lead):

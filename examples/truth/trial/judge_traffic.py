@@ -79,7 +79,9 @@ def following(w, ego, lead):
                     h = next((k for k in range(h, a) if k in rows and ttc(k) < 5), h)
             hard = min((its[k].a for k in range(halted[0] - 60, halted[0]) if k in its), default=0)
             changed = any(c.k > a - 50 and c.k < a + 10 for c in w.changes[name] + w.changes[ego])
-            yield w.entry(F + "follow_stop", ego, h - 20, h, a + 10, name, optional=aside or gap > 13 or hard < -2.7 or inside(a) or fast < 4 or changed or b - a < 10 or not rests(a, b))
+            # Who goes on while the other stands goes round it: whether that was a stop behind traffic or before an obstacle is open.
+            around = its[b + 10].v < 0.3 if b + 10 in its and b + 20 in rows else False
+            yield w.entry(F + "follow_stop", ego, h - 20, h, a + 10, name, optional=aside or around or gap > 13 or hard < -2.7 or inside(a) or fast < 4 or changed or b - a < 10 or not rests(a, b))
         elif min((its[k].v for k in range(a - 40, a + 41) if k in its), default=9) < 1 and max(rows[k].v for k in range(a - 300, a + 1) if k in rows) > 1.5:
             # Drivers that crawl up to a lead and never come quite to rest, or behind one that does not: when it stops is open.
             for least in (2, 0.3):
@@ -119,8 +121,10 @@ def steady(w, ego, motor, own_change):
     names = {name for name, _ in motor.values()}
     for name in names:
         mine = [k for k in motor if motor[k][0] == name]
-        exact = spans([k for k in mine if test(k, 1)], gap=5)
-        strict = spans([k for k in mine if test(k, 0.85)], gap=3)
+        # A moment beyond the thresholds is bridged; braking hard ends it.
+        held = lambda keys, gap: [s for a, b in spans([k for k in mine if test(k, 1.5)]) for s in spans([k for k in keys if a <= k <= b], gap=gap)]
+        exact = held([k for k in mine if test(k, 1)], 5)
+        strict = held([k for k in mine if test(k, 0.85)], 3)
         loose = spans([k for k in mine if test(k, 1.15)], gap=10)
         done = []
         for a, b in strict:
@@ -179,8 +183,9 @@ def braking(w, ego, lead):
             exact = next((k for k in range(a, b + 1) if its[k].a <= -3), a)
             followed = all(lead.get(k, (None,))[0] == name for k in range(exact - 10, exact))
             if b - a >= 3 and exact in lead and lead[exact][0] == name:
-                near = lead[exact][1] < 3 * w.rows[ego][exact].v
-                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not followed or not near or n and a - hard[n - 1][1] < 20)
+                # "Followed for 1 s or more": by time or by distance, all along.
+                near = followed and all(lead[k][1] < 2.85 * w.rows[ego][k].v or lead[k][1] < 14 for k in range(exact - 10, exact))
+                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not near or n and a - hard[n - 1][1] < 20)
                 continue
             if b - a >= 3 and exact in w.rows[ego] and w.rows[ego][exact].leader == name:
                 # Ahead in its lane still, into one beside the ego's way: whether the ego follows it is open.
