@@ -150,6 +150,12 @@ def junctions(w, ego, lead):
             if sure and not turns:
                 yield w.entry(I + leaf, ego, p.first, p.first, out, m.name)
             if m.apart < 10 or waits or predicted(w, ego, m):
+                # Long waits before it: the range begins with the approach.
+                way, slow = w.way(ego), [k for k in range(p.first - 900, p.first) if k in rows and rows[k].v < 1.5]
+                if len(slow) > 50:
+                    begin = next((k for k in range(slow[0] - 100, slow[0] + 1) if k in rows and way[p.first] - way[k] < 32), slow[0])
+                    for each in {leaf} - {None}:
+                        yield w.entry(I + each, ego, begin, begin, out, m.name, optional=True)
                 # In a ring each joint is a junction of its own; which of them the encounter belongs to is open.
                 joints = [q for q in w.passing[ego] if q.node.on_ring and abs(q.first - p.first) < 200] if p.node.on_ring else [p]
                 for each in ("unprotected_left", "right_vs_straight", "cross_conflict"):

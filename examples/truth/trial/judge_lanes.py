@@ -135,7 +135,10 @@ def changes(w, ego, lead):
                 # Who speeds up ahead as the ego does holds it up for that moment only.
                 freed = max((w.rows[name][k].v for k in range(c.k, c.k + 60) if k in w.rows[name]), default=0) > its.v + 5 and its.a > 1
                 # A rider is passed, too, but it is a VRU in the lane before.
-                sure = sure and w.kind(name) != "bicycle" and not queue and (leaf == "overtake" or later > its.v + 2 and not freed)
+                # Nor does who drives faster than the ego.
+                freed |= its.v > rows[began].v + 1
+                moving = leaf != "overtake" or c.k in w.rows[name] and w.rows[name][c.k].v > 3
+                sure = sure and w.kind(name) != "bicycle" and moving and not queue and (leaf == "overtake" or later > its.v + 2 and not freed)
         if leaf:
             yield w.entry(P + leaf, ego, start, start, end, target, optional=not sure)
         elif sure:
@@ -194,7 +197,7 @@ def facilities(w, ego):
             ends = all(ramp(w, l.b) for x in w.net.edges[edge_of(was[0])].lanes for l in w.net.out.get(x, []))
             ends |= climbs(w, edge_of(lane), edge_of(was[0]))
             yield w.entry(M + "split_exit", ego, start, start, done, optional=max(rows) < a + 10 or start not in rows or long or ends)
-            if start < off - 50 or long:
+            if start < off - 50 or long or ends:
                 yield w.entry(M + "split_exit", ego, off, off, done, optional=True)
     for p in w.passing[ego]:
         if p.node.kind != "zipper":
@@ -218,7 +221,7 @@ def cut_ins(w, ego):
         for c in made:
             if c.k not in rows or c.k not in its or math.hypot(rows[c.k].x - its[c.k].x, rows[c.k].y - its[c.k].y) > 110:
                 continue
-            drives = {rows[k].lane for k in range(c.k - 5, c.k + 80) if k in rows}
+            drives = {rows[k].lane for k in range(c.k - 5, c.k + 150) if k in rows}
             if c.b not in drives:
                 continue
             new = w.net.lanes[c.b]
@@ -230,7 +233,8 @@ def cut_ins(w, ego):
                 continue
             a = math.radians(rows[k].angle)
             gap = (its[k].x - rows[k].x) * math.sin(a) + (its[k].y - rows[k].y) * math.cos(a) - w.length(name)
-            if gap < -w.length(name) or gap > max(55, 2.2 * rows[k].v) or abs(bend(rows[k].angle, its[k].angle)) > 50:
+            soon = gap < 6 * max(rows[k].v - its[k].v, 0)
+            if gap < -w.length(name) or gap > max(55, 2.2 * rows[k].v) and not soon or abs(bend(rows[k].angle, its[k].angle)) > 50:
                 continue
             near, after = [], []
             for u in range(k - 30, k + 31):

@@ -79,6 +79,10 @@ def lights(w, ego):
                         yield w.entry(T + leaf, ego, key - 20, key, max(key, a) + 30, optional=True)
             green = next((k for k in range(a, b + 30) if w.letter(p.link, k) in ("G", "g") and w.letter(p.link, k - 1) not in ("G", "g")), None)
             if green is None:
+                # Green already when it comes to stand: by little, and what releases it is open.
+                before = next((k for k in range(a - 1, a - 40, -1) if w.letter(p.link, k) not in ("G", "g")), None)
+                if before is not None and before_it(w, ego, a):
+                    yield w.entry(T + "resume_follow", ego, b - 25, b - 5, b + 25, optional=True)
                 continue
             # The class asks for a line within 80 m, this leaf only for a queue at the light.
             distant = left(a) > 75
@@ -103,7 +107,14 @@ def lights(w, ego):
         v = [rows[k].v for k in rolling]
         turned = next((k for k in range(rolling[0] - 50, p.first) if k > 0 and w.letter(p.link, k) in ("G", "g") and w.letter(p.link, k - 1) not in ("G", "g")), None)
         dip = max(v) - min(v) > 1.0
-        if turned is None and not dip or rows[p.first].v < 4.5:
+        if rows[p.first].v < 4.5:
+            continue
+        # It turns green while the ego is further off: from where on one approaches is not said.
+        early = next((k for k in range(rolling[0], rolling[0] - 120, -1) if k in rows and k - 1 in rows and way[p.first] - way[k] < 220 and w.letter(p.link, k) in ("G", "g") and w.letter(p.link, k - 1) not in ("G", "g")), None)
+        if early is not None:
+            yield w.entry(T + "green_pass", ego, early - 20, early, max(early + 30, p.first), optional=True)
+            yield w.entry(T + "green_pass", ego, early - 20, early, early + 30, optional=True)
+        if turned is None and not dip:
             continue
         led = any(before_it(w, ego, k) for k in range(rolling[0], p.first, 5) if k in rows)
         key = max(turned or rolling[0], rolling[0])

@@ -86,8 +86,9 @@ def reveals(w, ego, lead):
             if len(before) < 10 or c.k not in rows:
                 continue
             drives = {rows[k].lane for k in range(c.k, c.k + 150) if k in rows} | {c.a}
-            slow = [i for i in w.at[c.k] if i not in (ego, name) and w.rows[i][c.k].lane in drives and w.rows[i][c.k].v < 3
-                    and math.hypot(w.rows[i][c.k].x - rows[c.k].x, w.rows[i][c.k].y - rows[c.k].y) < 120]
+            around = [k for k in range(c.k - 30, c.k + 31, 10) if k in rows]
+            slow = any(i not in (ego, name) and w.rows[i][k].lane in drives and w.rows[i][k].v < 3 and math.hypot(w.rows[i][k].x - rows[k].x, w.rows[i][k].y - rows[k].y) < 120
+                       for k in around for i in w.at[k])
             if slow:
                 for back in (0, 15, 30, 45):
                     yield w.entry(A + "cutout_reveal", ego, c.k - back - 10, c.k - back, c.k + 30, name, optional=True)
@@ -109,6 +110,20 @@ def close_calls(w, ego, lead, met):
         for key in {a, (a + b) // 2, b}:
             if key in lead:
                 yield w.entry(N, ego, a, key, b, lead[key][0], optional=True)
+    # Who stands beside its lane, aslant.
+    for name, at in met.items():
+        its = w.rows[name]
+        close = []
+        for k, d in at.items():
+            o, q, a = rows[k], its[k], math.radians(rows[k].angle)
+            if q.v < 1 and o.v > 1.5 and d < 30 and name in w.passing:
+                ahead = (q.x - o.x) * math.sin(a) + (q.y - o.y) * math.cos(a) - w.length(name)
+                beside = abs((q.x - o.x) * math.cos(a) - (q.y - o.y) * math.sin(a))
+                if abs(bend(o.angle, q.angle)) > 8 and beside < 4 and ahead < 2.5 * o.v:
+                    close.append(k)
+        for a, b in spans(close, gap=5):
+            for key in {a, (a + b) // 2, b}:
+                yield w.entry(N, ego, a, key, b, name, optional=True)
     for name, at in met.items():
         its, near, hits = w.rows[name], [k for k, d in at.items() if d < 25], []
         for k in near[::2]:

@@ -45,13 +45,16 @@ def following(w, ego, lead):
     motor = {k: v for k, v in lead.items() if w.kind(v[0]) != "bicycle"}
     own_change = {k for c in w.changes[ego] for k in range(c.k - 20, c.k + 21)}
     yield from steady(w, ego, motor, own_change)
+    yield from parting(w, ego)
     yield from creeping(w, ego, motor)
+    yield from brief(w, ego, motor)
     halts = stood(rows)
     behind = lambda k, reach=15: next((motor[u] for u in range(k, k + 8) if u in motor and motor[u][1] < reach), None)
     # Some drivers' models never come quite to rest: whether they stand is open.
     rests = lambda a, b: min(rows[k].v for k in range(a, b + 1) if k in rows) < 0.1
     stretches = congested(rows, halts, behind)
-    for a, b, n in congested(rows, [s for s in spans([k for k, o in rows.items() if o.v < 0.6], gap=5) if s[1] > s[0]], lambda k: behind(k, 22)):
+    loosely = congested(rows, [s for s in spans([k for k, o in rows.items() if o.v < 0.6], gap=5) if s[1] > s[0]], lambda k: behind(k, 22))
+    for a, b, n in loosely:
         # By a looser reading of standing and of the gap: which of the halts is the first is open, too.
         for first, _ in [(a, b), *(h for h in halts if a < h[0] < b)]:
             yield w.entry(F + "stop_and_go", ego, first, first, b, optional=True)
@@ -59,7 +62,8 @@ def following(w, ego, lead):
         # The limit between stops is 30 km/h (8.33 m/s); close to it the entry is open.
         fastest = max(rows[k].v for k in range(a, b) if k in rows)
         yield w.entry(F + "stop_and_go", ego, a, a, b, optional=n < 3 or not all(rests(*h) for h in halts if a <= h[0] <= b) or not 1.5 <= fastest < 8.2)
-    inside = lambda k: any(a - 100 <= k <= b + 60 for a, b, n in stretches)
+    # In such a stretch, by either reading, single stops and starts are open.
+    inside = lambda k: any(a - 100 <= k <= b + 60 for a, b, n in stretches) or any(a - 20 <= k <= b + 20 for a, b, n in loosely)
     for a, b in halts:
         at = behind(a, 18)
         if at is None or a - 30 not in rows:
@@ -72,11 +76,14 @@ def following(w, ego, lead):
             h = halted[0]
             if h > a:
                 h = next((k for k in sorted(its) if h - 100 < k <= h and all(its[u].v < 2 for u in range(k, h) if u in its)), h)
-            elif h in rows:
+            elif h in rows or h < min(rows):
+                h = max(h, min(rows))
                 # Already standing before the ego comes near: the first moment with TTC < 5 s.
                 ttc = lambda k: motor[k][1] / rows[k].v if k in motor and motor[k][0] == name and rows[k].v > 0.1 else math.inf
-                if not ttc(h) < 5:
-                    h = next((k for k in range(h, a) if k in rows and ttc(k) < 5), h)
+                # A lead for a moment while others are between does not count: the last approach.
+                near = [s for s in spans([k for k in range(h, a) if k in rows and ttc(k) < 5], gap=10)]
+                if near and (not ttc(h) < 5 or near[-1][0] > h):
+                    h = near[-1][0]
             hard = min((its[k].a for k in range(halted[0] - 60, halted[0]) if k in its), default=0)
             changed = any(c.k > a - 50 and c.k < a + 10 for c in w.changes[name] + w.changes[ego])
             # Who goes on while the other stands goes round it: whether that was a stop behind traffic or before an obstacle is open.
@@ -89,14 +96,33 @@ def following(w, ego, lead):
                 if slow is not None:
                     for key in range(slow, a + 1, 40):
                         yield w.entry(F + "follow_stop", ego, key - 20, key, a + 10, name, optional=True)
-        starts = next((k for k in range(a, b + 40) if k in its and its[k].v >= 0.3 and all(its[u].v < 0.3 for u in range(k - 10, k) if u in its)), None)
+        # Of several twitches of the lead the last one is followed; who has left the lane by then leads nobody.
+        starts = next((k for k in range(b + 39, a - 1, -1) if k in its and its[k].v >= 0.3 and all(its[u].v < 0.3 for u in range(k - 10, k) if u in its)), None)
+        gone = starts is not None and starts in rows and motor.get(starts, (name,))[0] != name
+        other = next((motor[k][0] for k in range(b, b + 20) if k in motor and motor[k][0] != name), None)
+        moves = next((k for k in range(b + 39, a - 1, -1) if other and k in w.rows[other] and w.rows[other][k].v >= 0.3 and all(w.rows[other][u].v < 0.3 for u in range(k - 10, k) if u in w.rows[other])), None)
+        if moves is not None:
+            yield w.entry(F + "follow_start", ego, moves, moves, b + 30, other, optional=True)
         fastest = max((rows[k].v for k in range(b, b + 60) if k in rows), default=0)
         if starts is not None and b - a >= 8 and 0.8 < fastest <= 2:
             # Whether who only moves up at a walking pace starts is open.
             yield w.entry(F + "follow_start", ego, starts, starts, b + 30, name, optional=True)
         if starts is not None and b - a >= 8 and fastest > 2:
             yield w.entry(F + "follow_start", ego, starts, starts, b + 30, name,
-                          optional=aside or gap > 13 or inside(a) or b - starts > 45 or b < starts or b - a < 13 or released(w, ego, starts) or starts - 10 < a or not rests(a, b))
+                          optional=aside or gone or gap > 13 or inside(a) or b - starts > 45 or b < starts or b - a < 13 or released(w, ego, starts) or starts - 10 < a or not rests(a, b))
+
+
+def brief(w, ego, motor):
+    """Halts of less than half a second behind a lead, by the ego's speed or nearly: whether it stands is open."""
+    rows = w.rows[ego]
+    for a, b in spans([k for k, o in rows.items() if o.v < 0.6], gap=5):
+        if a not in motor or motor[a][1] > 18 or a - 30 not in rows or any(h[0] <= b and h[1] >= a for h in stood(rows)):
+            continue
+        name, its = motor[a][0], w.rows[motor[a][0]]
+        slow = next((k for k in range(a - 200, a + 1) if k in its and its[k].v < 2 and all(its[u].v < 2 for u in range(k, a) if u in its)), a)
+        close = next((k for k in range(slow, a + 1) if k in motor and motor[k][0] == name and motor[k][1] < 5 * rows[k].v), a)
+        for key in {slow, close, (close + a) // 2}:
+            yield w.entry(F + "follow_stop", ego, key - 20, key, a + 10, name, optional=True)
 
 
 def released(w, ego, k):
@@ -145,6 +171,17 @@ def steady(w, ego, motor, own_change):
                         yield w.entry(F + "steady", ego, s[0], s[0], s[1] + 1, name, optional=True)
 
 
+def parting(w, ego):
+    """Steady behind somebody who turns off where the ego does not: how long the ego follows is open."""
+    rows = w.rows[ego]
+    near = lambda o, its: (o.gap < 3.4 * o.v or o.gap < 17) and o.v > 3 and abs(o.v - its.v) < 2.3
+    for name in {o.leader for o in rows.values() if o.leader in w.passing}:
+        if w.kind(name) != "bicycle":
+            for a, b in spans([k for k, o in rows.items() if o.leader == name and k in w.rows[name] and abs(o.a) < 3 and near(o, w.rows[name][k])], gap=10):
+                if b - a >= 20 and not {w.rows[name][b].lane, w.rows[name][min(b + 20, max(w.rows[name]))].lane} & {rows[k].lane for k in range(a, b + 300) if k in rows}:
+                    yield w.entry(F + "steady", ego, a, a, b + 1, name, optional=True)
+
+
 def creeping(w, ego, motor):
     rows = w.rows[ego]
     near = lambda k: motor[k][1] < 15 or motor[k][1] < 3 * rows[k].v
@@ -157,6 +194,11 @@ def creeping(w, ego, motor):
         halts = any(rows[k].v < 0.5 for k in (*range(a - 20, a), *range(b + 1, b + 21)) if k in rows) or b + 40 > max(rows)
         yield w.entry(F + "creeping", ego, a, (sure or [(a, b)])[0][0], b, motor[a][0] if len({motor[k][0] for k in range(a, b) if k in motor}) == 1 else None,
                       optional=not sure or halts)
+    # The simulator's vehicles change lane sideways while their speed is near zero: whether they creep then is open.
+    moved = lambda k: 5 * math.hypot(rows[k + 1].x - rows[k - 1].x, rows[k + 1].y - rows[k - 1].y) if k - 1 in rows and k + 1 in rows else rows[k].v
+    for a, b in spans([k for k in motor if near(k) and 0.25 < moved(k) < 4], gap=3):
+        if b - a >= 40 and any(moved(k) > rows[k].v + 0.3 for k in range(a, b + 1) if k in rows):
+            yield w.entry(F + "creeping", ego, a, a, b, optional=True)
 
 
 def congested(rows, halts, behind):
@@ -185,7 +227,9 @@ def braking(w, ego, lead):
             if b - a >= 3 and exact in lead and lead[exact][0] == name:
                 # "Followed for 1 s or more": by time or by distance, all along.
                 near = followed and all(lead[k][1] < 2.85 * w.rows[ego][k].v or lead[k][1] < 14 for k in range(exact - 10, exact))
-                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not near or n and a - hard[n - 1][1] < 20)
+                # "One that has just moved in and is not yet followed": until 3 s after it crossed the line.
+                joined = any(exact - 30 < c.k <= exact for c in w.changes[name])
+                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not near or joined or n and a - hard[n - 1][1] < 20)
                 continue
             if b - a >= 3 and exact in w.rows[ego] and w.rows[ego][exact].leader == name:
                 # Ahead in its lane still, into one beside the ego's way: whether the ego follows it is open.
