@@ -2,7 +2,7 @@
 //! or signaled by then. Nothing after the keyframe is read: the later maneuver is not the intention that caused it.
 
 use super::lead::{self, Lead};
-use super::moment::{Moment, NEAR_JUNCTION_M, light_state};
+use super::moment::{Moment, light_state};
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::DoingWhen;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
@@ -47,6 +47,11 @@ fn is_of_bend(episode: &EpisodeRecord) -> bool {
 
 fn is_of_junction(episode: &EpisodeRecord) -> bool {
     episode.signals.iter().any(|s| s == "ego.movement")
+}
+
+/// The class is about the ego's lane, which it also changes where no junction is near.
+fn is_of_lanes(episode: &EpisodeRecord) -> bool {
+    matches!(episode.scenario_id.l2.as_deref(), Some("lane_change" | "merge_interaction"))
 }
 
 /// How the position of a road user is described.
@@ -98,7 +103,7 @@ impl Scene<'_> {
                 let goes_straight = moment.category("ego.movement") == Some(STRAIGHT);
                 let is_straight = goes_straight || episode.scenario_id.l3.as_deref() == Some(STRAIGHT);
                 let tells = is_of_junction(episode) && !is_straight && !moment.indicator_against();
-                tells.then(|| signaled_turn(signals, keyframe, moment)).flatten()
+                tells.then(|| signaled_turn(signals, keyframe, !is_of_lanes(episode))).flatten()
             });
             add(ComponentCategory::RoutingIntent, intent);
         }
@@ -112,7 +117,7 @@ impl Scene<'_> {
             return None;
         }
         let signaled =
-            || signaled_turn(self.signals, self.keyframe, moment).filter(|_| !moment.indicator_against());
+            || signaled_turn(self.signals, self.keyframe, true).filter(|_| !moment.indicator_against());
         let text = route(self.signals, self.keyframe).or_else(signaled)?;
         Some(component(ComponentCategory::RoutingIntent, &text, lang))
     }
@@ -347,12 +352,10 @@ fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
     Some(Bilingual::new(zh, en))
 }
 
-/// The turn that the ego's own turn signal announces; at a junction only where the map shows one near.
-fn signaled_turn(signals: &SignalTable, frame: usize, moment: &Moment<'_>) -> Option<Bilingual> {
+/// What the ego's own turn signal announces: a turn at a junction, or in classes about lanes a change of lane.
+fn signaled_turn(signals: &SignalTable, frame: usize, at_junction: bool) -> Option<Bilingual> {
     let on = signals.frame_columns.get("ego.turn_signal")?.category(frame)?;
-    // The way onto a roundabout and off it is not called a junction.
-    let rounds = moment.number("map.distance_to_roundabout").is_some_and(|d| d < NEAR_JUNCTION_M);
-    let (zh, en) = match (on, is_inside(signals, frame), moment.junction().is_true() && !rounds) {
+    let (zh, en) = match (on, is_inside(signals, frame), at_junction) {
         ("left", true, _) => ("自车已在路口内，打着左转向灯", "the ego is in the junction and signals left"),
         ("right", true, _) => {
             ("自车已在路口内，打着右转向灯", "the ego is in the junction and signals right")

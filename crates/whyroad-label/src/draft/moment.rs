@@ -20,7 +20,7 @@ const FACING_RAD: f64 = 100.0 * std::f64::consts::PI / 180.0;
 const AT_JUNCTION_M: f64 = 40.0;
 
 /// A junction nearer than this may be named, m.
-pub(super) const NEAR_JUNCTION_M: f64 = 120.0;
+const NEAR_JUNCTION_M: f64 = 120.0;
 
 /// A light whose stop line is nearer than this concerns the ego at any speed, m; a farther one within its stopping
 /// distance.
@@ -247,7 +247,7 @@ impl<'a> Moment<'a> {
     }
 
     /// The ego is in a junction, or one is ahead.
-    pub(super) fn junction(&self) -> Tri {
+    fn junction(&self) -> Tri {
         let near = self.number("map.distance_to_junction");
         self.flag("ego.in_junction").or(near.map_or(Tri::Unknown, |d| Tri::from(d < NEAR_JUNCTION_M)))
     }
