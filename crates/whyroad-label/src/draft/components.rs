@@ -355,20 +355,22 @@ fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
 /// What the ego's own turn signal announces: a turn at a junction, or in classes about lanes a change of lane.
 fn signaled_turn(signals: &SignalTable, frame: usize, at_junction: bool) -> Option<Bilingual> {
     let on = signals.frame_columns.get("ego.turn_signal")?.category(frame)?;
-    let (zh, en) = match (on, is_inside(signals, frame), at_junction) {
-        ("left", true, _) => ("自车已在路口内，打着左转向灯", "the ego is in the junction and signals left"),
-        ("right", true, _) => {
-            ("自车已在路口内，打着右转向灯", "the ego is in the junction and signals right")
-        }
-        ("left", false, true) => {
-            ("前方为路口，自车已打左转向灯", "a junction lies ahead and the ego signals left")
-        }
-        ("right", false, true) => {
-            ("前方为路口，自车已打右转向灯", "a junction lies ahead and the ego signals right")
-        }
-        ("left", false, false) => ("自车已打左转向灯", "the ego signals left"),
-        ("right", false, false) => ("自车已打右转向灯", "the ego signals right"),
+    let (zh, en) = match on {
+        "left" => ("左转向灯", "left"),
+        "right" => ("右转向灯", "right"),
         _ => return None,
     };
-    Some(Bilingual::new(zh, en))
+    Some(if is_inside(signals, frame) {
+        Bilingual::new(
+            format!("自车已在路口内，打着{zh}"),
+            format!("the ego is in the junction and signals {en}"),
+        )
+    } else if at_junction {
+        Bilingual::new(
+            format!("前方为路口，自车已打{zh}"),
+            format!("a junction lies ahead and the ego signals {en}"),
+        )
+    } else {
+        Bilingual::new(format!("自车已打{zh}"), format!("the ego signals {en}"))
+    })
 }
