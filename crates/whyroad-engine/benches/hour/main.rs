@@ -32,6 +32,11 @@ const FEW: [(&str, &[&str]); 2] = [
     ("(derive two of targets alone)", &["target.ttc", "target.in_ego_lane"]),
 ];
 
+/// Deriving what all rules ask for, as `mine --once` does, which stores no signals.
+const ASKED: &str = "(derive what rules ask alone)";
+const DERIVE: &str = "estimate and derive signals";
+const STORE_SIGNALS: &str = "store signals";
+
 /// Frames per drive: a minute.
 const FRAMES: usize = 600;
 const DRIVES_PER_HOUR: usize = 60;
@@ -118,6 +123,7 @@ fn measure(folder: &Path, objects: usize) {
     let rules = RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0;
     let plan = Plan::of(&rules);
     let all: Vec<usize> = (0..rules.rules.len()).collect();
+    let asked = Wanted::only(plan.rules.iter().flat_map(|rule| rule.names()));
     let lake = Lake::create_or_open(folder.join("lake")).expect("a lake");
     let (sources, _) = find_sources(None, &[folder.join("logs")]);
     let mut stages = Stages(Vec::new());
@@ -140,20 +146,23 @@ fn measure(folder: &Path, objects: usize) {
             stages
                 .run(name, || drop(black_box(derive_wanted(&drive, &Wanted::only(signals.iter().copied())))));
         }
-        let table = stages.run("estimate and derive signals", || whyroad_signals::derive(&drive));
+        let some = stages.run(ASKED, || derive_wanted(&drive, &asked));
+        let table = stages.run(DERIVE, || whyroad_signals::derive(&drive));
         drop(drive);
         digest(&table, &mut signals);
-        stages.run("store signals", || {
+        stages.run(STORE_SIGNALS, || {
             lake.write_signals(&id, whyroad_signals::VERSION, &table).expect("written");
         });
-        episodes += stages.run("mine: all rules to episodes", || {
-            let found = Search::new(&plan, &Signals::of_table(&table), all.iter().copied()).found();
+        let mined = |table: &SignalTable| {
+            let found = Search::new(&plan, &Signals::of_table(table), all.iter().copied()).found();
             let found = arbitrated(&rules, &id, &table.times, found).episodes;
-            let text = format!("{found:?}\n");
-            results.update(text.as_bytes());
-            all_found += &text;
-            found.len()
-        });
+            (found.len(), format!("{found:?}\n"))
+        };
+        let (count, text) = stages.run("mine: all rules to episodes", || mined(&table));
+        assert!(mined(&some).1 == text, "{id}: other episodes from what rules ask for");
+        results.update(text.as_bytes());
+        all_found += &text;
+        episodes += count;
     }
     let hours = sources.len() as f64 / DRIVES_PER_HOUR as f64;
     let bytes = |name: &str| size(&folder.join(name), &|p| p.ends_with("signals") || name == "logs");
@@ -169,10 +178,7 @@ fn measure(folder: &Path, objects: usize) {
     // Where hashes differ, this says by what.
     fs::write(folder.join("episodes.txt"), all_found).expect("written");
     println!("{:<32} {:>16} {:>10} {:>10}", "stage", "core-s per hour", "us per row", "peak MB");
-    let mut total = 0.0;
     for stage in &stages.0 {
-        total +=
-            if stage.name.contains("alone") || stage.name.contains("nothing else") { 0.0 } else { stage.cpu };
         println!(
             "{:<32} {:>16.2} {:>10.2} {:>10.0}",
             stage.name,
@@ -181,7 +187,15 @@ fn measure(folder: &Path, objects: usize) {
             stage.peak_mb
         );
     }
-    println!("{:<32} {:>16.2} {:>10.2}", "log to episodes", total / hours, total * 1e6 / rows as f64);
+    let sum = |counts: &dyn Fn(&str) -> bool| -> f64 {
+        stages.0.iter().filter(|stage| counts(stage.name)).map(|stage| stage.cpu).sum()
+    };
+    let beside = |name: &str| name.contains("alone") || name.contains("nothing else");
+    let stored = sum(&|name| !beside(name));
+    let once = sum(&|name| name == ASKED || (!beside(name) && ![DERIVE, STORE_SIGNALS].contains(&name)));
+    for (name, total) in [("log to episodes", stored), ("the same with `mine --once`", once)] {
+        println!("{name:<32} {:>16.2} {:>10.2}", total / hours, total * 1e6 / rows as f64);
+    }
     println!(
         "per hour: log {:.0} MB, scene tables {:.0} MB, signals {:.0} MB\n",
         bytes("logs") / hours / 1e6,
