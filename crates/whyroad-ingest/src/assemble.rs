@@ -12,6 +12,7 @@ pub(crate) mod junctions;
 pub(crate) mod key_frames;
 pub(crate) mod lane_lights;
 pub(crate) mod layers;
+pub(crate) mod neighbors;
 pub(crate) mod plausibility;
 pub(crate) mod projection;
 pub(crate) mod resample;

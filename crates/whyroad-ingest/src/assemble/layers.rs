@@ -1,9 +1,9 @@
 //! Layers of a map: what an adapter declares, and what is derived from the geometry of the lanes where the source has
-//! no data: connections, junctions, turn directions. What is derived is declared as such.
+//! no data: connections, junctions, lanes beside each other, turn directions. What is derived is declared as such.
 
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::distance;
-use crate::assemble::junctions;
+use crate::assemble::{junctions, neighbors};
 use std::f64::consts::PI;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Lane, LaneKind, LaneMark, LayerState, MapLayer, Point3, TurnKind};
@@ -36,6 +36,7 @@ fn has_any(map: &RoadMap, layer: MapLayer) -> bool {
     match layer {
         MapLayer::Connections => lane(|l| !l.successors.is_empty()),
         MapLayer::Junctions => !map.junctions.is_empty() || lane(|l| l.in_junction),
+        MapLayer::Neighbors => lane(|l| l.left_neighbor.is_some() || l.right_neighbor.is_some()),
         MapLayer::Crosswalks => !map.crosswalks.is_empty(),
         MapLayer::StopLines => !map.stop_lines.is_empty(),
         MapLayer::Lights => map.covers("traffic_light"),
@@ -65,6 +66,9 @@ pub(crate) fn derive_absent(map: &mut RoadMap) {
     {
         mark_junctions(map);
         map.layers.insert(MapLayer::Junctions, LayerState::Derived);
+    }
+    if map.layers.get(&MapLayer::Neighbors) == Some(&LayerState::Absent) && neighbors::derive(map) {
+        map.layers.insert(MapLayer::Neighbors, LayerState::Derived);
     }
     for lane in map.lanes.iter_mut().filter(|l| l.in_junction && l.turn.is_none() && rolls(l)) {
         lane.turn = turn(&lane.center);
@@ -264,6 +268,11 @@ mod tests {
         let inside: Vec<&str> = map.lanes.iter().filter(|l| l.in_junction).map(|l| l.id.as_str()).collect();
         assert_eq!(inside, ["a_over", "b_over", "right"]);
         assert_eq!(map.junctions.len(), 1);
+        // Who turns right over the corner, 2 m beside the lane for it, is in the junction; who is 6 m beside it is not.
+        let covers = |x: f64, y: f64| {
+            crate::assemble::geometry::contains(&map.junctions[0].boundary, Point3 { x, y, z: 0.0 })
+        };
+        assert!(covers(-4.0, -4.0) && !covers(-7.0, -7.0));
         assert_eq!(map.lane("right").unwrap().turn, Some(TurnKind::Right));
         assert_eq!(map.lane("a_over").unwrap().turn, Some(TurnKind::Straight));
         assert_eq!(map.lane("a_in").unwrap().turn, None);

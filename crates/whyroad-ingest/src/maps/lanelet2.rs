@@ -114,7 +114,8 @@ fn outer(document: &Document, relation: &Relation) -> Option<Vec<i64>> {
 }
 
 fn declare(map: &mut RoadMap) {
-    let mut stated = Vec::new();
+    // Lanelets that share an edge are beside each other: the format's own rule.
+    let mut stated = vec![(MapLayer::Neighbors, LayerState::Complete)];
     // Lanelets that share their end points lead into each other: the format's own rule.
     if map.lanes.iter().any(|l| l.successors.iter().any(|s| !s.starts_with("beyond:"))) {
         stated.push((MapLayer::Connections, LayerState::Complete));

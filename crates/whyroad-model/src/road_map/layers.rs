@@ -12,6 +12,8 @@ pub enum MapLayer {
     Connections,
     /// Where junctions are.
     Junctions,
+    /// Which lanes are beside each other.
+    Neighbors,
     /// Pedestrian crossings.
     Crosswalks,
     /// Lines at which to stop.
@@ -44,9 +46,10 @@ pub enum LayerState {
 
 impl MapLayer {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Connections,
         Self::Junctions,
+        Self::Neighbors,
         Self::Crosswalks,
         Self::StopLines,
         Self::Lights,
@@ -57,7 +60,8 @@ impl MapLayer {
     ];
 
     /// The need that a log with a map without this layer lacks; `None` where signals depend on something else that is
-    /// checked separately (states of lights, marks of each lane, heights).
+    /// checked separately (states of lights, marks of each lane, heights), or are always derived (lanes beside each
+    /// other).
     pub fn need(self) -> Option<Need> {
         match self {
             Self::Connections => Some(Need::LaneConnections),
@@ -66,7 +70,7 @@ impl MapLayer {
             Self::StopLines => Some(Need::StopLines),
             Self::SpeedLimits => Some(Need::SpeedLimits),
             Self::Ramps => Some(Need::Ramps),
-            Self::Lights | Self::Marks | Self::Heights => None,
+            Self::Neighbors | Self::Lights | Self::Marks | Self::Heights => None,
         }
     }
 
@@ -75,6 +79,7 @@ impl MapLayer {
         let (zh, en) = match self {
             Self::Connections => ("车道连接", "connections"),
             Self::Junctions => ("路口", "junctions"),
+            Self::Neighbors => ("相邻车道", "neighbors"),
             Self::Crosswalks => ("人行横道", "crosswalks"),
             Self::StopLines => ("停止线", "stop lines"),
             Self::Lights => ("信号灯位置", "lights"),

@@ -108,6 +108,7 @@ pub(super) fn read(text: &str) -> Result<MapReading, String> {
     let complete = [
         MapLayer::Connections,
         MapLayer::Junctions,
+        MapLayer::Neighbors,
         MapLayer::Crosswalks,
         MapLayer::Marks,
         MapLayer::Heights,

@@ -326,6 +326,7 @@ fn assemble(raw: Raw, net: &mut Net) {
     let complete = [
         MapLayer::Connections,
         MapLayer::Junctions,
+        MapLayer::Neighbors,
         MapLayer::Crosswalks,
         MapLayer::Lights,
         MapLayer::SpeedLimits,
