@@ -5,6 +5,7 @@ pub mod context;
 pub mod corridor;
 pub mod crossroads;
 pub mod curvature;
+pub mod cut_traversal;
 pub mod ego_lane;
 pub mod facilities;
 pub mod junction;

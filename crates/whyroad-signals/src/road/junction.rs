@@ -3,6 +3,7 @@
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{unwrap, wrap};
+use crate::road::cut_traversal::completed;
 use crate::road::network::Road;
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
@@ -117,6 +118,15 @@ fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64,
     Some((headings[ends] - headings[begins], whole && !begins_in_it && !ends_in_it))
 }
 
+/// [`turned`]; where the recording cuts the traversal, completed from the lanes if these allow one movement only.
+fn way(road: &Road, path: &DrivenPath, stretch: Stretch, headings: &[f64]) -> Option<(f64, bool)> {
+    let (angle, whole) = turned(stretch, path, headings)?;
+    if whole || movement(angle, false).is_some() {
+        return Some((angle, whole));
+    }
+    Some(completed(road, path, stretch, angle).map_or((angle, false), |angle| (angle, true)))
+}
+
 /// U-turns of the path outside of junctions, as at an opening of the median, where no lane makes the turn (as in a
 /// hairpin): the heading changes by at least 135 deg within [`TURN_ROUND_M`].
 fn turns_round(road: &Road, path: &DrivenPath) -> Vec<Stretch> {
@@ -183,7 +193,7 @@ pub struct Encounters {
     pub junctions: Vec<Stretch>,
     /// Crosswalks.
     pub crosswalks: Vec<Stretch>,
-    /// Change of heading across each junction, rad, and whether the recording covers it from entry to exit.
+    /// Change of heading across each junction, rad, and whether the recording or the lanes show it from entry to exit.
     ways: Vec<Option<(f64, bool)>>,
 }
 
@@ -193,7 +203,7 @@ impl Encounters {
         let areas = stretches(path, |p| road.in_junction(p), MERGE_M);
         let junctions = with_turns_round(areas, turns_round(road, path));
         let headings = unwrap(&ego.heading);
-        let ways = junctions.iter().map(|&j| turned(j, path, &headings)).collect();
+        let ways = junctions.iter().map(|&j| way(road, path, j, &headings)).collect();
         let crosswalks = stretches(path, |p| road.crosswalks.iter().any(|c| c.contains(p)), 0.0);
         Self { junctions, crosswalks, ways }
     }
@@ -205,7 +215,7 @@ impl Encounters {
         (self.junctions[next].from - ego_s - front <= reach).then_some(next)
     }
 
-    /// The ego's movement through junction `k`, if the recording shows it.
+    /// The ego's movement through junction `k`, if the recording or the lanes show it.
     pub fn movement(&self, k: usize) -> Option<EgoMovement> {
         self.ways[k].and_then(|(angle, whole)| movement(angle, whole))
     }

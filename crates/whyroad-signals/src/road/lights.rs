@@ -16,6 +16,8 @@ const REACH_M: f64 = 150.0;
 
 /// A state that was observed for this long without a change has lasted at least as long, s.
 const LASTED_S: f64 = 5.0;
+/// A light that is not seen for this long at most shows what it showed before, s: no state ends sooner.
+const UNSEEN_S: f64 = 1.0;
 /// Below this speed the ego is at standstill, m/s.
 const STANDS_MPS: f64 = 0.1;
 
@@ -56,6 +58,28 @@ impl Shown {
     }
 }
 
+/// Removes unknown states of a lane's lights between known ones that are at most [`UNSEEN_S`] apart: a light that is
+/// hidden for some frames.
+fn leave_out_short_gaps(states: &mut Vec<&LightState>) {
+    states.sort_by_key(|s| s.time);
+    let mut short = vec![false; states.len()];
+    // The unknown states since the last known one, for each way on; none before the first known one.
+    let mut hidden: BTreeMap<Option<&str>, Vec<usize>> = BTreeMap::new();
+    for (k, state) in states.iter().enumerate() {
+        let way = state.to_lane_id.as_deref();
+        if state.color == LightColor::Unknown {
+            hidden.entry(way).and_modify(|run| run.push(k));
+            continue;
+        }
+        let run = hidden.insert(way, Vec::new()).unwrap_or_default();
+        if run.first().is_some_and(|&first| state.time.seconds_since(states[first].time) <= UNSEEN_S + 1e-6) {
+            run.into_iter().for_each(|k| short[k] = true);
+        }
+    }
+    let mut short = short.into_iter();
+    states.retain(|_| !short.next().unwrap_or(false));
+}
+
 struct Lights<'a> {
     by_lane: BTreeMap<&'a str, Vec<&'a LightState>>,
     stop_lines: BTreeMap<&'a str, crate::geometry::P2>,
@@ -69,6 +93,7 @@ impl<'a> Lights<'a> {
         for state in states {
             by_lane.entry(state.lane_id.as_str()).or_default().push(state);
         }
+        by_lane.values_mut().for_each(leave_out_short_gaps);
         let mut stop_lines = BTreeMap::new();
         for line in map.stop_lines.iter().filter(|l| !l.line.is_empty()) {
             let n = line.line.len() as f64;

@@ -62,9 +62,11 @@ pub struct Placement {
     /// Nearest and farthest arc length (from the ego's center) of the part of the footprint inside the band that the
     /// ego sweeps along its path, m; `None` if no part is.
     pub band: Option<(f64, f64)>,
-    /// In the ego's lane, see [`Placement::center_in_way`]; inside junctions, where no lines are drawn, a target that
+    /// In the ego's lane or way, see [`Placement::center_in_way`]; inside junctions, where no lines are drawn, a target that
     /// was in the lane stays in it until its whole footprint has left.
     pub in_way: bool,
+    /// In a junction, where drivers cut the bends of the lanes: on the way that the ego drives, beside its lane.
+    pub cuts_lane: bool,
     /// The ego can pass it within its lane, or no lane is known.
     pub leaves_room: bool,
     /// Height, m; NaN if it is unknown.
@@ -130,9 +132,11 @@ impl Placement {
         self.going.direction
     }
 
-    /// The ego's lane if there is one, else a band along the driven path: position and edges.
+    /// The ego's lane if there is one and the target does not cut it, else a band along the driven path: position and
+    /// edges.
     pub fn way(&self) -> (Beside, f64, f64) {
-        self.lane.unwrap_or((self.path, DEFAULT_HALF_WIDTH_M, DEFAULT_HALF_WIDTH_M))
+        let lane = self.lane.filter(|_| !self.cuts_lane);
+        lane.unwrap_or((self.path, DEFAULT_HALF_WIDTH_M, DEFAULT_HALF_WIDTH_M))
     }
 
     /// True when the center is between the edges of [`Placement::way`], on its level and within reach.
@@ -146,7 +150,7 @@ impl Placement {
     /// a U-turn: oncoming traffic. True if there is no lane.
     fn is_as_far_by_lane(&self) -> bool {
         let detour = (self.lane_ahead - self.ahead).abs();
-        detour.is_nan() || detour <= MOST_DETOUR_M + MOST_DETOUR * self.ahead.abs()
+        self.cuts_lane || detour.is_nan() || detour <= MOST_DETOUR_M + MOST_DETOUR * self.ahead.abs()
     }
 
     /// True within 150 m ahead and 100 m behind: farther targets have no relation to the ego.
@@ -355,6 +359,10 @@ impl<'a> Surroundings<'a> {
             let room = (left - at.high).max(right + at.low) - side;
             room.is_nan() || room >= needed
         });
+        let beside_lane = lane.is_some_and(|(at, left, right)| at.lateral > left || at.lateral < -right);
+        let cuts_lane = beside_lane
+            && on_path.lateral.abs() <= DEFAULT_HALF_WIDTH_M
+            && self.road.is_some_and(|road| road.in_junction(center));
         let velocity = p2(m.vx[row], m.vy[row]);
         let place = Placement {
             frame,
@@ -369,6 +377,7 @@ impl<'a> Surroundings<'a> {
             lane_ahead,
             band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
             in_way: false,
+            cuts_lane,
             distance: if sizes_known { self.ego.footprint(frame).distance(&footprint) } else { f64::NAN },
             approach: Approach { gap: f64::NAN, closing: f64::NAN },
             leaves_room,

@@ -204,6 +204,32 @@ fn turns_by_integrated_heading() {
 }
 
 #[test]
+fn lanes_of_the_junction_complete_a_way_that_the_record_cuts() {
+    // Of two lanes from x = 40, one straight on, one a left arc of 10 m: they are 1.3 m apart after 5 m and 3.5 m after 9.
+    let movement = |way: fn(f64) -> (f64, f64, f64), seconds: f64, before: f64| {
+        let frames = (seconds * 10.0) as usize;
+        let mut d = drive(frames, |t| way(8.0 * t + before));
+        d.map = Some(crossing());
+        let t = Table::of(&d);
+        let inside = (0..frames).find(|&i| t.ego_flag("ego.in_junction", i) == True).unwrap();
+        let angle = t.ego("ego.turn_angle", inside);
+        (t.ego_category("ego.movement", inside).map(str::to_owned), angle)
+    };
+    let ahead = |s: f64| (s, 0.0, 0.0);
+    let (straight, left) = (Some("straight".to_owned()), Some("left".to_owned()));
+    assert_eq!(movement(ahead, 6.2, 0.0).0, straight, "ends at x = 49");
+    assert_eq!(movement(ahead, 4.0, 43.0).0, straight, "begins at x = 43");
+    assert_eq!(movement(ahead, 5.8, 0.0).0, None, "ends at x = 45.6");
+    // At s = 49 it heads 52 deg to the left, 3.8 m beside the lane that goes straight on.
+    let (way, angle) = movement(left_turn, 6.2, 0.0);
+    assert_eq!(way, left, "ends at s = 48.8");
+    near(angle, FRAC_PI_2, 0.06);
+    let (way, angle) = movement(left_turn, 4.0, 47.0);
+    assert_eq!(way, left, "begins at s = 47");
+    near(angle, FRAC_PI_2, 0.06);
+}
+
+#[test]
 fn how_far_a_turn_goes_is_unknown_where_the_record_begins_in_it() {
     // 40 deg of a circle of 20 m to the left, from (0, 0); the junction is the part beyond 6 m of the arc.
     let angle = 40_f64.to_radians();
