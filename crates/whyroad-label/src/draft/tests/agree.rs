@@ -196,3 +196,74 @@ fn who_brakes_before_a_red_light_does_not_slow_for_the_road() {
     assert_eq!(slows("red"), Some(Doubt::RedLight));
     assert_ne!(slows("green"), Some(Doubt::RedLight));
 }
+
+#[test]
+fn a_roundabout_is_not_also_called_a_junction() {
+    let signals_right = |leaf: &'static str| {
+        traces(leaf, move |s| {
+            with_speed(s, |f| 8.0 - 0.1 * f.saturating_sub(42) as f64);
+            turns(s, "right");
+            word(s, "ego.turn_signal", "right");
+            word(s, "map.driving_side", "right");
+            flag(s, "ego.in_junction", false);
+        })
+    };
+    for leaf in ["proactive.roundabout.entry", "reactive_rule.special_facility.roundabout"] {
+        let all = signals_right(leaf);
+        assert!(!all.is_empty() && says(&all, &["路口", "junction"]) == 0, "{all:?}");
+        assert_eq!(says(&all, &["环岛", "roundabout"]), all.len(), "{all:?}");
+    }
+}
+
+#[test]
+fn a_lane_is_not_changed_to_drive_faster_by_an_ego_that_slows_down() {
+    let changes = |change: f64| {
+        traces("proactive.lane_change.efficiency", move |s| {
+            with_speed(s, |f| 20.0 + change * f.saturating_sub(42) as f64);
+            of_target(s, "target.longitudinal", 30.0);
+            of_target(s, "target.lateral", 0.0);
+            of_target(s, "target.speed", 19.0);
+            of_target(s, "target.relative_speed", -1.0);
+            let codes = (0..fixture::FRAMES).map(|f| if f < 45 { u16::MAX } else { 0 }).collect();
+            s.frame_columns.insert("ego.lane_change".into(), category(&["left"], codes));
+        })
+    };
+    let faster = ["可以开得快一些", "in the next one it can", "which it can in the next lane"];
+    assert_eq!(says(&changes(-0.2), &faster), 0);
+    assert!(says(&changes(0.0), &faster) > 0);
+}
+
+#[test]
+fn a_lane_of_a_roundabout_farther_in_is_not_the_lane_for_the_next_exit() {
+    let changes = |side: &'static str| {
+        traces("proactive.roundabout.lane_in_roundabout", move |s| {
+            with_speed(s, |_| 8.0);
+            flag(s, "map.in_roundabout", true);
+            word(s, "map.driving_side", "right");
+            let codes = (0..fixture::FRAMES).map(|f| if f < 45 { u16::MAX } else { 0 }).collect();
+            s.frame_columns.insert("ego.lane_change".into(), category(&[side], codes));
+        })
+    };
+    let out = ["到出口时出不去", "前方的出口离开", "its exit"];
+    let (inwards, outwards) = (changes("left"), changes("right"));
+    assert!(!inwards.is_empty() && says(&inwards, &out) == 0, "{inwards:?}");
+    assert!(says(&outwards, &out) > 0, "{outwards:?}");
+}
+
+#[test]
+fn a_turn_at_a_junction_is_no_merge() {
+    // A quarter of a circle in a junction, from 2 s after the keyframe on, or none.
+    let merges = |turn: bool| {
+        draft_of("proactive.merge_interaction.normal_merge", move |s| {
+            with_speed(s, |_| 10.0);
+            let codes = (0..fixture::FRAMES).map(|f| if f < 60 || !turn { u16::MAX } else { 0 }).collect();
+            s.frame_columns.insert("ego.movement".into(), category(&["left"], codes));
+            let heading = |f: usize| if turn { (0.03 * f.saturating_sub(60) as f64).min(1.57) } else { 0.0 };
+            let headings = (0..fixture::FRAMES).map(heading).collect();
+            s.frame_columns.insert("ego.heading".into(), Column::Number(headings));
+        })
+        .doubt
+    };
+    assert_eq!(merges(true), Some(Doubt::TurnsOff));
+    assert_ne!(merges(false), Some(Doubt::TurnsOff));
+}
