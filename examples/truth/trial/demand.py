@@ -70,11 +70,15 @@ MODEL = {
     "EIDM13": 'carFollowModel="EIDM" tau="1.05" accel="2.3" decel="3.4" treaction="0.35" tpreview="3.5" ccoolness="0.93" startupDelay="0.35" lcStrategic="1.5" lcSpeedGain="1.7" jmTimegapMinor="1.1" speedFactor="normc(1.0,0.1,0.8,1.24)"',
     "KraussSure": 'carFollowModel="Krauss" sigma="0.2" tau="1.1" accel="2.4" decel="3.9" jmTimegapMinor="1.0" lcStrategic="1.4" lcSpeedGain="1.9" startupDelay="0.35" speedFactor="normc(1.0,0.11,0.78,1.25)"',
     "KraussPlains": 'carFollowModel="Krauss" sigma="0.2" tau="1.2" accel="2.3" decel="3.6" jmTimegapMinor="1.2" jmStoplineGap="1.0" lcOpposite="0.9" lcSpeedGain="2" startupDelay="0.4" speedFactor="normc(1.03,0.1,0.82,1.3)"',
+    "EIDM14": 'carFollowModel="EIDM" tau="1.2" accel="2.1" decel="3.3" treaction="0.4" tpreview="4" ccoolness="0.91" startupDelay="0.4" lcStrategic="1.3" lcSpeedGain="1.6" jmTimegapMinor="1.2" jmStoplineGap="1.0" speedFactor="normc(0.99,0.1,0.8,1.23)"',
+    "KraussBrief": 'carFollowModel="Krauss" sigma="0.25" tau="1.0" accel="2.5" decel="3.8" jmTimegapMinor="1.1" jmStoplineGap="1.0" lcStrategic="1.5" lcSpeedGain="1.8" lcAssertive="1.2" startupDelay="0.3" speedFactor="normc(1.02,0.11,0.8,1.26)"',
+    "KraussHill": 'carFollowModel="KraussPS" sigma="0.15" tau="1.25" accel="2.2" decel="3.7" jmTimegapMinor="1.3" jmStoplineGap="1.0" lcSpeedGain="2.2" startupDelay="0.35" speedFactor="normc(1.01,0.1,0.8,1.27)"',
+    "IDM16": 'carFollowModel="IDM" delta="4.3" tau="1.1" sigma="0" lcAssertive="1.6" lcSpeedGain="2.3" lcCooperative="0.9" lcKeepRight="0.8" speedFactor="normc(0.98,0.14,0.72,1.25)"',
     "IDM9": 'carFollowModel="IDM" delta="3.5" tau="1.1" sigma="0" lcAssertive="2" lcSpeedGain="3" lcCooperative="0.5" actionStepLength="0.4" speedFactor="normc(0.99,0.15,0.72,1.3)"',
 }
 
 # How many of car, quick, van and truck in the traffic of a model, where it is not as elsewhere.
-SHARES = {"IDM5": [5, 3, 2, 1.5], "IDM6": [5, 2, 2, 3.5], "IDM7": [4, 2, 2, 5], "IDM8": [4, 3, 2, 4], "EIDM6": [5, 2, 3, 4], "KraussFirm": [5, 3, 2, 2], "IDM9": [4, 3, 2, 5], "IDM12": [5, 3, 2, 3], "IDM13": [5, 3, 2, 4], "IDM14": [5, 2, 2, 4.5], "KraussNight": [4, 3, 2, 3], "IDM15": [5, 3, 2, 2.5], "EIDM13": [5, 2, 2.5, 0.8]}
+SHARES = {"IDM5": [5, 3, 2, 1.5], "IDM6": [5, 2, 2, 3.5], "IDM7": [4, 2, 2, 5], "IDM8": [4, 3, 2, 4], "EIDM6": [5, 2, 3, 4], "KraussFirm": [5, 3, 2, 2], "IDM9": [4, 3, 2, 5], "IDM12": [5, 3, 2, 3], "IDM13": [5, 3, 2, 4], "IDM14": [5, 2, 2, 4.5], "KraussNight": [4, 3, 2, 3], "IDM15": [5, 3, 2, 2.5], "EIDM13": [5, 2, 2.5, 0.8], "IDM16": [5, 3, 2, 3]}
 
 
 def types(model, lateral):

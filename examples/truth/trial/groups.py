@@ -27,6 +27,7 @@ from networks_drawn import circles, country, knotted, motorway, street
 from networks_everyday import artery, hill_road, quarter, works
 from networks_gateway import airport, diamond, indirect, railside
 from networks_joined import dumbbell, herringbone, hexagons, plain_exits
+from networks_lakeside import belt, climb, drops, strip
 from networks_local import ring_motorway, school, suburb, two_banks
 from networks_midland import boulevard, parclo, throughabout, twostage
 from networks_mixed import lit_grid, parked, spokes, weaving
@@ -168,6 +169,12 @@ SETS = {
         "gridroads": (gridroads, 19013, 290, 0.1, "KraussSure+moto", 3, 0.3, 0),
         "township": (township, 19031, 310, 0.05, "KraussPlains+moto", 3.3, 0.2, 0.04),
     },
+    "held19": {
+        "belt": (belt, 20021, 300, 0.1, "EIDM14+moto", "sublane", 0.25, 0),
+        "strip": (strip, 20023, 300, 0.1, "KraussBrief+moto", 3, 0.3, 0),
+        "climb": (climb, 20029, 310, 0.04, "KraussHill+moto", 2.9, 0.2, 0),
+        "drops": (drops, 20047, 240, 0.2, "IDM16", 3.7, 0.7, 0),
+    },
 }
 
 # What is recorded of the runs of a group, or of one run, is noisy: deviations of a position of one frame, and of 1 s
@@ -200,6 +207,8 @@ NOISE = {
     "held17/tee": (0.09, 0.15, 0.31, 0.5, 0.07),
     "held18/freeway": (0.08, 0.13, 0.27, 0.6, 0.06),
     "held18/downtown": (0.06, 0.1, 0.22, 1.1, 0.05),
+    "held19/belt": (0.07, 0.11, 0.21, 1.2, 0.05),
+    "held19/drops": (0.1, 0.12, 0.29, 0.5, 0.06),
     "held16/boulevard": (0.05, 0.17, 0.23, 1.3, 0.05),
     "held16/parclo": (0.1, 0.1, 0.29, 0.7, 0.09),
 }
