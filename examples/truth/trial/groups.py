@@ -170,10 +170,10 @@ SETS = {
         "township": (township, 19031, 310, 0.05, "KraussPlains+moto", 3.3, 0.2, 0.04),
     },
     "held19": {
-        "belt": (belt, 20021, 300, 0.1, "EIDM14+moto", "sublane", 0.25, 0),
-        "strip": (strip, 20023, 300, 0.1, "KraussBrief+moto", 3, 0.3, 0),
-        "climb": (climb, 20029, 310, 0.04, "KraussHill+moto", 2.9, 0.2, 0),
-        "drops": (drops, 20047, 240, 0.2, "IDM16", 3.7, 0.7, 0),
+        "belt": (belt, 21001, 215, 0.1, "EIDM14+moto", "sublane", 0.25, 0),
+        "strip": (strip, 21011, 215, 0.1, "KraussBrief+moto", 3, 0.3, 0),
+        "climb": (climb, 21013, 230, 0.2, "KraussHill+moto", 2.9, 0.2, 0),
+        "drops": (drops, 21017, 160, 0.2, "IDM16", 3.7, 0.7, 0),
     },
 }
 

@@ -48,7 +48,7 @@ def halts(tag, kind, a, b, period, number, *stops):
 
 
 def walkers(rows):
-    return [f'<personFlow id="foot{i}" type="walker" begin="0" end="290" period="exp({1 / p:.4f})"><walk from="{a}" to="{b}"/></personFlow>' for i, (a, b, p) in enumerate(rows)]
+    return [f'<personFlow id="foot{i}" type="walker" begin="0" end="200" period="exp({1 / p:.4f})"><walk from="{a}" to="{b}"/></personFlow>' for i, (a, b, p) in enumerate(rows)]
 
 
 def belt(work, draw):
@@ -131,9 +131,9 @@ def belt(work, draw):
     rows += [("quick", ins[3], outs[0], 41, ""), ("car", "r0q0", outs[5], 43, ""), ("car", ins[2], "q4q3", 39, ""), ("car", "q3q2", outs[0], 47, "")]
     ride = [("cycle", a, b, p, "") for a, b, p in (("r2q2", "q5r5", 19), ("r5q5", "q2r2", 21), ("r0q0", "q1q2", 27), ("q4q3", "q2r2", 25), ("q6q0", "q1q2", 33), ("o5r5", "cs", 29))]
     (work / "parked.txt").write_text("\n".join([
-        *flows(rows, 270, "way"), *flows(ride, 270, "ride"),
-        *(halts(f"line{i}", "coach", a, b, p, 4, *((lane, pos, draw.randint(9, 15)) for lane, pos in stops)) for i, (a, b, p, stops) in enumerate(((ins[3], outs[0], 61, (("r2r1_0", 120),)), (ins[5], outs[2], 67, (("q5c_1", 50),)), (ins[0], outs[4], 71, (("q0q1_1", 60),))))),
-        *(halts(f"post{i}", "van", a, b, p, 3, (lane, pos, draw.randint(20, 34))) for i, (a, b, lane, pos, p) in enumerate(((ins[0], outs[1], "q0q1_1", 90, 83), (ins[2], outs[5], "cq5_1", 70, 79), (ins[4], outs[3], "q4q3_1", 60, 89)))),
+        *flows(rows, 190, "way"), *flows(ride, 190, "ride"),
+        *(halts(f"line{i}", "coach", a, b, p, 3, *((lane, pos, draw.randint(9, 15)) for lane, pos in stops)) for i, (a, b, p, stops) in enumerate(((ins[3], outs[0], 61, (("r2r1_0", 120),)), (ins[5], outs[2], 67, (("q5c_1", 50),)), (ins[0], outs[4], 71, (("q0q1_1", 60),))))),
+        *(halts(f"post{i}", "van", a, b, p, 2, (lane, pos, draw.randint(20, 34))) for i, (a, b, lane, pos, p) in enumerate(((ins[0], outs[1], "q0q1_1", 90, 83), (ins[2], outs[5], "cq5_1", 70, 79), (ins[4], outs[3], "q4q3_1", 60, 89)))),
         *walkers((("q2s", "sq2", 9), ("sq2", "q2s", 10), ("q1c", "cs", 14), ("q5c", "cq3", 15), ("q0q1", "q1q2", 17), ("q4q3", "q3c", 19), ("q6q5", "q5q4", 18), ("q0q6", "q6q5", 23)))]))
     return ["as drawn", "--no-turnarounds", "--junctions.corner-detail", 5, "--tls.cycle.time", 74, "--tls.yellow.time", 3, "--tls.left-green.time", 7, "--sidewalks.guess", "--sidewalks.guess.max-speed", 11.5, "--crossings.guess", "--crossings.guess.speed-threshold", 11.5]
 
@@ -251,9 +251,9 @@ def strip(work, draw):
                                                ("S1NS1n", "d9e", 31), ("S1SS1s", "S1nS1N", 29), ("S2NS2n", "S2sS2S", 21), ("S2SS2s", "S2nS2N", 21), ("S3NS3n", "d1w", 29), ("S3SS3s", "d1w", 33), ("wd1", "S1sS1S", 27), ("ed9", "S2nS2N", 27), ("wd1", "S2nS2N", 31), ("ed9", "S2sS2S", 33), ("hwS1n", "S3nhe", 27), ("heS3n", "S1nhw", 25), ("hsh", "S1nhw", 31), ("hsh", "S3nhe", 33), ("S2NS2n", "S1nhw", 35), ("wd1", "S3sS3S", 35))]
     feet = (("d5m", "md5", 14), ("md5", "d5m", 15))
     (work / "parked.txt").write_text("\n".join([
-        *flows(rows, 270, "way"),
-        *(halts(f"line{i}", "coach", a, b, p, 4, *((lane, pos, draw.randint(9, 16)) for lane, pos in stops)) for i, (a, b, p, stops) in enumerate((("wd1", "d9e", 63, (("d2d3_0", 55), ("f1f2_0", 70))), ("ed9", "d1w", 67, (("d7S3_0", 40), ("d2d1_0", 60)))))),
-        *(halts(f"post{i}", "van", a, b, p, 3, (lane, pos, draw.randint(28, 45))) for i, (a, b, lane, pos, p) in enumerate((("wd1", "d9e", "S1d4_0", 70, 85), ("ed9", "d1w", "d9d8_0", 50, 91), ("hwS1n", "S3nhe", "S1nh_0", 120, 79)))),
+        *flows(rows, 190, "way"),
+        *(halts(f"line{i}", "coach", a, b, p, 3, *((lane, pos, draw.randint(9, 16)) for lane, pos in stops)) for i, (a, b, p, stops) in enumerate((("wd1", "d9e", 63, (("d2d3_0", 55), ("f1f2_0", 70))), ("ed9", "d1w", 67, (("d7S3_0", 40), ("d2d1_0", 60)))))),
+        *(halts(f"post{i}", "van", a, b, p, 2, (lane, pos, draw.randint(28, 45))) for i, (a, b, lane, pos, p) in enumerate((("wd1", "d9e", "S1d4_0", 70, 85), ("ed9", "d1w", "d9d8_0", 50, 91), ("hwS1n", "S3nhe", "S1nh_0", 120, 79)))),
         *walkers(feet)]))
     return ["as drawn", "--no-turnarounds.except-turnlane", "--junctions.corner-detail", 5, "--tls.default-type", "actuated", "--tls.yellow.time", 4, "--tls.left-green.time", 8]
 
@@ -359,8 +359,8 @@ def climb(work, draw):
     rows += [(kind, a, b, p, f' speedFactor="{f}"') for kind, a, b, p, f in (("truck", "wk", "i3ie", 47, 0.62), ("truck", "jwj1", "kw", 43, 0.58), ("van", "ksk", "n0n0s", 71, 0.42), ("van", "n0sn0", "kks", 73, 0.45), ("truck", "jwj1", "h1hn", 53, 0.75))]
     rows += [("car", a, b, p, "") for a, b, p in (("knk", "kks", 41), ("ksk", "v3c0", 37), ("knk", "i3ie", 39), ("t1nt1", "t2t2s", 33), ("t2st2", "t1t1n", 35), ("t1nt1", "h1hn", 41), ("t2st2", "kw", 43), ("vnv2n", "v2svs", 27), ("vsv2s", "v2nvn", 29), ("vnv2n", "kw", 31), ("vsv2s", "h1hn", 35), ("jwj1", "v2svs", 37), ("wk", "v2nvn", 39), ("n0sn0", "kw", 47), ("wk", "n0n0s", 49), ("wk", "t1t1n", 53), ("jwj1", "t2t2s", 51))]
     (work / "parked.txt").write_text("\n".join([
-        *flows(rows, 290, "way"),
-        *(halts(f"line{i}", "coach", a, b, p, 4, (stop, pos, draw.randint(10, 17))) for i, (a, b, p, stop, pos) in enumerate((("wk", "i3ie", 72, "v1v2_1", 60), ("jwj1", "kw", 77, "v2v1_1", 55)))),
+        *flows(rows, 200, "way"),
+        *(halts(f"line{i}", "coach", a, b, p, 3, (stop, pos, draw.randint(10, 17))) for i, (a, b, p, stop, pos) in enumerate((("wk", "i3ie", 72, "v1v2_1", 60), ("jwj1", "kw", 77, "v2v1_1", 55)))),
         *walkers((("v1v2", "v2v3", 13), ("v2v3", "v3v2", 12), ("v2nv2", "v2v3", 19), ("v2sv2", "v2nv2", 17)))]))
     return ["as drawn", "--lefthand", "--no-turnarounds", "--junctions.corner-detail", 5, "--tls.default-type", "actuated", "--tls.yellow.time", 3, "--sidewalks.guess", "--sidewalks.guess.max-speed", 13.5, "--crossings.guess", "--crossings.guess.speed-threshold", 12]
 
@@ -461,6 +461,6 @@ def drops(work, draw):
     rows = (("truck", "e0e1", "e5e6", 13), ("truck", "w0w1", "w9wx", 12), ("car", "e0e1", "s5s6", 19), ("car", "e0e1", "n4n5", 13), ("car", "s0s1", "e5e6", 14), ("car", "n0n1", "e5e6", 21), ("car", "n0n1", "n4n5", 13), ("car", "s0s1", "s5s6", 12), ("car", "w0w1", "n4n5", 15), ("car", "s0s1", "w9wx", 17), ("car", "w0w1", "p1", 23), ("car", "p2", "w9wx", 23), ("car", "p6", "w9wx", 21), ("car", "w0w1", "p7", 15),
             ("car", "p2", "n4n5", 29), ("car", "p6", "p7", 33), ("car", "p8", "w9wx", 17), ("quick", "e0e1", "e5e6", 8), ("quick", "w0w1", "w9wx", 8), ("car", "e0e1", "e5e6", 5.1), ("car", "w0w1", "w9wx", 5.3), ("coach", "w0w1", "w9wx", 57), ("truck", "n0n1", "e5e6", 61), ("truck", "s0s1", "w9wx", 67), ("van", "s0s1", "e5e6", 41))
     (work / "parked.txt").write_text("\n".join(
-        f'<flow id="flow{i}" type="{kind}" begin="0" period="{p}" number="{int(220 / p)}" from="{a}" to="{b}" departLane="{"best" if a[0] in "nsp" else 0 if kind in ("truck", "coach") else "random"}" departSpeed="max"/>'
+        f'<flow id="flow{i}" type="{kind}" begin="0" period="{p}" number="{int(140 / p)}" from="{a}" to="{b}" departLane="{"best" if a[0] in "nsp" else 0 if kind in ("truck", "coach") else "random"}" departSpeed="max"/>'
         for i, (kind, a, b, p) in enumerate(rows)))
     return ["as drawn", "--no-turnarounds", "--junctions.corner-detail", 5]
