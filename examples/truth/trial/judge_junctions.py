@@ -20,6 +20,15 @@ def samples(w, link):
     return out + ([(done, *points[-1])] if points else [])
 
 
+def near_spot(w, own, its):
+    """Meters along both links to where their paths come near each other, or None; the same for all who drive there."""
+    if (own.via, its.via) not in w.spots:
+        mine, theirs = samples(w, own), samples(w, its)
+        # Foes whose paths come no nearer join side by side.
+        w.spots[own.via, its.via] = next((spot for reach in (1, 2.5) for spot in ((d, e) for d, x, y in mine for e, u, v in theirs if abs(x - u) < reach and abs(y - v) < reach)), None)
+    return w.spots[own.via, its.via]
+
+
 def met(w, ego, p):
     """Vehicles whose link is a foe of the ego's: times at which both get to where their paths come within 1 m of
     each other.
@@ -34,10 +43,7 @@ def met(w, ego, p):
             its = w.net.path(q.link)
             if not any(b in p.node.foes.get(a, ()) for a in own_lanes for b in its):
                 continue
-            line = samples(w, q.link)
-            own = samples(w, p.link)
-            # Foes whose paths come no nearer join side by side.
-            spot = next((spot for reach in (1, 2.5) for spot in ((d, e) for d, x, y in own for e, u, v in line if abs(x - u) < reach and abs(y - v) < reach)), None)
+            spot = near_spot(w, p.link, q.link)
             if spot is None:
                 continue
             a, b = w.later(ego, p.first, spot[0]), w.later(name, q.first, spot[1])

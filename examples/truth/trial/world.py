@@ -169,7 +169,7 @@ class World:
         for i, rows in self.rows.items():
             for k in rows:
                 self.at[k].append(i)
-        self.odo, self.wandered = {}, {}
+        self.odo, self.wandered, self.spots = {}, {}, {}
         self.passing = {i: self.passages(i) for i in self.rows if not self.first(i).person}
 
     def first(self, i):
