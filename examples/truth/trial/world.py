@@ -169,7 +169,7 @@ class World:
         for i, rows in self.rows.items():
             for k in rows:
                 self.at[k].append(i)
-        self.odo, self.wandered, self.spots = {}, {}, {}
+        self.odo, self.steps, self.wandered, self.spots = {}, {}, {}, {}
         self.passing = {i: self.passages(i) for i in self.rows if not self.first(i).person}
 
     def first(self, i):
@@ -196,7 +196,14 @@ class World:
     def later(self, i, k, metres):
         """When the vehicle has come so many meters further."""
         way = self.way(i)
-        return next((u for u in sorted(way) if u >= k and way[u] - way[k] >= metres), max(way))
+        if i not in self.steps:
+            self.steps[i] = (list(way), list(way.values()))
+        keys, done = self.steps[i]
+        n = bisect.bisect_left(keys, k)
+        if n == len(keys):
+            return keys[-1]
+        n = max(n, bisect.bisect_left(done, way[k] + metres - 1e-6))
+        return next((keys[m] for m in range(n, len(keys)) if done[m] - way[k] >= metres), keys[-1])
 
     def letter(self, link, k):
         states = self.lights.get(link.tl) if link.tl else None
