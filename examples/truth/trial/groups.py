@@ -171,8 +171,8 @@ SETS = {
     },
     "held19": {
         "belt": (belt, 21001, 215, 0.1, "EIDM14+moto", "sublane", 0.25, 0),
-        "strip": (strip, 21011, 215, 0.1, "KraussBrief+moto", 3, 0.3, 0),
-        "climb": (climb, 21013, 230, 0.2, "KraussHill+moto", 2.9, 0.2, 0),
+        "strip": (strip, 21011, 225, 0.1, "KraussBrief+moto", 3, 0.3, 0),
+        "climb": (climb, 21013, 230, 0.2, "KraussHill+moto", 2.9, 0.28, 0),
         "drops": (drops, 21017, 160, 0.2, "IDM16", 3.7, 0.7, 0),
     },
 }

@@ -253,6 +253,8 @@ def cut_ins(w, ego):
             own = any(abs(x - c.k) < 50 for x in own_changes)
             sure = (not own and not between and 1.5 < gap < max(45, 1.8 * rows[k].v) and min(after, default=99) < 4.5 and rows[k].v > 3 and its[k].v > 2 and not c.b.startswith(":")
                     and c.b == rows[k].lane and k - 20 in rows and k + 20 in rows and not any(abs(o.k - c.k) < 60 for o in made if o is not c))
+            # Who comes in faster than the ego and 1 s or more ahead goes away from it: whether that obliges it to anything is open.
+            sure = sure and not (its[k].v > rows[k].v + 1 and gap > rows[k].v)
             leaf = "urgent" if ttc < 3 else "slow"
             if 2.4 < ttc < 3.7:
                 sure = False

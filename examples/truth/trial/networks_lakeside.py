@@ -251,7 +251,7 @@ def strip(work, draw):
                                                ("S1NS1n", "d9e", 31), ("S1SS1s", "S1nS1N", 29), ("S2NS2n", "S2sS2S", 21), ("S2SS2s", "S2nS2N", 21), ("S3NS3n", "d1w", 29), ("S3SS3s", "d1w", 33), ("wd1", "S1sS1S", 27), ("ed9", "S2nS2N", 27), ("wd1", "S2nS2N", 31), ("ed9", "S2sS2S", 33), ("hwS1n", "S3nhe", 27), ("heS3n", "S1nhw", 25), ("hsh", "S1nhw", 31), ("hsh", "S3nhe", 33), ("S2NS2n", "S1nhw", 35), ("wd1", "S3sS3S", 35))]
     feet = (("d5m", "md5", 14), ("md5", "d5m", 15))
     (work / "parked.txt").write_text("\n".join([
-        *flows(rows, 190, "way"),
+        *flows([(kind, a, b, 1.5 * p, more) for kind, a, b, p, more in rows], 200, "way"),
         *(halts(f"line{i}", "coach", a, b, p, 3, *((lane, pos, draw.randint(9, 16)) for lane, pos in stops)) for i, (a, b, p, stops) in enumerate((("wd1", "d9e", 63, (("d2d3_0", 55), ("f1f2_0", 70))), ("ed9", "d1w", 67, (("d7S3_0", 40), ("d2d1_0", 60)))))),
         *(halts(f"post{i}", "van", a, b, p, 2, (lane, pos, draw.randint(28, 45))) for i, (a, b, lane, pos, p) in enumerate((("wd1", "d9e", "S1d4_0", 70, 85), ("ed9", "d1w", "d9d8_0", 50, 91), ("hwS1n", "S3nhe", "S1nh_0", 120, 79)))),
         *walkers(feet)]))
