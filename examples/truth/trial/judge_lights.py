@@ -61,6 +61,9 @@ def lights(w, ego):
                 edge = turned and (abs((slow - turned) - 30) < 8 if red - turned < 45 else abs(slow - red) < 8)
                 # Who had slowed by 2 m/s for something else when the light changed: whether it starts to slow then is open.
                 edge |= slow < turned - 5 and max(rows[k].v for k in range(turned - 30, turned + 1) if k in rows) - rows[min(turned, a)].v > 2
+                # Who stood ahead when it began to slow, and does not where it comes to stand, may have been what it slowed for.
+                its = w.rows.get(rows[slow].leader, {}).get(slow)
+                edge |= its is not None and its.v < 1.5 and rows[slow].gap < 60
                 if lit and slow < begin:
                     # It slowed at the light before already: since when for this one, too, is open.
                     edge = True
