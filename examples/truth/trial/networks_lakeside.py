@@ -368,7 +368,7 @@ def climb(work, draw):
 def drops(work, draw):
     """A motorway of 130 km/h. Eastwards four lanes part into three and a collector road of two, which one ramp leaves, which
     a loop joins 220 m before another leaves it, and which a second ramp joins; meanwhile the left lane of the three
-    ends; then both join as four lanes, of which the right one and later the middle two, by turns, become one.
+    ends; then both join as four lanes, of which the right one ends, and of the three left two become one by turns.
     Westwards three lanes with a plain exit, entries of short and long lanes, an exit by two lanes, and the right lane
     ending behind it. A fast road crosses on a bridge, with lanes on which the loops' ends weave.
     """
