@@ -221,7 +221,9 @@ def turn(w, ego, p, lead, into, out, near):
         short |= bool(stood)
         adjusted = max(o.v for o in before) - min(o.v for o in before) > 1.0
         held = [k for k in range(into - 80, into) if w.letter(p.link, k) not in (None, "G", "g", "s", "o", "O")] if p.link.tl else []
-        yield w.entry("proactive.turn.straight", ego, into - 30, into, out + 20, optional=bool(near or adjusted or held or walkers or short or abs(p.turned) > 38))
+        # Whether a road with driveways only beside it has an intersection there is open.
+        drive = p.node.drives and not any(net.edges[e].kind.endswith("service") for e in (p.link.a, p.link.b))
+        yield w.entry("proactive.turn.straight", ego, into - 30, into, out + 20, optional=bool(near or adjusted or held or walkers or short or drive or abs(p.turned) > 38))
         return
     if 38 < abs(p.turned) < 52 or 128 < abs(p.turned) < 142:
         short = True

@@ -81,7 +81,7 @@ class Net:
             roads = [e for e in self.edges.values() if not e.inner and not e.walk and j.get("id") in (e.a, e.b) and any(self.lanes[x].cars for x in e.lanes)]
             comes, goes = self.arms(j.get("id"), roads)
             oneway = comes.isdisjoint(goes) and min(len(comes), len(goes)) == 1
-            self.nodes[j.get("id")] = Box(id=j.get("id"), kind=j.get("type"), comes=comes, roads=roads, real=len(comes | goes) >= 3 and not oneway,
+            self.nodes[j.get("id")] = Box(id=j.get("id"), kind=j.get("type"), comes=comes, roads=roads, drives=self.drives(j.get("id"), roads), real=len(comes | goes) >= 3 and not oneway,
                                           foes={inside[i]: bits(r, "foes") for i, r in table.items() if i < len(inside)},
                                           yields={inside[i]: bits(r, "response") for i, r in table.items() if i < len(inside)}, on_ring=any(e.id in self.ring for e in roads))
 
@@ -98,6 +98,13 @@ class Net:
         comes, goes = {e.a for e in roads if e.b == node}, {e.b for e in roads if e.a == node}
         whole = lambda n, others, step: step(n) if n not in others and joint(n) and step(n) in others else n
         return ({whole(n, goes, lambda n: into[n][0].a) for n in comes}, {whole(n, comes, lambda n: out[n][0].b) for n in goes})
+
+    def drives(self, node, roads):
+        """Whether driveways alone make a junction of a node: the other roads come from two directions or fewer."""
+        streets = [e for e in roads if not e.kind.endswith("service")]
+        ways = [self.heading(e.lanes[0], False) if e.a == node else self.heading(e.lanes[0]) + 180 for e in streets]
+        apart = [a for n, a in enumerate(ways) if all(abs(bend(a, b)) > 40 for b in ways[:n])]
+        return len(streets) < len(roads) and len(apart) < 3
 
     def node_of(self, lane):
         return self.nodes[re.fullmatch(r":(.+)_[cw]?\d+_\d+", lane).group(1)]
