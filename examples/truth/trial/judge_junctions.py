@@ -153,11 +153,14 @@ def junctions(w, ego, lead):
             # Of several for which it waits in the junction in turn, since when for this one is open.
             turns = m.its - p.first > 50 and any(o.must and o.name != m.name and p.first < o.its < m.its - 10 for o in foes)
             near |= m.apart < 8 or waits
+            # After a wait of 5 s and more before it the encounter may have begun with the approach.
+            way = w.way(ego)
+            held = [k for k in range(p.first - 900, p.first) if k in rows and rows[k].v < 1.5 and way[p.first] - way[k] < 30 and w.letter(p.link, k) in (None, "G", "g", "s")]
             if sure and not turns:
-                yield w.entry(I + leaf, ego, p.first, p.first, out, m.name)
+                yield w.entry(I + leaf, ego, p.first, p.first, out, m.name, optional=len(held) > 50)
             if m.apart < 10 or waits or predicted(w, ego, m):
                 # Long waits before it: the range begins with the approach.
-                way, slow = w.way(ego), [k for k in range(p.first - 900, p.first) if k in rows and rows[k].v < 1.5]
+                slow = [k for k in range(p.first - 900, p.first) if k in rows and rows[k].v < 1.5]
                 if len(slow) > 50:
                     begin = next((k for k in range(slow[0] - 100, slow[0] + 1) if k in rows and way[p.first] - way[k] < 32), slow[0])
                     for each in {leaf} - {None}:
