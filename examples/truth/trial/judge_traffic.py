@@ -129,10 +129,23 @@ def released(w, ego, k):
     """Whether a light at the end of its lane lets the ego's queue go: then its leaf is resume_follow."""
     # Where the road only widens it is the same approach.
     p = next((p for p in w.passing[ego] if p.first >= k and (p.node.real or p.link.tl)), None)
-    lanes = [w.rows[ego][k].lane] if p is None else []
-    if p is not None:
-        return bool(p.link.tl)
-    return any(l.tl for lane in lanes for l in w.net.out.get(lane, []))
+    return bool(p.link.tl) if p is not None else leads_to_light(w, w.rows[ego][k].lane)
+
+
+def leads_to_light(w, lane):
+    """Whether the next junction ahead of a lane has lights: for who never enters it within the log."""
+    lanes = [lane]
+    for _ in range(8):
+        lanes = [w.net.after[x].via or w.net.after[x].to if x in w.net.after else x for x in lanes]
+        if any(x.startswith(":") for x in lanes):
+            continue
+        links = [l for x in lanes for l in w.net.out.get(x, [])]
+        if any(l.tl for l in links):
+            return True
+        if any(w.net.nodes[w.net.edges[l.a].b].real for l in links):
+            return False
+        lanes = list({l.to for l in links})
+    return False
 
 
 def steady(w, ego, motor, own_change):
