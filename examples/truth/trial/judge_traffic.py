@@ -205,6 +205,8 @@ def creeping(w, ego, motor):
         sure = [s for s in spans([k for k in range(a, b + 1) if k in motor and 0.4 < rows[k].v < 3.3 and near(k)]) if s[1] - s[0] >= 58]
         # "A stretch beginning from or ending in standstill is a start or stop."
         halts = any(rows[k].v < 0.5 for k in (*range(a - 20, a), *range(b + 1, b + 21)) if k in rows) or b + 40 > max(rows)
+        # By a looser reading of standing it stops and starts within it.
+        halts |= any(rows[k].v < 0.6 for k in range(a, b + 1) if k in rows)
         yield w.entry(F + "creeping", ego, a, (sure or [(a, b)])[0][0], b, motor[a][0] if len({motor[k][0] for k in range(a, b) if k in motor}) == 1 else None,
                       optional=not sure or halts)
     # The simulator's vehicles change lane sideways while their speed is near zero: whether they creep then is open.
