@@ -244,7 +244,9 @@ def braking(w, ego, lead):
                 near = followed and all(lead[k][1] < 2.85 * w.rows[ego][k].v or lead[k][1] < 14 for k in range(exact - 10, exact))
                 # "One that has just moved in and is not yet followed": until 3 s after it crossed the line.
                 joined = any(exact - 30 < c.k <= exact for c in w.changes[name])
-                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not near or joined or n and a - hard[n - 1][1] < 20)
+                # Who is 1 s or more ahead and hardly slower than the ego after it need not oblige it to anything.
+                eased = lead[exact][1] > w.rows[ego][exact].v and min(its[k].v for k in range(exact, b + 11) if k in its) > w.rows[ego][exact].v - 2
+                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not near or joined or eased or n and a - hard[n - 1][1] < 20)
                 continue
             if b - a >= 3 and exact in w.rows[ego] and w.rows[ego][exact].leader == name:
                 # Ahead in its lane still, into one beside the ego's way: whether the ego follows it is open.
