@@ -267,7 +267,8 @@ def cut_ins(w, ego):
                 leaf = "ramp"
             stopped = any(u in its and its[u].v < 0.3 for u in range(k - 120, k))
             slow_stream = max((rows[u].v for u in range(k - 200, k) if u in rows), default=99) < 9.5
-            sure = sure and not stopped and not slow_stream
+            # On a ring, whether that is a cut-in at a junction is open.
+            sure = sure and not stopped and not slow_stream and edge_of(c.b) not in w.net.ring
             end = next((u for u in range(k, k + 80) if u in its and off_line(new.points, its[u].x, its[u].y)[0] < 0.5), k + 30)
             if sure:
                 yield w.entry(C + leaf, ego, k - (20 if leaf == "urgent" else 50), k, end, name)
