@@ -116,12 +116,12 @@ def changes(w, ego, lead):
         at_node = node is not None and node.real and (old.length - rows[c.k].pos < 2.5 * rows[c.k].v or rows[c.k].pos < 2 * rows[c.k].v)
         vague = close or at_node or rows[c.k].v < 3 or start - 20 not in rows or c.k + 30 not in rows or edge_of(c.a) in w.net.ring
         off = leaves_route(w, ego, c)
-        leaf, target, sure = None, None, not vague
+        leaf, target, sure, plain = None, None, not vague, not vague
         if out:
-            leaf, target = "overtake", name
+            leaf, target, plain = "overtake", name, False
             sure = sure and w.kind(name) != "bicycle" and w.rows[name][c.k].v > 3
         elif from_ramp(w, c.a) or to_ramp(w, c.b) or ramp(w, edge_of(c.a)):
-            sure = False
+            sure = plain = False
         elif c.reason == "strategic" and off is not None and off[0] <= 500:
             # Where its lane leads through the next junction as well, the route does not ask for the change yet.
             leaf, sure = "navigation", sure and not off[1]
@@ -135,13 +135,14 @@ def changes(w, ego, lead):
                 # Who speeds up ahead as the ego does holds it up for that moment only.
                 freed = max((w.rows[name][k].v for k in range(c.k, c.k + 60) if k in w.rows[name]), default=0) > its.v + 5 and its.a > 1
                 # A rider is passed, too, but it is a VRU in the lane before.
-                # Nor does who drives faster than the ego.
-                freed |= its.v > rows[began].v + 1
+                # Nor does who drives faster than the ego. Behind who moves over, too, nothing is gained.
+                freed |= its.v > rows[began].v + 0.5 or any(w.rows[name][k].lane == c.b for k in range(c.k, c.k + 60) if k in w.rows[name])
+                plain = plain and w.kind(name) != "bicycle"
                 moving = leaf != "overtake" or c.k in w.rows[name] and w.rows[name][c.k].v > 3
                 sure = sure and w.kind(name) != "bicycle" and moving and not queue and (leaf == "overtake" or later > its.v + 2 and not freed)
         if leaf:
             yield w.entry(P + leaf, ego, start, start, end, target, optional=not sure)
-        elif sure:
+        if plain and not (leaf and sure):
             # That it changes lane is plain, why is not: any variant of the L2.
             yield w.entry(P[:-1], ego, start, start, end)
         if not leaf or not sure or leaf != "navigation":
