@@ -233,11 +233,14 @@ def turn(w, ego, p, lead, into, out, near):
     mine = rows[p.first].angle
     # Whose traffic crosses a left turn: who comes from ahead, other than from the road that the ego turns into. At
     # 120 degrees that is open.
-    from_ahead = [abs(bend(mine, net.heading(e.lanes[0]))) for e in p.node.roads if e.b == p.node.id and e.id != p.link.a and e.a != net.edges[p.link.b].b
-                  and any(net.lanes[x].cars for x in e.lanes)]
+    comes = [(abs(bend(mine, net.heading(e.lanes[0]))), e.kind.endswith("service")) for e in p.node.roads if e.b == p.node.id and e.id != p.link.a and e.a != net.edges[p.link.b].b
+             and any(net.lanes[x].cars for x in e.lanes)]
+    from_ahead = [angle for angle, _ in comes]
     oncoming = any(angle > 135 for angle in from_ahead)
     if p.turned > 45 and not oncoming and any(angle > 105 for angle in from_ahead):
         short = True
+    # So it is where only a driveway comes from ahead.
+    short |= p.turned > 45 and oncoming and all(drive for angle, drive in comes if angle > 135)
     # On the yellow that ends such a green the traffic opposite is still held.
     shown = next((x for k in range(p.first, max(0, p.first - 60), -1) if (x := w.letter(p.link, k)) != "y"), None) if p.link.tl else None
     protected = shown == "G"
