@@ -120,19 +120,6 @@ pub fn union_outlines(polygons: &[Vec<Point3>]) -> Vec<Vec<Point3>> {
     outlines
 }
 
-/// Area of a closed line in the ground plane, m2.
-pub fn area_of(outline: &[Point3]) -> f64 {
-    let twice: f64 = outline.windows(2).map(|w| w[0].x * w[1].y - w[1].x * w[0].y).sum();
-    twice.abs() / 2.0
-}
-
-/// The convex hull of points in the ground plane, closed; each corner is one of them.
-pub fn convex_hull(points: &[Point3]) -> Vec<Point3> {
-    let flat: MultiPoint = points.iter().map(|p| (p.x, p.y)).collect();
-    let height = |c: &Coord| points.iter().find(|p| p.x == c.x && p.y == c.y).map_or(f64::NAN, |p| p.z);
-    flat.convex_hull().exterior().coords().map(|c| Point3 { x: c.x, y: c.y, z: height(c) }).collect()
-}
-
 /// Corners by ascending x, so that the search to either side can stop at the distance of the nearest one so far.
 struct Corners {
     /// Index in the given order, which decides between corners equally near, and the corner.

@@ -1,15 +1,12 @@
 //! Junction areas from the lanes inside junctions, for maps that mark such lanes and name no junctions.
 
-use crate::assemble::geometry::{area_of, beside, between, contains, convex_hull, distance, union_outlines};
+use crate::assemble::geometry::{beside, between, contains, distance, union_outlines};
 use std::collections::BTreeMap;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Lane, Point3};
 
 /// Half the width assumed for a lane where the map states none, m.
 const NOMINAL_HALF_WIDTH_M: f64 = 1.75;
-/// Lanes without edges leave the corners of a junction out, over which drivers turn. The corners are filled in if the
-/// area grows by this factor at most: by more, it is a car park or several junctions.
-const MOST_GROWTH: f64 = 2.0;
 
 /// The ground that a lane covers.
 fn area(lane: &Lane) -> Vec<Point3> {
@@ -20,21 +17,11 @@ fn area(lane: &Lane) -> Vec<Point3> {
     between(&beside(&lane.center, half), &beside(&lane.center, -half))
 }
 
-/// The convex hull of an outline, if it is not much larger.
-fn with_corners(outline: Vec<Point3>) -> Vec<Point3> {
-    let hull = convex_hull(&outline);
-    if area_of(&hull) <= MOST_GROWTH * area_of(&outline) { hull } else { outline }
-}
-
 /// Junction areas, and on each lane the junction that it belongs to or leads into.
 pub(crate) fn add(map: &mut RoadMap) {
     let inside: Vec<usize> = (0..map.lanes.len()).filter(|&i| map.lanes[i].in_junction).collect();
     let shapes: Vec<Vec<Point3>> = inside.iter().map(|&i| area(&map.lanes[i])).collect();
-    let mut outlines = union_outlines(&shapes);
-    let is_bare = |i: &usize| map.lanes[*i].left.is_empty() || map.lanes[*i].right.is_empty();
-    if inside.iter().all(is_bare) {
-        outlines = outlines.into_iter().map(with_corners).collect();
-    }
+    let outlines = union_outlines(&shapes);
     let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for &i in &inside {
         let center = &map.lanes[i].center;

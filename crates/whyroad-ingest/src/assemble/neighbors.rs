@@ -139,7 +139,7 @@ mod tests {
     }
 
     fn neighbors(map: &RoadMap, id: &str) -> [Option<String>; 2] {
-        let lane = map.lane(id).unwrap();
+        let lane = map.lanes.iter().find(|lane| lane.id == id).unwrap();
         [lane.left_neighbor.clone(), lane.right_neighbor.clone()]
     }
 

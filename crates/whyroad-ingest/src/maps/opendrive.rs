@@ -100,7 +100,8 @@ fn leave_map(document: &Document, lanes: &mut BTreeMap<LaneKey, Lane>) {
 fn declare(map: &mut RoadMap) {
     let limited = |l: &&Lane| l.kind == LaneKind::Vehicle && !l.in_junction;
     let all_limited = map.lanes.iter().filter(limited).all(|l| l.speed_limit_mps.is_some());
-    // The format states lanes beside each other, and links and junctions, or it is not a network; all else depends on who made the map.
+    // The format states lanes beside each other, and links and junctions, or it is not a network; all else depends on
+    // who made the map.
     let mut stated = vec![(MapLayer::Neighbors, LayerState::Complete)];
     if map.lanes.iter().any(|l| l.successors.iter().any(|s| !s.starts_with("beyond:"))) {
         stated.push((MapLayer::Connections, LayerState::Complete));

@@ -3,7 +3,7 @@
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{unwrap, wrap};
-use crate::road::cut_traversal::completed;
+use crate::road::cut_traversal::rest_by_lanes;
 use crate::road::network::Road;
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
@@ -118,13 +118,17 @@ fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64,
     Some((headings[ends] - headings[begins], whole && !begins_in_it && !ends_in_it))
 }
 
-/// [`turned`]; where the recording cuts the traversal, completed from the lanes if these allow one movement only.
+/// [`turned`]; where the recording ends inside, completed from the lanes if all that the ego may be following make it
+/// the same movement.
 fn way(road: &Road, path: &DrivenPath, stretch: Stretch, headings: &[f64]) -> Option<(f64, bool)> {
     let (angle, whole) = turned(stretch, path, headings)?;
     if whole || movement(angle, false).is_some() {
         return Some((angle, whole));
     }
-    Some(completed(road, path, stretch, angle).map_or((angle, false), |angle| (angle, true)))
+    let rests = rest_by_lanes(road, path, (stretch.from, stretch.to));
+    let by_lane = |rest: &f64| movement(angle + rest, true);
+    let nearest = rests.first().filter(|nearest| rests.iter().all(|rest| by_lane(rest) == by_lane(nearest)));
+    Some(nearest.map_or((angle, false), |rest| (angle + rest, true)))
 }
 
 /// U-turns of the path outside of junctions, as at an opening of the median, where no lane makes the turn (as in a

