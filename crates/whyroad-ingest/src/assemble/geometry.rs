@@ -1,7 +1,7 @@
 //! Geometry that every map adapter needs: lines by arc length, center lines, lines beside lines, unions of areas.
 
 use geo::algorithm::bool_ops::unary_union;
-use geo::{ConvexHull, Coord, LineString, MultiPoint, Polygon};
+use geo::{Coord, LineString, Polygon};
 use whyroad_model::road_map::Point3;
 
 /// Spacing of the points of a center line that is made from edges, m.
