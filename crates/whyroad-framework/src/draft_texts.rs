@@ -84,6 +84,8 @@ pub struct Openings {
     pub standing: Phrasings,
     /// It moves; `{speed}` is its speed.
     pub moving: Phrasings,
+    /// It moves, and the text has a number of something else.
+    pub moving_without_speed: Phrasings,
 }
 
 /// Texts of one class.

@@ -67,13 +67,17 @@ pub struct Counterfactual {
 pub fn counterfactual(drive: &Drive, signals: &SignalTable, frame: usize) -> Option<Counterfactual> {
     let scene = Scene::at(drive, signals, frame)?;
     let driver = Driver::fitted(drive, signals, frame)?;
-    let with = run(&scene, &driver, |_| true);
+    let with = run(&scene, &driver, None);
     let mut effects: Vec<Effect> = scene
         .things()
         .into_iter()
         .map(|removed| {
-            let without = run(&scene, &driver, |by| *by != removed);
-            effect(removed, &with, &without)
+            let without = run(&scene, &driver, Some(&removed));
+            Effect {
+                removed,
+                distance_m: (without.distance_m - with.distance_m).max(0.0),
+                braking_mps2: (without.least_accel - with.least_accel).max(0.0),
+            }
         })
         .collect();
     effects.sort_by(|a, b| {
@@ -85,32 +89,13 @@ pub fn counterfactual(drive: &Drive, signals: &SignalTable, frame: usize) -> Opt
     Some(Counterfactual { driver, distance_m: with.distance_m, effects })
 }
 
-/// Effect of `thing` where nothing else is there: two things may each be enough to hold the ego, and then removing one
-/// of them changes nothing. `None` as for [`counterfactual`].
-pub fn alone(drive: &Drive, signals: &SignalTable, frame: usize, thing: &Removed) -> Option<Effect> {
-    let scene = Scene::at(drive, signals, frame)?;
-    let driver = Driver::fitted(drive, signals, frame)?;
-    let with = run(&scene, &driver, |by| by == thing);
-    let without = run(&scene, &driver, |_| false);
-    Some(effect(thing.clone(), &with, &without))
-}
-
-fn effect(removed: Removed, with: &Run, without: &Run) -> Effect {
-    Effect {
-        removed,
-        distance_m: (without.distance_m - with.distance_m).max(0.0),
-        braking_mps2: (without.least_accel - with.least_accel).max(0.0),
-    }
-}
-
 /// One simulation of the scene.
 struct Run {
     distance_m: f64,
     least_accel: f64,
 }
 
-/// The scene with the things that are `present`.
-fn run(scene: &Scene, driver: &Driver, present: impl Fn(&Removed) -> bool) -> Run {
+fn run(scene: &Scene, driver: &Driver, removed: Option<&Removed>) -> Run {
     let (mut s, mut v) = (0.0_f64, scene.speed_mps);
     let mut least = 0.0_f64;
     let steps = (HORIZON_S / STEP_S) as usize;
@@ -119,7 +104,7 @@ fn run(scene: &Scene, driver: &Driver, present: impl Fn(&Removed) -> bool) -> Ru
         let free = driver.free(v);
         let accel = scene
             .constraints(t, s, v, driver)
-            .filter(|c| present(&c.by))
+            .filter(|c| removed.is_none_or(|r| c.by != *r))
             .map(|c| driver.behind(v, c.gap_m, c.speed_mps))
             .fold(free, f64::min);
         let accel = accel.max(-driver.strongest_mps2);
@@ -132,4 +117,4 @@ fn run(scene: &Scene, driver: &Driver, present: impl Fn(&Removed) -> bool) -> Ru
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

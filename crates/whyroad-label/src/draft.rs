@@ -14,7 +14,6 @@ mod lead;
 mod moment;
 mod motion;
 mod records;
-mod rival;
 mod trace;
 mod wording;
 
@@ -221,18 +220,6 @@ fn make(
         let queues = undecided && lead.is_crept_behind();
         !only_lateral && (is_because_of(lead, &decision, motion) || (undecided && slows) || queues)
     });
-    let named_lead = by_lead.map(|lead| lead.id);
-    let said = rival::Said {
-        class,
-        decision: &decision,
-        motion,
-        course: course.as_ref(),
-        subject: target_id,
-        lead: named_lead,
-    };
-    if let Some(doubt) = driven.as_ref().and_then(|w| rival::doubt(&said, w)) {
-        return undrafted(framework, drive, episode, doubt, records, notes);
-    }
     if class.l1 == ROAD && motion == LongitudinalMotion::Stops {
         notes.push(Bilingual::new(
             "自车随后减速至停车，请核对原因是不是道路",

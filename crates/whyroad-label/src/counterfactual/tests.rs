@@ -7,14 +7,14 @@ use whyroad_model::scene::{Ego, Motion, Track};
 use whyroad_model::{Column, Nanos, ObjectClass};
 
 const FRAMES: usize = 300;
-pub(crate) const START: usize = 100;
+const START: usize = 100;
 
 fn seconds(f: usize) -> f64 {
     f as f64 * 0.1
 }
 
 /// An object with the position `at` (m, along and beside the road) by time in seconds.
-pub(crate) fn track(id: &str, class: ObjectClass, size: (f64, f64), at: impl Fn(f64) -> (f64, f64)) -> Track {
+fn track(id: &str, class: ObjectClass, size: (f64, f64), at: impl Fn(f64) -> (f64, f64)) -> Track {
     let mut motion = Motion::unknown(FRAMES);
     for f in 0..FRAMES {
         let ((x, y), (x2, y2)) = (at(seconds(f)), at(seconds(f) + 0.1));
@@ -36,7 +36,7 @@ pub(crate) fn track(id: &str, class: ObjectClass, size: (f64, f64), at: impl Fn(
 }
 
 /// The ego drives at 12 m/s, and decelerates after the start by `slows` (m/s2).
-pub(crate) fn scene(tracks: Vec<Track>, slows: f64, light: Option<(f64, &str)>) -> (Drive, SignalTable) {
+fn scene(tracks: Vec<Track>, slows: f64, light: Option<(f64, &str)>) -> (Drive, SignalTable) {
     let mut speed = vec![12.0; FRAMES];
     let mut x = vec![0.0; FRAMES];
     for f in 1..FRAMES {
@@ -64,7 +64,7 @@ pub(crate) fn scene(tracks: Vec<Track>, slows: f64, light: Option<(f64, &str)>) 
     (Drive { times, ego: Some(ego), tracks, ..Drive::default() }, signals)
 }
 
-fn effect_of<'c>(found: &'c Counterfactual, id: &str) -> &'c Effect {
+fn effect<'c>(found: &'c Counterfactual, id: &str) -> &'c Effect {
     found
         .effects
         .iter()
@@ -73,7 +73,7 @@ fn effect_of<'c>(found: &'c Counterfactual, id: &str) -> &'c Effect {
 }
 
 /// Position of the ego at the start, m.
-pub(crate) const EGO: f64 = 12.0 * 10.0;
+const EGO: f64 = 12.0 * 10.0;
 
 #[test]
 fn a_slow_lead_holds_the_ego_and_a_car_beside_it_does_not() {
@@ -83,7 +83,7 @@ fn a_slow_lead_holds_the_ego_and_a_car_beside_it_does_not() {
     let found = counterfactual(&drive, &signals, START).unwrap();
     assert_eq!(found.effects[0].removed, Removed::Object("lead".into()));
     assert!(found.effects[0].is_plain(), "{found:#?}");
-    assert!(effect_of(&found, "beside").is_none(), "{found:#?}");
+    assert!(effect(&found, "beside").is_none(), "{found:#?}");
 }
 
 #[test]
@@ -94,8 +94,8 @@ fn a_pedestrian_who_crosses_holds_the_ego_and_one_on_the_pavement_does_not() {
     let walks = track("walks", ObjectClass::Pedestrian, (0.6, 0.6), |s| (EGO + 20.0 + 1.2 * (s - 10.0), 5.0));
     let (drive, signals) = scene(vec![crosses, walks], 2.0, None);
     let found = counterfactual(&drive, &signals, START).unwrap();
-    assert!(effect_of(&found, "crosses").is_plain(), "{found:#?}");
-    assert!(effect_of(&found, "walks").is_none(), "{found:#?}");
+    assert!(effect(&found, "crosses").is_plain(), "{found:#?}");
+    assert!(effect(&found, "walks").is_none(), "{found:#?}");
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn a_cut_in_holds_the_ego_and_the_car_that_stays_does_not() {
     let stays = track("stays", ObjectClass::Car, (4.5, 1.8), |s| (EGO + 30.0 + 8.0 * (s - 10.0), -3.6));
     let (drive, signals) = scene(vec![cuts, stays], 1.0, None);
     let found = counterfactual(&drive, &signals, START).unwrap();
-    assert!(effect_of(&found, "cuts").is_plain() && effect_of(&found, "stays").is_none(), "{found:#?}");
+    assert!(effect(&found, "cuts").is_plain() && effect(&found, "stays").is_none(), "{found:#?}");
 }
 
 #[test]

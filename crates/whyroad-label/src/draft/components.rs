@@ -32,9 +32,6 @@ const TRAFFIC_LIGHT: &str = "traffic_light";
 /// The L3 class about going straight through a junction, and the movement of an ego that does.
 const STRAIGHT: &str = "straight";
 
-/// The classes about roundabouts: an L2 class, and an L3 class of special facilities.
-const ROUNDABOUT: &str = "roundabout";
-
 /// The L1 class about the road.
 pub(super) const ROAD: &str = "reactive_road";
 
@@ -52,30 +49,9 @@ fn is_of_junction(episode: &EpisodeRecord) -> bool {
     episode.signals.iter().any(|s| s == "ego.movement")
 }
 
-/// Where the ego's turn signal is for, by the class.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SignaledAt {
-    /// A junction, which the text names.
-    Junction,
-    /// Another lane, where no junction may be near, or a roundabout, which the text of the class names already.
-    Unnamed,
-}
-
-impl SignaledAt {
-    fn of(episode: &EpisodeRecord) -> Self {
-        let id = &episode.scenario_id;
-        match id.l2.as_deref() {
-            Some("lane_change" | "merge_interaction") => Self::Unnamed,
-            _ if is_of_roundabout(episode) => Self::Unnamed,
-            _ => Self::Junction,
-        }
-    }
-}
-
-/// The class is about a roundabout, in the ego's plan or by its rules.
-fn is_of_roundabout(episode: &EpisodeRecord) -> bool {
-    let id = &episode.scenario_id;
-    [id.l2.as_deref(), id.l3.as_deref()].contains(&Some(ROUNDABOUT))
+/// The class is about the ego's lane, which it also changes where no junction is near.
+fn is_of_lanes(episode: &EpisodeRecord) -> bool {
+    matches!(episode.scenario_id.l2.as_deref(), Some("lane_change" | "merge_interaction"))
 }
 
 /// How the position of a road user is described.
@@ -121,13 +97,13 @@ impl Scene<'_> {
             add(ComponentCategory::RoadEvents, bend(signals, keyframe));
         }
         if framework.draft_texts.is_routed(&episode.scenario_id) {
-            let intent = self.route().or_else(|| {
+            let intent = route(signals, keyframe).or_else(|| {
                 // An indicator that was left on, or is for an earlier lane change, is no evidence of this turn.
                 // Nor is one of a way straight on.
                 let goes_straight = moment.category("ego.movement") == Some(STRAIGHT);
                 let is_straight = goes_straight || episode.scenario_id.l3.as_deref() == Some(STRAIGHT);
                 let tells = is_of_junction(episode) && !is_straight && !moment.indicator_against();
-                tells.then(|| signaled_turn(signals, keyframe, SignaledAt::of(episode))).flatten()
+                tells.then(|| signaled_turn(signals, keyframe, !is_of_lanes(episode))).flatten()
             });
             add(ComponentCategory::RoutingIntent, intent);
         }
@@ -140,21 +116,10 @@ impl Scene<'_> {
         if self.framework.draft_texts.is_routed(&self.episode.scenario_id) {
             return None;
         }
-        let signaled = || {
-            let turn = signaled_turn(self.signals, self.keyframe, SignaledAt::of(self.episode));
-            turn.filter(|_| !moment.indicator_against())
-        };
-        let text = self.route().or_else(signaled)?;
+        let signaled =
+            || signaled_turn(self.signals, self.keyframe, true).filter(|_| !moment.indicator_against());
+        let text = route(self.signals, self.keyframe).or_else(signaled)?;
         Some(component(ComponentCategory::RoutingIntent, &text, lang))
-    }
-
-    /// The command of the navigation. The text of a class about roundabouts names the place already.
-    fn route(&self) -> Option<Bilingual> {
-        let command = self.signals.frame_columns.get("route.command")?.category(self.keyframe)?;
-        if is_of_roundabout(self.episode) {
-            return route_in_roundabout(command);
-        }
-        route(command, is_inside(self.signals, self.keyframe))
     }
 
     /// The light that the ego faces, if it concerns what the ego does and the class is not about it.
@@ -358,9 +323,10 @@ fn is_inside(signals: &SignalTable, frame: usize) -> bool {
     signals.frame_columns.get("ego.in_junction").is_some_and(|c| c.flag(frame).is_true())
 }
 
-/// The command of the navigation at a junction that is ahead, or that the ego is in.
-fn route(command: &str, is_inside: bool) -> Option<Bilingual> {
-    let (zh, en) = match (command, is_inside) {
+/// The command of the navigation.
+fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
+    let command = signals.frame_columns.get("route.command")?.category(frame)?;
+    let (zh, en) = match (command, is_inside(signals, frame)) {
         ("straight", false) => {
             ("导航路线在前方路口直行", "the route leads straight on at the junction ahead")
         }
@@ -386,36 +352,25 @@ fn route(command: &str, is_inside: bool) -> Option<Bilingual> {
     Some(Bilingual::new(zh, en))
 }
 
-/// The command of the navigation at a roundabout that the text names otherwise.
-fn route_in_roundabout(command: &str) -> Option<Bilingual> {
-    let (zh, en) = match command {
-        "straight" => ("导航路线为直行", "the route leads straight on"),
-        "left" => ("导航路线为左转", "the route leads left"),
-        "right" => ("导航路线为右转", "the route leads right"),
-        "uturn" => ("导航路线为掉头", "the route leads back the other way"),
-        "exit" => ("导航路线从前方出口驶出", "the route takes the exit ahead"),
-        _ => return None,
-    };
-    Some(Bilingual::new(zh, en))
-}
-
-/// What the ego's own turn signal announces: a turn at a junction, or a way that another text names.
-fn signaled_turn(signals: &SignalTable, frame: usize, at: SignaledAt) -> Option<Bilingual> {
+/// What the ego's own turn signal announces: a turn at a junction, or in classes about lanes a change of lane.
+fn signaled_turn(signals: &SignalTable, frame: usize, at_junction: bool) -> Option<Bilingual> {
     let on = signals.frame_columns.get("ego.turn_signal")?.category(frame)?;
     let (zh, en) = match on {
         "left" => ("左转向灯", "left"),
         "right" => ("右转向灯", "right"),
         _ => return None,
     };
-    Some(match at {
-        SignaledAt::Junction if is_inside(signals, frame) => Bilingual::new(
+    Some(if is_inside(signals, frame) {
+        Bilingual::new(
             format!("自车已在路口内，打着{zh}"),
             format!("the ego is in the junction and signals {en}"),
-        ),
-        SignaledAt::Junction => Bilingual::new(
+        )
+    } else if at_junction {
+        Bilingual::new(
             format!("前方为路口，自车已打{zh}"),
             format!("a junction lies ahead and the ego signals {en}"),
-        ),
-        SignaledAt::Unnamed => Bilingual::new(format!("自车已打{zh}"), format!("the ego signals {en}")),
+        )
+    } else {
+        Bilingual::new(format!("自车已打{zh}"), format!("the ego signals {en}"))
     })
 }

@@ -12,7 +12,6 @@ use crate::driven::other::{First, Moves, Other};
 use crate::driven::{Driven, turned};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::messages::DrivingDecision;
-use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Bilingual, Drive, ObjectClass, ScenarioId, TrackId, Tri};
 
 /// Maximum distance from the path at which an object occupies part of the ego's lane, m.
@@ -30,14 +29,8 @@ const NEAR_MISS_M: f64 = 2.0;
 /// Minimum change of the heading within 3 s of a road user that does not go straight, rad: 30 degrees, ...
 const TURNS_RAD: f64 = std::f64::consts::PI / 6.0;
 const TURN_FRAMES: usize = 30;
-/// ... and that of an ego that drives through a bend within 6 s, rad: 10 degrees; an ego that slows for it, within this
-/// distance: the 50 m of `map.curvature_ahead`, and the bend itself, m.
+/// ... and that of an ego that drives through a bend within 6 s, rad: 10 degrees.
 const BEND_RAD: f64 = std::f64::consts::PI / 18.0;
-const BEND_M: f64 = 80.0;
-/// Frames before the keyframe in which the ego has already turned: 2 s; and the minimum change of the heading of one
-/// that turns at a junction, rad: 45 degrees.
-const TURNED_FRAMES: usize = 20;
-const SHARP_RAD: f64 = std::f64::consts::FRAC_PI_4;
 /// Minimum loss of speed from one second before the keyframe to one second after it that is hard braking, m/s.
 const LOST_MPS: f64 = 1.5;
 /// A road user farther behind than this has passed long ago, m.
@@ -107,16 +100,12 @@ pub enum Doubt {
     NobodyBeside,
     /// The ego slows for its turn at the junction.
     TurnsThere,
-    /// The ego turns at a junction: it neither merges nor leaves a road by a ramp.
-    TurnsOff,
     /// The ego passes a slower vehicle.
     Passes,
     /// The ego speeds up for a lane change.
     ForLaneChange,
     /// The ego stops behind a lead, not for the subject of the class.
     BehindLead,
-    /// The ego slows for another road user, while the subject of the class makes no difference.
-    OtherCause,
     /// The ego stops for a red light.
     RedLight,
     /// Nothing in the recording shows why the ego changes lanes.
@@ -153,16 +142,9 @@ impl Doubt {
             Self::NotInRoundabout => ("自车还没有进入环岛", "the ego is not in the roundabout yet"),
             Self::NobodyBeside => ("旁边没有挡住视线的车辆", "no vehicle beside the ego hides the view"),
             Self::TurnsThere => ("自车是为路口转弯而减速", "the ego slows for its turn at the junction"),
-            Self::TurnsOff => (
-                "自车是在路口转弯，不是汇入或驶出",
-                "the ego turns at a junction and neither merges nor leaves by a ramp",
-            ),
             Self::Passes => ("自车正在超过一辆慢车", "the ego is passing a slower vehicle"),
             Self::ForLaneChange => ("自车是为换道而加速", "the ego speeds up to change lanes"),
             Self::BehindLead => ("自车是因为前车停下而减速", "the ego slows for a lead that stops"),
-            Self::OtherCause => {
-                ("自车减速是因为另一个道路使用者", "the ego slows for another road user than the target")
-            }
             Self::RedLight => ("自车是为红灯停车", "the ego stops for the red light"),
             Self::NoReason => {
                 ("记录没有显示自车换道的原因", "the recording does not show why the ego changes lanes")
@@ -400,9 +382,6 @@ pub(super) fn of_ego(
                 });
             (!inside || enters).then_some(Doubt::NotInRoundabout)
         }
-        ("proactive", "merge_interaction") if matches!(l3, "normal_merge" | "split_exit") => {
-            turns_off_at_junction(w).then_some(Doubt::TurnsOff)
-        }
         ("reactive_road", "blind_spot_slowdown") if l3 == "ramp" => {
             // The ego slows for the ramp that it takes itself.
             let exits = w.category("map.merge_zone", w.keyframe) == Some("deceleration")
@@ -413,14 +392,11 @@ pub(super) fn of_ego(
             (!is_somebody_beside(w, drive)).then_some(Doubt::NobodyBeside)
         }
         ("reactive_road", "geometry_adaptation") => {
-            let bend_end = driven_by(w, BEND_M);
-            let turns = (w.keyframe..bend_end.unwrap_or(w.end).max(w.end))
+            let turns = (w.keyframe..w.end)
                 .any(|f| matches!(w.category("ego.movement", f), Some("left" | "right" | "uturn")));
             let soon = w.keyframe..(w.keyframe + SOON_FRAMES).min(w.end);
-            // An ego that slows reaches the bend later.
-            let end = if slows { bend_end } else { Some(w.end).filter(|_| w.lasts(6.0)) };
-            let most = |end| w.heading_changes(end).into_iter().map(f64::abs).max_by(f64::total_cmp);
-            let straight = end.and_then(most).is_some_and(|turn| turn < BEND_RAD);
+            let most = w.heading_changes(w.end).into_iter().map(f64::abs).max_by(f64::total_cmp);
+            let straight = !slows && w.lasts(6.0) && most.is_some_and(|turn| turn < BEND_RAD);
             first_of(&[
                 (l3 == "high_curvature" && slows && turns, Doubt::TurnsThere),
                 (l3 == "high_curvature" && straight, Doubt::Motion),
@@ -523,26 +499,6 @@ pub(super) fn of_reason(class: &ScenarioId, w: &Driven<'_>, target: Option<&Trac
         is_seen && (relative.is_none_or(|v| v <= FASTER_MPS) || (class.l3.is_some() && below_limit))
     });
     (unknown && !slower).then_some(Doubt::NoReason)
-}
-
-/// The frame by which the ego has driven `distance_m` after the keyframe; `None` where the recording ends before.
-fn driven_by(w: &Driven<'_>, distance_m: f64) -> Option<usize> {
-    let mut left = distance_m;
-    (w.keyframe..w.drive.times.len()).find(|&f| {
-        left -= w.speed(f).unwrap_or(0.0) / FRAME_RATE_HZ;
-        left < 0.0
-    })
-}
-
-/// The ego turns sharply in a junction that is no roundabout: in the 2 s before the keyframe or the 6 s after it.
-fn turns_off_at_junction(w: &Driven<'_>) -> bool {
-    let mut frames = w.keyframe.saturating_sub(TURNED_FRAMES)..w.end;
-    let turns = |f: usize| matches!(w.category("ego.movement", f), Some("left" | "right" | "uturn"));
-    let round = frames.clone().any(|f| w.flag("map.in_roundabout", f).is_true());
-    let heading = |f: usize| w.number("ego.heading", f);
-    let from = heading(frames.start);
-    let most = frames.clone().filter_map(|f| Some(turned(from?, heading(f)?).abs())).max_by(f64::total_cmp);
-    !round && most.is_some_and(|turn| turn > SHARP_RAD) && frames.any(turns)
 }
 
 /// A vehicle is beside the ego or slightly ahead of it, in another lane.

@@ -2,7 +2,7 @@
 //! target, and `around.*`, which describe the road users near the ego. Nothing after the keyframe is read, except for
 //! `decided.*` and the side of the decision.
 
-use super::motion::{LongitudinalMotion, changes_lane, side_of_change};
+use super::motion::{LongitudinalMotion, changes_lane};
 use whyroad_framework::draft_texts::SignalCondition;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::DrivingDecision;
@@ -183,7 +183,6 @@ impl<'a> Moment<'a> {
             "decided.changes_lane" => Tri::from(changes_lane(self.signals, self.frame)),
             "decided.fits_gap" => Tri::from(self.fits_gap),
             "decided.turns" => Tri::from(self.turns),
-            "decided.inwards" => self.changes_inwards(),
             "around.junction" => self.junction(),
             "around.ramp" => self.ramp(),
             "around.acceleration_lane" => self.acceleration_lane(),
@@ -245,13 +244,6 @@ impl<'a> Moment<'a> {
         let turns_near = self.turns && self.side.is_some() && self.side == driving_side;
         let red = self.category(LIGHT).map_or(Tri::Unknown, |state| Tri::from(state == "red"));
         red.and(Tri::from(goes && !turns_near))
-    }
-
-    /// The ego changes to a lane that is farther from the side on which one drives.
-    fn changes_inwards(&self) -> Tri {
-        let driving_side = self.category("map.driving_side").and_then(LateralDirection::from_id);
-        let side = side_of_change(self.signals, self.frame);
-        driving_side.map_or(Tri::Unknown, |outer| Tri::from(side.is_some_and(|s| s != outer)))
     }
 
     /// The ego is in a junction, or one is ahead.

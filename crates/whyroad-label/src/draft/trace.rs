@@ -291,9 +291,9 @@ fn openings(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed
     if state().any(|text| text.starts_with(of_ego)) {
         return Vec::new();
     }
-    // One number is enough, and that the ego drives, without its speed, says nothing.
+    // One number is enough.
     if state().any(|text| text.contains(|c: char| c.is_ascii_digit())) {
-        return Vec::new();
+        return of(&all.moving_without_speed);
     }
     let step = if speed * 3.6 < 2.0 * SPEED_STEP_KMH { 1.0 } else { SPEED_STEP_KMH };
     let kmh = (speed * 3.6 / step).round().max(1.0) * step;

@@ -105,38 +105,3 @@ fn no_ramp_is_named_where_there_is_none() {
         assert!(named(&on_it) > 0 && !on_it.iter().any(comes_to_it), "{on_it:?}");
     }
 }
-
-#[test]
-fn a_text_with_a_limit_does_not_open_with_that_the_ego_drives() {
-    let limited = |lang| {
-        traces("reactive_rule.speed_limit", lang, |s| {
-            with_speed(s, |f| 25.0 - 0.15 * f.saturating_sub(42) as f64);
-            for name in ["map.speed_limit", "map.speed_limit_ahead"] {
-                s.frame_columns.insert(name.into(), Column::Number(vec![20.0; fixture::FRAMES]));
-            }
-        })
-    };
-    for lang in [Lang::Zh, Lang::En] {
-        let all = limited(lang);
-        let opens = |t: &&String| t.starts_with("自车正在") || t.starts_with("The ego is ");
-        assert!(!all.is_empty() && all.iter().filter(opens).count() == 0, "{all:?}");
-    }
-}
-
-#[test]
-fn an_ego_faster_than_its_lead_is_not_said_to_stay_behind_it() {
-    // `target.relative_speed` in signals.yaml: negative where the target is slower than the ego.
-    let follows = |relative: f64| {
-        traces("reactive_agent.following.steady", Lang::Zh, move |s| {
-            with_speed(s, |_| 20.0);
-            of_target(s, "target.longitudinal", 40.0);
-            of_target(s, "target.distance", 40.0);
-            of_target(s, "target.speed", 20.0 + relative);
-            of_target(s, "target.relative_speed", relative);
-            flag(s, "target.is_lead", true);
-        })
-    };
-    let says = |all: &[String]| all.iter().filter(|t| t.contains("不会追近")).count();
-    assert!(says(&follows(0.0)) > 0);
-    assert_eq!(says(&follows(-0.8)), 0);
-}

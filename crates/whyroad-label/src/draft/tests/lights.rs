@@ -102,16 +102,3 @@ fn a_limit_that_the_ego_does_not_come_down_to_is_not_said_to_be_kept() {
     assert!(says(&down, &reaches) > 0, "{down:?}");
     assert!(!not.is_empty() && says(&not, &reaches) == 0, "{not:?}");
 }
-
-#[test]
-fn a_green_light_is_no_reason_to_slow() {
-    let passes = |change: f64| {
-        traces("reactive_rule.traffic_light.green_pass", move |s| {
-            with_speed(s, |f| 15.0 + change * f.saturating_sub(42) as f64);
-            word(s, "light.state", "green");
-            number(s, "light.distance_to_stop_line", 60.0);
-        })
-    };
-    assert_eq!(says(&passes(-0.15), &["可以直接通过", "without stopping"]), 0);
-    assert!(says(&passes(0.0), &["可以直接通过", "without stopping"]) > 0);
-}
