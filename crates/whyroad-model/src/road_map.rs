@@ -101,6 +101,13 @@ pub enum LaneKind {
     Other,
 }
 
+impl LaneKind {
+    /// True for lanes that vehicles, buses or bicycles drive on.
+    pub fn is_driven_on(self) -> bool {
+        matches!(self, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike)
+    }
+}
+
 /// Direction of a movement across a junction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -30,7 +30,7 @@ from networks import document, tool  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 FCD = "id,x,y,z,angle,type,speed,pos,acceleration,lane,edge,signals,leaderID,leaderSpeed,leaderGap"
-EGOS = {"held10": 42, "held11": 42, "held12": 42, "held13": 42, "held14": 42, "held15": 42, "held16": 42, "held17": 42, "held18": 42, "held19": 42}
+EGOS = {f"held{n}": 42 for n in range(10, 20)}
 RADIUS_M = 120
 
 
@@ -154,7 +154,7 @@ def sums(out):
 
 def main():
     match sys.argv[1:]:
-        case [("develop" | "varied" | "held" | "held2" | "held3" | "held4" | "held5" | "held6" | "held7" | "held8" | "held9" | "held10" | "held11" | "held12" | "held13" | "held14" | "held15" | "held16" | "held17" | "held18" | "held19") as group, out, *only]:
+        case [group, out, *only] if group in SETS:
             generate(group, Path(out), only)
         case ["record", out]:
             (HERE / "manifest.txt").write_text("# eclipse-sumo 1.28.0\n" + "".join(f"{v} {k}\n" for k, v in sums(Path(out)).items()))

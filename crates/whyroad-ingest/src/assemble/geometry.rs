@@ -22,6 +22,26 @@ fn mix(a: Point3, b: Point3, share: f64) -> Point3 {
     Point3 { x: at(a.x, b.x), y: at(a.y, b.y), z: at(a.z, b.z) }
 }
 
+/// Least and greatest coordinates of a line in the ground plane, m; not numbers for a line without points.
+pub struct Bounds {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Bounds {
+    pub fn of(line: &[Point3]) -> Self {
+        let fold = |with: fn(f64, f64) -> f64| {
+            line.iter().fold([f64::NAN; 2], |[x, y], p| [with(x, p.x), with(y, p.y)])
+        };
+        Bounds { low: fold(f64::min), high: fold(f64::max) }
+    }
+
+    /// True if no point within one is nearer than `reach_m` to a point within the other, in x or in y.
+    pub fn are_apart(&self, other: &Bounds, reach_m: f64) -> bool {
+        (0..2).any(|k| self.low[k] > other.high[k] + reach_m || other.low[k] > self.high[k] + reach_m)
+    }
+}
+
 /// `count` points at equal shares of the line's length, ends included. An empty line stays empty.
 pub fn resample(line: &[Point3], count: usize) -> Vec<Point3> {
     let (Some(&first), Some(&last)) = (line.first(), line.last()) else { return Vec::new() };

@@ -2,11 +2,11 @@
 //! no data: connections, junctions, lanes beside each other, turn directions. What is derived is declared as such.
 
 use crate::assemble::angles::wrap_angle;
-use crate::assemble::geometry::distance;
+use crate::assemble::geometry::{Bounds, distance, length};
 use crate::assemble::{junctions, neighbors};
 use std::f64::consts::PI;
 use whyroad_model::RoadMap;
-use whyroad_model::road_map::{Lane, LaneKind, LaneMark, LayerState, MapLayer, Point3, TurnKind};
+use whyroad_model::road_map::{Lane, LaneMark, LayerState, MapLayer, Point3, TurnKind};
 
 /// A lane begins where another ends when they are this near, m, and point the same way within this, rad (30 deg).
 const JOINT_M: f64 = 1.0;
@@ -70,13 +70,9 @@ pub(crate) fn derive_absent(map: &mut RoadMap) {
     if map.layers.get(&MapLayer::Neighbors) == Some(&LayerState::Absent) && neighbors::derive(map) {
         map.layers.insert(MapLayer::Neighbors, LayerState::Derived);
     }
-    for lane in map.lanes.iter_mut().filter(|l| l.in_junction && l.turn.is_none() && rolls(l)) {
+    for lane in map.lanes.iter_mut().filter(|l| l.in_junction && l.turn.is_none() && l.kind.is_driven_on()) {
         lane.turn = turn(&lane.center);
     }
-}
-
-fn rolls(lane: &Lane) -> bool {
-    matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike)
 }
 
 /// Direction of the first (`at_end` false) or last meter of a line, rad.
@@ -98,7 +94,7 @@ fn connect(map: &mut RoadMap) -> bool {
         .iter()
         .map(|l| {
             let c = &l.center;
-            rolls(l).then(|| Some((*c.first()?, heading(c, false)?, *c.last()?, heading(c, true)?)))?
+            l.kind.is_driven_on().then(|| Some((*c.first()?, heading(c, false)?, *c.last()?, heading(c, true)?)))?
         })
         .collect();
     let mut joints = Vec::new();
@@ -160,28 +156,12 @@ pub(crate) fn crossing(a: &[Point3], b: &[Point3]) -> Option<f64> {
 /// Marks lanes that cross others, with those that begin or end together with them, as inside junctions.
 fn mark_junctions(map: &mut RoadMap) {
     let n = map.lanes.len();
-    let bounds: Vec<[f64; 4]> = map
-        .lanes
-        .iter()
-        .map(|l| {
-            let fold = |of: fn(&Point3) -> f64, with: fn(f64, f64) -> f64| {
-                l.center.iter().map(of).fold(f64::NAN, with)
-            };
-            [
-                fold(|p| p.x, f64::min),
-                fold(|p| p.y, f64::min),
-                fold(|p| p.x, f64::max),
-                fold(|p| p.y, f64::max),
-            ]
-        })
-        .collect();
-    let length = |l: &Lane| l.center.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>();
-    let may: Vec<bool> = map.lanes.iter().map(|l| rolls(l) && length(l) <= CROSSING_LANE_M).collect();
+    let bounds: Vec<Bounds> = map.lanes.iter().map(|l| Bounds::of(&l.center)).collect();
+    let may: Vec<bool> = map.lanes.iter().map(|l| l.kind.is_driven_on() && length(&l.center) <= CROSSING_LANE_M).collect();
     let mut inside = vec![false; n];
     for i in (0..n).filter(|&i| may[i]) {
         for j in (0..i).filter(|&j| may[j]) {
-            let (a, b) = (bounds[i], bounds[j]);
-            let apart = a[0] > b[2] || b[0] > a[2] || a[1] > b[3] || b[1] > a[3];
+            let apart = bounds[i].are_apart(&bounds[j], 0.0);
             let (one, other) = (&map.lanes[i], &map.lanes[j]);
             let meet = [&one.successors, &one.predecessors]
                 .into_iter()

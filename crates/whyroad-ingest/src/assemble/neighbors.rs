@@ -2,10 +2,10 @@
 //! lines that run together or part are nearer than that.
 
 use crate::assemble::angles::wrap_angle;
-use crate::assemble::geometry::{length, resample};
+use crate::assemble::geometry::{Bounds, length, resample};
 use std::f64::consts::PI;
 use whyroad_model::RoadMap;
-use whyroad_model::road_map::{Lane, LaneKind, Point3};
+use whyroad_model::road_map::{Lane, Point3};
 
 /// Places of a lane at which others are looked for are this far apart, m.
 const SPACING_M: f64 = 4.0;
@@ -20,36 +20,43 @@ const LEAST_M: f64 = 12.0;
 /// Lanes whose heights differ by more pass over each other, m.
 const LEVEL_M: f64 = 2.5;
 
-/// Fills in the neighbors of all lanes outside junctions. True if any was found.
+/// Fills in the neighbors of all lanes outside junctions. False if there is no lane that could have any.
 pub(crate) fn derive(map: &mut RoadMap) -> bool {
-    let lanes: Vec<Option<Line>> = map.lanes.iter().map(line).collect();
-    let mut any = false;
-    for i in 0..lanes.len() {
-        let Some(own) = &lanes[i] else { continue };
-        // Left, right: the nearest lane, and how far away it is.
-        let mut nearest: [Option<(usize, f64)>; 2] = [None, None];
-        for (j, other) in lanes.iter().enumerate() {
-            let Some(other) = other.as_ref().filter(|other| i != j && own.is_near(other)) else { continue };
-            let Some(lateral) = beside(own, other) else { continue };
-            let side = &mut nearest[usize::from(lateral < 0.0)];
-            if side.is_none_or(|(_, before)| lateral.abs() < before) {
-                *side = Some((j, lateral.abs()));
-            }
+    let lines: Vec<Option<Line>> = map.lanes.iter().map(line).collect();
+    let name = |j: usize| map.lanes[j].id.clone();
+    let found: Vec<Option<[Option<String>; 2]>> =
+        lines.iter().map(|own| Some(nearest(own.as_ref()?, &lines).map(|side| side.map(name)))).collect();
+    let any = found.iter().any(Option::is_some);
+    for (lane, sides) in map.lanes.iter_mut().zip(found) {
+        if let Some(sides) = sides {
+            [lane.left_neighbor, lane.right_neighbor] = sides;
         }
-        let id = |side: Option<(usize, f64)>| side.map(|(j, _)| map.lanes[j].id.clone());
-        let ids = nearest.map(id);
-        any |= ids.iter().any(Option::is_some);
-        let lane = &mut map.lanes[i];
-        [lane.left_neighbor, lane.right_neighbor] = ids;
     }
     any
 }
 
-/// A center line with its bounds: least x and y, greatest x and y.
-struct Line {
-    center: Vec<Point3>,
+/// The nearest of the lines to the left and to the right of `own`.
+fn nearest(own: &Line, others: &[Option<Line>]) -> [Option<usize>; 2] {
+    let mut sides: [Option<(usize, f64)>; 2] = [None, None];
+    for (j, other) in others.iter().enumerate() {
+        let Some(other) = other else { continue };
+        if std::ptr::eq(own, other) || own.bounds.are_apart(&other.bounds, *BESIDE_M.end()) {
+            continue;
+        }
+        let Some(lateral) = beside(own, other) else { continue };
+        let side = &mut sides[usize::from(lateral < 0.0)];
+        if side.is_none_or(|(_, before)| lateral.abs() < before) {
+            *side = Some((j, lateral.abs()));
+        }
+    }
+    sides.map(|side| side.map(|(j, _)| j))
+}
+
+/// A center line.
+struct Line<'a> {
+    center: &'a [Point3],
     places: Vec<Place>,
-    bounds: [f64; 4],
+    bounds: Bounds,
 }
 
 /// A point of a line and its direction there, rad.
@@ -58,10 +65,9 @@ struct Place {
     heading: f64,
 }
 
-fn line(lane: &Lane) -> Option<Line> {
-    let rolls = matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike);
+fn line(lane: &Lane) -> Option<Line<'_>> {
     let total = length(&lane.center);
-    if !rolls || lane.in_junction || lane.center.len() < 2 || total < LEAST_M {
+    if !lane.kind.is_driven_on() || lane.in_junction || lane.center.len() < 2 || total < LEAST_M {
         return None;
     }
     let points = resample(&lane.center, (total / SPACING_M).ceil() as usize + 1);
@@ -71,19 +77,10 @@ fn line(lane: &Lane) -> Option<Line> {
             Place { at: points[i], heading: (b.y - a.y).atan2(b.x - a.x) }
         })
         .collect();
-    let fold =
-        |of: fn(&Point3) -> f64, with: fn(f64, f64) -> f64| lane.center.iter().map(of).fold(f64::NAN, with);
-    let bounds =
-        [fold(|p| p.x, f64::min), fold(|p| p.y, f64::min), fold(|p| p.x, f64::max), fold(|p| p.y, f64::max)];
-    Some(Line { center: lane.center.clone(), places, bounds })
+    Some(Line { center: &lane.center, places, bounds: Bounds::of(&lane.center) })
 }
 
-impl Line {
-    fn is_near(&self, other: &Line) -> bool {
-        let (a, b, reach) = (self.bounds, other.bounds, *BESIDE_M.end());
-        a[0] <= b[2] + reach && b[0] <= a[2] + reach && a[1] <= b[3] + reach && b[1] <= a[3] + reach
-    }
-
+impl Line<'_> {
     /// Distance of a place from this line, to the left of the place positive, m, and the line's direction there, rad;
     /// `None` before the line's start and behind its end.
     fn distance_at(&self, place: &Place) -> Option<(f64, f64)> {
@@ -182,7 +179,7 @@ mod tests {
             ],
             ..RoadMap::default()
         };
-        assert!(!derive(&mut map));
+        assert!(derive(&mut map));
         assert!(map.lanes.iter().all(|l| l.left_neighbor.is_none() && l.right_neighbor.is_none()));
     }
 

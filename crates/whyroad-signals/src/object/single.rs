@@ -68,9 +68,7 @@ fn on_the_map(scene: &Scene<'_>, name: &str) -> Option<Column> {
         }))),
         "object.in_junction" => Some(flags(scene, |_, b, i| Tri::from(road.in_junction(b.position[i])))),
         "object.on_road" => Some(flags(scene, |k, _, i| {
-            let rolling =
-                |l: usize| matches!(road.lanes[l].kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike);
-            Tri::from(lanes.lanes[k][i].is_some_and(rolling))
+            Tri::from(lanes.lanes[k][i].is_some_and(|l| road.lanes[l].kind.is_driven_on()))
         })),
         "object.on_drivable_area" => (!road.drivable.is_empty()).then(|| {
             flags(scene, |_, b, i| Tri::from(road.drivable.iter().any(|d| d.contains(b.position[i]))))

@@ -204,8 +204,6 @@ impl Road {
 
     /// True when `p` is in a drivable area or on a lane for vehicles, buses or bicycles.
     pub fn on_road(&self, p: P2) -> bool {
-        let rolling =
-            |lane: &LaneShape| matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike);
-        self.drivable_at(p).is_some() || self.lane_at(p, rolling).is_some()
+        self.drivable_at(p).is_some() || self.lane_at(p, |lane| lane.kind.is_driven_on()).is_some()
     }
 }

@@ -1,7 +1,6 @@
 //! Crosswalks, lights, stop lines, signs and facilities, from the objects and signals of roads.
 
 use super::document::{Corner, Document, Object, Road, Signal};
-use super::junctions::rolls;
 use super::lanes::{LaneKey, goes_forward, range};
 use super::plan_view::{Pose, poses};
 use crate::maps::signs;
@@ -244,7 +243,7 @@ impl OnRoad<'_> {
                     "-" => !goes_forward(road, lane),
                     _ => true,
                 };
-                if named && along && self.lanes.get(&key).is_some_and(rolls) {
+                if named && along && self.lanes.get(&key).is_some_and(|lane| lane.kind.is_driven_on()) {
                     out.push(key);
                 }
             }
@@ -259,7 +258,7 @@ impl OnRoad<'_> {
             let inside = self.lanes.range(LaneKey { road: self.index, section: 0, lane: i32::MIN }..);
             let inside = inside.take_while(|(k, _)| k.road == self.index).filter(|(k, l)| {
                 let overlaps = |(a, b): (f64, f64)| a < to && b > from;
-                rolls(l) && range(self.road, k.section, k.lane > 0).is_some_and(overlaps)
+                l.kind.is_driven_on() && range(self.road, k.section, k.lane > 0).is_some_and(overlaps)
             });
             for (n, (_, lane)) in inside.enumerate() {
                 let boundary = crate::assemble::geometry::between(&lane.left, &lane.right);

@@ -8,7 +8,7 @@ use crate::assemble::geometry::{between, distance, union_outlines};
 use crate::assemble::layers;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
-use whyroad_model::road_map::{Area, Lane, LaneKind, Point3};
+use whyroad_model::road_map::{Area, Lane, Point3};
 
 /// Roads whose directions at a junction differ by less than this run together there, rad: 60 deg.
 const TOGETHER_RAD: f64 = FRAC_PI_3;
@@ -32,7 +32,7 @@ pub(super) fn mark(document: &Document, lanes: &mut BTreeMap<LaneKey, Lane>) -> 
     let mut inside: BTreeMap<&str, Vec<LaneKey>> = BTreeMap::new();
     for (key, lane) in lanes.iter_mut() {
         if let Some(junction) = document.roads[key.road].junction.as_deref()
-            && rolls(lane)
+            && lane.kind.is_driven_on()
         {
             // Also where a street only turns back at its end, which is not a junction.
             lane.turn = layers::turn(&lane.center);
@@ -61,10 +61,6 @@ pub(super) fn mark(document: &Document, lanes: &mut BTreeMap<LaneKey, Lane>) -> 
     }
     areas.sort_by(|a, b| a.id.cmp(&b.id));
     areas
-}
-
-pub(super) fn rolls(lane: &Lane) -> bool {
-    matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike)
 }
 
 /// Driving direction at the first or last point of a lane.
