@@ -29,6 +29,7 @@ use crate::{behavior, refav, sight};
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::catalog::id;
+use whyroad_model::road_map::{LayerState, MapLayer};
 use whyroad_model::{Drive, Need, SignalTable};
 
 /// All signals that `drive` supports; the others are in `unavailable` with the data that the log lacks. Takes the drive
@@ -217,7 +218,8 @@ impl RoadStage<'_> {
         let (drive, times, motion) = (ego.drive, &ego.times[..], &ego.motion);
         let asked = table.asks(wanted::ROAD_AHEAD) || table.asks(wanted::FREE_WIDTH);
         if let (Some(map), Some(road), Some(lanes), true) = (&drive.map, *road, lanes, asked) {
-            let encounters = junction::Encounters::new(road, path, motion);
+            let areas_are_whole = map.layer(MapLayer::Junctions) == LayerState::Complete;
+            let encounters = junction::Encounters::new(road, path, motion, areas_are_whole);
             junction::write(&encounters, path, motion, table);
             let ways = Ways::new(road, lanes);
             let on =

@@ -20,6 +20,7 @@ pub mod network;
 pub mod on_road;
 pub mod open_area;
 pub mod own_shift;
+pub mod own_turns;
 pub mod path;
 pub mod profile;
 pub mod roadside;

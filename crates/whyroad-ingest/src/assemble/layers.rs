@@ -94,7 +94,9 @@ fn connect(map: &mut RoadMap) -> bool {
         .iter()
         .map(|l| {
             let c = &l.center;
-            l.kind.is_driven_on().then(|| Some((*c.first()?, heading(c, false)?, *c.last()?, heading(c, true)?)))?
+            l.kind
+                .is_driven_on()
+                .then(|| Some((*c.first()?, heading(c, false)?, *c.last()?, heading(c, true)?)))?
         })
         .collect();
     let mut joints = Vec::new();
@@ -157,7 +159,8 @@ pub(crate) fn crossing(a: &[Point3], b: &[Point3]) -> Option<f64> {
 fn mark_junctions(map: &mut RoadMap) {
     let n = map.lanes.len();
     let bounds: Vec<Bounds> = map.lanes.iter().map(|l| Bounds::of(&l.center)).collect();
-    let may: Vec<bool> = map.lanes.iter().map(|l| l.kind.is_driven_on() && length(&l.center) <= CROSSING_LANE_M).collect();
+    let may: Vec<bool> =
+        map.lanes.iter().map(|l| l.kind.is_driven_on() && length(&l.center) <= CROSSING_LANE_M).collect();
     let mut inside = vec![false; n];
     for i in (0..n).filter(|&i| may[i]) {
         for j in (0..i).filter(|&j| may[j]) {

@@ -17,10 +17,12 @@ const PARALLEL_RAD: f64 = PI / 9.0;
 /// this, m: a lane that branches off is beside the other only at first.
 const BESIDE_SHARE: f64 = 0.6;
 const LEAST_M: f64 = 12.0;
+/// Lanes inside junctions whose course changes by less lead straight over them, rad (15 deg).
+const STRAIGHT_OVER_RAD: f64 = PI / 12.0;
 /// Lanes whose heights differ by more pass over each other, m.
 const LEVEL_M: f64 = 2.5;
 
-/// Fills in the neighbors of all lanes outside junctions. False if there is no lane that could have any.
+/// Fills in the neighbors of all lanes but those that turn inside junctions. False if there is no lane that could have any.
 pub(crate) fn derive(map: &mut RoadMap) -> bool {
     let lines: Vec<Option<Line>> = map.lanes.iter().map(line).collect();
     let name = |j: usize| map.lanes[j].id.clone();
@@ -67,7 +69,7 @@ struct Place {
 
 fn line(lane: &Lane) -> Option<Line<'_>> {
     let total = length(&lane.center);
-    if !lane.kind.is_driven_on() || lane.in_junction || lane.center.len() < 2 || total < LEAST_M {
+    if !lane.kind.is_driven_on() || lane.center.len() < 2 || total < LEAST_M {
         return None;
     }
     let points = resample(&lane.center, (total / SPACING_M).ceil() as usize + 1);
@@ -76,8 +78,10 @@ fn line(lane: &Lane) -> Option<Line<'_>> {
             let (a, b) = (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
             Place { at: points[i], heading: (b.y - a.y).atan2(b.x - a.x) }
         })
-        .collect();
-    Some(Line { center: &lane.center, places, bounds: Bounds::of(&lane.center) })
+        .collect::<Vec<Place>>();
+    let turn = wrap_angle(places.last()?.heading - places.first()?.heading);
+    let turns = lane.in_junction && turn.abs() >= STRAIGHT_OVER_RAD;
+    (!turns).then(|| Line { center: &lane.center, places, bounds: Bounds::of(&lane.center) })
 }
 
 impl Line<'_> {
@@ -181,6 +185,31 @@ mod tests {
         };
         assert!(derive(&mut map));
         assert!(map.lanes.iter().all(|l| l.left_neighbor.is_none() && l.right_neighbor.is_none()));
+    }
+
+    #[test]
+    fn inside_a_junction_only_lanes_straight_over_it_are_neighbors() {
+        // Both turning lanes are quarters of circles about (0, 30), 3.5 m apart.
+        let arc = |radius: f64| -> Vec<(f64, f64)> {
+            (0..=9)
+                .map(|i| f64::from(i * 10).to_radians())
+                .map(|a| (radius * a.sin(), 30.0 - radius * a.cos()))
+                .collect()
+        };
+        let mut map = RoadMap {
+            lanes: vec![
+                lane("left over it", &[(0.0, 3.5), (20.0, 3.5)]),
+                lane("right over it", &[(0.0, 0.0), (20.0, 0.0)]),
+                lane("inner turn", &arc(20.0)),
+                lane("outer turn", &arc(23.5)),
+            ],
+            ..RoadMap::default()
+        };
+        map.lanes.iter_mut().for_each(|lane| lane.in_junction = true);
+        assert!(derive(&mut map));
+        assert_eq!(neighbors(&map, "right over it"), [some("left over it"), None]);
+        assert_eq!(neighbors(&map, "inner turn"), [None, None]);
+        assert_eq!(neighbors(&map, "outer turn"), [None, None]);
     }
 
     #[test]

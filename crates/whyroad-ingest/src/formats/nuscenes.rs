@@ -33,7 +33,7 @@ use whyroad_model::{Drive, Nanos, Need, ObjectClass, RoadMap};
 /// times and holds the rows of 50.
 const SCENES_TOGETHER: usize = 50;
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 3;
+const REVISION: u32 = 4;
 /// Keyframes are 0.5 s apart; over more nothing is interpolated, s.
 const MAX_GAP_S: f64 = 0.6;
 /// The devkit's limit for a velocity between two keyframes, s; twice that over both neighbors.

@@ -5,6 +5,7 @@ use crate::ego::motion::EgoMotion;
 use crate::geometry::{unwrap, wrap};
 use crate::road::cut_traversal::rest_by_lanes;
 use crate::road::network::Road;
+use crate::road::own_turns::{own_turns, unseen_part};
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
 use std::f64::consts::PI;
@@ -12,7 +13,7 @@ use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::EgoMovement};
 
 /// Sampling step of the path, m.
-const STEP_M: f64 = 0.5;
+pub const STEP_M: f64 = 0.5;
 /// Ranges of one kind with a smaller distance are merged, m.
 pub const MERGE_M: f64 = 5.0;
 /// Maximum look-ahead, m.
@@ -28,7 +29,7 @@ const BEGUN_RAD: f64 = PI / 18.0;
 /// Maximum path length of a U-turn, m: half a circle of 13 m radius.
 const TURN_ROUND_M: f64 = 40.0;
 /// Minimum angle of a turn: 45 deg (RefAV).
-const TURN_RAD: f64 = PI / 4.0;
+pub const TURN_RAD: f64 = PI / 4.0;
 /// Minimum angle of a U-turn: 135 deg.
 const UTURN_RAD: f64 = 3.0 * PI / 4.0;
 
@@ -72,10 +73,19 @@ pub fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
     if distance > HORIZON_M { f64::INFINITY } else { distance }
 }
 
-/// Change of heading over one traversal and whether the recording covers it from entry to exit. A turn that begins
-/// before the area or ends behind it is counted completely; if the recording begins or ends during it, as in a slip
-/// lane before the area, its angle is unknown.
-fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64, bool)> {
+/// Change of heading over one traversal.
+struct Turned {
+    /// As recorded, rad.
+    recorded: f64,
+    /// What the recording does not show of it at least, where it begins or ends in the turn, rad.
+    unseen: f64,
+    /// True if the recording covers it from entry to exit.
+    whole: bool,
+}
+
+/// Change of heading over one traversal. A turn that begins before the area or ends behind it is counted completely; if the recording begins or ends during
+/// it, as in a slip lane before the area, only the least that it can be is known.
+fn turned(stretch: Stretch, path: &DrivenPath, ego: &EgoMotion, headings: &[f64]) -> Option<Turned> {
     let s = &path.ego_s;
     let near = |&i: &usize| s[i] >= stretch.from - TURN_MARGIN_M && s[i] <= stretch.to + TURN_MARGIN_M;
     let frames: Vec<usize> = (0..headings.len()).filter(|i| headings[*i].is_finite()).filter(near).collect();
@@ -83,7 +93,7 @@ fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64,
     let whole = path.driven.0 <= stretch.from && path.driven.1 >= stretch.to;
     let turned = headings[last] - headings[first];
     if turned.abs() < BEGUN_RAD {
-        return Some((turned, whole));
+        return Some(Turned { recorded: turned, unseen: 0.0, whole });
     }
     let goes_on = |from: f64, to: f64, way: f64| (to - from) * turned.signum() >= way / TURN_RADIUS_M;
     let (mut begins, mut ends) = (first, last);
@@ -115,20 +125,31 @@ fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64,
         s[begins] - s[edge_first] < STEP_M && after_edge().is_some_and(|i| turns_over(edge_first, i));
     let ends_in_it =
         s[edge_last] - s[ends] < STEP_M && before_edge().is_some_and(|i| turns_over(i, edge_last));
-    Some((headings[ends] - headings[begins], whole && !begins_in_it && !ends_in_it))
+    let part =
+        |cut: bool, edge: usize| Some(unseen_part(ego, edge)).filter(|part| cut && part * turned > 0.0);
+    let unseen = [part(begins_in_it, edge_first), part(ends_in_it, edge_last)].into_iter().flatten().sum();
+    let recorded = headings[ends] - headings[begins];
+    Some(Turned { recorded, unseen, whole: whole && !begins_in_it && !ends_in_it })
 }
 
-/// [`turned`]; where the recording ends inside, completed from the lanes if all that the ego may be following make it
-/// the same movement.
-fn way(road: &Road, path: &DrivenPath, stretch: Stretch, headings: &[f64]) -> Option<(f64, bool)> {
-    let (angle, whole) = turned(stretch, path, headings)?;
-    if whole || movement(angle, false).is_some() {
-        return Some((angle, whole));
+/// Change of heading over one traversal as recorded, rad, and its movement. Where the recording ends inside, both are
+/// completed from the lanes if all that the ego may be following make it the same movement.
+fn way(
+    road: &Road,
+    path: &DrivenPath,
+    ego: &EgoMotion,
+    stretch: Stretch,
+    headings: &[f64],
+) -> Option<(f64, Option<EgoMovement>)> {
+    let Turned { recorded, unseen, whole } = turned(stretch, path, ego, headings)?;
+    let seen = movement(recorded + unseen, whole);
+    if seen.is_some() {
+        return Some((recorded, seen));
     }
     let rests = rest_by_lanes(road, path, (stretch.from, stretch.to));
-    let by_lane = |rest: &f64| movement(angle + rest, true);
+    let by_lane = |rest: &f64| movement(recorded + rest, true);
     let nearest = rests.first().filter(|nearest| rests.iter().all(|rest| by_lane(rest) == by_lane(nearest)));
-    Some(nearest.map_or((angle, false), |rest| (angle + rest, true)))
+    Some(nearest.map_or((recorded, None), |rest| (recorded + rest, by_lane(rest))))
 }
 
 /// U-turns of the path outside of junctions, as at an opening of the median, where no lane makes the turn (as in a
@@ -164,13 +185,17 @@ fn turns_round(road: &Road, path: &DrivenPath) -> Vec<Stretch> {
     found
 }
 
-/// Junction ranges and U-turns in one list: a U-turn is merged with the ranges that it touches, because its path may
-/// leave the junction area and return to it.
-fn with_turns_round(junctions: Vec<Stretch>, turns: Vec<Stretch>) -> Vec<Stretch> {
+/// True if less than [`MERGE_M`] is between them.
+fn touches(a: &Stretch, b: &Stretch) -> bool {
+    a.to >= b.from - MERGE_M && a.from <= b.to + MERGE_M
+}
+
+/// Junction ranges and turns in one list: a turn is merged with the ranges that it touches, because its path may leave
+/// the junction area and return to it.
+fn with_turns(junctions: Vec<Stretch>, turns: Vec<Stretch>) -> Vec<Stretch> {
     let mut all: Vec<Stretch> = junctions;
     for turn in turns {
-        let touches = |j: &Stretch| j.to >= turn.from - MERGE_M && j.from <= turn.to + MERGE_M;
-        let (near, mut rest): (Vec<Stretch>, Vec<Stretch>) = all.into_iter().partition(touches);
+        let (near, mut rest): (Vec<Stretch>, Vec<Stretch>) = all.into_iter().partition(|j| touches(j, &turn));
         let joined = near.iter().fold(turn, |a, b| Stretch { from: a.from.min(b.from), to: a.to.max(b.to) });
         rest.push(joined);
         all = rest;
@@ -192,22 +217,28 @@ pub fn movement(angle: f64, whole: bool) -> Option<EgoMovement> {
 
 /// The junctions and crosswalks on the ego's path, in order.
 pub struct Encounters {
-    /// Junctions; those with less than 5 m between them are merged, and so are those that a U-turn touches. A U-turn
-    /// outside of junctions counts as one.
+    /// Junctions; those with less than 5 m between them are merged, and so are those that a turn touches. A turn outside
+    /// of junctions counts as one.
     pub junctions: Vec<Stretch>,
     /// Crosswalks.
     pub crosswalks: Vec<Stretch>,
-    /// Change of heading across each junction, rad, and whether the recording or the lanes show it from entry to exit.
-    ways: Vec<Option<(f64, bool)>>,
+    /// Change of heading across each junction, rad, and the ego's movement, if the recording or the lanes show it.
+    ways: Vec<Option<(f64, Option<EgoMovement>)>>,
 }
 
 impl Encounters {
-    /// Along the whole path, including its continuations.
-    pub fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion) -> Self {
+    /// Along the whole path, including its continuations. Where the map states all areas of junctions (`areas_are_whole`),
+    /// a turn at one does not extend it.
+    pub fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion, areas_are_whole: bool) -> Self {
         let areas = stretches(path, |p| road.in_junction(p), MERGE_M);
-        let junctions = with_turns_round(areas, turns_round(road, path));
         let headings = unwrap(&ego.heading);
-        let ways = junctions.iter().map(|&j| way(road, path, j, &headings)).collect();
+        let at_one = |turn: &Stretch| areas.iter().any(|area| touches(area, turn));
+        let turns = own_turns(road, path, ego, &headings, &areas)
+            .into_iter()
+            .filter(|turn| !(areas_are_whole && at_one(turn)))
+            .collect();
+        let junctions = with_turns(with_turns(areas, turns_round(road, path)), turns);
+        let ways = junctions.iter().map(|&j| way(road, path, ego, j, &headings)).collect();
         let crosswalks = stretches(path, |p| road.crosswalks.iter().any(|c| c.contains(p)), 0.0);
         Self { junctions, crosswalks, ways }
     }
@@ -221,7 +252,7 @@ impl Encounters {
 
     /// The ego's movement through junction `k`, if the recording or the lanes show it.
     pub fn movement(&self, k: usize) -> Option<EgoMovement> {
-        self.ways[k].and_then(|(angle, whole)| movement(angle, whole))
+        self.ways[k].and_then(|(_, movement)| movement)
     }
 }
 

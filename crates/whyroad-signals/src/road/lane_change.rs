@@ -137,7 +137,7 @@ impl Rows<'_> {
         {
             row -= 1;
             // An actor that moves across while it leaves a junction's turn is still settling into its lane.
-            if self.places[row].is_some_and(|p| road.lanes[p.lane].in_junction) {
+            if self.places[row].is_some_and(|p| road.lanes[p.lane].turns_in_junction()) {
                 break;
             }
             let (offset, speed) = self.across(old, row, sign);
@@ -150,6 +150,12 @@ impl Rows<'_> {
             }
         }
         start
+    }
+
+    /// The row in which it is farthest towards `sign`.
+    fn farthest(&self, new: &Corridor, k: usize, latest: usize, sign: f64) -> usize {
+        let offset = |row: usize| self.across(new, row, sign).0;
+        (k..latest).max_by(|&a, &b| offset(a).total_cmp(&offset(b))).unwrap_or(k)
     }
 
     /// One past the last row of the change.
@@ -196,9 +202,9 @@ pub fn found(road: &Road, rows: &Rows<'_>) -> Vec<Change> {
         if let Some((before, old)) = last
             && old != place.lane
             && rows.times[row] - rows.times[before] < 2.0
-            // Inside a junction lanes overlap and have no lines: cutting a corner is not a lane change.
-            && !road.lanes[old].in_junction
-            && !road.lanes[place.lane].in_junction
+            // Cutting a corner is not a lane change.
+            && !road.lanes[old].turns_in_junction()
+            && !road.lanes[place.lane].turns_in_junction()
             && let Some(side) = side_of(road, old, place.lane)
         {
             steps.push((row, old, place.lane, side));
@@ -216,7 +222,12 @@ pub fn found(road: &Road, rows: &Rows<'_>) -> Vec<Change> {
         else {
             continue;
         };
-        let (start, end) = (rows.beginning(road, &from, k, earliest, sign), rows.end(&to, k, latest, sign));
+        let start = rows.beginning(road, &from, k, earliest, sign);
+        let end = match rows.end(&to, k, latest, sign) {
+            // It was never stable there before the next change: it was there where it was farthest over.
+            end if end == latest && latest < n => 1 + rows.farthest(&to, k, latest, sign),
+            end => end,
+        };
         let shift = rows.across(&from, end - 1, sign).0 - rows.across(&from, start, sign).0;
         let stayed = latest == n || rows.times[latest] - rows.times[k] >= LEAST_STAY_S;
         let steered = rows.by_own_steering(k, sign).is_none_or(|m| m >= LEAST_OWN_SHIFT_M);

@@ -1,13 +1,16 @@
 //! The map prepared for queries: lanes with center line, widths and links by index, areas as polygons, and a spatial
 //! index over the lanes. Frame: world, plane.
 
-use crate::geometry::{BoxGrid, P2, Polygon, Polyline, p2};
+use crate::geometry::{BoxGrid, P2, Polygon, Polyline, p2, wrap};
+use std::f64::consts::PI;
 use whyroad_model::road_map::{Area, Lane, LaneKind, Point3, RoadMap};
 
 /// Half width of a lane whose source states neither edges nor width, m: half of 3.5 m.
 pub const DEFAULT_HALF_WIDTH_M: f64 = 1.75;
 /// Minimum height difference of an object on another level than a lane, m (a level of an interchange has at least 5 m).
 pub const LEVEL_M: f64 = 4.0;
+/// Lanes inside junctions whose course changes by less lead straight over them, rad (15 deg).
+const STRAIGHT_OVER_RAD: f64 = PI / 12.0;
 
 /// One lane's geometry and links; indices are into [`Road::lanes`].
 #[derive(Clone, Debug)]
@@ -42,6 +45,13 @@ impl LaneShape {
     /// Widths to the left and right edge at arc length `s`, m.
     pub fn widths_at(&self, s: f64) -> (f64, f64) {
         self.center.interpolate_both([&self.left_width, &self.right_width], s)
+    }
+
+    /// True for a lane inside a junction that does not lead straight over it: such lanes overlap others and have no
+    /// lines.
+    pub fn turns_in_junction(&self) -> bool {
+        let turn = || wrap(self.center.heading_at(self.center.length()) - self.center.heading_at(0.0));
+        self.in_junction && turn().abs() >= STRAIGHT_OVER_RAD
     }
 
     /// True when an object whose box center has height `z` can be on this lane (or heights are unknown).

@@ -224,16 +224,17 @@ fn lanes_of_the_junction_complete_a_way_that_the_record_cuts() {
 
 #[test]
 fn how_far_a_turn_goes_is_unknown_where_the_record_begins_in_it() {
-    // 40 deg of a circle of 20 m to the left, from (0, 0); the junction is the part beyond 6 m of the arc.
-    let angle = 40_f64.to_radians();
-    let (arc, sin, cos) = (20.0 * angle, angle.sin(), angle.cos());
-    let way = move |s: f64| {
-        let a = (s / 20.0).clamp(0.0, angle);
-        let after = (s - arc).max(0.0);
-        (s.min(0.0) + 20.0 * a.sin() + after * cos, 20.0 * (1.0 - a.cos()) + after * sin, a)
-    };
+    // Part of a circle of 20 m to the left, from (0, 0); the junction is what lies beyond 6 m of the arc.
     let junction = area("j", &[(5.9, -5.0), (18.0, -5.0), (18.0, 20.0), (5.9, 20.0)]);
-    let movement = |before: f64, place: f64| {
+    let movement = |degrees: f64, before: f64| {
+        let angle = degrees.to_radians();
+        let (arc, sin, cos) = (20.0 * angle, angle.sin(), angle.cos());
+        let way = move |s: f64| {
+            let a = (s / 20.0).clamp(0.0, angle);
+            let after = (s - arc).max(0.0);
+            (s.min(0.0) + 20.0 * a.sin() + after * cos, 20.0 * (1.0 - a.cos()) + after * sin, a)
+        };
+        let place = 9.0;
         let mut d = drive(120, |t| way(4.0 * t - before));
         let mut m = map(vec![lane("far", &[(900.0, 900.0), (950.0, 900.0)], 3.5)]);
         m.junctions = vec![junction.clone()];
@@ -243,12 +244,56 @@ fn how_far_a_turn_goes_is_unknown_where_the_record_begins_in_it() {
         assert_eq!(t.ego_flag("ego.in_junction", frame), True);
         t.ego_category("ego.movement", frame).map(str::to_owned)
     };
-    assert_eq!(movement(0.0, 12.0), None, "as in a slip lane, of which the record holds the last part");
+    assert_eq!(movement(30.0, 0.0), None, "as in a slip lane, of which the record holds the last part");
+    let whole = "the record holds the straight road before it";
+    assert_eq!(movement(30.0, 20.0).as_deref(), Some("straight"), "{whole}");
+    // 11.5 deg/s where the record begins: steering there took a second at least, and so 5.7 deg more than 43 deg.
+    assert_eq!(movement(43.0, 0.0).as_deref(), Some("left"));
+    assert_eq!(movement(43.0, 20.0).as_deref(), Some("straight"), "{whole}");
+}
+
+#[test]
+fn a_turn_out_of_an_access_is_one_where_the_map_has_no_junction() {
+    // A road of two lanes along x. Out of the access up to y = -8, then a quarter of a circle of 8 m (12.6 m) to the
+    // right onto the near lane; 4 m/s.
+    let two_lanes = || {
+        let lanes = [("r", [(-100.0, 0.0), (200.0, 0.0)]), ("o", [(200.0, 3.5), (-100.0, 3.5)])];
+        map(lanes.map(|(id, line)| lane(id, &line, 3.5)).to_vec())
+    };
+    let out_of_it = |s: f64| {
+        let a = ((s - 17.0) / 8.0).clamp(0.0, FRAC_PI_2);
+        let (x, y) = (8.0 - 8.0 * a.cos(), -8.0 + 8.0 * a.sin());
+        (x + (s - 17.0 - 4.0 * PI).max(0.0), y + (s - 17.0).min(0.0), FRAC_PI_2 - a)
+    };
+    let table = |frames: usize, roads, way: &dyn Fn(f64) -> (f64, f64, f64)| {
+        let mut d = drive(frames, |t| way(4.0 * t));
+        d.map = Some(roads);
+        Table::of(&d)
+    };
+    let t = table(120, two_lanes(), &out_of_it);
     assert_eq!(
-        movement(20.0, 12.0).as_deref(),
-        Some("straight"),
-        "the record holds the straight road before it"
+        (t.ego_flag("ego.in_junction", 58), t.ego_category("ego.movement", 58)),
+        (True, Some("right"))
     );
+    near(t.ego("ego.turn_angle", 58), -FRAC_PI_2, 0.05);
+    assert_eq!((t.ego_flag("ego.in_junction", 30), t.ego_flag("ego.in_junction", 85)), (False, False));
+    // The record ends after 40 deg, at 29 deg/s.
+    let t = table(57, two_lanes(), &out_of_it);
+    assert_eq!(t.ego_category("ego.movement", 56), Some("right"));
+    // A lane that makes the same bend leads it round.
+    let bend: Vec<(f64, f64)> =
+        (0..40).map(|i| out_of_it(f64::from(i) * 2.0 - 20.0)).map(|(x, y, _)| (x, y)).collect();
+    let t = table(120, map(vec![lane("bend", &bend, 3.5)]), &out_of_it);
+    assert!((0..120).all(|i| t.ego_category("ego.movement", i).is_none()));
+    // From the lane to the right with 5 m into a bay, where it stands 2 m behind the turn.
+    let into_a_bay = |s: f64| {
+        let s = s.min(20.0 + 2.5 * PI + 2.0);
+        let a = ((s - 20.0) / 5.0).clamp(0.0, FRAC_PI_2);
+        let (x, y) = (5.0 * a.sin(), -5.0 + 5.0 * a.cos());
+        (20.0 + x + (s - 20.0).min(0.0), y - (s - 20.0 - 2.5 * PI).max(0.0), -a)
+    };
+    let t = table(120, two_lanes(), &into_a_bay);
+    assert!((0..120).all(|i| t.ego_category("ego.movement", i).is_none()));
 }
 
 #[test]
@@ -380,4 +425,52 @@ fn what_a_log_lacks_is_named_and_never_given() {
     assert_eq!(t.flag("lead", "target.is_lead", 15), Unknown);
     assert_eq!(t.ego_flag("lead.exists", 15), Unknown);
     near(t.num("lead", "target.gap", 25), 16.0, 1e-6);
+}
+
+#[test]
+fn out_to_pass_and_back_at_once_are_two_changes() {
+    // From y = 0 to 3.5 and back in one cosine of 6 s, from 4 to 10 s: farthest over at 7 s, over the line half of the
+    // way there, at 5.5 s, and half of the way back, at 8.5 s.
+    let mut d = drive(140, |t| {
+        let a = ((t - 4.0) / 6.0).clamp(0.0, 1.0) * 2.0 * PI;
+        let aside = if a > 0.0 && a < 2.0 * PI { 1.75 * 2.0 * PI / 6.0 * a.sin() } else { 0.0 };
+        (20.0 * t, 1.75 * (1.0 - a.cos()), aside.atan2(20.0))
+    });
+    d.map = Some(road());
+    let t = Table::of(&d);
+    let ((out, over), (back, done)) =
+        (t.span("ego.lane_change", "left").unwrap(), t.span("ego.lane_change", "right").unwrap());
+    assert!((40..=43).contains(&out) && (68..=72).contains(&over), "{out} {over}");
+    assert!((68..=73).contains(&back) && (96..=100).contains(&done), "{back} {done}");
+}
+
+#[test]
+fn a_change_of_lane_goes_on_where_the_lanes_lead_straight_over_a_junction() {
+    // Two lanes along x, inside a junction from x = 60 to 75; 20 m/s. Half a cosine 3.5 m to the left from 1.5 to 4.5 s
+    // has its middle at 3 s, at x = 60, and moves faster than 0.1 m/s until 0.08 s before its end.
+    let line = |from: f64, to: f64, y: f64| [(from, y), ((from + to) / 2.0, y), (to, y)];
+    let parts = [("0", -100.0, 60.0), ("1", 60.0, 75.0), ("2", 75.0, 300.0)];
+    let lanes = |side: &str, y: f64| {
+        parts.map(|(part, from, to)| {
+            let mut lane = lane(&format!("{side}{part}"), &line(from, to, y), 3.5);
+            let other = if side == "l" { &mut lane.right_neighbor } else { &mut lane.left_neighbor };
+            *other = Some(format!("{}{part}", if side == "l" { "r" } else { "l" }));
+            lane.in_junction = part == "1";
+            lane.successors = ["1", "2"]
+                .iter()
+                .filter(|next| **next > part)
+                .take(1)
+                .map(|n| format!("{side}{n}"))
+                .collect();
+            lane
+        })
+    };
+    let mut d = drive(80, |t| {
+        let a = ((t - 1.5) / 3.0).clamp(0.0, 1.0) * PI;
+        let aside = if a > 0.0 && a < PI { 1.75 * PI / 3.0 * a.sin() } else { 0.0 };
+        (20.0 * t, 1.75 * (1.0 - a.cos()), aside.atan2(20.0))
+    });
+    d.map = Some(map(lanes("l", 3.5).into_iter().chain(lanes("r", 0.0)).collect()));
+    let (first, last) = Table::of(&d).span("ego.lane_change", "left").unwrap();
+    assert!((15..=17).contains(&first) && (43..=46).contains(&last), "{first} {last}");
 }
