@@ -218,8 +218,8 @@ impl RoadStage<'_> {
         let (drive, times, motion) = (ego.drive, &ego.times[..], &ego.motion);
         let asked = table.asks(wanted::ROAD_AHEAD) || table.asks(wanted::FREE_WIDTH);
         if let (Some(map), Some(road), Some(lanes), true) = (&drive.map, *road, lanes, asked) {
-            let areas_are_whole = map.layer(MapLayer::Junctions) == LayerState::Complete;
-            let encounters = junction::Encounters::new(road, path, motion, areas_are_whole);
+            let areas_are_stated = map.layer(MapLayer::Junctions) != LayerState::Derived;
+            let encounters = junction::Encounters::new(road, path, motion, areas_are_stated);
             junction::write(&encounters, path, motion, table);
             let ways = Ways::new(road, lanes);
             let on =

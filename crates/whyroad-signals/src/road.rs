@@ -25,6 +25,7 @@ pub mod path;
 pub mod profile;
 pub mod roadside;
 pub mod route;
+pub mod stretch;
 pub mod terrain;
 pub mod way;
 

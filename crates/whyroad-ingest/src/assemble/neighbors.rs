@@ -22,7 +22,8 @@ const STRAIGHT_OVER_RAD: f64 = PI / 12.0;
 /// Lanes whose heights differ by more pass over each other, m.
 const LEVEL_M: f64 = 2.5;
 
-/// Fills in the neighbors of all lanes but those that turn inside junctions. False if there is no lane that could have any.
+/// Fills in the neighbors of all lanes but those that turn inside junctions. False if there is no lane that could have
+/// any.
 pub(crate) fn derive(map: &mut RoadMap) -> bool {
     let lines: Vec<Option<Line>> = map.lanes.iter().map(line).collect();
     let name = |j: usize| map.lanes[j].id.clone();

@@ -5,15 +5,15 @@ use crate::ego::motion::EgoMotion;
 use crate::geometry::{unwrap, wrap};
 use crate::road::cut_traversal::rest_by_lanes;
 use crate::road::network::Road;
-use crate::road::own_turns::{own_turns, unseen_part};
+use crate::road::own_turns::{TURN_RAD, own_turns, unseen_part};
 use crate::road::path::DrivenPath;
+use crate::road::stretch::STEP_M;
+pub use crate::road::stretch::Stretch;
 use crate::table::TableBuilder;
 use std::f64::consts::PI;
 use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::EgoMovement};
 
-/// Sampling step of the path, m.
-pub const STEP_M: f64 = 0.5;
 /// Ranges of one kind with a smaller distance are merged, m.
 pub const MERGE_M: f64 = 5.0;
 /// Maximum look-ahead, m.
@@ -28,19 +28,8 @@ const TURN_RADIUS_M: f64 = 40.0;
 const BEGUN_RAD: f64 = PI / 18.0;
 /// Maximum path length of a U-turn, m: half a circle of 13 m radius.
 const TURN_ROUND_M: f64 = 40.0;
-/// Minimum angle of a turn: 45 deg (RefAV).
-pub const TURN_RAD: f64 = PI / 4.0;
 /// Minimum angle of a U-turn: 135 deg.
 const UTURN_RAD: f64 = 3.0 * PI / 4.0;
-
-/// Part of the path, arc lengths in m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
-    /// Where it begins.
-    pub from: f64,
-    /// Where it ends.
-    pub to: f64,
-}
 
 /// The ranges of the path for which `inside` is true, in order.
 pub fn stretches(
@@ -83,8 +72,8 @@ struct Turned {
     whole: bool,
 }
 
-/// Change of heading over one traversal. A turn that begins before the area or ends behind it is counted completely; if the recording begins or ends during
-/// it, as in a slip lane before the area, only the least that it can be is known.
+/// Change of heading over one traversal. A turn that begins before the area or ends behind it is counted completely; if
+/// the recording begins or ends during it, as in a slip lane before the area, only the least that it can be is known.
 fn turned(stretch: Stretch, path: &DrivenPath, ego: &EgoMotion, headings: &[f64]) -> Option<Turned> {
     let s = &path.ego_s;
     let near = |&i: &usize| s[i] >= stretch.from - TURN_MARGIN_M && s[i] <= stretch.to + TURN_MARGIN_M;
@@ -217,8 +206,8 @@ pub fn movement(angle: f64, whole: bool) -> Option<EgoMovement> {
 
 /// The junctions and crosswalks on the ego's path, in order.
 pub struct Encounters {
-    /// Junctions; those with less than 5 m between them are merged, and so are those that a turn touches. A turn outside
-    /// of junctions counts as one.
+    /// Junctions; those with less than 5 m between them are merged, and so are those that a turn touches. A turn
+    /// outside of junctions counts as one.
     pub junctions: Vec<Stretch>,
     /// Crosswalks.
     pub crosswalks: Vec<Stretch>,
@@ -227,15 +216,15 @@ pub struct Encounters {
 }
 
 impl Encounters {
-    /// Along the whole path, including its continuations. Where the map states all areas of junctions (`areas_are_whole`),
-    /// a turn at one does not extend it.
-    pub fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion, areas_are_whole: bool) -> Self {
+    /// Along the whole path, including its continuations. Where the map states the areas of junctions
+    /// (`areas_are_stated`), a turn at one does not extend it: derived ones do not reach the corners.
+    pub fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion, areas_are_stated: bool) -> Self {
         let areas = stretches(path, |p| road.in_junction(p), MERGE_M);
         let headings = unwrap(&ego.heading);
         let at_one = |turn: &Stretch| areas.iter().any(|area| touches(area, turn));
         let turns = own_turns(road, path, ego, &headings, &areas)
             .into_iter()
-            .filter(|turn| !(areas_are_whole && at_one(turn)))
+            .filter(|turn| !(areas_are_stated && at_one(turn)))
             .collect();
         let junctions = with_turns(with_turns(areas, turns_round(road, path)), turns);
         let ways = junctions.iter().map(|&j| way(road, path, ego, j, &headings)).collect();

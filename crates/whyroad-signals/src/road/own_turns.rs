@@ -1,13 +1,15 @@
-//! Turns that the ego makes where the map has no junction: out of and into accesses and car parks, round a corner beside
-//! the area of a junction, through an opening of the median.
+//! Turns that the ego makes where the map has no junction: out of and into accesses and car parks, round a corner
+//! beside the area of a junction, through an opening of the median.
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{P2, wrap};
-use crate::road::junction::{STEP_M, Stretch, TURN_RAD};
 use crate::road::network::Road;
 use crate::road::path::DrivenPath;
+use crate::road::stretch::{STEP_M, Stretch};
 use std::f64::consts::PI;
 
+/// Minimum angle of a turn: 45 deg (RefAV).
+pub const TURN_RAD: f64 = PI / 4.0;
 /// Maximum radius of a turn, m: AASHTO draws the turns of cars and buses at corners with 7 to 15 m; lanes bend wider.
 const RADIUS_M: f64 = 25.0;
 /// Curvature is taken over this distance to both sides, m.
