@@ -108,6 +108,9 @@ impl LaneKind {
     }
 }
 
+/// Lanes inside junctions whose course changes by less lead straight over them, rad (15 deg).
+pub const STRAIGHT_OVER_RAD: f64 = std::f64::consts::PI / 12.0;
+
 /// Direction of a movement across a junction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -5,7 +5,7 @@ use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::{Bounds, length, resample};
 use std::f64::consts::PI;
 use whyroad_model::RoadMap;
-use whyroad_model::road_map::{Lane, Point3};
+use whyroad_model::road_map::{Lane, Point3, STRAIGHT_OVER_RAD};
 
 /// Places of a lane at which others are looked for are this far apart, m.
 const SPACING_M: f64 = 4.0;
@@ -17,8 +17,6 @@ const PARALLEL_RAD: f64 = PI / 9.0;
 /// this, m: a lane that branches off is beside the other only at first.
 const BESIDE_SHARE: f64 = 0.6;
 const LEAST_M: f64 = 12.0;
-/// Lanes inside junctions whose course changes by less lead straight over them, rad (15 deg).
-const STRAIGHT_OVER_RAD: f64 = PI / 12.0;
 /// Lanes whose heights differ by more pass over each other, m.
 const LEVEL_M: f64 = 2.5;
 

@@ -2,7 +2,8 @@
 //! crosses, as recorded; and the time gap that an oncoming vehicle leaves to a turning ego.
 
 use crate::geometry::{P2, Ray, angle_between_lines, wrap};
-use crate::road::junction::{self, Stretch};
+use crate::road::junction;
+use crate::road::stretch::Stretch;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use crate::target::placement::{MOVING_MPS, Placement, Surroundings, Target};

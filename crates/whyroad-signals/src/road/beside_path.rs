@@ -2,8 +2,8 @@
 //! over or through it.
 
 use crate::geometry::{P2, Polygon, p2};
-use crate::road::junction::Stretch;
 use crate::road::path::DrivenPath;
+use crate::road::stretch::Stretch;
 use whyroad_model::road_map::Facility;
 
 /// Sampling step along the path, m.

@@ -2,11 +2,12 @@
 //! junction with lights.
 
 use crate::road::beside_path;
-use crate::road::junction::{HORIZON_M, Stretch, distance_to_next};
+use crate::road::junction::{HORIZON_M, distance_to_next};
 use crate::road::junction_arms::{JunctionArms, groups};
 use crate::road::network::Road;
 use crate::road::on_road::{OnRoad, time_to};
 use crate::road::path::DrivenPath;
+use crate::road::stretch::Stretch;
 use crate::road::way::beside;
 use crate::table::TableBuilder;
 use std::collections::BTreeSet;

@@ -5,10 +5,11 @@ use crate::geometry::{P2, Polygon, p2};
 use crate::road::beside_path;
 use crate::road::context::Channels;
 use crate::road::ego_lane::lane_count;
-use crate::road::junction::{Stretch, distance_to_next};
+use crate::road::junction::distance_to_next;
 use crate::road::network::{heights, is_on_level};
 use crate::road::on_road::{OnRoad, time_to};
 use crate::road::path::DrivenPath;
+use crate::road::stretch::Stretch;
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
 use whyroad_model::catalog::{

@@ -7,8 +7,7 @@ use crate::road::cut_traversal::rest_by_lanes;
 use crate::road::network::Road;
 use crate::road::own_turns::{TURN_RAD, own_turns, unseen_part};
 use crate::road::path::DrivenPath;
-use crate::road::stretch::STEP_M;
-pub use crate::road::stretch::Stretch;
+use crate::road::stretch::{STEP_M, Stretch};
 use crate::table::TableBuilder;
 use std::f64::consts::PI;
 use whyroad_model::Tri;
@@ -114,9 +113,8 @@ fn turned(stretch: Stretch, path: &DrivenPath, ego: &EgoMotion, headings: &[f64]
         s[begins] - s[edge_first] < STEP_M && after_edge().is_some_and(|i| turns_over(edge_first, i));
     let ends_in_it =
         s[edge_last] - s[ends] < STEP_M && before_edge().is_some_and(|i| turns_over(i, edge_last));
-    let part =
-        |cut: bool, edge: usize| Some(unseen_part(ego, edge)).filter(|part| cut && part * turned > 0.0);
-    let unseen = [part(begins_in_it, edge_first), part(ends_in_it, edge_last)].into_iter().flatten().sum();
+    let part = |cut: bool, edge: usize| if cut { unseen_part(ego, edge, turned) } else { 0.0 };
+    let unseen = part(begins_in_it, edge_first) + part(ends_in_it, edge_last);
     let recorded = headings[ends] - headings[begins];
     Some(Turned { recorded, unseen, whole: whole && !begins_in_it && !ends_in_it })
 }

@@ -2,15 +2,12 @@
 //! index over the lanes. Frame: world, plane.
 
 use crate::geometry::{BoxGrid, P2, Polygon, Polyline, p2, wrap};
-use std::f64::consts::PI;
-use whyroad_model::road_map::{Area, Lane, LaneKind, Point3, RoadMap};
+use whyroad_model::road_map::{Area, Lane, LaneKind, Point3, RoadMap, STRAIGHT_OVER_RAD};
 
 /// Half width of a lane whose source states neither edges nor width, m: half of 3.5 m.
 pub const DEFAULT_HALF_WIDTH_M: f64 = 1.75;
 /// Minimum height difference of an object on another level than a lane, m (a level of an interchange has at least 5 m).
 pub const LEVEL_M: f64 = 4.0;
-/// Lanes inside junctions whose course changes by less lead straight over them, rad (15 deg).
-const STRAIGHT_OVER_RAD: f64 = PI / 12.0;
 
 /// One lane's geometry and links; indices are into [`Road::lanes`].
 #[derive(Clone, Debug)]

@@ -39,10 +39,11 @@ struct Place {
     heading: f64,
 }
 
-/// The heading's change that a recording that begins (`at_end` false) or ends in a turn does not show, at least, rad.
-pub fn unseen_part(ego: &EgoMotion, frame: usize) -> f64 {
-    let rate = ego.yaw_rate[frame];
-    if rate.is_finite() { rate * STEERING_S } else { 0.0 }
+/// What a recording at least does not show of a turn in which it begins or ends, in frame `edge`, having `seen` so much
+/// of it, rad.
+pub fn unseen_part(ego: &EgoMotion, edge: usize, seen: f64) -> f64 {
+    let rate = ego.yaw_rate[edge];
+    if rate * seen > 0.0 { rate * STEERING_S } else { 0.0 }
 }
 
 /// The turns outside of `junctions`, or touching them. `headings`: unwrapped, rad, by frame.
@@ -57,10 +58,9 @@ pub fn own_turns(
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return Vec::new() };
     let angle = |(from, to): &(usize, usize)| {
         let seen = places[*to].heading - places[*from].heading;
-        let edge = |k: usize, of: &Place| places[k].s == of.s;
-        let before = if edge(*from, first) { unseen_part(ego, first.frame) } else { 0.0 };
-        let after = if edge(*to, last) { unseen_part(ego, last.frame) } else { 0.0 };
-        [before, after].into_iter().filter(|part| part * seen > 0.0).fold(seen, |sum, part| sum + part)
+        let before = if *from == 0 { unseen_part(ego, first.frame, seen) } else { 0.0 };
+        let after = if *to == places.len() - 1 { unseen_part(ego, last.frame, seen) } else { 0.0 };
+        seen + before + after
     };
     let on_a_lane = |place: &Place| follows_a_lane(road, path, place.s, place.heading);
     let known = |i: &usize| ego.is_known(*i);

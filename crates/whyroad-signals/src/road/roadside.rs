@@ -4,9 +4,10 @@ mod relevance;
 
 use crate::geometry::{P2, p2};
 use crate::road::facilities::line_crossings;
-use crate::road::junction::{Stretch, distance_to_next};
+use crate::road::junction::distance_to_next;
 use crate::road::network::DEFAULT_HALF_WIDTH_M;
 use crate::road::on_road::{OnRoad, time_to};
+use crate::road::stretch::Stretch;
 use crate::table::TableBuilder;
 use relevance::{concerned, route};
 use std::collections::BTreeSet;
