@@ -124,15 +124,25 @@ impl Columns {
 
     /// A column of texts of which there are few, each held once.
     pub fn words(&self, name: &str) -> Result<Words, String> {
-        let (mut texts, mut numbers) = (Vec::new(), HashMap::<Box<str>, usize>::new());
-        let mut number = |text: &str| match numbers.get(text) {
-            Some(number) => *number,
-            None => {
+        let (mut texts, mut numbers) = (Vec::<String>::new(), HashMap::<Box<str>, usize>::new());
+        // Of each text, the one that came after it last time: mostly it does again, as objects of one frame and the
+        // next do, and a comparison is enough.
+        let (mut after, mut before) = (Vec::<usize>::new(), 0);
+        let mut number = |text: &str| {
+            let expected =
+                after.get(before).copied().filter(|next| texts.get(*next).is_some_and(|t| t == text));
+            let number = expected.or_else(|| numbers.get(text).copied()).unwrap_or_else(|| {
                 let new = texts.len();
                 texts.push(text.to_owned());
+                after.push(new);
                 numbers.insert(text.into(), new);
                 new
+            });
+            if let Some(next) = after.get_mut(before) {
+                *next = number;
             }
+            before = number;
+            number
         };
         let mut rows = Vec::with_capacity(self.rows());
         for batch in &self.0 {

@@ -12,7 +12,7 @@ use geo::{ConvexHull, Coord, LineString, MultiPoint, Point};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, LayerState, MapLayer, Point3};
 
@@ -78,25 +78,68 @@ pub(super) struct MapReading {
     pub invalid_example: Option<String>,
 }
 
+/// The features of a map in which each of them is whole.
+#[derive(Deserialize)]
+struct Whole {
+    lane_segments: BTreeMap<String, LaneSegment>,
+    #[serde(default)]
+    pedestrian_crossings: BTreeMap<String, Crossing>,
+    #[serde(default)]
+    drivable_areas: BTreeMap<String, DrivableArea>,
+}
+
+/// Features of one kind in the order of their keys; one that cannot be read is an error of its own.
+type Features<T> = Vec<(String, serde_json::Result<T>)>;
+
 /// Reads the map. `Err` when the text is not a map at all; a single bad feature is counted and left out.
 pub(super) fn read(text: &str) -> Result<MapReading, String> {
+    // Nearly all maps are whole: they are read without values of JSON in between.
+    if let Ok(all) = serde_json::from_str::<Whole>(text) {
+        fn each<T>(all: BTreeMap<String, T>) -> Features<T> {
+            all.into_iter().map(|(key, feature)| (key, Ok(feature))).collect()
+        }
+        return Ok(reading(
+            each(all.lane_segments),
+            each(all.pedestrian_crossings),
+            each(all.drivable_areas),
+        ));
+    }
+    read_singly(text)
+}
+
+/// [`read`] feature by feature.
+fn read_singly(text: &str) -> Result<MapReading, String> {
+    fn each<T: DeserializeOwned>(root: &Value, key: &str) -> Features<T> {
+        let all = root.get(key).and_then(Value::as_object).into_iter().flatten();
+        all.map(|(key, value)| (key.clone(), T::deserialize(value))).collect()
+    }
     let root: Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
     if !root.get("lane_segments").is_some_and(Value::is_object) {
         return Err("object 'lane_segments' is missing".to_owned());
     }
+    Ok(reading(
+        each(&root, "lane_segments"),
+        each(&root, "pedestrian_crossings"),
+        each(&root, "drivable_areas"),
+    ))
+}
+
+fn reading(
+    segments: Features<LaneSegment>,
+    crossings: Features<Crossing>,
+    areas: Features<DrivableArea>,
+) -> MapReading {
     let mut r = MapReading { count: RowCount::new("map"), ..MapReading::default() };
-    let segments: Vec<LaneSegment> = features(&root, "lane_segments", &mut r, |s: &LaneSegment| {
+    let segments = usable(segments, "lane_segments", &mut r, |s| {
         s.left_lane_boundary.len() >= 2 && s.right_lane_boundary.len() >= 2
     });
     r.count.keep("lane", segments.len());
     r.map.lanes = segments.into_iter().map(|s| lane(s, &mut r.turned_edges)).collect();
-    let crossings: Vec<Crossing> = features(&root, "pedestrian_crossings", &mut r, |c: &Crossing| {
-        c.edge1.len() >= 2 && c.edge2.len() >= 2
-    });
+    let crossings =
+        usable(crossings, "pedestrian_crossings", &mut r, |c| c.edge1.len() >= 2 && c.edge2.len() >= 2);
     r.count.keep("crosswalk", crossings.len());
     r.map.crosswalks = crossings.into_iter().map(crosswalk).collect();
-    let areas: Vec<DrivableArea> =
-        features(&root, "drivable_areas", &mut r, |a: &DrivableArea| a.area_boundary.len() >= 3);
+    let areas = usable(areas, "drivable_areas", &mut r, |a| a.area_boundary.len() >= 3);
     r.count.keep("drivable_area", areas.len());
     r.map.drivable_areas = areas.into_iter().map(drivable_area).collect();
 
@@ -117,21 +160,15 @@ pub(super) fn read(text: &str) -> Result<MapReading, String> {
     r.dangling = dangling_links(&r.map.lanes);
     r.completed_links = complete_links(&mut r.map.lanes);
     junctions::add(&mut r.map);
-    Ok(r)
+    r
 }
 
-/// The usable features under `key`, in the order of their keys.
-fn features<T: DeserializeOwned>(
-    root: &Value,
-    key: &str,
-    r: &mut MapReading,
-    usable: impl Fn(&T) -> bool,
-) -> Vec<T> {
-    let Some(all) = root.get(key).and_then(Value::as_object) else { return Vec::new() };
+/// The features that are usable, in their order; the others are counted.
+fn usable<T>(all: Features<T>, kind: &str, r: &mut MapReading, usable: impl Fn(&T) -> bool) -> Vec<T> {
     let mut out = Vec::with_capacity(all.len());
-    for (id, value) in all {
+    for (id, feature) in all {
         r.count.read += 1;
-        let reason = match T::deserialize(value) {
+        let reason = match feature {
             Ok(feature) if usable(&feature) => {
                 out.push(feature);
                 continue;
@@ -140,7 +177,7 @@ fn features<T: DeserializeOwned>(
             Err(e) => e.to_string(),
         };
         r.count.drop_rows("invalid", 1);
-        r.invalid_example.get_or_insert_with(|| format!("{key} {id}: {reason}"));
+        r.invalid_example.get_or_insert_with(|| format!("{kind} {id}: {reason}"));
     }
     out
 }
@@ -286,6 +323,13 @@ mod tests {
             );
             let reading = read(&text).unwrap();
             assert_eq!((reading.map.lanes.len(), reading.dangling.len()), (1, 1), "{far}");
+            // A whole map is read as one with a broken feature is; NaN is not equal to itself.
+            let same = |map: &RoadMap| format!("{map:?}") == format!("{:?}", reading.map);
+            assert!(same(&read_singly(&text).unwrap().map), "{far}");
+            let broken = text.replacen(r#"_segments": {"#, r#"_segments": {"0": {"id": "x"},"#, 1);
+            let broken = read(&broken).unwrap();
+            assert_eq!((broken.count.read, same(&broken.map)), (2, true), "{far}");
+            assert!(broken.invalid_example.is_some_and(|e| e.starts_with("lane_segments 0: ")));
         }
     }
 }
