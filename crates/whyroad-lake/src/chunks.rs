@@ -9,6 +9,7 @@
 mod encoded;
 
 use crate::LakeError;
+use crate::signals::bitmap::low;
 use crate::signals::pages::Chunk;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type, UInt32Type};
@@ -27,6 +28,7 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedRowGroupWriter, Tr
 use parquet::schema::types::{ColumnDescPtr, SchemaDescPtr, SchemaDescriptor};
 use std::fs::File;
 use std::io::Write;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use whyroad_model::{Column, Tri};
@@ -226,7 +228,7 @@ fn encoded(cells: Cells<'_>, column: Option<&ColumnDescPtr>) -> ParquetResult<Op
             }
             _ => match array.as_primitive_opt::<Float64Type>() {
                 Some(numbers) if physical == Type::DOUBLE => {
-                    encoded::numbers(numbers.values(), |row| array.is_valid(row), column())
+                    encoded::numbers(numbers.values(), |rows| valid(array, rows), column())
                 }
                 _ => return Ok(None),
             },
@@ -241,11 +243,19 @@ fn encoded(cells: Cells<'_>, column: Option<&ColumnDescPtr>) -> ParquetResult<Op
             encoded::words(codes, names, column())
         }
         Cells::Signal(Column::Number(values)) if physical == Type::DOUBLE && nullable => {
-            encoded::numbers(values, |row| !values[row].is_nan(), column())
+            encoded::numbers(values, |rows| encoded::known(&values[rows]), column())
         }
         _ => return Ok(None),
     }
     .map(Some)
+}
+
+/// Of up to 64 rows of an array, which have a value.
+fn valid(array: &dyn Array, rows: Range<usize>) -> u64 {
+    if array.null_count() == 0 {
+        return low(rows.len());
+    }
+    rows.enumerate().fold(0, |word, (i, row)| word | u64::from(array.is_valid(row)) << i)
 }
 
 /// Texts that are the same in rows one after another, each with the number of these rows.

@@ -20,6 +20,7 @@ use parquet::file::statistics::Statistics;
 use parquet::schema::types::ColumnPath;
 use std::collections::HashSet;
 use std::fs::File;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use whyroad_model::Nanos;
@@ -82,7 +83,8 @@ fn flat(batch: &RecordBatch) -> Option<Vec<Source<'_>>> {
 pub(crate) fn repeats(values: &[f64]) -> bool {
     let sample = &values[..values.len().min(8192)];
     // Capacity for the maximum number of distinct values here.
-    let (mut distinct, mut last) = (HashSet::with_capacity(sample.len() / 8 + 1), None);
+    let room = sample.len() / 8 + 1;
+    let (mut distinct, mut last) = (HashSet::with_capacity_and_hasher(room, Mixing::default()), None);
     // For most columns the first few rows decide.
     !sample.is_empty()
         && sample.iter().map(|x| x.to_bits()).all(|bits| {
@@ -92,6 +94,28 @@ pub(crate) fn repeats(values: &[f64]) -> bool {
             }
             distinct.len() * 8 < sample.len()
         })
+}
+
+/// Hashes the bits of numbers, which nobody chooses to collide: this only determines how a column is stored.
+type Mixing = BuildHasherDefault<Mixed>;
+
+#[derive(Default)]
+struct Mixed(u64);
+
+impl Hasher for Mixed {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
+    }
+
+    fn write_u64(&mut self, bits: u64) {
+        // The high bits of a product depend on all bits; the table reads both ends.
+        let product = (self.0 ^ bits ^ bits >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = product ^ product >> 32;
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
 }
 
 /// Writes a file that is on disk when this returns; every batch begins a row group.

@@ -7,7 +7,7 @@ mod numbers;
 
 use crate::signals::bitmap::{Bitmap, low};
 use bytes::Bytes;
-pub(super) use numbers::numbers;
+pub(super) use numbers::{known, numbers};
 use parquet::basic::{Compression, Encoding, PageType, Type};
 use parquet::column::page::{CompressedPage, Page, PageWriter};
 use parquet::data_type::ByteArray;

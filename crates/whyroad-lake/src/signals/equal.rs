@@ -46,8 +46,11 @@ fn equal(a: &Column, b: &Column) -> bool {
     match (a, b) {
         (Column::Number(a), Column::Number(b)) => {
             // Blocks without a branch per value: equal columns are compared to their end.
-            let same =
-                |a: &[f64], b: &[f64]| a.iter().zip(b).fold(true, |all, (a, b)| all & (bits(*a) == bits(*b)));
+            let alike = |a: &[f64], b: &[f64], bits: fn(f64) -> u64| {
+                a.iter().zip(b).fold(true, |all, (a, b)| all & (bits(*a) == bits(*b)))
+            };
+            // Mostly even the bits of what is unknown are the same.
+            let same = |a: &[f64], b: &[f64]| alike(a, b, f64::to_bits) || alike(a, b, bits);
             a.len() == b.len() && a.chunks(256).zip(b.chunks(256)).all(|(a, b)| same(a, b))
         }
         (Column::Flag(a), Column::Flag(b)) => a == b,

@@ -8,6 +8,7 @@ use crate::tables::ego::{known_at_column, motion_columns, read_known_at, read_mo
 use crate::tables::frames;
 use arrow_array::Array;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use whyroad_model::scene::{CLIP_FRAMES, Motion, Track, TurnSignal};
 use whyroad_model::{Drive, Nanos, ObjectClass, TrackId};
 
@@ -15,20 +16,33 @@ pub(crate) const ROW_ORDER: &str = "clip,track_id,frame";
 
 pub(crate) fn to_table(drive: &Drive) -> TableBuilder {
     let clips = frames::clip_ids(drive);
-    // (clip, track, row) in the promised order: tracks are ordered by id and rows by frame.
-    let mut order: Vec<(usize, usize, usize)> = Vec::new();
+    // (clip, track, rows) in the promised order: tracks are ordered by id and rows by frame.
+    let mut order: Vec<(usize, &Track, Range<usize>)> = Vec::new();
     let mut next_rows = vec![0; drive.tracks.len()];
     for clip in 0..clips.len() {
-        for (t, (track, next)) in drive.tracks.iter().zip(&mut next_rows).enumerate() {
+        for (track, next) in drive.tracks.iter().zip(&mut next_rows) {
             let of_clip =
                 track.frames[*next..].iter().take_while(|f| **f as usize / CLIP_FRAMES == clip).count();
-            order.extend((*next..*next + of_clip).map(|row| (clip, t, row)));
+            order.push((clip, track, *next..*next + of_clip));
             *next += of_clip;
         }
     }
-    let tracks = || order.iter().map(|&(_, t, _)| &drive.tracks[t]);
+    let count = order.iter().map(|(_, _, rows)| rows.len()).sum();
     let number = |pick: fn(&Track) -> &[f64]| {
-        order.iter().map(|&(_, t, row)| pick(&drive.tracks[t])[row]).collect::<Vec<_>>()
+        let mut out = Vec::with_capacity(count);
+        order.iter().for_each(|(_, track, rows)| out.extend_from_slice(&pick(track)[rows.clone()]));
+        out
+    };
+    // Empty where the log has none.
+    let number_if_any = |pick: fn(&Track) -> &[f64]| {
+        let mut out = Vec::with_capacity(count);
+        for (_, track, rows) in &order {
+            match pick(track) {
+                [] => out.extend(rows.clone().map(|_| f64::NAN)),
+                values => out.extend_from_slice(&values[rows.clone()]),
+            }
+        }
+        out
     };
     let motion = Motion {
         x: number(|t| &t.motion.x),
@@ -39,24 +53,20 @@ pub(crate) fn to_table(drive: &Drive) -> TableBuilder {
         vy: number(|t| &t.motion.vy),
         accel: number(|t| &t.motion.accel),
         yaw_rate: number(|t| &t.motion.yaw_rate),
-        forward: order
-            .iter()
-            .map(|&(_, t, row)| drive.tracks[t].motion.forward.get(row).copied().unwrap_or(f64::NAN))
-            .collect(),
+        forward: number_if_any(|t| &t.motion.forward),
     };
-    let known_at = order.iter().map(|&(_, t, row)| {
-        let track = &drive.tracks[t];
-        (drive.times[track.frames[row] as usize], track.known_at.get(row))
-    });
-    let class = |&(_, t, row): &(usize, usize, usize)| drive.tracks[t].class_at(row);
-    let frame_of = |&(_, t, row): &(usize, usize, usize)| drive.tracks[t].frames[row];
+    // (clip, track, row) of each row.
+    let each =
+        || order.iter().flat_map(|(clip, track, rows)| rows.clone().map(move |row| (*clip, *track, row)));
+    let known_at =
+        each().map(|(_, track, row)| (drive.times[track.frames[row] as usize], track.known_at.get(row)));
     let table = TableBuilder::default()
-        .texts("clip_id", order.iter().map(|&(c, _, _)| clips[c].as_str()))
-        .texts("track_id", tracks().map(|t| t.id.as_str()))
-        .indices("frame", order.iter().map(frame_of))
-        .integers("time_ns", order.iter().map(|o| drive.times[frame_of(o) as usize].0))
-        .texts("class", order.iter().map(|o| class(o).0.id()))
-        .texts("source_class", order.iter().map(|o| class(o).1));
+        .texts("clip_id", each().map(|(clip, ..)| clips[clip].as_str()))
+        .texts("track_id", each().map(|(_, track, _)| track.id.as_str()))
+        .indices("frame", each().map(|(_, track, row)| track.frames[row]))
+        .integers("time_ns", each().map(|(_, track, row)| drive.times[track.frames[row] as usize].0))
+        .texts("class", each().map(|(_, track, row)| track.class_at(row).0.id()))
+        .texts("source_class", each().map(|(_, track, row)| track.class_at(row).1));
     motion_columns(known_at_column(table, known_at), &motion)
         .numbers("length_m", number(|t| &t.length_m))
         .numbers("width_m", number(|t| &t.width_m))
@@ -64,19 +74,14 @@ pub(crate) fn to_table(drive: &Drive) -> TableBuilder {
         .numbers("interior_points", number(|t| &t.interior_points))
         .texts_or_null(
             "turn_signal",
-            order.iter().map(|&(_, t, row)| {
-                drive.tracks[t].turn_signal.get(row).copied().flatten().map(|s| member_name(&s))
+            each().map(|(_, track, row)| {
+                track.turn_signal.get(row).copied().flatten().map(|s| member_name(&s))
             }),
         )
-        .numbers(
-            "visible_share",
-            order
-                .iter()
-                .map(|&(_, t, row)| drive.tracks[t].visible_share.get(row).copied().unwrap_or(f64::NAN)),
-        )
+        .numbers("visible_share", number_if_any(|t| &t.visible_share))
         .texts_or_null(
             "occluder",
-            order.iter().map(|&(_, t, row)| drive.tracks[t].occluder.get(row)?.as_ref().map(TrackId::as_str)),
+            each().map(|(_, track, row)| track.occluder.get(row)?.as_ref().map(TrackId::as_str)),
         )
 }
 

@@ -7,15 +7,16 @@ use parquet::basic::Encoding;
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::statistics::Statistics;
 use parquet::schema::types::ColumnDescPtr;
+use std::ops::Range;
 
 /// Bytes that are compressed to see whether a column becomes shorter: samples of a fixed length from several positions.
 const SAMPLE_BYTES: usize = 4096;
 const SAMPLES: usize = 4;
 
-/// Numbers; those that `known` marks as unknown become null.
+/// Numbers; those become null of which the bits of `known`, for up to 64 rows, are not set.
 pub(in crate::chunks) fn numbers(
     values: &[f64],
-    known: impl Fn(usize) -> bool,
+    known: impl Fn(Range<usize>) -> u64,
     column: ColumnDescPtr,
 ) -> ParquetResult<Encoded> {
     let nullable = column.max_def_level() > 0;
@@ -26,11 +27,7 @@ pub(in crate::chunks) fn numbers(
     for some in values.chunks(PAGE_ROWS) {
         let mut bits = Bitmap::with_capacity(some.len());
         for some in some.chunks(64) {
-            let mut word = 0;
-            // Without a branch per value.
-            for i in 0..some.len() {
-                word |= u64::from(known(row + i)) << i;
-            }
+            let mut word = known(row..row + some.len());
             bits.push_word(word, some.len());
             // Mostly all rows are known, or none.
             if word == low(some.len()) {
@@ -104,12 +101,29 @@ fn worth_compressing(page: &[u8]) -> Option<snap::raw::Encoder> {
 
 /// Least and greatest number; zeros have the sign that includes both (as the format asks for). `None` without any.
 fn range(numbers: &[f64]) -> Option<(f64, f64)> {
-    let numbers = || numbers.iter().copied().filter(|x| !x.is_nan());
-    let (least, greatest) = numbers().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-        (if x < a { x } else { a }, if x > b { x } else { b })
-    });
+    const LANES: usize = 8;
+    // Several at a time: no number waits for the one before it. A comparison with NaN is false, which leaves it out.
+    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    let (eights, rest) = numbers.as_chunks::<LANES>();
+    for eight in eights {
+        for (k, x) in eight.iter().enumerate() {
+            low[k] = if *x < low[k] { *x } else { low[k] };
+            high[k] = if *x > high[k] { *x } else { high[k] };
+        }
+    }
+    let least = low.iter().chain(rest).fold(f64::INFINITY, |a, x| if *x < a { *x } else { a });
+    let greatest = high.iter().chain(rest).fold(f64::NEG_INFINITY, |a, x| if *x > a { *x } else { a });
     let signed = |x: f64, zero: f64| if x == 0.0 { zero } else { x };
     (least <= greatest).then(|| (signed(least, -0.0), signed(greatest, 0.0)))
+}
+
+/// Of up to 64 numbers, which are not NaN.
+pub(in crate::chunks) fn known(numbers: &[f64]) -> u64 {
+    // Mostly all are, which is seen without a bit per number.
+    if numbers.iter().fold(true, |all, x| all & !x.is_nan()) {
+        return low(numbers.len());
+    }
+    numbers.iter().enumerate().fold(0, |word, (i, x)| word | u64::from(!x.is_nan()) << i)
 }
 
 /// Numbers by their indices in a dictionary.
