@@ -15,6 +15,7 @@ use whyroad_model::{Nanos, Tri};
 
 mod rows;
 
+pub(super) use rows::Deciding;
 use rows::{best_of_even, compared, greatest_ahead, settle, settled, sliding};
 
 impl Evaluation<'_> {
@@ -250,25 +251,15 @@ impl Evaluation<'_> {
 
     /// The margin of the object that is needed last to reach the number.
     fn of_count(&self, of: NodeId, count: usize, subject: Subject, rows: Range<usize>) -> Vec<f64> {
-        let mut cells: Vec<Vec<f64>> = vec![Vec::new(); rows.len()];
+        let mut deciding = Deciding::new(count, rows.len());
         for (i, object) in self.layout.objects.iter().enumerate() {
             let (from, to) = (rows.start.max(object.row), rows.end.min(object.row + object.len));
             if from < to && subject.admits(self.signals.targets[i].class) {
                 let of = self.margins(of, RowSet::Object(i), from - object.row..to - object.row);
-                (from..to)
-                    .zip(of)
-                    .filter(|(_, m)| !m.is_nan())
-                    .for_each(|(k, m)| cells[k - rows.start].push(m));
+                (from..to).zip(of).for_each(|(k, m)| deciding.add(k - rows.start, m));
             }
         }
-        let deciding = |mut margins: Vec<f64>| {
-            margins.sort_by(|a, b| b.total_cmp(a));
-            match count.checked_sub(1) {
-                None => MARGIN_LIMIT,
-                Some(last) => margins.get(last).copied().unwrap_or(-MARGIN_LIMIT),
-            }
-        };
-        cells.into_iter().map(deciding).collect()
+        deciding.finish()
     }
 
     /// The best margin of all rows before: for all rows at once, and kept.

@@ -3,10 +3,10 @@
 use super::bits::Bits;
 use super::evaluation::Evaluation;
 use super::layout::{RowSet, Segment};
+use super::margin::Deciding;
 use super::numbers::Numbers;
 use super::signals::{NodeValue, Words};
 use super::truth::Truth;
-use crate::interpret::MARGIN_LIMIT;
 use crate::language::program::{NodeId, Op, PairSide, Subject, ValueScope};
 use std::ops::Range;
 use std::rc::Rc;
@@ -166,7 +166,7 @@ impl<'a> Evaluation<'a> {
         row_set: RowSet,
         rows: Range<usize>,
     ) -> Vec<f64> {
-        let mut cells: Vec<Vec<f64>> = vec![Vec::new(); rows.len()];
+        let mut deciding = Deciding::new(count, rows.len());
         if let RowSet::Object(object) = row_set {
             let own = self.layout.objects[object];
             for (second, segment) in self.near(object, subject) {
@@ -178,18 +178,11 @@ impl<'a> Evaluation<'a> {
                 let margins = self.margins(of, RowSet::Pair(object, second), from - begin..to - begin);
                 for (k, m) in (from..to).zip(margins) {
                     if !m.is_nan() && self.is_near(object, second, own.row + k) {
-                        cells[k - rows.start].push(m);
+                        deciding.add(k - rows.start, m);
                     }
                 }
             }
         }
-        let deciding = |mut margins: Vec<f64>| {
-            margins.sort_by(|a, b| b.total_cmp(a));
-            match count.checked_sub(1) {
-                None => MARGIN_LIMIT,
-                Some(last) => margins.get(last).copied().unwrap_or(-MARGIN_LIMIT),
-            }
-        };
-        cells.into_iter().map(deciding).collect()
+        deciding.finish()
     }
 }

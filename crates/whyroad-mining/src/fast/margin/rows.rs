@@ -137,12 +137,91 @@ pub fn sliding(
         .collect()
 }
 
+/// In each of some rows, the margin of the object that is needed last to reach a number.
+pub enum Deciding {
+    /// For no object.
+    None(usize),
+    /// For one object: the greatest margin so far, or [`LEAST`].
+    First(Vec<f64>),
+    /// For this number of objects: all margins.
+    Nth(usize, Vec<Vec<f64>>),
+}
+
+/// Less than all numbers in the order of `total_cmp`: NaN with a sign.
+const LEAST: f64 = -f64::NAN;
+
+impl Deciding {
+    /// No margin so far in this number of rows.
+    pub fn new(count: usize, rows: usize) -> Self {
+        match count {
+            0 => Self::None(rows),
+            1 => Self::First(vec![LEAST; rows]),
+            _ => Self::Nth(count, vec![Vec::new(); rows]),
+        }
+    }
+
+    /// Adds the margin of an object in a row; NaN is none.
+    pub fn add(&mut self, row: usize, margin: f64) {
+        match self {
+            _ if margin.is_nan() => {}
+            Self::None(_) => {}
+            Self::First(best) => {
+                if best[row].total_cmp(&margin).is_lt() {
+                    best[row] = margin;
+                }
+            }
+            Self::Nth(_, all) => all[row].push(margin),
+        }
+    }
+
+    /// The margin of each row; the least one where there are too few objects.
+    pub fn finish(self) -> Vec<f64> {
+        let or_least = |margin: f64| if margin.is_nan() { -MARGIN_LIMIT } else { margin };
+        match self {
+            Self::None(rows) => vec![MARGIN_LIMIT; rows],
+            Self::First(best) => best.into_iter().map(or_least).collect(),
+            Self::Nth(count, all) => {
+                let nth = |mut margins: Vec<f64>| {
+                    if margins.len() < count {
+                        return -MARGIN_LIMIT;
+                    }
+                    *margins.select_nth_unstable_by(count - 1, |a, b| b.total_cmp(a)).1
+                };
+                all.into_iter().map(nth).collect()
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
 
     proptest! {
+        #[test]
+        fn the_deciding_margin_is_that_of_sorted_ones(
+            margins in prop::collection::vec((0usize..4, prop_oneof![
+                4 => -9.0f64..9.0, 1 => Just(f64::NAN), 1 => Just(0.0), 1 => Just(-0.0),
+                1 => Just(f64::NEG_INFINITY),
+            ]), 0..60),
+            count in 0usize..5,
+        ) {
+            let mut deciding = Deciding::new(count, 4);
+            margins.iter().for_each(|(row, m)| deciding.add(*row, *m));
+            let expected = |row: usize| {
+                let mut own: Vec<f64> =
+                    margins.iter().filter(|(r, m)| *r == row && !m.is_nan()).map(|(_, m)| *m).collect();
+                own.sort_by(|a, b| b.total_cmp(a));
+                match count.checked_sub(1) {
+                    None => MARGIN_LIMIT,
+                    Some(last) => own.get(last).copied().unwrap_or(-MARGIN_LIMIT),
+                }
+            };
+            let bits = |all: Vec<f64>| all.into_iter().map(f64::to_bits).collect::<Vec<_>>();
+            prop_assert_eq!(bits(deciding.finish()), bits((0..4).map(expected).collect()));
+        }
+
         #[test]
         fn the_greatest_ahead_is_the_greatest_of_each_window(
             values in prop::collection::vec(prop_oneof![3 => -9.0f64..9.0, 1 => Just(f64::NAN)], 1..200),
