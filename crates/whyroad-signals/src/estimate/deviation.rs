@@ -114,6 +114,12 @@ pub(super) fn write(of: &OfDrive<'_>, table: &mut SignalTable) {
     of_lead(table);
 }
 
+/// Deviation of a sum of two values with these deviations, the first of which is finite and not negative: a drive can
+/// be exact for the ego.
+fn joint(of: f64, other: f64) -> f64 {
+    if other == 0.0 { of } else { of.hypot(other) }
+}
+
 fn number(value: Option<f64>) -> f64 {
     value.filter(|v| v.is_finite()).unwrap_or(0.0)
 }
@@ -160,7 +166,7 @@ impl OfRow {
         let own =
             |pick: fn(&Deviations) -> &Vec<f64>| number(own.and_then(|(sd, i)| pick(sd).get(i).copied()));
         let (turned, speed, accel) = (own(|sd| &sd.heading), own(|sd| &sd.speed), own(|sd| &sd.accel));
-        let (place, difference) = (own(|sd| &sd.position).hypot(of_ego[0]), speed.hypot(of_ego[1]));
+        let (place, difference) = (joint(own(|sd| &sd.position), of_ego[0]), joint(speed, of_ego[1]));
         Self { row, frame, place, difference, turned, speed, accel }
     }
 }
@@ -205,6 +211,7 @@ fn of_targets(of: &OfDrive<'_>, table: &mut SignalTable) {
     };
     // Half of the signals use a distance.
     let mut of_distance: Option<Vec<f64>> = None;
+    let mut of_direction: Option<Vec<f64>> = None;
     for (name, made) in TARGET {
         let Some(Column::Number(values)) = table.target_columns.get(*name) else { continue };
         let (gap, relative) =
@@ -214,7 +221,10 @@ fn of_targets(of: &OfDrive<'_>, table: &mut SignalTable) {
             OfTarget::Distance => {
                 of_distance.get_or_insert_with(|| spread(values, &|r, _, _| r.place)).clone()
             }
-            OfTarget::Direction => spread(values, &|r, _, _| r.turned.hypot(ego_heading[r.frame])),
+            OfTarget::Direction => {
+                let of = || spread(values, &|r, _, _| joint(r.turned, ego_heading[r.frame]));
+                of_direction.get_or_insert_with(of).clone()
+            }
             OfTarget::Speed => spread(values, &|r, _, _| r.speed),
             OfTarget::Accel => spread(values, &|r, _, _| r.accel),
             OfTarget::RelativeSpeed => spread(values, &|r, _, _| r.difference),
@@ -233,7 +243,7 @@ fn of_targets(of: &OfDrive<'_>, table: &mut SignalTable) {
             }),
             OfTarget::Headway => spread(values, &|r, _, _| {
                 let ego = own_speed[r.frame];
-                (r.place / ego).hypot(number(Some(values[r.row])) * ego_speed[r.frame] / ego)
+                joint(r.place / ego, number(Some(values[r.row])) * ego_speed[r.frame] / ego)
             }),
         };
         if column.iter().any(|d| *d > 0.0) {

@@ -349,10 +349,9 @@ fn of_one(kind: LogNoise, measured: &Measured, only_measured: &Measured) -> LogN
     if known < ENOUGH_OF_ONE {
         return kind;
     }
-    let least = BADLY_TRACKED_M.max(BADLY_TRACKED_MPS * step);
-    let own = noise::of_positions(only_measured.rows(0..only_measured.times.len()));
-    let bad = own.deviation() > least && own.deviation() > BADLY_TRACKED * kind.position.deviation();
-    if bad { LogNoise { position: own, ..kind } } else { kind }
+    let least = BADLY_TRACKED_M.max(BADLY_TRACKED_MPS * step).max(BADLY_TRACKED * kind.position.deviation());
+    let own = noise::of_positions_above(only_measured.rows(0..only_measured.times.len()), least);
+    own.map_or(kind, |position| LogNoise { position, ..kind })
 }
 
 /// The same for a low rate, at which a track has few rows: its residuals are combined with the expected noise of its

@@ -151,19 +151,40 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
 
     /// The states of all rows, given all measurements.
     pub fn smoothed(&self) -> Smoothed<N> {
-        let (steps, n) = (&self.steps, self.steps.len());
+        let n = self.steps.len();
         let mut out = Smoothed { states: vec![[0.0; N]; n], variances: vec![[0.0; N]; n] };
-        let mut later = Later::nothing();
-        for row in (0..n).rev() {
-            let step = &steps[row];
+        self.back(|row, step, later| {
             (out.states[row], out.variances[row]) = later.applied(&step.state, &step.covariance);
+        });
+        out
+    }
+
+    /// Of [`Filter::smoothed`] one component alone: its values and their variances.
+    pub fn smoothed_component(&self, component: usize) -> (Vec<f64>, Vec<f64>) {
+        let mut out = (vec![0.0; self.steps.len()], vec![0.0; self.steps.len()]);
+        self.back(|row, step, later| {
+            (out.0[row], out.1[row]) = later.applied_to(component, &step.state, &step.covariance);
+        });
+        out
+    }
+
+    /// The states after filtering, one per row.
+    pub fn filtered(&self) -> impl Iterator<Item = &[f64; N]> {
+        self.steps.iter().map(|step| &step.state)
+    }
+
+    /// Visits the rows from the last one back, each with the information of the rows after it.
+    fn back(&self, mut visit: impl FnMut(usize, &Step<N>, &Later<N>)) {
+        let steps = &self.steps;
+        let mut later = Later::nothing();
+        for (row, step) in steps.iter().enumerate().rev() {
+            visit(row, step, &later);
             if row > 0 {
                 let taken = &self.taken[steps[row - 1].taken..step.taken];
                 taken.iter().rev().for_each(|taken| later.take(taken));
                 later.step_back::<M>(&step.transition);
             }
         }
-        out
     }
 }
 
@@ -195,6 +216,22 @@ impl<const N: usize> Later<N> {
             variances[i] = (covariance[i][i] - known).max(0.0);
         }
         (smoothed, variances)
+    }
+
+    /// One component of [`Later::applied`].
+    fn applied_to(&self, i: usize, state: &[f64; N], covariance: &Matrix<N>) -> (f64, f64) {
+        let mut weighted = [0.0; N];
+        for k in 0..N {
+            for j in 0..N {
+                weighted[j] += covariance[i][k] * self.information[k][j];
+            }
+        }
+        let (mut change, mut known) = (0.0, 0.0);
+        for j in 0..N {
+            change += covariance[i][j] * self.gradient[j];
+            known += weighted[j] * covariance[i][j];
+        }
+        (state[i] - change, (covariance[i][i] - known).max(0.0))
     }
 
     /// From the state after an observation to the state before it: with `A = I - gain h'` and `h` the unit vector of

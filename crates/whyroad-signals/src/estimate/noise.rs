@@ -121,10 +121,26 @@ pub fn estimate<'a>(objects: impl Iterator<Item = Rows<'a>> + Clone) -> LogNoise
     }
 }
 
-/// [`LogNoise::position`] of one object alone.
-pub fn of_positions(rows: Rows<'_>) -> Noise {
-    let rows = std::iter::once(rows);
-    noise_in(POSITION, rows.clone(), median_step(rows))
+/// [`LogNoise::position`] of one object alone, if its deviation is greater than `least`, m.
+pub fn of_positions_above(rows: Rows<'_>, least: f64) -> Option<Noise> {
+    let step = median_step(std::iter::once(rows));
+    // Most objects have far less noise: then the median itself is not needed.
+    let mut squares = Vec::new();
+    Order::Third.squares(rows.times, [rows.x, rows.y], STRIDES[0], step, &mut squares);
+    let most = most_of_median(step, least);
+    if 2 * squares.iter().filter(|square| **square <= most).count() > squares.len() + 1 {
+        return None;
+    }
+    Some(noise_in(POSITION, std::iter::once(rows), step)).filter(|noise| noise.deviation() > least)
+}
+
+/// Up to this median of the squares at the shortest stride, the deviation of positions is at most `deviation`: a part
+/// of the variance counts least where it is correlated.
+fn most_of_median(step: f64, deviation: f64) -> f64 {
+    let stride = STRIDES[0] as f64 * step;
+    let own = OF_MOTION[POSITION.index] * stride.powi(Order::Third.power());
+    let of_variance = Order::Third.of_correlated(stride).min(OF_WHITE_THIRD);
+    (of_variance * deviation * deviation + own * own) * MEDIAN_OF_SQUARE * (1.0 - 1e-9)
 }
 
 /// A measured quantity.
@@ -222,6 +238,10 @@ impl Order {
         let reach = stride * self.power() as usize;
         let span = step * reach as f64;
         let known = values.iter().filter(|v| !v.is_empty()).count();
+        // Most logs have no velocities.
+        if values.iter().all(|v| v.iter().all(|x| x.is_nan())) {
+            return;
+        }
         out.reserve(known * times.len().saturating_sub(reach));
         // Objects that a source keeps still, such as parked cars, do not show the noise of moving ones.
         let still = |v: &[f64], end: usize| match self {
@@ -271,12 +291,31 @@ impl Order {
 }
 
 fn robust_variance(squares: &mut [f64]) -> Option<f64> {
-    if squares.len() < LEAST_SAMPLES {
-        return None;
+    (squares.len() >= LEAST_SAMPLES).then(|| median(squares) / MEDIAN_OF_SQUARE)
+}
+
+/// Up to this number of squares are not counted first.
+const FEW_SQUARES: usize = 4000;
+/// Leading bits of a square by which it is counted: the sign, the exponent and three of the mantissa.
+const COUNTED_BITS: u32 = 15;
+
+/// The middle one in the order of these squares, of which there is at least one. Many are counted by their leading bits
+/// first, which have the same order, and only those that begin as the median does are compared.
+fn median(squares: &mut [f64]) -> f64 {
+    let mut middle = squares.len() / 2;
+    if squares.len() <= FEW_SQUARES {
+        return *squares.select_nth_unstable_by(middle, f64::total_cmp).1;
     }
-    let middle = squares.len() / 2;
-    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(*median / MEDIAN_OF_SQUARE)
+    let class = |square: f64| (square.to_bits() >> (u64::BITS - COUNTED_BITS)) as usize;
+    let mut counts = vec![0_u32; 1 << COUNTED_BITS];
+    squares.iter().for_each(|square| counts[class(*square)] += 1);
+    let mut wanted = 0;
+    while counts[wanted] as usize <= middle {
+        middle -= counts[wanted] as usize;
+        wanted += 1;
+    }
+    let mut alike: Vec<f64> = squares.iter().copied().filter(|square| class(*square) == wanted).collect();
+    *alike.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]
@@ -289,6 +328,37 @@ mod tests {
         let y = vec![0.0; x.len()];
         let (sum, count) = residuals(Rows { times: &times, x, y: &y, ..Rows::default() });
         (sum / count).sqrt()
+    }
+
+    #[test]
+    fn the_median_of_many_squares_is_that_of_the_sorted_ones() {
+        for n in [FEW_SQUARES, FEW_SQUARES + 1, 3 * FEW_SQUARES] {
+            // Squares over forty powers of two, some of them equal, and zeros.
+            let square = |i: usize| {
+                if i % 7 == 0 { 0.0 } else { 0.5_f64.powi((i * 37 % 41) as i32) * (i % 501) as f64 }
+            };
+            let mut squares: Vec<f64> = (0..n).map(square).collect();
+            let mut sorted = squares.clone();
+            sorted.sort_by(f64::total_cmp);
+            assert_eq!(median(&mut squares).to_bits(), sorted[n / 2].to_bits(), "{n}");
+        }
+    }
+
+    #[test]
+    fn noise_above_a_bound_is_the_noise_of_the_object() {
+        let times: Vec<f64> = (0..200).map(|i| 0.1 * f64::from(i)).collect();
+        for scale in [0.001, 0.02, 0.05, 0.1, 0.4] {
+            // A car at 8 m/s whose positions are off by numbers without a pattern.
+            let off = |i: u32, k: u32| scale * (f64::from((i * 7919 + k * 104_729) % 1009) / 504.0 - 1.0);
+            let x: Vec<f64> = (0..200).map(|i| 0.8 * f64::from(i) + off(i, 1)).collect();
+            let y: Vec<f64> = (0..200).map(|i| off(i, 5)).collect();
+            let rows = Rows { times: &times, x: &x, y: &y, ..Rows::default() };
+            let all = noise_in(POSITION, std::iter::once(rows), median_step(std::iter::once(rows)));
+            for least in [0.01, 0.03, 0.06, 0.1, 0.2, 0.3] {
+                let expected = (all.deviation() > least).then_some(all);
+                assert_eq!(of_positions_above(rows, least), expected, "{scale} {least}");
+            }
+        }
     }
 
     #[test]

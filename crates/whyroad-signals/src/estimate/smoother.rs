@@ -7,7 +7,7 @@ use super::bicycle::{ACCEL, Bicycle, HEADING, SPEED, X, Y, YAW_RATE};
 use super::kalman::{Filter, Observation, Smoothed};
 use super::matrix::diagonal;
 use super::noise::{LogNoise, Rows};
-use super::standing::{mean, stands, stays};
+use super::standing::{GREATEST_SPEED_MPS, mean, stands, stays};
 use super::walker::{TURN, WALKER};
 use crate::geometry::{unwrap, wrap};
 use crate::series::slope;
@@ -267,14 +267,23 @@ fn as_vehicle(
     let mut filter = Filter::new(&model, rows.times, first, |row, seen| see(&[], row, seen));
     let column = |s: &Smoothed<6>, k: usize| s.states.iter().map(|v| v[k]).collect::<Vec<_>>();
     let deviation = |s: &Smoothed<6>, k: usize| s.variances.iter().map(|v| v[k].sqrt()).collect::<Vec<_>>();
-    let mut smoothed = filter.smoothed();
-    let (speed, sd) = (column(&smoothed, SPEED), deviation(&smoothed, SPEED));
+    // Where it seems to stand, it will be filtered once more: only its speed is needed before that.
+    let is_slow = |state: &[f64; 6]| state[SPEED].abs() < GREATEST_SPEED_MPS;
+    let mut smoothed = if filter.filtered().any(is_slow) { None } else { Some(filter.smoothed()) };
+    let (speed, sd) = match &smoothed {
+        Some(all) => (column(all, SPEED), deviation(all, SPEED)),
+        None => {
+            let (speed, variance) = filter.smoothed_component(SPEED);
+            (speed, variance.into_iter().map(f64::sqrt).collect())
+        }
+    };
     let stands = stands(rows.times, &speed, &sd, rows.x, rows.y, of_mean);
     let held: Vec<Range<usize>> = stands.iter().map(|r| within(r, n)).collect();
     if let Some(first) = held.first() {
         filter.filter_from(first.start, |row, seen| see(&held, row, seen));
-        smoothed = filter.smoothed();
+        smoothed = None;
     }
+    let smoothed = smoothed.unwrap_or_else(|| filter.smoothed());
     let mut out = States {
         x: column(&smoothed, X),
         y: column(&smoothed, Y),

@@ -9,7 +9,7 @@ const LEAST_S: f64 = 0.8;
 /// Speed that counts as zero even in an exact log, m/s.
 const LEAST_SPEED_MPS: f64 = 0.1;
 /// Speed that never counts as zero, however noisy it is, m/s.
-const GREATEST_SPEED_MPS: f64 = 0.7;
+pub const GREATEST_SPEED_MPS: f64 = 0.7;
 /// Standard deviations of the speed within which it counts as zero.
 const DEVIATIONS: f64 = 2.5;
 /// Maximum drift during a standstill beyond the noise, m/s.

@@ -126,7 +126,13 @@ fn a_vehicle_is_smoothed_as_by_the_joint_distribution() {
         let of = |index, variance| Observation { index, value: driven[row][index] + noise(index), variance };
         vec![of(X, 0.01), of(Y, 0.01), of(HEADING, 0.001)]
     };
-    let smoothed = Filter::new(&bicycle, &times, first, |row, seen| seen.extend(measured(row))).smoothed();
+    let filter = Filter::new(&bicycle, &times, first, |row, seen| seen.extend(measured(row)));
+    let smoothed = filter.smoothed();
+    for k in 0..6 {
+        // One component alone is the same to the bit.
+        let of = |all: &[[f64; 6]]| all.iter().map(|v| v[k]).collect::<Vec<_>>();
+        assert_eq!(filter.smoothed_component(k), (of(&smoothed.states), of(&smoothed.variances)), "{k}");
+    }
     // Derivatives are taken at the same states as in the filter: the estimate of each row from the rows up to it. For
     // each row these are the states of a smoother that ends there.
     let filtered: Vec<[f64; 6]> = (0..times.len())
