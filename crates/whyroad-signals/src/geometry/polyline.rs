@@ -170,6 +170,13 @@ impl Polyline {
         if known { chord.heading() } else { self.heading_at(s) }
     }
 
+    /// The same direction as a unit vector, to within rounding.
+    pub fn smooth_direction_at(&self, s: f64, reach: f64) -> P2 {
+        let chord = self.point_at(s + reach) - self.point_at(s - reach);
+        let length2 = chord.dot(chord);
+        if length2 > 1e-11 { chord * (1.0 / length2.sqrt()) } else { self.directions[self.segment_at(s)] }
+    }
+
     /// Nearest foot point of `p` over the whole line.
     pub fn project(&self, p: P2) -> Projection {
         self.project_within(p, Window { first: 0, end: self.points.len() - 1 })
@@ -243,10 +250,33 @@ impl Polyline {
 
     /// Signed curvature at `s` from the change of direction over `reach` on either side, 1/m, left positive.
     pub fn curvature_at(&self, s: f64, reach: f64) -> f64 {
-        let before = self.point_at(s) - self.point_at(s - reach);
-        let after = self.point_at(s + reach) - self.point_at(s);
+        let (before, after) = self.chords_at(s, reach);
         // Each chord represents the direction at its center: the two centers are `reach` apart.
         super::wrap(after.heading() - before.heading()) / reach
+    }
+
+    /// The chords of length `reach` before and after `s`.
+    fn chords_at(&self, s: f64, reach: f64) -> (P2, P2) {
+        let here = self.point_at(s);
+        (here - self.point_at(s - reach), self.point_at(s + reach) - here)
+    }
+
+    /// The greatest of [`Polyline::curvature_at`] without sign at these arc lengths, with its sign, the first of equal
+    /// ones; 0 if all are.
+    pub fn greatest_curvature(&self, at: impl Iterator<Item = f64>, reach: f64) -> f64 {
+        let mut greatest = 0.0_f64;
+        for s in at {
+            let (before, after) = self.chords_at(s, reach);
+            // A turn is less than its tangent: where even that is less than the greatest turn by more than rounding
+            // errors, no angle is needed.
+            let clear = greatest.abs() * reach * (1.0 - 1e-9) - 1e-12;
+            if before.cross(after).abs() < before.dot(after) * clear {
+                continue;
+            }
+            let curvature = super::wrap(after.heading() - before.heading()) / reach;
+            greatest = if curvature.abs() > greatest.abs() { curvature } else { greatest };
+        }
+        greatest
     }
 }
 

@@ -35,7 +35,7 @@ pub fn write(path: &DrivenPath, lanes: Option<&EgoLane>, table: &mut TableBuilde
             return s;
         }
         let steps = (AHEAD_M / STEP_M) as usize;
-        (0..=steps).map(|k| at(line, s + k as f64 * STEP_M)).fold(0.0, f64::max)
+        line.greatest_curvature((0..=steps).map(|k| s + k as f64 * STEP_M), REACH_M).abs()
     };
     table.number(id::MAP_CURVATURE, frames.clone().map(here).collect());
     table.number(id::MAP_CURVATURE_AHEAD, frames.map(ahead).collect());

@@ -14,6 +14,8 @@ const SPACING_M: f64 = 0.5;
 const CONTINUATION_M: f64 = 160.0;
 /// Heights are means over this distance on either side, m: altitude is the noisiest part of a pose.
 const HEIGHT_REACH_M: f64 = 3.0;
+/// The path's direction at a position is that of the chord from this far before it to this far behind it, m.
+const HEADING_REACH_M: f64 = 1.0;
 /// Distance over which the continuation moves from the ego's offset to the lane's center, m.
 const FADE_M: f64 = 20.0;
 /// Targets are searched on the path from this far behind to this far ahead of the ego, m.
@@ -147,7 +149,12 @@ impl DrivenPath {
 
     /// Direction of the path at `s`, rad.
     pub fn heading_at(&self, s: f64) -> f64 {
-        self.line.smooth_heading_at(s, 1.0)
+        self.line.smooth_heading_at(s, HEADING_REACH_M)
+    }
+
+    /// The same as a unit vector, to within rounding: without an angle in between.
+    pub fn direction_at(&self, s: f64) -> P2 {
+        self.line.smooth_direction_at(s, HEADING_REACH_M)
     }
 }
 

@@ -50,10 +50,11 @@ impl<'a> Ahead<'a> {
             ObstacleKind::Vehicle => self.obstacles.moves(owner, frame) == Some(false),
             ObstacleKind::Vru | ObstacleKind::Object => false,
         };
+        let counting = view.counting(counts);
         let steps = (HORIZON_M / STEP_M) as usize;
         let first = (1..=steps).find_map(|i| {
             let ahead = i as f64 * STEP_M;
-            Some((ahead, view.before(self.scene.path.line.point_at(s + ahead), counts)?))
+            Some((ahead, counting.before(self.scene.path.line.point_at(s + ahead))?))
         });
         let flat = first.map_or(HORIZON_M, |(hidden, _)| hidden - STEP_M);
         let over = self.profile.sight(s).hidden_at;
@@ -66,9 +67,8 @@ impl<'a> Ahead<'a> {
     /// of a bend ahead.
     fn curve(&self, s: f64, cut: Option<(f64, Owner)>, frame: usize) -> Tri {
         let path = &self.scene.path.line;
-        let bend = (0..=(CURVE_M / 2.0) as usize)
-            .map(|i| path.curvature_at(s + 2.0 * i as f64, CHORD_M))
-            .fold(0.0_f64, |most, c| if c.abs() > most.abs() { c } else { most });
+        let along = (0..=(CURVE_M / 2.0) as usize).map(|i| s + 2.0 * i as f64);
+        let bend = path.greatest_curvature(along, CHORD_M);
         if bend.abs() < CURVE_PER_M {
             return Tri::False;
         }

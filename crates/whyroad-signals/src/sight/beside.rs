@@ -57,9 +57,10 @@ impl Beside {
         let mut stations: Vec<Option<(P2, P2)>> = vec![None; long.max(far)];
         let mut station = |i: usize| {
             let at = s + length / 2.0 + (i as f64 + 0.5) * STEP_M;
-            let place = || (scene.path.line.point_at(at), P2::from_heading(scene.path.heading_at(at)).left());
+            let place = || (scene.path.line.point_at(at), scene.path.direction_at(at).left());
             *stations[i].get_or_insert_with(place)
         };
+        let counting = view.counting(|owner| code(owner).is_some());
         let mut first_hidden = f64::INFINITY;
         let mut worst = (0.0, MapHiddenBesideBy::None);
         for side in [1.0, -1.0] {
@@ -75,7 +76,7 @@ impl Beside {
                 let (on, left) = station(i);
                 for j in 0..wide {
                     let away = width / 2.0 + MARGIN_M + (j as f64 + 0.5) * STEP_M;
-                    let first = view.before(on + left * (side * away), |owner| code(owner).is_some());
+                    let first = counting.before(on + left * (side * away));
                     if let Some(code) = first.and_then(code) {
                         first_hidden = first_hidden.min(i as f64 * STEP_M);
                         counts[usize::from(code.code())] += usize::from(i < long);

@@ -6,7 +6,7 @@
 
 use super::obstacles::{ObstacleKind, Obstacles};
 use super::scene::Scene;
-use super::view::{Owner, View};
+use super::view::{Counting, Owner, View};
 use crate::geometry::{P2, wrap};
 use crate::road::junction::stretches;
 use crate::road::network::Road;
@@ -74,11 +74,9 @@ impl<'a> CrossingArms<'a> {
         let counts = |owner: Owner| {
             !matches!(self.obstacles.kind(owner), ObstacleKind::Vru) && !self.in_way(owner, frame)
         };
-        let angle = crossing
-            .arms
-            .iter()
-            .map(|&arm| into(crossing, arm, eye, view, &counts))
-            .fold(FRAC_PI_2, f64::min);
+        let counting = view.counting(counts);
+        let angles = crossing.arms.iter().map(|&arm| into(crossing, arm, eye, &counting));
+        let angle = angles.fold(FRAC_PI_2, f64::min);
         let unknown = angle >= FRAC_PI_2 && !self.obstacles.covers_buildings && !crossing.arms.is_empty();
         self.angle.push(if unknown { f64::NAN } else { angle });
     }
@@ -137,10 +135,10 @@ fn middles(ring: &[bool]) -> Vec<f64> {
 
 /// Angle from the direction of approach to the outermost visible position of an arm, rad; a right angle if its far end
 /// is visible.
-fn into(crossing: &Crossing, arm: f64, eye: P2, view: &View, counts: &impl Fn(Owner) -> bool) -> f64 {
+fn into(crossing: &Crossing, arm: f64, eye: P2, counting: &Counting<'_>) -> f64 {
     let direction = P2::from_heading(arm);
     let place = |away: f64| crossing.middle + direction * away;
-    let seen = |away: f64| view.before(place(away), counts).is_none();
+    let seen = |away: f64| counting.before(place(away)).is_none();
     if seen(ARM_M) {
         return FRAC_PI_2;
     }

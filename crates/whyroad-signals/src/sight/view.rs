@@ -55,7 +55,12 @@ impl Sector {
     fn of(corners: &[P2]) -> Self {
         let first = corners[0].heading();
         let (mut low, mut high) = ((0.0, corners[0]), (0.0, corners[0]));
+        let (right, left) = outermost(corners);
         for c in &corners[1..] {
+            // No angle is needed of a corner that is between two others by more than rounding errors.
+            if is_left_of(*c, right) && is_left_of(left, *c) {
+                continue;
+            }
             let turned = wrap(c.heading() - first);
             if turned < low.0 {
                 low = (turned, *c);
@@ -81,6 +86,21 @@ impl Sector {
     fn contains(&self, direction: P2) -> bool {
         self.direction.dot(direction) >= self.least_cosine
     }
+}
+
+/// The rightmost and the leftmost corner of a convex shape, as seen from the origin outside of it, to within rounding.
+fn outermost(corners: &[P2]) -> (P2, P2) {
+    let (mut right, mut left) = (corners[0], corners[0]);
+    for c in &corners[1..] {
+        right = if right.cross(*c) < 0.0 { *c } else { right };
+        left = if left.cross(*c) > 0.0 { *c } else { left };
+    }
+    (right, left)
+}
+
+/// True if the direction of `a` is to the left of that of `b` by more than rounding errors.
+fn is_left_of(a: P2, b: P2) -> bool {
+    b.cross(a) > 1e-12 * (a.dot(a) + b.dot(b))
 }
 
 /// The ranges from one corner to the other, which are seen at an angle of twice `half`.
@@ -184,11 +204,12 @@ fn entry(corners: &[P2], direction: P2) -> f64 {
     for i in 0..sides {
         let (a, b) = (corners[i], corners[(i + 1) % n]);
         let along = b - a;
-        let turn = direction.cross(along);
-        if turn == 0.0 {
+        let (turn, across) = (direction.cross(along), a.cross(direction));
+        // Most sides are beside the line by more than rounding errors: nothing is divided for them.
+        if turn == 0.0 || across * turn < 0.0 || across.abs() > turn.abs() * (1.0 + 1e-12) {
             continue;
         }
-        let (distance, share) = (a.cross(along) / turn, a.cross(direction) / turn);
+        let (distance, share) = (a.cross(along) / turn, across / turn);
         if distance >= 0.0 && (0.0..=1.0).contains(&share) {
             nearest = nearest.min(distance);
         }
@@ -337,9 +358,36 @@ impl View {
         (piece.footprint == Some(*target)).then_some(piece)
     }
 
-    /// The first object that meets `counts` and is in front of `place` as seen from the eye.
-    pub fn before(&self, place: P2, counts: impl Fn(Owner) -> bool) -> Option<Owner> {
-        let to = place - self.eye;
+    /// Only the pieces whose owners meet `counts`, for many positions.
+    pub fn counting(&self, counts: impl Fn(Owner) -> bool) -> Counting<'_> {
+        let mut counted =
+            Counting { view: self, pieces: vec![0; self.ranges.len()], nearest: [f64::INFINITY; RANGES] };
+        for (k, piece) in self.pieces.iter().enumerate().filter(|(_, piece)| counts(piece.owner)) {
+            counted.pieces[k / 64] |= 1 << (k % 64);
+            let (first, count) = piece.sector.ranges;
+            for range in (first..first + count).map(|range| range % RANGES) {
+                if piece.reach.nearest < counted.nearest[range] {
+                    counted.nearest[range] = piece.reach.nearest;
+                }
+            }
+        }
+        counted
+    }
+}
+
+/// Those pieces of a view that count, as seen from its eye.
+pub struct Counting<'v> {
+    view: &'v View,
+    /// For each 64 pieces, those that count.
+    pieces: Vec<u64>,
+    /// By range of directions, the distance of the nearest of them, m; infinite if there is none.
+    nearest: [f64; RANGES],
+}
+
+impl Counting<'_> {
+    /// The first object in front of `place` as seen from the eye.
+    pub fn before(&self, place: P2) -> Option<Owner> {
+        let to = place - self.view.eye;
         // To within rounding, without a square root.
         let reach = to.dot(to) * (1.0 + 1e-9);
         let near = |nearest: f64| nearest * nearest < reach;
@@ -350,13 +398,25 @@ impl View {
         }
         let distance = to.norm();
         let direction = to * (1.0 / distance.max(1e-9));
-        self.pieces_in((range, 1))
-            .filter(|p| near(p.reach.nearest))
-            .filter(|p| p.reach.nearest < distance && p.sector.contains(direction) && counts(p.owner))
-            .map(|p| (entry(p.outline.corners(), direction), p.owner))
-            .filter(|(at, _)| *at < distance)
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, owner)| owner)
+        let mut first: Option<(f64, Owner)> = None;
+        for (k, (by_range, counted)) in self.view.ranges.iter().zip(&self.pieces).enumerate() {
+            let mut left = by_range[range] & counted;
+            while left != 0 {
+                let piece = &self.view.pieces[64 * k + left.trailing_zeros() as usize];
+                left &= left - 1;
+                if !near(piece.reach.nearest)
+                    || piece.reach.nearest >= distance
+                    || !piece.sector.contains(direction)
+                {
+                    continue;
+                }
+                let at = entry(piece.outline.corners(), direction);
+                if at < distance && first.is_none_or(|(least, _)| at.total_cmp(&least).is_lt()) {
+                    first = Some((at, piece.owner));
+                }
+            }
+        }
+        first.map(|(_, owner)| owner)
     }
 }
 

@@ -220,3 +220,31 @@ fn curvature_of_a_circle() {
     assert!((line.curvature_at(25.0, 5.0) - 0.04).abs() < 2e-4);
     assert!(Polyline::new([p2(1.0, 1.0), p2(1.0, 1.0)]).is_none());
 }
+
+#[test]
+fn the_greatest_curvature_is_that_of_asking_each() {
+    // Straight, a bend to the left, one to the right that is narrower, a corner, a way back.
+    let mut points = vec![p2(0.0, 0.0)];
+    let mut heading = 0.0_f64;
+    for i in 0..120_i32 {
+        heading += match i {
+            30..50 => 0.03,
+            60..75 => -0.08,
+            90 => 1.7,
+            100..104 => 0.8,
+            _ => 1e-13 * f64::from(i % 3),
+        };
+        points.push(points[points.len() - 1] + P2::from_heading(heading) * 1.1);
+    }
+    let line = Polyline::new(points).unwrap();
+    for k in 0..260 {
+        let at = || (0..=25).map(|i| f64::from(k) * 0.5 - 10.0 + 2.0 * f64::from(i));
+        let expected = at()
+            .map(|s| line.curvature_at(s, 5.0))
+            .fold(0.0_f64, |most, c| if c.abs() > most.abs() { c } else { most });
+        assert_eq!(line.greatest_curvature(at(), 5.0).to_bits(), expected.to_bits(), "{k}");
+        let s = f64::from(k) * 0.5;
+        let off = line.smooth_direction_at(s, 1.0) - P2::from_heading(line.smooth_heading_at(s, 1.0));
+        assert!(off.norm() < 1e-15, "{k}");
+    }
+}

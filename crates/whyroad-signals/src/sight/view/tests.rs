@@ -68,9 +68,9 @@ fn across_the_seam_of_angles() {
     assert_eq!(view(&[at(-8.0, 0.0, 0.0, 4.0, 2.0)]).sight(None, &target).unwrap().share, 0.0);
     assert!((view(&[at(-8.0, 1.0, 0.0, 2.0, 2.0)]).sight(None, &target).unwrap().share - 0.5).abs() < 1e-12);
     let v = view(&[at(-8.0, 0.0, 0.0, 4.0, 2.0)]);
-    assert_eq!(v.before(p2(-20.0, -0.5), |_| true), Some(Owner::Target(0)));
-    assert_eq!(v.before(p2(-20.0, -0.5), |_| false), None);
-    assert_eq!(v.before(p2(-5.0, 0.0), |_| true), None);
+    assert_eq!(v.counting(|_| true).before(p2(-20.0, -0.5)), Some(Owner::Target(0)));
+    assert_eq!(v.counting(|_| false).before(p2(-20.0, -0.5)), None);
+    assert_eq!(v.counting(|_| true).before(p2(-5.0, 0.0)), None);
 }
 
 /// Distance at which a ray from the origin enters the box, by clipping against its two pairs of sides: an independent
@@ -94,7 +94,7 @@ fn boxes() -> impl Strategy<Value = Vec<OrientedBox>> {
     prop::collection::vec(one, 2..14)
 }
 
-/// [`View::before`] without ranges of directions: every piece is checked.
+/// [`Counting::before`] without ranges of directions: every piece is checked.
 fn before_one_by_one(v: &View, place: P2) -> Option<Owner> {
     let to = place - v.eye;
     let distance = to.norm();
@@ -102,6 +102,33 @@ fn before_one_by_one(v: &View, place: P2) -> Option<Owner> {
     let met = v.pieces.iter().filter(|p| p.reach.nearest < distance && p.sector.contains(direction));
     let met = met.map(|p| (entry(p.outline.corners(), direction), p.owner)).filter(|(at, _)| *at < distance);
     met.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, owner)| owner)
+}
+
+/// The middle and half of the angle at which all corners are seen, each of which is asked for its own.
+fn angles_of_all(corners: &[P2]) -> [u64; 2] {
+    let first = corners[0].heading();
+    let turned = || corners[1..].iter().map(|c| wrap(c.heading() - first));
+    let (low, high) = (turned().fold(0.0, f64::min), turned().fold(0.0, f64::max));
+    [wrap(first + (low + high) / 2.0), (high - low) / 2.0].map(f64::to_bits)
+}
+
+#[test]
+fn corners_between_others_change_no_angle() {
+    for k in 0..20_000_i32 {
+        let (turn, away) = (f64::from(k) * 0.37, 1.2 + f64::from(k % 97) * 0.6);
+        // Also boxes with corners that are seen in one direction, or nearly.
+        let heading = if k % 3 == 0 { turn + f64::from(k % 2) * 1e-14 } else { f64::from(k) * 0.71 };
+        let b =
+            at(away * turn.cos(), away * turn.sin(), heading, 0.3 + f64::from(k % 9), f64::from(k % 4) * 0.6);
+        if b.overlaps(&OrientedBox::point(p2(0.0, 0.0))) {
+            continue;
+        }
+        let (corners, [a, _, c, _]) = (b.corners(), b.corners());
+        for corners in [&corners[..], &[a, c]] {
+            let sector = Sector::of(corners);
+            assert_eq!([sector.mid, sector.half].map(f64::to_bits), angles_of_all(corners), "{k}");
+        }
+    }
 }
 
 const LINES: usize = 600;
@@ -128,7 +155,7 @@ proptest! {
         let around = places.iter().map(|(angle, r)| P2::from_heading(*angle) * *r);
         let axes = [p2(50.0, 0.0), p2(0.0, 50.0), p2(-50.0, 0.0), p2(0.0, -50.0), p2(-50.0, -0.0)];
         for place in around.chain(corners).chain(axes) {
-            prop_assert_eq!(v.before(place, |_| true), before_one_by_one(&v, place));
+            prop_assert_eq!(v.counting(|_| true).before(place), before_one_by_one(&v, place));
         }
         for piece in &v.pieces {
             let near: Vec<Owner> = v.pieces_in(piece.sector.ranges).map(|p| p.owner).collect();
@@ -168,7 +195,7 @@ proptest! {
                 let at = slab(o, target.center.heading());
                 j != k && at < target.center.norm() - 1e-9
             });
-            let before = v.before(target.center, |o| o != Owner::Target(k));
+            let before = v.counting(|o| o != Owner::Target(k)).before(target.center);
             prop_assert_eq!(before.is_some(), stopped);
         }
     }
@@ -179,8 +206,8 @@ fn a_right_angle_in_a_corner() {
     // A wall from (10, 3) along y hides positions behind it and not those in front of it.
     let mut v = View::from(p2(0.0, 0.0), 0);
     v.add_wall(Owner::Building(0), p2(10.0, 3.0), p2(10.0, 30.0));
-    assert_eq!(v.before(p2(20.0, 5.9), |_| true), None);
-    assert_eq!(v.before(p2(20.0, 6.1), |_| true), Some(Owner::Building(0)));
-    assert_eq!(v.before(p2(9.0, 20.0), |_| true), None);
+    assert_eq!(v.counting(|_| true).before(p2(20.0, 5.9)), None);
+    assert_eq!(v.counting(|_| true).before(p2(20.0, 6.1)), Some(Owner::Building(0)));
+    assert_eq!(v.counting(|_| true).before(p2(9.0, 20.0)), None);
     assert_eq!(v.sight(None, &at(20.0, 20.0, FRAC_PI_2, 4.0, 2.0)).unwrap().share, 0.0);
 }
