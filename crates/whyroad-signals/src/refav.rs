@@ -4,6 +4,7 @@
 
 pub mod turning;
 
+use crate::ego::motion::EgoMotion;
 use crate::geometry::{NearAreas, P2, p2, wrap};
 use crate::road::network::{LaneShape, Road};
 use crate::table::TableBuilder;
@@ -42,6 +43,23 @@ const STATIONARY_M: f64 = 3.0;
 const INTERSECTION_M: f64 = 5.0;
 /// Minimum speed of a motion with a direction, m/s.
 pub(crate) const DIRECTED_MPS: f64 = 1.0;
+
+/// The ego's velocity by frame: its length, m/s, and its directions.
+struct Own {
+    speed: f64,
+    /// rad.
+    heading: f64,
+    /// Of the ego, by [`direction`].
+    way: P2,
+}
+
+impl Own {
+    fn new(ego: &EgoMotion, frame: usize) -> Self {
+        let velocity = ego.velocity[frame];
+        let way = direction(velocity, ego.heading[frame]);
+        Self { speed: velocity.norm(), heading: velocity.heading(), way }
+    }
+}
 
 /// A vector of the world in the ego's axes, x forward, y left.
 fn in_ego_axes(scene: &Interaction<'_>, frame: usize, v: P2) -> P2 {
@@ -92,16 +110,23 @@ pub(crate) fn direction(velocity: P2, heading: f64) -> P2 {
     if speed > HEADING_SPEED_MPS { velocity * (1.0 / speed) } else { P2::from_heading(heading) }
 }
 
-fn following(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, p: &Placement) -> Tri {
+/// [`direction`] of a target.
+fn direction_of(p: &Placement) -> P2 {
+    if p.speed() > HEADING_SPEED_MPS { p.velocity * (1.0 / p.speed()) } else { p.footprint.direction() }
+}
+
+fn following(scene: &Interaction<'_>, road: &Road, way: P2, (k, r): (usize, usize), p: &Placement) -> Tri {
     let ego = scene.around.ego;
     let Some(on) = scene.around.lanes.and_then(|l| l.at(p.frame)) else { return Tri::Unknown };
     if !p.is_sized() || !p.velocity.is_finite() {
         return Tri::Unknown;
     }
     let (at, front) = (seen_at(scene, p), ego.length / 2.0);
-    let way = direction(ego.velocity[p.frame], ego.heading[p.frame]);
-    let alike = way.dot(direction(p.velocity, p.footprint.heading)) > FOLLOWING_COS;
-    if !alike || at.x <= front || at.x >= FOLLOWING_M + front {
+    if at.x <= front || at.x >= FOLLOWING_M + front {
+        return Tri::False;
+    }
+    let alike = way.dot(direction_of(p)) > FOLLOWING_COS;
+    if !alike {
         return Tri::False;
     }
     let own = &road.lanes[on.lane];
@@ -194,21 +219,25 @@ pub(crate) fn has_free_will(class: ObjectClass) -> bool {
     !matches!(class, Bicycle | Cone | Barrier | StaticObject | Unknown)
 }
 
-fn heading(scene: &Interaction<'_>, class: ObjectClass, p: &Placement) -> Option<TargetRefavHeading> {
+fn heading(
+    scene: &Interaction<'_>,
+    own: &Own,
+    class: ObjectClass,
+    p: &Placement,
+) -> Option<TargetRefavHeading> {
     let (ego, i) = (scene.around.ego, p.frame);
-    let (own, theirs) = (ego.velocity[i], p.velocity);
-    if !own.is_finite() || !theirs.is_finite() {
+    if !ego.velocity[i].is_finite() || !p.velocity.is_finite() {
         return None;
     }
-    let (own_speed, their_speed) = (own.norm(), theirs.norm());
+    let (own_speed, their_speed) = (own.speed, p.speed());
     let (a, b) = if their_speed < DIRECTED_MPS && has_free_will(class) && own_speed > DIRECTED_MPS {
-        (own.heading(), p.footprint.heading)
+        (own.heading, p.footprint.heading)
     } else if own_speed < DIRECTED_MPS && their_speed > HEADING_SPEED_MPS {
-        (ego.heading[i], theirs.heading())
+        (ego.heading[i], p.direction())
     } else if own_speed < DIRECTED_MPS || their_speed < DIRECTED_MPS {
         return Some(TargetRefavHeading::None);
     } else {
-        (own.heading(), theirs.heading())
+        (own.heading, p.direction())
     };
     let turned = wrap(b - a).abs();
     // A tolerance, so that exactly 45 and 135 deg do not depend on rounding.
@@ -237,11 +266,12 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     table.flag(id::TARGET_REFAV_STATIONARY, rows.spread(targets, Tri::Unknown, |k, _, _| standing[k]));
     let turns: Vec<_> = targets.iter().map(|t| turning::turning(&t.times, &t.track.motion.heading)).collect();
     table.category(id::TARGET_REFAV_TURNING, rows.spread(targets, None, |k, r, _| turns[k][r]));
-    table.category(
-        id::TARGET_REFAV_HEADING,
-        rows.spread(targets, None, |k, _, p| p.and_then(|p| heading(scene, targets[k].track.class, p))),
-    );
     let n = ego.len();
+    let own: Vec<Own> = (0..n).map(|i| Own::new(ego, i)).collect();
+    let heads = |k: usize, _, p: Option<&Placement>| {
+        p.and_then(|p| heading(scene, &own[p.frame], targets[k].track.class, p))
+    };
+    table.category(id::TARGET_REFAV_HEADING, rows.spread(targets, None, heads));
     if let Some(own) = &scene.drive.ego {
         let value = stationary(&own.motion);
         let of = |i: usize| if ego.is_known(i) { value } else { Tri::Unknown };
@@ -250,7 +280,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     table.category(id::EGO_REFAV_TURNING, turning::turning(scene.times, &ego.heading));
     let Some(road) = scene.around.road else { return };
     let follows = |k: usize, r: usize, p: Option<&Placement>| {
-        p.map_or(Tri::Unknown, |p| following(scene, road, k, r, p))
+        p.map_or(Tri::Unknown, |p| following(scene, road, own[p.frame].way, (k, r), p))
     };
     table.flag(id::TARGET_REFAV_FOLLOWING, rows.spread(targets, Tri::Unknown, follows));
     let intersections = intersections(road);

@@ -61,8 +61,11 @@ fn candidates(road: &Road, p: P2, heading: f64, tether: Tether, found: &mut Vec<
         }
         let (left, right) = lane.widths_at(at.s);
         let beyond = (at.lateral - left).max(-at.lateral - right).max(0.0);
+        if beyond > tether.reach_m {
+            continue;
+        }
         let turned = wrap(heading - lane.center.smooth_heading_at(at.s, 2.0)).abs();
-        if beyond > tether.reach_m || turned > HEADING_LIMIT_RAD {
+        if turned > HEADING_LIMIT_RAD {
             continue;
         }
         let half = ((left + right) / 2.0).max(0.5);

@@ -25,9 +25,7 @@ fn nearest_in_path(p: &Placement) -> Option<f64> {
 
 /// Velocity across the ego's lane, towards its center line positive, m/s. `None` without a lane.
 pub fn lane_lateral_speed(p: &Placement) -> Option<f64> {
-    let (at, _, _) = p.lane?;
-    let across = p.velocity.dot(crate::geometry::P2::from_heading(at.heading).left());
-    Some(if at.lateral > 0.0 { -across } else { across })
+    p.lane.map(|_| p.lane_lateral_speed)
 }
 
 /// The gap of a target: bumper to bumper along the path, negative if overlapping, infinite if known not to be ahead in

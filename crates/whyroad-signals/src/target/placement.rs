@@ -11,7 +11,7 @@ use crate::series::below_with_hysteresis;
 use crate::target::band::{Band, Outline, PATH_MARGIN_M};
 use crate::target::on_lines::{OnLines, extents};
 use whyroad_model::Tri;
-use whyroad_model::scene::Track;
+use whyroad_model::scene::{Motion, Track};
 
 pub use crate::target::on_lines::Beside;
 
@@ -59,6 +59,8 @@ pub struct Placement {
     pub lane: Option<(Beside, f64, f64)>,
     /// Arc length from the ego's center to the target's along the ego's lane, m; NaN while the ego has none.
     pub lane_ahead: f64,
+    /// Velocity across the ego's lane, towards its center line positive, m/s; NaN while the ego has none.
+    pub lane_lateral_speed: f64,
     /// Nearest and farthest arc length (from the ego's center) of the part of the footprint inside the band that the
     /// ego sweeps along its path, m; `None` if no part is.
     pub band: Option<(f64, f64)>,
@@ -204,6 +206,20 @@ pub struct Surroundings<'a> {
     still_since: Vec<usize>,
 }
 
+/// Velocity along the heading and speed of each row, m/s.
+fn speeds(m: &Motion) -> (Vec<f64>, Vec<f64>) {
+    let state = |row: usize| [m.heading[row], m.vx[row], m.vy[row]].map(f64::to_bits);
+    let mut last: Option<([u64; 3], (f64, f64))> = None;
+    let each = (0..m.len()).map(|row| {
+        // What stands mostly has the state of the row before.
+        let known = last.filter(|(same, _)| *same == state(row)).map(|(_, speeds)| speeds);
+        let speeds = known.unwrap_or_else(|| (m.forward_speed(row), m.speed(row)));
+        last = Some((state(row), speeds));
+        speeds
+    });
+    each.unzip()
+}
+
 /// Results of a row, with which the next one starts.
 #[derive(Default)]
 struct Before<'a> {
@@ -248,8 +264,7 @@ impl<'a> Surroundings<'a> {
     pub(super) fn place<'t>(&self, track: &'t Track, times: &[f64], rows: PlacedRows) -> Target<'t> {
         let m = &track.motion;
         let times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
-        let forward_speed: Vec<f64> = (0..m.len()).map(|r| m.forward_speed(r)).collect();
-        let speed: Vec<f64> = (0..m.len()).map(|r| m.speed(r)).collect();
+        let (forward_speed, speed) = speeds(m);
         let places = match rows {
             PlacedRows::All => self.all_rows(track),
             PlacedRows::Last => self.last_row(track),
@@ -364,6 +379,10 @@ impl<'a> Surroundings<'a> {
             && on_path.lateral.abs() <= DEFAULT_HALF_WIDTH_M
             && self.road.is_some_and(|road| road.in_junction(center));
         let velocity = p2(m.vx[row], m.vy[row]);
+        let lane_lateral_speed = lane.map_or(f64::NAN, |(at, ..)| {
+            let across = velocity.dot(P2::from_heading(at.heading).left());
+            if at.lateral > 0.0 { -across } else { across }
+        });
         let place = Placement {
             frame,
             footprint,
@@ -375,6 +394,7 @@ impl<'a> Surroundings<'a> {
             path: beside,
             lane,
             lane_ahead,
+            lane_lateral_speed,
             band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
             in_way: false,
             cuts_lane,

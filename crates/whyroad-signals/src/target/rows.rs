@@ -93,7 +93,15 @@ impl<'a> Rows<'a> {
         unknown: T,
         value: impl Fn(usize, usize, Option<&Placement>) -> T,
     ) -> TargetRows<T> {
-        self.fill(unknown, |k, _, r| value(k, r, targets[k].places[r].as_ref()))
+        let mut column = vec![unknown; self.count];
+        for (k, ((track, first), target)) in self.tracks.iter().zip(&self.first_rows).zip(targets).enumerate()
+        {
+            let (rows, start) = (&mut column[*first..], track.frames[0]);
+            for (row, (frame, place)) in track.frames.iter().zip(&target.places).enumerate() {
+                rows[(frame - start) as usize] = value(k, row, place.as_ref());
+            }
+        }
+        TargetRows(column)
     }
 
     /// A value per placed row; unknown where there is no placement.

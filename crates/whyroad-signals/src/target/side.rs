@@ -1,6 +1,6 @@
 //! Side of the ego on which a target is, adjacent lane in which it is, and its direction along the ego's path.
 
-use crate::geometry::{p2, wrap};
+use crate::geometry::wrap;
 use crate::table::TableBuilder;
 use crate::target::gaps;
 use crate::target::interaction::Interaction;
@@ -23,6 +23,21 @@ fn side(bearing: f64) -> TargetSide {
         b if b >= OPPOSITE_RAD - 1e-9 => TargetSide::Rear,
         _ if bearing > 0.0 => TargetSide::Left,
         _ => TargetSide::Right,
+    }
+}
+
+/// [`side`] of a position ahead and to the left of the ego, m; `None` on the borders, within more than rounding errors
+/// and tolerances.
+fn clear_side(ahead: f64, aside: f64) -> Option<TargetSide> {
+    const CLEAR: f64 = 1.0 + 1e-6;
+    if ahead > aside.abs() * CLEAR {
+        Some(TargetSide::Front)
+    } else if ahead < -aside.abs() * CLEAR {
+        Some(TargetSide::Rear)
+    } else if aside.abs() > ahead.abs() * CLEAR {
+        Some(if aside > 0.0 { TargetSide::Left } else { TargetSide::Right })
+    } else {
+        None
     }
 }
 
@@ -66,12 +81,13 @@ fn moves_along(p: &Placement) -> Option<TargetMovesAlong> {
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let (targets, ego) = (scene.targets, scene.around.ego);
-    let bearing = |p: &Placement| {
+    let seen = |p: &Placement| {
         let away = p.footprint.center - ego.position[p.frame];
-        let at = wrap(p2(away.x, away.y).heading() - ego.heading[p.frame]);
-        Some(side(at))
+        let forward = ego.footprint(p.frame).direction();
+        let exactly = || side(wrap(away.heading() - ego.heading[p.frame]));
+        Some(clear_side(away.dot(forward), away.dot(forward.left())).unwrap_or_else(exactly))
     };
-    table.category(id::TARGET_SIDE, rows.placed(targets, None, bearing));
+    table.category(id::TARGET_SIDE, rows.placed(targets, None, seen));
     if scene.around.lanes.is_some() {
         table.category(id::TARGET_LANE_SIDE, rows.placed(targets, None, lane_side));
     }
@@ -84,4 +100,28 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
         }
     };
     table.number(id::TARGET_RELATIVE_SPEED, rows.placed(targets, f64::NAN, relative));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::P2;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn clear_sides_are_those_of_the_angle() {
+        let mut clear = 0;
+        for k in 0..36_000_i32 {
+            // Some at the borders, and next to them.
+            let bearing = wrap(f64::from(k / 9) * PI / 1000.0 + f64::from(k % 9 - 4) * 3e-8);
+            let at = P2::from_heading(bearing) * (0.01 + f64::from(k % 131));
+            if let Some(found) = clear_side(at.x, at.y) {
+                assert_eq!(found, side(at.heading()), "{bearing}");
+                clear += 1;
+            }
+        }
+        assert!((35_800..36_000).contains(&clear), "{clear}");
+        assert_eq!(clear_side(0.0, 0.0), None);
+        assert_eq!(clear_side(f64::NAN, 1.0), None);
+    }
 }
