@@ -63,6 +63,18 @@ pub struct Counterfactual {
     pub effects: Vec<Effect>,
 }
 
+impl Counterfactual {
+    /// What holds the ego instead of the things `named`: without any of these it would drive as it does, and without
+    /// that one plainly farther. Only what `was_seen` by then can be a cause.
+    pub fn instead_of(&self, named: &[Removed], was_seen: impl Fn(&Removed) -> bool) -> Option<&Effect> {
+        let is_named = |e: &Effect| named.contains(&e.removed);
+        if self.effects.iter().any(|e| is_named(e) && !e.is_none()) {
+            return None;
+        }
+        self.effects.iter().find(|e| !is_named(e) && e.is_plain() && was_seen(&e.removed))
+    }
+}
+
 /// Simulates the scene from `frame` on. `None` where the ego's poses or speed are unknown.
 pub fn counterfactual(drive: &Drive, signals: &SignalTable, frame: usize) -> Option<Counterfactual> {
     let scene = Scene::at(drive, signals, frame)?;

@@ -14,6 +14,7 @@ mod lead;
 mod moment;
 mod motion;
 mod records;
+mod rival;
 mod trace;
 mod wording;
 
@@ -296,6 +297,15 @@ fn make(
         } else if components.len() < trace::MOST_IN_STATE {
             components.push(component);
         }
+    }
+    let holds = slows || waits;
+    let is_of_speed = match decision.longitudinal {
+        Some(Longitudinal::GapMatching) => false,
+        Some(_) => holds,
+        None => decision.lateral.is_none() && matches!(kept, WhyKept::Slowing | WhyKept::Standing),
+    };
+    if is_of_speed && driven.as_ref().is_some_and(|w| rival::of(w, target_id, &components).is_some()) {
+        return undrafted(framework, drive, episode, Doubt::OtherCause, records, notes);
     }
     how.reword(&mut components);
     // An ego that changes lanes does not stop behind what it leaves; one that keeps rolling has not stopped.

@@ -6,7 +6,7 @@ pub(crate) mod along;
 pub(crate) mod other;
 
 use whyroad_model::time::frame_at;
-use whyroad_model::{Drive, Nanos, SignalTable, Tri};
+use whyroad_model::{Drive, Nanos, SignalTable, TrackId, Tri};
 
 /// Duration after the keyframe that Stage II shows, s.
 const FUTURE_S: f64 = 6.0;
@@ -14,6 +14,9 @@ const FUTURE_S: f64 = 6.0;
 const LONGEST_S: f64 = 15.0;
 /// Below this the ego is at standstill, m/s (schema/signals.yaml, standstill).
 pub(crate) const STANDSTILL_MPS: f64 = 0.3;
+
+/// History that Stage I shows, frames: what is a cause was visible in it (LABELING.md 6: 2 s).
+pub(crate) const HISTORY_FRAMES: usize = 20;
 
 /// The signals of a drive around a keyframe.
 #[derive(Clone, Copy)]
@@ -64,6 +67,21 @@ impl<'r> Driven<'r> {
 
     pub fn category(&self, signal: &str, frame: usize) -> Option<&'r str> {
         self.signals.frame_columns.get(signal)?.category(frame)
+    }
+
+    /// The object was visible in the history that Stage I shows.
+    pub fn was_seen(&self, id: &TrackId) -> bool {
+        let history = self.keyframe.saturating_sub(HISTORY_FRAMES)..=self.keyframe;
+        self.drive.track(id).is_some_and(|t| t.frames.iter().any(|f| history.contains(&(*f as usize))))
+    }
+
+    /// Distance that the ego drives in `s` seconds after the keyframe, m; `None` where the recording or a speed ends
+    /// before.
+    pub fn distance_m(&self, s: f64) -> Option<f64> {
+        let times = &self.drive.times;
+        let end = frame_at(times, times[self.keyframe].plus_secs(s)).min(times.len() - 1);
+        let step = |f: usize| Some(self.speed(f)? * times[f + 1].seconds_since(times[f]));
+        if self.lasts(s) { (self.keyframe..end).map(step).sum() } else { None }
     }
 
     pub fn speed(&self, frame: usize) -> Option<f64> {

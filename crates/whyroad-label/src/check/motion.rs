@@ -25,8 +25,6 @@ use whyroad_model::time::frame_at;
 
 /// Maximum distance of a keyframe from the nearest frame, s.
 const FRAME_SLACK_S: f64 = 0.15;
-/// History that Stage I shows, frames: what a component names was visible in it (LABELING.md 6: 2 s).
-const HISTORY_FRAMES: usize = 20;
 
 /// Runs every check against the recording. `history` is the drive as Stage I shows it.
 pub(super) fn check(

@@ -130,3 +130,16 @@ fn a_drive_without_speed_has_no_answer() {
     signals.frame_columns.clear();
     assert_eq!(counterfactual(&drive, &signals, START), None);
 }
+
+#[test]
+fn what_holds_the_ego_instead_of_what_is_named_was_seen_before() {
+    let lead = track("lead", ObjectClass::Car, (4.5, 1.8), |s| (EGO + 25.0 + 5.0 * (s - 10.0), 0.0));
+    let walks = track("walks", ObjectClass::Pedestrian, (0.6, 0.6), |s| (EGO + 20.0 + 1.2 * (s - 10.0), 5.0));
+    let (drive, signals) = scene(vec![walks, lead], 1.0, None);
+    let found = counterfactual(&drive, &signals, START).unwrap();
+    let thing = |id: &str| Removed::Object(id.into());
+    let other =
+        |named: &str, seen: bool| found.instead_of(&[thing(named)], |_| seen).map(|e| e.removed.clone());
+    assert_eq!(other("walks", true), Some(thing("lead")));
+    assert_eq!((other("walks", false), other("lead", true)), (None, None));
+}

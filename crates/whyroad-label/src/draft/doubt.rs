@@ -108,6 +108,8 @@ pub enum Doubt {
     BehindLead,
     /// The ego stops for a red light.
     RedLight,
+    /// Something that the draft does not name holds the ego, and what it names does not.
+    OtherCause,
     /// Nothing in the recording shows why the ego changes lanes.
     NoReason,
     /// The ego stands at the keyframe and waits: what lets it go comes later.
@@ -146,6 +148,10 @@ impl Doubt {
             Self::ForLaneChange => ("自车是为换道而加速", "the ego speeds up to change lanes"),
             Self::BehindLead => ("自车是因为前车停下而减速", "the ego slows for a lead that stops"),
             Self::RedLight => ("自车是为红灯停车", "the ego stops for the red light"),
+            Self::OtherCause => (
+                "自车减速或停着是因为草稿没有提到的其他目标或信号灯",
+                "the ego slows or stands for another object or a light that the draft does not name",
+            ),
             Self::NoReason => {
                 ("记录没有显示自车换道的原因", "the recording does not show why the ego changes lanes")
             }

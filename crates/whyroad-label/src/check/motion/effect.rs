@@ -1,10 +1,9 @@
 //! The named cause against its counterfactual: a cause whose removal changes nothing is not a cause if the removal of
 //! something that the label does not name would have let the ego drive on.
 
-use super::HISTORY_FRAMES;
 use crate::check::texts::Texts;
 use crate::check::view::View;
-use crate::counterfactual::{Effect, Removed, counterfactual};
+use crate::counterfactual::{Removed, counterfactual};
 use crate::driven::Driven;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
@@ -46,19 +45,11 @@ pub(super) fn check(
         return;
     }
     let Some(found) = counterfactual(w.drive, w.signals, w.keyframe) else { return };
-    let is_named = |e: &&Effect| named.contains(&e.removed);
-    if found.effects.iter().filter(is_named).any(|e| !e.is_none()) {
-        return;
-    }
-    // Nothing that came into view later can be a cause.
-    let was_seen = |e: &&Effect| match &e.removed {
+    let was_seen = |thing: &Removed| match thing {
         Removed::Light => true,
-        Removed::Object(id) => {
-            let history = w.keyframe.saturating_sub(HISTORY_FRAMES)..=w.keyframe;
-            w.drive.track(id).is_some_and(|t| t.frames.iter().any(|f| history.contains(&(*f as usize))))
-        }
+        Removed::Object(id) => w.was_seen(id),
     };
-    let other = found.effects.iter().filter(was_seen).find(|e| !is_named(e) && e.is_plain());
+    let other = found.instead_of(&named, was_seen);
     let Some(other) = other else { return };
     sink.report(Finding::warning("label.cause.no_effect", pointer::CAUSES_LONGITUDINAL), &|| {
         let what = match &other.removed {

@@ -3,11 +3,10 @@
 
 mod place;
 
-use super::HISTORY_FRAMES;
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
-use crate::driven::{Driven, kmh};
+use crate::driven::{Driven, HISTORY_FRAMES, kmh};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{GroupSet, SaidState};

@@ -247,3 +247,42 @@ fn who_stops_behind_a_lead_or_at_red_does_not_stop_for_anything_farther() {
     assert_eq!(drafted(Some("red")).doubt, Some(Doubt::RedLight));
     assert_eq!(drafted(Some("green")).doubt, None);
 }
+
+/// LABELING.md 6, *causal correctness*: a cyclist in the ego's lane whom it follows down to his 4 m/s is the cause, and
+/// not a car that stands on the other side 100 m on.
+#[test]
+fn there_is_no_draft_where_something_else_holds_the_ego() {
+    let drafted = |cyclist: bool| {
+        let mut drive = fixture::drive("d");
+        let mut signals = fixture::signals(&drive);
+        // At 1.5 m/s2 from 10 m/s at 4 s to 4 m/s at 8 s.
+        let speed = |f: usize| (10.0 - 0.15 * f.saturating_sub(40) as f64).max(4.0);
+        with_speed(&mut signals, speed);
+        let x = (0..fixture::FRAMES).scan(0.0, |at, f| {
+            let here = *at;
+            *at += 0.1 * speed(f);
+            Some(here)
+        });
+        drive.ego.as_mut().unwrap().motion.x = x.collect();
+        let stands = |track: &mut whyroad_model::scene::Track, x: f64, y: f64, mps: f64| {
+            track.motion.x = (0..fixture::FRAMES).map(|f| x + 0.1 * mps * f as f64).collect();
+            track.motion.y = vec![y; fixture::FRAMES];
+            track.motion.vx = vec![mps; fixture::FRAMES];
+        };
+        let mut rider = drive.tracks[0].clone();
+        stands(&mut drive.tracks[0], 140.0, 3.5, 0.0);
+        if cyclist {
+            rider.id = "rider".into();
+            rider.class = whyroad_model::ObjectClass::Bicycle;
+            rider.length_m = vec![1.8; fixture::FRAMES];
+            rider.width_m = vec![0.6; fixture::FRAMES];
+            // 25 m ahead of the ego, which is at 40 m, at 4 s.
+            stands(&mut rider, 49.0, 0.0, 4.0);
+            drive.tracks.push(rider);
+        }
+        let mut episode = fixture::episode(&drive);
+        episode.scenario_id = "reactive_agent.intersection_interaction.unprotected_left".parse().unwrap();
+        draft(Framework::bundled(), &drive, &signals, &episode, Lang::Zh).doubt
+    };
+    assert_eq!((drafted(false), drafted(true)), (None, Some(Doubt::OtherCause)));
+}
