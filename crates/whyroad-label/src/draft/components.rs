@@ -116,8 +116,13 @@ impl Scene<'_> {
         if self.framework.draft_texts.is_routed(&self.episode.scenario_id) {
             return None;
         }
-        let signaled =
-            || signaled_turn(self.signals, self.keyframe, true).filter(|_| !moment.indicator_against());
+        // Where the class is about a junction, the road user names it.
+        let names_it = self.episode.scenario_id.l2.as_deref() == Some("intersection_interaction");
+        let signaled = || {
+            let on = if names_it { signal(self.signals, self.keyframe) } else { None };
+            let on = on.or_else(|| signaled_turn(self.signals, self.keyframe, true));
+            on.filter(|_| !moment.indicator_against())
+        };
         let text = route(self.signals, self.keyframe).or_else(signaled)?;
         Some(component(ComponentCategory::RoutingIntent, &text, lang))
     }
@@ -350,6 +355,15 @@ fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
         _ => return None,
     };
     Some(Bilingual::new(zh, en))
+}
+
+/// The ego's turn signal, in a text that already names the junction.
+fn signal(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
+    match signals.frame_columns.get("ego.turn_signal")?.category(frame)? {
+        "left" => Some(Bilingual::new("自车已打左转向灯", "the ego signals left")),
+        "right" => Some(Bilingual::new("自车已打右转向灯", "the ego signals right")),
+        _ => None,
+    }
 }
 
 /// What the ego's own turn signal announces: a turn at a junction, or in classes about lanes a change of lane.

@@ -4,7 +4,7 @@
 use super::components::is_light;
 use super::moment::Moment;
 use super::motion::LongitudinalMotion;
-use super::wording::{backwards, capital, fits, repeats, wanted, without_side};
+use super::wording::{backwards, capital, fits, names_twice, repeats, wanted, without_side};
 use crate::check::bare;
 use crate::driven::along::{Course, Trend};
 use whyroad_framework::Framework;
@@ -197,7 +197,7 @@ pub(super) fn trace(
 ) -> Option<String> {
     let choice = Choice::of(seed);
     let reasons = facts.reason(moment);
-    let openings = openings(facts, signals, keyframe, choice.opening);
+    let openings = openings(facts, signals, keyframe, moment, choice.opening);
     // The speed is mentioned in few traces, because it affects few decisions.
     let opens = (choice.opening / 8).is_multiple_of(4)
         && openings.first().is_some_and(|o| o.contains(|c: char| c.is_ascii_digit()));
@@ -246,12 +246,14 @@ pub(super) fn trace(
     let unsure = |t: &Told| t.truth == Tri::Unknown;
     let chained = |t: &Told| t.text.matches(" and ").count() > MOST_ANDS;
     let short = |t: &Told| t.text.chars().count() < *wanted(facts.lang).start();
+    let twice = |t: &Told| names_twice(&t.text, facts.lang);
     let repeats = |t: &Told| repeats(&t.text, t.state, facts.lang);
     // A light that concerns the ego is mentioned.
     let light = facts.components.iter().take(MOST_IN_STATE).find(|c| is_light(c));
     let light = light.map(|c| c.description.to_lowercase());
     let unlit = |t: &Told| light.as_ref().is_some_and(|l| !t.text.to_lowercase().contains(l.as_str()));
-    for is_worse in [&smooth as &dyn Fn(&Told) -> bool, &unlit, &unsure, &chained, &short, &repeats] {
+    let all: [&dyn Fn(&Told) -> bool; 7] = [&smooth, &unlit, &unsure, &chained, &short, &twice, &repeats];
+    for is_worse in all {
         if !texts.iter().all(is_worse) {
             texts.retain(|t| !is_worse(t));
         }
@@ -269,7 +271,13 @@ pub(super) fn trace(
 }
 
 /// Phrasings of the ego's motion at the keyframe, that of `seed` first.
-fn openings(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> Vec<String> {
+fn openings(
+    facts: &DraftFacts<'_>,
+    signals: &SignalTable,
+    keyframe: usize,
+    moment: &Moment<'_>,
+    seed: u64,
+) -> Vec<String> {
     let speed = signals.frame_columns.get("ego.speed").and_then(|c| c.number(keyframe));
     let Some(speed) = speed else { return Vec::new() };
     let all = facts.framework.draft_texts.openings();
@@ -291,9 +299,11 @@ fn openings(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed
     if state().any(|text| text.starts_with(of_ego)) {
         return Vec::new();
     }
-    // One number is enough.
+    // One number is enough; that the ego drives at all need not be said.
     if state().any(|text| text.contains(|c: char| c.is_ascii_digit())) {
-        return of(&all.moving_without_speed);
+        let changes = |name| moment.change(name) != Tri::False;
+        let steady = !changes("past.slowed") && !changes("past.gained");
+        return if steady { of(&all.moving_without_speed) } else { Vec::new() };
     }
     let step = if speed * 3.6 < 2.0 * SPEED_STEP_KMH { 1.0 } else { SPEED_STEP_KMH };
     let kmh = (speed * 3.6 / step).round().max(1.0) * step;

@@ -7,6 +7,11 @@ use whyroad_model::Lang;
 const REPEATED_ZH: usize = 4;
 const REPEATED_EN: usize = 3;
 
+/// Places and maneuvers that a text names once.
+const ONCE_ZH: [&str; 8] = ["环岛", "路口", "汇入", "匝道", "主路", "斑马线", "闸机", "收费"];
+const ONCE_EN: [&str; 8] =
+    ["roundabout", "junction", "merg", "ramp", "main road", "crosswalk", "gate", "toll"];
+
 /// Preferred length in characters (LABELING.md 7: 50 to 100 in Chinese; in English about 25 to 60 words).
 pub(super) fn wanted(lang: Lang) -> RangeInclusive<usize> {
     match lang {
@@ -21,6 +26,13 @@ const MOST_WORDS: usize = 60;
 pub(super) fn fits(text: &str, lang: Lang) -> bool {
     wanted(lang).contains(&text.chars().count())
         && (lang == Lang::Zh || text.split_whitespace().count() <= MOST_WORDS)
+}
+
+/// The text names a place or a maneuver twice.
+pub(super) fn names_twice(text: &str, lang: Lang) -> bool {
+    let text = text.to_lowercase();
+    let once = if lang == Lang::Zh { &ONCE_ZH } else { &ONCE_EN };
+    once.iter().any(|word| text.matches(word).count() > 1)
 }
 
 /// A run of words of the reason or the decision occurs twice. The first `state` bytes are the state, in which
@@ -81,6 +93,14 @@ pub(super) fn capital(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_place_that_is_named_twice_is_found() {
+        assert!(names_twice("前方道路通向环岛；自车要绕环岛行驶，因此自车右转驶入。", Lang::Zh));
+        assert!(!names_twice("前方道路通向环岛；自车要绕着它通过，因此自车右转驶入。", Lang::Zh));
+        assert!(names_twice("The ego drives in the roundabout. It leaves the roundabout here.", Lang::En));
+        assert!(!names_twice("The ego merges; a junction lies ahead.", Lang::En));
+    }
 
     #[test]
     fn a_run_of_words_that_occurs_twice_is_found() {

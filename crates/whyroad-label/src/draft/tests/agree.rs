@@ -154,6 +154,39 @@ fn who_meets_the_ego_in_its_own_lane_is_no_near_miss() {
 }
 
 #[test]
+fn a_steady_speed_is_said_only_where_it_is_steady() {
+    // A component has a number, so the opening has none. At 1.5 m/s2 it loses 1.5 m/s in the second before.
+    let opening = |slows: f64| {
+        traces("reactive_rule.speed_limit", move |s| {
+            with_speed(s, |f| 18.0 - slows * (f as f64 - 40.0) / 10.0);
+            number(s, "map.speed_limit", 20.0);
+            number(s, "map.speed_limit_ahead", 20.0);
+        })
+    };
+    let words = ["车速平稳", "匀速行驶", "steady"];
+    let (steady, slowing) = (opening(0.0), opening(1.5));
+    assert!(says(&steady, &words) > 0, "{steady:?}");
+    assert_eq!(says(&slowing, &words), 0, "{slowing:?}");
+}
+
+#[test]
+fn a_junction_is_named_once() {
+    let turning = drafts("reactive_agent.intersection_interaction.unprotected_left", |s| {
+        with_speed(s, |f| (10.0 - 0.1 * f.saturating_sub(40) as f64).max(3.0));
+        of_target(s, "target.longitudinal", 40.0);
+        of_target(s, "target.lateral", 3.0);
+        of_target(s, "target.heading_difference", 3.1);
+        of_target(s, "target.speed", 10.0);
+        word(s, "ego.turn_signal", "left");
+        turns(s, "left");
+    });
+    let twice = |t: &&String| t.matches("路口").count() > 1 || t.matches("junction").count() > 1;
+    assert!(turning.iter().all(|d| d.doubt.is_none()), "{:?}", turning.first());
+    let turning: Vec<String> = turning.into_iter().map(|d| d.label.coc_trace).collect();
+    assert_eq!(turning.iter().find(twice), None);
+}
+
+#[test]
 fn an_ego_over_the_limit_is_not_said_to_drive_as_usual() {
     // 25 m/s where 20 m/s are allowed.
     let over = traces("reactive_rule.speed_limit", |s| {
@@ -177,7 +210,7 @@ fn an_ego_that_slows_behind_a_junction_does_not_watch_its_sides() {
             s.frame_columns.insert("ego.in_junction".into(), Column::Flag(inside));
         })
     };
-    let sides = ["还没有驶出路口", "路口里可能有车横穿", "until it is through"];
+    let sides = ["还没有走出去", "里面可能有车横穿", "until it is through"];
     assert_eq!(says(&through(10), &sides), 0);
     assert!(says(&through(40), &sides) > 0);
 }

@@ -161,8 +161,12 @@ fn what_the_ego_plainly_does_is_a_decision() {
     };
     let crossing = "reactive_agent.intersection_interaction.cross_conflict";
     let narrow = "reactive_road.geometry_adaptation.narrow";
-    // At 0.9 m/s it rolls and moves off; at 1.1 m/s it is already driving.
-    assert_eq!(along(crossing, |f| 0.9 + 0.1 * f.saturating_sub(44) as f64), Some(Longitudinal::Resume));
+    // LABELING.md 2: to resume is to start from a standstill. An ego that stood 2 s before and rolls at 0.9 m/s moves
+    // off, one that only rolled does not; at 1.1 m/s it is already driving.
+    let rolls = |f: usize| 0.9 + 0.1 * f.saturating_sub(44) as f64;
+    let stood = |f: usize| if f < 25 { 0.0 } else { 0.9 + 0.1 * f.saturating_sub(44) as f64 };
+    assert_eq!(along(crossing, stood), Some(Longitudinal::Resume));
+    assert_eq!(along(crossing, rolls), None);
     assert_eq!(
         along(narrow, |f| 1.1 + 0.1 * f.saturating_sub(44) as f64),
         Some(Longitudinal::SetSpeedTracking)
