@@ -335,7 +335,7 @@ mod tests {
         for n in [FEW_SQUARES, FEW_SQUARES + 1, 3 * FEW_SQUARES] {
             // Squares over forty powers of two, some of them equal, and zeros.
             let square = |i: usize| {
-                if i % 7 == 0 { 0.0 } else { 0.5_f64.powi((i * 37 % 41) as i32) * (i % 501) as f64 }
+                if i.is_multiple_of(7) { 0.0 } else { 0.5_f64.powi((i * 37 % 41) as i32) * (i % 501) as f64 }
             };
             let mut squares: Vec<f64> = (0..n).map(square).collect();
             let mut sorted = squares.clone();
