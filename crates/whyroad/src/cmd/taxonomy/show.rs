@@ -155,7 +155,7 @@ impl Page<'_> {
         }
         if s.uncertainty_high {
             let text = self
-                .word("至少一个关键因素必须标 high", "high on at least one critical component, mandatory");
+                .word("至少一个关键要素必须标 high", "high on at least one critical component, mandatory");
             let _ = writeln!(out, "  uncertainty: {text}");
         }
         if let Some(lateral) = s.lateral {
