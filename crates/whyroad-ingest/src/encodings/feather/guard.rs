@@ -2,7 +2,7 @@
 //! allocates by them: damaged files otherwise ask for terabytes. Format: Arrow columnar format, "Serialization and
 //! Interprocess Communication"; `Message.fbs`, `File.fbs`.
 
-use arrow_ipc::{Block, Buffer, Footer, MessageHeader, RecordBatch, root_as_footer, root_as_message};
+use arrow_ipc::{Block, Buffer, MessageHeader, RecordBatch, root_as_footer, root_as_message};
 
 /// LZ4 packs at most 255 bytes into one.
 const MAX_RATIO: i64 = 255;
@@ -10,27 +10,20 @@ const TRAILER: usize = 10;
 
 /// `Err` states what is impossible in the file.
 pub(super) fn check_file(bytes: &[u8]) -> Result<(), String> {
-    let footer = footer(bytes)?;
-    let blocks = footer.recordBatches().into_iter().chain(footer.dictionaries()).flatten();
-    for block in blocks {
-        let (message, body) = message_and_body(bytes, block)?;
-        check_message(message, body)?;
-    }
-    Ok(())
-}
-
-/// The footer of a file.
-pub(super) fn footer(bytes: &[u8]) -> Result<Footer<'_>, String> {
     let end = bytes.len().checked_sub(TRAILER).ok_or("it is too short")?;
     let length: [u8; 4] = bytes[end..end + 4].try_into().map_err(|_| "it is too short")?;
     let length =
         usize::try_from(i32::from_le_bytes(length)).map_err(|_| "its footer has a negative length")?;
     let start = end.checked_sub(length).ok_or("its footer is longer than the file")?;
-    root_as_footer(&bytes[start..end]).map_err(|e| format!("its footer is broken: {e}"))
+    let footer = root_as_footer(&bytes[start..end]).map_err(|e| format!("its footer is broken: {e}"))?;
+    let blocks = footer.recordBatches().into_iter().chain(footer.dictionaries()).flatten();
+    for block in blocks {
+        check_block(bytes, block)?;
+    }
+    Ok(())
 }
 
-/// The message of a block, and the body that belongs to it.
-pub(super) fn message_and_body<'f>(bytes: &'f [u8], block: &Block) -> Result<(&'f [u8], &'f [u8]), String> {
+fn check_block(bytes: &[u8], block: &Block) -> Result<(), String> {
     let outside = || "one of its blocks is not inside the file".to_owned();
     let size = |n: i64| usize::try_from(n).ok();
     let (at, head, body) =
@@ -38,8 +31,8 @@ pub(super) fn message_and_body<'f>(bytes: &'f [u8], block: &Block) -> Result<(&'
     let (Some(at), Some(head), Some(body)) = (at, head, body) else { return Err(outside()) };
     let middle = at.checked_add(head).ok_or_else(outside)?;
     let end = middle.checked_add(body).filter(|&end| end <= bytes.len()).ok_or_else(outside)?;
-    let message = message(&bytes[at..middle]).ok_or("one of its messages is cut short")?;
-    Ok((message, &bytes[middle..end]))
+    let (head, body) = (&bytes[at..middle], &bytes[middle..end]);
+    check_message(message(head).ok_or("one of its messages is cut short")?, body)
 }
 
 /// The message behind its length, with or without the continuation marker.
