@@ -98,7 +98,7 @@ fn no_ramp_is_named_where_there_is_none() {
         })
     };
     let named = |all: &[String]| all.iter().filter(|t| t.contains("匝道") || t.contains("加速车道")).count();
-    let comes_to_it = |t: &String| t.contains("接近前方的另一条路");
+    let comes_to_it = |t: &String| t.contains("接近要汇入的道路");
     let neither = merging(false, "none");
     assert!(neither.iter().any(comes_to_it) && named(&neither) == 0, "{neither:?}");
     for on_it in [merging(true, "none"), merging(false, "acceleration")] {
