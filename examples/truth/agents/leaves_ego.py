@@ -52,14 +52,15 @@ def steering(log):
 
 
 def near_misses(log):
-    """TTC below 1.5 s, or PET below 1 s with somebody who crosses; the ego over 2 m/s, no AEB, nothing touched."""
+    """TTC below 1.5 s at a DRAC over 3 m/s2 (PEERS.md), or PET below 1 s with somebody who crosses; the ego over 2 m/s, no AEB, nothing touched."""
     hard = [e["t"] for e in events(log, "steers_hard")]
     for i, track in log.tracks.items():
         times = sorted(track)
-        # What just meets or just misses the definition is left open: 0.1 s of TTC, 0.3 m beside the way, less than 0.3 s, and what is that
+        # What just meets or just misses the definition is left open: 0.1 s of TTC, 0.2 m/s2 of DRAC, 0.3 m beside the way, less than 0.3 s, and what is that
         # near by its box's reach alone, not by the part of it that is in the way.
-        loose = lambda t: log.ttc(i, t, 0.3) < 1.6 and log.ego[t].v > 2
-        critical = lambda t: log.ttc(i, t, -0.1, log.gap_in_way(i, t, -0.1)) < 1.4 and log.ego[t].v > 2
+        loose = lambda t: log.ttc(i, t, 0.3) < 1.6 and log.drac(i, t, 0.3) > 2.8 and log.ego[t].v > 2
+        sure = lambda t: (i, t, -0.1, log.gap_in_way(i, t, -0.1))
+        critical = lambda t: log.ttc(*sure(t)) < 1.4 and log.drac(*sure(t)) > 3.2 and log.ego[t].v > 2
         for t0, t1 in runs(times, loose, 2.0):
             if any(abs(a - t0) < 4 for a in log.aeb) or any(abs(h - t0) < 2 for h in hard):
                 continue

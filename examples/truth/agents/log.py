@@ -132,6 +132,11 @@ class Log:
                 return math.inf
         return ttc
 
+    def drac(self, i, t, margin=0.0, gap=None):
+        """What deceleration avoids it, m/s2: the closing speed over twice the TTC; 0 where there is none."""
+        o, e = self.tracks[i][t], self.ego[t]
+        return max(e.v - o.v * math.cos(o.psi), 0) / (2 * self.ttc(i, t, margin, gap))
+
     def ttc_course(self, i, t):
         """The same if the ego kept its present place in the lane."""
         o, e = self.tracks[i][t], self.ego[t]

@@ -184,7 +184,8 @@ def brakes_hard(its, a, b):
 
 
 def near_misses(run, ego):
-    """safety.near_miss: SUMO's own minimum TTC under 1.5 s behind a lead, or PET under 1 s; only thresholds passed by 0.2 s are sure."""
+    """safety.near_miss: SUMO's own minimum TTC under 1.5 s behind a lead, at a DRAC over 3 m/s2 (PEERS.md), or PET under 1 s; only thresholds passed
+    by 0.2 s, and 0.2 m/s2, are sure."""
     rows = run.rows[ego]
     for c in run.conflicts:
         if c.get("ego") != ego:
@@ -197,7 +198,10 @@ def near_misses(run, ego):
             if k not in rows or value > most:
                 continue
             follower = tag == "minTTC" and m.get("type") in ("2", "FOLLOWING_FOLLOWER")
-            yield run.entry("safety.near_miss.general", ego, k - 20, k, k + 20, c.get("foe"), optional=not (follower and value < sure and rows[k].speed > 3))
+            foe = run.rows.get(c.get("foe"), {}).get(k)
+            # DRAC is the closing speed over twice the TTC.
+            brakes_hard = follower and foe is not None and rows[k].speed - foe.speed > 2 * 3.2 * value
+            yield run.entry("safety.near_miss.general", ego, k - 20, k, k + 20, c.get("foe"), optional=not (brakes_hard and value < sure and rows[k].speed > 3))
 
 
 def riders_ahead(run, ego, lead):

@@ -5,7 +5,7 @@ use crate::ego::motion::EgoMotion;
 use crate::geometry::{unwrap, wrap};
 use crate::road::cut_traversal::rest_by_lanes;
 use crate::road::network::Road;
-use crate::road::own_turns::{TURN_RAD, own_turns, unseen_part};
+use crate::road::own_turns::{TURN_RAD, own_turns, steers_round, unseen_part};
 use crate::road::path::DrivenPath;
 use crate::road::stretch::{STEP_M, Stretch};
 use crate::table::TableBuilder;
@@ -69,6 +69,8 @@ struct Turned {
     unseen: f64,
     /// True if the recording covers it from entry to exit.
     whole: bool,
+    /// True if the recording ends while the ego steers into a turn.
+    steers_on: bool,
 }
 
 /// Change of heading over one traversal. A turn that begins before the area or ends behind it is counted completely; if
@@ -81,7 +83,7 @@ fn turned(stretch: Stretch, path: &DrivenPath, ego: &EgoMotion, headings: &[f64]
     let whole = path.driven.0 <= stretch.from && path.driven.1 >= stretch.to;
     let turned = headings[last] - headings[first];
     if turned.abs() < BEGUN_RAD {
-        return Some(Turned { recorded: turned, unseen: 0.0, whole });
+        return Some(Turned { recorded: turned, unseen: 0.0, whole, steers_on: false });
     }
     let goes_on = |from: f64, to: f64, way: f64| (to - from) * turned.signum() >= way / TURN_RADIUS_M;
     let (mut begins, mut ends) = (first, last);
@@ -116,11 +118,13 @@ fn turned(stretch: Stretch, path: &DrivenPath, ego: &EgoMotion, headings: &[f64]
     let part = |cut: bool, edge: usize| if cut { unseen_part(ego, edge, turned) } else { 0.0 };
     let unseen = part(begins_in_it, edge_first) + part(ends_in_it, edge_last);
     let recorded = headings[ends] - headings[begins];
-    Some(Turned { recorded, unseen, whole: whole && !begins_in_it && !ends_in_it })
+    let steers_on = ends_in_it && steers_round(ego, edge_last, recorded);
+    Some(Turned { recorded, unseen, whole: whole && !begins_in_it && !ends_in_it, steers_on })
 }
 
 /// Change of heading over one traversal as recorded, rad, and its movement. Where the recording ends inside, both are
-/// completed from the lanes if all that the ego may be following make it the same movement.
+/// completed from the lanes if all that the ego may be following make it the same movement; else the movement is the
+/// turn into which the ego steers.
 fn way(
     road: &Road,
     path: &DrivenPath,
@@ -128,7 +132,7 @@ fn way(
     stretch: Stretch,
     headings: &[f64],
 ) -> Option<(f64, Option<EgoMovement>)> {
-    let Turned { recorded, unseen, whole } = turned(stretch, path, ego, headings)?;
+    let Turned { recorded, unseen, whole, steers_on } = turned(stretch, path, ego, headings)?;
     let seen = movement(recorded + unseen, whole);
     if seen.is_some() {
         return Some((recorded, seen));
@@ -136,7 +140,8 @@ fn way(
     let rests = rest_by_lanes(road, path, (stretch.from, stretch.to));
     let by_lane = |rest: &f64| movement(recorded + rest, true);
     let nearest = rests.first().filter(|nearest| rests.iter().all(|rest| by_lane(rest) == by_lane(nearest)));
-    Some(nearest.map_or((recorded, None), |rest| (recorded + rest, by_lane(rest))))
+    let steered = || steers_on.then(|| turn_to(recorded));
+    Some(nearest.map_or_else(|| (recorded, steered()), |rest| (recorded + rest, by_lane(rest))))
 }
 
 /// U-turns of the path outside of junctions, as at an opening of the median, where no lane makes the turn (as in a
@@ -191,12 +196,16 @@ fn with_turns(junctions: Vec<Stretch>, turns: Vec<Stretch>) -> Vec<Stretch> {
     all
 }
 
+fn turn_to(angle: f64) -> EgoMovement {
+    if angle > 0.0 { EgoMovement::Left } else { EgoMovement::Right }
+}
+
 /// The movement of a traversal with a change of heading by `angle` (rad) that was completely recorded if `whole`.
 pub fn movement(angle: f64, whole: bool) -> Option<EgoMovement> {
     if angle.abs() > UTURN_RAD {
         Some(EgoMovement::Uturn)
     } else if angle.abs() >= TURN_RAD {
-        Some(if angle > 0.0 { EgoMovement::Left } else { EgoMovement::Right })
+        Some(turn_to(angle))
     } else {
         whole.then_some(EgoMovement::Straight)
     }
@@ -220,7 +229,7 @@ impl Encounters {
         let areas = stretches(path, |p| road.in_junction(p), MERGE_M);
         let headings = unwrap(&ego.heading);
         let at_one = |turn: &Stretch| areas.iter().any(|area| touches(area, turn));
-        let turns = own_turns(road, path, ego, &headings, &areas)
+        let turns = own_turns(road, path, ego, &headings)
             .into_iter()
             .filter(|turn| !(areas_are_stated && at_one(turn)))
             .collect();

@@ -4,7 +4,9 @@ use crate::scene::{Table, add, area, car, drive, lane, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::Need;
 use whyroad_model::ObjectClass::Pedestrian;
+use whyroad_model::RoadMap;
 use whyroad_model::Tri::{False, True, Unknown};
+use whyroad_model::road_map::Area;
 use whyroad_model::scene::FrameOfReference;
 
 #[test]
@@ -223,6 +225,29 @@ fn lanes_of_the_junction_complete_a_way_that_the_record_cuts() {
 }
 
 #[test]
+fn who_steers_into_a_turn_where_the_record_ends_turns() {
+    // Straight on, then a circle of `radius` to the left from the junction at x = 40 on, whose lanes lead elsewhere.
+    let movement = |radius: f64, degrees: f64| {
+        let (speed, arc) = (8.0, radius * degrees.to_radians());
+        let way = move |s: f64| {
+            let a = ((s - 40.0) / radius).max(0.0);
+            (s.min(40.0) + radius * a.sin(), radius * (1.0 - a.cos()), a)
+        };
+        let frames = ((40.0 + arc) / (speed * 0.1)) as usize;
+        let mut d = drive(frames, |t| way(speed * t));
+        let mut m = map(vec![lane("road", &[(-50.0, 0.0), (40.0, 0.0)], 3.5)]);
+        m.junctions = vec![area("j", &[(40.0, -20.0), (80.0, -20.0), (80.0, 20.0), (40.0, 20.0)])];
+        d.map = Some(m);
+        let t = Table::of(&d);
+        assert_eq!(t.ego_flag("ego.in_junction", frames - 1), True);
+        t.ego_category("ego.movement", frames - 1).map(str::to_owned)
+    };
+    assert_eq!(movement(15.0, 22.0).as_deref(), Some("left"));
+    assert_eq!(movement(15.0, 12.0), None, "a lane change in the junction turns by as much");
+    assert_eq!(movement(32.0, 22.0), None, "a bend of the road is as wide");
+}
+
+#[test]
 fn how_far_a_turn_goes_is_unknown_where_the_record_begins_in_it() {
     // Part of a circle of 20 m to the left, from (0, 0); the junction is what lies beyond 6 m of the arc.
     let junction = area("j", &[(5.9, -5.0), (18.0, -5.0), (18.0, 20.0), (5.9, 20.0)]);
@@ -280,6 +305,17 @@ fn a_turn_out_of_an_access_is_one_where_the_map_has_no_junction() {
     // The record ends after 40 deg, at 29 deg/s.
     let t = table(57, two_lanes(), &out_of_it);
     assert_eq!(t.ego_category("ego.movement", 56), Some("right"));
+    // The record begins at rest beside its lane, 5 m before the turn: it may leave a parking space. Within 15 m of a
+    // junction it does not.
+    let from_rest = |t: f64| out_of_it(14.0 + 0.8 * t * t);
+    let movement = |junctions: Vec<Area>| {
+        let mut d = drive(70, from_rest);
+        d.map = Some(RoadMap { junctions, ..two_lanes() });
+        Table::of(&d).ego_category("ego.movement", 30).map(str::to_owned)
+    };
+    let square = |x: f64| area("j", &[(x, -5.0), (x + 10.0, -5.0), (x + 10.0, 5.0), (x, 5.0)]);
+    assert_eq!(movement(vec![square(-40.0)]), None);
+    assert_eq!(movement(vec![square(-20.0)]).as_deref(), Some("right"));
     // A lane that makes the same bend leads it round.
     let bend: Vec<(f64, f64)> =
         (0..40).map(|i| out_of_it(f64::from(i) * 2.0 - 20.0)).map(|(x, y, _)| (x, y)).collect();
