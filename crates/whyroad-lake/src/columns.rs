@@ -64,7 +64,8 @@ impl TableBuilder {
     pub fn numbers(self, name: &str, values: impl IntoIterator<Item = f64>) -> Self {
         let values: Vec<f64> = values.into_iter().collect();
         let unknown = values.iter().fold(false, |unknown, v| unknown | v.is_nan());
-        let known = unknown.then(|| BooleanBuffer::collect_bool(values.len(), |i| !values[i].is_nan()).into());
+        let known =
+            unknown.then(|| BooleanBuffer::collect_bool(values.len(), |i| !values[i].is_nan()).into());
         self.push(name, true, Arc::new(Float64Array::new(values.into(), known)))
     }
     /// Texts that are always known and mostly that of the row before: each with a number of rows. What has many rows is

@@ -48,10 +48,11 @@ pub(crate) fn properties(row_order: &str, more: Vec<KeyValue>) -> WriterProperti
 /// Writes one table: one row group (so that any engine returns it whole), Snappy, and the row order in the metadata.
 pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> Result<usize, LakeError> {
     let mut properties = properties(row_order, vec![]);
-    if let Some(rows) = table.rows().filter(|rows| *rows > 0 && table.columns().all(|(_, c)| is_flat(c))) {
+    if let Some(rows) = flat_rows(&table) {
         let properties = properties.set_statistics_enabled(EnabledStatistics::Chunk);
         let mut writer = ChunkWriter::create(path, &table.schema(), properties.build())?;
-        let runs: Vec<Vec<(&str, usize)>> = table.columns().map(|(_, column)| borrowed_runs(column)).collect();
+        let runs: Vec<Vec<(&str, usize)>> =
+            table.columns().map(|(_, column)| borrowed_runs(column)).collect();
         let cells = table.columns().zip(&runs).map(|((_, column), runs)| match column {
             Stored::Array(array) => Cells::Array(array),
             Stored::Runs(_) => Cells::Runs(runs),
@@ -71,8 +72,14 @@ pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> 
     Ok(batch.num_rows())
 }
 
+/// The number of rows of a table that can be written without Arrow's writer. `None` for other tables, which mostly have
+/// few rows.
+fn flat_rows(table: &TableBuilder) -> Option<usize> {
+    table.rows().filter(|rows| *rows > 0 && table.columns().all(|(_, column)| is_flat(column)))
+}
+
 /// True for a column that can be written without Arrow's writer: it is not nested, and texts hardly change from row to
-/// row. Tables that have other columns mostly have few rows.
+/// row.
 fn is_flat(column: &Stored) -> bool {
     match column {
         Stored::Array(array) => match array.data_type() {
@@ -293,6 +300,10 @@ mod tests {
                 (0..rows).map(|i| (i / 40 % 3 > 0).then(|| format!("part {}", i / 1000))),
             )
             .texts_or_null("never", (0..rows).map(|_| None::<&str>))
+            .text_runs(
+                "run",
+                (0..rows).step_by(30).map(|i| (["one", "one", "two"][i / 30 % 3], 30.min(rows - i))),
+            )
             .indices("index", (0..rows).map(|i| i as u32 % 1000))
             .integers("time", (0..rows).map(|i| i as i64 * 100_000_000 - 5))
             .integers_or_null("later", (0..rows).map(|i| (i % 7 == 0).then_some(i as i64)))
@@ -309,7 +320,8 @@ mod tests {
     fn what_is_written_without_arrows_writer_is_what_it_would_have_written() {
         for (rows, texts) in [(1, false), (300, false), (150_000, false), (300, true)] {
             let written = table(rows, texts).finish().unwrap();
-            assert_eq!(flat(&written).is_some(), rows >= 300 && !texts, "{rows} rows");
+            let is_flat = flat_rows(&table(rows, texts)).is_some();
+            assert_eq!(is_flat, rows >= 300 && !texts, "{rows} rows");
             let file = tempfile::NamedTempFile::new().unwrap();
             write_table(file.path(), table(rows, texts), frames::ROW_ORDER).unwrap();
             let read = read_table(file.path(), frames::ROW_ORDER).unwrap().unwrap().batch;

@@ -190,13 +190,15 @@ impl<'a> Evaluation<'a> {
             NodeValue::Numbers(Numbers::Same(x, _)) => NodeValue::Numbers(Numbers::Same(x, n)),
             NodeValue::Numbers(v) => {
                 let v = v.values();
-                let all = objects.iter().flat_map(|s| v[s.row..s.row + s.len].iter().copied());
-                NodeValue::Numbers(Numbers::of(all.collect::<Vec<_>>()))
+                let mut all = Vec::with_capacity(n);
+                objects.iter().for_each(|s| all.extend_from_slice(&v[s.row..s.row + s.len]));
+                NodeValue::Numbers(Numbers::of(all))
             }
             NodeValue::Words(w) => {
                 let codes = w.codes();
-                let all = objects.iter().flat_map(|s| codes[s.row..s.row + s.len].iter().copied());
-                NodeValue::Words(super::signals::Words::of(all.collect(), w.names.clone()))
+                let mut all = Vec::with_capacity(n);
+                objects.iter().for_each(|s| all.extend_from_slice(&codes[s.row..s.row + s.len]));
+                NodeValue::Words(super::signals::Words::of(all, w.names.clone()))
             }
         }
     }

@@ -284,9 +284,11 @@ impl Evaluation<'_> {
     /// false, so is the condition, with the least margin that there is. None where some part could have a lesser one.
     fn flags_that_decide(&self, of: NodeId) -> Vec<Truth> {
         let all = self.plan.conjuncts(of);
-        let could_be_less = |id: &NodeId| self.plan.any_below(*id, &|op| {
-            matches!(op, Op::Previously(..) | Op::Since(..) | Op::Until(..) | Op::InMatch(_))
-        });
+        let could_be_less = |id: &NodeId| {
+            self.plan.any_below(*id, &|op| {
+                matches!(op, Op::Previously(..) | Op::Since(..) | Op::Until(..) | Op::InMatch(_))
+            })
+        };
         if self.plan.node(of).needs_episode || all.iter().any(could_be_less) {
             return Vec::new();
         }

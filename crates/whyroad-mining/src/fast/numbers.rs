@@ -5,9 +5,7 @@
 //! rules ask.
 
 use super::bits::Bits;
-use super::compare::{
-    compare_columns, compare_slice, compare_word, holds, pack_all, range, settled,
-};
+use super::compare::{compare_columns, compare_slice, compare_word, holds, pack_all, range, settled};
 use super::truth::Truth;
 use crate::language::syntax::CompareOp;
 use std::borrow::Cow;

@@ -141,7 +141,9 @@ impl<'r> Plan<'r> {
         });
         let as_target = as_target.map(|op| self.add(op));
         let deviation = match &op {
-            Op::Signal(name) | Op::SecondSignal(name) | Op::PairSignal { name, .. } => Some(deviation_name(name)),
+            Op::Signal(name) | Op::SecondSignal(name) | Op::PairSignal { name, .. } => {
+                Some(deviation_name(name))
+            }
             _ => None,
         };
         let cost = own_cost(&op) + op.operands().iter().map(|o| self.node(*o).cost).sum::<usize>();

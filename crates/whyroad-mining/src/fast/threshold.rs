@@ -1,8 +1,8 @@
 //! Comparisons of numbers that have standard deviations (`crate::deviation` defines them), on the stretches of a
 //! column.
 
-use super::compare::{is_within_noise, within_noise, within_noise_word};
 use super::bits::Bits;
+use super::compare::{is_within_noise, within_noise, within_noise_word};
 use super::layout::Segment;
 use super::noise::Noise;
 use super::numbers::Numbers;
