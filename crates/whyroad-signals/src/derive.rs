@@ -224,8 +224,7 @@ impl RoadStage<'_> {
             let ways = Ways::new(road, lanes);
             let entries = road.lanes.iter().map(|lane| map.lane(&lane.id)).collect();
             let encounters = &encounters;
-            let on =
-                OnRoad { drive, map, road, path, ego: motion, lanes, encounters, times, ways, entries };
+            let on = OnRoad { drive, map, road, path, ego: motion, lanes, encounters, times, ways, entries };
             if table.asks(wanted::ROAD_AHEAD) {
                 road::write(&on, table);
             }

@@ -54,6 +54,8 @@ pub struct Tracked {
     pub row: usize,
     /// Its box, if it is known. A copy: frame by frame, the placements of the targets are far apart in memory.
     pub footprint: Option<OrientedBox>,
+    /// In the ego's way.
+    pub in_way: bool,
     /// Whether it can hide something.
     hides: bool,
 }
@@ -87,6 +89,7 @@ impl<'a> Obstacles<'a> {
                     target: k,
                     row,
                     footprint: known.map(|p| p.footprint),
+                    in_way: place.as_ref().is_some_and(|p| p.in_way || p.band.is_some()),
                     hides: known.is_some_and(|p| p.same_level) && !low,
                 });
             }

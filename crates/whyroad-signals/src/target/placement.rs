@@ -287,7 +287,17 @@ impl<'a> Surroundings<'a> {
         };
         let accel = given_or_slope(&m.accel, &times, &forward_speed);
         let standstill = below_with_hysteresis(&speed, STANDSTILL_SET_MPS, STANDSTILL_RELEASE_MPS);
-        Target { track, times, speed, forward_speed, accel, standstill, places, sd: None, in_junction: OnceCell::new() }
+        Target {
+            track,
+            times,
+            speed,
+            forward_speed,
+            accel,
+            standstill,
+            places,
+            sd: None,
+            in_junction: OnceCell::new(),
+        }
     }
 
     fn all_rows(&self, track: &Track) -> Vec<Option<Placement>> {

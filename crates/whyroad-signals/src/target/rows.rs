@@ -35,6 +35,12 @@ impl<'a> Rows<'a> {
         TargetRows(column)
     }
 
+    /// A value in all observed rows of each track.
+    pub fn per_track<T: Clone>(&self, unknown: T, value: impl Fn(&Track) -> T) -> TargetRows<T> {
+        let values: Vec<T> = self.tracks.iter().map(|track| value(track)).collect();
+        self.fill(unknown, |k, _, _| values[k].clone())
+    }
+
     /// A number per row of each track.
     pub fn numbers(&self, value: impl Fn(&Track, usize) -> f64) -> TargetRows<f64> {
         self.fill(f64::NAN, |_, t, r| value(t, r))
