@@ -1,11 +1,11 @@
 //! One table, one Parquet file: how it is written, and what is checked when it is read.
 
 use crate::chunks::{Cells, ChunkWriter, Source, runs_of};
-use crate::columns::{Table, TableBuilder};
+use crate::columns::{Stored, Table, TableBuilder};
 use crate::{LAKE_VERSION, LakeError};
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use arrow_array::{ArrayRef, RecordBatch};
+use arrow_array::{Array, RecordBatch};
 use arrow_schema::{DataType, SchemaRef};
 use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
@@ -47,36 +47,56 @@ pub(crate) fn properties(row_order: &str, more: Vec<KeyValue>) -> WriterProperti
 
 /// Writes one table: one row group (so that any engine returns it whole), Snappy, and the row order in the metadata.
 pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> Result<usize, LakeError> {
-    let batch = table.finish().map_err(|e| LakeError::broken(path, e))?;
     let mut properties = properties(row_order, vec![]);
+    if let Some(rows) = flat_rows(&table) {
+        let properties = properties.set_statistics_enabled(EnabledStatistics::Chunk);
+        let mut writer = ChunkWriter::create(path, &table.schema(), properties.build())?;
+        let runs: Vec<Vec<(&str, usize)>> =
+            table.columns().map(|(_, column)| borrowed_runs(column)).collect();
+        let cells = table.columns().zip(&runs).map(|((_, column), runs)| match column {
+            Stored::Array(array) => Cells::Array(array),
+            Stored::Runs(_) => Cells::Runs(runs),
+        });
+        writer.row_group(rows, &cells.map(Source::Cells).collect::<Vec<_>>())?;
+        writer.finish()?;
+        return Ok(rows);
+    }
+    let batch = table.finish().map_err(|e| LakeError::broken(path, e))?;
     for (field, column) in batch.schema().fields().iter().zip(batch.columns()) {
         if column.as_primitive_opt::<Float64Type>().is_some_and(|numbers| !repeats(numbers.values())) {
             let path = ColumnPath::from(field.name().as_str());
             properties = properties.set_column_dictionary_enabled(path, false);
         }
     }
-    match flat(&batch) {
-        Some(sources) => {
-            let properties = properties.set_statistics_enabled(EnabledStatistics::Chunk);
-            let mut writer = ChunkWriter::create(path, &batch.schema(), properties.build())?;
-            writer.row_group(batch.num_rows(), &sources)?;
-            writer.finish()?;
-        }
-        None => write_batches(path, &batch.schema(), [&batch], properties.build())?,
-    }
+    write_batches(path, &batch.schema(), [&batch], properties.build())?;
     Ok(batch.num_rows())
 }
 
-/// Columns that can be written without Arrow's writer: none is nested, and texts hardly change from row to row. `None`
-/// for other tables, which mostly have few rows.
-fn flat(batch: &RecordBatch) -> Option<Vec<Source<'_>>> {
-    let is_flat = |column: &ArrayRef| match column.data_type() {
-        DataType::Float64 | DataType::Int64 | DataType::UInt32 | DataType::Boolean => true,
-        DataType::Utf8 => runs_of(column.as_string()).count() * LEAST_RUN_ROWS <= column.len(),
-        _ => false,
-    };
-    let all = batch.num_rows() > 0 && batch.columns().iter().all(is_flat);
-    all.then(|| batch.columns().iter().map(|c| Source::Cells(Cells::Array(c))).collect())
+/// The number of rows of a table that can be written without Arrow's writer. `None` for other tables, which mostly have
+/// few rows.
+fn flat_rows(table: &TableBuilder) -> Option<usize> {
+    table.rows().filter(|rows| *rows > 0 && table.columns().all(|(_, column)| is_flat(column)))
+}
+
+/// True for a column that can be written without Arrow's writer: it is not nested, and texts hardly change from row to
+/// row.
+fn is_flat(column: &Stored) -> bool {
+    match column {
+        Stored::Array(array) => match array.data_type() {
+            DataType::Float64 | DataType::Int64 | DataType::UInt32 | DataType::Boolean => true,
+            DataType::Utf8 if array.null_count() == array.len() => array.len() >= LEAST_RUN_ROWS,
+            DataType::Utf8 => runs_of(array.as_string()).count() * LEAST_RUN_ROWS <= array.len(),
+            _ => false,
+        },
+        Stored::Runs(runs) => runs.len() * LEAST_RUN_ROWS <= column.rows(),
+    }
+}
+
+fn borrowed_runs(column: &Stored) -> Vec<(&str, usize)> {
+    match column {
+        Stored::Array(_) => Vec::new(),
+        Stored::Runs(runs) => runs.iter().map(|(text, rows)| (text.as_str(), *rows)).collect(),
+    }
 }
 
 /// True where values repeat often enough that a dictionary is shorter than the values, and faster to read.
@@ -280,6 +300,10 @@ mod tests {
                 (0..rows).map(|i| (i / 40 % 3 > 0).then(|| format!("part {}", i / 1000))),
             )
             .texts_or_null("never", (0..rows).map(|_| None::<&str>))
+            .text_runs(
+                "run",
+                (0..rows).step_by(30).map(|i| (["one", "one", "two"][i / 30 % 3], 30.min(rows - i))),
+            )
             .indices("index", (0..rows).map(|i| i as u32 % 1000))
             .integers("time", (0..rows).map(|i| i as i64 * 100_000_000 - 5))
             .integers_or_null("later", (0..rows).map(|i| (i % 7 == 0).then_some(i as i64)))
@@ -296,7 +320,8 @@ mod tests {
     fn what_is_written_without_arrows_writer_is_what_it_would_have_written() {
         for (rows, texts) in [(1, false), (300, false), (150_000, false), (300, true)] {
             let written = table(rows, texts).finish().unwrap();
-            assert_eq!(flat(&written).is_some(), rows >= 300 && !texts, "{rows} rows");
+            let is_flat = flat_rows(&table(rows, texts)).is_some();
+            assert_eq!(is_flat, rows >= 300 && !texts, "{rows} rows");
             let file = tempfile::NamedTempFile::new().unwrap();
             write_table(file.path(), table(rows, texts), frames::ROW_ORDER).unwrap();
             let read = read_table(file.path(), frames::ROW_ORDER).unwrap().unwrap().batch;

@@ -29,7 +29,7 @@ pub(crate) fn of_sum(a: f64, b: f64) -> f64 {
 
 /// Of a product of independent numbers, each with its deviation.
 pub(crate) fn of_product((a, of_a): (f64, f64), (b, of_b): (f64, f64)) -> f64 {
-    stated(a * stated(of_b)).hypot(stated(b * stated(of_a)))
+    of_sum(a * stated(of_b), b * stated(of_a))
 }
 
 /// An unknown deviation counts as zero.

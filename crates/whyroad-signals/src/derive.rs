@@ -222,8 +222,9 @@ impl RoadStage<'_> {
             let encounters = junction::Encounters::new(road, path, motion, areas_are_stated);
             junction::write(&encounters, path, motion, table);
             let ways = Ways::new(road, lanes);
-            let on =
-                OnRoad { drive, map, road, path, ego: motion, lanes, encounters: &encounters, times, ways };
+            let entries = road.lanes.iter().map(|lane| map.lane(&lane.id)).collect();
+            let encounters = &encounters;
+            let on = OnRoad { drive, map, road, path, ego: motion, lanes, encounters, times, ways, entries };
             if table.asks(wanted::ROAD_AHEAD) {
                 road::write(&on, table);
             }

@@ -256,10 +256,6 @@ fn heading(
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let (targets, ego) = (scene.targets, scene.around.ego);
-    table.category(
-        id::TARGET_REFAV_RELATIVE_DIRECTION,
-        rows.placed(targets, None, |p| relative_direction(scene, p)),
-    );
     let crossed: Vec<_> = targets.iter().map(|t| crossed_by(scene, t)).collect();
     table.flag(id::TARGET_REFAV_CROSSED_BY, rows.spread(targets, Tri::Unknown, |k, r, _| crossed[k][r]));
     let standing: Vec<Tri> = targets.iter().map(|t| stationary(&t.track.motion)).collect();
@@ -268,10 +264,17 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     table.category(id::TARGET_REFAV_TURNING, rows.spread(targets, None, |k, r, _| turns[k][r]));
     let n = ego.len();
     let own: Vec<Own> = (0..n).map(|i| Own::new(ego, i)).collect();
-    let heads = |k: usize, _, p: Option<&Placement>| {
-        p.and_then(|p| heading(scene, &own[p.frame], targets[k].track.class, p))
-    };
-    table.category(id::TARGET_REFAV_HEADING, rows.spread(targets, None, heads));
+    let (mut directions, mut heads) = (rows.column(None), rows.column(None));
+    let mut follows = rows.column(Tri::Unknown);
+    rows.each_placed(targets, |row, (k, r), p| {
+        directions.0[row] = relative_direction(scene, p);
+        heads.0[row] = heading(scene, &own[p.frame], targets[k].track.class, p);
+        if let Some(road) = scene.around.road {
+            follows.0[row] = following(scene, road, own[p.frame].way, (k, r), p);
+        }
+    });
+    table.category(id::TARGET_REFAV_RELATIVE_DIRECTION, directions);
+    table.category(id::TARGET_REFAV_HEADING, heads);
     if let Some(own) = &scene.drive.ego {
         let value = stationary(&own.motion);
         let of = |i: usize| if ego.is_known(i) { value } else { Tri::Unknown };
@@ -279,10 +282,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     }
     table.category(id::EGO_REFAV_TURNING, turning::turning(scene.times, &ego.heading));
     let Some(road) = scene.around.road else { return };
-    let follows = |k: usize, r: usize, p: Option<&Placement>| {
-        p.map_or(Tri::Unknown, |p| following(scene, road, own[p.frame].way, (k, r), p))
-    };
-    table.flag(id::TARGET_REFAV_FOLLOWING, rows.spread(targets, Tri::Unknown, follows));
+    table.flag(id::TARGET_REFAV_FOLLOWING, follows);
     let intersections = intersections(road);
     let is_near = |p: P2| match p.is_finite() {
         true => Tri::from(intersections.is_within(p, INTERSECTION_M)),

@@ -33,11 +33,8 @@ pub(super) fn flags(values: &[Tri], column: ColumnDescPtr) -> ParquetResult<Enco
         let mut known = Bitmap::with_capacity(some.len());
         let mut bits = Bitmap::with_capacity(some.len());
         for flags in some.chunks(64) {
-            let (mut is_known, mut is_true) = (0, 0);
-            for (i, flag) in flags.iter().enumerate() {
-                is_known |= u64::from(*flag != Tri::Unknown) << i;
-                is_true |= u64::from(*flag == Tri::True) << i;
-            }
+            let is_known = packed(flags, |flag| flag != Tri::Unknown);
+            let is_true = packed(flags, |flag| flag == Tri::True);
             known.push_word(is_known, flags.len());
             let (bits_of_known, count) = gathered(is_true, is_known, flags.len());
             bits.push_word(bits_of_known, count);
@@ -166,6 +163,18 @@ pub(super) fn nulls(rows: usize, column: ColumnDescPtr) -> ParquetResult<Encoded
         pages.data(levels(&known)?, rows)?;
     }
     pages.finish(column, statistics)
+}
+
+/// Of up to 64 flags, which are so: a byte for each first, which a compiler does several at a time.
+fn packed(flags: &[Tri], is: impl Fn(Tri) -> bool) -> u64 {
+    let mut bytes = [0_u8; 64];
+    for (byte, flag) in bytes.iter_mut().zip(flags) {
+        *byte = u8::from(is(*flag));
+    }
+    let (eights, _) = bytes.as_chunks::<8>();
+    // The product moves byte i of eight to bit 56 + i, with no carry between them.
+    let byte = |eight: &[u8; 8]| u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+    eights.iter().enumerate().fold(0, |word, (i, eight)| word | byte(eight) << (8 * i))
 }
 
 /// The bits of the known rows of up to 64, one after another, and how many these are.

@@ -18,7 +18,7 @@ pub(crate) fn to_table(drive: &Drive, ego: &Ego) -> TableBuilder {
         .indices("frame", (0..).take(n))
         .integers("time_ns", drive.times.iter().map(|t| t.0));
     let known_at = (0..n).map(|i| (drive.times[i], ego.known_at.get(i)));
-    motion_columns(known_at_column(table, known_at), &ego.motion)
+    motion_columns(known_at_column(table, known_at), ego.motion.clone())
         .numbers("length_m", constant(ego.length_m))
         .numbers("width_m", constant(ego.width_m))
         .numbers("height_m", constant(ego.height_m))
@@ -62,18 +62,18 @@ pub(crate) fn read_known_at(t: &Table) -> Result<Vec<Nanos>, LakeError> {
 }
 
 /// The columns of [`Motion`], shared by `ego` and `tracks`.
-pub(crate) fn motion_columns(table: TableBuilder, m: &Motion) -> TableBuilder {
-    let forward = |i: usize| m.forward.get(i).copied().unwrap_or(f64::NAN);
+pub(crate) fn motion_columns(table: TableBuilder, mut m: Motion) -> TableBuilder {
+    m.forward.resize(m.len(), f64::NAN);
     table
-        .numbers("x_m", m.x.iter().copied())
-        .numbers("y_m", m.y.iter().copied())
-        .numbers("z_m", m.z.iter().copied())
-        .numbers("heading_rad", m.heading.iter().copied())
-        .numbers("vx_mps", m.vx.iter().copied())
-        .numbers("vy_mps", m.vy.iter().copied())
-        .numbers("accel_mps2", m.accel.iter().copied())
-        .numbers("yaw_rate_radps", m.yaw_rate.iter().copied())
-        .numbers("forward_mps", (0..m.len()).map(forward))
+        .numbers("x_m", m.x)
+        .numbers("y_m", m.y)
+        .numbers("z_m", m.z)
+        .numbers("heading_rad", m.heading)
+        .numbers("vx_mps", m.vx)
+        .numbers("vy_mps", m.vy)
+        .numbers("accel_mps2", m.accel)
+        .numbers("yaw_rate_radps", m.yaw_rate)
+        .numbers("forward_mps", m.forward)
 }
 
 /// The inverse of [`motion_columns`].

@@ -60,14 +60,19 @@ pub(crate) fn to_table(drive: &Drive) -> TableBuilder {
         || order.iter().flat_map(|(clip, track, rows)| rows.clone().map(move |row| (*clip, *track, row)));
     let known_at =
         each().map(|(_, track, row)| (drive.times[track.frames[row] as usize], track.known_at.get(row)));
+    // A class and its source's word, for a stretch of rows.
+    let stated = order.iter().flat_map(|(_, track, rows)| {
+        let step = if track.class_changes.is_empty() { rows.len().max(1) } else { 1 };
+        rows.clone().step_by(step).map(move |row| (track.class_at(row), step))
+    });
     let table = TableBuilder::default()
-        .texts("clip_id", each().map(|(clip, ..)| clips[clip].as_str()))
-        .texts("track_id", each().map(|(_, track, _)| track.id.as_str()))
+        .text_runs("clip_id", order.iter().map(|(clip, _, rows)| (clips[*clip].as_str(), rows.len())))
+        .text_runs("track_id", order.iter().map(|(_, track, rows)| (track.id.as_str(), rows.len())))
         .indices("frame", each().map(|(_, track, row)| track.frames[row]))
         .integers("time_ns", each().map(|(_, track, row)| drive.times[track.frames[row] as usize].0))
-        .texts("class", each().map(|(_, track, row)| track.class_at(row).0.id()))
-        .texts("source_class", each().map(|(_, track, row)| track.class_at(row).1));
-    motion_columns(known_at_column(table, known_at), &motion)
+        .text_runs("class", stated.clone().map(|((class, _), rows)| (class.id(), rows)))
+        .text_runs("source_class", stated.map(|((_, word), rows)| (word, rows)));
+    motion_columns(known_at_column(table, known_at), motion)
         .numbers("length_m", number(|t| &t.length_m))
         .numbers("width_m", number(|t| &t.width_m))
         .numbers("height_m", number(|t| &t.height_m))
@@ -100,13 +105,23 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
     let (known_at, times) = (read_known_at(t)?, t.integers("time_ns")?);
 
     let clip = |i: usize| frames[i] as usize / CLIP_FRAMES;
-    // For most rows the frames decide: the previous row has the same object and clip.
-    let follows = |i: usize| {
-        let (before, now) = (ids.value(i - 1), ids.value(i));
-        clip(i - 1) < clip(i)
-            || (clip(i - 1) == clip(i) && (before < now || (before == now && frames[i - 1] < frames[i])))
+    // Rows one after another of the same object.
+    let mut runs: Vec<(&str, Range<usize>)> = Vec::new();
+    for (id, rows) in runs_of(ids) {
+        let start = runs.last().map_or(0, |(_, before)| before.end);
+        runs.push((id.unwrap_or_default(), start..start + rows));
+    }
+    let out_of_order = |before: Option<&str>, (id, rows): &(&str, Range<usize>)| {
+        let follows = |i: usize| {
+            let is_first = i == rows.start;
+            clip(i - 1) < clip(i)
+                || (clip(i - 1) == clip(i)
+                    && if is_first { before < Some(*id) } else { frames[i - 1] < frames[i] })
+        };
+        rows.clone().find(|&i| i > 0 && !follows(i))
     };
-    if let Some(row) = (1..t.rows()).find(|&i| !follows(i)) {
+    let before = std::iter::once(None).chain(runs.iter().map(|(id, _)| Some(*id)));
+    if let Some(row) = before.zip(&runs).find_map(|(before, run)| out_of_order(before, run)) {
         return Err(LakeError::RowOrder { path: t.path.clone(), row });
     }
     if let Some(f) = frames.iter().find(|&&f| f as usize >= frame_count) {
@@ -116,18 +131,19 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
         ));
     }
     // Clips ascend, so a track's rows come in the order of its frames although they are apart in the file.
-    let mut rows_of: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    let mut start = 0;
-    for (id, rows) in runs_of(ids) {
-        if let Some(id) = id {
-            rows_of.entry(id).or_default().extend(start..start + rows);
-        }
-        start += rows;
+    let mut runs_by_id: BTreeMap<&str, Vec<Range<usize>>> = BTreeMap::new();
+    for (id, rows) in runs {
+        runs_by_id.entry(id).or_default().push(rows);
     }
-    rows_of
+    runs_by_id
         .into_iter()
-        .map(|(id, rows)| {
-            let pick = |v: &[f64]| rows.iter().map(|&i| v[i]).collect::<Vec<_>>();
+        .map(|(id, runs)| {
+            let pick = |v: &[f64]| {
+                let mut out = Vec::with_capacity(runs.iter().map(Range::len).sum());
+                runs.iter().for_each(|rows| out.extend_from_slice(&v[rows.clone()]));
+                out
+            };
+            let rows: Vec<usize> = runs.iter().cloned().flatten().collect();
             let class = |row: usize| {
                 ObjectClass::from_id(classes.value(row)).ok_or_else(|| {
                     LakeError::broken(&t.path, format!("'{}' is not an object class", classes.value(row)))

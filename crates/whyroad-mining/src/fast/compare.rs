@@ -106,27 +106,21 @@ fn pack2(a: &[f64], b: &[f64], f: impl Fn(f64, f64) -> bool) -> u64 {
 /// Rows where the numbers differ by no more than their noise, the standard deviation of the difference; where that is
 /// unknown, none (`crate::deviation::stated`).
 pub(super) fn within_noise(a: &[f64], b: &[f64], noise: &[f64]) -> Bits {
-    let words = a.chunks(64).zip(b.chunks(64)).zip(noise.chunks(64)).map(|((a, b), noise)| {
-        let mut flags = [0u8; 64];
-        for (((flag, a), b), noise) in flags.iter_mut().zip(a).zip(b).zip(noise) {
-            *flag = u8::from(is_within_noise(*a, *b, *noise));
-        }
-        gathered(&flags)
-    });
-    Bits::of_words(words.collect(), a.len())
+    let words = a.chunks(64).zip(b.chunks(64)).zip(noise.chunks(64));
+    Bits::of_words(words.map(|((a, b), noise)| within_noise_word(a, b, noise)).collect(), a.len())
 }
 
-/// [`within_noise`] of up to 64 rows and a constant.
-pub(super) fn within_noise_of(a: &[f64], bound: f64, noise: &[f64]) -> u64 {
+/// [`within_noise`] of up to 64 rows.
+pub(super) fn within_noise_word(a: &[f64], b: &[f64], noise: &[f64]) -> u64 {
     let mut flags = [0u8; 64];
-    for ((flag, a), noise) in flags.iter_mut().zip(a).zip(noise) {
-        *flag = u8::from(is_within_noise(*a, bound, *noise));
+    for (((flag, a), b), noise) in flags.iter_mut().zip(a).zip(b).zip(noise) {
+        *flag = u8::from(is_within_noise(*a, *b, *noise));
     }
     gathered(&flags)
 }
 
 /// Without branches: a compiler turns this into vector instructions.
-fn is_within_noise(a: f64, b: f64, noise: f64) -> bool {
+pub(super) fn is_within_noise(a: f64, b: f64, noise: f64) -> bool {
     let noise = noise.abs();
     (noise > 0.0) & (noise < f64::INFINITY) & ((a - b).abs() <= noise)
 }

@@ -35,8 +35,10 @@ pub struct Evaluation<'a> {
     of_pair: Memo<NodeValue<'a>>,
     of_episode: Memo<NodeValue<'a>>,
     pub(super) margins: Memo<Rc<Vec<f64>>>,
-    /// Margins of counts by blocks of the drive's rows.
-    pub(super) count_margins: Memo<Rc<Vec<f64>>, usize>,
+    /// Margins of counts, of `since` and of `until` by blocks of rows.
+    pub(super) block_margins: Memo<Rc<Vec<f64>>, (RowSet, usize)>,
+    /// Standard deviations of frames, repeated for all objects or pairs.
+    pub(super) deviations: Memo<Numbers<'a>>,
     pub(super) episode: Cell<Option<Moments>>,
 }
 
@@ -60,7 +62,8 @@ impl<'a> Evaluation<'a> {
             of_pair: RefCell::default(),
             of_episode: RefCell::default(),
             margins: RefCell::default(),
-            count_margins: RefCell::default(),
+            block_margins: RefCell::default(),
+            deviations: RefCell::default(),
             episode: Cell::new(None),
         }
     }
@@ -137,6 +140,16 @@ impl<'a> Evaluation<'a> {
         }
     }
 
+    /// True where a node's values have been computed for all rows of this kind.
+    fn is_at_hand(&self, id: NodeId, row_set: RowSet) -> bool {
+        let of_all = match row_set {
+            RowSet::Drive => &self.of_drive,
+            RowSet::Objects | RowSet::Object(_) => &self.of_objects,
+            RowSet::Pairs | RowSet::Pair(..) => &self.of_pairs,
+        };
+        of_all.borrow()[id.0].is_some()
+    }
+
     /// The values of a node for all objects, where they have been computed.
     pub(super) fn of_all_objects(&self, id: NodeId) -> Option<NodeValue<'a>> {
         self.of_objects.borrow()[id.0].clone()
@@ -177,13 +190,15 @@ impl<'a> Evaluation<'a> {
             NodeValue::Numbers(Numbers::Same(x, _)) => NodeValue::Numbers(Numbers::Same(x, n)),
             NodeValue::Numbers(v) => {
                 let v = v.values();
-                let all = objects.iter().flat_map(|s| v[s.row..s.row + s.len].iter().copied());
-                NodeValue::Numbers(Numbers::of(all.collect::<Vec<_>>()))
+                let mut all = Vec::with_capacity(n);
+                objects.iter().for_each(|s| all.extend_from_slice(&v[s.row..s.row + s.len]));
+                NodeValue::Numbers(Numbers::of(all))
             }
             NodeValue::Words(w) => {
                 let codes = w.codes();
-                let all = objects.iter().flat_map(|s| codes[s.row..s.row + s.len].iter().copied());
-                NodeValue::Words(super::signals::Words::of(all.collect(), w.names.clone()))
+                let mut all = Vec::with_capacity(n);
+                objects.iter().for_each(|s| all.extend_from_slice(&codes[s.row..s.row + s.len]));
+                NodeValue::Words(super::signals::Words::of(all, w.names.clone()))
             }
         }
     }
@@ -237,7 +252,7 @@ impl<'a> Evaluation<'a> {
             Op::Compare { op, left, right, .. } => {
                 let (a, b) = (numbers(left), numbers(right));
                 NodeValue::Truth(match self.noise_of_difference(*op, *left, *right, row_set) {
-                    Some(noise) => crossed(*op, (&a, &b), &noise, &segments),
+                    Some(noise) => crossed(*op, (&a, &b), noise, &segments),
                     None => a.compare(*op, &b),
                 })
             }
@@ -262,17 +277,21 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Operands with fewer rows come first: often they decide the result, and the rest is never computed.
-    fn in_order<'n>(&self, all: &'n [NodeId]) -> impl Iterator<Item = &'n NodeId> {
+    /// Operands with fewer rows come first, then those that are at hand, then those that cost less: often they decide
+    /// the result, and the rest is never computed.
+    fn in_order<'n>(&self, all: &'n [NodeId], row_set: RowSet) -> impl Iterator<Item = &'n NodeId> {
         let mut all: Vec<&NodeId> = all.iter().collect();
-        all.sort_by_key(|id| self.plan.node(**id).scope);
+        all.sort_by_cached_key(|id| {
+            let node = self.plan.node(**id);
+            (node.scope, !self.is_at_hand(**id, row_set), node.cost)
+        });
         all.into_iter()
     }
 
     /// Kleene conjunction of these conditions on the rows of a row set.
     pub fn conjunction(&self, all: &[NodeId], row_set: RowSet) -> Truth {
         let mut out = Truth::constant(true, self.layout.len(row_set));
-        for id in self.in_order(all) {
+        for id in self.in_order(all, row_set) {
             out = if out.is_everywhere() {
                 self.truth(*id, row_set)
             } else {
@@ -287,7 +306,7 @@ impl<'a> Evaluation<'a> {
 
     fn disjunction(&self, all: &[NodeId], row_set: RowSet) -> Truth {
         let mut out = Truth::constant(false, self.layout.len(row_set));
-        for id in self.in_order(all) {
+        for id in self.in_order(all, row_set) {
             out = if out.is_nowhere() { self.truth(*id, row_set) } else { out.or(&self.truth(*id, row_set)) };
             if out.is_everywhere() {
                 break;

@@ -8,7 +8,7 @@ use super::signals::NodeValue;
 use super::temporal::reaches;
 use super::truth::Truth;
 use crate::interpret::{CLOCK_TOLERANCE, MARGIN_LIMIT, Row};
-use crate::language::program::{NodeId, Op, Subject};
+use crate::language::program::{NodeId, Op, Subject, ValueScope};
 use std::ops::Range;
 use std::rc::Rc;
 use whyroad_model::{Nanos, Tri};
@@ -49,12 +49,20 @@ impl Evaluation<'_> {
                 return vec![at.unwrap_or(f64::NAN); rows.len()];
             }
             Op::Previously(a, None) => return self.ever_before(id, *a, row_set)[rows].to_vec(),
-            Op::AtLeast { .. } if !self.plan.node(id).needs_episode => return self.in_blocks(id, rows),
-            Op::Since(a, b) => return self.of_since(id, (*a, *b), row_set, rows),
-            Op::Until(a, b) => return self.of_until(id, (*a, *b), row_set, rows),
+            Op::AtLeast { .. } | Op::Since(..) | Op::Until(..) if !self.plan.node(id).needs_episode => {
+                return self.in_blocks(id, row_set, rows);
+            }
             _ => {}
         }
-        self.settled_margins(id, row_set, rows)
+        self.computed_margins(id, row_set, rows)
+    }
+
+    fn computed_margins(&self, id: NodeId, row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
+        match &self.plan.node(id).op {
+            Op::Since(a, b) => self.of_since(id, (*a, *b), row_set, rows),
+            Op::Until(a, b) => self.of_until(id, (*a, *b), row_set, rows),
+            _ => self.settled_margins(id, row_set, rows),
+        }
     }
 
     /// Margins that agree with the truth, from those of the operands.
@@ -66,17 +74,21 @@ impl Evaluation<'_> {
         out
     }
 
-    /// [`Self::settled_margins`] of a condition on the rows of the drive, block by block, each of which is kept: counts
-    /// ask all objects, and episodes and operators over time ask for the same rows again and again.
-    fn in_blocks(&self, id: NodeId, rows: Range<usize>) -> Vec<f64> {
-        let n = self.layout.len(RowSet::Drive);
+    /// [`Self::computed_margins`], block by block, each of which is kept: counts ask all objects, `since` and `until`
+    /// ask rows far away, and episodes and operators over time ask for the same rows again and again.
+    fn in_blocks(&self, id: NodeId, row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
+        let n = self.layout.len(row_set);
         let mut out = Vec::with_capacity(rows.len());
-        for block in rows.start / BLOCK_ROWS..rows.end.div_ceil(BLOCK_ROWS) {
-            let all = block * BLOCK_ROWS..((block + 1) * BLOCK_ROWS).min(n);
-            let known = self.count_margins.borrow().get(&(id, block)).cloned();
+        let size = match &self.plan.node(id).op {
+            Op::AtLeast { .. } => COUNT_ROWS,
+            _ => CHAIN_ROWS,
+        };
+        for block in rows.start / size..rows.end.div_ceil(size) {
+            let all = block * size..((block + 1) * size).min(n);
+            let known = self.block_margins.borrow().get(&(id, (row_set, block))).cloned();
             let of_all = known.unwrap_or_else(|| {
-                let of_all = Rc::new(self.settled_margins(id, RowSet::Drive, all.clone()));
-                self.count_margins.borrow_mut().insert((id, block), of_all.clone());
+                let of_all = Rc::new(self.computed_margins(id, row_set, all.clone()));
+                self.block_margins.borrow_mut().insert((id, (row_set, block)), of_all.clone());
                 of_all
             });
             let wanted = rows.start.max(all.start)..rows.end.min(all.end);
@@ -252,14 +264,39 @@ impl Evaluation<'_> {
     /// The margin of the object that is needed last to reach the number.
     fn of_count(&self, of: NodeId, count: usize, subject: Subject, rows: Range<usize>) -> Vec<f64> {
         let mut deciding = Deciding::new(count, rows.len());
+        let deciding_alone = self.flags_that_decide(of);
         for (i, object) in self.layout.objects.iter().enumerate() {
             let (from, to) = (rows.start.max(object.row), rows.end.min(object.row + object.len));
             if from < to && subject.admits(self.signals.targets[i].class) {
+                let own = object.start + from - object.row..object.start + to - object.row;
+                if deciding_alone.iter().any(|flag| is_nowhere(flag, own.clone())) {
+                    (from..to).for_each(|k| deciding.add(k - rows.start, -MARGIN_LIMIT));
+                    continue;
+                }
                 let of = self.margins(of, RowSet::Object(i), from - object.row..to - object.row);
                 (from..to).zip(of).for_each(|(k, m)| deciding.add(k - rows.start, m));
             }
         }
         deciding.finish()
+    }
+
+    /// The parts of a condition on objects that are true or false without degree, for all objects: where one of them is
+    /// false, so is the condition, with the least margin that there is. None where some part could have a lesser one.
+    fn flags_that_decide(&self, of: NodeId) -> Vec<Truth> {
+        let all = self.plan.conjuncts(of);
+        let could_be_less = |id: &NodeId| {
+            self.plan.any_below(*id, &|op| {
+                matches!(op, Op::Previously(..) | Op::Since(..) | Op::Until(..) | Op::InMatch(_))
+            })
+        };
+        if self.plan.node(of).needs_episode || all.iter().any(could_be_less) {
+            return Vec::new();
+        }
+        let is_flag = |id: &&NodeId| {
+            let node = self.plan.node(**id);
+            matches!(node.op, Op::Signal(_) | Op::Member(..)) && node.scope == ValueScope::Target
+        };
+        all.iter().filter(is_flag).map(|id| self.truth(*id, RowSet::Objects)).collect()
     }
 
     /// The best margin of all rows before: for all rows at once, and kept.
@@ -325,8 +362,15 @@ impl Evaluation<'_> {
     }
 }
 
+/// True where a condition is known to be false in all of these rows.
+fn is_nowhere(of: &Truth, rows: Range<usize>) -> bool {
+    !of.yes.any_in(rows.clone()) && of.known.count_in(rows.clone()) == rows.len()
+}
+
 /// Rows of which margins of a count are kept together.
-const BLOCK_ROWS: usize = 256;
+const COUNT_ROWS: usize = 256;
+/// The same of `since` and `until`.
+const CHAIN_ROWS: usize = 64;
 
 /// How far `since` and `until` first look ahead for a row that decides them.
 const STRIDE: usize = 32;

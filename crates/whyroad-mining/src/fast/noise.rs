@@ -10,7 +10,25 @@ use super::windows;
 use crate::deviation::{has_threshold, of_product, of_sum};
 use crate::language::program::{NodeId, Op, PairSide};
 use crate::language::syntax::CompareOp;
-use whyroad_model::signal::deviation_name;
+
+/// Standard deviations of a number.
+#[derive(Clone, Debug)]
+pub(super) enum Noise<'a> {
+    /// One per row.
+    One(Numbers<'a>),
+    /// Those of a sum of two numbers, which have these. A root is slow, and a comparison needs few of them.
+    Sum(Numbers<'a>, Numbers<'a>),
+}
+
+impl<'a> Noise<'a> {
+    /// One per row.
+    pub fn numbers(self) -> Numbers<'a> {
+        match self {
+            Self::One(noise) => noise,
+            Self::Sum(a, b) => a.zip(&b, of_sum),
+        }
+    }
+}
 
 impl<'a> Evaluation<'a> {
     /// Standard deviations of the difference of two sides of a comparison; `None` where both are exact or the operator
@@ -21,7 +39,7 @@ impl<'a> Evaluation<'a> {
         left: NodeId,
         right: NodeId,
         row_set: RowSet,
-    ) -> Option<Numbers<'a>> {
+    ) -> Option<Noise<'a>> {
         (self.signals.is_noisy() && has_threshold(op)).then(|| self.noise_of_sum(left, right, row_set))?
     }
 
@@ -39,12 +57,18 @@ impl<'a> Evaluation<'a> {
 
     /// True where [`Self::noise`] gives some.
     fn is_noisy(&self, id: NodeId, row_set: RowSet) -> bool {
-        match &self.plan.node(id).op {
-            Op::Signal(name) | Op::SecondSignal(name) => self.signals.has_numbers(&deviation_name(name)),
-            Op::PairSignal { name, .. } => {
-                let name = deviation_name(name);
-                self.signals.pairs.is_some_and(|p| p.columns.contains_key(&name))
+        let node = self.plan.node(id);
+        match (&node.op, &node.deviation) {
+            (Op::PairSignal { .. }, Some(name)) => {
+                self.signals.pairs.is_some_and(|p| p.columns.contains_key(name))
             }
+            (_, Some(name)) => self.signals.has_numbers(name),
+            (op, None) => self.is_noisy_result(op, id, row_set),
+        }
+    }
+
+    fn is_noisy_result(&self, op: &Op, id: NodeId, row_set: RowSet) -> bool {
+        match op {
             Op::Least(..) | Op::Greatest(..) | Op::AtKeyframe(_) => {
                 let Some((own, home)) = self.home(id, row_set) else { return false };
                 self.plan.node(own).op.operands().into_iter().any(|a| self.is_noisy(a, home))
@@ -57,9 +81,9 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    fn noise_of_sum(&self, a: NodeId, b: NodeId, row_set: RowSet) -> Option<Numbers<'a>> {
+    fn noise_of_sum(&self, a: NodeId, b: NodeId, row_set: RowSet) -> Option<Noise<'a>> {
         match (self.noise(a, row_set), self.noise(b, row_set)) {
-            (Some(a), Some(b)) => Some(a.zip(&b, of_sum)),
+            (Some(a), Some(b)) => Some(Noise::Sum(a.numbers(), b.numbers())),
             // Mostly the other side is exact: then the column is not copied.
             (one, other) => one.or(other),
         }
@@ -67,24 +91,28 @@ impl<'a> Evaluation<'a> {
 
     /// Standard deviations of a number on the rows of a row set, as they are stored: whoever reads them takes unknown
     /// ones for zero ([`crate::deviation::stated`]).
-    fn noise(&self, id: NodeId, row_set: RowSet) -> Option<Numbers<'a>> {
-        match &self.plan.node(id).op {
-            Op::Signal(name) | Op::SecondSignal(name) => {
-                self.noise_of_signal(id, &deviation_name(name), row_set)
+    fn noise(&self, id: NodeId, row_set: RowSet) -> Option<Noise<'a>> {
+        let node = self.plan.node(id);
+        match &node.op {
+            Op::Signal(_) | Op::SecondSignal(_) => {
+                self.noise_of_signal(id, node.deviation.as_deref()?, row_set).map(Noise::One)
             }
-            Op::PairSignal { name, seen_from } => {
-                self.noise_of_pair(&deviation_name(name), *seen_from, row_set)
+            Op::PairSignal { seen_from, .. } => {
+                self.noise_of_pair(node.deviation.as_deref()?, *seen_from, row_set).map(Noise::One)
             }
-            Op::Least(..) | Op::Greatest(..) | Op::AtKeyframe(_) => self.noise_of_moment(id, row_set),
+            Op::Least(..) | Op::Greatest(..) | Op::AtKeyframe(_) => {
+                self.noise_of_moment(id, row_set).map(Noise::One)
+            }
             Op::Negate(a) | Op::Absolute(a) => self.noise(*a, row_set),
             Op::Add(a, b) | Op::Subtract(a, b) => self.noise_of_sum(*a, *b, row_set),
             Op::Multiply(a, b) => {
-                let (of_a, of_b) = (self.noise(*a, row_set), self.noise(*b, row_set));
+                let noise = |id| self.noise(id, row_set).map(Noise::numbers);
+                let (of_a, of_b) = (noise(*a), noise(*b));
                 of_a.as_ref().or(of_b.as_ref())?;
                 let (x, y) = (self.numbers(*a, row_set), self.numbers(*b, row_set));
                 let of = |sd: &Option<Numbers<'_>>, i: usize| sd.as_ref().map_or(0.0, |sd| sd.at(i));
                 let product = |i| of_product((x.at(i), of(&of_a, i)), (y.at(i), of(&of_b, i)));
-                Some(Numbers::of((0..x.len()).map(product).collect::<Vec<_>>()))
+                Some(Noise::One(Numbers::of((0..x.len()).map(product).collect::<Vec<_>>())))
             }
             _ => None,
         }
@@ -96,8 +124,16 @@ impl<'a> Evaluation<'a> {
         }
         let n = self.layout.len(row_set);
         let Some((_, home)) = self.home(id, row_set) else { return Some(Numbers::Same(f64::NAN, n)) };
+        let is_repeated = home != row_set && matches!(row_set, RowSet::Objects | RowSet::Pairs);
+        if is_repeated && let Some(known) = self.deviations.borrow().get(&(id, row_set)) {
+            return Some(known.clone());
+        }
         let at_home = self.signals.value(name, &self.layout, home)?;
-        self.moved_from_home(id, at_home, home, row_set)
+        let there = self.moved_from_home(id, at_home, home, row_set)?;
+        if is_repeated {
+            self.deviations.borrow_mut().insert((id, row_set), there.clone());
+        }
+        Some(there)
     }
 
     /// Numbers of the rows where a node is at home, on those of a row set.
@@ -158,7 +194,7 @@ impl<'a> Evaluation<'a> {
             Op::AtKeyframe(a) => (*a, vec![self.keyframe_row(home); self.layout.len(home)]),
             _ => return None,
         };
-        let noise = self.noise(of, home)?;
+        let noise = self.noise(of, home)?.numbers();
         let noise = noise.cut();
         let at_home: Vec<f64> = rows.into_iter().map(|r| r.map_or(f64::NAN, |r| noise[r])).collect();
         self.moved_from_home(id, NodeValue::Numbers(Numbers::of(at_home)), home, row_set)

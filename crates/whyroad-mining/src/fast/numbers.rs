@@ -5,9 +5,7 @@
 //! rules ask.
 
 use super::bits::Bits;
-use super::compare::{
-    compare_columns, compare_slice, compare_word, holds, pack_all, range, settled, within_noise_of,
-};
+use super::compare::{compare_columns, compare_slice, compare_word, holds, pack_all, range, settled};
 use super::truth::Truth;
 use crate::language::syntax::CompareOp;
 use std::borrow::Cow;
@@ -41,6 +39,47 @@ pub enum Numbers<'a> {
     Same(f64, usize),
     /// Some rows of a column.
     Column(Rc<NumberColumn<'a>>, Range<usize>),
+}
+
+/// All numbers of a column, or one for all rows, with the range of each 64 rows.
+#[derive(Clone, Copy, Debug)]
+pub enum Ranged<'n> {
+    /// The same value in all rows.
+    Same(f64),
+    /// A value per row, and least and greatest known value of each 64 rows.
+    Column {
+        /// NaN where it is unknown.
+        values: &'n [f64],
+        /// Infinity and minus infinity where none is known.
+        ranges: &'n [(f64, f64)],
+    },
+}
+
+impl Ranged<'_> {
+    /// The numbers of up to 64 rows; `room` is where the same value is repeated.
+    pub fn rows<'r>(&'r self, rows: Range<usize>, room: &'r mut [f64; 64]) -> &'r [f64] {
+        match self {
+            Self::Same(x) => {
+                room.fill(*x);
+                &room[..rows.len()]
+            }
+            Self::Column { values, .. } => &values[rows],
+        }
+    }
+
+    /// Least and greatest known number of 64 rows.
+    pub fn range(&self, word: usize) -> (f64, f64) {
+        match self {
+            Self::Same(x) => (*x, *x),
+            Self::Column { ranges, .. } => ranges[word],
+        }
+    }
+
+    /// Distance from zero of the known number of 64 rows that is farthest from it; 0 where none is known.
+    pub fn greatest_size(&self, word: usize) -> f64 {
+        let (least, greatest) = self.range(word);
+        if least <= greatest { least.abs().max(greatest.abs()) } else { 0.0 }
+    }
 }
 
 impl<'a> NumberColumn<'a> {
@@ -240,26 +279,13 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    /// Rows where these numbers differ from a constant by no more than their noise, as [`super::compare::within_noise`]
-    /// defines it; `None` where not all rows of a column are asked: then ranges do not pay off.
-    pub fn within_noise_of(&self, bound: f64, noise: &Numbers<'_>) -> Option<Bits> {
-        let (Self::Column(of, rows), Numbers::Column(noise, noise_rows)) = (self, noise) else { return None };
-        let n = of.len();
-        if *rows != (0..n) || *noise_rows != (0..n) {
-            return None;
+    /// The numbers with the range of each 64 of them; `None` for some rows of a column.
+    pub fn ranged(&self) -> Option<Ranged<'_>> {
+        match self {
+            Self::Same(x, _) => Some(Ranged::Same(*x)),
+            Self::Column(column, rows) => (*rows == (0..column.len()))
+                .then(|| Ranged::Column { values: column.values(), ranges: column.ranges_of_rows() }),
         }
-        let (values, deviations) = (of.values(), noise.values());
-        let ranges = of.ranges_of_rows().iter().zip(noise.ranges_of_rows());
-        let each = ranges.enumerate().map(|(k, ((least, greatest), (low, high)))| {
-            // Differences are rounded, too, but a greater one never to less.
-            let apart = (least - bound).max(bound - greatest);
-            if low > high || apart > low.abs().max(high.abs()) {
-                return 0;
-            }
-            let some = k * 64..(k * 64 + 64).min(n);
-            within_noise_of(&values[some.clone()], bound, &deviations[some])
-        });
-        Some(Bits::of_words(each.collect(), n))
     }
 
     /// Which rows are known.

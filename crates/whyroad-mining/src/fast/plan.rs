@@ -3,6 +3,7 @@
 use crate::language::program::{Moment, NodeId, Op, ValueScope};
 use crate::rule::{Rule, RuleSet};
 use std::collections::{BTreeSet, HashMap};
+use whyroad_model::signal::deviation_name;
 
 /// A node of the plan.
 #[derive(Clone, Debug)]
@@ -15,6 +16,10 @@ pub struct PlanNode {
     pub needs_episode: bool,
     /// Of a node of [`ValueScope::Second`]: the same about the target. Its values for all objects serve both roles.
     pub as_target: Option<NodeId>,
+    /// Of a signal: the name of the column with its standard deviations.
+    pub deviation: Option<String>,
+    /// How much its values cost, about: which of several conditions to ask first.
+    pub cost: usize,
 }
 
 /// A rule and where its nodes are in the plan.
@@ -110,6 +115,12 @@ impl<'r> Plan<'r> {
         }
     }
 
+    /// True if this is so of the operation of a node or of one that it reads.
+    pub fn any_below(&self, id: NodeId, is: &dyn Fn(&Op) -> bool) -> bool {
+        let op = &self.node(id).op;
+        is(op) || op.operands().into_iter().any(|of| self.any_below(of, is))
+    }
+
     fn add(&mut self, op: Op) -> NodeId {
         // Numbers print with all their digits, so equal texts are equal operations.
         let key = format!("{op:?}");
@@ -129,10 +140,27 @@ impl<'r> Plan<'r> {
             }
         });
         let as_target = as_target.map(|op| self.add(op));
-        self.nodes.push(PlanNode { op, scope, needs_episode, as_target });
+        let deviation = match &op {
+            Op::Signal(name) | Op::SecondSignal(name) | Op::PairSignal { name, .. } => {
+                Some(deviation_name(name))
+            }
+            _ => None,
+        };
+        let cost = own_cost(&op) + op.operands().iter().map(|o| self.node(*o).cost).sum::<usize>();
+        self.nodes.push(PlanNode { op, scope, needs_episode, as_target, deviation, cost });
         let id = NodeId(self.nodes.len() - 1);
         self.by_op.insert(key, id);
         id
+    }
+}
+
+/// Cost of an operation without its operands, in passes over packed truth values, about.
+fn own_cost(op: &Op) -> usize {
+    match op {
+        Op::Constant(_) | Op::Truth(_) | Op::Not(_) | Op::And(_) | Op::Or(_) => 1,
+        Op::Signal(_) | Op::SecondSignal(_) | Op::PairSignal { .. } | Op::Member(..) | Op::Known(_) => 2,
+        Op::Compare { .. } | Op::Before(_) => 4,
+        _ => 8,
     }
 }
 

@@ -53,14 +53,21 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
         true => Tri::from(p.band.is_some() && p.same_level && p.within_reach()),
         false => Tri::Unknown,
     };
-    table.flag(id::TARGET_IN_BAND, rows.placed(targets, Tri::Unknown, in_band));
     let side = |p: &Placement| sized(p, clearance(p, width).max(0.0));
-    table.number(id::TARGET_PATH_SIDE_DISTANCE, rows.placed(targets, f64::NAN, side));
     let gap =
         |p: &Placement| sized(p, if alongside(p, length) { clearance(p, width) } else { f64::INFINITY });
-    table.number(id::TARGET_LATERAL_GAP, rows.placed(targets, f64::NAN, gap));
-    let pass = |k: usize, p: Option<&Placement>| {
-        p.filter(|p| p.is_sized()).map_or(Tri::Unknown, |p| passing(p, targets[k].track.class, around))
-    };
-    table.flag(id::TARGET_PASSING, rows.spread(targets, Tri::Unknown, |k, _, p| pass(k, p)));
+    let (mut in_bands, mut passes) = (rows.column(Tri::Unknown), rows.column(Tri::Unknown));
+    let (mut sides, mut gaps) = (rows.column(f64::NAN), rows.column(f64::NAN));
+    rows.each_placed(targets, |row, (k, _), p| {
+        in_bands.0[row] = in_band(p);
+        sides.0[row] = side(p);
+        gaps.0[row] = gap(p);
+        if p.is_sized() {
+            passes.0[row] = passing(p, targets[k].track.class, around);
+        }
+    });
+    table.flag(id::TARGET_IN_BAND, in_bands);
+    table.number(id::TARGET_PATH_SIDE_DISTANCE, sides);
+    table.number(id::TARGET_LATERAL_GAP, gaps);
+    table.flag(id::TARGET_PASSING, passes);
 }

@@ -121,42 +121,44 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let (targets, around, times) = (scene.targets, scene.around, scene.times);
     let path_ahead: Vec<Range<usize>> = around.path.ego_s.iter().map(|s| ahead(around, *s)).collect();
-    let crossed = |p: &Option<Placement>| {
-        let p = p.as_ref().filter(|p| p.is_sized())?;
-        crossing(p, around, &path_ahead[p.frame])
+    let passed: Vec<Vec<f64>> = targets.iter().map(|t| recorded(t, around, times)).collect();
+    let crosses = |k: usize, p: &Placement, found: Option<Crossing>| {
+        let now = times[p.frame];
+        let soon = found.is_some_and(|c| c.theirs <= SOON_S);
+        soon || passed[k].iter().any(|t| (-JUST_S..=SOON_S).contains(&(t - now)))
     };
-    let found: Vec<Vec<Option<Crossing>>> =
-        targets.iter().map(|t| t.places.iter().map(crossed).collect()).collect();
-    let [theirs, own] = rows.placed_columns(targets, |k, r, p| {
+    // The junction ahead by frame, where there is a map.
+    let entered = around.road.map(|road| {
+        let junctions = junction::stretches(around.path, |p: P2| road.in_junction(p), junction::MERGE_M);
+        (0..times.len()).map(|i| junction_ahead(&junctions, around, i)).collect::<Vec<_>>()
+    });
+    let oncoming = |k: usize, p: &Placement, found: Option<Crossing>, ahead: Option<(Stretch, f64)>| {
+        let Some((junction, heading)) = ahead else { return f64::INFINITY };
+        let faces = || wrap(p.course() - heading).abs() >= ONCOMING_RAD - 1e-9;
+        let inside = |c: &Crossing| c.s >= junction.from - BORDER_M && c.s <= junction.to + BORDER_M;
+        match found.filter(inside) {
+            Some(c) if targets[k].track.class.is_vehicle() && faces() => c.theirs,
+            _ => f64::INFINITY,
+        }
+    };
+    let mut crossing_soon = rows.column(Tri::Unknown);
+    let [mut theirs, mut own, mut gaps] = [(); 3].map(|()| rows.column(f64::NAN));
+    rows.each_placed(targets, |row, (k, _), p| {
+        let found = if p.is_sized() { crossing(p, around, &path_ahead[p.frame]) } else { None };
+        if p.velocity.is_finite() {
+            crossing_soon.0[row] = Tri::from(crosses(k, p, found));
+        }
         if p.is_sized() && p.velocity.is_finite() {
-            found[k][r].map_or([f64::INFINITY; 2], |c| [c.theirs, c.own])
-        } else {
-            [f64::NAN; 2]
+            (theirs.0[row], own.0[row]) = found.map_or((f64::INFINITY, f64::INFINITY), |c| (c.theirs, c.own));
+            if let Some(entered) = &entered {
+                gaps.0[row] = oncoming(k, p, found, entered[p.frame]);
+            }
         }
     });
     table.number(id::TARGET_TIME_TO_CONFLICT, theirs);
     table.number(id::TARGET_EGO_TIME_TO_CONFLICT, own);
-    let passed: Vec<Vec<f64>> = targets.iter().map(|t| recorded(t, around, times)).collect();
-    let crosses = |k: usize, r: usize, p: Option<&Placement>| {
-        let Some(p) = p.filter(|p| p.velocity.is_finite()) else { return Tri::Unknown };
-        let now = times[p.frame];
-        let soon = found[k][r].is_some_and(|c| c.theirs <= SOON_S);
-        Tri::from(soon || passed[k].iter().any(|t| (-JUST_S..=SOON_S).contains(&(t - now))))
-    };
-    table.flag(id::TARGET_CROSSES_PATH, rows.spread(targets, Tri::Unknown, crosses));
-    let Some(road) = around.road else { return };
-    let junctions = junction::stretches(around.path, |p: P2| road.in_junction(p), junction::MERGE_M);
-    let entered: Vec<Option<(Stretch, f64)>> =
-        (0..times.len()).map(|i| junction_ahead(&junctions, around, i)).collect();
-    let oncoming = |k: usize, r: usize, p: Option<&Placement>| {
-        let Some(p) = p.filter(|p| p.is_sized() && p.velocity.is_finite()) else { return f64::NAN };
-        let Some((junction, heading)) = entered[p.frame] else { return f64::INFINITY };
-        let faces = wrap(p.course() - heading).abs() >= ONCOMING_RAD - 1e-9;
-        let inside = |c: &Crossing| c.s >= junction.from - BORDER_M && c.s <= junction.to + BORDER_M;
-        match found[k][r].filter(inside) {
-            Some(c) if faces && targets[k].track.class.is_vehicle() => c.theirs,
-            _ => f64::INFINITY,
-        }
-    };
-    table.number(id::TARGET_ONCOMING_GAP, rows.spread(targets, f64::NAN, oncoming));
+    table.flag(id::TARGET_CROSSES_PATH, crossing_soon);
+    if entered.is_some() {
+        table.number(id::TARGET_ONCOMING_GAP, gaps);
+    }
 }

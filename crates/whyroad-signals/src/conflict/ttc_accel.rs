@@ -189,14 +189,13 @@ fn boxes(p: &Placement, class: ObjectClass, accel: f64, ego: &EgoMotion) -> f64 
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let targets = scene.targets;
-    let path = |k: usize, r: usize, p: Option<&Placement>| {
-        p.map_or(f64::NAN, |p| along_path(p, targets[k].accel[r], scene.around))
-    };
-    table.number(id::TARGET_TTC_ACCEL, rows.spread(targets, f64::NAN, path));
-    let both = |k: usize, r: usize, p: Option<&Placement>| {
-        p.map_or(f64::NAN, |p| boxes(p, targets[k].track.class, targets[k].accel[r], scene.around.ego))
-    };
-    table.number(id::TARGET_TTC_BOX_ACCEL, rows.spread(targets, f64::NAN, both));
+    let [path, both] = rows.placed_columns(targets, |k, r, p| {
+        let accel = targets[k].accel[r];
+        let of_boxes = boxes(p, targets[k].track.class, accel, scene.around.ego);
+        [along_path(p, accel, scene.around), of_boxes]
+    });
+    table.number(id::TARGET_TTC_ACCEL, path);
+    table.number(id::TARGET_TTC_BOX_ACCEL, both);
 }
 
 #[cfg(test)]

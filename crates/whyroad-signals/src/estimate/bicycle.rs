@@ -55,6 +55,35 @@ pub struct Bicycle {
 impl Model<6> for Bicycle {
     const ANGLE: Option<usize> = Some(HEADING);
 
+    type Kept = [f64; 10];
+
+    fn kept(f: &Matrix<6>) -> [f64; 10] {
+        [
+            f[X][HEADING],
+            f[X][SPEED],
+            f[X][YAW_RATE],
+            f[X][ACCEL],
+            f[Y][HEADING],
+            f[Y][SPEED],
+            f[Y][YAW_RATE],
+            f[Y][ACCEL],
+            f[HEADING][YAW_RATE],
+            f[SPEED][ACCEL],
+        ]
+    }
+
+    fn derivatives(kept: &[f64; 10]) -> Matrix<6> {
+        let mut f = identity();
+        for (row, of_place) in [(X, &kept[..4]), (Y, &kept[4..8])] {
+            f[row][HEADING] = of_place[0];
+            f[row][SPEED] = of_place[1];
+            f[row][YAW_RATE] = of_place[2];
+            f[row][ACCEL] = of_place[3];
+        }
+        (f[HEADING][YAW_RATE], f[SPEED][ACCEL]) = (kept[8], kept[9]);
+        f
+    }
+
     fn predict(&self, s: &[f64; 6], dt: f64) -> ([f64; 6], Matrix<6>) {
         let (half, lever) = (0.5 * dt, self.rear_to_center_m);
         let (sin, cos) = (s[HEADING] + s[YAW_RATE] * half).sin_cos();
@@ -134,6 +163,12 @@ impl Model<6> for Bicycle {
 mod tests {
     use super::super::matrix::{product, transposed};
     use super::*;
+
+    #[test]
+    fn all_derivatives_are_kept() {
+        let (_, f) = Bicycle { rear_to_center_m: 1.2 }.predict(&[3.0, -4.0, 0.3, 12.0, 0.2, 0.7], 0.1);
+        assert_eq!(Bicycle::derivatives(&Bicycle::kept(&f)), f);
+    }
 
     #[test]
     fn a_matrix_is_moved_as_by_the_whole_product() {

@@ -15,6 +15,16 @@ pub trait Model<const N: usize> {
     /// Component that is an angle: its innovations are taken the shorter way round.
     const ANGLE: Option<usize>;
 
+    /// What is kept of a matrix of derivatives for the backward pass: where most are zero, the others. The steps of a
+    /// track are more than a processor keeps near.
+    type Kept: Copy;
+
+    /// Of a matrix of derivatives from [`Model::predict`].
+    fn kept(derivatives: &Matrix<N>) -> Self::Kept;
+
+    /// The matrix of which this was kept.
+    fn derivatives(kept: &Self::Kept) -> Matrix<N>;
+
     /// The state `dt` seconds later, and its derivatives with respect to the state.
     fn predict(&self, state: &[f64; N], dt: f64) -> ([f64; N], Matrix<N>);
 
@@ -58,20 +68,21 @@ const GATE: f64 = 4.0;
 /// If this many consecutive rows are that far off, it is no measurement error: the motion contradicts the model, as at
 /// a drawn corner of a road, and the earlier knowledge about that component is discarded. Otherwise the estimate would
 /// diverge permanently, because distant measurements have less weight.
-const PATIENCE: usize = 3;
+const PATIENCE: u8 = 3;
 /// An angle error of at least this is a reversed box, rad.
 const TURNED_ROUND_RAD: f64 = 0.75 * PI;
 
 /// A row after filtering.
-struct Step<const N: usize> {
-    /// Derivatives of the predicted state with respect to that of the row before; zero in the first row.
-    transition: Matrix<N>,
+struct Step<const N: usize, K> {
+    /// Derivatives of the predicted state with respect to that of the row before; unused in the first row.
+    transition: K,
     state: [f64; N],
     covariance: Matrix<N>,
     /// Number of observations up to and including this row.
     taken: usize,
-    /// For each component, the number of consecutive rows up to this one whose measurements were far off.
-    rows_off: [usize; N],
+    /// For each component, the number of consecutive rows up to this one whose measurements were far off, at most
+    /// [`PATIENCE`].
+    rows_off: [u8; N],
 }
 
 /// An observation after filtering.
@@ -86,13 +97,13 @@ struct Taken<const N: usize> {
 }
 
 /// The forward pass over some rows, and the start of the backward pass.
-pub struct Filter<'a, const N: usize, M> {
+pub struct Filter<'a, const N: usize, M: Model<N>> {
     model: &'a M,
     /// s, ascending.
     times: &'a [f64],
     /// The state before the first row, and its covariance.
     first: ([f64; N], Matrix<N>),
-    steps: Vec<Step<N>>,
+    steps: Vec<Step<N, M::Kept>>,
     taken: Vec<Taken<N>>,
 }
 
@@ -137,7 +148,8 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
                 let off = innovation(&state, o, M::ANGLE);
                 let beyond = off.abs() > GATE * (covariance[o.index][o.index] + o.variance).sqrt();
                 let turned_round = M::ANGLE == Some(o.index) && off.abs() > TURNED_ROUND_RAD;
-                rows_off[o.index] = if beyond && !turned_round { rows_off[o.index] + 1 } else { 0 };
+                rows_off[o.index] =
+                    if beyond && !turned_round { (rows_off[o.index] + 1).min(PATIENCE) } else { 0 };
                 if rows_off[o.index] >= PATIENCE {
                     covariance[o.index][o.index] += off * off;
                 }
@@ -145,7 +157,8 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
             for o in &seen {
                 self.taken.push(update(&mut state, &mut covariance, o, M::ANGLE));
             }
-            self.steps.push(Step { transition, state, covariance, taken: self.taken.len(), rows_off });
+            let (transition, taken) = (M::kept(&transition), self.taken.len());
+            self.steps.push(Step { transition, state, covariance, taken, rows_off });
         }
     }
 
@@ -174,7 +187,7 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
     }
 
     /// Visits the rows from the last one back, each with the information of the rows after it.
-    fn back(&self, mut visit: impl FnMut(usize, &Step<N>, &Later<N>)) {
+    fn back(&self, mut visit: impl FnMut(usize, &Step<N, M::Kept>, &Later<N>)) {
         let steps = &self.steps;
         let mut later = Later::nothing();
         for (row, step) in steps.iter().enumerate().rev() {
@@ -182,7 +195,7 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
             if row > 0 {
                 let taken = &self.taken[steps[row - 1].taken..step.taken];
                 taken.iter().rev().for_each(|taken| later.take(taken));
-                later.step_back::<M>(&step.transition);
+                later.step_back::<M>(&M::derivatives(&step.transition));
             }
         }
     }

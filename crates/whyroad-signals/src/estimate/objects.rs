@@ -83,7 +83,9 @@ impl Measured {
         seconds: &[f64],
         max_gap_s: f64,
     ) -> Self {
-        let mut out = Self::with_capacity(frames.len());
+        // Room for short gaps, too.
+        let span = frames.first().zip(frames.last()).map_or(0, |(first, last)| (last - first) as usize + 1);
+        let mut out = Self::with_capacity(span.min(frames.len() + frames.len() / 4 + 8));
         for (row, &frame) in frames.iter().enumerate() {
             if let Some(&last) = out.frames.last()
                 && seconds[frame as usize] - seconds[last as usize] <= max_gap_s

@@ -19,6 +19,16 @@ pub const TURN: Axis = Axis { change: 0.4 };
 impl Model<2> for Axis {
     const ANGLE: Option<usize> = None;
 
+    type Kept = Matrix<2>;
+
+    fn kept(derivatives: &Matrix<2>) -> Matrix<2> {
+        *derivatives
+    }
+
+    fn derivatives(kept: &Matrix<2>) -> Matrix<2> {
+        *kept
+    }
+
     fn predict(&self, s: &[f64; 2], dt: f64) -> ([f64; 2], Matrix<2>) {
         ([s[0] + s[1] * dt, s[1]], [[1.0, dt], [0.0, 1.0]])
     }

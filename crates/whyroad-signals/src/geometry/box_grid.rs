@@ -107,7 +107,11 @@ impl BoxGrid {
 
     /// Numbers of the boxes that contain `p`, in their order.
     pub fn at(&self, p: P2) -> impl Iterator<Item = usize> {
-        let cell = (!self.boxes.is_empty()).then(|| self.cells(&(p, p)).next()).flatten();
+        let cell = || {
+            let from = p - self.origin;
+            self.index(from.y, self.rows) * self.columns + self.index(from.x, self.columns)
+        };
+        let cell = (!self.boxes.is_empty()).then(cell);
         let holds = move |(_, (low, high)): &&(u32, Bounds)| {
             p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y
         };
@@ -116,10 +120,17 @@ impl BoxGrid {
 
     /// Numbers of the boxes within `reach` meters of `p` on each axis, ascending, without repetition.
     pub fn near(&self, p: P2, reach: f64) -> Vec<usize> {
-        if self.boxes.is_empty() {
-            return Vec::new();
-        }
         let mut found = Vec::with_capacity(MOSTLY_NEAR);
+        self.find_near(p, reach, &mut found);
+        found
+    }
+
+    /// [`BoxGrid::near`] in a list of the caller, which is emptied first.
+    pub fn find_near(&self, p: P2, reach: f64, found: &mut Vec<usize>) {
+        found.clear();
+        if self.boxes.is_empty() {
+            return;
+        }
         let (from, to) = (P2 { x: p.x - reach, y: p.y - reach }, P2 { x: p.x + reach, y: p.y + reach });
         for cell in self.cells(&(from, to)) {
             for (k, (low, high)) in self.in_cell(cell) {
@@ -130,7 +141,6 @@ impl BoxGrid {
         }
         found.sort_unstable();
         found.dedup();
-        found
     }
 }
 

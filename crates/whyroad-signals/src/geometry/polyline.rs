@@ -93,7 +93,7 @@ impl Polyline {
         if kept.len() < 2 {
             return None;
         }
-        let segments = Segments::new(&kept, &s);
+        let segments = Segments::new(&kept, &s, &lengths);
         let unit = |(w, length): (&[P2], &f64)| (w[1] - w[0]) * (1.0 / length);
         let directions = kept.windows(2).zip(&lengths).map(unit).collect();
         let places = Places::new(&s);

@@ -47,10 +47,17 @@ const ENTER_OR_LEAVE_COST: f64 = 1.5;
 const BACKWARD_COST: f64 = 1.0;
 const UNRELATED_COST: f64 = 4.0;
 
-/// Candidate lanes at a position, on any level, with their costs.
-fn candidates(road: &Road, p: P2, heading: f64, tether: Tether, found: &mut Vec<(LanePlace, f64)>) {
+/// Candidate lanes at a position, on any level, with their costs: in `found`; `near` is room for the search.
+fn candidates(
+    road: &Road,
+    (p, heading): (P2, f64),
+    tether: Tether,
+    near: &mut Vec<usize>,
+    found: &mut Vec<(LanePlace, f64)>,
+) {
     found.clear();
-    for index in road.lanes_near(p, tether.reach_m) {
+    road.find_lanes_near(p, tether.reach_m, near);
+    for &index in &*near {
         let lane = &road.lanes[index];
         if lane.kind == LaneKind::Sidewalk {
             continue;
@@ -138,13 +145,14 @@ pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Optio
     let mut starts: Vec<usize> = Vec::with_capacity(rows.len());
     let mut steps = Steps::default();
     let mut here: Vec<(LanePlace, f64)> = Vec::new();
+    let mut near: Vec<usize> = Vec::new();
     let mut last: Option<[u64; 3]> = None;
     for &(p, z, heading) in rows {
         let known = p.is_finite() && heading.is_finite();
         // A stationary actor has the same position as in the row before.
         let at = known.then(|| [p.x, p.y, heading].map(f64::to_bits));
         if known && at != last {
-            candidates(road, p, heading, tether, &mut here);
+            candidates(road, (p, heading), tether, &mut near, &mut here);
             last = at;
         }
         let on_level = here.iter().filter(|(c, _)| known && road.lanes[c.lane].on_level(z));

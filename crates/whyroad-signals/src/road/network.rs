@@ -187,6 +187,16 @@ impl Road {
         self.lane_grid.near(p, reach)
     }
 
+    /// [`Road::lanes_near`] in a list of the caller.
+    pub fn find_lanes_near(&self, p: P2, reach: f64, found: &mut Vec<usize>) {
+        self.lane_grid.find_near(p, reach, found);
+    }
+
+    /// Lanes whose bounding box contains `p`.
+    pub fn lanes_around(&self, p: P2) -> impl Iterator<Item = usize> {
+        self.lane_grid.at(p)
+    }
+
     /// The junction area that contains `p`.
     pub fn junction_at(&self, p: P2) -> Option<&Polygon> {
         self.junction_grid.at(p).map(|j| &self.junctions[j]).find(|area| area.contains(p))

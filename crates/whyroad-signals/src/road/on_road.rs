@@ -30,6 +30,8 @@ pub struct OnRoad<'a> {
     pub times: &'a [f64],
     /// Its ways.
     pub ways: Ways,
+    /// The map's entry of each lane of the road, which frames ask for again and again.
+    pub entries: Vec<Option<&'a Lane>>,
 }
 
 impl<'a> OnRoad<'a> {
@@ -40,7 +42,7 @@ impl<'a> OnRoad<'a> {
 
     /// The map's entry of a lane of [`Road::lanes`].
     pub fn lane(&self, index: usize) -> Option<&'a Lane> {
-        self.map.lane(&self.road.lanes[index].id)
+        self.entries[index]
     }
 
     /// The map's entry of the ego's lane in `frame`.

@@ -71,21 +71,16 @@ impl<'a> CrossingArms<'a> {
         };
         let eye = self.scene.ego.position[frame];
         // A pedestrian does not block the view of a road, and a vehicle in the ego's lane drives on.
+        let in_way = self.obstacles.tracked(frame).iter().filter(|tracked| tracked.in_way);
+        let in_way: Vec<Owner> = in_way.map(|tracked| Owner::Target(tracked.target)).collect();
         let counts = |owner: Owner| {
-            !matches!(self.obstacles.kind(owner), ObstacleKind::Vru) && !self.in_way(owner, frame)
+            !matches!(self.obstacles.kind(owner), ObstacleKind::Vru) && !in_way.contains(&owner)
         };
         let counting = view.counting(counts);
         let angles = crossing.arms.iter().map(|&arm| into(crossing, arm, eye, &counting));
         let angle = angles.fold(FRAC_PI_2, f64::min);
         let unknown = angle >= FRAC_PI_2 && !self.obstacles.covers_buildings && !crossing.arms.is_empty();
         self.angle.push(if unknown { f64::NAN } else { angle });
-    }
-
-    fn in_way(&self, owner: Owner, frame: usize) -> bool {
-        let Owner::Target(k) = owner else { return false };
-        let target = &self.scene.targets[k];
-        let place = target.track.row_at(frame).and_then(|row| target.places[row].as_ref());
-        place.is_some_and(|p| p.in_way || p.band.is_some())
     }
 
     /// Writes `map.sight_angle`.

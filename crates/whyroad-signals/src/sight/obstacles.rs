@@ -9,6 +9,7 @@ use crate::target::placement::MOVING_MPS;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 use std::cell::RefCell;
+use whyroad_model::ObjectClass;
 
 /// Maximum distance from the ego that is examined, m.
 const REACH_M: f64 = 150.0;
@@ -30,17 +31,31 @@ pub enum ObstacleKind {
     Building,
 }
 
+fn kind_of(class: ObjectClass) -> ObstacleKind {
+    if class.is_large_vehicle() {
+        ObstacleKind::LargeVehicle
+    } else if class.is_vehicle() {
+        ObstacleKind::Vehicle
+    } else if class.is_vru() {
+        ObstacleKind::Vru
+    } else {
+        ObstacleKind::Object
+    }
+}
+
 type Wall = GeomWithData<Line<[f64; 2]>, usize>;
 
 /// A target in one frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Tracked<'a> {
+pub struct Tracked {
     /// Index of the target.
     pub target: usize,
     /// Row of its track.
     pub row: usize,
-    /// Its box, if it is known.
-    pub footprint: Option<&'a OrientedBox>,
+    /// Its box, if it is known. A copy: frame by frame, the placements of the targets are far apart in memory.
+    pub footprint: Option<OrientedBox>,
+    /// In the ego's way.
+    pub in_way: bool,
     /// Whether it can hide something.
     hides: bool,
 }
@@ -48,7 +63,9 @@ pub struct Tracked<'a> {
 /// All tracked objects and all occluders, over the whole drive.
 pub struct Obstacles<'a> {
     scene: &'a Scene<'a>,
-    by_frame: Vec<Vec<Tracked<'a>>>,
+    by_frame: Vec<Vec<Tracked>>,
+    /// The kind of each target.
+    kinds: Vec<ObstacleKind>,
     walls: RTree<Wall>,
     /// By target, how its box was seen in the last frame that was looked at.
     seen: RefCell<Vec<Option<SeenBox>>>,
@@ -63,7 +80,7 @@ impl<'a> Obstacles<'a> {
         for frame in scene.targets.iter().flat_map(|target| &target.track.frames) {
             counts[*frame as usize] += 1;
         }
-        let mut by_frame: Vec<Vec<Tracked<'a>>> = counts.into_iter().map(Vec::with_capacity).collect();
+        let mut by_frame: Vec<Vec<Tracked>> = counts.into_iter().map(Vec::with_capacity).collect();
         for (k, target) in scene.targets.iter().enumerate() {
             for (row, (&frame, place)) in target.track.frames.iter().zip(&target.places).enumerate() {
                 let known = place.as_ref().filter(|p| p.is_sized() && p.footprint.heading.is_finite());
@@ -71,7 +88,8 @@ impl<'a> Obstacles<'a> {
                 by_frame[frame as usize].push(Tracked {
                     target: k,
                     row,
-                    footprint: known.map(|p| &p.footprint),
+                    footprint: known.map(|p| p.footprint),
+                    in_way: place.as_ref().is_some_and(|p| p.in_way || p.band.is_some()),
                     hides: known.is_some_and(|p| p.same_level) && !low,
                 });
             }
@@ -88,11 +106,12 @@ impl<'a> Obstacles<'a> {
         }
         let covers_buildings = map.is_some_and(|m| m.covers("building"));
         let seen = RefCell::new(vec![None; scene.targets.len()]);
-        Self { scene, by_frame, walls: RTree::bulk_load(walls), seen, covers_buildings }
+        let kinds = scene.targets.iter().map(|target| kind_of(target.track.class)).collect();
+        Self { scene, by_frame, kinds, walls: RTree::bulk_load(walls), seen, covers_buildings }
     }
 
     /// The tracked objects in `frame`, in the order of the targets.
-    pub fn tracked(&self, frame: usize) -> &[Tracked<'a>] {
+    pub fn tracked(&self, frame: usize) -> &[Tracked] {
         &self.by_frame[frame]
     }
 
@@ -106,9 +125,9 @@ impl<'a> Obstacles<'a> {
         let mut view = View::from(eye, self.by_frame[frame].len());
         let mut seen = self.seen.borrow_mut();
         for tracked in self.by_frame[frame].iter().filter(|t| t.hides) {
-            let near = |footprint: &&OrientedBox| (footprint.center - eye).is_within(REACH_M);
+            let near = |footprint: &OrientedBox| (footprint.center - eye).is_within(REACH_M);
             if let Some(footprint) = tracked.footprint.filter(near) {
-                view.add_box(Owner::Target(tracked.target), *footprint, &mut seen[tracked.target]);
+                view.add_box(Owner::Target(tracked.target), footprint, &mut seen[tracked.target]);
             }
         }
         let around =
@@ -128,12 +147,9 @@ impl<'a> Obstacles<'a> {
 
     /// The kind of the owner.
     pub fn kind(&self, owner: Owner) -> ObstacleKind {
-        let Owner::Target(k) = owner else { return ObstacleKind::Building };
-        match self.scene.targets[k].track.class {
-            class if class.is_large_vehicle() => ObstacleKind::LargeVehicle,
-            class if class.is_vehicle() => ObstacleKind::Vehicle,
-            class if class.is_vru() => ObstacleKind::Vru,
-            _ => ObstacleKind::Object,
+        match owner {
+            Owner::Target(k) => self.kinds[k],
+            Owner::Building(_) => ObstacleKind::Building,
         }
     }
 

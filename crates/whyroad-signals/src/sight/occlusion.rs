@@ -60,10 +60,10 @@ impl<'a> Occlusion<'a> {
     pub fn look(&mut self, frame: usize, view: Option<&View>, obstacles: &Obstacles<'_>) {
         let eye = self.scene.ego.position[frame];
         for &Tracked { target: k, row, footprint, .. } in obstacles.tracked(frame) {
-            let near = |footprint: &&OrientedBox| (footprint.center - eye).is_within(REACH_M);
+            let near = |footprint: &OrientedBox| (footprint.center - eye).is_within(REACH_M);
             let seen = &mut self.rows[k][row];
             if let (Some(view), Some(footprint)) = (view, footprint.filter(near))
-                && let Some(sight) = view.sight(Some(Owner::Target(k)), footprint)
+                && let Some(sight) = view.sight(Some(Owner::Target(k)), &footprint)
             {
                 (seen.share, seen.occluder) = (sight.share, sight.occluder);
             }

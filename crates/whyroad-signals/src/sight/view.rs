@@ -7,6 +7,7 @@
 //! in front of it. Nothing is sampled.
 
 use crate::geometry::{OrientedBox, P2, wrap};
+use std::cell::RefCell;
 
 /// Smaller angles are ignored, rad (negligible at 80 m).
 const LEAST_ANGLE_RAD: f64 = 1e-9;
@@ -258,13 +259,19 @@ pub struct View {
     ranges: Vec<[u64; RANGES]>,
     /// By range of directions, the distance of the nearest piece, m; infinite if there is none.
     nearest: [f64; RANGES],
+    /// Room for what hides a box, kept from one question to the next.
+    hidden: RefCell<Vec<Hidden>>,
 }
+
+/// What hides a part of a box: its owner, the distance of its nearest point, m, and the hidden angles.
+type Hidden = (Owner, f64, (f64, f64));
 
 impl View {
     /// An empty view from `eye`, with room for this number of pieces.
     pub fn from(eye: P2, pieces: usize) -> Self {
         let ranges = Vec::with_capacity(pieces.div_ceil(64));
-        Self { eye, pieces: Vec::with_capacity(pieces), ranges, nearest: [f64::INFINITY; RANGES] }
+        let (pieces, nearest) = (Vec::with_capacity(pieces), [f64::INFINITY; RANGES]);
+        Self { eye, pieces, ranges, nearest, hidden: RefCell::default() }
     }
 
     /// Adds the box of a target; `last` is how it was seen before, and then now.
@@ -324,7 +331,8 @@ impl View {
             None if target.overlaps(&OrientedBox::point(self.eye)) => return None,
             None => (Sector::of(&corners), Reach::of(&corners)),
         };
-        let mut hidden: Vec<(Owner, f64, (f64, f64))> = Vec::new();
+        let mut hidden = self.hidden.take();
+        hidden.clear();
         let around = self.pieces_in(sector.ranges);
         for piece in around.filter(|p| Some(p.owner) != own && p.reach.nearest < reach.farthest) {
             let Some((low, high)) = sector.shared(&piece.sector) else { continue };
@@ -339,14 +347,16 @@ impl View {
                 hidden.push((piece.owner, piece.reach.nearest, (low, high)));
             }
         }
-        if hidden.is_empty() {
-            return Some(Sight { share: 1.0, occluder: None });
-        }
         let (covered, occluder) = match hidden[..] {
+            [] => (0.0, None),
             [(owner, _, (low, high))] => ((high - low).max(0.0), Some(owner)),
-            _ => (union(hidden.iter().map(|h| h.2).collect()), most_hiding(hidden)),
+            _ => (union(hidden.iter().map(|h| h.2).collect()), most_hiding(&mut hidden)),
         };
-        let share = (1.0 - covered / (2.0 * sector.half)).clamp(0.0, 1.0);
+        self.hidden.replace(hidden);
+        let share = match occluder {
+            None => 1.0,
+            Some(_) => (1.0 - covered / (2.0 * sector.half)).clamp(0.0, 1.0),
+        };
         Some(Sight { share, occluder })
     }
 
@@ -432,7 +442,7 @@ fn union(mut intervals: Vec<(f64, f64)>) -> f64 {
 }
 
 /// The owner whose pieces together hide the largest angle; if equal, the nearest.
-fn most_hiding(mut hidden: Vec<(Owner, f64, (f64, f64))>) -> Option<Owner> {
+fn most_hiding(hidden: &mut [Hidden]) -> Option<Owner> {
     hidden.sort_by_key(|h| h.0);
     hidden
         .chunk_by(|a, b| a.0 == b.0)

@@ -139,15 +139,21 @@ fn moves_along(p: &Placement) -> bool {
     p.speed() >= MOVING_MPS && p.turned() < FRAC_PI_3
 }
 
-/// All placements, by frame.
-fn by_frame<'t>(targets: &'t [Target<'_>], frames: usize) -> Vec<Vec<&'t Placement>> {
-    let mut found: Vec<Vec<&Placement>> = vec![Vec::new(); frames];
+/// By frame, the placements that are near the ego's box or along the corridor ahead of it.
+fn by_frame<'t>(on: &OnRoad<'_>, targets: &'t [Target<'_>]) -> Vec<Vec<&'t Placement>> {
+    let mut found: Vec<Vec<&Placement>> = vec![Vec::new(); on.frames()];
     for p in targets.iter().flat_map(|t| t.places.iter().flatten()) {
-        if p.same_level && p.is_sized() {
+        if p.same_level && p.is_sized() && (is_in_corridor(on, p) || is_beside(on, p)) {
             found[p.frame].push(p);
         }
     }
     found
+}
+
+/// Near enough to limit the space beside the ego.
+fn is_beside(on: &OnRoad<'_>, p: &Placement) -> bool {
+    let ego = on.ego.footprint(p.frame);
+    (p.footprint.center - ego.center).is_within(ego.radius() + FREE_M + p.footprint.radius())
 }
 
 fn room_beside(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize) -> [f64; 2] {
@@ -159,12 +165,9 @@ fn room_beside(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize
         let edge = edges.stations[k].map(|e| (e - ego.width / 2.0).clamp(0.0, FREE_M));
         room = [0, 1].map(|i| if edge[i] < room[i] || edge[i].is_nan() { edge[i] } else { room[i] });
     }
-    let reach = ego.radius() + FREE_M;
-    for p in near {
-        if (p.footprint.center - ego.center).is_within(reach + p.footprint.radius()) {
-            let free = beside(&ego, &p.footprint);
-            room = [0, 1].map(|i| if free[i] < room[i] { free[i] } else { room[i] });
-        }
+    for p in near.iter().filter(|p| is_beside(on, p)) {
+        let free = beside(&ego, &p.footprint);
+        room = [0, 1].map(|i| if free[i] < room[i] { free[i] } else { room[i] });
     }
     room
 }
@@ -175,11 +178,11 @@ fn corridor_ahead(on: &OnRoad<'_>, frame: usize) -> (f64, f64) {
     (s, s + on.ego.front())
 }
 
-/// The objects along the corridor ahead.
-fn along_corridor<'t>(on: &OnRoad<'_>, near: &[&'t Placement], frame: usize) -> Vec<&'t Placement> {
-    let (s, from) = corridor_ahead(on, frame);
-    let beyond = |p: &Placement| s + p.far < from || s + p.near > from + AHEAD_M;
-    near.iter().copied().filter(|p| !beyond(p)).collect()
+/// Along the corridor ahead.
+fn is_in_corridor(on: &OnRoad<'_>, p: &Placement) -> bool {
+    let (s, from) = corridor_ahead(on, p.frame);
+    let beyond = s + p.far < from || s + p.near > from + AHEAD_M;
+    !beyond
 }
 
 /// Minimum width of the corridor ahead between the road's edges and the objects that meet `counts`.
@@ -230,7 +233,7 @@ pub fn write(on: &OnRoad<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'
         return;
     }
     let edges = Edges::new(on.road, on.path, on.ego);
-    let near = by_frame(targets, on.frames());
+    let near = by_frame(on, targets);
     let frames = || 0..on.frames();
     let beside =
         |i: usize| if on.ego.is_known(i) { room_beside(on, &edges, &near[i], i) } else { [f64::NAN; 2] };
@@ -241,7 +244,7 @@ pub fn write(on: &OnRoad<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'
         if !on.ego.is_known(i) {
             return (f64::NAN, f64::NAN);
         }
-        let along = along_corridor(on, &near[i], i);
+        let along: Vec<&Placement> = near[i].iter().copied().filter(|p| is_in_corridor(on, p)).collect();
         let room = |counts: fn(&Placement) -> bool| room_ahead(on, &edges, &along, i, counts);
         (room(|p| !moves_along(p)), room(|p| p.speed() < MOVING_MPS))
     };

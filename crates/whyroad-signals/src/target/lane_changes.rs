@@ -208,11 +208,11 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
 }
 
 /// Against all lanes for vehicles at its position, outside of junctions.
-fn against(road: &Road, p: &Placement) -> bool {
-    if p.speed() < MOVING_MPS || road.in_junction(p.footprint.center) {
+fn against(road: &Road, target: &Target<'_>, row: usize, p: &Placement) -> bool {
+    if p.speed() < MOVING_MPS || target.is_in_junction(road, row) {
         return false;
     }
-    let here = road.lanes_near(p.footprint.center, 0.0).into_iter().filter(|&i| {
+    let here = road.lanes_around(p.footprint.center).filter(|&i| {
         let lane = &road.lanes[i];
         matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus)
             && lane.area.as_ref().is_some_and(|a| a.contains(p.footprint.center))
@@ -239,7 +239,7 @@ fn wrong_way(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Tri> {
     let time = |r: usize| times[target.track.frames[r] as usize];
     for r in 0..=flags.len() {
         let goes_on = r < flags.len()
-            && target.places[r].as_ref().is_some_and(|p| against(road, p))
+            && target.places[r].as_ref().is_some_and(|p| against(road, target, r, p))
             && run.last().is_none_or(|&l| time(r) - time(l) <= GAP_S);
         if goes_on {
             run.push(r);

@@ -28,11 +28,15 @@ fn across_line(p: &Placement) -> Tri {
 /// Writes `target.wheel_over_line`, `lateral_offset`, `lane_centre_distance`, `lane_lateral_speed`.
 pub fn write(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
-    table.flag(id::TARGET_WHEEL_OVER_LINE, rows.placed(targets, Tri::Unknown, across_line));
-    let [depth, from_center, speed] = rows.placed_columns(targets, |_, _, p| {
-        let from_center = p.lane.map(|(at, _, _)| at.lateral.abs());
-        [p.intrusion(), from_center, lane_lateral_speed(p)].map(|value| value.unwrap_or(f64::NAN))
+    let mut over = rows.column(Tri::Unknown);
+    let [mut depth, mut from_center, mut speed] = [(); 3].map(|()| rows.column(f64::NAN));
+    rows.each_placed(targets, |row, _, p| {
+        over.0[row] = across_line(p);
+        depth.0[row] = p.intrusion().unwrap_or(f64::NAN);
+        from_center.0[row] = p.lane.map_or(f64::NAN, |(at, _, _)| at.lateral.abs());
+        speed.0[row] = lane_lateral_speed(p).unwrap_or(f64::NAN);
     });
+    table.flag(id::TARGET_WHEEL_OVER_LINE, over);
     table.number(id::TARGET_LATERAL_OFFSET, depth);
     table.number(id::TARGET_LANE_CENTRE_DISTANCE, from_center);
     table.number(id::TARGET_LANE_LATERAL_SPEED, speed);

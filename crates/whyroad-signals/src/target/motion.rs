@@ -20,9 +20,9 @@ const DIRECTION_LEAST_SPEED_MPS: f64 = 0.3;
 /// Without `ego` the positions of the drive are already relative to it.
 pub fn write_relative(drive: &Drive, ego: Option<&EgoMotion>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
-    table.flag(id::TARGET_OBSERVED, rows.flags_or(Tri::False, |_, _| Tri::True));
-    table.category(id::TARGET_CLASS, rows.values(|t, _| TargetClass::from_name(t.class.id())));
-    table.flag(id::TARGET_LARGE_VEHICLE, rows.flags(|t, _| t.class.large_vehicle()));
+    table.flag(id::TARGET_OBSERVED, rows.per_track(Tri::False, |_| Tri::True));
+    table.category(id::TARGET_CLASS, rows.per_track(None, |t| TargetClass::from_name(t.class.id())));
+    table.flag(id::TARGET_LARGE_VEHICLE, rows.per_track(Tri::Unknown, |t| t.class.large_vehicle()));
     table.flag(
         id::TARGET_VISIBLE,
         rows.flags(|t, r| Tri::from(t.interior_points.get(r).filter(|n| !n.is_nan()).map(|&n| n > 0.0))),

@@ -3,13 +3,14 @@
 
 use crate::ego::motion::{EgoMotion, STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS, given_or_slope};
 use crate::estimate::Deviations;
-use crate::geometry::{OrientedBox, P2, p2, wrap};
+use crate::geometry::{LastPlace, OrientedBox, P2, p2, wrap};
 use crate::road::ego_lane::EgoLane;
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, Road};
 use crate::road::path::DrivenPath;
 use crate::series::below_with_hysteresis;
 use crate::target::band::{Band, Outline, PATH_MARGIN_M};
 use crate::target::on_lines::{OnLines, extents};
+use std::cell::OnceCell;
 use whyroad_model::Tri;
 use whyroad_model::scene::{Motion, Track};
 
@@ -36,6 +37,21 @@ pub struct Target<'a> {
     pub places: Vec<Option<Placement>>,
     /// Standard deviations of its states; `None` where they are exact.
     pub sd: Option<&'a Deviations>,
+    /// See [`Target::is_in_junction`].
+    in_junction: OnceCell<Vec<bool>>,
+}
+
+impl Target<'_> {
+    /// True if its center is in a junction in a row of its track. Several families ask this of all rows; it is computed
+    /// for all of them when the first one does.
+    pub fn is_in_junction(&self, road: &Road, row: usize) -> bool {
+        let of_all = || {
+            let (m, last) = (&self.track.motion, LastPlace::new());
+            let at = |row: usize| p2(m.x[row], m.y[row]);
+            (0..m.len()).map(|row| last.at(at(row), || road.in_junction(at(row)))).collect()
+        };
+        self.in_junction.get_or_init(of_all)[row]
+    }
 }
 
 /// Position of a target in one frame.
@@ -271,7 +287,17 @@ impl<'a> Surroundings<'a> {
         };
         let accel = given_or_slope(&m.accel, &times, &forward_speed);
         let standstill = below_with_hysteresis(&speed, STANDSTILL_SET_MPS, STANDSTILL_RELEASE_MPS);
-        Target { track, times, speed, forward_speed, accel, standstill, places, sd: None }
+        Target {
+            track,
+            times,
+            speed,
+            forward_speed,
+            accel,
+            standstill,
+            places,
+            sd: None,
+            in_junction: OnceCell::new(),
+        }
     }
 
     fn all_rows(&self, track: &Track) -> Vec<Option<Placement>> {

@@ -91,23 +91,21 @@ fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> TargetRelation {
 /// Writes `target.in_ego_lane`, `is_lead`, `is_follower`, `relation`.
 pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbors, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
-    table.flag(id::TARGET_IN_EGO_LANE, rows.placed(targets, Tri::Unknown, |p| Tri::from(p.in_way)));
     let is =
         |who: &[Option<(usize, usize)>], k: usize, p: &Placement| who[p.frame].is_some_and(|(j, _)| j == k);
-    let flag = |who: &[Option<(usize, usize)>], k: usize, p: Option<&Placement>| {
-        p.map_or(Tri::Unknown, |p| Tri::from(is(who, k, p)))
-    };
-    table.flag(id::TARGET_IS_LEAD, rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.lead, k, p)));
-    table.flag(
-        id::TARGET_IS_FOLLOWER,
-        rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.follower, k, p)),
-    );
-    table.category(
-        id::TARGET_RELATION,
-        rows.spread(targets, None, |k, _, p| {
-            p.map(|p| relation(p, is(&near.lead, k, p), is(&near.follower, k, p)))
-        }),
-    );
+    let [mut in_way, mut leads, mut follows] = [(); 3].map(|()| rows.column(Tri::Unknown));
+    let mut relations = rows.column(None);
+    rows.each_placed(targets, |row, (k, _), p| {
+        let (is_lead, is_follower) = (is(&near.lead, k, p), is(&near.follower, k, p));
+        in_way.0[row] = Tri::from(p.in_way);
+        leads.0[row] = Tri::from(is_lead);
+        follows.0[row] = Tri::from(is_follower);
+        relations.0[row] = Some(relation(p, is_lead, is_follower));
+    });
+    table.flag(id::TARGET_IN_EGO_LANE, in_way);
+    table.flag(id::TARGET_IS_LEAD, leads);
+    table.flag(id::TARGET_IS_FOLLOWER, follows);
+    table.category(id::TARGET_RELATION, relations);
 }
 
 /// Writes the `lead.*` signals: the lead's own target signals, copied to the frame.

@@ -35,6 +35,12 @@ impl<'a> Rows<'a> {
         TargetRows(column)
     }
 
+    /// A value in all observed rows of each track.
+    pub fn per_track<T: Clone>(&self, unknown: T, value: impl Fn(&Track) -> T) -> TargetRows<T> {
+        let values: Vec<T> = self.tracks.iter().map(|track| value(track)).collect();
+        self.fill(unknown, |k, _, _| values[k].clone())
+    }
+
     /// A number per row of each track.
     pub fn numbers(&self, value: impl Fn(&Track, usize) -> f64) -> TargetRows<f64> {
         self.fill(f64::NAN, |_, t, r| value(t, r))
@@ -102,6 +108,29 @@ impl<'a> Rows<'a> {
             }
         }
         TargetRows(column)
+    }
+
+    /// A column in which every row is unknown, for [`Rows::each_placed`].
+    pub fn column<T: Clone>(&self, unknown: T) -> TargetRows<T> {
+        TargetRows(vec![unknown; self.count])
+    }
+
+    /// Visits all placed rows once, for several columns of different types: placements are large, and reading them all
+    /// takes longer than what is computed from one. The arguments are the row of the table, the target's index with the
+    /// row of its track, and the placement.
+    pub fn each_placed(
+        &self,
+        targets: &[Target<'_>],
+        mut visit: impl FnMut(usize, (usize, usize), &Placement),
+    ) {
+        for (k, (target, first)) in targets.iter().zip(&self.first_rows).enumerate() {
+            let start = target.track.frames[0];
+            for (row, (frame, place)) in target.track.frames.iter().zip(&target.places).enumerate() {
+                if let Some(place) = place {
+                    visit(first + (frame - start) as usize, (k, row), place);
+                }
+            }
+        }
     }
 
     /// A value per placed row; unknown where there is no placement.

@@ -85,13 +85,8 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
         let away = p.footprint.center - ego.position[p.frame];
         let forward = ego.footprint(p.frame).direction();
         let exactly = || side(wrap(away.heading() - ego.heading[p.frame]));
-        Some(clear_side(away.dot(forward), away.dot(forward.left())).unwrap_or_else(exactly))
+        clear_side(away.dot(forward), away.dot(forward.left())).unwrap_or_else(exactly)
     };
-    table.category(id::TARGET_SIDE, rows.placed(targets, None, seen));
-    if scene.around.lanes.is_some() {
-        table.category(id::TARGET_LANE_SIDE, rows.placed(targets, None, lane_side));
-    }
-    table.category(id::TARGET_MOVES_ALONG, rows.placed(targets, None, moves_along));
     let relative = |p: &Placement| {
         if p.speed() == 0.0 {
             -ego.forward_speed[p.frame]
@@ -99,7 +94,20 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
             gaps::along_signed(p) - ego.forward_speed[p.frame]
         }
     };
-    table.number(id::TARGET_RELATIVE_SPEED, rows.placed(targets, f64::NAN, relative));
+    let (mut sides, mut lane_sides, mut along) = (rows.column(None), rows.column(None), rows.column(None));
+    let mut relative_speeds = rows.column(f64::NAN);
+    rows.each_placed(targets, |row, _, p| {
+        sides.0[row] = Some(seen(p));
+        lane_sides.0[row] = lane_side(p);
+        along.0[row] = moves_along(p);
+        relative_speeds.0[row] = relative(p);
+    });
+    table.category(id::TARGET_SIDE, sides);
+    if scene.around.lanes.is_some() {
+        table.category(id::TARGET_LANE_SIDE, lane_sides);
+    }
+    table.category(id::TARGET_MOVES_ALONG, along);
+    table.number(id::TARGET_RELATIVE_SPEED, relative_speeds);
 }
 
 #[cfg(test)]

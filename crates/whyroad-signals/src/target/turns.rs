@@ -1,6 +1,6 @@
 //! Movement of a target through a junction, by its heading integrated over the whole traversal.
 
-use crate::geometry::{LastPlace, P2, p2, unwrap};
+use crate::geometry::{p2, unwrap};
 use crate::road::junction::{self, MERGE_M, TURN_MARGIN_M};
 use crate::road::network::Road;
 use crate::table::TableBuilder;
@@ -38,9 +38,7 @@ fn turns(road: &Road, target: &Target<'_>) -> Vec<Option<TargetTurns>> {
         let step = (p2(m.x[r], m.y[r]) - p2(m.x[r - 1], m.y[r - 1])).norm();
         traveled[r] = traveled[r - 1] + if step.is_finite() && m.speed(r) >= 0.3 { step } else { 0.0 };
     }
-    let in_junction = LastPlace::new();
-    let is_inside = |p: P2| in_junction.at(p, || road.in_junction(p));
-    let inside: Vec<usize> = (0..n).filter(|&r| known(r) && is_inside(p2(m.x[r], m.y[r]))).collect();
+    let inside: Vec<usize> = (0..n).filter(|&r| known(r) && target.is_in_junction(road, r)).collect();
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for r in inside {
         match runs.last_mut() {

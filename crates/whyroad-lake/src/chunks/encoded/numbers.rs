@@ -12,6 +12,8 @@ use std::ops::Range;
 /// Bytes that are compressed to see whether a column becomes shorter: samples of a fixed length from several positions.
 const SAMPLE_BYTES: usize = 4096;
 const SAMPLES: usize = 4;
+/// Numbers that are copied to a page at once.
+const PLAIN_AT_ONCE: usize = 64;
 
 /// Numbers; those become null of which the bits of `known`, for up to 64 rows, are not set.
 pub(in crate::chunks) fn numbers(
@@ -47,6 +49,8 @@ pub(in crate::chunks) fn numbers(
     }
     let places = repeats(values).then(|| Places::of(&numbers)).flatten();
     let encoding = if places.is_some() { Encoding::RLE_DICTIONARY } else { Encoding::PLAIN };
+    let mut runs = places.iter().flat_map(|p| &p.runs).copied();
+    let mut run = (0, 0);
     let mut before = 0;
     let mut bodies = Vec::with_capacity(pages.len());
     for (bits, end) in &pages {
@@ -54,18 +58,27 @@ pub(in crate::chunks) fn numbers(
         match &places {
             Some(places) => {
                 let mut hybrid = Hybrid::of_places(places.entries.len());
-                let same = places.of_values[before..*end].chunk_by(|a, b| a == b);
-                same.for_each(|same| hybrid.push(same[0], same.len()));
+                let mut left = *end - before;
+                while left > 0 {
+                    if run.1 == 0 {
+                        run = runs.next().unwrap_or((0, left));
+                    }
+                    let taken = left.min(run.1);
+                    hybrid.push(run.0, taken);
+                    (left, run.1) = (left - taken, run.1 - taken);
+                }
                 page.extend_from_slice(&hybrid.finish());
             }
             None => {
                 let plain = &numbers[before..*end];
-                let start = page.len();
                 page.reserve_exact(8 * plain.len());
-                page.resize(start + 8 * plain.len(), 0);
-                // Eight bytes at once; an iterator over the bytes would go byte by byte.
-                let (eights, _) = page[start..].as_chunks_mut::<8>();
-                eights.iter_mut().zip(plain).for_each(|(eight, x)| *eight = x.to_le_bytes());
+                // Eight bytes at once, and many eights: an iterator over the bytes would go byte by byte.
+                for some in plain.chunks(PLAIN_AT_ONCE) {
+                    let mut bytes = [0; 8 * PLAIN_AT_ONCE];
+                    let (eights, _) = bytes.as_chunks_mut::<8>();
+                    eights.iter_mut().zip(some).for_each(|(eight, x)| *eight = x.to_le_bytes());
+                    page.extend_from_slice(&bytes[..8 * some.len()]);
+                }
             }
         }
         bodies.push((page, bits.len));
@@ -91,10 +104,11 @@ fn worth_compressing(page: &[u8]) -> Option<snap::raw::Encoder> {
     let mut snappy = snap::raw::Encoder::new();
     let step = (page.len() / SAMPLES).max(SAMPLE_BYTES);
     let (mut raw, mut packed) = (0, 0);
+    let mut room = vec![0; snap::raw::max_compress_len(SAMPLE_BYTES)];
     for some in page.chunks(step) {
         let some = &some[..some.len().min(SAMPLE_BYTES)];
         raw += some.len();
-        packed += snappy.compress_vec(some).ok()?.len();
+        packed += snappy.compress(some, &mut room).ok()?;
     }
     (10 * packed < 9 * raw).then_some(snappy)
 }
@@ -130,8 +144,8 @@ pub(in crate::chunks) fn known(numbers: &[f64]) -> u64 {
 struct Places {
     /// The numbers, in the order of first occurrence.
     entries: Vec<f64>,
-    /// The index of each value.
-    of_values: Vec<u32>,
+    /// The indices of the values, each with the number of values one after another that have it.
+    runs: Vec<(u32, usize)>,
 }
 
 impl Places {
@@ -141,19 +155,14 @@ impl Places {
         let most = values.len() / 2;
         // Open addressing: a power of two, at least twice as many slots as entries.
         let mut slots = vec![FREE; 64];
-        let (mut entries, mut of_values) = (Vec::<f64>::new(), Vec::with_capacity(values.len()));
+        let (mut entries, mut runs) = (Vec::<f64>::new(), Vec::new());
         let start = |bits: u64, slots: usize| {
             // The high bits of a product depend on all bits.
             let hash = (bits ^ bits >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
             (hash >> 32) as usize & (slots - 1)
         };
-        let mut last = None;
-        for value in values {
-            let bits = value.to_bits();
-            if let Some((_, place)) = last.filter(|(of, _)| *of == bits) {
-                of_values.push(place);
-                continue;
-            }
+        for same in values.chunk_by(|a, b| a.to_bits() == b.to_bits()) {
+            let (value, bits) = (same[0], same[0].to_bits());
             let mut at = start(bits, slots.len());
             while slots[at] != FREE && entries[slots[at] as usize].to_bits() != bits {
                 at = (at + 1) & (slots.len() - 1);
@@ -163,7 +172,7 @@ impl Places {
                     return None;
                 }
                 slots[at] = entries.len() as u32;
-                entries.push(*value);
+                entries.push(value);
                 if 2 * entries.len() > slots.len() {
                     slots = vec![FREE; 2 * slots.len()];
                     for (place, entry) in entries.iter().enumerate() {
@@ -173,15 +182,12 @@ impl Places {
                         }
                         slots[at] = place as u32;
                     }
-                    last = None;
-                    of_values.push(entries.len() as u32 - 1);
-                    continue;
                 }
+                runs.push((entries.len() as u32 - 1, same.len()));
+                continue;
             }
-            let place = slots[at];
-            last = Some((bits, place));
-            of_values.push(place);
+            runs.push((slots[at], same.len()));
         }
-        (!entries.is_empty()).then_some(Self { entries, of_values })
+        (!entries.is_empty()).then_some(Self { entries, runs })
     }
 }

@@ -81,8 +81,8 @@ pub(super) struct Segments {
 }
 
 impl Segments {
-    /// Segments between these points with these arc lengths.
-    pub fn new(points: &[P2], s: &[f64]) -> Self {
+    /// Segments between these points with these arc lengths, and of these lengths.
+    pub fn new(points: &[P2], s: &[f64], lengths: &[f64]) -> Self {
         let last = points.len() - 1;
         let blocks = (0..last).step_by(BLOCK).map(|i| Block::around(&points[i..=(i + BLOCK).min(last)]));
         let mut out = Self { blocks: blocks.collect(), s: s.to_vec(), ..Self::default() };
@@ -95,7 +95,8 @@ impl Segments {
             out.inverse.push(1.0 / (length * length));
         }
         for i in 0..last {
-            let (bend, sharpness) = if i == 0 { Default::default() } else { bend(&points[i - 1..=i + 1]) };
+            let at = |i: usize| bend(&points[i - 1..=i + 1], lengths[i - 1], lengths[i]);
+            let (bend, sharpness) = if i == 0 { Default::default() } else { at(i) };
             out.bend_x.push(bend.x);
             out.bend_y.push(bend.y);
             out.sharpness.push(sharpness);
@@ -133,9 +134,8 @@ impl Segments {
 /// Change of direction at the middle one of three points: the difference of unit vectors per meter of the shorter
 /// segment, which points to the inner side, and its length. The length is infinite where a segment is shorter than
 /// [`LEAST_LENGTH_M`].
-fn bend(points: &[P2]) -> (P2, f64) {
+fn bend(points: &[P2], from_length: f64, to_length: f64) -> (P2, f64) {
     let (from, to) = (points[1] - points[0], points[2] - points[1]);
-    let (from_length, to_length) = (from.norm(), to.norm());
     let shorter = from_length.min(to_length);
     if shorter < LEAST_LENGTH_M {
         return (P2::default(), f64::INFINITY);
