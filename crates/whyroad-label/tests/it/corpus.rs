@@ -63,7 +63,7 @@ const THIRTEENTH: [(f64, f64); 2] = [(0.61, 0.10), (0.56, 0.15)];
 const FOURTEENTH: (f64, f64) = (0.86, 0.03);
 
 /// The same of the fifteenth set, by two more authors; it was 68 of 100 and 7 of 100 when it was first run.
-const FIFTEENTH: (f64, f64) = (0.88, 0.03);
+const FIFTEENTH: (f64, f64) = (0.87, 0.03);
 
 /// The same of the sixteenth set, by another author; it was 69 of 100 and 17 of 100 when it was first run.
 const SIXTEENTH: (f64, f64) = (0.88, 0.0);

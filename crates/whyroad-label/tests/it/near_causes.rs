@@ -1,6 +1,6 @@
 //! Statements of texts about their causes, by structure: nobody in the ego's way, a reason that the trace itself
-//! disowns, another thing of the same kind, a decision that is only a rule. The sentences are written for this test;
-//! next to each fault there is a similar true sentence.
+//! disowns, another thing of the same kind. The sentences are written for this test; next to each fault there is a
+//! similar true sentence.
 
 use crate::facts::{codes, following, yielding};
 use serde_json::json;
@@ -75,17 +75,4 @@ fn another_thing_of_the_same_kind_is_found() {
     let parts = ["a brown estate car stands across our lane"];
     assert!(stops(&parts, "Two brown estates stand across our lane, so we stop before them."));
     assert!(!stops(&parts, "A brown estate stands across our lane, so we stop before it."));
-}
-
-#[test]
-fn a_rule_is_no_decision() {
-    let code = "label.trace.decision_missing";
-    let left = |trace: &str| {
-        let decision = json!({ "longitudinal": "yield_to_agent", "lateral": null });
-        let parts = ["自车左转，绿灯但没有左转专用箭头", "对向直行的面包车离路口三十米，没有减速"];
-        codes(["reactive_agent", "intersection_interaction", "unprotected_left"], decision, &parts, trace)
-    };
-    let rule = "左转没有专用箭头，绿灯下要让直行。对向一辆面包车离路口还有三十米，没有减速";
-    assert!(left(&format!("{rule}，空当只有两秒，插不进去。")).contains(&code));
-    assert!(!left(&format!("{rule}，插不进去，我停住让它先过。")).contains(&code));
 }
