@@ -20,6 +20,16 @@ pub struct Forms {
     pub free: Vec<String>,
     /// A reason follows.
     pub because: Vec<String>,
+    /// What was named is not the reason.
+    pub not_reason: Vec<String>,
+    /// Who was named makes no difference to the ego.
+    pub no_bearing: Vec<String>,
+    /// Before one of these two: it is only supposed.
+    pub supposed: Vec<String>,
+    /// Before the name of a road user that only locates something else.
+    pub between: Vec<String>,
+    /// Not on the ego's lane, but on both sides of it, or on another one.
+    pub both_sides: Vec<String>,
     /// Movements of the ego out of its lane.
     pub sideways: Vec<String>,
     /// A clause about the ego begins with one.
@@ -73,6 +83,11 @@ pub(super) struct RawForms {
     same: Words,
     free: Words,
     because: Words,
+    not_reason: Words,
+    no_bearing: Words,
+    supposed: Words,
+    between: Words,
+    both_sides: Words,
     sideways: Words,
     begins: Words,
     others: Words,
@@ -97,6 +112,11 @@ impl RawForms {
             same: all(&self.same),
             free: all(&self.free),
             because: all(&self.because),
+            not_reason: all(&self.not_reason),
+            no_bearing: all(&self.no_bearing),
+            supposed: all(&self.supposed),
+            between: all(&self.between),
+            both_sides: all(&self.both_sides),
             sideways: all(&self.sideways),
             begins: all(&self.begins),
             others: all(&self.others),

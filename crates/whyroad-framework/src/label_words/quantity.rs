@@ -138,15 +138,26 @@ impl Quantities {
         out.into_iter().map(|q| q.0).collect()
     }
 
-    /// The stated number of the thing whose name starts at `at`: "三头黄牛", "four sheep".
+    /// The stated number of the thing whose name starts at `at`: "三头黄牛", "four big sheep".
     pub fn count_before(&self, text: &str, at: usize, counters: &CharSet) -> Option<f64> {
+        /// Maximum number of Latin words, or of Chinese characters, between the number and the name.
+        const BETWEEN: (usize, usize) = (1, 3);
         let before = text[..at].trim_end();
         if text.is_ascii() {
-            let word = before.rsplit(' ').next()?.to_ascii_lowercase();
-            return self.numbers.get(&word).copied().or_else(|| word.parse().ok());
+            let number = |word: &str| {
+                let word = word.to_ascii_lowercase();
+                self.numbers.get(&word).copied().or_else(|| word.parse().ok())
+            };
+            let mut last = before.rsplit(' ').take(BETWEEN.0 + 1);
+            let first = last.next()?;
+            let is_plain = first.len() > 2 && first.chars().all(|c| c.is_ascii_alphabetic());
+            let second = last.next().filter(|w| is_plain && w.ends_with(|c: char| c.is_ascii_alphanumeric()));
+            return number(first).or_else(|| number(second?));
         }
-        let before = before.strip_suffix(|c| counters.contains(c))?;
-        let c = before.chars().next_back()?;
+        let mut near = before.char_indices().rev().take(BETWEEN.1 + 1);
+        let counter = near.find(|(_, c)| counters.contains(*c) || !c.is_alphanumeric() || *c == '的')?;
+        let before = before[..counter.0].trim_end();
+        let c = before.chars().next_back().filter(|_| counters.contains(counter.1))?;
         let counts = before[..before.len() - c.len_utf8()].ends_with('第');
         (!counts).then(|| self.numbers.get(c.encode_utf8(&mut [0; 4]) as &str).copied()).flatten()
     }

@@ -57,6 +57,8 @@ pub struct Subjects {
     pub may_be_ego: Vec<String>,
     /// Names that may also be a part of a vehicle, in lower case.
     vague: HashSet<String>,
+    /// Names of many, or of whoever is behind the ego, in lower case.
+    many: HashSet<String>,
     /// Parts that every vehicle has, in lower case.
     parts: HashSet<String>,
     /// Parts that have a left and a right one: in Chinese by their first character, in lower case.
@@ -126,6 +128,12 @@ impl Subjects {
     /// `name`, in upper or lower case, may also be a part of a vehicle.
     pub fn is_vague(&self, name: &str) -> bool {
         self.vague.contains(&name.to_lowercase())
+    }
+
+    /// `name`, in upper or lower case, is not of the one road user that the ego responds to, but of many, or of whoever
+    /// is behind the ego.
+    pub fn is_of_many(&self, name: &str) -> bool {
+        self.many.contains(&name.to_lowercase())
     }
 
     /// The character at this byte of the text is in too many names to be evidence when shared.
@@ -279,6 +287,7 @@ pub(super) struct RawSubjects {
     before_name: Words,
     may_be_ego: Words,
     vague: Words,
+    many: Words,
     parts: Words,
     own_parts: Words,
     writing: Words,
@@ -352,6 +361,7 @@ impl RawSubjects {
             before_name: chars(&self.before_name),
             may_be_ego: all(&self.may_be_ego),
             vague: self.vague.all().map(str::to_owned).collect(),
+            many: self.many.all().flat_map(|p| expanded(p, problems)).collect(),
             ego: [self.ego.zh.clone(), self.ego.en.clone()],
             landmark: [self.landmark.zh.clone(), self.landmark.en.clone()],
             stand_for: list(&self.stand_for),

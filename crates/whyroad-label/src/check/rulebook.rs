@@ -2,7 +2,7 @@
 //! message is only built when it is read, so that the fast path pays only for the condition.
 
 use super::business::{class, combination, decision, records};
-use super::cause::{circular, far_reason, links, ordinary, remote, side, text as cause_text, unused};
+use super::cause::{circular, far_reason, links, nobody, ordinary, remote, side, text as cause_text, unused};
 use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::trace_rules::Said;
 use super::consistency::{
@@ -98,7 +98,8 @@ impl Rulebook<'_> {
         cause_text::proximate(scope, sink);
         let far = remote::remote(scope, sink)
             || cause_text::distant(scope, sink)
-            || far_reason::far_reason(scope, sink);
+            || far_reason::far_reason(scope, sink)
+            || nobody::nobody(scope, sink);
         let ordinary = ordinary::ordinary(scope, sink);
         if !far && !ordinary {
             unused::unused(scope, sink);

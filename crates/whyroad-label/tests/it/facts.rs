@@ -7,7 +7,7 @@ use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
 
 /// Codes of the findings, except notes, of a label of this class with these components, all of them its cause.
-fn codes(class: [&str; 3], decision: Value, parts: &[&str], trace: &str) -> Vec<&'static str> {
+pub(crate) fn codes(class: [&str; 3], decision: Value, parts: &[&str], trace: &str) -> Vec<&'static str> {
     let times = ["2026-01-15T10:30:09.500Z"];
     let part = |(i, text): (usize, &&str)| json!({ "id": format!("c{i}"), "description": text, "evidence_times": times });
     let ids: Vec<String> = (0..parts.len()).map(|i| format!("c{i}")).collect();
@@ -29,13 +29,13 @@ fn codes(class: [&str; 3], decision: Value, parts: &[&str], trace: &str) -> Vec<
 }
 
 /// A road user crosses or enters the lane, and the ego yields.
-fn yielding(parts: &[&str], trace: &str) -> Vec<&'static str> {
+pub(crate) fn yielding(parts: &[&str], trace: &str) -> Vec<&'static str> {
     let decision = json!({ "longitudinal": "yield_to_agent", "lateral": null });
     codes(["reactive_agent", "vru_crossing", "horizontal"], decision, parts, trace)
 }
 
 /// The ego follows.
-fn following(parts: &[&str], trace: &str) -> Vec<&'static str> {
+pub(crate) fn following(parts: &[&str], trace: &str) -> Vec<&'static str> {
     let decision = json!({ "longitudinal": "lead_following", "lateral": null });
     codes(["reactive_agent", "following", "follow_stop"], decision, parts, trace)
 }

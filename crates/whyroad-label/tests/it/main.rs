@@ -6,4 +6,5 @@ mod corpus;
 mod counterfactual;
 mod facts;
 mod hindsight;
+mod near_causes;
 mod recording;

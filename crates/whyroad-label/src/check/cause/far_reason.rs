@@ -39,6 +39,10 @@ pub(in crate::check) fn far_reason(scope: &TextScope<'_>, sink: &mut dyn Sink) -
     let far = far.with(known.route).without(known.actor);
     let Some((_, from)) = Forms::find(&words.forms.because, &lower) else { return false };
     let to = lower[from..].find(['，', '。', ',', '.', ';', '；']).map_or(lower.len(), |i| from + i);
+    // "Because of that red light we follow": the reason ends where the ego acts.
+    let ego = [" we ", " i ", " the ego ", " ego ", " that we "];
+    let acts = ego.iter().filter_map(|w| lower[from..to].find(w)).min();
+    let to = acts.filter(|_| text.is_ascii()).map_or(to, |i| from + i);
     let inside = || texts.trace.named.iter().filter(|n| (from..to).contains(&n.start));
     let own = |n: &Named| words.objects[n.group].own;
     let somebody = inside().any(|n| own(n).meets(known.actor))

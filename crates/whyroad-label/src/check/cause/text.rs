@@ -1,7 +1,7 @@
 //! Texts against what could be known (LABELING.md 3, 6 and 7): no hindsight, no circular reason, a reason for
 //! UNOBSERVED, the proximate cause, and a cause of a kind that the decision can have.
 
-use super::grounds;
+use super::{disowned, grounds};
 use crate::check::consistency::trace::Reading;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
@@ -360,7 +360,9 @@ pub(in crate::check) fn denied(scope: &TextScope<'_>, reading: &Reading, sink: &
     let clauses = || (stays && restricts).then(|| grounds::against(scope, reading)).flatten();
     let route = || (!stays).then(|| grounds::route_denied(scope)).flatten();
     let missing = || grounds::sign_is_missing(scope);
-    let Some((start, end)) = by_itself().or_else(clauses).or_else(missing).or_else(route) else {
+    let Some((start, end)) =
+        by_itself().or_else(|| disowned::disowned(scope)).or_else(clauses).or_else(missing).or_else(route)
+    else {
         return false;
     };
     sink.report(Finding::warning("label.trace.contradicts", pointer::COC_TRACE).part(start, end), &|| {

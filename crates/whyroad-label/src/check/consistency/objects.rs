@@ -330,19 +330,35 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
 fn other_kind(n: &Named, scope: &TextScope<'_>) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     let Some(name) = label.trace.get().and_then(|t| t.get(n.start..n.end)) else { return false };
+    let name = name.to_lowercase();
     let parts = || {
         let parts = label.parts.iter().zip(&texts.components);
         parts.filter_map(|(c, f)| Some((c.description.get()?, f)))
     };
+    let all = || parts().flat_map(|(t, f)| f.named.iter().map(move |m| (t, m)));
+    let given_name = |t: &str, m: &Named| t.get(m.start..m.end).unwrap_or_default().to_lowercase();
+    // "The taxi" of a minibus taxi; "the tires" of the ego.
+    if words.subjects.is_part(&name) || all().any(|(t, m)| given_name(t, m).contains(&name)) {
+        return false;
+    }
     let own = words.objects[n.group].own;
-    words.apart.kinds(name).into_iter().any(|(family, said)| {
+    words.apart.kinds(&name).into_iter().any(|(family, said)| {
         let kinds = |t: &str, m: &Named| {
             let all = words.apart.kinds(t.get(m.start..m.end).unwrap_or_default());
             all.into_iter().find(|(f, _)| *f == family).map_or(0, |(_, kinds)| kinds)
         };
-        let all = || parts().flat_map(|(t, f)| f.named.iter().map(move |m| (t, m)));
         let given = all().fold(0, |set, (t, m)| set | kinds(t, m));
-        let general = |(t, m): (&str, &Named)| words.objects[m.group].near.meets(own) && kinds(t, m) == 0;
+        let near = |m: &Named| words.objects[m.group].near.meets(own);
+        // "The trailer", behind a flatbed trailer: refers to it.
+        let refers = |t: &str, m: &Named| {
+            !subject::is_introduced(t, m.start, words)
+                && m.side.is_none()
+                && all().any(|(u, o)| kinds(u, o) != 0 && given_name(u, o).ends_with(&given_name(t, m)))
+        };
+        let general = |(t, m): (&str, &Named)| {
+            let there = !m.absent && !m.supposed && !words.subjects.is_of_many(&given_name(t, m));
+            there && near(m) && kinds(t, m) == 0 && !refers(t, m)
+        };
         given != 0
             && given & said == 0
             && !all().any(general)
