@@ -21,7 +21,7 @@ fn somebody_is_in_the_way_of_who_follows() {
     for (parts, trace) in [
         (["前面的大货车在路口红灯前停下"], zh),
         (["大货车的刹车灯亮了，路口是红灯"], zh),
-        (["路口内有货车的行驶路线与自车相交"], zh),
+        (["路口内有车辆的行驶路线与自车相交"], zh),
         (["the van ahead has stopped at the red light"], en),
         (["the light is red and the van in front is slowing to a halt"], en),
         (["at the end of the street a coach is stopping in our lane"], en),

@@ -95,7 +95,8 @@ fn is_place(text: &str, n: &Named, others: &[&Named], scope: &TextScope<'_>) -> 
     // "前车的行驶路线" belongs to it, "货车后面的路口" does not.
     let end = text[n.end..].find(MARKS).map_or(text.len(), |i| n.end + i);
     others.iter().any(|o| {
-        let part = text.get(n.end..o.start).unwrap_or_default();
+        // "有车" of "有车辆的".
+        let part = text.get(n.end..o.start).unwrap_or_default().trim_start_matches(['辆', '台']);
         (n.end..end).contains(&o.start) && !part.starts_with('的') && part.contains('的')
     })
 }
