@@ -137,7 +137,7 @@ fn swinging_out_and_back_or_driving_on_is_no_lane_change() {
 }
 
 /// A crossing of two roads at (50, 0): straight on along x, and a quarter circle of radius 10 m to the left.
-fn crossing() -> whyroad_model::RoadMap {
+fn crossing() -> RoadMap {
     let arc: Vec<(f64, f64)> = (0..=20)
         .map(|i| (f64::from(i) / 20.0) * FRAC_PI_2)
         .map(|a| (40.0 + 10.0 * a.sin(), 10.0 - 10.0 * a.cos()))
