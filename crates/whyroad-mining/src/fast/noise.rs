@@ -6,29 +6,11 @@ use super::layout::RowSet;
 use super::numbers::Numbers;
 use super::signals::NodeValue;
 use super::temporal::Stretches;
+use super::threshold::Noise;
 use super::windows;
-use crate::deviation::{has_threshold, of_product, of_sum};
+use crate::deviation::{has_threshold, of_product};
 use crate::language::program::{NodeId, Op, PairSide};
 use crate::language::syntax::CompareOp;
-
-/// Standard deviations of a number.
-#[derive(Clone, Debug)]
-pub(super) enum Noise<'a> {
-    /// One per row.
-    One(Numbers<'a>),
-    /// Those of a sum of two numbers, which have these. A root is slow, and a comparison needs few of them.
-    Sum(Numbers<'a>, Numbers<'a>),
-}
-
-impl<'a> Noise<'a> {
-    /// One per row.
-    pub fn numbers(self) -> Numbers<'a> {
-        match self {
-            Self::One(noise) => noise,
-            Self::Sum(a, b) => a.zip(&b, of_sum),
-        }
-    }
-}
 
 impl<'a> Evaluation<'a> {
     /// Standard deviations of the difference of two sides of a comparison; `None` where both are exact or the operator

@@ -4,11 +4,29 @@
 use super::bits::Bits;
 use super::compare::{is_within_noise, within_noise, within_noise_word};
 use super::layout::Segment;
-use super::noise::Noise;
 use super::numbers::Numbers;
 use super::truth::Truth;
 use crate::deviation::{ROWS_ACROSS, of_sum, stated};
 use crate::language::syntax::CompareOp;
+
+/// Standard deviations of a number.
+#[derive(Clone, Debug)]
+pub(super) enum Noise<'a> {
+    /// One per row.
+    One(Numbers<'a>),
+    /// Those of a sum of two numbers, which have these. A root is slow, and a comparison needs few of them.
+    Sum(Numbers<'a>, Numbers<'a>),
+}
+
+impl<'a> Noise<'a> {
+    /// One per row.
+    pub fn numbers(self) -> Numbers<'a> {
+        match self {
+            Self::One(noise) => noise,
+            Self::Sum(a, b) => a.zip(&b, of_sum),
+        }
+    }
+}
 
 /// Rows where two numbers differ by no more than their noise, as [`within_noise`] defines it: by the ranges of 64 rows
 /// each first, which decide most. `None` where not all rows of a column are asked: then ranges do not pay off.
