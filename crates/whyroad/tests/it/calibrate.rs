@@ -75,7 +75,8 @@ fn scores_are_shares_on_drives_that_the_table_was_not_made_from() {
     let (scores, margins) = (predictions(&|r| r.score), predictions(&|r| r.margin_score.unwrap()));
     println!("{} of {} judged episodes are of calibrated classes", calibrated.len(), judged.len());
     println!("scores: {scores:?}\nmargin scores: {margins:?}");
-    assert!(calibrated.len() >= 60 && calibrated.len() * 10 >= judged.len() * 8);
+    // Where the leaf is open, the L2 has no share: the table was made before the rules found such episodes.
+    assert!(calibrated.len() >= 60 && calibrated.len() * 10 >= judged.len() * 7);
     assert!(scores.expected <= LARGEST_ERROR, "{scores:?}");
     assert!(scores.expected < margins.expected && scores.brier < margins.brier, "{margins:?}");
     // A share is that of the table; without one, the score is the margin score.
