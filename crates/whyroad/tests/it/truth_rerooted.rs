@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The files of truth, the number of their drives, and the least precision and recall: what is reached, rounded down.
-/// The goals are 0.90 and 0.80 on drives that nobody has looked at, which these no longer are. Where the L2 is found for
-/// a leaf that the judge names, it counts as false (one of the first set).
+/// The goals are 0.90 and 0.80 on drives that nobody has looked at, which these no longer are. Where the L2 is found
+/// for a leaf that the judge names, it counts as false (one of the first set).
 const SETS: [(&str, usize, f64, f64); 4] = [
     ("blind", 40, 0.90, 0.86),
     ("second", 20, 0.94, 0.77),
