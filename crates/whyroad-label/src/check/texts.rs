@@ -5,6 +5,7 @@ use super::view::View;
 use whyroad_framework::label_words::GroupSet;
 use whyroad_framework::lexicon::units::Units;
 use whyroad_framework::{LabelWords, Lexicon};
+use whyroad_model::decision::Longitudinal;
 
 /// Input of the rules about the texts.
 #[derive(Clone, Copy)]
@@ -17,6 +18,22 @@ pub(super) struct TextScope<'a> {
     pub background: GroupSet,
     /// Groups that the class is about.
     pub about: GroupSet,
+}
+
+impl TextScope<'_> {
+    /// True if the class is about road users only, and the decision answers one.
+    pub fn answers_a_road_user(&self) -> bool {
+        let answers = matches!(
+            self.label.longitudinal.get(),
+            Some(
+                Longitudinal::LeadFollowing
+                    | Longitudinal::YieldToAgent
+                    | Longitudinal::StopForObstacle
+                    | Longitudinal::Resume
+            )
+        );
+        answers && !self.about.is_empty() && self.about.without(self.words.known.actor).is_empty()
+    }
 }
 
 /// The texts of a label after reading, shared by all rules.

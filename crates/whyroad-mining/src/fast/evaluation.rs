@@ -3,7 +3,7 @@
 
 use super::bits::Bits;
 use super::compare::pack_all;
-use super::layout::{RowLayout, RowSet};
+use super::layout::{RowLayout, RowSet, Segment};
 use super::numbers::Numbers;
 use super::plan::Plan;
 use super::signals::{NodeValue, Signals};
@@ -188,17 +188,10 @@ impl<'a> Evaluation<'a> {
         match of_drive {
             NodeValue::Truth(t) => NodeValue::Truth(Truth { yes: bits(&t.yes), known: bits(&t.known) }),
             NodeValue::Numbers(Numbers::Same(x, _)) => NodeValue::Numbers(Numbers::Same(x, n)),
-            NodeValue::Numbers(v) => {
-                let v = v.values();
-                let mut all = Vec::with_capacity(n);
-                objects.iter().for_each(|s| all.extend_from_slice(&v[s.row..s.row + s.len]));
-                NodeValue::Numbers(Numbers::of(all))
-            }
+            NodeValue::Numbers(v) => NodeValue::Numbers(Numbers::of(repeated(&v.values(), objects, n))),
             NodeValue::Words(w) => {
-                let codes = w.codes();
-                let mut all = Vec::with_capacity(n);
-                objects.iter().for_each(|s| all.extend_from_slice(&codes[s.row..s.row + s.len]));
-                NodeValue::Words(super::signals::Words::of(all, w.names.clone()))
+                let codes = repeated(&w.codes(), objects, n);
+                NodeValue::Words(super::signals::Words::of(codes, w.names.clone()))
             }
         }
     }
@@ -427,4 +420,11 @@ fn known(of: &NodeValue<'_>) -> Bits {
         NodeValue::Numbers(v) => (*v.known()).clone(),
         NodeValue::Words(w) => pack_all(w.codes(), |c| c != UNKNOWN_CODE),
     }
+}
+
+/// The rows of `of_drive` during which each object is there, one object after the other; `n` rows.
+fn repeated<T: Copy>(of_drive: &[T], objects: &[Segment], n: usize) -> Vec<T> {
+    let mut all = Vec::with_capacity(n);
+    objects.iter().for_each(|s| all.extend_from_slice(&of_drive[s.row..s.row + s.len]));
+    all
 }

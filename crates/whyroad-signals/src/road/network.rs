@@ -202,6 +202,11 @@ impl Road {
         self.junction_grid.at(p).map(|j| &self.junctions[j]).find(|area| area.contains(p))
     }
 
+    /// Junction areas whose bounding box is within `reach` meters of `p` on each axis.
+    pub fn junctions_near(&self, p: P2, reach: f64) -> impl Iterator<Item = &Polygon> {
+        self.junction_grid.near(p, reach).into_iter().map(|j| &self.junctions[j])
+    }
+
     /// The drivable area that contains `p`.
     pub fn drivable_at(&self, p: P2) -> Option<&Polygon> {
         self.drivable_grid.at(p).map(|d| &self.drivable[d]).find(|area| area.contains(p))

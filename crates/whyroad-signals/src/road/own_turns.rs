@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 pub const TURN_RAD: f64 = PI / 4.0;
 /// Who has turned by this much within [`RADIUS_M`] where the recording ends goes on to turn: 15 deg. Of 268 recorded
 /// and simulated ways through junctions of which this could be said at some moment, 242 were turns to that side.
-pub const STEERED_RAD: f64 = PI / 12.0;
+const STEERED_RAD: f64 = PI / 12.0;
 /// Maximum radius of a turn, m: AASHTO draws the turns of cars and buses at corners with 7 to 15 m; lanes bend wider.
 const RADIUS_M: f64 = 25.0;
 /// Curvature is taken over this distance to both sides, m.
@@ -119,7 +119,7 @@ fn is_near_junction(road: &Road, place: P2) -> bool {
         lane.in_junction && lane.kind.is_driven_on() && lane.center.distance(place) <= AT_JUNCTION_M
     };
     road.lanes_near(place, AT_JUNCTION_M).into_iter().any(is_near_lane)
-        || road.junctions.iter().any(|area| area.distance(place) <= AT_JUNCTION_M)
+        || road.junctions_near(place, AT_JUNCTION_M).any(|area| area.distance(place) <= AT_JUNCTION_M)
 }
 
 fn places(path: &DrivenPath, headings: &[f64]) -> Vec<Place> {

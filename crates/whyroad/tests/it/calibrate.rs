@@ -68,6 +68,8 @@ fn scores_are_shares_on_drives_that_the_table_was_not_made_from() {
     let records = records(Path::new(&mined));
     let judged: Vec<(&EpisodeRecord, bool)> =
         records.iter().zip(judge(&truth, &records)).filter_map(|(r, right)| Some((r, right?))).collect();
+    // Where the leaf is open, the L2 has no share: the table was made before the rules found such episodes.
+    let judged: Vec<_> = judged.into_iter().filter(|(r, _)| r.scenario_id.is_leaf()).collect();
     let calibrated: Vec<_> = judged.iter().filter(|(r, _)| r.calibrated == Some(true)).collect();
     let predictions = |of: &dyn Fn(&EpisodeRecord) -> f64| -> CalibrationError {
         measure(&calibrated.iter().map(|(r, right)| (of(r), *right)).collect::<Vec<_>>()).unwrap()
@@ -75,8 +77,7 @@ fn scores_are_shares_on_drives_that_the_table_was_not_made_from() {
     let (scores, margins) = (predictions(&|r| r.score), predictions(&|r| r.margin_score.unwrap()));
     println!("{} of {} judged episodes are of calibrated classes", calibrated.len(), judged.len());
     println!("scores: {scores:?}\nmargin scores: {margins:?}");
-    // Where the leaf is open, the L2 has no share: the table was made before the rules found such episodes.
-    assert!(calibrated.len() >= 60 && calibrated.len() * 10 >= judged.len() * 7);
+    assert!(calibrated.len() >= 60 && calibrated.len() * 10 >= judged.len() * 8);
     assert!(scores.expected <= LARGEST_ERROR, "{scores:?}");
     assert!(scores.expected < margins.expected && scores.brier < margins.brier, "{margins:?}");
     // A share is that of the table; without one, the score is the margin score.

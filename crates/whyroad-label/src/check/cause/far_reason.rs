@@ -5,28 +5,13 @@ use crate::check::reading::Named;
 use crate::check::texts::TextScope;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::Forms;
-use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
 /// The reason that the trace marks names the road user that the class is about.
 pub(in crate::check) fn far_reason(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
-    let TextScope { label, texts, words, about, .. } = *scope;
+    let TextScope { label, texts, words, .. } = *scope;
     let known = &words.known;
-    let responds = matches!(
-        label.longitudinal.get(),
-        Some(
-            Longitudinal::LeadFollowing
-                | Longitudinal::YieldToAgent
-                | Longitudinal::StopForObstacle
-                | Longitudinal::Resume
-        )
-    );
-    // A class that is about road users only.
-    if !responds
-        || label.lateral.get().is_some()
-        || about.is_empty()
-        || !about.without(known.actor).is_empty()
-    {
+    if !scope.answers_a_road_user() || label.lateral.get().is_some() {
         return false;
     }
     let Some(text) = label.trace.get() else { return false };

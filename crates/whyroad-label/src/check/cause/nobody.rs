@@ -8,7 +8,6 @@ use crate::check::texts::TextScope;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Forms, GroupSet};
-use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
 /// Separate the clauses of a component.
@@ -21,16 +20,7 @@ const MOST_WORDS: usize = 4;
 pub(in crate::check) fn nobody(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, about, .. } = *scope;
     let known = &words.known;
-    let responds = matches!(
-        label.longitudinal.get(),
-        Some(
-            Longitudinal::LeadFollowing
-                | Longitudinal::YieldToAgent
-                | Longitudinal::StopForObstacle
-                | Longitudinal::Resume
-        )
-    );
-    if !responds || about.is_empty() || !about.without(known.actor).is_empty() {
+    if !scope.answers_a_road_user() {
         return false;
     }
     let kind = |id: &str| words.kinds.get(id).copied().unwrap_or_default();
@@ -83,9 +73,7 @@ fn is_place(text: &str, n: &Named, others: &[&Named], scope: &TextScope<'_>) -> 
     if words.subjects.is_landmark(text, n.start, n.end) {
         return !others.is_empty();
     }
-    let from = text[..n.start].rfind(MARKS).map_or(0, |i| i + 1);
-    let from = (from..n.start).find(|i| text.is_char_boundary(*i)).unwrap_or(n.start);
-    let before = text[from..n.start].to_lowercase();
+    let before = text[clause_start(text, n.start)..n.start].to_lowercase();
     if text.is_ascii() {
         return !others.is_empty() && follows_preposition(&before, words);
     }
@@ -122,11 +110,15 @@ fn follows_preposition(before: &str, words: &LabelWords) -> bool {
     }
 }
 
+/// Where the clause begins that contains `at`.
+fn clause_start(text: &str, at: usize) -> usize {
+    text[..at].rmatch_indices(MARKS).next().map_or(0, |(i, mark)| i + mark.len())
+}
+
 /// It is on another lane, or on both sides.
 fn is_beside(text: &str, n: &Named, words: &LabelWords) -> bool {
-    let from = text[..n.start].rfind(MARKS).map_or(0, |i| i + 1);
-    let from = (from..n.start).find(|i| text.is_char_boundary(*i)).unwrap_or(n.start);
-    Forms::find(&words.forms.both_sides, &text[from..n.end].to_lowercase()).is_some()
+    let clause = &text[clause_start(text, n.start)..n.end];
+    Forms::find(&words.forms.both_sides, &clause.to_lowercase()).is_some()
 }
 
 /// The first clause is about another lane, or about both sides.
