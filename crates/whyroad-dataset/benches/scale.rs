@@ -14,7 +14,7 @@ use whyroad_dataset::licence::{BUNDLED, LicenceTable};
 use whyroad_dataset::{Inputs, LabelStream, Media, build, spec};
 use whyroad_framework::Framework;
 use whyroad_lake::Lake;
-use whyroad_model::{ClipId, Drive, DriveId, Lang};
+use whyroad_model::{ClipId, Drive, DriveId};
 
 const EXAMPLE: &str = include_str!("../../../examples/cutin_urgent_example.en.json");
 const LEAVES: [&str; 4] = ["urgent", "slow", "congestion", "intersection"];
@@ -143,7 +143,6 @@ fn main() -> Result<(), Failure> {
         lake: &fleet,
         media: Media::default(),
         out: &out,
-        lang: Lang::En,
         queries: &|_, _| None,
         restart: false,
     };

@@ -19,7 +19,7 @@ use std::path::Path;
 use whyroad_framework::Framework;
 use whyroad_lake::Lake;
 use whyroad_model::messages::MiningQueryMessage;
-use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 use work::Work;
 
 /// Makes the mining query that finds more of a class, up to a number of clips; `None` when the class has no rule.
@@ -41,8 +41,6 @@ pub struct Inputs<'a> {
     pub media: Media,
     /// Folder of the release; must not exist.
     pub out: &'a Path,
-    /// Language of drafts that are made from episodes.
-    pub lang: Lang,
     /// Queries for the shortfalls.
     pub queries: &'a QueryMaker<'a>,
     /// Discards leftovers of a build with other inputs.
@@ -150,7 +148,7 @@ fn key(inputs: &Inputs<'_>, labels: &Labels, selected: &Selected) -> String {
     put(&inputs.spec_text);
     put(&serde_json::to_string(&inputs.spec).unwrap_or_default());
     put(&labels.hash);
-    put(&format!("{:?} {:?}", inputs.lang, inputs.media));
+    put(&format!("{:?}", inputs.media));
     for (drive, meta) in &selected.drives {
         put(labels.drives.get(*drive));
         put(&serde_json::to_string(meta).unwrap_or_default());

@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
 use whyroad_model::scene::FrameOfReference;
 use whyroad_model::time::frame_at;
-use whyroad_model::{Drive, Lang, Nanos, SignalTable};
+use whyroad_model::{Drive, Nanos, SignalTable};
 
 /// Farthest that a label's keyframe may be from a frame of the drive, s: a frame and a half at 10 Hz.
 const KEYFRAME_REACH_S: f64 = 0.15;
@@ -41,7 +41,6 @@ pub(crate) struct Candidate<'a> {
 pub(crate) struct Cutter<'a> {
     pub spec: &'a Spec,
     pub framework: &'a Framework,
-    pub lang: Lang,
     pub drive: &'a Drive,
     /// Signals of the whole drive; only where episodes are drafted.
     pub signals: Option<SignalTable>,
@@ -53,13 +52,13 @@ pub(crate) struct Cutter<'a> {
 impl<'a> Cutter<'a> {
     pub fn new(
         spec: &'a Spec,
-        (framework, lang): (&'a Framework, Lang),
+        framework: &'a Framework,
         (drive, signals): (&'a Drive, Option<SignalTable>),
         licence: &'a str,
         media: &'a Media,
     ) -> Self {
         let road = Road::new(drive.map.as_ref().filter(|_| spec.sample.map));
-        Self { spec, framework, lang, drive, signals, licence, media, road }
+        Self { spec, framework, drive, signals, licence, media, road }
     }
 
     /// The sample, and what the later stages need of it.

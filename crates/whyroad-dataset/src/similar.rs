@@ -5,7 +5,7 @@ use crate::{Spec, descriptor};
 use std::collections::BTreeSet;
 use whyroad_framework::Framework;
 use whyroad_model::messages::EpisodeRecord;
-use whyroad_model::{Drive, Lang, Nanos};
+use whyroad_model::{Drive, Nanos};
 
 /// A moment as a short vector; [`Self::similarity`] compares two.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub fn describe<'e>(
     episodes: impl IntoIterator<Item = &'e EpisodeRecord>,
 ) -> Vec<Option<EpisodeDescriptor>> {
     let (spec, media) = (Spec::default(), Media::default());
-    let cutter = Cutter::new(&spec, (framework, Lang::default()), (drive, None), "", &media);
+    let cutter = Cutter::new(&spec, framework, (drive, None), "", &media);
     let one = |(keyframe, target): (Nanos, BTreeSet<String>)| cutter.describe(keyframe, &target);
     let of = |e: &EpisodeRecord| {
         let target = e.target_id.iter().map(ToString::to_string).collect();

@@ -5,7 +5,7 @@
 mod read;
 
 use serde::{Deserialize, Serialize};
-use whyroad_model::ScenarioId;
+use whyroad_model::{Lang, ScenarioId};
 
 pub use read::{CODES, read};
 
@@ -48,6 +48,9 @@ pub struct Labels {
     pub statuses: Vec<String>,
     /// Unchecked drafts by rule or model too, marked `label_status = draft`.
     pub drafts: bool,
+    /// Language of the drafts by rule that are made from episodes.
+    #[serde(default)]
+    pub draft_texts: Lang,
 }
 
 /// Selection of samples; an empty list means "all".
@@ -236,7 +239,11 @@ impl Default for Spec {
             title: None,
             version: "1".into(),
             seed: 0,
-            labels: Labels { statuses: vec!["accepted".into(), "imported".into()], drafts: false },
+            labels: Labels {
+                statuses: vec!["accepted".into(), "imported".into()],
+                drafts: false,
+                draft_texts: Lang::En,
+            },
             select: Select::default(),
             licences: Licences { purpose: Use::Internal, allow: vec![], assume: None },
             sample: Cut::default(),

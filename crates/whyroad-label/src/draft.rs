@@ -25,10 +25,10 @@ pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 use crate::check::cause::side::{Side, to_mention};
 use crate::driven::along::{self, Trend, course};
 use crate::driven::{Driven, across};
-use components::{ROAD, is_light};
+use components::{ROAD, is_light, is_route};
 use decision::LeadIs;
 use lead::Lead;
-use moment::Moment;
+use moment::{Moment, light_state};
 use std::collections::BTreeMap;
 use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::draft_texts::WhyKept;
@@ -43,6 +43,9 @@ use whyroad_model::time::frame_at;
 use whyroad_model::{
     Bilingual, ComponentCategory, Drive, Lang, Nanos, ScenarioId, SignalTable, TrackId, Tri,
 };
+
+/// Minimum change of the heading of an ego that turns, rad: 15 degrees.
+const TURNED_RAD: f64 = std::f64::consts::PI / 12.0;
 
 /// A skeleton and its notes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -155,13 +158,20 @@ fn make(
     }
 
     let (target_id, lead, lead_is) = target_and_lead(framework, drive, signals, episode, keyframe);
-    let of_variants = class.l3.is_none().then(|| of_variants(framework, class)).flatten();
-    let target = target_id.and_then(|id| drive.track(id)).map(|t| t.class);
     // In a drive that ends at the keyframe nothing is decided: there is no side (see `components`). The signals of its
     // last frame do not include the road's rules either.
     let goes_on = keyframe + 1 < drive.times.len();
     let driven =
         goes_on.then(|| Driven::after(drive, signals, keyframe, Some(episode.time_range.end_timestamp)));
+    // In a turn, the vehicle ahead in the lane need not be on the ego's way; one that the ego leaves for another lane is
+    // a reason for that.
+    let lead = lead.filter(|lead| {
+        let unseen = |w: &Driven<'_>| across::first_lane_change(w, w.keyframe..w.end).is_none();
+        let leaves_it = driven.as_ref().is_some_and(|w| unseen(w) && !lead.is_on_the_way(w));
+        lead_is == LeadIs::Target || !leaves_it
+    });
+    let of_variants = class.l3.is_none().then(|| of_variants(framework, class)).flatten();
+    let target = target_id.and_then(|id| drive.track(id)).map(|t| t.class);
     let course = driven.as_ref().and_then(course);
     let asked = decision::Asked {
         names: &framework.decisions,
@@ -177,6 +187,7 @@ fn make(
         lead,
         lead_is,
         is_stopped_behind: lead.zip(driven.as_ref()).is_some_and(|(lead, w)| lead.is_stopped_behind(w)),
+        changes_plainly: driven.as_ref().is_some_and(|w| along::conflict(w, None).is_some()),
         course,
         of_road: class.l1 == ROAD,
         of_limit: class.l2.as_deref() == Some("speed_limit")
@@ -197,6 +208,7 @@ fn make(
             .or_else(|| doubt::of_wait(class, &asked, &decision, motion))
             .or_else(|| doubt::of_reason(class, w, target_id))
             .or_else(|| is_no_motion().then_some(Doubt::Motion))
+            .or_else(|| doubt::of_nothing(w, &asked, &decision))
     });
     let records = spec
         .map(|s| records::known(signals, keyframe, target_id, &s.records, &mut notes))
@@ -207,6 +219,15 @@ fn make(
     let moment =
         Moment::of(signals, keyframe, target_id, side).deciding(&decision, motion).with_course(goes_on);
     if goes_on && class.l2.as_deref() == Some("turn") && moment.goes_against_red().is_true() {
+        return undrafted(framework, drive, episode, Doubt::AgainstRed, records, notes);
+    }
+    // Whatever the class, the ego moves off before a red light only to turn to the side on which it drives.
+    let starts = decision.longitudinal == Some(Longitudinal::Resume) && decision.lateral.is_none();
+    let starts_at_red = starts
+        && class.l2.as_deref() != Some("traffic_light")
+        && moment.red().is_true()
+        && driven.as_ref().is_some_and(drives_at_red);
+    if starts_at_red && !driven.as_ref().is_some_and(turns_near) {
         return undrafted(framework, drive, episode, Doubt::AgainstRed, records, notes);
     }
     let lead = lead.filter(|lead| goes_on && lead_is == LeadIs::Nearer && how.names(lead.id));
@@ -257,7 +278,8 @@ fn make(
         components.extend(intent);
     }
     let names_light = components.iter().chain(&also).any(is_light);
-    let light = scene.light(&moment, lang).filter(|c| goes_on && !names_light && how.lists(c));
+    let light = scene.light(&moment, lang);
+    let light = light.filter(|c| goes_on && !names_light && !starts_at_red && how.lists(c));
     let waits = decision.longitudinal == Some(Longitudinal::Resume) && motion == LongitudinalMotion::Waits;
     // If the class requires a decision other than following, a lead that slows the ego is still named.
     let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);
@@ -338,6 +360,13 @@ fn make(
     let across = match decision.lateral {
         Some(lateral) if !typical.lateral.contains(&lateral) && spec.and_then(|s| s.lateral).is_none() => {
             of_turn
+        }
+        // Only a route or the indicator shows why the ego turns.
+        Some(Lateral::Turn) if class.l2.as_deref() == Some("turn") => {
+            let side = decision.lateral_direction.and_then(Side::of);
+            let words = framework.label_words();
+            let names_it = |c: &CriticalComponent| side.is_some_and(|s| s.is_named(&c.description, words));
+            components.iter().position(|c| is_route(c) || names_it(c))
         }
         // What is known at the keyframe may not say to which side the ego goes.
         _ => {
@@ -428,7 +457,7 @@ fn is_of_other_motion(
 ) -> bool {
     let DrivingDecision { longitudinal, lateral, lateral_direction } = *decision;
     let objects: Vec<&str> = target.iter().map(|id| id.as_str()).collect();
-    if longitudinal.is_some() && along::conflict(w, longitudinal).is_some()
+    if (longitudinal.is_some() || lateral.is_none()) && along::conflict(w, longitudinal).is_some()
         || lateral.is_some_and(|l| across::conflict(w, l, lateral_direction, &objects).is_some())
     {
         return true;
@@ -446,6 +475,22 @@ fn is_of_other_motion(
     // If the log has no turns and lane changes, the ego may have done what the class states.
     let known = ["ego.movement", "ego.lane_change"].iter().all(|s| w.signals.frame_columns.contains_key(*s));
     slows || moves_off || stops || both || (known && asked.decides())
+}
+
+/// The light of an ego that has moved off is still red.
+fn drives_at_red(w: &Driven<'_>) -> bool {
+    let drives = (w.keyframe..w.end).find(|&f| w.speed(f).is_some_and(|v| v > decision::ROLLING_MPS));
+    drives.is_some_and(|f| light_state(w.signals, f) == Some("red"))
+}
+
+/// The ego turns to the side on which it drives in the seconds after the keyframe.
+fn turns_near(w: &Driven<'_>) -> bool {
+    let turned = w.heading_changes(w.end).last().copied().unwrap_or(0.0);
+    match w.category("map.driving_side", w.keyframe) {
+        Some("left") => turned > TURNED_RAD,
+        Some("right") => turned < -TURNED_RAD,
+        _ => turned.abs() > TURNED_RAD,
+    }
 }
 
 /// The critical components that Stage I lists: those of [`draft`] for a drive that ends at the keyframe, a near lead,

@@ -108,13 +108,7 @@ fn cut_drive(state: &State<'_>, drive: u32, items: &[usize]) -> Result<Vec<Outco
         None
     };
     let licence = state.selected.licences.get(&drive).map_or("", String::as_str);
-    let cutter = Cutter::new(
-        &inputs.spec,
-        (inputs.framework, inputs.lang),
-        (&content, signals),
-        licence,
-        &inputs.media,
-    );
+    let cutter = Cutter::new(&inputs.spec, inputs.framework, (&content, signals), licence, &inputs.media);
     let mut out = RecordWriter::create(&state.work.samples(drive as usize))?;
     let mut outcomes = Vec::with_capacity(candidates.len());
     for candidate in &candidates {

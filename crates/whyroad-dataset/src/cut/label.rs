@@ -24,12 +24,12 @@ pub(super) fn resolve(cutter: &Cutter<'_>, candidate: &Candidate<'_>) -> Result<
     if record.is_episode {
         let episode: EpisodeRecord = serde_json::from_str(&record.json).map_err(|e| broken(e.to_string()))?;
         let Some(signals) = &cutter.signals else { return Err(broken("no signals to draft from".into())) };
-        let made = draft(cutter.framework, cutter.drive, signals, &episode, cutter.lang);
+        let made = draft(cutter.framework, cutter.drive, signals, &episode, cutter.spec.labels.draft_texts);
         if let Some(doubt) = made.doubt {
             return Err(Dropped::with(
                 Stage::Sample,
                 "draft_doubt",
-                doubt.text().get(cutter.lang).to_owned(),
+                doubt.text().get(cutter.spec.labels.draft_texts).to_owned(),
             ));
         }
         let label = made.label;

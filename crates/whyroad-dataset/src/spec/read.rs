@@ -68,11 +68,12 @@ fn whole(f: &mut Fields<'_>, spec: &mut Spec, framework: &Framework, r: &mut Fil
     text(f, "version", &mut spec.version, r);
     number(f, "seed", &mut spec.seed, r);
     section(f, "labels", r, |s, r| {
-        let Labels { statuses, drafts } = &mut spec.labels;
+        let Labels { statuses, drafts, draft_texts } = &mut spec.labels;
         if let Some(list) = s.get("statuses") {
             *statuses = r.items(list).iter().filter_map(|n| status(n, r)).collect();
         }
         member(s, "drafts", drafts, r);
+        member(s, "draft_texts", draft_texts, r);
     });
     section(f, "select", r, |s, r| {
         let Select { classes, exclude_classes, sources, places, weather, min_score } = &mut spec.select;
@@ -409,6 +410,9 @@ mod tests {
         assert_eq!(codes("labels: {statuses: [acepted]}"), [("dataset.spec.value", 1)]);
         assert_eq!(codes("labels: {statuses: [draft]}"), [("dataset.spec.value", 1)]);
         assert!(read("labels: {statuses: [accepted, rework]}", "s", Framework::bundled()).is_ok());
+        let chinese = read("labels: {draft_texts: zh}", "s", Framework::bundled()).unwrap();
+        assert_eq!(chinese.labels.draft_texts, whyroad_model::Lang::Zh);
+        assert_eq!(codes("labels: {draft_texts: chinese}"), [("dataset.spec.value", 1)]);
         let polygon = |points| format!("split: {{polygons: [{{name: n, place: p, points: {points}}}]}}");
         assert_eq!(codes(&polygon("[[0, 0], [1, 1], [2, 2]]")), [("dataset.spec.value", 1)]);
         assert!(read(&polygon("[[9, 9], [10, 9], [10, 10]]"), "s", Framework::bundled()).is_ok());

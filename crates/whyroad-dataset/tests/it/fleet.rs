@@ -9,7 +9,7 @@ use whyroad_framework::Framework;
 use whyroad_lake::Lake;
 use whyroad_model::road_map::{Lane, Point3, RoadMap};
 use whyroad_model::scene::{DriveMeta, Ego, Motion, Track};
-use whyroad_model::{ClipId, Drive, DriveId, Lang, Nanos, Need, ObjectClass};
+use whyroad_model::{ClipId, Drive, DriveId, Nanos, Need, ObjectClass};
 
 /// 2026-01-15T10:30:00Z.
 const START_S: i64 = 1_768_473_000;
@@ -204,7 +204,6 @@ impl Fleet {
             lake: &self.lake,
             media: Media::default(),
             out,
-            lang: Lang::En,
             queries: &|_, _| None,
             restart: false,
         };

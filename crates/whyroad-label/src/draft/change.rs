@@ -7,11 +7,13 @@ use whyroad_model::Tri;
 
 /// Frames before the keyframe over which the ego's change is measured, and those over which another's is.
 const EGO_FRAMES: usize = 10;
-const OTHER_FRAMES: usize = 8;
+pub(super) const OTHER_FRAMES: usize = 8;
 /// Minimum change of the ego's speed over them, m/s.
 const EGO_MPS: f64 = 0.25;
 /// Minimum change of another's speed over them, m/s.
 const OTHER_MPS: f64 = 0.25;
+/// Speeds that differ by less than this are alike, m/s.
+const ALIKE_MPS: f64 = 0.3;
 /// Minimum loss of speed in the second before the keyframe that is visible as hard braking, m/s.
 const BRAKED_MPS: f64 = 0.7;
 /// Minimum change of a distance over them, m.
@@ -61,13 +63,23 @@ impl Moment<'_> {
         }
         let ego = || self.gained("ego.speed", EGO_FRAMES);
         let target = |frames| self.gained("target.speed", frames);
+        // Where its speed before is unknown, one that is faster than the ego does not hold it up, and one that is
+        // slower makes no room.
+        let or_relative = |known: Tri, denies: fn(f64) -> bool| match self.number("target.relative_speed") {
+            Some(v) if known == Tri::Unknown && denies(v) => Tri::False,
+            _ => known,
+        };
         let distance = || self.gained("target.distance", OTHER_FRAMES);
         match name {
             "past.slowed" => is(ego(), |d| d < -EGO_MPS),
             "past.gained" => is(ego(), |d| d > EGO_MPS),
             "past.was_faster" => self.was_faster(),
-            "past.target_slowed" => is(target(OTHER_FRAMES), |d| d < -OTHER_MPS),
-            "past.target_gained" => is(target(OTHER_FRAMES), |d| d > OTHER_MPS),
+            "past.target_slowed" => {
+                or_relative(is(target(OTHER_FRAMES), |d| d < -OTHER_MPS), |v| v > ALIKE_MPS)
+            }
+            "past.target_gained" => {
+                or_relative(is(target(OTHER_FRAMES), |d| d > OTHER_MPS), |v| v < -ALIKE_MPS)
+            }
             "past.target_braked" => is(target(EGO_FRAMES), |d| d < -BRAKED_MPS),
             "past.target_leaves" => self.target_leaves(),
             "past.stood" => {
@@ -75,8 +87,8 @@ impl Moment<'_> {
                 let stood = is(self.least_speed(from..=self.frame()), |v| v < STOPPED_MPS);
                 self.unless_cut(stood, self.frame() >= STOOD_FRAMES)
             }
-            "past.closer" => is(distance(), |d| d < -DISTANCE_M),
-            "past.farther" => is(distance(), |d| d > DISTANCE_M),
+            "past.closer" => or_relative(is(distance(), |d| d < -DISTANCE_M), |v| v > ALIKE_MPS),
+            "past.farther" => or_relative(is(distance(), |d| d > DISTANCE_M), |v| v < ALIKE_MPS),
             "soon.falls" => is(self.gains(SOON_FRAMES), |d| d < 0.0),
             "soon.rises" => is(self.gains(SOON_FRAMES), |d| d > 0.0),
             "soon.gains" => is(self.gains(KEPT_FRAMES), |d| d > CHANGED_MPS),

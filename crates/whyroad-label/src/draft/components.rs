@@ -1,6 +1,7 @@
 //! Text of what could be observed at the keyframe: the target, the light, the road, and the route as it was commanded
 //! or signaled by then. Nothing after the keyframe is read: the later maneuver is not the intention that caused it.
 
+use super::change::OTHER_FRAMES;
 use super::lead::{self, Lead};
 use super::moment::{Moment, light_state};
 use whyroad_framework::Framework;
@@ -163,6 +164,11 @@ pub(super) fn is_light(component: &CriticalComponent) -> bool {
     component.category.as_deref() == Some(ComponentCategory::TrafficLights.id())
 }
 
+/// True for a component about the route.
+pub(super) fn is_route(component: &CriticalComponent) -> bool {
+    component.category.as_deref() == Some(ComponentCategory::RoutingIntent.id())
+}
+
 fn component(category: ComponentCategory, text: &Bilingual, lang: Lang) -> CriticalComponent {
     CriticalComponent {
         category: Some(category.id().to_owned()),
@@ -229,6 +235,12 @@ impl Scene<'_> {
                 || Some(number("target.speed")? - signals.frame_columns.get("ego.speed")?.number(frame)?);
             let faster = number("target.relative_speed").or_else(speeds).filter(|v| is_lead && !v.is_nan());
             let of_it = Moment::of(signals, frame, Some(id), None).with_course(self.has_course);
+            // The acceleration of one frame is not seen, the change of a speed is. Stage I has its table of the last
+            // frame only.
+            let seen = |change: &str| match of_it.change(change) {
+                Tri::Unknown => !self.has_course && frame >= OTHER_FRAMES,
+                known => known.is_true(),
+            };
             match number("target.accel") {
                 _ if oncoming && class == ObjectClass::Pedestrian => {
                     Bilingual::new("正迎面走来", "is coming towards the ego")
@@ -237,14 +249,11 @@ impl Scene<'_> {
                     Bilingual::new("已经对向驶过", "has come the other way and passed")
                 }
                 _ if oncoming => Bilingual::new("正对向驶来", "is oncoming"),
-                // What changes only after the keyframe is not seen at it.
-                Some(a) if a < -0.5 && of_it.change("past.target_slowed") != Tri::False => {
-                    Bilingual::new("正在减速", "is slowing")
-                }
+                Some(a) if a < -0.5 && seen("past.target_slowed") => Bilingual::new("正在减速", "is slowing"),
                 // A lead that the ego closes in on is slow first of all.
                 Some(a)
                     if a > 0.5
-                        && of_it.change("past.target_gained") != Tri::False
+                        && seen("past.target_gained")
                         && faster.is_none_or(|v| v > -MUCH_SLOWER_MPS) =>
                 {
                     Bilingual::new("正在加速", "is speeding up")

@@ -44,6 +44,8 @@ const SLOWED_FRAMES: usize = 50;
 const SLOW_MPS: f64 = 15.0 / 3.6;
 /// An ego that does not reach this speed has not moved off, m/s.
 const MOVED_OFF_MPS: f64 = 1.0;
+/// Frames in which it reaches that speed after it has moved off: 2.5 s, which is a slow start (0.4 m/s2).
+const MOVE_OFF_FRAMES: usize = 25;
 /// Slowing that begins later than this is not for a turn that the ego is in or at, s.
 const TURN_SOON_S: f64 = 1.5;
 /// Within the frames over which a change of speed is measured, an ego that speeds up gains this, m/s.
@@ -84,6 +86,8 @@ pub(super) struct Asked<'a> {
     pub lead_is: LeadIs,
     /// The ego comes to a stand behind the lead.
     pub is_stopped_behind: bool,
+    /// The speed changes so much that a label must state a decision.
+    pub changes_plainly: bool,
     /// Course of the ego's speed, where it is known.
     pub course: Option<Course>,
     /// The class is about the road.
@@ -199,7 +203,7 @@ pub(super) fn infer(
     // braking in danger, and a speed that continues to change clearly. But an earlier change is no response to what
     // another road user does now.
     let own = lateral.is_none() && (asked.decides() || asked.is_safety);
-    let clearly = !asked.of_others && changes_clearly(signals, keyframe);
+    let clearly = asked.changes_plainly || (!asked.of_others && changes_clearly(signals, keyframe));
     // An ego that slows nearly to a stop gives way, even if it began to slow before the keyframe.
     let gives_way = asked.of_crossing
         && asked.target.is_some()
@@ -333,7 +337,7 @@ fn rises_soon(signals: &SignalTable, keyframe: usize, began_s: f64) -> bool {
 
 /// The ego is slow, or was clearly faster within the 5 s before, so there is a speed to return to. True where it is
 /// unknown.
-fn had_slowed(signals: &SignalTable, keyframe: usize) -> bool {
+pub(super) fn had_slowed(signals: &SignalTable, keyframe: usize) -> bool {
     let Some(speed) = signals.frame_columns.get("ego.speed") else { return true };
     let Some(now) = speed.number(keyframe) else { return true };
     let before = (keyframe.saturating_sub(SLOWED_FRAMES)..keyframe).filter_map(|f| speed.number(f));
@@ -380,7 +384,11 @@ fn longitudinal_motion(
     if standstill.flag(keyframe).is_true() {
         let fastest = speed.and_then(|c| (keyframe..end).filter_map(|f| c.number(f)).reduce(f64::max));
         let moves_off = fastest.is_none_or(|v| v > MOVED_OFF_MPS);
-        let off = (keyframe..end).find(|&f| standstill.flag(f) == Tri::False).filter(|_| moves_off);
+        // An ego that creeps forward while it waits has not moved off: it does so shortly before it drives.
+        let drives =
+            speed.and_then(|c| (keyframe..end).find(|&f| c.number(f).is_some_and(|v| v > MOVED_OFF_MPS)));
+        let from = drives.map_or(keyframe, |f| f.saturating_sub(MOVE_OFF_FRAMES).max(keyframe));
+        let off = (from..end).find(|&f| standstill.flag(f) == Tri::False).filter(|_| moves_off);
         let light = light_state(signals, keyframe);
         let starts = |after_s: f64| match light {
             Some("red" | "red_yellow") => LongitudinalMotion::Waits,
@@ -633,7 +641,8 @@ fn lateral(
             continue;
         };
         // A decision that is not typical of the class counts only where it follows at once.
-        let usual = asked.typical.lateral.contains(&lateral)
+        let forbidden = asked.allowed.is_some() && !asked.allows_lateral(lateral, direction);
+        let usual = (asked.typical.lateral.contains(&lateral) && !forbidden)
             || (after <= SOON_FRAMES && asked.allows_lateral(lateral, direction));
         let way = match (lateral, direction) {
             (_, LateralDirection::Uturn) => Bilingual::new("掉头", "makes a U-turn"),

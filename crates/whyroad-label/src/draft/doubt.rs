@@ -2,7 +2,7 @@
 //! the motion contradicts it, there is no draft: no draft is better for the annotator than a false one. What the
 //! recording does not show is not doubted. The class itself is determined by the rules and their thresholds, not here.
 
-use super::decision::{Asked, LeadIs};
+use super::decision::{Asked, LeadIs, had_slowed};
 use super::lead::Lead;
 use super::moment::{is_green, light_state};
 use super::motion::LongitudinalMotion;
@@ -10,7 +10,7 @@ use crate::driven::across::first_lane_change;
 use crate::driven::along::{Course, Trend};
 use crate::driven::other::{First, Moves, Other};
 use crate::driven::{Driven, turned};
-use whyroad_model::decision::Longitudinal;
+use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::messages::DrivingDecision;
 use whyroad_model::{Bilingual, Drive, ObjectClass, ScenarioId, TrackId, Tri};
 
@@ -64,6 +64,9 @@ const STAYS_FRAMES: usize = 50;
 /// Frames within which a lane change explains a rise of the speed, and the ego responds to hard braking: 2 s.
 const SOON_FRAMES: usize = 20;
 
+/// A record that ends sooner after the keyframe may end before the ego acts, s.
+const CUT_S: f64 = 3.0;
+
 /// The L2 class about meeting oncoming traffic, which need not be what stops the ego.
 pub(super) const MEETING: &str = "passing";
 
@@ -116,6 +119,8 @@ pub enum Doubt {
     WaitsFirst,
     /// The ego's motion is not that of the class.
     Motion,
+    /// The record ends before it shows the decision that the class is about.
+    Cut,
     /// The ego goes although its light is red.
     AgainstRed,
     /// Every wording states something that the recording contradicts.
@@ -160,6 +165,9 @@ impl Doubt {
                 "the ego still waits at the keyframe and moves off later",
             ),
             Self::Motion => ("自车的实际运动与场景不符", "the motion of the ego does not fit the class"),
+            Self::Cut => {
+                ("记录在显示出自车的决策之前就结束了", "the record ends before it shows what the ego decides")
+            }
             Self::AgainstRed => (
                 "自车面对红灯却在行驶，记录没有显示原因",
                 "the ego goes although its light is red, and the recording does not show why",
@@ -488,6 +496,22 @@ pub(super) fn of_wait(
     let is_open = class.l2.as_deref() == Some("turn") && class.l3.is_none();
     let is_held = is_open || asked.lead.is_some_and(|lead| lead.stands());
     (resumes && is_held).then_some(Doubt::WaitsFirst)
+}
+
+/// The class exists because the ego did something, and nothing of it is seen; or the ego, which had not slowed, speeds
+/// up where the class is about the road.
+pub(super) fn of_nothing(w: &Driven<'_>, asked: &Asked<'_>, decision: &DrivingDecision) -> Option<Doubt> {
+    let nothing = decision.longitudinal.is_none() && decision.lateral.is_none();
+    // The class states a turn, and the ego's is to the other side.
+    let no_side = decision.lateral == Some(Lateral::Turn)
+        && decision.lateral_direction.is_none()
+        && asked.mandated.is_none()
+        && w.signals.frame_columns.contains_key("ego.movement");
+    let missing = (nothing && asked.decides()) || no_side;
+    let against = asked.of_road
+        && decision.longitudinal == Some(Longitudinal::SetSpeedTracking)
+        && !had_slowed(w.signals, w.keyframe);
+    first_of(&[(missing && !w.lasts(CUT_S), Doubt::Cut), (missing || against, Doubt::Motion)])
 }
 
 /// A lane change for a faster road user, or without one in the ego's way, has its reason outside of the recording.

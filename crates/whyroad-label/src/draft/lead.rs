@@ -33,6 +33,11 @@ const SLOWER_MPS: f64 = 0.5;
 const BRAKING_MPS2: f64 = -0.5;
 /// Frames in which the ego comes to a stand behind it: 10 s.
 const STOP_FRAMES: usize = 100;
+/// One whose heading differs by more comes towards the ego, or across, rad: 100 degrees.
+const FACING_RAD: f64 = 100.0 * std::f64::consts::PI / 180.0;
+/// A vehicle this far beside the area that the ego sweeps is not on its way, m; and a second later.
+const ASIDE_M: f64 = 1.0;
+const LATER_FRAMES: usize = 10;
 /// Half the length of a vehicle whose size is not in the log, m.
 const HALF_LENGTH_M: f64 = 2.3;
 
@@ -120,6 +125,15 @@ impl<'a> Lead<'a> {
 
     pub(super) fn stands(&self) -> bool {
         self.speed_mps < STANDING_MPS
+    }
+
+    /// It is on the way that the ego drives, now and a second later. True where that is unknown.
+    pub(super) fn is_on_the_way(&self, w: &Driven<'_>) -> bool {
+        let Some(lead) = Other::of(w, self.id) else { return true };
+        let aside = |f: usize| lead.number("target.path_side_distance", f).is_some_and(|m| m > ASIDE_M);
+        let comes =
+            lead.number("target.heading_difference", w.keyframe).is_some_and(|a| a.abs() > FACING_RAD);
+        !comes && !aside(w.keyframe) && !aside(w.keyframe + LATER_FRAMES)
     }
 
     /// The ego comes to a stand close behind it, and it stands then too.

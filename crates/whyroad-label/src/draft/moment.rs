@@ -10,6 +10,9 @@ use whyroad_model::{Column, SignalTable, TrackId, Tri};
 
 /// Objects ahead or crossing that are nearer than this block the way, m.
 const IN_THE_WAY_M: f64 = 40.0;
+/// A road user in this area in front of the ego's center is straight ahead, m.
+const AHEAD_M: f64 = 15.0;
+const AHEAD_SIDE_M: f64 = 2.5;
 
 /// Road users from the opposite direction that are nearer than this matter to an ego that crosses their way, m.
 const ONCOMING_M: f64 = 80.0;
@@ -239,7 +242,11 @@ impl<'a> Moment<'a> {
 
     /// The ego goes although its light is red, and does not turn to the side on which it drives.
     pub(super) fn goes_against_red(&self) -> Tri {
-        let goes = matches!(self.motion, LongitudinalMotion::Starts | LongitudinalMotion::SpeedsUp);
+        let goes = match self.motion {
+            LongitudinalMotion::Starts | LongitudinalMotion::SpeedsUp => true,
+            LongitudinalMotion::Keeps => self.turns,
+            _ => false,
+        };
         let driving_side = self.category("map.driving_side").and_then(LateralDirection::from_id);
         let turns_near = self.turns && self.side.is_some() && self.side == driving_side;
         let red = self.category(LIGHT).map_or(Tri::Unknown, |state| Tri::from(state == "red"));
@@ -306,9 +313,15 @@ impl<'a> Moment<'a> {
         else {
             return Tri::Unknown;
         };
+        // Whatever its relation, one straight ahead and near is in the way.
+        let ahead = |row: usize| {
+            let (x, y) = (along.number(row), across.number(row));
+            x.is_some_and(|x| (0.0..AHEAD_M).contains(&x)) && y.is_some_and(|y| y.abs() < AHEAD_SIDE_M)
+        };
         let in_the_way = |row: usize| {
-            matches!(relation.category(row), Some("lead" | "crossing" | "ahead"))
-                && between_centers(along, across, row).is_some_and(|d| d < IN_THE_WAY_M)
+            ahead(row)
+                || matches!(relation.category(row), Some("lead" | "crossing" | "ahead"))
+                    && between_centers(along, across, row).is_some_and(|d| d < IN_THE_WAY_M)
         };
         Tri::from(!self.rows().any(in_the_way))
     }

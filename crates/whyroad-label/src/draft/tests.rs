@@ -6,6 +6,7 @@ mod lights;
 mod maneuver;
 mod motion;
 mod others;
+mod supported;
 mod written;
 
 use super::*;

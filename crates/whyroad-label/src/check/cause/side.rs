@@ -17,6 +17,15 @@ pub(crate) struct Side {
 }
 
 impl Side {
+    /// The side of a direction; none of a U-turn.
+    pub(crate) fn of(direction: LateralDirection) -> Option<Self> {
+        match direction {
+            LateralDirection::Left => Some(Self { zh: "左", en: "left" }),
+            LateralDirection::Right => Some(Self { zh: "右", en: "right" }),
+            LateralDirection::Uturn => None,
+        }
+    }
+
     /// The text names the side, or a lane.
     pub(crate) fn is_named(self, text: &str, words: &LabelWords) -> bool {
         let lower = text.to_ascii_lowercase();
@@ -40,11 +49,7 @@ pub(crate) fn to_mention(decision: &DrivingDecision, about: GroupSet, words: &La
     if lateral == Lateral::Turn && about.meets(facility) {
         return None;
     }
-    match decision.lateral_direction? {
-        LateralDirection::Left => Some(Side { zh: "左", en: "left" }),
-        LateralDirection::Right => Some(Side { zh: "右", en: "right" }),
-        LateralDirection::Uturn => None,
-    }
+    Side::of(decision.lateral_direction?)
 }
 
 /// Some component mentions the side of the lane change or turn, if there is another decision besides it.

@@ -172,11 +172,8 @@ fn what_the_ego_plainly_does_is_a_decision() {
         Some(Longitudinal::SetSpeedTracking)
     );
     // 8 km/h are 2.22 m/s: changes of 2.25 m/s and 2.1 m/s within 3 s, begun 2 s before the keyframe.
-    assert_eq!(
-        along(narrow, |f| 5.0 + 0.075 * f.saturating_sub(20) as f64),
-        Some(Longitudinal::SetSpeedTracking)
-    );
-    assert_eq!(along(narrow, |f| 5.0 + 0.07 * f.saturating_sub(20) as f64), None);
+    // Speeding up is no answer to a narrow road before which the ego had not slowed (TAXONOMY.md).
+    assert_eq!(along(narrow, |f| 5.0 + 0.075 * f.saturating_sub(20) as f64), None);
     let bend = "reactive_road.geometry_adaptation.high_curvature";
     assert_eq!(
         along(bend, |f| 15.0 - 0.075 * f.saturating_sub(20) as f64),

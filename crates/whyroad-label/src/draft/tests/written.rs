@@ -185,7 +185,13 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
     let checker = crate::check::Checker::new(framework);
     let (mut traces, mut drafted) = (BTreeSet::new(), BTreeSet::new());
     let motions = [&slowing, &rising, &starting, &keeping, &cruising, &standing];
-    let all = framework.specs.keys().flat_map(|leaf| motions.map(|signals| (leaf, signals)));
+    // A class about an emergency is one of hard braking.
+    let mut braking = fixture::signals(&drive);
+    with_speed(&mut braking, |f| (10.0 - 0.6 * f.saturating_sub(42) as f64).max(0.0));
+    let all = framework.specs.keys().flat_map(|leaf| {
+        let hard = Some((leaf, &braking)).filter(|_| leaf.l1 == "safety");
+        motions.map(|signals| (leaf, signals)).into_iter().chain(hard)
+    });
     let mut wrong = Vec::new();
     // A lane change for efficiency is drafted only if somebody ahead holds the ego up.
     let needs_lead = |leaf: &ScenarioId| leaf.l3.as_deref() == Some("efficiency");

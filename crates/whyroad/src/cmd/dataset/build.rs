@@ -113,7 +113,6 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
         lake: &lake,
         media,
         out: &a.out,
-        lang: global.lang,
         queries: &|class, n| queries.query(class, n),
         restart: a.restart,
     };

@@ -11,6 +11,7 @@ use whyroad_dataset::licence::{BUNDLED, LicenceTable};
 use whyroad_dataset::{DatasetError, Inputs, LabelStream, Media, Release, build, spec};
 use whyroad_framework::Framework;
 use whyroad_lake::Lake;
+use whyroad_model::Lang;
 
 /// The folders in the demo's folder.
 pub(super) const RELEASE: &str = "release";
@@ -36,6 +37,10 @@ pub(super) fn write(
     out: &Path,
 ) -> anyhow::Result<bool> {
     let text = CHANGES.iter().fold(spec::TEMPLATE.to_owned(), |text, (from, to)| text.replace(from, to));
+    let text = match steps.lang {
+        Lang::Zh => text.replace("draft_texts: en", "draft_texts: zh"),
+        Lang::En => text,
+    };
     let file = out.join(SPEC);
     std::fs::write(&file, &text).with_context(|| cannot_write(file.display()))?;
     let done = frozen(framework, lake, out, text, steps).and_then(|()| exported(out, steps));
@@ -69,7 +74,6 @@ fn frozen(
         lake,
         media: Media::new(lake.dir(), &[]),
         out: &folder,
-        lang: steps.lang,
         queries: &|_, _| None,
         restart: true,
     };
