@@ -7,7 +7,7 @@ mod work;
 
 use crate::dedup::deduplicate;
 use crate::freeze::manifest::Manifest;
-use crate::item::SplitName;
+use crate::item::{SplitName, reason_in_words};
 use crate::labels::{self, LabelStream, Labels, Names};
 use crate::licence::LicenceTable;
 use crate::select::{Selected, select};
@@ -178,10 +178,13 @@ fn nothing(labels: &Labels) -> Diagnostic {
         .with_hint(Bilingual::new("检查 --labels", "check --labels"));
     }
     let reasons = reasons(labels);
-    let list = reasons.iter().map(|(r, n)| format!("{r} {n}")).collect::<Vec<_>>().join(", ");
+    let list = |lang: Lang| {
+        let one = |(id, n): (&&str, &usize)| format!("{} {n}", reason_in_words(id).get(lang));
+        reasons.iter().map(one).collect::<Vec<_>>()
+    };
     let message = Bilingual::new(
-        format!("{} 行标签中没有一行被选中（{list}）", labels.lines),
-        format!("none of {} label lines is selected ({list})", labels.lines),
+        format!("{} 行标签中没有一行被选中（{}）", labels.lines, list(Lang::Zh).join("、")),
+        format!("none of {} label lines is selected ({})", labels.lines, list(Lang::En).join(", ")),
     );
     let (zh, en) = match reasons.iter().max_by_key(|(_, n)| **n).map(|(reason, _)| *reason) {
         Some("invalid_label" | "unreadable") => (

@@ -4,7 +4,7 @@
 use crate::records::RecordRef;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use whyroad_model::Lang;
+use whyroad_model::{Bilingual, Lang};
 
 /// Maximum bytes that a build keeps in memory per candidate sample (`docs/reference/release.md` states it; a test
 /// checks the parts).
@@ -35,6 +35,17 @@ impl Stage {
     /// All stages.
     pub const ALL: [Self; 5] = [Self::Select, Self::Sample, Self::Split, Self::Deduplicate, Self::Balance];
 
+    /// Its displayed name.
+    pub fn title(self) -> Bilingual {
+        match self {
+            Self::Select => Bilingual::new("选取", "selection"),
+            Self::Sample => Bilingual::new("切分样本", "cutting samples"),
+            Self::Split => Bilingual::new("划分", "split"),
+            Self::Deduplicate => Bilingual::new("去重", "duplicates"),
+            Self::Balance => Bilingual::new("均衡", "balance"),
+        }
+    }
+
     /// The name of its table: `stages/<name>.parquet`.
     pub fn name(self) -> &'static str {
         match self {
@@ -61,6 +72,51 @@ impl Dropped {
     pub fn with(stage: Stage, reason: &'static str, detail: impl Into<Box<str>>) -> Self {
         Self { stage, reason: Cow::Borrowed(reason), detail: Some(detail.into()) }
     }
+}
+
+/// Reasons for which a candidate is dropped, in words.
+const REASONS: &[(&str, &str, &str)] = &[
+    ("unreadable", "无法读取", "unreadable"),
+    ("invalid_label", "标签有错误", "invalid label"),
+    ("repeated_label", "重复的标签", "repeated label"),
+    ("secondary_episode", "次要事件", "secondary episode"),
+    ("class_unknown", "类别未定到 L2", "class not known to the L2"),
+    ("overruled", "被同一事件的另一标签取代", "another label of the episode was chosen"),
+    ("not_chosen", "同一事件的多份标签尚未选定", "none of several labels of the episode was chosen"),
+    ("draft", "未质检的草稿", "unchecked draft"),
+    ("status", "状态不在选取之列", "status not selected"),
+    ("class", "类别不在选取之列", "class not selected"),
+    ("score", "得分过低", "score too low"),
+    ("source", "来源不在选取之列", "source not selected"),
+    ("place", "地点不在选取之列", "place not selected"),
+    ("weather", "天气不在选取之列", "weather not selected"),
+    ("drive_missing", "行程不在数据湖中", "drive not in the lake"),
+    ("licence", "许可不允许", "license does not allow it"),
+    ("drive_unreadable", "行程无法读取", "drive unreadable"),
+    ("keyframe_outside", "关键帧在行程之外", "keyframe outside the drive"),
+    ("ego_pose", "没有自车位姿", "no pose of the ego"),
+    ("history", "关键帧之前的轨迹不完整", "trajectory before the keyframe incomplete"),
+    ("future", "关键帧之后的轨迹不完整", "trajectory after the keyframe incomplete"),
+    ("label_unreadable", "标签无法读取", "label unreadable"),
+    ("draft_doubt", "草稿存疑", "doubtful draft"),
+    ("camera_missing", "缺少相机", "camera missing"),
+    ("image_missing", "缺少图片", "image missing"),
+    ("image_in_video", "图片在视频中", "image inside a video"),
+    ("image_file_missing", "缺少图片文件", "image file missing"),
+    ("image_not_blurred", "图片未能模糊处理", "image could not be blurred"),
+    ("duplicate_exact", "完全重复", "exact duplicate"),
+    ("duplicate_near", "近似重复", "near-duplicate"),
+    ("duplicate_across", "与其他划分近似重复", "near-duplicate of another split"),
+    ("cap_cell", "超过单元上限", "over the cap of its cell"),
+    ("cap_leaf", "超过 L3 场景上限", "over the cap of its leaf"),
+];
+
+/// The reason in words with this identifier, as [`Manifest`](crate::Manifest) counts them.
+pub fn reason_in_words(id: &str) -> Bilingual {
+    REASONS
+        .iter()
+        .find(|(known, ..)| *known == id)
+        .map_or_else(|| Bilingual::same(id), |(_, zh, en)| Bilingual::new(*zh, *en))
 }
 
 /// Id of a sample as bytes; its text form is hexadecimal.

@@ -41,7 +41,7 @@ pub use cut::{Blurring, Media};
 pub use dedup::DedupReport;
 pub use error::{CODES, DatasetError};
 pub use freeze::manifest::Manifest;
-pub use item::{BYTES_PER_SAMPLE, SplitName, Stage};
+pub use item::{BYTES_PER_SAMPLE, SplitName, Stage, reason_in_words};
 pub use labels::{DRAFT, IMPORTED, LabelStream};
 pub use release::Release;
 pub use sample::Sample;

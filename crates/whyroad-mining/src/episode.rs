@@ -7,7 +7,7 @@ pub mod moment;
 pub(crate) mod observable;
 pub(crate) mod pairs;
 
-pub use build::{Found, find};
+pub use build::{Found, conditions_at, find};
 
 use std::collections::BTreeMap;
 use whyroad_model::messages::{EgoResponse, KeyframeType, MatchedCondition};

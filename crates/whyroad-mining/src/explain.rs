@@ -5,17 +5,18 @@ mod nearest;
 
 pub use nearest::{NearClass, UndecidedClass, UnmetCondition, nearest, undecided};
 
-use crate::episode::build::{locate, matches, measured, truth_at};
+use crate::episode::build::{locate, matches, measured, runs, truth_at};
 use crate::episode::{Episode, find, pairs};
 use crate::interpret::{Evaluator, Pass, Roles, Row, Series, Truths};
-use crate::language::program::{Atom, NodeId, Op};
-use crate::rule::{PartPlace, Rule};
+use crate::language::check::{Join, Structure};
+use crate::language::program::{Atom, NodeId};
+use crate::rule::{Part, PartPlace, Rule};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use whyroad_model::messages::EgoResponse;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Bilingual, FrameRange, SignalTable, TrackId, Tri};
+use whyroad_model::{Bilingual, FrameRange, Nanos, SignalTable, TrackId, Tri};
 
 /// How far a rule was met, from least to most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -59,25 +60,31 @@ pub struct Course {
 pub struct PartCourse {
     /// Where it must hold.
     pub place: PartPlace,
+    /// The condition.
+    pub condition: ConditionCourse,
+}
+
+/// A condition of a part with those that it is made of; see [`Structure`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConditionCourse {
     /// As written, names replaced by their definitions.
     pub text: String,
     /// In words.
     pub words: Bilingual,
+    /// The definition of the rule that it is.
+    pub definition: Option<String>,
+    /// Its words are the name of that definition.
+    pub is_named: bool,
+    /// How its members decide it.
+    pub join: Join,
+    /// The conditions that it is made of.
+    pub members: Vec<ConditionCourse>,
+    /// Its members are listed above, in the same part.
+    pub is_listed_above: bool,
     /// Its truth over time.
     pub course: Course,
-    /// Its comparisons.
-    pub atoms: Vec<AtomCourse>,
-}
-
-/// A comparison in a part.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AtomCourse {
-    /// As written.
-    pub text: String,
-    /// In words.
-    pub words: Bilingual,
-    /// Its truth over time.
-    pub course: Course,
+    /// A number, a category or a flag is measured for it.
+    pub is_measured: bool,
     /// The measured value at the moment that is explained, in `unit`; null when unknown or infinite.
     pub actual: Value,
     /// The same as text, with its unit.
@@ -110,15 +117,42 @@ pub struct Explanation {
     pub missing: Vec<String>,
     /// For a match: whether the ego responded to the trigger.
     pub response: Option<EgoResponse>,
+    /// For [`Outcome::WrongDuration`]: how long it held around the moment, and how long it must hold.
+    pub duration: Option<Duration>,
+}
+
+/// How long a rule's conditions held together, breaks included that the rule allows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Duration {
+    /// How long they did.
+    pub held: Nanos,
+    /// How long they must at least.
+    pub least: Nanos,
+    /// How long they may.
+    pub most: Option<Nanos>,
 }
 
 /// Explains a rule on the frames `clip` of a drive; for one target, or for the best candidate.
 pub fn explain(rule: &Rule, table: &SignalTable, clip: FrameRange, wanted: Option<&TrackId>) -> Explanation {
+    explain_one(rule, table, (clip, None), wanted)
+}
+
+/// Explains the match of a rule with this keyframe, a frame of the drive; the nearest miss where there is none.
+pub fn explain_match(rule: &Rule, table: &SignalTable, clip: FrameRange, keyframe: usize) -> Explanation {
+    explain_one(rule, table, (clip, Some(keyframe)), None)
+}
+
+fn explain_one(
+    rule: &Rule,
+    table: &SignalTable,
+    (clip, keyframe): (FrameRange, Option<usize>),
+    wanted: Option<&TrackId>,
+) -> Explanation {
     let mut evaluator = Evaluator::new(&rule.program, table);
     let all = candidates(rule, table, clip, wanted);
     let mut best: Option<(Reached, Roles<'_>)> = None;
     for roles in &all {
-        let reached = reach(rule, *roles, clip, &mut evaluator);
+        let reached = reach(rule, *roles, (clip, keyframe), &mut evaluator);
         // The first of equals, so that the answer depends only on the drive.
         if best.as_ref().is_none_or(|(b, _)| reached.beats(b)) {
             best = Some((reached, *roles));
@@ -183,7 +217,13 @@ impl Reached {
     }
 }
 
-fn reach<'a>(rule: &'a Rule, roles: Roles<'a>, clip: FrameRange, evaluator: &mut Evaluator<'a>) -> Reached {
+/// How far a candidate met the rule in the clip; of several matches, the one with this keyframe where one is given.
+fn reach<'a>(
+    rule: &'a Rule,
+    roles: Roles<'a>,
+    (clip, keyframe): (FrameRange, Option<usize>),
+    evaluator: &mut Evaluator<'a>,
+) -> Reached {
     let mut pass = evaluator.pass_of(roles);
     let series = evaluator.series(rule.when, &mut pass);
     let rows = evaluator.rows(&pass).to_vec();
@@ -195,6 +235,9 @@ fn reach<'a>(rule: &'a Rule, roles: Roles<'a>, clip: FrameRange, evaluator: &mut
     let of_clip = matches(when, &rows, rule).into_iter().filter(|&(a, b)| (a..=b).any(inside));
     for matched in of_clip {
         let Some(mut located) = locate(rule, matched, evaluator, &mut pass) else { continue };
+        if keyframe.is_some_and(|frame| frame != located.keyframe) {
+            continue;
+        }
         let required = rule.require.iter().map(|id| truth_at(*id, located.row, evaluator, &mut located.at));
         let (truth, margin) =
             required.fold((Tri::True, f64::INFINITY), |(t, m), (u, n)| (t.and(u), m.min(n)));
@@ -239,36 +282,15 @@ fn explanation_at<'a>(
     }
     let rows = evaluator.rows(&pass).to_vec();
     let frame = reached.row.and_then(|i| rows[i].frame);
-    let course = |id: NodeId, evaluator: &mut Evaluator<'a>, pass: &mut Pass<'a>| {
-        let n = rows.len();
-        let truths = match evaluator.series(id, pass).as_ref() {
-            Series::Truths(t) => t.clone(),
-            _ => Truths::unknown(n),
-        };
-        over_clip(&truths, &rows, clip, reached.row)
-    };
-    let when = course(rule.when, evaluator, &mut pass);
-    let mut parts = Vec::new();
-    for part in &rule.parts {
-        let mut atoms = Vec::new();
-        for atom in &part.atoms {
-            let actual = reached.row.map_or(Value::Null, |row| measured(atom, row, evaluator, &mut pass));
-            let of_atom = course(atom.condition, evaluator, &mut pass);
-            atoms.push(AtomCourse {
-                text: atom.text.clone(),
-                words: atom.words.clone(),
-                course: of_atom,
-                actual_words: atom.value_in_words(&actual),
-                actual,
-                unit: atom.unit.symbol,
-                values: curve(atom, &rows, clip, evaluator, &mut pass),
-                threshold: threshold(rule, atom),
-            });
-        }
-        let of_part = course(part.condition, evaluator, &mut pass);
-        let (text, words) = (part.text.clone(), part.words.clone());
-        parts.push(PartCourse { place: part.place, text, words, course: of_part, atoms });
-    }
+    let when = AtRow { rows: &rows, clip, row: reached.row, evaluator, pass: &mut pass }.course(rule.when);
+    let duration = (reached.outcome == Outcome::WrongDuration).then(|| Duration {
+        held: reached.row.map_or(Nanos::default(), |row| lasted(rule, row, evaluator, &mut pass)),
+        least: rule.min_duration,
+        most: rule.max_duration,
+    });
+    let mut of = AtRow { rows: &rows, clip, row: reached.row, evaluator, pass: &mut pass };
+    let part = |p: &'a Part| PartCourse { place: p.place, condition: of.condition(&p.structure) };
+    let parts = rule.parts.iter().map(part).collect();
     let second = rule.second.as_ref().map(|r| r.name.clone());
     let named = [(Some(rule.target_role.clone()), roles.target), (second, roles.second)];
     Explanation {
@@ -281,35 +303,71 @@ fn explanation_at<'a>(
         parts,
         missing: Vec::new(),
         response: None,
+        duration,
     }
 }
 
-/// The measured number over the frames of the clip.
-fn curve<'a>(
-    atom: &Atom,
-    rows: &[Row],
+/// How long the rule's condition holds around `row`.
+fn lasted<'a>(rule: &'a Rule, row: usize, evaluator: &mut Evaluator<'a>, pass: &mut Pass<'a>) -> Nanos {
+    let series = evaluator.series(rule.when, pass);
+    let Series::Truths(when) = series.as_ref() else { return Nanos::default() };
+    let rows = evaluator.rows(pass);
+    let run = runs(when, rows, rule).into_iter().find(|&(first, last)| (first..=last).contains(&row));
+    run.map_or(Nanos::default(), |(first, last)| rows[last].end - rows[first].time)
+}
+
+/// The explained row of a candidate, and its clip.
+struct AtRow<'e, 'a> {
+    rows: &'e [Row],
     clip: FrameRange,
-    evaluator: &mut Evaluator<'a>,
-    pass: &mut Pass<'a>,
-) -> Vec<f64> {
-    let series = evaluator.series(atom.measured, pass);
-    let Series::Numbers(numbers) = series.as_ref() else { return Vec::new() };
-    let mut out = vec![f64::NAN; clip.end - clip.start];
-    for (row, value) in rows.iter().zip(numbers) {
-        if let Some(f) = row.frame.filter(|f| clip.contains(*f)) {
-            out[f - clip.start] = value / atom.unit.to_base;
+    row: Option<usize>,
+    evaluator: &'e mut Evaluator<'a>,
+    pass: &'e mut Pass<'a>,
+}
+
+impl AtRow<'_, '_> {
+    fn condition(&mut self, of: &Structure) -> ConditionCourse {
+        let atom = &of.shown;
+        let actual = self.row.map_or(Value::Null, |row| measured(atom, row, self.evaluator, self.pass));
+        ConditionCourse {
+            text: atom.text.clone(),
+            words: atom.words.clone(),
+            definition: of.definition.clone(),
+            is_named: of.is_named,
+            join: of.join,
+            members: of.members.iter().map(|m| self.condition(m)).collect(),
+            is_listed_above: of.is_listed_above,
+            course: self.course(atom.condition),
+            is_measured: atom.measured != atom.condition,
+            actual_words: atom.value_in_words(&actual),
+            actual,
+            unit: atom.unit.symbol,
+            values: self.curve(atom),
+            threshold: atom.threshold,
         }
     }
-    out
-}
 
-/// The constant of a comparison, in the unit of its atom.
-fn threshold(rule: &Rule, atom: &Atom) -> Option<f64> {
-    let Op::Compare { left, right, .. } = &rule.program.node(atom.condition).op else { return None };
-    [right, left].into_iter().find_map(|id| match rule.program.node(*id).op {
-        Op::Constant(value) => Some(value / atom.unit.to_base),
-        _ => None,
-    })
+    fn course(&mut self, id: NodeId) -> Course {
+        let n = self.rows.len();
+        let truths = match self.evaluator.series(id, self.pass).as_ref() {
+            Series::Truths(t) => t.clone(),
+            _ => Truths::unknown(n),
+        };
+        over_clip(&truths, self.rows, self.clip, self.row)
+    }
+
+    /// The measured number over the frames of the clip.
+    fn curve(&mut self, atom: &Atom) -> Vec<f64> {
+        let series = self.evaluator.series(atom.measured, self.pass);
+        let Series::Numbers(numbers) = series.as_ref() else { return Vec::new() };
+        let mut out = vec![f64::NAN; self.clip.end - self.clip.start];
+        for (row, value) in self.rows.iter().zip(numbers) {
+            if let Some(f) = row.frame.filter(|f| self.clip.contains(*f)) {
+                out[f - self.clip.start] = value / atom.unit.to_base;
+            }
+        }
+        out
+    }
 }
 
 fn over_clip(truths: &Truths, rows: &[Row], clip: FrameRange, row: Option<usize>) -> Course {
@@ -337,5 +395,9 @@ fn nobody(clip: FrameRange) -> Explanation {
         parts: Vec::new(),
         missing: Vec::new(),
         response: None,
+        duration: None,
     }
 }
+
+#[cfg(test)]
+mod tests;

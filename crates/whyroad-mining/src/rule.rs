@@ -16,7 +16,7 @@ pub mod text;
 pub use set::{Precedence, RuleSet};
 
 use crate::episode::score;
-use crate::language::check::PartText;
+use crate::language::check::{PartText, Structure};
 use crate::language::program::{Atom, Moment, NodeId, Op, Program, Subject};
 use crate::language::{Checker, Expr, Fault};
 use std::collections::{BTreeMap, BTreeSet};
@@ -123,6 +123,8 @@ pub struct Part {
     pub condition: NodeId,
     /// Its comparisons.
     pub atoms: Vec<Atom>,
+    /// What it is made of.
+    pub structure: Structure,
 }
 
 /// Where a part of a rule must hold.
@@ -213,6 +215,7 @@ impl RuleParts {
             words: p.words,
             condition: p.condition,
             atoms: p.atoms,
+            structure: p.structure,
         };
         self.parts.extend(parts.into_iter().map(part));
         Ok(())

@@ -83,6 +83,21 @@ impl Unit {
         UNITS.iter().find(|u| u.symbol == symbol)
     }
 
+    /// The unit in which people read values of this one: degrees for radians, otherwise the same.
+    pub fn displayed(&'static self) -> &'static Unit {
+        let symbol = match self.symbol {
+            "rad" => "deg",
+            "rad/s" => "deg/s",
+            same => same,
+        };
+        Unit::parse(symbol).unwrap_or(self)
+    }
+
+    /// A value in this unit as a value in `other`, which has the same dimension.
+    pub fn convert(&self, value: f64, other: &Unit) -> f64 {
+        if self == other { value } else { value * self.to_base / other.to_base }
+    }
+
     /// `base`, a value in the dimension's base unit, in this unit.
     pub fn of_base(&self, base: f64) -> f64 {
         base / self.to_base
@@ -106,5 +121,15 @@ mod tests {
         let u = Unit::parse("km/h").unwrap();
         assert!((60.0 * u.to_base - 16.666_666_666_666_668).abs() < 1e-12);
         assert_eq!(u.dimension.base().symbol, "m/s");
+    }
+
+    #[test]
+    fn people_read_angles_in_degrees() {
+        let unit = |symbol| Unit::parse(symbol).unwrap();
+        assert_eq!(unit("rad").displayed().symbol, "deg");
+        assert_eq!(unit("rad/s").displayed().symbol, "deg/s");
+        assert_eq!(unit("km/h").displayed().symbol, "km/h");
+        let right_angle = unit("rad").convert(std::f64::consts::FRAC_PI_2, unit("deg"));
+        assert!((right_angle - 90.0).abs() < 1e-12, "{right_angle}");
     }
 }

@@ -175,7 +175,10 @@ fn main() -> ExitCode {
         Command::Man(a) => cmd::shell::man(a),
     };
     result.unwrap_or_else(|e| {
-        say!("error: {e:#}");
+        match cli.global.lang {
+            whyroad_model::Lang::Zh => say!("错误：{e:#}"),
+            whyroad_model::Lang::En => say!("error: {e:#}"),
+        }
         output::FINDINGS
     })
 }

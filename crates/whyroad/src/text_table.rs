@@ -1,6 +1,7 @@
-//! Tables on the terminal: columns as wide as their widest cell, within a maximum width.
+//! Tables on the terminal: columns as wide as their widest cell. Cells are never cut: an id that is cut cannot be
+//! copied into another command.
 
-/// Widest line of a table, in terminal cells.
+/// Widest line of a text, in terminal cells.
 pub(crate) const MAX_WIDTH: usize = 120;
 
 /// Alignment of the text of a column.
@@ -10,30 +11,20 @@ pub(crate) enum Align {
     Left,
     /// Numbers.
     Right,
-    /// Words that may be shortened in the middle where the table would be too wide.
-    Shrink,
 }
 
 /// The lines with aligned columns, two spaces apart, without trailing spaces.
 pub(crate) fn aligned<const N: usize>(columns: [Align; N], lines: &[[String; N]]) -> String {
     let widest = |c: usize| lines.iter().map(|l| width(&l[c])).max().unwrap_or_default();
-    let mut widths: [usize; N] = std::array::from_fn(widest);
-    let gaps = 2 * N.saturating_sub(1);
-    for (c, align) in columns.iter().enumerate() {
-        let others: usize = widths.iter().sum::<usize>() - widths[c] + gaps;
-        if *align == Align::Shrink && others + widths[c] > MAX_WIDTH {
-            widths[c] = MAX_WIDTH.saturating_sub(others).max(8);
-        }
-    }
+    let widths: [usize; N] = std::array::from_fn(widest);
     let mut out = String::new();
     for line in lines {
         let mut text = String::new();
         for (c, cell) in line.iter().enumerate() {
-            let cell = shortened(cell, widths[c]);
-            let pad = " ".repeat(widths[c].saturating_sub(width(&cell)));
+            let pad = " ".repeat(widths[c].saturating_sub(width(cell)));
             match columns[c] {
                 Align::Right => text += &format!("{pad}{cell}  "),
-                Align::Left | Align::Shrink => text += &format!("{cell}{pad}  "),
+                Align::Left => text += &format!("{cell}{pad}  "),
             }
         }
         out.push_str(text.trim_end());
@@ -62,26 +53,6 @@ pub(crate) fn wrapped(text: &str, indent: usize) -> String {
     out + line.trim_end() + "\n"
 }
 
-/// `text` in at most `cells` cells: its start and its end, which distinguish ids.
-fn shortened(text: &str, cells: usize) -> String {
-    if width(text) <= cells {
-        return text.to_owned();
-    }
-    let half = cells.saturating_sub(1) / 2;
-    let taken = |chars: &mut dyn Iterator<Item = char>| {
-        let mut room = half;
-        let fits = chars.take_while(|c| {
-            let fits = room.checked_sub(char_width(*c));
-            room = fits.unwrap_or(0);
-            fits.is_some()
-        });
-        fits.collect::<Vec<_>>()
-    };
-    let start: String = taken(&mut text.chars()).into_iter().collect();
-    let end: String = taken(&mut text.chars().rev()).into_iter().rev().collect();
-    format!("{start}…{end}")
-}
-
 /// Terminal cells of a text.
 pub(crate) fn width(text: &str) -> usize {
     text.chars().map(char_width).sum()
@@ -106,11 +77,10 @@ mod tests {
     }
 
     #[test]
-    fn a_long_cell_keeps_its_start_and_its_end() {
-        let lines = [["a".repeat(60), format!("{}-end", "b".repeat(90))]];
-        let table = aligned([Align::Left, Align::Shrink], &lines);
-        assert_eq!(width(table.trim_end()), MAX_WIDTH - 1);
-        assert!(table.contains("b…b") && table.trim_end().ends_with("-end"), "{table}");
+    fn a_long_cell_is_whole() {
+        let (class, clip) = ("a".repeat(60), "b".repeat(90));
+        let table = aligned([Align::Left, Align::Left], &[[class.clone(), clip.clone()]]);
+        assert_eq!(table, format!("{class}  {clip}\n"));
     }
 
     #[test]

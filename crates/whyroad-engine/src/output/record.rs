@@ -113,7 +113,8 @@ pub fn write_down(
     episodes.iter().enumerate().map(one).collect()
 }
 
-fn words(condition: &MatchedCondition, lang: Lang) -> String {
+/// A condition in words; as written where it has none.
+pub(super) fn words(condition: &MatchedCondition, lang: Lang) -> String {
     let described = condition.description.as_ref();
     described.map_or_else(|| condition.condition.clone(), |d| d.get(lang).to_owned())
 }

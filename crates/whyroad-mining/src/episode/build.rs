@@ -113,6 +113,17 @@ fn on_rows<'a>(
 
 /// Runs of true as first and last row, near ones merged, too short and too long ones dropped.
 pub(crate) fn matches(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, usize)> {
+    let mut runs = runs(when, rows, rule);
+    runs.retain(|&(first, last)| {
+        let lasts = rows[last].end - rows[first].time;
+        lasts + CLOCK_TOLERANCE >= rule.min_duration
+            && rule.max_duration.is_none_or(|max| lasts <= max + CLOCK_TOLERANCE)
+    });
+    runs
+}
+
+/// Runs of true as first and last row, near ones merged.
+pub(crate) fn runs(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for (i, t) in when.value.iter().enumerate() {
         if *t != Tri::True {
@@ -125,11 +136,6 @@ pub(crate) fn matches(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, u
             _ => runs.push((i, i)),
         }
     }
-    runs.retain(|&(first, last)| {
-        let lasts = rows[last].end - rows[first].time;
-        lasts + CLOCK_TOLERANCE >= rule.min_duration
-            && rule.max_duration.is_none_or(|max| lasts <= max + CLOCK_TOLERANCE)
-    });
     runs
 }
 
@@ -137,7 +143,8 @@ pub(crate) fn matches(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, u
 pub(crate) struct Located<'a> {
     times: Times,
     known: Known,
-    keyframe: usize,
+    /// Frame of the drive.
+    pub(crate) keyframe: usize,
     keyframe_rule: Bilingual,
     /// The pass for this episode.
     pub(crate) at: Pass<'a>,
@@ -306,7 +313,26 @@ fn conditions<'a>(
     super::deciding(&margins).into_iter().map(one).collect()
 }
 
-/// The measured value in the atom's unit, to four decimals; null when unknown or infinite.
+/// The conditions of a rule as an episode lists them, but at any frame of a match: `frame`, of the drive. `None` where
+/// the target is not observed there.
+pub fn conditions_at(
+    rule: &Rule,
+    table: &SignalTable,
+    target: Option<&TrackId>,
+    (frame, matched): (usize, FrameRange),
+) -> Option<Vec<MatchedCondition>> {
+    let mut evaluator = Evaluator::new(&rule.program, table);
+    let target = match target {
+        Some(id) => Some(table.targets.iter().find(|t| t.id == *id)?),
+        None => None,
+    };
+    let pass = evaluator.pass_of(Roles { target, second: None });
+    let mut pass = evaluator.at_episode(&pass, Moments { keyframe: frame, matched });
+    let row = evaluator.rows(&pass).iter().position(|r| r.frame == Some(frame))?;
+    Some(conditions(rule, row, &mut evaluator, &mut pass))
+}
+
+/// The measured value in the atom's unit; null when unknown or infinite.
 pub(crate) fn measured<'a>(
     atom: &Atom,
     row: usize,
@@ -314,10 +340,7 @@ pub(crate) fn measured<'a>(
     pass: &mut Pass<'a>,
 ) -> Value {
     match evaluator.series(atom.measured, pass).as_ref() {
-        Series::Numbers(v) => {
-            let rounded = (v[row] / atom.unit.to_base * 1e4).round() / 1e4;
-            serde_json::Number::from_f64(rounded).map_or(Value::Null, Value::Number)
-        }
+        Series::Numbers(v) => atom.number(v[row]),
         Series::Truths(t) => t.value[row].known().map_or(Value::Null, Value::Bool),
         Series::Categories(codes, names) => {
             names.get(usize::from(codes[row])).map_or(Value::Null, |n| Value::String(n.clone()))

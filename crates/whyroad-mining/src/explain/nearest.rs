@@ -1,10 +1,10 @@
 //! Which classes a stretch of a drive comes nearest to: those of which most conditions hold together at some moment of
 //! it. For moments that no class explains.
 
-use super::{Outcome, Reached, candidates, reach};
+use super::{Outcome, Reached, candidates, lasted, reach};
 use crate::episode::build::{lacking as lacking_signals, locate, measured, truth_at};
 use crate::interpret::{Evaluator, Pass, Roles, Series};
-use crate::language::program::{Atom, NodeId, Op, truth_in_words};
+use crate::language::program::{Atom, NodeId, Op};
 use crate::rule::{PartPlace, Rule};
 use serde_json::Value;
 use whyroad_model::{Bilingual, FrameRange, Nanos, ScenarioId, SignalTable, TrackId, Tri};
@@ -183,7 +183,7 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         if is_of_another_class(rule, roles, &mut evaluator) {
             continue;
         }
-        let reached = reach(rule, roles, range, &mut evaluator);
+        let reached = reach(rule, roles, (range, None), &mut evaluator);
         if best.as_ref().is_none_or(|(b, _)| reached.beats(b)) {
             best = Some((reached, roles));
         }
@@ -243,8 +243,10 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
     held += if at_keyframe { lasts } else { 0 };
     if reached.outcome == Outcome::WrongDuration {
         failed += 1;
-        let longest = rule.max_duration.filter(|max| lasted(rule, row, &mut evaluator, &mut pass) > *max);
+        let held = lasted(rule, row, &mut evaluator, &mut pass);
+        let longest = rule.max_duration.filter(|max| held > *max);
         let seconds = longest.unwrap_or(rule.min_duration).0 as f64 / 1e9;
+        let held = (held.0 as f64 / 1e7).round() / 1e2;
         let words = match longest {
             Some(_) => Bilingual::new(format!("持续不超过 {seconds} s"), format!("For at most {seconds} s")),
             None => Bilingual::new(format!("持续 {seconds} s"), format!("For {seconds} s")),
@@ -252,9 +254,9 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         unmet.push(UnmetCondition {
             text: format!("for {seconds} s"),
             words,
-            actual: Value::Bool(false),
-            actual_words: Some(truth_in_words(false)),
-            unit: "",
+            actual: held.into(),
+            actual_words: Some(Bilingual::same(format!("{held} s"))),
+            unit: "s",
             is_unknown: false,
         });
     }
@@ -271,17 +273,6 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         nearness: if all > 0.0 { said / all } else { 0.0 },
         margin: reached.margin,
     })
-}
-
-/// How long the rule's condition holds around `row`.
-fn lasted<'a>(rule: &'a Rule, row: usize, evaluator: &mut Evaluator<'a>, pass: &mut Pass<'a>) -> Nanos {
-    let series = evaluator.series(rule.when, pass);
-    let Series::Truths(when) = series.as_ref() else { return Nanos::default() };
-    let rows = evaluator.rows(pass);
-    let holds = |i: &usize| when.value[*i] == Tri::True;
-    let first = (0..=row).rev().take_while(holds).last().unwrap_or(row);
-    let last = (row..rows.len()).take_while(holds).last().unwrap_or(row);
-    rows[last].end - rows[first].time
 }
 
 /// The parts because of which a condition fails at `row`: the failing members of a conjunction, also of one with a

@@ -10,11 +10,13 @@ mod every;
 mod moments;
 mod names;
 mod pairs;
+mod structure;
 mod wording;
 mod words;
 
 pub use atoms::PartText;
 pub use names::nearest;
+pub use structure::{Join, Structure};
 
 use words::{kind_en, kind_zh, mismatch};
 

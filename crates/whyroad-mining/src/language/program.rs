@@ -282,11 +282,32 @@ pub struct Atom {
     pub unit: &'static Unit,
     /// Displayed names of the values of a measured category.
     pub value_names: BTreeMap<String, Bilingual>,
+    /// The fixed number that it is compared with, in `unit`.
+    pub threshold: Option<f64>,
+    /// The condition holds where the measured flag is false, as in `ego.standstill == false`.
+    pub is_denied: bool,
 }
 
 /// Text for a condition that holds, or does not.
 pub fn truth_in_words(holds: bool) -> Bilingual {
     if holds { Bilingual::new("成立", "holds") } else { Bilingual::new("不成立", "does not hold") }
+}
+
+/// The largest number of decimals of a measured value.
+const MOST_PLACES: i32 = 8;
+
+/// A value to this number of decimals, or to more where it would otherwise change sides: 4.998 is not shown as 5 beside
+/// "< 5 m".
+fn rounded(value: f64, places: i32, threshold: Option<f64>) -> f64 {
+    let to = |places: i32| {
+        let scale = 10_f64.powi(places);
+        (value * scale).round() / scale
+    };
+    let Some(threshold) = threshold else { return to(places) };
+    // Values that differ by less are equal but for the last bits.
+    let same = |x: f64| (x - threshold).abs() <= 1e-9 * threshold.abs().max(1.0);
+    let side = |x: f64| if same(x) { None } else { Some(x < threshold) };
+    (places..=MOST_PLACES).map(to).find(|x| side(*x) == side(value)).unwrap_or(value)
 }
 
 impl Atom {
@@ -297,16 +318,25 @@ impl Atom {
         MatchedCondition { condition, actual_value, description, actual_words }
     }
 
+    /// A measured number, in the base unit of its dimension, as messages have it: in `unit`, to four decimals or as
+    /// many as are needed to be on the same side of the threshold. Null when it is unknown or infinite.
+    pub fn number(&self, base: f64) -> Value {
+        let value = rounded(base / self.unit.to_base, 4, self.threshold);
+        serde_json::Number::from_f64(value).map_or(Value::Null, Value::Number)
+    }
+
     /// A measured value as text; `None` where there is none.
     pub fn value_in_words(&self, value: &Value) -> Option<Bilingual> {
         match value {
-            Value::Bool(holds) => Some(truth_in_words(*holds)),
+            Value::Bool(holds) => Some(truth_in_words(*holds != self.is_denied)),
             Value::Number(n) => {
-                let value = n.as_f64()?;
+                let shown = self.unit.displayed();
+                let value = self.unit.convert(n.as_f64()?, shown);
                 // Curvatures are hundredths.
-                let places = if value.abs() < 0.1 { 1e4 } else { 1e2 };
-                let rounded = (value * places).round() / places;
-                Some(Bilingual::same(self.unit.of(&(rounded + 0.0).to_string().replace('-', "−"))))
+                let places = if value.abs() < 0.1 { 4 } else { 2 };
+                let threshold = self.threshold.map(|t| self.unit.convert(t, shown));
+                let rounded = rounded(value, places, threshold);
+                Some(Bilingual::same(shown.of(&(rounded + 0.0).to_string().replace('-', "−"))))
             }
             Value::String(word) => Some(
                 self.value_names

@@ -61,6 +61,14 @@ impl Expr {
         Extent { height: below.height + 1, size: below.size.saturating_add(1) }
     }
 
+    /// The value of `true` and `false`.
+    pub fn truth(&self) -> Option<bool> {
+        match &self.kind {
+            ExprKind::Name(word) => word.parse().ok(),
+            _ => None,
+        }
+    }
+
     /// Its direct parts.
     pub fn parts(&self) -> Vec<&Expr> {
         match &self.kind {

@@ -1,7 +1,7 @@
 //! Expected readings come from the grammar in `docs/reference/rules.md` and from DATA_FORMAT.md 5.
 
 use super::*;
-use crate::language::program::Op;
+use crate::language::program::{Atom, Op};
 use crate::language::syntax::{ExprKind, Quantity};
 use whyroad_model::Lang;
 use whyroad_model::diagnostic::render_text;
@@ -185,4 +185,36 @@ fn a_description_reads_back_as_the_same_program() {
         let again = check(&described).unwrap_or_else(|f| panic!("{described}: {f:?}"));
         assert_eq!((program, id), again, "{text} became {described}");
     }
+}
+
+#[test]
+fn a_shown_value_is_on_the_side_of_the_threshold_where_the_measured_one_is() {
+    let mut checker = Checker::new(Catalog::bundled());
+    let mut atom = |text: &str| {
+        let expr = parse::parse(text).unwrap();
+        checker.condition(&expr).unwrap();
+        let mut atoms = Vec::new();
+        checker.atoms(&expr, &mut atoms).unwrap();
+        atoms.remove(0)
+    };
+    let shown = |atom: &Atom, base: f64| {
+        let value = atom.number(base);
+        (value.clone(), atom.value_in_words(&value).unwrap().en)
+    };
+    let gap = atom("target.gap < 5 m");
+    assert_eq!(shown(&gap, 4.97), (4.97.into(), "4.97 m".into()));
+    assert_eq!(shown(&gap, 4.998), (4.998.into(), "4.998 m".into()));
+    assert_eq!(shown(&gap, 4.999_98), (4.999_98.into(), "4.99998 m".into()));
+    assert_eq!(shown(&gap, 5.000_02), (5.000_02.into(), "5.00002 m".into()));
+    // Equal but for the last bits.
+    assert_eq!(shown(&gap, 5.0 + 1e-12), (5.0.into(), "5 m".into()));
+    assert_eq!(shown(&gap, 3.456_78), (3.4568.into(), "3.46 m".into()));
+    // In the unit of the rule; angles in radians are shown in degrees.
+    let angle = atom("ego.turn_angle > 0.5 rad");
+    assert_eq!(shown(&angle, 1.0), (1.0.into(), "57.3°".into()));
+    assert_eq!(shown(&atom("ego.speed < 36 km/h"), 9.999), (35.9964.into(), "35.996 km/h".into()));
+    // A flag that is compared with false.
+    let flag = atom("ego.standstill == false");
+    assert_eq!(flag.value_in_words(&false.into()).unwrap().en, "holds");
+    assert_eq!(flag.value_in_words(&true.into()).unwrap().en, "does not hold");
 }

@@ -22,7 +22,7 @@ use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
-use whyroad_mining::explain::{Explanation, explain};
+use whyroad_mining::explain::{Explanation, explain, explain_match};
 use whyroad_mining::language::check::nearest;
 use whyroad_mining::rule::{OTHER, Rule};
 use whyroad_model::scene::FRAME_RATE_HZ;
@@ -138,15 +138,26 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             return Ok(output::FINDINGS);
         }
     };
-    let explanation = explain(&rule, &table, clip, wanted.as_ref());
+    let moments = (args.rule.is_none() && rule.scenario.l1 == OTHER)
+        .then(|| Moments::of((&framework, &catalog), &rule, &table, &ClipId(args.clip.clone())));
+    // Of the decision moments, one that no class explains.
+    let explanation = match moments.as_ref().and_then(|m| m.frames.first()) {
+        Some(&frame) => explain_match(&rule, &table, clip, frame),
+        None => explain(&rule, &table, clip, wanted.as_ref()),
+    };
+    let explanation = match &moments {
+        Some(moments) if moments.all_explained() => {
+            Explanation { parts: Vec::new(), moment: None, ..explanation }
+        }
+        _ => explanation,
+    };
     let shown = Shown {
         class: &rule.scenario,
         title: named(&framework, &rule.scenario),
         clip: &args.clip,
         explanation: &explanation,
         missing: explanation.missing.iter().map(|name| catalog.title(name)).collect(),
-        moments: (args.rule.is_none() && rule.scenario.l1 == OTHER)
-            .then(|| Moments::of((&framework, &catalog), &rule, &table, &ClipId(args.clip.clone()))),
+        moments,
     };
     args.print.put(&json::document(&shown), || text::render(&shown, global.lang))?;
     if let Some(file) = &args.svg {

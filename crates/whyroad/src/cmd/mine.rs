@@ -223,7 +223,7 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         clips: args.clips.cut(),
         once: args.once,
     };
-    let asked_for = |r: &&Rule| plan.query.as_ref().is_none_or(|(class, _)| r.scenario.is_within(class));
+    let asked_for = |r: &&Rule| plan.query.as_ref().is_none_or(|class| r.scenario.is_within(class));
     let classes: Vec<ScenarioId> =
         plan.rules.rules.iter().filter(asked_for).map(|r| r.scenario.clone()).collect();
     if let Some(list) = &args.drives {
@@ -259,8 +259,10 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
     };
     let referred = Mutex::new(Vec::new());
     folder.keep_ledger(&state)?;
-    let answer = |drive: MinedDrive| match &plan.query {
-        Some((class, has_conditions)) => query::answer(&drive, class, *has_conditions),
+    let query =
+        plan.query.as_ref().map(|class| query::ClassQuery::new(class, &plan.rules, &lake, global.lang));
+    let answer = |drive: MinedDrive| match &query {
+        Some(query) => query::answer(&drive, query),
         None => {
             if args.sequences.is_some() {
                 let episodes: Vec<_> = drive.episodes.iter().map(|e| e.record.clone()).collect();
@@ -333,7 +335,7 @@ pub(super) fn other_question(dir: &Path, lang: Lang) -> String {
     let dir = dir.display();
     match lang {
         Lang::Zh => format!(
-            "error: {dir} 中是另一次查询的结果，未作改动；请用 --out 指定其他文件夹，或用 --force 覆盖"
+            "错误：{dir} 中是另一次查询的结果，未作改动；请用 --out 指定其他文件夹，或用 --force 覆盖"
         ),
         Lang::En => format!(
             "error: {dir} holds the results of another question and was left unchanged; choose another folder with \

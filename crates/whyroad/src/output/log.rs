@@ -33,9 +33,9 @@ pub(crate) fn is_json() -> bool {
     JSON.load(Ordering::Relaxed)
 }
 
-/// A message. One that begins with `error:` is an error.
+/// A message. One that begins with `error:`, or the same in Chinese, is an error.
 pub(crate) fn message(text: &str) {
-    let error = text.strip_prefix("error: ");
+    let error = text.strip_prefix("error: ").or_else(|| text.strip_prefix("错误："));
     let level = if error.is_some() { "error" } else { "info" };
     put(text, level, "message", json!({ "message": error.unwrap_or(text).trim_end() }));
 }

@@ -49,6 +49,9 @@ fn a_release_is_built_checked_shown_and_compared() {
         refused.err
     );
 
+    let zh = run(at, &format!("--lang zh {build}"));
+    assert!(zh.err.contains("未质检的草稿 ") && !zh.err.contains("draft "), "{}", zh.err);
+
     let built = good(at, &format!("{build} --drafts"));
     assert!(built.out.contains("samples: train"), "{}", built.out);
     let first = manifest(at, "r1");

@@ -310,6 +310,35 @@ fn scored(result: &Value) -> u64 {
 }
 
 #[test]
+fn the_values_of_a_query_are_those_at_the_keyframe() {
+    // The gap is always known and less than 1 km: the condition holds at every keyframe of car following.
+    let query = r#"{ "mining_query": { "scenario_id": "reactive_agent.following", "conditions": [
+        { "field": "target.gap", "operator": "<", "value": 1000, "unit": "m" },
+        { "rule": "not (ego.in_junction == true)" } ] } }"#;
+    let (out, result) = ask(query);
+    let (shown, result) = (text(&out.stdout), result.unwrap());
+    assert!(shown.contains("Gap to the target < 1000 m ("), "{shown}");
+    assert!(shown.contains("; Not: the ego is in a junction\n"), "{shown}");
+    let lake = whyroad_lake::Lake::open(MINED.0.path()).unwrap();
+    let clips = result["clips"].as_array().unwrap();
+    let mut later = 0;
+    for clip in clips {
+        let id = whyroad_model::ClipId(clip["clip_id"].as_str().unwrap().to_owned());
+        let drive = whyroad_model::DriveId(id.0.rsplit_once('_').unwrap().0.to_owned());
+        let table = whyroad_engine::drives::signals_of(&lake, &drive).unwrap();
+        let start = id.frames(&drive, table.times.len()).unwrap().start;
+        let keyframe = clip["keyframe_suggestion"]["frame_idx"].as_u64().unwrap() as usize;
+        let span = table.targets.iter().find(|t| clip["target_id"] == t.id.as_str()).unwrap();
+        let row = span.first_row + start + keyframe - span.frames.start;
+        let gap = table.target_columns["target.gap"].number(row).unwrap();
+        let actual = clip["conditions_matched"][0]["actual_value"].as_f64().unwrap();
+        assert!((actual - gap).abs() < 1e-4, "{actual} and not {gap}: {clip:#}");
+        later += usize::from(keyframe > 0);
+    }
+    assert!(later > 0, "no keyframe after the start of a clip: {clips:#?}");
+}
+
+#[test]
 fn the_limit_keeps_the_best_and_the_total() {
     // Without conditions the whole class is asked for: three cut-ins.
     let mut query: Value = serde_json::from_str(PRINTED).unwrap();
@@ -404,7 +433,10 @@ fn what_is_missing_is_said_with_the_drives_that_lack_it() {
     assert!(line.contains("traffic lights ("), "{shown}");
     assert!(shown.contains("traffic_light.red_stop: 1 of 3 drives searched\n"), "{shown}");
     assert!(
-        shown.contains(&format!("  {named}: missing light.distance_to_stop_line, light.state\n")),
+        shown.contains(&format!(
+            "  {named}: missing distance to the light's stop line (light.distance_to_stop_line), state of the \
+             light (light.state)\n"
+        )),
         "{shown}"
     );
     // Every drive of every gap is a line; the same as JSON.
@@ -421,7 +453,7 @@ fn what_is_missing_is_said_with_the_drives_that_lack_it() {
     assert!(csv.lines().any(|l| l == red), "{csv}");
     let zh = run("b", &["--missing", "--missing-list", &list("list.json"), "--lang", "zh"]);
     let line = zh.lines().find(|l| l.starts_with(&format!("  2 个行程（{}）：", dark.join(", ")))).unwrap();
-    assert!(line.contains("交通信号灯（"), "{zh}");
+    assert!(line.contains("交通信号灯（") && zh.contains("信号灯状态（light.state）"), "{zh}");
     assert_eq!(json(&at("list.json")).as_array().unwrap().len(), rows);
     let o = mine(lake.path(), &at("c"), &["--missing-list", "list.txt"]);
     assert_eq!(o.status.code(), Some(2), "{}", text(&o.stderr));

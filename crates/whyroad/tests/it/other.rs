@@ -80,6 +80,13 @@ fn what_no_class_explains_is_grouped_and_proposed() {
     let expected: Vec<Value> =
         of_clip.map(|l| serde_json::from_str::<Value>(l).unwrap()["keyframe"]["timestamp"].clone()).collect();
     assert_eq!(keyframes, expected.iter().collect::<Vec<_>>());
+    // The headline names the moments that are left to it, and the first is the one that is explained.
+    let times: Vec<String> =
+        unexplained.iter().map(|m| format!("{:.1} s", m["clip_s"].as_f64().unwrap())).collect();
+    assert_eq!(format!("{:.1} s", json["seconds"].as_f64().unwrap()), times[0]);
+    let shown = String::from_utf8(whyroad(&explain).stdout).unwrap();
+    let head = shown.lines().next().unwrap();
+    assert!(head.contains(&format!("that no class explains: {}", times.join(", "))), "{head}");
     for (lang, words) in [("en", "Moments that no class explains: "), ("zh", "没有类别能解释的时刻：")]
     {
         let shown = String::from_utf8(whyroad(&[&explain[..], &["--lang", lang]].concat()).stdout).unwrap();

@@ -108,7 +108,13 @@ fn explain_shows_a_match_and_the_nearest_miss() {
     assert!(svg.contains(">yes at the keyframe: TTC to the target &lt; 3 s"), "{svg}");
     assert!(svg.contains("prefers-color-scheme: dark"));
     let unknown = explain(&["--clip", "multilane-ego_000", "--target", "nobody"]);
-    assert!(unknown.code == 1 && unknown.err.contains("no track 'nobody'"), "{}", unknown.err);
+    assert!(
+        unknown.code == 1 && unknown.err.starts_with("error: the drive has no track 'nobody'"),
+        "{}",
+        unknown.err
+    );
+    let zh = explain(&["--clip", "multilane-ego_000", "--target", "nobody", "--lang", "zh"]);
+    assert!(zh.err.starts_with("错误：该行程没有"), "{}", zh.err);
 }
 
 #[test]
@@ -124,6 +130,24 @@ fn explain_prints_json() {
     assert_eq!(json["frames"], 200);
     let conditions = json["conditions"].as_array().unwrap();
     assert!(!conditions.is_empty());
+    // A condition is a comparison with its value, or has members.
+    let mut todo: Vec<&serde_json::Value> = conditions.iter().collect();
+    let mut joins = std::collections::BTreeSet::new();
+    while let Some(condition) = todo.pop() {
+        assert!(condition["text"].is_string() && condition["course"].is_object(), "{condition:#}");
+        match condition["join"].as_str() {
+            None => {
+                assert!(condition["unit"].is_string() && condition["conditions"].is_null(), "{condition:#}")
+            }
+            Some(join) => {
+                joins.insert(join);
+                let members = condition["conditions"].as_array().unwrap();
+                assert_eq!(members.is_empty(), condition["listed_above"] == true, "{condition:#}");
+                todo.extend(members);
+            }
+        }
+    }
+    assert!(joins.contains("any") && joins.contains("all"), "{joins:?}");
     for course in conditions.iter().map(|c| &c["course"]).chain([&json["when"]]) {
         let mut end = serde_json::Value::from(0);
         for span in course["spans"].as_array().unwrap() {
@@ -150,7 +174,7 @@ fn a_rule_in_one_line_is_mined() {
     assert!(run.out.contains("the best 1 of 1: clip, keyframe, target, score, values"), "{}", run.out);
     assert!(run.out.contains("multilane-ego_000  16.9 s  cutter"), "{}", run.out);
     // The value that the tutorial names, with its unit.
-    assert!(run.out.contains("target.ttc < 3s (2.48 s)"), "{}", run.out);
+    assert!(run.out.contains("TTC to the target < 3 s (2.48 s)"), "{}", run.out);
     assert!(
         run.out.contains("1 drive, 1 episode (1 primary)\n"),
         "of classes nothing is reported: {}",

@@ -204,13 +204,10 @@ impl<'e> Building<'e, '_> {
         deciding(&margins).into_iter().map(one).collect()
     }
 
-    /// The measured value in the atom's unit, to four decimals; null when unknown or infinite.
+    /// The measured value in the atom's unit; null when unknown or infinite.
     fn measured(&self, atom: &Atom, row: usize) -> Json {
         match self.evaluation.value(self.of.node(atom.measured), self.row_set) {
-            NodeValue::Numbers(v) => {
-                let rounded = (v.at(row) / atom.unit.to_base * 1e4).round() / 1e4;
-                serde_json::Number::from_f64(rounded).map_or(Json::Null, Json::Number)
-            }
+            NodeValue::Numbers(v) => atom.number(v.at(row)),
             NodeValue::Truth(t) => t.at(row).known().map_or(Json::Null, Json::Bool),
             NodeValue::Words(w) => {
                 let code = usize::from(w.codes()[row]);

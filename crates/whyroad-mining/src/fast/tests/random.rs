@@ -368,6 +368,8 @@ pub fn rule() -> impl Strategy<Value = Rule> {
                 measured,
                 signals: Default::default(),
                 unit,
+                threshold: None,
+                is_denied: false,
             };
             let second = SecondRole { name: "other".into(), subject: Subject::Any };
             Rule {

@@ -2,12 +2,14 @@
 //! conjunction, a disjunction or a duration are listed one by one, anything else as a whole.
 
 use super::super::program::{Atom, NodeId, Op, ValueKind};
-use super::super::syntax::{Expr, ExprKind, Quantity};
+use super::super::syntax::{CompareOp, Expr, ExprKind, Quantity};
 use super::compare::{Extreme, extreme_of};
+use super::structure::Structure;
+use super::wording::{EN_OR_UNKNOWN, ZH_OR_UNKNOWN};
 use super::{Checker, Fault};
 use std::collections::BTreeMap;
 use whyroad_model::Bilingual;
-use whyroad_model::units::{UNITS, Unit};
+use whyroad_model::units::UNITS;
 
 /// Longest condition in words, in characters (a Chinese one counts twice), that needs no name.
 const LENGTHY: usize = 140;
@@ -25,6 +27,15 @@ pub struct PartText {
     pub condition: NodeId,
     /// Its comparisons.
     pub atoms: Vec<Atom>,
+    /// What it is made of.
+    pub structure: Structure,
+}
+
+/// A condition as text.
+pub(super) struct Displayed {
+    pub words: Bilingual,
+    /// The words are the name of its definition.
+    pub is_name: bool,
 }
 
 impl Checker<'_> {
@@ -47,7 +58,8 @@ impl Checker<'_> {
                 self.definitions_in_text(expr, &mut atoms)?;
                 self.atoms_of(expr, name, &mut atoms)?;
                 let (text, words) = (self.text_for_people(expr), self.words_of(expr, name));
-                out.push(PartText { text, words, condition: self.condition(expr)?, atoms });
+                let structure = self.structure(expr, name)?;
+                out.push(PartText { text, words, condition: self.condition(expr)?, atoms, structure });
                 Ok(())
             }
         }
@@ -67,24 +79,14 @@ impl Checker<'_> {
                 let definition = self.definitions[name].expr.clone();
                 self.atoms_of(&definition, Some(name), out)
             }
-            ExprKind::Compare(first, rest) => {
-                let mut left = first.as_ref();
-                for (op, right) in rest {
-                    let pair = Expr {
-                        kind: ExprKind::Compare(Box::new(left.clone()), vec![(*op, right.clone())]),
-                        span: expr.span,
-                    };
-                    let (l, r) = (self.quantity(left), self.quantity(right));
-                    let measured = if l.is_some() { right } else { left };
-                    let unit = l.or(r).map(|q| q.unit);
-                    self.push_atom(&pair, (measured, unit), name.filter(|_| rest.len() == 1), out)?;
-                    left = right;
-                }
-                Ok(())
+            ExprKind::Compare(..) => {
+                let pairs = pairs(expr);
+                let name = name.filter(|_| pairs.len() == 1);
+                pairs.iter().try_for_each(|pair| self.push_atom(pair, name, out))
             }
-            ExprKind::In(of, _) => self.push_atom(expr, (of, None), name, out),
+            ExprKind::In(..) => self.push_atom(expr, name, out),
             _ => {
-                self.push_atom(expr, (expr, None), name, out)?;
+                self.push_atom(expr, name, out)?;
                 self.named_atoms(expr, out)
             }
         }
@@ -117,6 +119,8 @@ impl Checker<'_> {
                 measured: condition,
                 signals: self.program.signals(condition),
                 unit: &UNITS[0],
+                threshold: None,
+                is_denied: false,
             };
             push_once(atom, out);
         }
@@ -132,14 +136,21 @@ impl Checker<'_> {
         }
     }
 
-    fn push_atom(
-        &mut self,
-        expr: &Expr,
-        (measured, unit): (&Expr, Option<&'static Unit>),
-        name: Option<&str>,
-        out: &mut Vec<Atom>,
-    ) -> Result<(), Fault> {
+    fn push_atom(&mut self, expr: &Expr, name: Option<&str>, out: &mut Vec<Atom>) -> Result<(), Fault> {
+        let words = self.words_of(expr, name);
+        push_once(self.atom(expr, words)?, out);
+        Ok(())
+    }
+
+    /// A condition with what is measured for it: the number or category that it compares, else the condition itself.
+    pub(super) fn atom(&mut self, expr: &Expr, words: Bilingual) -> Result<Atom, Fault> {
         let condition = self.condition(expr)?;
+        let (measured, compared) = self.measured_in(expr);
+        let is_denied = match &expr.kind {
+            ExprKind::Compare(_, rest) => matches!(rest.as_slice(), [(op, right)]
+                if right.truth() == Some(*op == CompareOp::NotEqual)),
+            _ => false,
+        };
         let measured = self.measure(measured, condition)?;
         let (base, value_names) = match &self.program.node(measured).kind {
             ValueKind::Number(d) => (d.base(), BTreeMap::new()),
@@ -149,31 +160,57 @@ impl Checker<'_> {
             }
             ValueKind::Condition => (&UNITS[0], BTreeMap::new()),
         };
-        let words = self.words_of(expr, name);
-        let atom = Atom {
+        let unit = compared.map_or(base, |q| q.unit);
+        Ok(Atom {
             text: self.text_for_people(expr),
             words,
             value_names,
             condition,
             measured,
             signals: self.program.signals(condition),
-            unit: unit.unwrap_or(base),
-        };
-        push_once(atom, out);
-        Ok(())
+            unit,
+            threshold: self.threshold(condition).map(|base| base / unit.to_base),
+            is_denied,
+        })
+    }
+
+    /// What a condition measures, and the fixed number that it compares that with.
+    fn measured_in<'e>(&self, expr: &'e Expr) -> (&'e Expr, Option<Quantity>) {
+        match &expr.kind {
+            ExprKind::Compare(left, rest) => {
+                let [(_, right)] = rest.as_slice() else { return (expr, None) };
+                let (l, r) = (self.quantity(left), self.quantity(right));
+                (if l.is_some() { right } else { left }, l.or(r))
+            }
+            ExprKind::In(of, _) => (of, None),
+            _ => (expr, None),
+        }
+    }
+
+    /// The constant of a comparison, in the base unit of its dimension.
+    fn threshold(&self, condition: NodeId) -> Option<f64> {
+        let Op::Compare { left, right, .. } = &self.program.node(condition).op else { return None };
+        [right, left].into_iter().find_map(|id| match self.program.node(*id).op {
+            Op::Constant(value) => Some(value),
+            _ => None,
+        })
     }
 
     /// Text of a condition: the name of its definition where it has one and is more than a short comparison.
-    fn words_of(&mut self, expr: &Expr, name: Option<&str>) -> Bilingual {
+    pub(super) fn displayed(&self, expr: &Expr, name: Option<&str>) -> Displayed {
         let words = self.in_words(expr);
         let compares = matches!(expr.kind, ExprKind::Compare(..) | ExprKind::In(..));
         // A comparison is more informative than its name, and has a value.
-        if let Some(named) = name.and_then(|n| self.name_of_definition(n))
-            && (!compares || is_lengthy(&words))
-        {
-            return named;
+        match name.and_then(|n| self.name_of_definition(n)) {
+            Some(named) if !compares || is_lengthy(&words) => Displayed { words: named, is_name: true },
+            _ => Displayed { words, is_name: false },
         }
-        if is_lengthy(&words) {
+    }
+
+    /// As [`Self::displayed`]; a condition that is displayed at length is recorded.
+    fn words_of(&mut self, expr: &Expr, name: Option<&str>) -> Bilingual {
+        let Displayed { words, is_name } = self.displayed(expr, name);
+        if !is_name && is_lengthy(&words) {
             let mut within = Vec::new();
             self.lengthy_definitions(expr, &mut within);
             let definition = name.map(str::to_owned).into_iter().chain(within).next();
@@ -223,6 +260,19 @@ impl Checker<'_> {
     }
 }
 
+/// The comparisons of two operands of which a comparison consists.
+pub(super) fn pairs(expr: &Expr) -> Vec<Expr> {
+    let ExprKind::Compare(first, rest) = &expr.kind else { return vec![expr.clone()] };
+    let mut left = first.as_ref();
+    let mut out = Vec::with_capacity(rest.len());
+    for (op, right) in rest {
+        let kind = ExprKind::Compare(Box::new(left.clone()), vec![(*op, right.clone())]);
+        out.push(Expr { kind, span: expr.span });
+        left = right;
+    }
+    out
+}
+
 fn push_once(atom: Atom, out: &mut Vec<Atom>) {
     let key = |a: &Atom| (a.text.clone(), a.condition, a.measured);
     if out.iter().all(|a| key(a) != key(&atom)) {
@@ -230,8 +280,10 @@ fn push_once(atom: Atom, out: &mut Vec<Atom>) {
     }
 }
 
+/// What a negation adds for unknown values is not counted: no name could replace it.
 fn is_lengthy(words: &Bilingual) -> bool {
-    words.zh.chars().count() * 2 > LENGTHY || words.en.chars().count() > LENGTHY
+    let (zh, en) = (words.zh.replace(ZH_OR_UNKNOWN, ""), words.en.replace(EN_OR_UNKNOWN, ""));
+    zh.chars().count() * 2 > LENGTHY || en.chars().count() > LENGTHY
 }
 
 fn is_part_of_length(words: &Bilingual) -> bool {

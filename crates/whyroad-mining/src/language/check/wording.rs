@@ -2,7 +2,7 @@
 //! their names, definitions by the names that the rule gives them (`names:`) or else by their content. Numbers are
 //! compared with the signs of mathematics.
 
-mod idioms;
+pub(super) mod idioms;
 
 use idioms::{around, during, same, without_guards, without_repeats};
 
@@ -14,6 +14,11 @@ use whyroad_model::{Bilingual, Lang};
 /// Separators between conditions, in Chinese and English.
 const AND: (&str, &str) = ("且", "and");
 const OR: (&str, &str) = ("或", "or");
+
+/// Addition to a negation that also holds where the value is unknown.
+pub(super) const ZH_OR_UNKNOWN: &str = "（或未知）";
+/// The same in English.
+pub(super) const EN_OR_UNKNOWN: &str = " (or unknown)";
 
 /// Precedence of a text: an embedded text is quoted where it could be misread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -58,7 +63,8 @@ enum Whose {
 impl Checker<'_> {
     /// Text of a condition or number.
     pub fn in_words(&self, expr: &Expr) -> Bilingual {
-        let said = |lang| Words { checker: self, lang }.phrase(expr, Whose::Target).text;
+        let said =
+            |lang| Words { checker: self, lang, guards: Guards::Dropped }.phrase(expr, Whose::Target).text;
         Bilingual::new(said(Lang::Zh), capitalized(&said(Lang::En)))
     }
 
@@ -75,9 +81,19 @@ fn capitalized(text: &str) -> String {
     rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
 }
 
+/// Tests that a value is known, beside a condition on that value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Guards {
+    /// They are left out: where the condition holds, the value is known.
+    Dropped,
+    /// They are kept, inside a negation: this holds where the value is unknown.
+    Kept,
+}
+
 struct Words<'c, 'a> {
     checker: &'c Checker<'a>,
     lang: Lang,
+    guards: Guards,
 }
 
 impl Words<'_, '_> {
@@ -110,7 +126,7 @@ impl Words<'_, '_> {
                 Phrase::comparison(format!("{a} {sign} {b}"))
             }
             ExprKind::Not(of) => self.not(of, whose),
-            ExprKind::And(all) => self.joined(&without_guards(all), whose, AND),
+            ExprKind::And(all) => self.joined(&self.members(all), whose, AND),
             ExprKind::Or(all) => {
                 let all = without_repeats(all);
                 if let [a, b] = all.as_slice() {
@@ -223,8 +239,16 @@ impl Words<'_, '_> {
     /// `a until (a and c)` means until c: the part that b adds to a.
     fn beside(&self, a: &Expr, b: &Expr, whose: Whose) -> String {
         let ExprKind::And(all) = &b.kind else { return self.quoted(b, whose) };
-        let added: Vec<&Expr> = without_guards(all).into_iter().filter(|e| !same(e, a)).collect();
+        let added: Vec<&Expr> = self.members(all).into_iter().filter(|e| !same(e, a)).collect();
         if added.is_empty() { self.quoted(b, whose) } else { self.quote(self.joined(&added, whose, AND)) }
+    }
+
+    /// The members of a conjunction that are said.
+    fn members<'e>(&self, all: &'e [Expr]) -> Vec<&'e Expr> {
+        match self.guards {
+            Guards::Dropped => without_guards(all),
+            Guards::Kept => all.iter().collect(),
+        }
     }
 
     /// One condition unchanged, several with a word between them.
@@ -297,7 +321,10 @@ impl Words<'_, '_> {
                 let rest = [(opposite(rest[0].0), rest[0].1.clone())];
                 self.compare(first, &rest, whose)
             }
-            ExprKind::And(all) if without_guards(all).len() == 1 => self.not(without_guards(all)[0], whose),
+            ExprKind::And(all) => match without_guards(all).as_slice() {
+                [one] if all.len() > 1 => self.not_or_unknown(one, whose),
+                _ => self.denied(of, whose),
+            },
             ExprKind::Name(name) if !self.checker.names.contains_key(name) => {
                 match self.checker.definitions.get(name) {
                     Some(definition) => self.not(&definition.expr, whose),
@@ -336,8 +363,35 @@ impl Words<'_, '_> {
     }
 
     fn denied(&self, of: &Expr, whose: Whose) -> Phrase {
-        let of = self.quoted(of, whose);
+        let of = self.with_guards().quoted(of, whose);
         Phrase::comparison(self.say(format!("并非{of}"), format!("not: {of}")))
+    }
+
+    /// The words inside a negation.
+    fn with_guards(&self) -> Self {
+        Self { guards: Guards::Kept, ..*self }
+    }
+
+    /// `not (x is known and x)`: it also holds where x is unknown.
+    fn not_or_unknown(&self, of: &Expr, whose: Whose) -> Phrase {
+        match &of.kind {
+            ExprKind::Name(name) if !self.checker.names.contains_key(name) => {
+                match self.checker.definitions.get(name) {
+                    Some(definition) => self.not_or_unknown(&definition.expr, whose),
+                    None => self.denied_or_unknown(of, whose),
+                }
+            }
+            ExprKind::In(..) | ExprKind::Compare(..) => {
+                let not = self.not(of, whose).text;
+                Phrase::comparison(self.say(format!("{not}{ZH_OR_UNKNOWN}"), format!("{not}{EN_OR_UNKNOWN}")))
+            }
+            _ => self.denied_or_unknown(of, whose),
+        }
+    }
+
+    fn denied_or_unknown(&self, of: &Expr, whose: Whose) -> Phrase {
+        let of = self.quoted(of, whose);
+        Phrase::comparison(self.say(format!("并非{ZH_OR_UNKNOWN}{of}"), format!("not{EN_OR_UNKNOWN}: {of}")))
     }
 
     fn call(&self, name: &str, arguments: &[Expr], whose: Whose) -> Phrase {
@@ -404,6 +458,12 @@ impl Words<'_, '_> {
     }
 
     fn compare(&self, first: &Expr, rest: &[(CompareOp, Expr)], whose: Whose) -> Phrase {
+        if let [(op @ (CompareOp::Equal | CompareOp::NotEqual), right)] = rest
+            && let Some(truth) = right.truth()
+        {
+            let holds = truth == (*op == CompareOp::Equal);
+            return if holds { self.phrase(first, whose) } else { self.not(first, whose) };
+        }
         if let [(op @ (CompareOp::Equal | CompareOp::NotEqual), Expr { kind: ExprKind::Name(word), .. })] =
             rest
             && !self.checker.is_own(word)
@@ -465,7 +525,11 @@ fn sign(op: CompareOp) -> &'static str {
 
 /// A number and its unit as displayed.
 fn quantity(q: Quantity) -> String {
-    q.unit.of(&q.value.to_string().replace('-', "−"))
+    let shown = q.unit.displayed();
+    let value = q.unit.convert(q.value, shown);
+    // Converted values have digits that nobody wrote.
+    let value = if shown == q.unit { value } else { (value * 100.0).round() / 100.0 };
+    shown.of(&(value + 0.0).to_string().replace('-', "−"))
 }
 
 #[cfg(test)]

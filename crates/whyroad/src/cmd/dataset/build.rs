@@ -12,7 +12,9 @@ use std::io::{BufReader, Cursor};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
-use whyroad_dataset::{Built, DatasetError, Inputs, LabelStream, Media, Step, build, spec};
+use whyroad_dataset::{
+    Built, DatasetError, Inputs, LabelStream, Media, Stage, Step, build, reason_in_words, spec,
+};
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::blur::Blur;
@@ -260,10 +262,13 @@ fn summary(built: &Built, out: &Path, lang: Lang) -> String {
         Lang::En => writeln!(t, "{n} samples: train {train}, val {val}, test {test}; license {}", m.licence),
     };
     for (stage, reasons) in &m.counts.dropped {
-        let list = reasons.iter().map(|(r, n)| format!("{r} {n}")).collect::<Vec<_>>().join(", ");
+        let title = Stage::ALL.iter().find(|s| s.name() == stage).map(|s| s.title());
+        let title = title.as_ref().map_or(stage.as_str(), |t| t.get(lang));
+        let one = |(id, n): (&String, &usize)| format!("{} {n}", reason_in_words(id).get(lang));
+        let list: Vec<String> = reasons.iter().map(one).collect();
         let _ = match lang {
-            Lang::Zh => writeln!(t, "  {stage}：去除 {list}"),
-            Lang::En => writeln!(t, "  {stage}: dropped {list}"),
+            Lang::Zh => writeln!(t, "  {title}：去除 {}", list.join("、")),
+            Lang::En => writeln!(t, "  {title}: dropped {}", list.join(", ")),
         };
     }
     let near = m.split.distances.iter().find(|d| d.within_m == 5.0);

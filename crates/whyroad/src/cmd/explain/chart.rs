@@ -1,12 +1,12 @@
-//! An explanation as rows of a chart over time: the whole rule, each of its parts, and the components of each part.
+//! An explanation as rows of a chart over time: the whole rule, each of its parts, and the members of each part.
 
 use super::Shown;
-use super::text::{actual, below, mark, single, text_of, verdict, whole};
-use whyroad_mining::explain::{AtomCourse, Cell, Course};
+use super::text::{Line, lines, mark, verdict, whole};
+use whyroad_mining::explain::{Cell, ConditionCourse, Course};
 use whyroad_model::Lang;
 use whyroad_render::truths::{Curve, TruthChart, TruthRow};
 
-/// Indentation of the conditions of a part, px.
+/// Indentation of the members of a condition, px.
 const INDENT: usize = 18;
 
 /// Input for [`whyroad_render::truths::render`].
@@ -32,16 +32,10 @@ fn rows(shown: &Shown<'_>, lang: Lang) -> Vec<TruthRow> {
         return Vec::new();
     }
     let mut out = vec![row(&e.when, whole(lang), 0, lang)];
-    for part in &e.parts {
-        let text = with_value(text_of(part, lang), single(part), lang);
-        out.push(TruthRow { curve: single(part).and_then(curve), ..row(&part.course, &text, 0, lang) });
-        if single(part).is_none() {
-            out.extend(below(part).map(|atom| {
-                let text = with_value(atom.words.get(lang).to_owned(), Some(atom), lang);
-                TruthRow { curve: curve(atom), ..row(&atom.course, &text, INDENT, lang) }
-            }));
-        }
-    }
+    out.extend(lines(e, lang).into_iter().map(|Line { depth, text, condition }| TruthRow {
+        curve: curve(condition),
+        ..row(&condition.course, &text, INDENT * depth, lang)
+    }));
     out
 }
 
@@ -60,14 +54,7 @@ fn row(course: &Course, text: &str, indent: usize, lang: Lang) -> TruthRow {
 }
 
 /// The number that is compared; none where it is never known.
-fn curve(atom: &AtomCourse) -> Option<Curve> {
+fn curve(atom: &ConditionCourse) -> Option<Curve> {
     let known = atom.values.iter().any(|v| v.is_finite());
     known.then(|| Curve { values: atom.values.clone(), threshold: atom.threshold })
-}
-
-fn with_value(text: String, atom: Option<&AtomCourse>, lang: Lang) -> String {
-    match atom.and_then(|a| actual(a, lang)) {
-        Some(value) => format!("{text}  [{value}]"),
-        None => text,
-    }
 }

@@ -1,26 +1,33 @@
 //! An explanation as JSON: the verdict, and every condition over time as spans of frames of the clip.
 
+use super::moments::Moments;
 use super::{Shown, seconds};
 use serde_json::{Value, json};
-use whyroad_mining::explain::{AtomCourse, Cell, Course, Outcome, PartCourse};
+use whyroad_mining::explain::{Cell, ConditionCourse, Course, Duration, Outcome, PartCourse};
+use whyroad_mining::language::check::Join;
 use whyroad_mining::rule::PartPlace;
-use whyroad_model::Tri;
 use whyroad_model::scene::FRAME_RATE_HZ;
+use whyroad_model::{Nanos, Tri};
 
 /// The whole document.
 pub(super) fn document(shown: &Shown<'_>) -> Value {
     let e = shown.explanation;
+    // A moment that a class explains is not one of `other`.
+    let is_explained = shown.moments.as_ref().is_some_and(Moments::all_explained);
+    let (outcome, matched) =
+        if is_explained { ("explained", false) } else { (outcome(e.outcome), e.outcome == Outcome::Matched) };
     let mut out = json!({
         "class": shown.class.to_string(),
         "clip": shown.clip,
-        "outcome": outcome(e.outcome),
-        "matched": e.outcome == Outcome::Matched,
+        "outcome": outcome,
+        "matched": matched,
         "roles": e.roles,
         "candidates": e.candidates,
         "frame_rate_hz": FRAME_RATE_HZ,
         "frames": e.when.cells.len(),
         "frame": e.moment,
         "seconds": e.moment.map(seconds),
+        "duration": e.duration.map(duration),
         "missing_signals": e.missing,
         "when": course(&e.when),
         "conditions": e.parts.iter().map(part).collect::<Vec<_>>(),
@@ -47,24 +54,42 @@ fn part(p: &PartCourse) -> Value {
         PartPlace::When => "when",
         PartPlace::Require => "require",
     };
-    json!({
-        "place": place,
-        "text": p.text,
-        "description": p.words,
-        "course": course(&p.course),
-        "comparisons": p.atoms.iter().map(comparison).collect::<Vec<_>>(),
-    })
+    let mut out = condition(&p.condition);
+    out["place"] = place.into();
+    out
 }
 
-/// `actual` is null where it is unknown or infinite; the truth beside it distinguishes the two.
-fn comparison(a: &AtomCourse) -> Value {
-    json!({
-        "text": a.text,
-        "description": a.words,
-        "actual": a.actual,
-        "unit": a.unit,
-        "course": course(&a.course),
-    })
+/// A condition with its members. `actual` is null where it is unknown or infinite; the truth beside it distinguishes
+/// the two.
+fn condition(c: &ConditionCourse) -> Value {
+    let join = match c.join {
+        Join::Single => None,
+        Join::All => Some("all"),
+        Join::Any => Some("any"),
+        Join::Not => Some("not"),
+        Join::OverTime => Some("over_time"),
+    };
+    let mut out = json!({ "text": c.text, "description": c.words, "course": course(&c.course) });
+    if let Some(name) = &c.definition {
+        out["definition"] = name.as_str().into();
+    }
+    match join {
+        None => {
+            out["actual"] = c.actual.clone();
+            out["unit"] = c.unit.into();
+        }
+        Some(join) => {
+            out["join"] = join.into();
+            out["conditions"] = c.members.iter().map(condition).collect();
+            out["listed_above"] = c.is_listed_above.into();
+        }
+    }
+    out
+}
+
+fn duration(d: Duration) -> Value {
+    let seconds = |t: Nanos| t.0 as f64 / 1e9;
+    json!({ "held_s": seconds(d.held), "min_s": seconds(d.least), "max_s": d.most.map(seconds) })
 }
 
 /// Truth and margin at the explained frame, and the truth of all frames as half-open spans. A margin that is unknown or

@@ -1,5 +1,6 @@
 //! The decision moments of a clip: which class explains each, and for those that none explains, which come nearest.
 
+use super::seconds;
 use crate::cmd::other::moments;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -10,7 +11,7 @@ use whyroad_mining::episode::find;
 use whyroad_mining::fast::mine_drive;
 use whyroad_mining::rule::OTHER;
 use whyroad_mining::{Episode, Rule, RuleSet};
-use whyroad_model::{Bilingual, ClipCut, ClipId, Lang, ScenarioId, SignalTable};
+use whyroad_model::{Bilingual, ClipCut, ClipId, Lang, ScenarioId, SignalTable, counted};
 use whyroad_report::coverage::class_title;
 use whyroad_report::unexplained::{UnexplainedMoment, render_ego, render_moment};
 use whyroad_signals::Catalog;
@@ -22,6 +23,9 @@ pub(super) struct Moments {
     unexplained: Vec<UnexplainedMoment>,
     /// The others: seconds from the start of the clip, and the class of an episode near it or around it.
     explained: Vec<(f64, ScenarioId)>,
+    /// Frames of the drive of those that no class explains.
+    #[serde(skip)]
+    pub frames: Vec<usize>,
     /// Displayed names of the classes.
     #[serde(skip)]
     names: BTreeMap<ScenarioId, Bilingual>,
@@ -49,6 +53,8 @@ impl Moments {
             .filter(|(e, _)| is_left(e) && of_clip.contains(e.keyframe))
             .map(|(_, r)| moments::of_record(&r.record, clip, &classes, table))
             .collect();
+        let left = found.iter().filter(|e| is_left(e) && of_clip.contains(e.keyframe));
+        let frames = left.map(|e| e.keyframe).collect();
         let explains = |moment: usize, e: &Episode| {
             let apart = (table.times[e.keyframe].0 - table.times[moment].0).abs();
             apart < near || (e.range.contains(moment) && !is_left(e))
@@ -61,7 +67,36 @@ impl Moments {
         });
         let names = classes.iter().map(|r| &r.scenario);
         let names = names.map(|id| (id.clone(), class_title(&framework.taxonomy, id))).collect();
-        Self { explained: explained.collect(), unexplained, names }
+        Self { explained: explained.collect(), unexplained, frames, names }
+    }
+
+    /// True where the clip has decision moments, and classes explain all of them.
+    pub fn all_explained(&self) -> bool {
+        self.unexplained.is_empty() && !self.explained.is_empty()
+    }
+
+    /// The outcome in a sentence; `shown` is the frame of the clip that is explained. None without decision moments.
+    pub fn outcome(&self, shown: Option<usize>, lang: Lang) -> Option<String> {
+        let (left, explained) = (self.unexplained.len(), self.explained.len());
+        if left == 0 {
+            return (explained > 0).then(|| match lang {
+                Lang::Zh => format!("没有：片段中的 {explained} 个决策时刻都有类别解释"),
+                Lang::En if explained == 1 => "none: a class explains the only decision moment".to_owned(),
+                Lang::En => format!("none: classes explain all {explained} decision moments"),
+            });
+        }
+        let times: Vec<String> = self.unexplained.iter().map(|m| format!("{:.1} s", m.clip_s)).collect();
+        let shown = shown.filter(|_| left > 1).map(|frame| match lang {
+            Lang::Zh => format!("；以下为 {:.1} s（第 {frame} 帧）", seconds(frame)),
+            Lang::En => format!("; shown: {:.1} s (frame {frame})", seconds(frame)),
+        });
+        let shown = shown.unwrap_or_default();
+        Some(match lang {
+            Lang::Zh => format!("没有类别能解释的时刻 {left} 个：{}{shown}", times.join("、")),
+            Lang::En => {
+                format!("{} that no class explains: {}{shown}", counted(left, "moment"), times.join(", "))
+            }
+        })
     }
 
     /// The text below the chart.

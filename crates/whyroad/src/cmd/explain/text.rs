@@ -3,10 +3,11 @@
 use super::{Shown, seconds};
 use serde_json::Value;
 use std::fmt::Write as _;
-use whyroad_mining::explain::{AtomCourse, Cell, Course, Explanation, Outcome, PartCourse};
+use whyroad_mining::explain::{Cell, ConditionCourse, Course, Duration, Explanation, Outcome};
+use whyroad_mining::language::check::Join;
 use whyroad_mining::rule::PartPlace;
 use whyroad_model::messages::EgoResponse;
-use whyroad_model::{Lang, Tri};
+use whyroad_model::{Lang, Nanos, Tri};
 
 /// 20 s at 10 Hz are 50 signs of four frames each.
 const FRAMES_A_SIGN: usize = 4;
@@ -17,19 +18,22 @@ pub(super) fn render(shown: &Shown<'_>, lang: Lang) -> String {
     let mut out = verdict(shown, lang);
     out.push('\n');
     if e.parts.is_empty() {
+        if let Some(moments) = &shown.moments {
+            out += &moments.text(lang);
+        }
         return out;
     }
     let _ = writeln!(out, "\n{}", axis(e.when.cells.len()));
-    line(&mut out, &e.when, 0, whole(lang), None, lang);
-    for part in &e.parts {
-        lines_of_part(&mut out, part, lang);
+    line(&mut out, &e.when, 0, whole(lang), lang);
+    for Line { depth, text, condition } in lines(e, lang) {
+        line(&mut out, &condition.course, 2 * depth, &text, lang);
     }
     if let Some(frame) = e.moment {
         let at = frame / FRAMES_A_SIGN;
         let _ = writeln!(out, "{:at$}^ {:.1} s", "", seconds(frame));
     }
     let _ = writeln!(out, "\n{}", legend(lang));
-    if e.parts.iter().flat_map(|p| &p.atoms).any(is_kept) {
+    if e.parts.iter().any(|p| any_kept(&p.condition)) {
         out.push_str(match lang {
             Lang::Zh => "噪声内：与阈值之差不超过噪声，沿用上一帧的结果\n",
             Lang::En => "within noise: too near the threshold to change the answer of the frame before\n",
@@ -55,6 +59,12 @@ pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
         (_, Lang::En) => format!(" ({})", roles.join(", ")),
     };
     let (class, clip) = (shown.title.get(lang), shown.clip);
+    if let Some(outcome) = shown.moments.as_ref().and_then(|m| m.outcome(e.moment, lang)) {
+        return match lang {
+            Lang::Zh => format!("{class}，片段 {clip}：{outcome}"),
+            Lang::En => format!("{class} in {clip}: {outcome}"),
+        };
+    }
     let mut out = match lang {
         Lang::Zh => format!("{class}，片段 {clip}{who}：{}", outcome_zh(e)),
         Lang::En => format!("{class} in {clip}{who}: {}", outcome_en(e)),
@@ -95,7 +105,8 @@ fn outcome_en(e: &Explanation) -> String {
             format!("does not match: the conditions required at the keyframe, {at}, do not hold")
         }
         Outcome::WrongDuration => {
-            format!("does not match: its conditions held together at {at}, but not for the required time")
+            let lasted = e.duration.map(|d| duration(d, Lang::En)).unwrap_or_default();
+            format!("does not match: its conditions held together at {at}{lasted}")
         }
         Outcome::NotTogether => {
             format!("does not match: its conditions never held together, nearest at {at}")
@@ -121,10 +132,25 @@ fn outcome_zh(e: &Explanation) -> String {
             format!("匹配，关键帧在 {at}{response}")
         }
         Outcome::NotAtKeyframe => format!("不匹配：关键帧 {at} 处须成立的条件不成立"),
-        Outcome::WrongDuration => format!("不匹配：条件在 {at} 同时成立，但持续时间不符"),
-        Outcome::NotTogether => format!("不匹配：条件从未同时成立，{at} 时最接近"),
+        Outcome::WrongDuration => {
+            let lasted = e.duration.map(|d| duration(d, Lang::Zh)).unwrap_or_default();
+            format!("不匹配：条件在 {at} 同时成立{lasted}")
+        }
+        Outcome::NotTogether => format!("不匹配：条件从未同时成立，最接近处在 {at}"),
         Outcome::Undecided => "在此片段中无法判定".to_owned(),
         Outcome::NoCandidate => "此片段中没有可作目标的对象".to_owned(),
+    }
+}
+
+/// How long conditions held together, and how long they must.
+fn duration(of: Duration, lang: Lang) -> String {
+    let seconds = |t: Nanos| (t.0 as f64 / 1e7).round() / 1e2;
+    let held = seconds(of.held);
+    match (of.most.filter(|most| of.held > *most), lang) {
+        (Some(most), Lang::Zh) => format!("，持续 {held} s，超过允许的 {} s", seconds(most)),
+        (Some(most), Lang::En) => format!(" for {held} s, longer than the maximum of {} s", seconds(most)),
+        (None, Lang::Zh) => format!("，持续 {held} s，短于要求的 {} s", seconds(of.least)),
+        (None, Lang::En) => format!(" for {held} s, shorter than the required {} s", seconds(of.least)),
     }
 }
 
@@ -136,35 +162,71 @@ pub(super) fn whole(lang: Lang) -> &'static str {
     }
 }
 
-/// Text of a part, with where it must hold.
-pub(super) fn text_of(part: &PartCourse, lang: Lang) -> String {
-    let words = part.words.get(lang);
-    match (part.place, lang) {
-        (PartPlace::When, _) => words.to_owned(),
-        (PartPlace::Require, Lang::Zh) => format!("关键帧处：{words}"),
-        (PartPlace::Require, Lang::En) => format!("at the keyframe: {words}"),
+/// A condition as it is listed.
+pub(super) struct Line<'a> {
+    /// Number of conditions that it is a member of.
+    pub depth: usize,
+    /// Its words, how its members decide it, and the measured value.
+    pub text: String,
+    pub condition: &'a ConditionCourse,
+}
+
+/// The parts of the rule, each above its members.
+pub(super) fn lines<'a>(e: &'a Explanation, lang: Lang) -> Vec<Line<'a>> {
+    let mut out = Vec::new();
+    for part in &e.parts {
+        let first = out.len();
+        push_lines(&part.condition, 0, lang, &mut out);
+        let place = match (part.place, lang) {
+            (PartPlace::When, _) => "",
+            (PartPlace::Require, Lang::Zh) => "关键帧处：",
+            (PartPlace::Require, Lang::En) => "at the keyframe: ",
+        };
+        out[first].text.insert_str(0, place);
+    }
+    out
+}
+
+fn push_lines<'a>(condition: &'a ConditionCourse, depth: usize, lang: Lang, out: &mut Vec<Line<'a>>) {
+    let mut text = label(condition, depth, lang);
+    if let Some(value) = actual(condition, lang) {
+        let _ = write!(text, "  [{value}]");
+    }
+    out.push(Line { depth, text, condition });
+    condition.members.iter().for_each(|m| push_lines(m, depth + 1, lang, out));
+}
+
+/// The words of a condition, and how its members decide it. The words of a conjunction or disjunction without a name
+/// are those of its members: below another condition they are left out.
+fn label(condition: &ConditionCourse, depth: usize, lang: Lang) -> String {
+    let words = condition.words.get(lang);
+    let join = match (condition.join, lang) {
+        (Join::All, Lang::Zh) => "全部成立",
+        (Join::All, Lang::En) => "all of",
+        (Join::Any, Lang::Zh) => "任一成立",
+        (Join::Any, Lang::En) => "any of",
+        (Join::Single | Join::Not | Join::OverTime, _) => "",
+    };
+    let mut notes: Vec<&str> = Some(join).filter(|j| !j.is_empty()).into_iter().collect();
+    if condition.is_listed_above {
+        notes.push(if lang == Lang::Zh { "见上" } else { "see above" });
+    }
+    if notes == [join] && depth > 0 && !condition.is_named {
+        return join.to_owned();
+    }
+    match (notes.is_empty(), lang) {
+        (true, _) => words.to_owned(),
+        (false, Lang::Zh) => format!("{words}（{}）", notes.join("，")),
+        (false, Lang::En) => format!("{words} ({})", notes.join(", ")),
     }
 }
 
-/// The comparison that is the whole part: it is shown in one line.
-pub(super) fn single(part: &PartCourse) -> Option<&AtomCourse> {
-    part.atoms.first().filter(|a| part.atoms.len() == 1 && a.text == part.text)
-}
-
-/// The lines below a part: its definitions and comparisons, without the part itself again, nor a definition beside the
-/// comparison that it consists of.
-pub(super) fn below(part: &PartCourse) -> impl Iterator<Item = &AtomCourse> {
-    let said = |a: &AtomCourse| part.atoms.iter().any(|b| b.words == a.words && is_measured(b));
-    part.atoms.iter().filter(move |a| a.text != part.text && (is_measured(a) || !said(a)))
-}
-
-fn is_measured(atom: &AtomCourse) -> bool {
-    !atom.actual.is_boolean()
-}
-
 /// The measured value with its unit; nothing where the condition itself is the measure.
-pub(super) fn actual(atom: &AtomCourse, lang: Lang) -> Option<String> {
+fn actual(atom: &ConditionCourse, lang: Lang) -> Option<String> {
     let word = |zh: &str, en: &str| Some(if lang == Lang::Zh { zh } else { en }.to_owned());
+    if !atom.is_measured {
+        return None;
+    }
     match &atom.actual {
         Value::Number(_) | Value::String(_) => {
             let value = atom.actual_words.as_ref()?.get(lang);
@@ -182,27 +244,21 @@ pub(super) fn actual(atom: &AtomCourse, lang: Lang) -> Option<String> {
 
 /// True where the answer is that of the frame before, because the value differs from the threshold by no more than its
 /// noise: then the margin is 0, although the two are not equal.
-fn is_kept(atom: &AtomCourse) -> bool {
+fn is_kept(atom: &ConditionCourse) -> bool {
     let differ = |(value, threshold): (f64, f64)| (value - threshold).abs() > 1e-9 * threshold.abs().max(1.0);
     atom.course.truth != Tri::Unknown
         && atom.course.margin == 0.0
         && atom.actual.as_f64().zip(atom.threshold).is_some_and(differ)
 }
 
-fn lines_of_part(out: &mut String, part: &PartCourse, lang: Lang) {
-    line(out, &part.course, 0, &text_of(part, lang), single(part), lang);
-    if single(part).is_none() {
-        for atom in below(part) {
-            line(out, &atom.course, 2, atom.words.get(lang), Some(atom), lang);
-        }
-    }
+fn any_kept(condition: &ConditionCourse) -> bool {
+    is_kept(condition) || condition.members.iter().any(any_kept)
 }
 
-fn line(out: &mut String, course: &Course, indent: usize, text: &str, atom: Option<&AtomCourse>, lang: Lang) {
-    let actual = atom.and_then(|a| actual(a, lang)).map(|a| format!("  [{a}]")).unwrap_or_default();
+fn line(out: &mut String, course: &Course, indent: usize, text: &str, lang: Lang) {
     let bar: String = course.cells.chunks(FRAMES_A_SIGN).map(sign).collect();
     let mark = mark(course.truth, lang);
-    let _ = writeln!(out, "{bar}  {:indent$}{mark} {text}{actual}", "");
+    let _ = writeln!(out, "{bar}  {:indent$}{mark} {text}", "");
 }
 
 /// Text of a truth value; all texts of one language are equally wide.
@@ -261,10 +317,16 @@ mod tests {
     use whyroad_model::Bilingual;
 
     /// "x < 2 s" where x is 1.97 s; `margin` as the rule language defines it: 0 where noise keeps an answer.
-    fn below_two(margin: f64, value: f64) -> AtomCourse {
-        AtomCourse {
+    fn below_two(margin: f64, value: f64) -> ConditionCourse {
+        ConditionCourse {
             text: "x < 2 s".into(),
             words: Bilingual::same("x < 2 s"),
+            definition: None,
+            is_named: false,
+            join: Join::Single,
+            members: vec![],
+            is_listed_above: false,
+            is_measured: true,
             course: Course { cells: vec![], truth: Tri::False, margin },
             actual: value.into(),
             actual_words: Some(Bilingual::same(format!("{value} s"))),

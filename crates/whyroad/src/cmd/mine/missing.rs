@@ -13,6 +13,7 @@ use whyroad_engine::inspect::unavailable;
 use whyroad_lake::Lake;
 use whyroad_model::messages::LeafCoverage;
 use whyroad_model::{DriveId, Lang, Need, ScenarioId, counted};
+use whyroad_signals::Catalog;
 
 /// Drives named for each piece of data and each class; the list has all.
 const NAMED: usize = 5;
@@ -227,11 +228,19 @@ fn class(results: &Results<'_>, l: &LeafCoverage) -> String {
         Lang::En => format!("{id}: {searched} of {} searched\n", counted(all, "drive")),
     };
     for gap in &l.gaps {
-        let (signals, drives) =
-            (gap.missing_signals.join(", "), named(gap.drives.iter(), gap.drives.len(), results.lang));
+        let drives = named(gap.drives.iter(), gap.drives.len(), results.lang);
+        let signals = gap.missing_signals.iter().map(|id| {
+            let title = Catalog::bundled().title(id);
+            match results.lang {
+                // The id is what rules are written with.
+                Lang::Zh => format!("{}（{id}）", title.zh),
+                Lang::En => format!("{} ({id})", title.en),
+            }
+        });
+        let signals: Vec<String> = signals.collect();
         let line = match results.lang {
-            Lang::Zh => format!("  {drives}： 缺少 {signals}"),
-            Lang::En => format!("  {drives}: missing {signals}"),
+            Lang::Zh => format!("  {drives}： 缺少 {}", signals.join("、 ")),
+            Lang::En => format!("  {drives}: missing {}", signals.join(", ")),
         };
         out += &wrapped(&line, 4);
     }

@@ -12,7 +12,7 @@ use std::io::Read as _;
 use std::path::Path;
 use std::process::ExitCode;
 use whyroad_engine::mine::MineOptions;
-use whyroad_engine::output::query;
+use whyroad_engine::output::query::{self, ClassQuery};
 use whyroad_engine::parts::{PartError, PartOptions, Request, Versions, WorkList, plan, work};
 use whyroad_framework::Framework;
 use whyroad_lake::Lake;
@@ -96,8 +96,9 @@ pub(super) fn mine(global: &Global, args: &Args, of: Work<'_>) -> anyhow::Result
         bar.set_message(format!("{id}"));
         bar.inc(1);
     };
+    let query = query.as_ref().map(|class| ClassQuery::new(class, &rules, of.lake, lang));
     let answer = |drive| match &query {
-        Some((class, has_conditions)) => query::answer(&drive, class, *has_conditions),
+        Some(query) => query::answer(&drive, query),
         None => drive,
     };
     let worked = work(of.lake, &rules, (versions, request, list), &options, of.out, done, answer);

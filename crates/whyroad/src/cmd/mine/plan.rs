@@ -25,8 +25,8 @@ pub(super) struct Plan {
     pub searched: Searched,
     /// The question recorded in the folder.
     pub asked: MiningQuestion,
-    /// Of a query: its class, and whether it has conditions.
-    pub query: Option<(ScenarioId, bool)>,
+    /// The class of a query; its conditions are one of the rules.
+    pub query: Option<ScenarioId>,
 }
 
 pub(super) type Planned = Result<(Plan, Vec<Diagnostic>), Vec<Diagnostic>>;
@@ -174,7 +174,6 @@ pub(super) fn of_query(file: &Path, framework: &Framework, catalog: &Catalog) ->
         found.push(Diagnostic::warning("mine.scenario.no_rule", message));
         return Ok(Err(found));
     }
-    let has_conditions = conditions.is_some();
     rules.rules.extend(conditions.map(|rule| Rule { scenario: conditions_class(), ..rule }));
     let stem = file.file_stem().map_or_else(|| "query".to_owned(), |s| s.to_string_lossy().into_owned());
     let question = Question {
@@ -184,13 +183,8 @@ pub(super) fn of_query(file: &Path, framework: &Framework, catalog: &Catalog) ->
     };
     let asked = MiningQuestion::Query { query: serde_json::from_str(&text)? };
     let class = query.scenario_id.clone();
-    let plan = Plan {
-        rules,
-        questions: vec![question],
-        searched: Searched::Question,
-        asked,
-        query: Some((class, has_conditions)),
-    };
+    let plan =
+        Plan { rules, questions: vec![question], searched: Searched::Question, asked, query: Some(class) };
     Ok(Ok((plan, found)))
 }
 

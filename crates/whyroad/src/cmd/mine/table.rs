@@ -1,5 +1,5 @@
 //! Output of `whyroad mine`: results by class, totals, classes that are not observable, and the best matches of a
-//! single question. No line is wider than 120 columns.
+//! single question. No line is wider than 120 columns unless an id is: ids are whole, as other commands take them.
 
 use crate::text_table::{Align, aligned, wrapped};
 use serde_json::{Value, json};
@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use whyroad_engine::output::{EpisodeExample, Question, Searched, Summary};
 use whyroad_framework::Taxonomy;
 use whyroad_framework::taxonomy::Resolution;
-use whyroad_model::messages::{CoverageState, LeafCoverage, MinedClip};
+use whyroad_model::messages::{CoverageState, LeafCoverage, MatchedCondition, MinedClip};
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Lang, ScenarioId, counted};
 
@@ -108,7 +108,7 @@ impl Results<'_> {
                 example.map(at).unwrap_or_default(),
             ]);
         }
-        let columns = [Align::Left, Align::Right, Align::Right, Align::Shrink, Align::Right];
+        let columns = [Align::Left, Align::Right, Align::Right, Align::Left, Align::Right];
         aligned(columns, &lines)
     }
 
@@ -202,26 +202,31 @@ impl Results<'_> {
             ]
         };
         let lines: Vec<[String; 5]> = best.iter().map(line).collect();
-        let columns = [Align::Left, Align::Right, Align::Left, Align::Right, Align::Shrink];
+        let columns = [Align::Left, Align::Right, Align::Left, Align::Right, Align::Left];
         let table = aligned(columns, &lines);
         for (line, clip) in table.lines().zip(best) {
             let _ = writeln!(out, "{line}");
             if with_values {
                 let values: Vec<String> =
                     clip.conditions_matched.iter().map(|m| value(m, self.lang)).collect();
-                out.push_str(&wrapped(&format!("    {}", values.join("; ")), 4));
+                let separator = if self.lang == Lang::Zh { "； " } else { "; " };
+                out.push_str(&wrapped(&format!("    {}", values.join(separator)), 4));
             }
         }
     }
 }
 
-fn value(m: &whyroad_model::messages::MatchedCondition, lang: Lang) -> String {
-    match (&m.actual_value, &m.actual_words) {
-        (Value::Bool(_) | Value::Null, _) => m.condition.clone(),
-        (_, Some(words)) => format!("{} ({})", m.condition, words.get(lang)),
-        (value, None) => {
-            format!("{} ({})", m.condition, value.as_str().map_or(value.to_string(), str::to_owned))
-        }
+/// A condition in words with the measured value.
+fn value(m: &MatchedCondition, lang: Lang) -> String {
+    let condition = m.description.as_ref().map_or(m.condition.as_str(), |words| words.get(lang));
+    let value = match (&m.actual_value, &m.actual_words) {
+        (Value::Bool(_) | Value::Null, _) => return condition.to_owned(),
+        (_, Some(words)) => words.get(lang).to_owned(),
+        (value, None) => value.as_str().map_or_else(|| value.to_string(), str::to_owned),
+    };
+    match lang {
+        Lang::Zh => format!("{condition}（{value}）"),
+        Lang::En => format!("{condition} ({value})"),
     }
 }
 

@@ -14,7 +14,7 @@ pub(super) fn without_guards(all: &[Expr]) -> Vec<&Expr> {
 }
 
 /// The members of a disjunction without those that another one, of a longer time, includes: `c or previously(c, 3 s)`.
-pub(super) fn without_repeats(all: &[Expr]) -> Vec<&Expr> {
+pub(in crate::language::check) fn without_repeats(all: &[Expr]) -> Vec<&Expr> {
     let includes = |e: &Expr, c: &Expr| match &e.kind {
         ExprKind::Within(of, _) => same(of, c),
         ExprKind::Call(name, arguments) if name == "previously" => same(&arguments[0], c),
@@ -24,7 +24,7 @@ pub(super) fn without_repeats(all: &[Expr]) -> Vec<&Expr> {
 }
 
 /// `previously(c, 3 s)` and `c within 3 s`, in either order: the condition and the time.
-pub(super) fn around<'e>(a: &'e Expr, b: &'e Expr) -> Option<(&'e Expr, &'e Expr)> {
+pub(in crate::language::check) fn around<'e>(a: &'e Expr, b: &'e Expr) -> Option<(&'e Expr, &'e Expr)> {
     let one_way = |a: &'e Expr, b: &'e Expr| match (&a.kind, &b.kind) {
         (ExprKind::Within(of, time), ExprKind::Call(name, arguments)) if name == "previously" => {
             let [c, before] = arguments.as_slice() else { return None };
@@ -36,7 +36,7 @@ pub(super) fn around<'e>(a: &'e Expr, b: &'e Expr) -> Option<(&'e Expr, &'e Expr
 }
 
 /// `a until b` and `a since b`, in either order: b happens in the present run of a.
-pub(super) fn during<'e>(a: &'e Expr, b: &'e Expr) -> Option<(&'e Expr, &'e Expr)> {
+pub(in crate::language::check) fn during<'e>(a: &'e Expr, b: &'e Expr) -> Option<(&'e Expr, &'e Expr)> {
     match (&a.kind, &b.kind) {
         (ExprKind::Until(a, b, _), ExprKind::Since(c, d, _))
         | (ExprKind::Since(a, b, _), ExprKind::Until(c, d, _)) => {

@@ -36,12 +36,45 @@ fn what_is_denied_is_turned_round_where_that_is_plain() {
     check("not ego.speed < 5 m/s", "自车速度 ≥ 5 m/s", "Speed of the ego ≥ 5 m/s");
     check("not quick", "自车速度 ≤ 20 m/s", "Speed of the ego ≤ 20 m/s");
     check("not ring", "并非在环岛处", "Not: at a roundabout");
-    check("not (ego.brake is known and ego.brake)", "并非自车踩制动", "Not: the ego brakes");
+    check("ego.brake == false", "并非自车踩制动", "Not: the ego brakes");
+    check("not (ego.brake == true)", "并非自车踩制动", "Not: the ego brakes");
+    check("not (ego.brake == false)", "自车踩制动", "The ego brakes");
     check("light.state is unknown", "信号灯状态未知", "State of the light is unknown");
     check(
         "not previously(ego.standstill, 5 s)",
         "此前 5 s 内并未自车静止",
         "Not in the last 5 s: the ego is stationary",
+    );
+}
+
+#[test]
+fn a_denied_test_of_knowledge_is_said() {
+    // True where x is unknown, too.
+    check(
+        "not (ego.brake is known and ego.brake)",
+        "并非（或未知）自车踩制动",
+        "Not (or unknown): the ego brakes",
+    );
+    check(
+        "not (target.gap is known and target.gap < 5 m)",
+        "与目标的净距 ≥ 5 m（或未知）",
+        "Gap to the target ≥ 5 m (or unknown)",
+    );
+    check(
+        "not (ring or (ego.brake is known and ego.brake))",
+        "并非“在环岛处，或“自车踩制动已知，且自车踩制动””",
+        "Not: (at a roundabout or (the ego brakes is known and the ego brakes))",
+    );
+    // Without a negation the value is known wherever the condition holds.
+    check("ego.brake is known and ego.brake", "自车踩制动", "The ego brakes");
+}
+
+#[test]
+fn people_read_angles_in_degrees() {
+    check(
+        "ego.turn_angle > 0.5 rad",
+        "自车在路口内的转角 > 28.65°",
+        "Angle that the ego turns in the junction > 28.65°",
     );
 }
 
