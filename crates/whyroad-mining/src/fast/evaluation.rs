@@ -190,7 +190,7 @@ impl<'a> Evaluation<'a> {
             NodeValue::Numbers(Numbers::Same(x, _)) => NodeValue::Numbers(Numbers::Same(x, n)),
             NodeValue::Numbers(v) => NodeValue::Numbers(Numbers::of(repeated(&v.values(), objects, n))),
             NodeValue::Words(w) => {
-                let codes = repeated(&w.codes(), objects, n);
+                let codes = repeated(w.codes(), objects, n);
                 NodeValue::Words(super::signals::Words::of(codes, w.names.clone()))
             }
         }
