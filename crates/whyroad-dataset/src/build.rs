@@ -19,7 +19,7 @@ use std::path::Path;
 use whyroad_framework::Framework;
 use whyroad_lake::Lake;
 use whyroad_model::messages::MiningQueryMessage;
-use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId};
 use work::Work;
 
 /// Makes the mining query that finds more of a class, up to a number of clips; `None` when the class has no rule.
