@@ -163,8 +163,8 @@ fn make(
     let goes_on = keyframe + 1 < drive.times.len();
     let driven =
         goes_on.then(|| Driven::after(drive, signals, keyframe, Some(episode.time_range.end_timestamp)));
-    // In a turn, the vehicle ahead in the lane need not be on the ego's way; one that the ego leaves for another lane is
-    // a reason for that.
+    // In a turn, the vehicle ahead in the lane need not be on the ego's way; one that the ego leaves for another lane
+    // is a reason for that.
     let lead = lead.filter(|lead| {
         let unseen = |w: &Driven<'_>| across::first_lane_change(w, w.keyframe..w.end).is_none();
         let leaves_it = driven.as_ref().is_some_and(|w| unseen(w) && !lead.is_on_the_way(w));
@@ -279,7 +279,9 @@ fn make(
     }
     let names_light = components.iter().chain(&also).any(is_light);
     let light = scene.light(&moment, lang);
-    let light = light.filter(|c| goes_on && !names_light && !starts_at_red && how.lists(c));
+    // A red light is no reason to speed up; nor is it one to move off.
+    let goes_at_red = starts_at_red || (motion == LongitudinalMotion::SpeedsUp && moment.red().is_true());
+    let light = light.filter(|c| goes_on && !names_light && !goes_at_red && how.lists(c));
     let waits = decision.longitudinal == Some(Longitudinal::Resume) && motion == LongitudinalMotion::Waits;
     // If the class requires a decision other than following, a lead that slows the ego is still named.
     let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);

@@ -175,8 +175,8 @@ pub(super) fn infer(
                     && (!rises_soon(signals, keyframe, began)
                         || (asked.of_road && !had_slowed(signals, keyframe)))
             }
-            // Yielding needs somebody to yield to.
-            Longitudinal::YieldToAgent => asked.target.is_none(),
+            // Yielding needs somebody to yield to; a class about danger is about somebody.
+            Longitudinal::YieldToAgent => asked.target.is_none() && !asked.is_safety,
             Longitudinal::GapMatching => !gap,
             // Following needs a lead.
             Longitudinal::LeadFollowing => {

@@ -6,6 +6,7 @@ mod calls;
 mod compare;
 mod define;
 mod describe;
+mod displayed;
 mod every;
 mod moments;
 mod names;

@@ -41,7 +41,7 @@ pub(crate) struct Args {
     /// Only this class (L1, L2 or leaf; full or unambiguous short id)
     #[arg(long, value_name = "ID")]
     scenario: Option<String>,
-    /// Maximum number of drafts
+    /// Maximum number of episodes that are drafted
     #[arg(long, value_name = "N")]
     limit: Option<usize>,
     /// Language of the drafts' texts [default: that of --lang]
@@ -172,9 +172,22 @@ fn episodes(args: &Args, framework: &Framework) -> anyhow::Result<Vec<EpisodeRec
         Some((_, Resolution::Found(id))) => Some(id),
         Some((text, _)) => return Err(no_class(text)),
     };
+    // Its files belong together: a draft that replaces one of them would make the folder unreadable.
+    let folder_of_out = args.out.parent().map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p });
+    let is_inside = folder_of_out
+        .zip(args.from.canonicalize().ok())
+        .is_some_and(|(out, from)| out.canonicalize().is_ok_and(|out| out == from) && args.out.exists());
+    if is_inside {
+        let out = args.out.display();
+        return Err(stop(
+            format!("{out} 是挖掘结果的一部分，不能覆盖；用 --out 指定另一个文件"),
+            format!("{out} is a part of the mined folder and is not replaced; name another file with --out"),
+        ));
+    }
     let filter = EpisodeFilter { scenario, primary_only: true, ..EpisodeFilter::default() };
-    let mut all = folder.index()?.page(&filter, None, args.limit.unwrap_or(usize::MAX))?.episodes;
+    let mut all = folder.index()?.page(&filter, None, usize::MAX)?.episodes;
     all.retain(|e| e.scenario_id.l2.is_some());
+    all.truncate(args.limit.unwrap_or(usize::MAX));
     Ok(all)
 }
 

@@ -13,7 +13,6 @@ use crate::output::reason::cannot_write;
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
-use moments::Moments;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use whyroad_engine::drives::signals_of;
@@ -70,7 +69,7 @@ struct Shown<'a> {
     /// Displayed names of the missing signals because of which it cannot be decided.
     missing: Vec<Bilingual>,
     /// For `other`: the decision moments of the clip.
-    moments: Option<Moments>,
+    moments: Option<moments::Moments>,
 }
 
 /// Displayed name of a class; its id if the taxonomy does not have it.
@@ -139,7 +138,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
     };
     let moments = (args.rule.is_none() && rule.scenario.l1 == OTHER)
-        .then(|| Moments::of((&framework, &catalog), &rule, &table, &ClipId(args.clip.clone())));
+        .then(|| moments::Moments::of((&framework, &catalog), &rule, &table, &ClipId(args.clip.clone())));
     // Of the decision moments, one that no class explains.
     let explanation = match moments.as_ref().and_then(|m| m.frames.first()) {
         Some(&frame) => explain_match(&rule, &table, clip, frame),

@@ -4,6 +4,7 @@
 use super::super::program::{Atom, NodeId, Op, ValueKind};
 use super::super::syntax::{CompareOp, Expr, ExprKind, Quantity};
 use super::compare::{Extreme, extreme_of};
+use super::displayed::{Displayed, pairs};
 use super::structure::Structure;
 use super::wording::{EN_OR_UNKNOWN, ZH_OR_UNKNOWN};
 use super::{Checker, Fault};
@@ -29,13 +30,6 @@ pub struct PartText {
     pub atoms: Vec<Atom>,
     /// What it is made of.
     pub structure: Structure,
-}
-
-/// A condition as text.
-pub(super) struct Displayed {
-    pub words: Bilingual,
-    /// The words are the name of its definition.
-    pub is_name: bool,
 }
 
 impl Checker<'_> {
@@ -258,19 +252,6 @@ impl Checker<'_> {
             _ => None,
         }
     }
-}
-
-/// The comparisons of two operands of which a comparison consists.
-pub(super) fn pairs(expr: &Expr) -> Vec<Expr> {
-    let ExprKind::Compare(first, rest) = &expr.kind else { return vec![expr.clone()] };
-    let mut left = first.as_ref();
-    let mut out = Vec::with_capacity(rest.len());
-    for (op, right) in rest {
-        let kind = ExprKind::Compare(Box::new(left.clone()), vec![(*op, right.clone())]);
-        out.push(Expr { kind, span: expr.span });
-        left = right;
-    }
-    out
 }
 
 fn push_once(atom: Atom, out: &mut Vec<Atom>) {

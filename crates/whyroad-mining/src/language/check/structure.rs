@@ -3,7 +3,7 @@
 
 use super::super::program::Atom;
 use super::super::syntax::{Expr, ExprKind};
-use super::atoms::{Displayed, pairs};
+use super::displayed::{Displayed, pairs};
 use super::wording::idioms::{around, during, without_repeats};
 use super::{Checker, Fault};
 use std::collections::BTreeSet;
