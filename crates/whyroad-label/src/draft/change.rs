@@ -13,7 +13,7 @@ const EGO_MPS: f64 = 0.25;
 /// Minimum change of another's speed over them, m/s.
 const OTHER_MPS: f64 = 0.25;
 /// Speeds that differ by less than this are alike, m/s.
-const ALIKE_MPS: f64 = 0.3;
+pub(super) const ALIKE_MPS: f64 = 0.3;
 /// Minimum loss of speed in the second before the keyframe that is visible as hard braking, m/s.
 const BRAKED_MPS: f64 = 0.7;
 /// Minimum change of a distance over them, m.

@@ -1,6 +1,7 @@
 //! The lead where it, and not the subject of the class, is the nearest cause of the ego's motion (LABELING.md 6,
 //! *proximate cause*), and where the class itself is about a lead that the rule does not name as a target.
 
+use super::moment::FACING_RAD;
 use super::motion::LongitudinalMotion;
 use crate::driven::other::Other;
 use crate::driven::{Driven, STANDSTILL_MPS};
@@ -33,8 +34,6 @@ const SLOWER_MPS: f64 = 0.5;
 const BRAKING_MPS2: f64 = -0.5;
 /// Frames in which the ego comes to a stand behind it: 10 s.
 const STOP_FRAMES: usize = 100;
-/// One whose heading differs by more comes towards the ego, or across, rad: 100 degrees.
-const FACING_RAD: f64 = 100.0 * std::f64::consts::PI / 180.0;
 /// A vehicle this far beside the area that the ego sweeps is not on its way, m; and a second later.
 const ASIDE_M: f64 = 1.0;
 const LATER_FRAMES: usize = 10;

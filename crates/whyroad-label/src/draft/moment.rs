@@ -17,7 +17,7 @@ const AHEAD_SIDE_M: f64 = 2.5;
 /// Road users from the opposite direction that are nearer than this matter to an ego that crosses their way, m.
 const ONCOMING_M: f64 = 80.0;
 /// Minimum difference of the headings to such a road user, rad: 100 degrees, since the ego may have begun to turn.
-const FACING_RAD: f64 = 100.0 * std::f64::consts::PI / 180.0;
+pub(super) const FACING_RAD: f64 = 100.0 * std::f64::consts::PI / 180.0;
 
 /// A junction nearer than this is the one for which the ego indicates, m.
 const AT_JUNCTION_M: f64 = 40.0;

@@ -1,6 +1,7 @@
 //! The draft of the trace: the state, the reason for the decision, the decision (LABELING.md 7), in phrasings of
 //! `schema/draft_texts.yaml`. A seed selects the phrasings, so that the same episode always gets the same text.
 
+use super::change::ALIKE_MPS;
 use super::components::is_light;
 use super::moment::Moment;
 use super::motion::LongitudinalMotion;
@@ -39,8 +40,6 @@ const REACTION_S: f64 = 1.5;
 const BEFORE_FRAMES: usize = 5;
 /// A decrease of a distance up to this is noise, m.
 const NOISE_M: f64 = 0.1;
-/// Speeds that differ by less than this are alike, m/s.
-const ALIKE_MPS: f64 = 0.3;
 /// An object that comes onto the path within this time is not beside it, s.
 const SOON_S: f64 = 1.5;
 /// Braking harder than this is not smooth, m/s2.

@@ -1,5 +1,5 @@
-//! What the beginning or the end of a record, a light, or the ego's own way does not support is not stated. Drafts of
-//! recorded drives in which each of these was wrong are described in `docs/explanation/drafts-history.md`.
+//! What the beginning or the end of a record, a light, or the ego's own way does not support is not stated: each was
+//! wrong in a draft of a recorded drive (`docs/explanation/drafts.md`, *No draft*).
 
 use super::agree::{number, word};
 use super::*;
