@@ -94,14 +94,15 @@ pub fn add_images(lake: &Lake, id: &DriveId, request: &AddImages) -> Result<Adde
 }
 
 /// `text` as the name of a camera, which is also the name of a folder.
-pub fn camera_name(text: &str) -> Result<String, String> {
+pub fn camera_name(text: &str) -> Result<String, Bilingual> {
     let fine = |c: char| c.is_alphanumeric() || " _-.".contains(c);
     let safe = !text.is_empty() && text.len() <= 64 && text.chars().all(fine);
-    let expected =
-        "a camera name has 1 to 64 letters, digits, spaces, '_', '-' and '.', and does not begin with '.'";
-    (safe && !text.starts_with('.') && text.trim() == text)
-        .then(|| text.to_owned())
-        .ok_or(expected.to_owned())
+    (safe && !text.starts_with('.') && text.trim() == text).then(|| text.to_owned()).ok_or_else(|| {
+        Bilingual::new(
+            "相机名称由 1 到 64 个字母、数字、空格、'_'、'-' 和 '.' 组成，不以 '.' 开头",
+            "a camera name has 1 to 64 letters, digits, spaces, '_', '-' and '.', and does not begin with '.'",
+        )
+    })
 }
 
 /// An image that can be shown.

@@ -423,7 +423,7 @@ impl LabelWords {
         let bracketed = text.match_indices(['(', '[', '（', '【', '<', '《', '{']).find_map(|(at, open)| {
             let inside = &text[at + open.len()..];
             let end = inside.find([')', ']', '）', '】', '>', '》', '}'])?;
-            let says = inside[..end].trim().to_lowercase();
+            let says = inside[..end].trim().to_ascii_lowercase();
             let is_open = self.instructions.iter().any(|w| {
                 let rest = says.strip_prefix(w.as_str());
                 rest.is_some_and(|r| !w.is_ascii() || !r.starts_with(|c: char| c.is_ascii_alphanumeric()))
@@ -455,7 +455,7 @@ impl LabelWords {
 
     /// The last color of a light in `text`, as an index in the file's order: "from green to yellow".
     pub fn light_color(&self, text: &str) -> Option<usize> {
-        let lower = text.to_lowercase();
+        let lower = text.to_ascii_lowercase();
         // "Hundred" is not a color.
         let whole = |at: usize, w: &str| {
             let letter = |c: char| c.is_ascii_alphanumeric();
@@ -469,7 +469,7 @@ impl LabelWords {
 
     /// The number of an exit, from 0, that a record states.
     pub fn ordinal(&self, record: &str) -> Option<usize> {
-        let lower = record.to_lowercase();
+        let lower = record.to_ascii_lowercase();
         self.exits.iter().position(|words| words.iter().any(|w| lower.contains(w.as_str())))
     }
 
@@ -477,7 +477,7 @@ impl LabelWords {
     pub fn ordinal_of_exit(&self, text: &str) -> Option<usize> {
         /// Bytes after the number.
         const NEAR: usize = 16;
-        let lower = text.to_lowercase();
+        let lower = text.to_ascii_lowercase();
         let is_exit = |at: usize| {
             let end = (at + NEAR).min(lower.len());
             let end = (end..=lower.len()).find(|i| lower.is_char_boundary(*i)).unwrap_or(lower.len());

@@ -10,6 +10,7 @@ pub mod units;
 pub use compile::{Hit, Role};
 pub use stems::Stems;
 
+use crate::phrases::Phrases;
 use serde::Deserialize;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::{Bilingual, Diagnostic, yaml};
@@ -46,7 +47,7 @@ pub struct Lexicon {
     /// After a phrase in Chinese: a possible consequence.
     pub consequence: Vec<String>,
     /// Actions of the ego besides driving, in lower case.
-    pub beside_driving: Vec<String>,
+    pub beside_driving: Phrases,
     /// Those of the words for later events that introduce another action of the ego.
     then: Vec<String>,
     /// Words that negate what the ego does, rather than what it can or must do; in lower case.

@@ -17,6 +17,7 @@ pub mod lexicon;
 pub mod listing;
 pub mod mapping;
 pub mod markdown;
+pub mod phrases;
 pub mod prompts;
 pub mod record_types;
 pub mod schemas;

@@ -4,7 +4,7 @@
 use crate::maps::cache::MapCache;
 use crate::source::ContentHash;
 use std::path::{Path, PathBuf};
-use whyroad_model::{DriveId, Nanos};
+use whyroad_model::{Bilingual, DriveId, Nanos};
 
 /// 2026-01-01T00:00:00Z: start of drives whose log has no clock, by default.
 pub const DEFAULT_START: Nanos = Nanos(1_767_225_600_000_000_000);
@@ -95,22 +95,31 @@ impl OptionSpec {
     }
 
     /// The value in a text of the user; `Err` says what was expected.
-    pub fn parse(&self, text: &str) -> Result<OptionValue, String> {
+    pub fn parse(&self, text: &str) -> Result<OptionValue, Bilingual> {
         match self.value {
             OptionType::Flag => Ok(OptionValue::Flag),
             OptionType::Text => Ok(OptionValue::Text(text.to_owned())),
-            OptionType::Time => Nanos::parse_iso(text).map(OptionValue::Time).map_err(|e| e.to_string()),
+            OptionType::Time => Nanos::parse_iso(text).map(OptionValue::Time).map_err(|e| {
+                Bilingual::new("应为带时区的 ISO 8601 时间，例如 2026-01-15T10:30:00.000Z", e.to_string())
+            }),
             OptionType::File => Ok(OptionValue::File(text.into())),
-            OptionType::Integer => {
-                text.parse().map(OptionValue::Integer).map_err(|_| "expected an integer from 0".to_owned())
-            }
+            OptionType::Integer => text
+                .parse()
+                .map(OptionValue::Integer)
+                .map_err(|_| Bilingual::new("应为不小于 0 的整数", "expected an integer from 0")),
             OptionType::Number { min, max } => {
                 let number = text.parse().ok().filter(|v: &f64| (min..=max).contains(v));
                 number.map(OptionValue::Number).ok_or_else(|| {
                     if max.is_finite() {
-                        format!("expected a number from {min} to {max}")
+                        Bilingual::new(
+                            format!("应为 {min} 到 {max} 之间的数"),
+                            format!("expected a number from {min} to {max}"),
+                        )
                     } else {
-                        format!("expected a number from {min}")
+                        Bilingual::new(
+                            format!("应为不小于 {min} 的数"),
+                            format!("expected a number from {min}"),
+                        )
                     }
                 })
             }

@@ -5,7 +5,7 @@ mod nearest;
 
 pub use nearest::{NearClass, UndecidedClass, UnmetCondition, nearest, undecided};
 
-use crate::episode::build::{locate, matches, measured, runs, truth_at};
+use crate::episode::build::{locate, matches, measured_in_words, runs, truth_at};
 use crate::episode::{Episode, find, pairs};
 use crate::interpret::{Evaluator, Pass, Roles, Row, Series, Truths};
 use crate::language::check::{Join, Structure};
@@ -328,7 +328,10 @@ struct AtRow<'e, 'a> {
 impl AtRow<'_, '_> {
     fn condition(&mut self, of: &Structure) -> ConditionCourse {
         let atom = &of.shown;
-        let actual = self.row.map_or(Value::Null, |row| measured(atom, row, self.evaluator, self.pass));
+        let (actual, actual_words) = match self.row {
+            Some(row) => measured_in_words(atom, row, self.evaluator, self.pass),
+            None => (Value::Null, None),
+        };
         ConditionCourse {
             text: atom.text.clone(),
             words: atom.words.clone(),
@@ -339,7 +342,7 @@ impl AtRow<'_, '_> {
             is_listed_above: of.is_listed_above,
             course: self.course(atom.condition),
             is_measured: atom.measured != atom.condition,
-            actual_words: atom.value_in_words(&actual),
+            actual_words,
             actual,
             unit: atom.unit.symbol,
             values: self.curve(atom),

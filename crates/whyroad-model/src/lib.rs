@@ -24,6 +24,7 @@ pub mod pair;
 pub mod random;
 pub mod road_map;
 pub mod scene;
+pub mod serde_text;
 pub mod signal;
 pub mod suggest;
 pub mod text;

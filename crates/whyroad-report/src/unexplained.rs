@@ -77,6 +77,8 @@ pub struct NearestClass {
     /// The target for which they hold.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_id: Option<TrackId>,
+    /// Seconds from the moment's keyframe to the frame at which the conditions were counted and measured.
+    pub offset_s: f64,
     /// Those that do not hold.
     pub unmet: Vec<UnmetPart>,
 }
@@ -189,6 +191,7 @@ mod tests {
 
     fn moment(drive: &str, at: f64, nearest: &[&str]) -> UnexplainedMoment {
         let near = |id: &&str| NearestClass {
+            offset_s: 0.0,
             scenario_id: id.parse().unwrap(),
             held: 4,
             failed: 1,

@@ -1,7 +1,21 @@
 //! Values of options that several commands have.
 
+use crate::output::reason::{Reason, reason};
+use whyroad_model::Nanos;
+
+pub(crate) fn not_a_number() -> Reason {
+    reason("不是数", "not a number")
+}
+
 /// A share, 0 to 1.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("must be between 0 and 1".to_owned()) }
+pub(crate) fn share(text: &str) -> Result<f64, Reason> {
+    let value: f64 = text.parse().map_err(|_| not_a_number())?;
+    let fits = (0.0..=1.0).contains(&value);
+    fits.then_some(value).ok_or_else(|| reason("应在 0 与 1 之间", "must be between 0 and 1"))
+}
+
+/// A time with its offset from UTC.
+pub(crate) fn time(text: &str) -> Result<Nanos, Reason> {
+    Nanos::parse_iso(text)
+        .map_err(|e| reason("应为带时区的 ISO 8601 时间，例如 2026-01-05T10:30:00Z", e.to_string()))
 }

@@ -132,13 +132,16 @@ pub(crate) fn command_line() -> clap::Command {
 }
 
 fn main() -> ExitCode {
-    let cli = match Cli::from_arg_matches(&command_line().get_matches()) {
-        Ok(cli) => cli,
-        Err(e) => e.exit(),
+    let lang = output::usage::lang_of(std::env::args_os(), std::env::var_os("WHYROAD_LANG").as_deref());
+    output::reason::set_lang(lang);
+    let parsed = command_line().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match (parsed, lang) {
+        (Ok(cli), _) => cli,
+        (Err(e), whyroad_model::Lang::En) => e.exit(),
+        (Err(e), whyroad_model::Lang::Zh) => e.apply::<output::usage::Chinese>().exit(),
     };
     cli.global.color.write_global();
     output::log::set(cli.global.log_format);
-    output::reason::set_lang(cli.global.lang);
     let result = match cli.command {
         Command::Taxonomy(a) => cmd::taxonomy::run(&cli.global, a),
         Command::Validate(a) => cmd::validate::run(&cli.global, a),
@@ -175,9 +178,10 @@ fn main() -> ExitCode {
         Command::Man(a) => cmd::shell::man(a),
     };
     result.unwrap_or_else(|e| {
-        match cli.global.lang {
-            whyroad_model::Lang::Zh => say!("错误：{e:#}"),
-            whyroad_model::Lang::En => say!("error: {e:#}"),
+        let told = output::reason::told(&e, lang);
+        match lang {
+            whyroad_model::Lang::Zh => say!("错误：{told}"),
+            whyroad_model::Lang::En => say!("error: {told}"),
         }
         output::FINDINGS
     })

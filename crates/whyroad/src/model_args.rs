@@ -1,5 +1,7 @@
 //! How to reach a language model: the options that `draft`, `judge` and `ask` share, and the text about its cost.
 
+use crate::arguments::not_a_number;
+use crate::output::reason::{Reason, reason};
 use anyhow::bail;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -46,9 +48,10 @@ pub(crate) struct ModelArgs {
     price_output: Option<f64>,
 }
 
-fn price(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("a price is 0 or more".to_owned()) }
+fn price(text: &str) -> Result<f64, Reason> {
+    let value: f64 = text.parse().map_err(|_| not_a_number())?;
+    let fits = value.is_finite() && value >= 0.0;
+    fits.then_some(value).ok_or_else(|| reason("单价不能小于 0", "a price is 0 or more"))
 }
 
 impl ModelArgs {

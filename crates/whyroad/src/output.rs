@@ -3,6 +3,7 @@
 
 pub(crate) mod log;
 pub(crate) mod reason;
+pub(crate) mod usage;
 
 use serde::Serialize;
 use std::process::ExitCode;
@@ -88,12 +89,12 @@ pub(crate) fn render_text(d: &Diagnostic, lang: Lang) -> String {
 }
 
 /// The values of `--color`.
-pub(crate) fn color_choice(text: &str) -> Result<anstream::ColorChoice, String> {
+pub(crate) fn color_choice(text: &str) -> Result<anstream::ColorChoice, reason::Reason> {
     match text {
         "auto" => Ok(anstream::ColorChoice::Auto),
         "always" => Ok(anstream::ColorChoice::Always),
         "never" => Ok(anstream::ColorChoice::Never),
-        _ => Err("possible values: auto, always, never".to_owned()),
+        _ => Err(reason::possible_values(&["auto", "always", "never"])),
     }
 }
 

@@ -9,6 +9,7 @@ use serde::de::IntoDeserializer;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
+use whyroad_model::serde_text::in_chinese;
 use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node, Value};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId, Severity};
 
@@ -316,12 +317,13 @@ fn member<T: for<'de> Deserialize<'de>>(
 
 fn word<T: for<'de> Deserialize<'de>>(node: &Node, r: &mut FileReport<'_>) -> Option<T> {
     let t = r.text(node)?;
+    let as_text = || {
+        let de: StrDeserializer<'_, ValueError> = t.as_str().into_deserializer();
+        T::deserialize(de).map_err(|e| e.to_string())
+    };
     let read = match t.as_str() {
-        "true" | "false" => serde_json::from_str(&t).map_err(|e| e.to_string()),
-        _ => {
-            let de: StrDeserializer<'_, ValueError> = t.as_str().into_deserializer();
-            T::deserialize(de).map_err(|e| e.to_string())
-        }
+        "true" | "false" => serde_json::from_str(&t).or_else(|_| as_text()),
+        _ => as_text(),
     };
     match read {
         Ok(v) => Some(v),
@@ -329,7 +331,7 @@ fn word<T: for<'de> Deserialize<'de>>(node: &Node, r: &mut FileReport<'_>) -> Op
             refuse(
                 r,
                 node,
-                format!("'{t}' 不是合法的取值：{why}"),
+                format!("'{t}' 不是合法的取值：{}", in_chinese(&why)),
                 format!("'{t}' is not a valid value: {why}"),
             );
             None
@@ -413,6 +415,8 @@ mod tests {
         let chinese = read("labels: {draft_texts: zh}", "s", Framework::bundled()).unwrap();
         assert_eq!(chinese.labels.draft_texts, whyroad_model::Lang::Zh);
         assert_eq!(codes("labels: {draft_texts: chinese}"), [("dataset.spec.value", 1)]);
+        let told = read("labels: {draft_texts: true}", "s", Framework::bundled()).unwrap_err();
+        assert_eq!(told[0].message.zh, "'true' 不是合法的取值：没有取值 `true`，可用：`zh`、`en`");
         let polygon = |points| format!("split: {{polygons: [{{name: n, place: p, points: {points}}}]}}");
         assert_eq!(codes(&polygon("[[0, 0], [1, 1], [2, 2]]")), [("dataset.spec.value", 1)]);
         assert!(read(&polygon("[[9, 9], [10, 9], [10, 10]]"), "s", Framework::bundled()).is_ok());

@@ -8,7 +8,7 @@ impl LabelWords {
         /// Bytes up to a colon.
         const LONGEST_HEAD: usize = 60;
         let is_note = |part: &str| {
-            let part = part.to_lowercase();
+            let part = part.to_ascii_lowercase();
             self.draft_notes.iter().any(|w| {
                 let bounded = |at: usize| {
                     let letter = |c: char| c.is_ascii_alphanumeric();

@@ -4,6 +4,7 @@
 
 use super::Words;
 use super::compile::expanded;
+use crate::phrases::Phrases;
 use serde::Deserialize;
 use whyroad_model::Bilingual;
 
@@ -11,67 +12,51 @@ use whyroad_model::Bilingual;
 #[derive(Clone, Debug, Default)]
 pub struct Forms {
     /// Of the road and the weather as they mostly are.
-    pub ordinary: Vec<String>,
+    pub ordinary: Phrases,
     /// Parts of the course of the ego, and words for what stays the same.
-    pub course: Vec<String>,
+    pub course: Phrases,
     /// See `course`.
-    pub same: Vec<String>,
+    pub same: Phrases,
     /// Nothing is there.
-    pub free: Vec<String>,
+    pub free: Phrases,
     /// A reason follows.
-    pub because: Vec<String>,
+    pub because: Phrases,
     /// What was named is not the reason.
-    pub not_reason: Vec<String>,
+    pub not_reason: Phrases,
     /// Who was named makes no difference to the ego.
-    pub no_bearing: Vec<String>,
+    pub no_bearing: Phrases,
     /// Before one of these two: it is only supposed.
-    pub supposed: Vec<String>,
+    pub supposed: Phrases,
     /// Before the name of a road user that only locates something else.
-    pub between: Vec<String>,
+    pub between: Phrases,
     /// Not on the ego's lane, but on both sides of it, or on another one.
-    pub both_sides: Vec<String>,
+    pub both_sides: Phrases,
     /// Movements of the ego out of its lane.
-    pub sideways: Vec<String>,
+    pub sideways: Phrases,
     /// A clause about the ego begins with one.
-    pub begins: Vec<String>,
+    pub begins: Phrases,
     /// Before a movement: somebody else moves, or may.
-    pub others: Vec<String>,
+    pub others: Phrases,
     /// Hold one of `others` and mean nobody else.
-    pub not_others: Vec<String>,
+    pub not_others: Phrases,
     /// Negations, conditions and plans.
-    pub denied: Vec<String>,
+    pub denied: Phrases,
     /// Before what the ego does not do, in a component.
-    pub instead: Vec<String>,
+    pub instead: Phrases,
     /// Behind a movement: room for it.
-    pub room: Vec<String>,
+    pub room: Phrases,
     /// Speed and what sets it, and words with which a clause does not state that it is kept.
-    pub pace: Vec<String>,
+    pub pace: Phrases,
     /// See `pace`.
-    pub kept: Vec<String>,
+    pub kept: Phrases,
     /// See `pace`.
-    pub changed: Vec<String>,
+    pub changed: Phrases,
     /// Before a side: a movement to it.
-    pub towards: Vec<String>,
+    pub towards: Phrases,
     /// Finite verbs for how something is.
-    pub is: Vec<String>,
+    pub is: Phrases,
     /// With one of these a sentence may be about the ego.
-    pub controls: Vec<String>,
-}
-
-impl Forms {
-    /// Bytes of the first of `list` in `lower`; Latin words as whole words.
-    pub fn find(list: &[String], lower: &str) -> Option<(usize, usize)> {
-        let letter = |c: char| c.is_ascii_alphanumeric() || c == '\'';
-        let whole = |at: usize, w: &str| {
-            !w.is_ascii() || !lower[..at].ends_with(letter) && !lower[at + w.len()..].starts_with(letter)
-        };
-        let all = list.iter().filter(|w| w.is_ascii() || !lower.is_ascii());
-        let hits = all.filter_map(|w| {
-            let at = lower.match_indices(w.as_str()).map(|(at, _)| at).find(|at| whole(*at, w))?;
-            Some((at, at + w.len()))
-        });
-        hits.min()
-    }
+    pub controls: Phrases,
 }
 
 /// The lists as written.
@@ -105,7 +90,7 @@ pub(super) struct RawForms {
 
 impl RawForms {
     pub(super) fn compile(&self, problems: &mut Vec<Bilingual>) -> Forms {
-        let mut all = |w: &Words| -> Vec<String> { w.all().flat_map(|p| expanded(p, problems)).collect() };
+        let mut all = |w: &Words| Phrases::new(w.all().flat_map(|p| expanded(p, problems)).collect());
         Forms {
             ordinary: all(&self.ordinary),
             course: all(&self.course),

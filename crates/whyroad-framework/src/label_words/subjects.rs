@@ -122,18 +122,18 @@ impl Subjects {
 
     /// `name`, in upper or lower case, is a name for all members of a kind.
     pub fn is_general(&self, name: &str) -> bool {
-        self.general.contains(&name.to_lowercase())
+        self.general.contains(&name.to_ascii_lowercase())
     }
 
     /// `name`, in upper or lower case, may also be a part of a vehicle.
     pub fn is_vague(&self, name: &str) -> bool {
-        self.vague.contains(&name.to_lowercase())
+        self.vague.contains(&name.to_ascii_lowercase())
     }
 
     /// `name`, in upper or lower case, is not of the one road user that the ego responds to, but of many, or of whoever
     /// is behind the ego.
     pub fn is_of_many(&self, name: &str) -> bool {
-        self.many.contains(&name.to_lowercase())
+        self.many.contains(&name.to_ascii_lowercase())
     }
 
     /// The character at this byte of the text is in too many names to be evidence when shared.
@@ -245,7 +245,7 @@ impl Subjects {
 
     /// `name`, in upper or lower case, is a part that every vehicle has, including the ego.
     pub fn is_part(&self, name: &str) -> bool {
-        self.parts.contains(&name.to_lowercase())
+        self.parts.contains(&name.to_ascii_lowercase())
     }
 
     /// The word of Latin letters, in lower case, begins the words for a thing.

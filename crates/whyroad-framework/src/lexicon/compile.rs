@@ -5,6 +5,7 @@ use super::expand::{Plain, expand};
 use super::trie::Trie;
 use super::units::Units;
 use super::{File, Lexicon, Says};
+use crate::phrases::Phrases;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use whyroad_model::Bilingual;
@@ -158,13 +159,14 @@ pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
         refuses: list(&w.refuses),
         consequence: list(&w.consequence),
         then: list(&w.then),
-        beside_driving: w
-            .beside_driving
-            .all()
-            .filter_map(super::expand::choices)
-            .flatten()
-            .map(|t| t.to_lowercase())
-            .collect(),
+        beside_driving: Phrases::new(
+            w.beside_driving
+                .all()
+                .filter_map(super::expand::choices)
+                .flatten()
+                .map(|t| t.to_lowercase())
+                .collect(),
+        ),
         towards_ego: list(&w.towards_ego),
         of_ego: list(&w.of_ego),
         meant: list(&w.meant),

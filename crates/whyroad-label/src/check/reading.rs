@@ -311,7 +311,7 @@ fn is_imagined(text: &str, at: (usize, usize), units: &Units, words: &LabelWords
     let (clause, clause_end) = around(&|d| d != Divider::Aside);
     let (sentence, _) = around(&|d| d == Divider::Sentence);
     let has = |part: &str, all: &[String]| {
-        let part = part.to_lowercase();
+        let part = part.to_ascii_lowercase();
         all.iter().any(|w| part.contains(w.as_str()))
     };
     // "At this speed, two seconds later": in the sentence before it, or in the clause after it.

@@ -30,7 +30,7 @@ pub(super) fn fits(text: &str, lang: Lang) -> bool {
 
 /// The text names a place or a maneuver twice.
 pub(super) fn names_twice(text: &str, lang: Lang) -> bool {
-    let text = text.to_lowercase();
+    let text = text.to_ascii_lowercase();
     let once = if lang == Lang::Zh { &ONCE_ZH } else { &ONCE_EN };
     once.iter().any(|word| text.matches(word).count() > 1)
 }
@@ -47,7 +47,7 @@ pub(super) fn repeats(text: &str, state: usize, lang: Lang) -> bool {
 
 /// Runs of words within the clauses of a text, in lower case.
 fn runs(text: &str, lang: Lang) -> Vec<String> {
-    let text = text.to_lowercase();
+    let text = text.to_ascii_lowercase();
     let clauses = text.split(|c: char| c.is_ascii_punctuation() || "，。；".contains(c));
     let of = |clause: &str| -> Vec<String> {
         match lang {

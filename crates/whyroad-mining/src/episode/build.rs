@@ -348,6 +348,25 @@ pub(crate) fn measured<'a>(
     }
 }
 
+/// [`measured`], and the same as text: with its unit, or as infinite.
+pub(crate) fn measured_in_words<'a>(
+    atom: &Atom,
+    row: usize,
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> (Value, Option<Bilingual>) {
+    let infinite = match evaluator.series(atom.measured, pass).as_ref() {
+        Series::Numbers(v) if v[row] == f64::INFINITY => Some(Bilingual::new("无穷大", "infinite")),
+        Series::Numbers(v) if v[row] == f64::NEG_INFINITY => {
+            Some(Bilingual::new("负无穷大", "negative infinity"))
+        }
+        _ => None,
+    };
+    let value = measured(atom, row, evaluator, pass);
+    let words = infinite.or_else(|| atom.value_in_words(&value));
+    (value, words)
+}
+
 /// Frames of the drive by time.
 struct Times {
     /// Rows of the drive that are frames, by frame.

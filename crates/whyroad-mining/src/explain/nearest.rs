@@ -2,7 +2,7 @@
 //! it. For moments that no class explains.
 
 use super::{Outcome, Reached, candidates, lasted, reach};
-use crate::episode::build::{lacking as lacking_signals, locate, measured, truth_at};
+use crate::episode::build::{lacking as lacking_signals, locate, measured_in_words, truth_at};
 use crate::interpret::{Evaluator, Pass, Roles, Series};
 use crate::language::program::{Atom, NodeId, Op};
 use crate::rule::{PartPlace, Rule};
@@ -21,7 +21,8 @@ pub struct NearClass {
     /// Conditions that do not hold, or are unknown.
     pub failed: usize,
     /// All conditions of the rule: what must hold together, how long, and what is required at the keyframe. Without a
-    /// match the last two are not reached: they are neither among those that hold nor among those that do not.
+    /// match the last two are not reached: they are neither among those that hold nor among those that do not. A
+    /// conjunction that fails counts as its failing members.
     pub conditions: usize,
     /// The target for which most of them hold.
     pub target: Option<TrackId>,
@@ -196,10 +197,11 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         pass = located.at;
         at_keyframe = true;
     }
-    let (mut held, mut failed, mut unmet) = (0, 0, Vec::new());
+    let (mut held, mut later, mut unmet) = (0, 0, Vec::new());
     let (mut said, mut all) = (0.0, 0.0);
     for part in &rule.parts {
         if part.place == PartPlace::Require && !at_keyframe {
+            later += 1;
             continue;
         }
         let rarity = rarity(evaluator.series(part.condition, &mut pass).as_ref());
@@ -210,7 +212,6 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
             said += rarity;
             continue;
         }
-        failed += 1;
         let lacking = lacking(rule, part.condition, row, &mut evaluator, &mut pass);
         let of_part = |id: &NodeId| part.atoms.iter().find(|a| a.condition == *id);
         // The failing parts of a composite condition; the whole condition where these have no text.
@@ -218,8 +219,8 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         if let Some(failing) = failing.filter(|_| lacking != [part.condition]) {
             for atom in failing {
                 let (text, words) = (atom.text.clone(), atom.words.clone());
-                let actual = measured(atom, row, &mut evaluator, &mut pass);
-                let (actual_words, unit) = (atom.value_in_words(&actual), atom.unit.symbol);
+                let (actual, actual_words) = measured_in_words(atom, row, &mut evaluator, &mut pass);
+                let unit = atom.unit.symbol;
                 let truth = truth_at(atom.condition, row, &mut evaluator, &mut pass).0;
                 let is_unknown = truth == Tri::Unknown;
                 unmet.push(UnmetCondition { text, words, actual, actual_words, unit, is_unknown });
@@ -231,18 +232,20 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
             .iter()
             .filter(|atom| truth_at(atom.condition, row, &mut evaluator, &mut pass).0 != Tri::True);
         let atom = failing.next().or(part.atoms.first());
-        let actual = atom.map_or(Value::Null, |a| measured(a, row, &mut evaluator, &mut pass));
+        let (actual, actual_words) =
+            atom.map_or((Value::Null, None), |a| measured_in_words(a, row, &mut evaluator, &mut pass));
         let unit = atom.map_or("", |a| a.unit.symbol);
-        let actual_words = atom.and_then(|a| a.value_in_words(&actual));
         let (text, words) = (part.text.clone(), part.words.clone());
         let is_unknown = truth == Tri::Unknown;
         unmet.push(UnmetCondition { text, words, actual, actual_words, unit, is_unknown });
     }
+    // The failing parts of a composite condition count one by one, as they are listed.
+    let failed_parts = rule.parts.len() - held - later;
+    let more = unmet.len() - failed_parts;
     // How long it must hold is a condition, too.
     let lasts = usize::from(rule.min_duration > Nanos::default());
     held += if at_keyframe { lasts } else { 0 };
     if reached.outcome == Outcome::WrongDuration {
-        failed += 1;
         let held = lasted(rule, row, &mut evaluator, &mut pass);
         let longest = rule.max_duration.filter(|max| held > *max);
         let seconds = longest.unwrap_or(rule.min_duration).0 as f64 / 1e9;
@@ -264,9 +267,9 @@ fn one(rule: &Rule, table: &SignalTable, range: FrameRange) -> Option<NearClass>
         scenario: rule.scenario.clone(),
         outcome: reached.outcome,
         held,
-        failed,
+        failed: unmet.len(),
         // One that ends too late has no least duration.
-        conditions: (rule.parts.len() + lasts).max(held + failed),
+        conditions: (rule.parts.len() + more + lasts).max(held + unmet.len()),
         target: roles.target.map(|t| t.id.clone()),
         frame: evaluator.rows(&pass)[row].frame?,
         unmet,
@@ -420,6 +423,14 @@ mod tests {
         };
         let and = "((ego.speed > 5 m/s and ego.accel > 1 m/s2) for 0.3 s) and ego.yaw_rate < 1 rad/s";
         assert_eq!(unmet(and), ["ego.accel > 1m/s2"]);
+        let counts = |text: &str| {
+            let found = nearest(&[rule("a.b.c", text)], &table, FrameRange::new(0, 10), 1);
+            (found[0].held, found[0].failed, found[0].conditions, found[0].unmet.len())
+        };
+        assert_eq!(counts(and), (1, 1, 2, 1));
+        // The members of the conjunction that fail are listed, and count, one by one.
+        let two = "((ego.speed > 9 m/s and ego.accel > 1 m/s2) for 0.3 s) and ego.yaw_rate < 1 rad/s";
+        assert_eq!(counts(two), (1, 2, 3, 2));
         // The first alternative lacks one of its two, the second both.
         let or = "ego.speed > 5 m/s and ego.accel > 1 m/s2 or ego.speed > 9 m/s and ego.accel > 2 m/s2";
         assert_eq!(unmet(or), ["ego.accel > 1m/s2"]);

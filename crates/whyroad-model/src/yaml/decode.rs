@@ -3,6 +3,7 @@
 //! every mistake.
 
 use super::tree::{Entry, Mark, Node, Scalar, Style, SyntaxCause, SyntaxError, Value, parse};
+use crate::serde_text::in_chinese;
 use crate::{Bilingual, Diagnostic, Location};
 use serde::de::value::StrDeserializer;
 use serde::de::{
@@ -58,7 +59,7 @@ impl DecodeError {
             ..Location::default()
         };
         let message = Bilingual::new(
-            format!("{}无法读取：{}", what.zh, self.message),
+            format!("{}无法读取：{}", what.zh, in_chinese(&self.message)),
             format!("{} cannot be read: {}", what.en, self.message),
         );
         Diagnostic::error(code, message).at(location)

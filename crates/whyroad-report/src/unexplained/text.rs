@@ -2,7 +2,7 @@
 
 use super::{LISTED_CLASSES, NearestClass, UndecidedClass, Unexplained, UnexplainedMoment, UnmetPart};
 use std::fmt::Write as _;
-use whyroad_model::{Bilingual, Lang, ScenarioId};
+use whyroad_model::{Lang, ScenarioId};
 
 /// Maximum number of conditions shown for a class.
 const SHOWN_UNMET: usize = 3;
@@ -29,7 +29,7 @@ pub fn render(of: &Unexplained, lang: Lang) -> String {
         let (clip, at) = (&g.example.clip_id, at(&g.example, lang));
         let what = ego(&g.example, lang);
         let _ = if zh {
-            writeln!(out, "\n{number}. {count} 个时刻，{} 个行程；例：{clip}，{at}，自车{what}", g.drives)
+            writeln!(out, "\n{number}. {count} 个时刻，{} 个行程；例：{clip}，{at}，自车 {what}", g.drives)
         } else {
             let times = if count == 1 { "moment" } else { "moments" };
             writeln!(
@@ -121,10 +121,15 @@ pub(super) fn at(of: &UnexplainedMoment, lang: Lang) -> String {
     }
 }
 
-/// Summary of the ego's action.
+/// The ego's speed at the moment, and its actions from there on.
 pub fn ego(of: &UnexplainedMoment, lang: Lang) -> String {
+    let (then, comma) = match lang {
+        Lang::Zh => ("此后", "、"),
+        Lang::En => ("from then on ", ", "),
+    };
+    let actions: Vec<&str> = of.ego_action_names.iter().map(|name| name.get(lang)).collect();
+    let actions = Some(actions.join(comma)).filter(|all| !all.is_empty()).map(|all| format!("{then}{all}"));
     let speed = of.ego_speed_mps.map(|v| format!("{v:.1} m/s"));
-    let actions = of.ego_action_names.iter().map(|name| name.get(lang).to_owned());
     let all: Vec<String> = speed.into_iter().chain(actions).collect();
     match (all.is_empty(), lang) {
         (true, Lang::Zh) => "状态未知".to_owned(),
@@ -139,6 +144,7 @@ pub(super) fn class(near: &NearestClass, name: &str, lang: Lang) -> String {
     let (held, failed, all) = (near.held, near.failed, near.conditions);
     let later = all.saturating_sub(held + failed);
     let target = near.target_id.as_ref();
+    let when = elsewhere(near.offset_s, lang);
     // Its episode is near, but its time range does not contain the moment.
     let found = held == all && near.unmet.is_empty();
     match lang {
@@ -149,7 +155,7 @@ pub(super) fn class(near: &NearestClass, name: &str, lang: Lang) -> String {
             }
             let later =
                 if later > 0 { format!("，{later} 个在匹配后才判定") } else { String::new() };
-            format!("{name}：{all} 个条件中 {held} 个成立，{failed} 个不成立{later}{of}")
+            format!("{name}：{all} 个条件中 {held} 个成立，{failed} 个不成立{later}{of}{when}")
         }
         Lang::En => {
             let of = target.map_or(String::new(), |t| format!(", target {t}"));
@@ -164,8 +170,20 @@ pub(super) fn class(near: &NearestClass, name: &str, lang: Lang) -> String {
                 n => format!(", {n} are checked after a match"),
             };
             let fail = if failed == 1 { "does not" } else { "do not" };
-            format!("{name}: {held} of {all} conditions hold, {failed} {fail}{later}{of}")
+            format!("{name}: {held} of {all} conditions hold, {failed} {fail}{later}{of}{when}")
         }
+    }
+}
+
+/// Where the values are not those of the moment itself, of which moment they are.
+fn elsewhere(offset_s: f64, lang: Lang) -> String {
+    let apart = offset_s.abs();
+    match (apart < 0.05, offset_s < 0.0, lang) {
+        (true, ..) => String::new(),
+        (false, true, Lang::Zh) => format!("，取该时刻前 {apart:.1} s 的值"),
+        (false, false, Lang::Zh) => format!("，取该时刻后 {apart:.1} s 的值"),
+        (false, true, Lang::En) => format!(", values {apart:.1} s before the moment"),
+        (false, false, Lang::En) => format!(", values {apart:.1} s after the moment"),
     }
 }
 
@@ -175,9 +193,9 @@ pub(super) fn unmet(part: &UnmetPart, lang: Lang) -> String {
     if part.actual_value.is_boolean() || part.is_unknown {
         return part.description.get(lang).to_owned();
     }
-    // A known answer without a number: the value is infinite.
-    let infinite = Bilingual::new("无穷", "infinite");
-    let actual = part.actual_words.as_ref().unwrap_or(&infinite).get(lang);
+    let Some(actual) = part.actual_words.as_ref().map(|words| words.get(lang)) else {
+        return part.description.get(lang).to_owned();
+    };
     match lang {
         Lang::Zh => format!("{}（实际 {actual}）", part.description.zh),
         Lang::En => format!("{} (is {actual})", part.description.en),

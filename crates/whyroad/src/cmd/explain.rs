@@ -165,13 +165,19 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     if let Some(file) = &args.html {
         let chart = truths::render(&chart::chart(&shown, global.lang));
-        let frame = explanation.moment.map(|m| clip.start + m);
         let target = explanation.roles.get(&rule.target_role);
+        let scene = |frame: usize, caption| page::Scene { frame, target, caption };
+        let left = shown.moments.as_ref().map_or(&[][..], |m| &m.frames);
+        let scenes: Vec<page::Scene<'_>> = match left {
+            [] => explanation.moment.map(|m| scene(clip.start + m, String::new())).into_iter().collect(),
+            all => all.iter().map(|f| scene(*f, format!("{:.1} s", seconds(f - clip.start)))).collect(),
+        };
+        let text = shown.moments.as_ref().map(|m| m.text(global.lang)).unwrap_or_default();
         let title = match global.lang {
             Lang::Zh => format!("{}，{}", shown.title.zh, args.clip),
             Lang::En => format!("{}, {}", shown.title.en, args.clip),
         };
-        let page = page::page(&title, &drive, frame, target, &chart, global.lang);
+        let page = page::page(&title, &drive, &scenes, (&chart, &text), global.lang);
         std::fs::write(file, page).with_context(|| cannot_write(file.display()))?;
     }
     Ok(output::FINE)

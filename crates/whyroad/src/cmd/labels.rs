@@ -2,6 +2,7 @@
 
 mod sources;
 
+use crate::arguments::time;
 use crate::output::Print;
 use crate::output::reason::{cannot_read, cannot_write, reason, stop};
 use crate::{Global, framework_folder, output};
@@ -70,10 +71,6 @@ struct Import {
     start_time: Option<Nanos>,
     #[command(flatten)]
     print: Print,
-}
-
-fn time(text: &str) -> Result<Nanos, String> {
-    Nanos::parse_iso(text).map_err(|e| e.to_string())
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {

@@ -1,7 +1,8 @@
 //! `whyroad media add`: camera images beside a log, attached to a drive of a lake.
 
+use crate::arguments::time;
 use crate::output::Print;
-use crate::output::reason::{cannot_write, reason, stop};
+use crate::output::reason::{Reason, cannot_write, reason, stop};
 use crate::{Global, output};
 use anyhow::{Context as _, bail};
 use serde_json::json;
@@ -38,7 +39,7 @@ struct Add {
     #[arg(long, value_name = "ID")]
     drive: String,
     /// Name of the camera
-    #[arg(long, value_name = "NAME", value_parser = camera_name)]
+    #[arg(long, value_name = "NAME", value_parser = camera)]
     camera: String,
     /// Folder of images (JPEG, PNG, WebP), one per frame, in the order of the numbers in their names
     #[arg(long, value_name = "DIR", requires = "rate")]
@@ -50,7 +51,7 @@ struct Add {
     #[arg(long, value_name = "HZ", value_parser = rate, conflicts_with = "times")]
     rate: Option<f64>,
     /// When the first image was taken [default: the drive's start]
-    #[arg(long, value_name = "TIME", value_parser = Nanos::parse_iso, conflicts_with = "times")]
+    #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "times")]
     start: Option<Nanos>,
     /// The same as seconds from the drive's start
     #[arg(long, value_name = "S", value_parser = seconds, conflicts_with_all = ["start", "times"], allow_negative_numbers = true)]
@@ -65,14 +66,20 @@ struct Add {
     print: Print,
 }
 
-fn rate(text: &str) -> Result<f64, String> {
-    let rate = text.parse().ok().filter(|r: &f64| (0.001..=1e4).contains(r));
-    rate.ok_or_else(|| "a rate is a number of images per second, 0.001 to 10000".to_owned())
+fn camera(text: &str) -> Result<String, Reason> {
+    camera_name(text).map_err(Reason::from)
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+fn rate(text: &str) -> Result<f64, Reason> {
+    let rate = text.parse().ok().filter(|r: &f64| (0.001..=1e4).contains(r));
+    rate.ok_or_else(|| {
+        reason("应为每秒图像数，0.001 到 10000", "a rate is a number of images per second, 0.001 to 10000")
+    })
+}
+
+fn seconds(text: &str) -> Result<f64, Reason> {
     let seconds = text.parse().ok().filter(|s: &f64| s.is_finite() && s.abs() < 1e9);
-    seconds.ok_or_else(|| "an offset is a number of seconds".to_owned())
+    seconds.ok_or_else(|| reason("应为秒数", "an offset is a number of seconds"))
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {

@@ -2,7 +2,7 @@
 //! numbers as text, JSON and tables.
 
 use crate::cmd::dataset::query::Queries;
-use crate::output::reason::{cannot_make, cannot_write, folders_only, stop};
+use crate::output::reason::{Reason, cannot_make, cannot_write, folders_only, reason, stop};
 use crate::output::{Print, render_text};
 use crate::{Global, analytics, framework_folder, output};
 use anyhow::Context as _;
@@ -82,8 +82,9 @@ pub(crate) struct Numbers {
 }
 
 /// The end of a day: everything of it counts.
-fn day(text: &str) -> Result<Nanos, String> {
-    Nanos::parse_iso(&format!("{text}T23:59:59Z")).map_err(|_| format!("'{text}' is not a day: YYYY-MM-DD"))
+fn day(text: &str) -> Result<Nanos, Reason> {
+    Nanos::parse_iso(&format!("{text}T23:59:59Z"))
+        .map_err(|_| reason("应为日期 YYYY-MM-DD", "expected a day, YYYY-MM-DD"))
 }
 
 /// About 30 kB per episode: a size that a browser still scrolls smoothly.

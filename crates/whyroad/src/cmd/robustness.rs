@@ -1,7 +1,7 @@
 //! `whyroad robustness`: agreement of mining with itself when the log is perturbed.
 
 use crate::arguments::share;
-use crate::output::reason::cannot_write;
+use crate::output::reason::{Reason, cannot_write, possible_values};
 use crate::output::{DataFormat, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
@@ -59,9 +59,8 @@ pub(crate) struct Args {
 /// Classes below this agreement are listed where no floor is given.
 const LISTED_BELOW: f64 = 0.95;
 
-fn perturbation(name: &str) -> Result<Perturbation, String> {
-    let names = || Perturbation::ALL.map(Perturbation::name).join(", ");
-    Perturbation::from_name(name).ok_or_else(|| format!("possible values: {}", names()))
+fn perturbation(name: &str) -> Result<Perturbation, Reason> {
+    Perturbation::from_name(name).ok_or_else(|| possible_values(&Perturbation::ALL.map(Perturbation::name)))
 }
 
 /// Results of one drive: its original episodes, and those of each perturbation.

@@ -2,10 +2,12 @@
 //! `main` prints. Findings about the user's data are diagnostics, not these.
 
 use std::fmt;
+use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use whyroad_lake::LakeError;
 use whyroad_lake::storage::StorageUrl;
-use whyroad_model::{Bilingual, Lang};
+use whyroad_model::{Bilingual, Diagnostic, Lang};
 
 /// Set once, when the command line has been read: `anyhow` displays errors without a language parameter.
 static ENGLISH: AtomicBool = AtomicBool::new(true);
@@ -25,9 +27,55 @@ impl fmt::Display for Reason {
     }
 }
 
+/// Also the error of an option's value.
+impl std::error::Error for Reason {}
+
 impl From<Bilingual> for Reason {
     fn from(text: Bilingual) -> Self {
         Self(text)
+    }
+}
+
+/// An error with its causes in the user's language: that of a [`Reason`], of a lake, of the operating system; the texts
+/// of libraries stay English.
+pub(crate) fn told(error: &anyhow::Error, lang: Lang) -> String {
+    if lang == Lang::En {
+        return format!("{error:#}");
+    }
+    let mut out: Vec<String> = Vec::new();
+    for cause in error.chain() {
+        if let Some(of_lake) = cause.downcast_ref::<LakeError>() {
+            out.push(of_diagnostic(&of_lake.diagnostic()));
+            // Its message holds its causes.
+            break;
+        }
+        out.push(match cause.downcast_ref::<io::Error>() {
+            Some(e) => of_system(e),
+            None => cause.to_string(),
+        });
+    }
+    out.join("：")
+}
+
+fn of_diagnostic(d: &Diagnostic) -> String {
+    let at = d.location.file.as_ref().filter(|file| !d.message.zh.contains(file.as_str()));
+    let hint = d.hint.as_ref().map(|hint| format!("；{}", hint.zh)).unwrap_or_default();
+    format!("{}{}{hint}", at.map(|file| format!("{file}：")).unwrap_or_default(), d.message.zh)
+}
+
+fn of_system(e: &io::Error) -> String {
+    let text = match e.kind() {
+        io::ErrorKind::NotFound => "没有这个文件或文件夹",
+        io::ErrorKind::PermissionDenied => "没有权限",
+        io::ErrorKind::IsADirectory => "是文件夹，不是文件",
+        io::ErrorKind::NotADirectory => "不是文件夹",
+        io::ErrorKind::StorageFull => "磁盘已满",
+        io::ErrorKind::ReadOnlyFilesystem => "文件系统只读",
+        _ => return e.to_string(),
+    };
+    match e.raw_os_error() {
+        Some(code) => format!("{text}（os error {code}）"),
+        None => text.to_owned(),
     }
 }
 
@@ -50,6 +98,11 @@ pub(crate) fn folders_only<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> 
              for example with `aws s3 sync URL DIR`"
         ),
     ))
+}
+
+/// A list of the values that an option can have.
+pub(crate) fn possible_values(values: &[&str]) -> Reason {
+    reason(format!("可用的值：{}", values.join("、")), format!("possible values: {}", values.join(", ")))
 }
 
 /// Ends a command with a reason.
@@ -101,4 +154,21 @@ pub(crate) fn no_framework(what: impl fmt::Display) -> Reason {
 /// An address on which the service cannot listen.
 pub(crate) fn cannot_listen(at: impl fmt::Display) -> Reason {
     reason(format!("无法在 {at} 监听"), format!("cannot listen on {at}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context as _;
+
+    #[test]
+    fn causes_are_told_in_chinese_too() {
+        let lake: Result<(), _> = Err(LakeError::NotALake("drives".into()));
+        let error = lake.with_context(|| reason("无法读取 drives", "cannot read drives")).unwrap_err();
+        let zh = told(&error, Lang::Zh);
+        assert!(zh.contains("drives 不是数据湖：缺少 whyroad-lake.json；先用"), "{zh}");
+        assert!(told(&error, Lang::En).ends_with("drives is not a lake: it has no whyroad-lake.json"));
+        let file = std::fs::read("no such file").map_err(anyhow::Error::from).unwrap_err();
+        assert_eq!(told(&file, Lang::Zh), "没有这个文件或文件夹（os error 2）");
+    }
 }

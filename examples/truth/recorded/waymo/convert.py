@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Makes ScenarioNet pickles of Waymo scenes in the JSON form of GPUDrive, one drive per ego.
 
-    python3 convert.py OUT JSON... [--egos FILE]
+    python3 convert.py OUT JSON|PICKLE... [--egos FILE]
 
-GPUDrive (github.com/Emerge-Lab/gpudrive) has had such files in `data/` in the course of its history; they are not part
-of this project and keep the license of the Waymo Open Dataset. FILE names one drive per line, as in `drives` of the
-truth files here: the file's name without `tfrecord-` and `-of-`, and the ego's id. Without it the recording car becomes
-the ego, where the file names it.
+GPUDrive (github.com/Emerge-Lab/gpudrive, github.com/sounakban/gpudrive-CoDec) has had such files in `data/` in the
+course of its history; they are not part of this project and keep the license of the Waymo Open Dataset. FILE names one
+drive per line, as in `drives` of the truth files here: the file's name without `tfrecord-` and `-of-`, and the ego's id.
+Without it the recording car becomes the ego, where the file names it. A PICKLE of ScenarioNet that holds 20 s
+(github.com/metadriverse/trafficgen, NUMBER_SCENE.pkl: drives 20s_SCENE_EGO) is cut to those egos; other than JSON, it
+has what the map states.
 
 What a file does not have stays out: kinds of lanes and lines, lights, heights, which lanes lead into which or are
 beside each other. Headings come in degrees or radians; the velocities decide which. Needs numpy.
@@ -40,6 +42,9 @@ def main():
     options.out.mkdir(parents=True, exist_ok=True)
     drives = options.egos.read_text().split() if options.egos else []
     for path in options.scenes:
+        if path.suffix == ".pkl":
+            cut_longer(options.out, path, drives)
+            continue
         scene = json.loads(path.read_text())
         name = path.name.split(".")[0].removeprefix("tfrecord-").replace("-of-", "o")
         egos = [drive.rsplit("_", 1)[1] for drive in drives if drive.rsplit("_", 1)[0] == name]
@@ -50,6 +55,19 @@ def main():
             parts = tracks(scene["objects"]), lights(scene.get("tl_states") or {}), features(scene["roads"])
             for ego in egos:
                 write(options.out, f"{name}_{ego}", ego, *parts)
+
+
+def cut_longer(out, path, drives):
+    """Writes the drives of these egos in a longer scene that is a ScenarioNet pickle already."""
+    scene = pickle.loads(path.read_bytes())
+    name = "20s_" + path.stem.rsplit("_", 1)[-1]
+    lights = {
+        str(lane): light | {"lane": str(light["lane"])} for lane, light in scene["dynamic_map_states"].items()
+    }
+    for drive in drives:
+        of, ego = drive.rsplit("_", 1)
+        if of == name:
+            write(out, drive, ego, scene["tracks"], lights, scene["map_features"])
 
 
 def place(p):

@@ -155,7 +155,7 @@ fn repeats(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     let Some(last) = parts.iter().rposition(states) else { return false };
     let (from, to) = parts[last];
     // An action of another road user is a reason, unless the decision is about it.
-    let phrase = |m: &Mention| text[m.start..m.end].to_lowercase();
+    let phrase = |m: &Mention| text[m.start..m.end].to_ascii_lowercase();
     let decided: Vec<String> =
         reading.mentions.iter().filter(|m| (from..to).contains(&m.start)).map(phrase).collect();
     if reading.mentions.iter().any(|m| m.by_other && !decided.contains(&phrase(m))) {

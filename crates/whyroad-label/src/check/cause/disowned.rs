@@ -4,20 +4,19 @@
 
 use crate::check::reading::Named;
 use crate::check::texts::TextScope;
-use whyroad_framework::label_words::{Divider, Forms};
+use whyroad_framework::label_words::Divider;
 use whyroad_model::decision::{Lateral, Longitudinal};
 
 /// Bytes of the statement. Not where it is contrasted with the true reason, or only supposed.
 pub(super) fn disowned(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, texts, words, .. } = *scope;
     let text = label.trace.get()?;
-    let lower = text.to_lowercase();
-    if lower.len() != text.len() {
-        return None;
-    }
-    let at = Forms::find(&words.forms.not_reason, &lower).or_else(|| {
-        Forms::find(&words.forms.no_bearing, &lower).filter(|at| is_about_the_only_one(*at, scope))
-    })?;
+    let lower = text.to_ascii_lowercase();
+    let at = words
+        .forms
+        .not_reason
+        .find(&lower)
+        .or_else(|| words.forms.no_bearing.find(&lower).filter(|at| is_about_the_only_one(*at, scope)))?;
     let (from, to) = words.clauses.around(&texts.units, at.0..at.1, text.len(), &|d| d == Divider::Sentence);
     // "..., but the rain is": a clause that begins so gives the reason.
     let mut behind = lower[at.1..to].split(['，', '；', '：', ',', ';', ':', '-']).skip(1);

@@ -4,7 +4,6 @@
 use crate::check::reading::Named;
 use crate::check::texts::TextScope;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::Forms;
 use whyroad_model::label_fields::pointer;
 
 /// The reason that the trace marks names the road user that the class is about.
@@ -15,14 +14,11 @@ pub(in crate::check) fn far_reason(scope: &TextScope<'_>, sink: &mut dyn Sink) -
         return false;
     }
     let Some(text) = label.trace.get() else { return false };
-    let lower = text.to_lowercase();
-    if lower.len() != text.len() {
-        return false;
-    }
+    let lower = text.to_ascii_lowercase();
     let kind = |id: &str| words.kinds.get(id).copied().unwrap_or_default();
     let far = known.sign.with(known.light).with(kind("site")).with(kind("ramp")).with(kind("facility"));
     let far = far.with(known.route).without(known.actor);
-    let Some((_, from)) = Forms::find(&words.forms.because, &lower) else { return false };
+    let Some((_, from)) = words.forms.because.find(&lower) else { return false };
     let to = lower[from..].find(['，', '。', ',', '.', ';', '；']).map_or(lower.len(), |i| from + i);
     // "Because of that red light we follow": the reason ends where the ego acts.
     let ego = [" we ", " i ", " the ego ", " ego ", " that we "];

@@ -7,7 +7,7 @@ use crate::check::subject;
 use crate::check::texts::TextScope;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::{Forms, GroupSet};
+use whyroad_framework::label_words::GroupSet;
 use whyroad_model::label_fields::pointer;
 
 /// Separate the clauses of a component.
@@ -73,11 +73,11 @@ fn is_place(text: &str, n: &Named, others: &[&Named], scope: &TextScope<'_>) -> 
     if words.subjects.is_landmark(text, n.start, n.end) {
         return !others.is_empty();
     }
-    let before = text[clause_start(text, n.start)..n.start].to_lowercase();
+    let before = text[clause_start(text, n.start)..n.start].to_ascii_lowercase();
     if text.is_ascii() {
         return !others.is_empty() && follows_preposition(&before, words);
     }
-    if Forms::find(&words.forms.between, &before).is_some() {
+    if words.forms.between.find(&before).is_some() {
         return !others.is_empty();
     }
     // "前车的行驶路线" belongs to it, "货车后面的路口" does not.
@@ -118,11 +118,11 @@ fn clause_start(text: &str, at: usize) -> usize {
 /// It is on another lane, or on both sides.
 fn is_beside(text: &str, n: &Named, words: &LabelWords) -> bool {
     let clause = &text[clause_start(text, n.start)..n.end];
-    Forms::find(&words.forms.both_sides, &clause.to_lowercase()).is_some()
+    words.forms.both_sides.find(&clause.to_ascii_lowercase()).is_some()
 }
 
 /// The first clause is about another lane, or about both sides.
 fn begins_beside(text: &str, words: &LabelWords) -> bool {
     let end = text.find(MARKS).unwrap_or(text.len());
-    Forms::find(&words.forms.both_sides, &text[..end].to_lowercase()).is_some()
+    words.forms.both_sides.find(&text[..end].to_ascii_lowercase()).is_some()
 }

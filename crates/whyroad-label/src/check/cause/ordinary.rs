@@ -3,7 +3,6 @@
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::TextScope;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::Forms;
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
@@ -26,11 +25,11 @@ pub(in crate::check) fn ordinary(scope: &TextScope<'_>, sink: &mut dyn Sink) -> 
             own.meets(causes.without(known.road).without(known.no_cause))
                 || own.meets(known.actor) && !is_few(text, n)
         };
-        Forms::find(&words.forms.ordinary, &lower).is_some()
+        words.forms.ordinary.find(&lower).is_some()
             && facts.acts.is_empty()
             && facts.states.is_empty()
             && !facts.named.iter().any(|n| n.state.is_some() || cause(n))
-            && Forms::find(&words.forms.free, &lower).is_none()
+            && words.forms.free.find(&lower).is_none()
             && !lower.contains('空')
     };
     let mut parts = label.parts.iter().zip(&texts.components);

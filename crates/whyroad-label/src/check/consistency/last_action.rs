@@ -6,6 +6,7 @@ use crate::check::consistency::trace::TraceVerdict;
 use crate::check::texts::TextScope;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::label_words::Forms;
+use whyroad_framework::phrases::Phrases;
 use whyroad_model::decision::{LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 
@@ -51,10 +52,7 @@ pub(super) fn without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bo
     {
         return false;
     }
-    let lower = text.to_lowercase();
-    if lower.len() != text.len() {
-        return false;
-    }
+    let lower = text.to_ascii_lowercase();
     let forms = &words.forms;
     let (from, sentence) = last_sentence(&lower);
     let all = clauses(sentence);
@@ -77,19 +75,19 @@ pub(super) fn without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bo
 
 /// Bytes of a movement of the ego out of its lane in a clause that is about the ego.
 fn moves(clause: &str, forms: &Forms) -> Option<(usize, usize)> {
-    let (at, end) = Forms::find(&forms.sideways, clause)?;
+    let (at, end) = forms.sideways.find(clause)?;
     let before = &clause[..at];
     let begins = match clause.is_ascii() {
-        true => Forms::find(&forms.begins, before).is_some(),
+        true => forms.begins.find(before).is_some(),
         // The movement itself may begin the clause: "往左并到...".
         false => forms.begins.iter().any(|w| !w.is_ascii() && clause.trim_start().starts_with(w.as_str())),
     };
     let behind =
         (end + NEAR / 3..=clause.len()).find(|i| clause.is_char_boundary(*i)).unwrap_or(clause.len());
     let named = forms.not_others.iter().fold(before.to_owned(), |text, w| text.replace(w.as_str(), ""));
-    let other = Forms::find(&forms.others, &named).is_some();
-    let denied = Forms::find(&forms.denied, &clause[..behind]).is_some();
-    let room = Forms::find(&forms.room, &clause[end..]).is_some();
+    let other = forms.others.find(&named).is_some();
+    let denied = forms.denied.find(&clause[..behind]).is_some();
+    let room = forms.room.find(&clause[end..]).is_some();
     (begins && !other && !denied && !room).then_some((at, end))
 }
 
@@ -103,10 +101,7 @@ pub(super) fn other_side(scope: &TextScope<'_>) -> Option<TraceVerdict> {
         LateralDirection::Right => (["右", "right"], ["左", "left"], LateralDirection::Left),
         LateralDirection::Uturn => return None,
     };
-    let lower = text.to_lowercase();
-    if lower.len() != text.len() {
-        return None;
-    }
+    let lower = text.to_ascii_lowercase();
     let (from, sentence) = last_sentence(&lower);
     let deciding = if text.is_ascii() { usize::MAX } else { DECIDING };
     let all = clauses(sentence);
@@ -134,9 +129,7 @@ fn sides<'c>(clause: &'c str, forms: &Forms) -> Vec<(usize, usize, &'c str)> {
             let of_hand =
                 behind.starts_with("-hand") || behind.starts_with(" hand") || behind.starts_with(" of");
             let near = (at.saturating_sub(NEAR)..=at).find(|i| clause.is_char_boundary(*i)).unwrap_or(at);
-            if let Some((verb, _)) =
-                Forms::find(&forms.towards, &clause[near..at]).filter(|_| whole && !of_hand)
-            {
+            if let Some((verb, _)) = forms.towards.find(&clause[near..at]).filter(|_| whole && !of_hand) {
                 out.push((near + verb, at + side.len(), side));
             }
         } else if !behind.starts_with(['来', '后'])
@@ -159,13 +152,13 @@ pub(super) fn keeps_speed(text: &str, along: Option<Longitudinal>, forms: &Forms
                 | Longitudinal::StopForObstacle
         )
     );
-    let lower = text.to_lowercase();
-    if !slows || lower.len() != text.len() {
+    let lower = text.to_ascii_lowercase();
+    if !slows {
         return None;
     }
     let (from, sentence) = last_sentence(&lower);
     let keeps = |clause: &str| {
-        let any = |list: &[String]| Forms::find(list, clause).is_some();
+        let any = |list: &Phrases| list.find(clause).is_some();
         any(&forms.pace) && (any(&forms.same) || any(&forms.kept)) && !any(&forms.changed)
     };
     let all = clauses(sentence);

@@ -330,13 +330,13 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
 fn other_kind(n: &Named, scope: &TextScope<'_>) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
     let Some(name) = label.trace.get().and_then(|t| t.get(n.start..n.end)) else { return false };
-    let name = name.to_lowercase();
+    let name = name.to_ascii_lowercase();
     let parts = || {
         let parts = label.parts.iter().zip(&texts.components);
         parts.filter_map(|(c, f)| Some((c.description.get()?, f)))
     };
     let all = || parts().flat_map(|(t, f)| f.named.iter().map(move |m| (t, m)));
-    let given_name = |t: &str, m: &Named| t.get(m.start..m.end).unwrap_or_default().to_lowercase();
+    let given_name = |t: &str, m: &Named| t.get(m.start..m.end).unwrap_or_default().to_ascii_lowercase();
     // "The taxi" of a minibus taxi; "the tires" of the ego.
     if words.subjects.is_part(&name) || all().any(|(t, m)| given_name(t, m).contains(&name)) {
         return false;

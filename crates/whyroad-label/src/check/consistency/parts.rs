@@ -7,7 +7,7 @@ use crate::check::consistency::trace_rules;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::TextScope;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
-use whyroad_framework::label_words::{Forms, KnownKinds};
+use whyroad_framework::label_words::KnownKinds;
 use whyroad_framework::lexicon::units::Units;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
@@ -95,7 +95,7 @@ fn ego_refuses(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
         .find(|at| words.subjects.begins_with_ego(&text[*at..]) || text[*at..].starts_with('我'))?;
     let part = text.get(from..)?;
     let lower = part.to_ascii_lowercase();
-    let room = Forms::find(&words.forms.room, &lower).is_some();
+    let room = words.forms.room.find(&lower).is_some();
     if room || words.subjects.unable.iter().any(|w| lower.contains(w.as_str())) {
         return None;
     }
@@ -107,7 +107,7 @@ fn ego_refuses(text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
         let before = &lower[near..m.start];
         let before = before.rsplit(['，', ',']).next().unwrap_or_default();
         let not = match part.is_ascii() {
-            true => Forms::find(&words.forms.instead, before).is_some(),
+            true => words.forms.instead.find(before).is_some(),
             // Not inside another name: "no left-turn light" is "没有左转专用灯".
             false => {
                 before.contains(['没', '未'])
@@ -132,7 +132,7 @@ fn place_is_free(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usi
         return None;
     }
     let lower = text.to_ascii_lowercase();
-    let (start, end) = Forms::find(&words.forms.free, &lower)?;
+    let (start, end) = words.forms.free.find(&lower)?;
     let side = match label.direction.get() {
         Some(LateralDirection::Left) => "left",
         Some(LateralDirection::Right) => "right",
@@ -159,7 +159,7 @@ fn place_is_free(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usi
         let Some(other) = c.description.get().map(str::to_ascii_lowercase) else { return false };
         let own = content(&other);
         let shared = place.iter().filter(|w| own.contains(w)).count();
-        Forms::find(&words.forms.free, &other).is_none()
+        words.forms.free.find(&other).is_none()
             && shared >= SHARED.0
             && shared as f64 >= SHARED.1 * place.len() as f64
             && filled(f)

@@ -84,7 +84,7 @@ fn other_number(label: &View<'_>, id: &str, value: f64, unit: &str, words: &Labe
         text[from..to].trim().to_owned()
     };
     let states = |text: &str, at: usize| {
-        let part = clause(text, at).to_lowercase();
+        let part = clause(text, at).to_ascii_lowercase();
         beside.is_empty() || beside.iter().any(|w| part.contains(w.as_str()))
     };
     // "At 20 m": the location of something.

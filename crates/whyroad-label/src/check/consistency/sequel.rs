@@ -68,13 +68,10 @@ pub(super) fn second_action(
 fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink) -> bool {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     let Some(text) = label.trace.get() else { return false };
-    let lower = text.to_lowercase();
-    if lower.len() != text.len() {
-        return false;
-    }
+    let lower = text.to_ascii_lowercase();
     let end = reading.end.min(text.len());
     let begin = reading.decision_from.min(end);
-    let all = lexicon.beside_driving.iter().flat_map(|w| lower.match_indices(w.as_str()));
+    let all = lexicon.beside_driving.everywhere(&lower);
     let of_ego = |(at, w): &(usize, &str)| {
         let (from, _) = words.clauses.around(&texts.units, *at..*at + w.len(), text.len(), &|d| {
             d != Divider::Aside && d != Divider::Item
@@ -87,7 +84,7 @@ fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink)
         let is_kind = text[*at + w.len()..].starts_with('的');
         *at >= begin && !other && !is_kind && !denied.iter().any(|d| before.contains(d))
     };
-    let Some((start, word)) = all.filter(of_ego).min() else { return false };
+    let Some((start, word)) = all.into_iter().find(of_ego) else { return false };
     sink.report(
         Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(start, start + word.len()),
         &|| {

@@ -10,7 +10,7 @@ use crate::check::texts::TextScope;
 use crate::check::view::View;
 use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::{Divider, Forms, GroupSet};
+use whyroad_framework::label_words::{Divider, GroupSet};
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
@@ -262,10 +262,7 @@ fn kept_course(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     for clause in lower.split(['，', '。', '；', '、', ',', '.', ';']) {
         let to = from + clause.len();
         let of_speed = clause.contains("speed") || clause.contains('速');
-        if !of_speed
-            && Forms::find(&words.forms.course, clause).is_some()
-            && Forms::find(&words.forms.same, clause).is_some()
-        {
+        if !of_speed && words.forms.course.find(clause).is_some() && words.forms.same.find(clause).is_some() {
             let begin = from + (clause.len() - clause.trim_start().len());
             return Some((begin, to));
         }

@@ -37,7 +37,7 @@ pub(super) fn without_draft_mark(trace: &str) -> &str {
 
 /// The letters and digits of a text, in lower case: what remains when punctuation is changed.
 pub(crate) fn bare(text: &str) -> String {
-    text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+    text.chars().filter(|c| c.is_alphanumeric()).map(|c| c.to_ascii_lowercase()).collect()
 }
 
 /// The part of a trace between its state and its decision, as the page divides it.

@@ -120,7 +120,7 @@ impl Moments {
         for m in &self.unexplained {
             let (at, ego) = (m.clip_s, render_ego(m, lang));
             let _ = match lang {
-                Lang::Zh => writeln!(out, "\n{at:.1} s  自车{ego}；最接近的类别："),
+                Lang::Zh => writeln!(out, "\n{at:.1} s  自车 {ego}；最接近的类别："),
                 Lang::En => writeln!(out, "\n{at:.1} s  ego {ego}; nearest classes:"),
             };
             out += &render_moment(m, lang, name);

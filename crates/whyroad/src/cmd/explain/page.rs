@@ -10,19 +10,30 @@ const STYLE: &str = "\n\
     .explained h1 { font-size: 20px; margin: 0 0 12px; }\n\
     .explained .parts { display: grid; grid-template-columns: minmax(300px, 30rem) minmax(0, 1fr); gap: 24px; align-items: start; }\n\
     .explained .parts > :only-child { grid-column: 1 / -1; }\n\
+    .explained figure { margin: 0 0 16px; }\n\
+    .explained figcaption { font-weight: 600; margin-bottom: 4px; }\n\
+    .explained pre { white-space: pre-wrap; font: inherit; }\n\
     .explained .course { overflow-x: auto; }\n\
     .explained .course > svg { max-width: 100%; height: auto; }\n\
     @media (max-width: 1750px) { .explained .parts { grid-template-columns: minmax(0, 1fr); } .explained .scene { max-width: 30rem; } }\n\
     @media (max-width: 900px) { .explained .course > svg { max-width: none; } }\n\
     @media print { .explained .course > svg { max-width: 100%; } .explained .scene { max-width: 20rem; } }\n";
 
-/// The document. `chart` is an SVG of [`whyroad_render::truths::render`].
+/// A moment that is drawn.
+pub(super) struct Scene<'a> {
+    /// Frame of the drive.
+    pub frame: usize,
+    pub target: Option<&'a TrackId>,
+    /// Text above the scene; empty if there is only one.
+    pub caption: String,
+}
+
+/// The document. `chart` is an SVG of [`whyroad_render::truths::render`], `text` is shown below it.
 pub(super) fn page(
     title: &str,
     drive: &Drive,
-    frame: Option<usize>,
-    target: Option<&TrackId>,
-    chart: &str,
+    scenes: &[Scene<'_>],
+    (chart, text): (&str, &str),
     lang: Lang,
 ) -> String {
     let mut head = Markup::new();
@@ -31,11 +42,24 @@ pub(super) fn page(
     let mut body = Markup::new();
     body.raw("</style></head>\n<body>\n<main class=\"explained\">\n<h1>").text(title).raw("</h1>\n");
     body.raw("<div class=\"parts\">\n");
-    if let Some(frame) = frame {
-        body.raw("<div class=\"scene\">").piece(&birds_eye::render(drive, frame, target));
+    if !scenes.is_empty() {
+        body.raw("<div class=\"scene\">");
+        for Scene { frame, target, caption } in scenes {
+            body.raw("<figure>");
+            if !caption.is_empty() {
+                body.raw("<figcaption>").text(caption).raw("</figcaption>");
+            }
+            body.piece(&birds_eye::render(drive, *frame, *target)).raw("</figure>");
+        }
         body.raw("</div>\n");
     }
     body.raw("<div class=\"course\">");
-    let (head, body) = (head.into_string(), body.into_string());
-    format!("{head}{}{STYLE}{body}{chart}</div>\n</div>\n</main>\n</body>\n</html>\n", whyroad_report::STYLE)
+    let mut tail = Markup::new();
+    tail.raw("\n");
+    if !text.is_empty() {
+        tail.raw("<pre>").text(text.trim()).raw("</pre>");
+    }
+    let (head, body, tail) = (head.into_string(), body.into_string(), tail.into_string());
+    let style = whyroad_report::STYLE;
+    format!("{head}{style}{STYLE}{body}{chart}{tail}</div>\n</div>\n</main>\n</body>\n</html>\n")
 }

@@ -237,7 +237,7 @@ fn actual(atom: &ConditionCourse, lang: Lang) -> Option<String> {
             })
         }
         Value::Null if atom.course.truth == Tri::Unknown => word("未知", "unknown"),
-        Value::Null => word("无穷", "infinite"),
+        Value::Null => atom.actual_words.as_ref().map(|words| words.get(lang).to_owned()),
         _ => None,
     }
 }

@@ -2,6 +2,7 @@
 //! form without a format, which recognizes it.
 
 use crate::output::DataFormat;
+use crate::output::reason::{Reason, reason};
 use clap::builder::ValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
@@ -112,7 +113,7 @@ fn argument(option: &OptionSpec) -> Arg {
         .conflicts_with_all(option.conflicts);
     if option.value != OptionType::Flag {
         let spec = option.clone();
-        let parse = move |text: &str| spec.parse(text);
+        let parse = move |text: &str| spec.parse(text).map_err(Reason::from);
         arg = arg.value_name(option.value_name).value_parser(ValueParser::new(parse));
     }
     match option.requires {
@@ -173,10 +174,10 @@ fn refuse_unknown_format(paths: &[PathBuf]) -> Result<(), clap::Error> {
         error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![closest.to_owned()]));
     } else {
         let known: Vec<&str> = formats::ALL.iter().map(|a| a.0.name()).collect();
-        error.insert(
-            ContextKind::Suggested,
-            ContextValue::StyledStrs(vec![format!("the formats are {}", known.join(", ")).into()]),
-        );
+        let formats =
+            reason(format!("格式有 {}", known.join("、")), format!("the formats are {}", known.join(", ")));
+        let formats = formats.to_string().into();
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![formats]));
     }
     Err(error)
 }

@@ -1,6 +1,6 @@
 //! The audit file of deletions: time, request and counts. No ids of drives: they can be personal data themselves.
 
-use crate::output::reason::cannot_write;
+use crate::output::reason::{Reason, cannot_write, reason};
 use anyhow::Context as _;
 use serde::Serialize;
 use std::fs::OpenOptions;
@@ -67,9 +67,11 @@ pub(super) fn unfinished(file: &Path) -> bool {
 }
 
 /// A reference such as a ticket's number; free text is rejected.
-pub(super) fn reference(text: &str) -> Result<String, String> {
+pub(super) fn reference(text: &str) -> Result<String, Reason> {
     let fits = !text.is_empty()
         && text.len() <= 40
         && text.chars().all(|c| c.is_ascii_alphanumeric() || "-_.#/".contains(c));
-    if fits { Ok(text.to_owned()) } else { Err("letters, digits and -_.#/, at most 40".to_owned()) }
+    fits.then(|| text.to_owned()).ok_or_else(|| {
+        reason("只能用字母、数字和 -_.#/，最多 40 个", "letters, digits and -_.#/, at most 40")
+    })
 }

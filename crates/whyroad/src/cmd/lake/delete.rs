@@ -3,10 +3,10 @@
 
 use super::audit::{self, Deleted};
 use super::holders;
-use crate::output::reason::{cannot_read, folders_only, reason};
+use crate::output::reason::{Reason, cannot_read, folders_only, reason};
 use crate::output::{Print, render_text};
 use crate::{Global, output, store_args};
-use anyhow::{Context as _, anyhow, bail};
+use anyhow::{Context as _, bail};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -312,13 +312,19 @@ fn not_found(names: &str, lang: Lang) -> String {
 }
 
 /// A date, a time, or an age in days.
-pub(super) fn moment(text: &str) -> Result<Nanos, String> {
+pub(super) fn moment(text: &str) -> Result<Nanos, Reason> {
+    let expected = || {
+        reason(
+            "应为日期（2026-01-01）、时间或距今的天数（180d）",
+            "expected a date (2026-01-01), a time, or an age (180d)",
+        )
+    };
     if let Some(days) = text.strip_suffix('d').and_then(|n| n.parse::<u32>().ok()) {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_err(|e| e.to_string())?;
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_err(|_| expected())?;
         let age = u128::from(days) * 86_400 * 1_000_000_000;
         let then = now.as_nanos().saturating_sub(age);
-        return i64::try_from(then).map(Nanos).map_err(|e| e.to_string());
+        return i64::try_from(then).map(Nanos).map_err(|_| expected());
     }
     let full = if text.len() == 10 { format!("{text}T00:00:00Z") } else { text.to_owned() };
-    Nanos::parse_iso(&full).map_err(|_| anyhow!("a date (2026-01-01), a time, or an age (180d)").to_string())
+    Nanos::parse_iso(&full).map_err(|_| expected())
 }

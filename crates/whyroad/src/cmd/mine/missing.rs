@@ -2,7 +2,7 @@
 //! of every drive and class for other programs.
 
 use super::table::Results;
-use crate::output::reason::cannot_write;
+use crate::output::reason::{Reason, cannot_write, reason};
 use crate::text_table::wrapped;
 use anyhow::Context as _;
 use serde::Serialize;
@@ -43,11 +43,11 @@ impl MissingArgs {
     }
 }
 
-fn list_file(text: &str) -> Result<PathBuf, String> {
+fn list_file(text: &str) -> Result<PathBuf, Reason> {
     let path = PathBuf::from(text);
     match path.extension().and_then(|e| e.to_str()) {
         Some("csv" | "json") => Ok(path),
-        _ => Err("expected a .csv or .json file".to_owned()),
+        _ => Err(reason("应为 .csv 或 .json 文件", "expected a .csv or .json file")),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The rules that a run of `whyroad mine` needs, and its questions.
 
-use crate::output::reason::{cannot_read, stop};
+use crate::output::reason::{Reason, cannot_read, possible_values, reason, stop};
 use anyhow::Context as _;
 use std::path::Path;
 use whyroad_engine::output::query::conditions_class;
@@ -140,18 +140,20 @@ fn identifier(text: &str) -> String {
 }
 
 /// A kind of target: one of the groups, or a class of objects.
-pub(in crate::cmd) fn target_kind(text: &str) -> Result<String, String> {
+pub(in crate::cmd) fn target_kind(text: &str) -> Result<String, Reason> {
     let all =
         ["vehicle", "large_vehicle", "vru", "any"].into_iter().chain(ObjectClass::ALL.iter().map(|c| c.id()));
-    let listed = || all.clone().collect::<Vec<_>>().join(", ");
-    Subject::from_word(text).map(|_| text.to_owned()).ok_or_else(|| format!("possible values: {}", listed()))
+    Subject::from_word(text).map(|_| text.to_owned()).ok_or_else(|| possible_values(&all.collect::<Vec<_>>()))
 }
 
 /// A name that can be part of a class's id.
-pub(in crate::cmd) fn rule_name(text: &str) -> Result<String, String> {
-    (identifier(text) == text && text.len() <= 64)
-        .then(|| text.to_owned())
-        .ok_or("a name has lower-case letters, digits and '_', and begins with a letter".to_owned())
+pub(in crate::cmd) fn rule_name(text: &str) -> Result<String, Reason> {
+    (identifier(text) == text && text.len() <= 64).then(|| text.to_owned()).ok_or_else(|| {
+        reason(
+            "名称由小写字母、数字和 '_' 组成，以字母开头",
+            "a name has lower-case letters, digits and '_', and begins with a letter",
+        )
+    })
 }
 
 pub(super) fn of_query(file: &Path, framework: &Framework, catalog: &Catalog) -> anyhow::Result<Planned> {

@@ -40,12 +40,15 @@ pub(in crate::cmd) fn of_record(
         ego_speed_mps: column("ego.speed").and_then(|c| c.number(frame)),
         ego_action_names: ego_actions.iter().map(|a| Catalog::bundled().value_name(a)).collect(),
         ego_actions,
-        nearest: nearest(rules, table, frames, NEAREST).into_iter().map(class).collect(),
+        nearest: nearest(rules, table, frames, NEAREST)
+            .into_iter()
+            .map(|near| class(near, |frame| table.times[frame].seconds_since(keyframe)))
+            .collect(),
         undecided: undecided(rules, table, frames, NEAREST).into_iter().map(undecided_class).collect(),
     }
 }
 
-fn class(near: NearClass) -> NearestClass {
+fn class(near: NearClass, offset: impl Fn(usize) -> f64) -> NearestClass {
     let unmet = near.unmet.into_iter().map(|part| UnmetPart {
         condition: part.text,
         description: part.words,
@@ -60,6 +63,7 @@ fn class(near: NearClass) -> NearestClass {
         failed: near.failed,
         conditions: near.conditions,
         target_id: near.target,
+        offset_s: offset(near.frame),
         unmet: unmet.collect(),
     }
 }
