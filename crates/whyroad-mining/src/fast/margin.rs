@@ -274,7 +274,7 @@ impl Evaluation<'_> {
                     continue;
                 }
                 let of = self.margins(of, RowSet::Object(i), from - object.row..to - object.row);
-                (from..to).zip(of).for_each(|(k, m)| deciding.add(k - rows.start, m));
+                deciding.add_all(from - rows.start, &of);
             }
         }
         deciding.finish()

@@ -104,7 +104,12 @@ impl Truth {
 
     /// The value in one row.
     pub fn at(&self, row: usize) -> whyroad_model::Tri {
-        whyroad_model::Tri::from(self.known.get(row).then(|| self.yes.get(row)))
+        use whyroad_model::Tri;
+        match (self.known.get(row), self.yes.get(row)) {
+            (false, _) => Tri::Unknown,
+            (true, true) => Tri::True,
+            (true, false) => Tri::False,
+        }
     }
 }
 

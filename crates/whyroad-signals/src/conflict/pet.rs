@@ -140,7 +140,9 @@ impl EgoSweep {
         let known: Vec<_> = target.places.iter().flatten().filter(|p| p.is_sized()).collect();
         let traveled = known.first().is_some_and(|first| {
             let away = |p: &&Placement| p.footprint.center - first.footprint.center;
-            known.iter().any(|p| away(p).norm() >= LEAST_TRAVEL_M)
+            // The square shows of most that they are nearer.
+            let may_be = |away: P2| away.dot(away) >= LEAST_TRAVEL_M * LEAST_TRAVEL_M * (1.0 - 1e-9);
+            known.iter().map(away).any(|away| may_be(away) && away.norm() >= LEAST_TRAVEL_M)
         });
         let encounters = if traveled {
             self.encounters(&stands(known.iter().map(|p| (times[p.frame], p.z, p.footprint))))

@@ -72,7 +72,12 @@ fn crossing(p: &Placement, around: &Surroundings<'_>, among: &Range<usize>) -> O
             continue;
         }
         let to = points[i] - rear;
-        let (x, share) = (to.cross(segment) / across, to.cross(direction) / across);
+        let (ahead, aside) = (to.cross(segment), to.cross(direction));
+        // Most segments end beside the course by more than rounding errors: nothing is divided for them.
+        if aside * across < 0.0 || aside.abs() > across.abs() * (1.0 + 1e-12) {
+            continue;
+        }
+        let (x, share) = (ahead / across, aside / across);
         let s = at[i] + share * (at[i + 1] - at[i]);
         if (0.0..=1.0).contains(&share)
             && (0.0..=REACH_M).contains(&x)

@@ -116,7 +116,7 @@ impl<'a, const N: usize, M: Model<N>> Filter<'a, N, M> {
         first: ([f64; N], Matrix<N>),
         observe: impl FnMut(usize, &mut Vec<Observation>),
     ) -> Self {
-        let (steps, taken) = (Vec::with_capacity(times.len()), Vec::with_capacity(3 * times.len()));
+        let (steps, taken) = (Vec::with_capacity(times.len()), Vec::with_capacity(4 * times.len()));
         let mut filter = Self { model, times, first, steps, taken };
         filter.filter_from(0, observe);
         filter

@@ -70,8 +70,10 @@ impl Ray {
 impl Polyline {
     /// A polyline through `points` without repeated ones; `None` if fewer than two distinct points are left.
     pub fn new(points: impl IntoIterator<Item = P2>) -> Option<Self> {
-        let mut kept: Vec<P2> = Vec::new();
-        let (mut s, mut lengths) = (Vec::new(), Vec::new());
+        let points = points.into_iter();
+        let room = points.size_hint().0;
+        let mut kept: Vec<P2> = Vec::with_capacity(room);
+        let (mut s, mut lengths) = (Vec::with_capacity(room), Vec::with_capacity(room));
         for p in points {
             match (kept.last(), s.last()) {
                 (Some(&q), Some(&at)) => {

@@ -87,7 +87,7 @@ fn rows_of(scene: &Scene<'_>, occlusion: &Occlusion<'_>, obstacles: &Obstacles<'
 
 fn emerges(scene: &Scene<'_>, k: usize, row: usize, seen: &Seen, was_hidden: bool) -> Tri {
     let Some(place) = &scene.targets[k].places[row] else { return Tri::Unknown };
-    if (place.footprint.center - scene.ego.position[seen.frame]).norm() > REACH_M {
+    if !(place.footprint.center - scene.ego.position[seen.frame]).is_within(REACH_M) {
         return Tri::False;
     }
     if seen.share.is_nan() {

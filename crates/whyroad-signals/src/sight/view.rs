@@ -77,10 +77,10 @@ impl Sector {
         Self { mid, half, direction, least_cosine, ranges: ranges(half, from, to) }
     }
 
-    /// The part of `other` in this sector, relative to this one's center.
-    fn shared(&self, other: &Sector) -> Option<(f64, f64)> {
-        let turned = wrap(other.mid - self.mid);
-        let (low, high) = ((turned - other.half).max(-self.half), (turned + other.half).min(self.half));
+    /// The part of another sector, with this middle and half, in this one, relative to this one's center.
+    fn shared(&self, mid: f64, half: f64) -> Option<(f64, f64)> {
+        let turned = wrap(mid - self.mid);
+        let (low, high) = ((turned - half).max(-self.half), (turned + half).min(self.half));
         (high - low > LEAST_ANGLE_RAD).then_some((low, high))
     }
 
@@ -179,6 +179,18 @@ struct Piece {
     footprint: Option<OrientedBox>,
 }
 
+/// What the search for pieces in front of a box reads of each: the others are far apart in memory.
+#[derive(Clone, Copy, Debug)]
+struct Glance {
+    owner: Owner,
+    /// [`Reach::nearest`].
+    nearest: f64,
+    /// [`Sector::mid`].
+    mid: f64,
+    /// [`Sector::half`].
+    half: f64,
+}
+
 /// Range of distances of a shape from the eye, m.
 #[derive(Clone, Copy, Debug)]
 struct Reach {
@@ -255,12 +267,26 @@ pub struct Sight {
 pub struct View {
     eye: P2,
     pieces: Vec<Piece>,
+    /// By piece.
+    glances: Vec<Glance>,
     /// For each 64 pieces, by range of directions, the pieces in the range.
     ranges: Vec<[u64; RANGES]>,
     /// By range of directions, the distance of the nearest piece, m; infinite if there is none.
     nearest: [f64; RANGES],
     /// Room for what hides a box, kept from one question to the next.
-    hidden: RefCell<Vec<Hidden>>,
+    room: RefCell<Room>,
+}
+
+/// Which of 64 pieces a direction in these ranges may meet.
+fn in_ranges(by_range: &[u64; RANGES], (first, count): Ranges) -> u64 {
+    (first..first + count).fold(0, |set, range| set | by_range[range % RANGES])
+}
+
+/// What hides a box, and the hidden angles of some of it.
+#[derive(Clone, Debug, Default)]
+struct Room {
+    hidden: Vec<Hidden>,
+    angles: Vec<(f64, f64)>,
 }
 
 /// What hides a part of a box: its owner, the distance of its nearest point, m, and the hidden angles.
@@ -270,8 +296,8 @@ impl View {
     /// An empty view from `eye`, with room for this number of pieces.
     pub fn from(eye: P2, pieces: usize) -> Self {
         let ranges = Vec::with_capacity(pieces.div_ceil(64));
-        let (pieces, nearest) = (Vec::with_capacity(pieces), [f64::INFINITY; RANGES]);
-        Self { eye, pieces, ranges, nearest, hidden: RefCell::default() }
+        let (glances, nearest) = (Vec::with_capacity(pieces), [f64::INFINITY; RANGES]);
+        Self { eye, pieces: Vec::with_capacity(pieces), glances, ranges, nearest, room: RefCell::default() }
     }
 
     /// Adds the box of a target; `last` is how it was seen before, and then now.
@@ -302,24 +328,8 @@ impl View {
                 self.nearest[range] = reach.nearest;
             }
         }
+        self.glances.push(Glance { owner, nearest: reach.nearest, mid: sector.mid, half: sector.half });
         self.pieces.push(Piece { owner, sector, outline, reach, footprint });
-    }
-
-    /// The pieces that a direction in these ranges may meet, in their order.
-    fn pieces_in(&self, (first, count): Ranges) -> impl Iterator<Item = &Piece> {
-        let words = self.ranges.iter().enumerate();
-        let set = words.map(move |(k, by_range)| {
-            (k, (first..first + count).fold(0, |set, range| set | by_range[range % RANGES]))
-        });
-        set.flat_map(move |(k, mut left)| {
-            std::iter::from_fn(move || {
-                let bit = left.trailing_zeros() as usize;
-                (left != 0).then(|| {
-                    left &= left - 1;
-                    &self.pieces[64 * k + bit]
-                })
-            })
-        })
     }
 
     /// Visible share of `target`'s box behind all pieces except itself. A box that overlaps it (a rider and the
@@ -331,28 +341,37 @@ impl View {
             None if target.overlaps(&OrientedBox::point(self.eye)) => return None,
             None => (Sector::of(&corners), Reach::of(&corners)),
         };
-        let mut hidden = self.hidden.take();
+        let mut room = self.room.take();
+        let Room { hidden, angles } = &mut room;
         hidden.clear();
-        let around = self.pieces_in(sector.ranges);
-        for piece in around.filter(|p| Some(p.owner) != own && p.reach.nearest < reach.farthest) {
-            let Some((low, high)) = sector.shared(&piece.sector) else { continue };
-            // Most are separate in distance: then no sight line is needed to determine which is nearer, and they do not
-            // overlap.
-            let is_before = piece.reach.is_before(&reach) || {
-                let direction = P2::from_heading(sector.mid + (low + high) / 2.0);
-                entry(piece.outline.corners(), direction) < entry(&corners, direction)
-                    && piece.footprint.is_none_or(|f| !f.overlaps(target))
-            };
-            if is_before {
-                hidden.push((piece.owner, piece.reach.nearest, (low, high)));
+        for (k, by_range) in self.ranges.iter().enumerate() {
+            let mut left = in_ranges(by_range, sector.ranges);
+            while left != 0 {
+                let at = 64 * k + left.trailing_zeros() as usize;
+                left &= left - 1;
+                let Glance { owner, nearest, mid, half } = self.glances[at];
+                let may_hide = nearest < reach.farthest && Some(owner) != own;
+                let shared = if may_hide { sector.shared(mid, half) } else { None };
+                let Some((low, high)) = shared else { continue };
+                let piece = &self.pieces[at];
+                // Most are separate in distance: then no sight line is needed to determine which is nearer, and they
+                // do not overlap.
+                let is_before = piece.reach.is_before(&reach) || {
+                    let direction = P2::from_heading(sector.mid + (low + high) / 2.0);
+                    entry(piece.outline.corners(), direction) < entry(&corners, direction)
+                        && piece.footprint.is_none_or(|f| !f.overlaps(target))
+                };
+                if is_before {
+                    hidden.push((owner, nearest, (low, high)));
+                }
             }
         }
         let (covered, occluder) = match hidden[..] {
             [] => (0.0, None),
             [(owner, _, (low, high))] => ((high - low).max(0.0), Some(owner)),
-            _ => (union(hidden.iter().map(|h| h.2).collect()), most_hiding(&mut hidden)),
+            _ => (union(hidden, angles), most_hiding(hidden, angles)),
         };
-        self.hidden.replace(hidden);
+        self.room.replace(room);
         let share = match occluder {
             None => 1.0,
             Some(_) => (1.0 - covered / (2.0 * sector.half)).clamp(0.0, 1.0),
@@ -408,14 +427,15 @@ impl Counting<'_> {
         }
         let distance = to.norm();
         let direction = to * (1.0 / distance.max(1e-9));
-        let mut first: Option<(f64, Owner)> = None;
+        let (mut first, mut beyond): (Option<(f64, Owner)>, f64) = (None, f64::INFINITY);
         for (k, (by_range, counted)) in self.view.ranges.iter().zip(&self.pieces).enumerate() {
             let mut left = by_range[range] & counted;
             while left != 0 {
                 let piece = &self.view.pieces[64 * k + left.trailing_zeros() as usize];
                 left &= left - 1;
+                // Of a piece that is behind the first one by more than rounding errors, no point is the first.
                 if !near(piece.reach.nearest)
-                    || piece.reach.nearest >= distance
+                    || piece.reach.nearest >= distance.min(beyond)
                     || !piece.sector.contains(direction)
                 {
                     continue;
@@ -423,6 +443,7 @@ impl Counting<'_> {
                 let at = entry(piece.outline.corners(), direction);
                 if at < distance && first.is_none_or(|(least, _)| at.total_cmp(&least).is_lt()) {
                     first = Some((at, piece.owner));
+                    beyond = at * (1.0 + 1e-9) + 1e-6;
                 }
             }
         }
@@ -430,11 +451,13 @@ impl Counting<'_> {
     }
 }
 
-/// Length of the union of intervals.
-fn union(mut intervals: Vec<(f64, f64)>) -> f64 {
-    intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
+/// Length of the union of the hidden angles; `angles` is room for them.
+fn union(hidden: &[Hidden], angles: &mut Vec<(f64, f64)>) -> f64 {
+    angles.clear();
+    angles.extend(hidden.iter().map(|h| h.2));
+    angles.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut covered, mut reached) = (0.0, f64::NEG_INFINITY);
-    for (low, high) in intervals {
+    for &mut (low, high) in angles {
         covered += (high - low.max(reached)).max(0.0);
         reached = reached.max(high);
     }
@@ -442,13 +465,13 @@ fn union(mut intervals: Vec<(f64, f64)>) -> f64 {
 }
 
 /// The owner whose pieces together hide the largest angle; if equal, the nearest.
-fn most_hiding(hidden: &mut [Hidden]) -> Option<Owner> {
+fn most_hiding(hidden: &mut [Hidden], angles: &mut Vec<(f64, f64)>) -> Option<Owner> {
     hidden.sort_by_key(|h| h.0);
     hidden
         .chunk_by(|a, b| a.0 == b.0)
         .map(|of_one| {
             let nearest = of_one.iter().map(|h| h.1).fold(f64::INFINITY, f64::min);
-            (union(of_one.iter().map(|h| h.2).collect()), nearest, of_one[0].0)
+            (union(of_one, angles), nearest, of_one[0].0)
         })
         .max_by(|a, b| {
             let same = (a.0 - b.0).abs() <= LEAST_ANGLE_RAD;

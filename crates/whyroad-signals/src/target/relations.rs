@@ -67,13 +67,13 @@ fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> TargetRelation {
         return TargetRelation::None;
     }
     let turned = p.turned();
-    let distance = p.ahead.hypot(p.path.lateral);
+    let distance = || p.ahead.hypot(p.path.lateral);
     if turned >= ONCOMING_RAD - 1e-9 {
-        return if distance <= ONCOMING_REACH_M { TargetRelation::Oncoming } else { TargetRelation::None };
+        return if distance() <= ONCOMING_REACH_M { TargetRelation::Oncoming } else { TargetRelation::None };
     }
     if turned >= CROSSING_RAD {
         // A stationary object across the path is not crossing.
-        return if p.speed() >= MOVING_MPS && distance <= CROSSING_REACH_M {
+        return if p.speed() >= MOVING_MPS && distance() <= CROSSING_REACH_M {
             TargetRelation::Crossing
         } else {
             TargetRelation::None

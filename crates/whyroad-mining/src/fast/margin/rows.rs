@@ -59,8 +59,9 @@ pub fn settle(margins: &mut [f64], truth: &Truth, first: usize) {
             _ => {}
         }
         for (i, margin) in margins.iter_mut().enumerate() {
-            let truth = Tri::from((known >> i & 1 == 1).then_some(yes >> i & 1 == 1));
-            *margin = settled(truth, *margin);
+            let [is_true, is_known] = [yes, known].map(|word| word >> i & 1 == 1);
+            let one = if is_true { Tri::True } else { Tri::False };
+            *margin = settled(if is_known { one } else { Tri::Unknown }, *margin);
         }
     }
 }
@@ -187,6 +188,19 @@ impl Deciding {
         }
     }
 
+    /// Adds the margins of an object in these rows, beginning with row `first`.
+    pub fn add_all(&mut self, first: usize, margins: &[f64]) {
+        match self {
+            Self::First(best) => {
+                for (best, margin) in best[first..].iter_mut().zip(margins) {
+                    let is_greater = !margin.is_nan() && best.total_cmp(margin).is_lt();
+                    *best = if is_greater { *margin } else { *best };
+                }
+            }
+            _ => margins.iter().enumerate().for_each(|(k, margin)| self.add(first + k, *margin)),
+        }
+    }
+
     /// The margin of each row; the least one where there are too few objects.
     pub fn finish(self) -> Vec<f64> {
         let or_least = |margin: f64| if margin.is_nan() { -MARGIN_LIMIT } else { margin };
@@ -232,6 +246,9 @@ mod tests {
                 }
             };
             let bits = |all: Vec<f64>| all.into_iter().map(f64::to_bits).collect::<Vec<_>>();
+            let mut at_once = Deciding::new(count, 4);
+            margins.iter().for_each(|(row, m)| at_once.add_all(*row, &[*m]));
+            prop_assert_eq!(bits(at_once.finish()), bits((0..4).map(expected).collect()));
             prop_assert_eq!(bits(deciding.finish()), bits((0..4).map(expected).collect()));
         }
 

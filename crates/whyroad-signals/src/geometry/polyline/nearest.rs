@@ -85,7 +85,19 @@ impl Segments {
     pub fn new(points: &[P2], s: &[f64], lengths: &[f64]) -> Self {
         let last = points.len() - 1;
         let blocks = (0..last).step_by(BLOCK).map(|i| Block::around(&points[i..=(i + BLOCK).min(last)]));
-        let mut out = Self { blocks: blocks.collect(), s: s.to_vec(), ..Self::default() };
+        let room = || Vec::with_capacity(last);
+        let mut out = Self {
+            blocks: blocks.collect(),
+            s: s.to_vec(),
+            from_x: room(),
+            from_y: room(),
+            along_x: room(),
+            along_y: room(),
+            inverse: room(),
+            bend_x: room(),
+            bend_y: room(),
+            sharpness: room(),
+        };
         for (ends, s) in points.windows(2).zip(s.windows(2)) {
             let (along, length) = (ends[1] - ends[0], s[1] - s[0]);
             out.from_x.push(ends[0].x);
@@ -223,16 +235,21 @@ impl Segments {
             nearest.1
         });
         self.look(p, segments(begin), &mut best);
-        // The ends extend beyond their blocks.
-        let open = |b: usize| b == 0 || b + 1 == self.blocks.len();
         let mut distance = best.d2.sqrt();
         for b in blocks {
-            if b != begin && (open(b) || self.blocks[b].may_be_within(p, distance)) {
+            if b != begin && (self.is_open(b, p) || self.blocks[b].may_be_within(p, distance)) {
                 self.look(p, segments(b), &mut best);
                 distance = best.d2.sqrt();
             }
         }
         best
+    }
+
+    /// True if `p` is beyond the end of the line in this block: the end is extended straight, out of the block's circle.
+    fn is_open(&self, b: usize, p: P2) -> bool {
+        let (is_first, is_last) = (b == 0, b + 1 == self.blocks.len());
+        (is_first && self.along(p, 0) < 0.0)
+            || (is_last && self.share(p, self.inverse.len() - 1) > 1.0 - 1e-9)
     }
 
     /// [`Segments::foot`] of the position `p` whose foot point was `before`, now among other segments: only segments
@@ -352,9 +369,16 @@ impl Segments {
     }
 
     /// Share of a segment at which the foot point of `p` on its line is, to within rounding.
+    #[inline]
     fn share(&self, p: P2, i: usize) -> f64 {
+        self.along(p, i) * self.inverse[i]
+    }
+
+    /// Product of a segment and the vector from its beginning to `p`: negative before the beginning.
+    #[inline]
+    fn along(&self, p: P2, i: usize) -> f64 {
         let to = (p.x - self.from_x[i], p.y - self.from_y[i]);
-        (to.0 * self.along_x[i] + to.1 * self.along_y[i]) * self.inverse[i]
+        to.0 * self.along_x[i] + to.1 * self.along_y[i]
     }
 
     /// Range of shares of a segment in which a foot point on it can be: the first and the last are extended straight.

@@ -114,6 +114,45 @@ fn a_long_line_is_searched_as_a_short_one() {
 }
 
 #[test]
+fn a_foot_point_that_follows_others_is_the_nearest() {
+    // Straights, slight bends, corners and a way back; also in national coordinates.
+    let mut points = vec![p2(0.0, 0.0)];
+    for i in 0..600_i32 {
+        let heading = match i / 50 {
+            0 | 1 | 5 | 11 => 0.0,
+            2 => 0.002 * f64::from(i - 100),
+            3 | 4 => 0.1,
+            6 => 0.03 * f64::from(i - 300),
+            7 => 1.5,
+            8 => 1.5 + 0.0628 * f64::from(i - 400),
+            _ => 4.64,
+        };
+        points.push(points[points.len() - 1] + P2::from_heading(heading) * (0.8 + 0.1 * f64::from(i % 5)));
+    }
+    for far in [p2(0.0, 0.0), p2(682_312.7, 3_412_990.3)] {
+        let line = Polyline::new(points.iter().map(|p| *p + far)).unwrap();
+        let n = line.points.len() - 1;
+        // Positions that go along the line, against it and past it, while the window goes along it.
+        for walk in 0..24_usize {
+            let (start, step) = (walk * 31 % n, [1.1, -0.7, 0.05, 4.0][walk % 4]);
+            let aside = [0.0, 3.5, -12.0, 40.0, -90.0, 0.3][walk % 6];
+            let mut p = line.points[start] + P2::from_heading(walk as f64) * 0.3;
+            let mut before: Option<Foot> = None;
+            for k in 0..150_usize {
+                let at = line.project(p).s;
+                let (along, left) = (line.directions[line.segment_at(at)], 1e-3 * f64::from(k as u32));
+                p = p + along * step + along.left() * (if k == 0 { aside } else { left });
+                let first = (start + k).saturating_sub(130).min(n - 70);
+                let window = Window { first, end: (first + 260 - k / 2).min(n) };
+                let found = line.foot(p, window, before.as_ref());
+                assert_eq!(found.at, one_by_one(&line, p, window.first..window.end), "{walk} {k} {p:?}");
+                before = Some(found);
+            }
+        }
+    }
+}
+
+#[test]
 fn the_way_to_the_nearest_segment_finds_it() {
     // A slight bend to both sides with unequal steps, and a corner; positions on points, beside them and far away; also
     // in national coordinates.

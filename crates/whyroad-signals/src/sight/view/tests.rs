@@ -158,8 +158,9 @@ proptest! {
             prop_assert_eq!(v.counting(|_| true).before(place), before_one_by_one(&v, place));
         }
         for piece in &v.pieces {
-            let near: Vec<Owner> = v.pieces_in(piece.sector.ranges).map(|p| p.owner).collect();
-            for other in v.pieces.iter().filter(|o| piece.sector.shared(&o.sector).is_some()) {
+            let is_near = |k: &usize| in_ranges(&v.ranges[k / 64], piece.sector.ranges) >> (k % 64) & 1 == 1;
+            let near: Vec<Owner> = (0..v.pieces.len()).filter(is_near).map(|k| v.pieces[k].owner).collect();
+            for other in v.pieces.iter().filter(|o| piece.sector.shared(o.sector.mid, o.sector.half).is_some()) {
                 prop_assert!(near.contains(&other.owner));
             }
         }
