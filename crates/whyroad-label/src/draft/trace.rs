@@ -604,18 +604,31 @@ pub(crate) fn is_draft(
     });
     moving.any(|facts| {
         let (actions, joints) = facts.phrasings();
+        // The text is put together only with a reason and an action that the trace has: there are thousands of others.
+        let mut whys = facts.whys();
+        whys.retain(|why| trace.contains(&bare(why)));
+        if whys.is_empty() {
+            return false;
+        }
+        let has_action: Vec<bool> =
+            (0..actions).map(|action| trace.contains(&bare(without_ego(&facts.action(action))))).collect();
+        let is_possible = |action: u64| usize::try_from(action).is_ok_and(|i| has_action[i]);
         let mut states = (1..=MOST_IN_STATE)
             .flat_map(|things| [(things, StateOrder::FirstLast), (things, StateOrder::AsListed)]);
-        let whys = facts.whys();
         states.any(|state| {
             whys.iter().any(|why| {
-                (0..actions * joints).any(|i| {
+                (0..actions * joints).filter(|i| is_possible(i % actions)).any(|i| {
                     let choice = Choice { why: 0, action: i % actions, joined: i / actions, opening: 0 };
                     trace.ends_with(&bare(&facts.sentence(None, state, why, choice)))
                 })
             })
         })
     })
+}
+
+/// An action without its subject.
+fn without_ego(action: &str) -> &str {
+    action.strip_prefix(OF_EGO).or_else(|| action.strip_prefix("it ")).unwrap_or(action)
 }
 
 /// The component that describes the subject of the class, if the recording shows none that does.

@@ -255,8 +255,9 @@ impl Checker<'_> {
 }
 
 fn push_once(atom: Atom, out: &mut Vec<Atom>) {
-    let key = |a: &Atom| (a.text.clone(), a.condition, a.measured);
-    if out.iter().all(|a| key(a) != key(&atom)) {
+    let is_same =
+        |a: &Atom| (a.condition, a.measured) == (atom.condition, atom.measured) && a.text == atom.text;
+    if !out.iter().any(is_same) {
         out.push(atom);
     }
 }
