@@ -32,7 +32,6 @@ use decision::LeadIs;
 use lead::Lead;
 use moment::{Moment, light_state};
 use std::collections::BTreeMap;
-use subjects::{How, Named, Subjects, with_cause};
 use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::draft_texts::WhyKept;
 use whyroad_framework::taxonomy::TypicalDecisions;
@@ -85,7 +84,7 @@ pub fn draft_with_seed(
     lang: Lang,
     run: u64,
 ) -> Draft {
-    make(framework, drive, signals, episode, How { lang, run, listed: None })
+    make(framework, drive, signals, episode, subjects::How { lang, run, listed: None })
 }
 
 /// The same where Stage I lists the components `listed`: the draft names no other components (LABELING.md 6, *Stage I
@@ -98,7 +97,7 @@ pub fn draft_of_listed(
     lang: Lang,
     listed: &[CriticalComponent],
 ) -> Draft {
-    make(framework, drive, signals, episode, How { lang, run: 0, listed: Some(listed) })
+    make(framework, drive, signals, episode, subjects::How { lang, run: 0, listed: Some(listed) })
 }
 
 fn make(
@@ -106,9 +105,9 @@ fn make(
     drive: &Drive,
     signals: &SignalTable,
     episode: &EpisodeRecord,
-    how: How<'_>,
+    how: subjects::How<'_>,
 ) -> Draft {
-    let How { lang, run, .. } = how;
+    let subjects::How { lang, run, .. } = how;
     let mut notes = Vec::new();
     let keyframe = keyframe_of(drive, episode);
     let class = &episode.scenario_id;
@@ -255,7 +254,7 @@ fn make(
     // A red light is no reason to speed up; nor is it one to move off.
     let goes_at_red = starts_at_red || (motion == LongitudinalMotion::SpeedsUp && moment.red().is_true());
     let has_light = goes_on && !goes_at_red;
-    let named = Named {
+    let named = subjects::Named {
         scene: &scene,
         moment: &moment,
         how,
@@ -280,7 +279,7 @@ fn make(
     let leaves = decision.lateral == Some(Lateral::LaneChange) && motion == LongitudinalMotion::Stops;
     let rolls = motion == LongitudinalMotion::Stops && moment.change("soon.stops") == Tri::False;
     let seed = trace::seed(&episode.episode_id, run);
-    let told = |subjects: &Subjects, most: usize, lang| {
+    let told = |subjects: &subjects::Subjects, most: usize, lang| {
         let facts = trace::DraftFacts {
             framework,
             class,
@@ -309,7 +308,7 @@ fn make(
     let Some(written) = fewest.flatten() else {
         return undrafted(framework, drive, episode, Doubt::Words, records, notes);
     };
-    let (coc_trace, Subjects { mut components, of_turn, along, .. }) = (written.text, subjects);
+    let (coc_trace, subjects::Subjects { mut components, of_turn, along, .. }) = (written.text, subjects);
     // What the trace does not say is not listed.
     components.truncate(written.things);
     notes.push(Bilingual::new(
@@ -475,7 +474,7 @@ pub fn components(
     let moment = Moment::of(signals, keyframe, target, None);
     let has_course = false;
     let scene = components::Scene { framework, drive, signals, episode, target, keyframe, has_course };
-    let mut all = with_cause(&scene, scene.observed(&moment, lang), &moment, lang);
+    let mut all = subjects::with_cause(&scene, scene.observed(&moment, lang), &moment, lang);
     all.extend(trace::also(framework, class, &moment, lang));
     if !all.iter().any(is_light) {
         all.extend(scene.light(&moment, lang));
