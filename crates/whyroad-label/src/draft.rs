@@ -15,11 +15,13 @@ mod moment;
 mod motion;
 mod records;
 mod rival;
+mod subjects;
 mod trace;
 mod wording;
 
 pub use doubt::Doubt;
 pub use motion::LongitudinalMotion;
+pub use subjects::is_same;
 pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 
 use crate::check::cause::side::{Side, to_mention};
@@ -37,7 +39,7 @@ use whyroad_framework::{Framework, Taxonomy};
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::messages::{
     Cause, Causes, CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Keyframe, Provenance,
-    ProvenanceSource, ScenarioLabel, TimeRange, Uncertainty,
+    ProvenanceSource, ScenarioLabel, TimeRange,
 };
 use whyroad_model::time::frame_at;
 use whyroad_model::{
@@ -82,7 +84,7 @@ pub fn draft_with_seed(
     lang: Lang,
     run: u64,
 ) -> Draft {
-    make(framework, drive, signals, episode, How { lang, run, listed: None })
+    make(framework, drive, signals, episode, subjects::How { lang, run, listed: None })
 }
 
 /// The same where Stage I lists the components `listed`: the draft names no other components (LABELING.md 6, *Stage I
@@ -95,46 +97,7 @@ pub fn draft_of_listed(
     lang: Lang,
     listed: &[CriticalComponent],
 ) -> Draft {
-    make(framework, drive, signals, episode, How { lang, run: 0, listed: Some(listed) })
-}
-
-/// Settings of a skeleton.
-#[derive(Clone, Copy)]
-struct How<'a> {
-    lang: Lang,
-    /// Seed of the phrasings.
-    run: u64,
-    /// Components that Stage I lists; `None` where all may be named.
-    listed: Option<&'a [CriticalComponent]>,
-}
-
-impl How<'_> {
-    /// The object may be named in addition to the subject of the class.
-    fn names(&self, object: &TrackId) -> bool {
-        let links = |c: &CriticalComponent| c.linked_objects.iter().any(|id| id == object.as_str());
-        self.listed.is_none_or(|listed| listed.iter().any(links))
-    }
-
-    /// The component may be named in addition to the subject of the class.
-    fn lists(&self, component: &CriticalComponent) -> bool {
-        let said = |c: &CriticalComponent| is_same(c, component) && c.description == component.description;
-        self.listed.is_none_or(|listed| listed.iter().any(said))
-    }
-
-    /// Gives each component the text that it has in Stage I, for which less was known about the subject of the class.
-    fn reword(&self, components: &mut [CriticalComponent]) {
-        let mut left: Vec<&CriticalComponent> = self.listed.into_iter().flatten().collect();
-        for c in components {
-            if let Some(at) = left.iter().position(|of| is_same(of, c)) {
-                c.description.clone_from(&left.remove(at).description);
-            }
-        }
-    }
-}
-
-/// True when both components describe the same thing.
-pub fn is_same(a: &CriticalComponent, b: &CriticalComponent) -> bool {
-    a.category == b.category && a.linked_objects == b.linked_objects
+    make(framework, drive, signals, episode, subjects::How { lang, run: 0, listed: Some(listed) })
 }
 
 fn make(
@@ -142,9 +105,9 @@ fn make(
     drive: &Drive,
     signals: &SignalTable,
     episode: &EpisodeRecord,
-    how: How<'_>,
+    how: subjects::How<'_>,
 ) -> Draft {
-    let How { lang, run, .. } = how;
+    let subjects::How { lang, run, .. } = how;
     let mut notes = Vec::new();
     let keyframe = keyframe_of(drive, episode);
     let class = &episode.scenario_id;
@@ -192,6 +155,9 @@ fn make(
         of_road: class.l1 == ROAD,
         of_limit: class.l2.as_deref() == Some("speed_limit")
             && !matches!(class.l3.as_deref(), Some("bump_limit" | "crosswalk_limit")),
+        of_obstacle: class.l2.as_deref() == Some("obstacle_avoidance")
+            || (class.l2.as_deref() == Some("lane_change")
+                && target_id.is_some_and(|id| stands(signals, keyframe, id))),
         of_turn: class.l1 == "proactive" && class.l2.as_deref() == Some("turn"),
     };
     let (decision, motion) = decision::infer(signals, keyframe, &asked, &mut notes);
@@ -256,43 +222,17 @@ fn make(
     }
     let (target, has_course) = (target_id, goes_on);
     let scene = components::Scene { framework, drive, signals, episode, target, keyframe, has_course };
-    let components = scene.observed(&moment, lang);
-    if components.is_empty() {
+    if scene.observed(&moment, lang).is_empty() {
         notes.push(Bilingual::new(
             "没有可由信号得出的关键要素，请标注员补充",
             "the signals show no critical component: add them",
         ));
     }
-    let mut components = with_cause(&scene, components, &moment, lang);
-    let mut also = trace::also(framework, class, &moment, lang).filter(|c| how.lists(c));
-    let mut order = trace::StateOrder::FirstLast;
-    let mut of_turn = None;
-    if let Some(component) = by_lead.and_then(|lead| scene.lead(&lead, lang)) {
-        // The component nearest to the ego comes last, because the text after it refers to it.
-        order = trace::StateOrder::AsListed;
-        components.insert(components.len().min(1), component);
-        also = None;
-    } else if goes_on && components.len() < trace::MOST_IN_STATE && decision.lateral == Some(Lateral::Turn) {
-        let intent = scene.turn_intent(&moment, lang).filter(|c| how.lists(c));
-        of_turn = intent.is_some().then_some(components.len());
-        components.extend(intent);
-    }
-    let names_light = components.iter().chain(&also).any(is_light);
-    let light = scene.light(&moment, lang);
-    // A red light is no reason to speed up; nor is it one to move off.
-    let goes_at_red = starts_at_red || (motion == LongitudinalMotion::SpeedsUp && moment.red().is_true());
-    let light = light.filter(|c| goes_on && !names_light && !goes_at_red && how.lists(c));
     let waits = decision.longitudinal == Some(Longitudinal::Resume) && motion == LongitudinalMotion::Waits;
     // If the class requires a decision other than following, a lead that slows the ego is still named.
     let slows = matches!(motion, LongitudinalMotion::Slows | LongitudinalMotion::Stops);
     let beside = lead.filter(|lead| by_lead.is_none() && slows && lead.is_cause_of(motion));
-    let named = beside.filter(|_| decision.longitudinal.is_some() && target_id.is_none());
-    also = also.or_else(|| named.and_then(|lead| scene.lead(&lead, lang)));
-    // The component that makes room for the decision comes after the one that calls for it.
-    if also.is_some() && components.len() < trace::MOST_IN_STATE {
-        order = trace::StateOrder::AsListed;
-    }
-    components.extend(also);
+    let beside = beside.filter(|_| decision.longitudinal.is_some() && target_id.is_none());
     let of_others = framework
         .draft_texts
         .seen(class)
@@ -306,62 +246,80 @@ fn make(
     let moves_along = matches!(class.l2.as_deref(), Some("cutin" | "vru_invasion" | "vehicle_abnormal"));
     let passes_by = class.l2.as_deref() == Some(doubt::MEETING) || (moves_along && kept == WhyKept::Standing);
     let of_other = class.l1 == "safety" || (class.l1 == "reactive_agent" && !passes_by);
-    let by_light = light.is_some()
-        && moment.red().is_true()
+    let light_decides = moment.red().is_true()
         && by_lead.is_none()
         && !of_other
         && decision.lateral.is_none()
         && (stops || waits);
-    if let Some(component) = light {
-        if by_light {
-            // What the text after it refers to comes last.
-            order = trace::StateOrder::AsListed;
-            components.truncate(1);
-            components.push(component);
-        } else if components.len() < trace::MOST_IN_STATE {
-            components.push(component);
-        }
-    }
+    // A red light is no reason to speed up; nor is it one to move off.
+    let goes_at_red = starts_at_red || (motion == LongitudinalMotion::SpeedsUp && moment.red().is_true());
+    let has_light = goes_on && !goes_at_red;
+    let named = subjects::Named {
+        scene: &scene,
+        moment: &moment,
+        how,
+        decision: &decision,
+        by_lead,
+        beside,
+        has_light,
+        light_decides,
+    };
+    let subjects = named.in_language(lang);
     let holds = slows || waits;
     let is_of_speed = match decision.longitudinal {
         Some(Longitudinal::GapMatching) => false,
         Some(_) => holds,
         None => decision.lateral.is_none() && matches!(kept, WhyKept::Slowing | WhyKept::Standing),
     };
-    if is_of_speed && driven.as_ref().is_some_and(|w| rival::of(w, target_id, &components).is_some()) {
+    let of_rival = |w: &Driven<'_>| rival::of(w, target_id, &subjects.components).is_some();
+    if is_of_speed && driven.as_ref().is_some_and(of_rival) {
         return undrafted(framework, drive, episode, Doubt::OtherCause, records, notes);
     }
-    how.reword(&mut components);
     // An ego that changes lanes does not stop behind what it leaves; one that keeps rolling has not stopped.
     let leaves = decision.lateral == Some(Lateral::LaneChange) && motion == LongitudinalMotion::Stops;
     let rolls = motion == LongitudinalMotion::Stops && moment.change("soon.stops") == Tri::False;
-    let facts = trace::DraftFacts {
-        framework,
-        class,
-        components: &components,
-        decision: &decision,
-        motion: if leaves || rolls { LongitudinalMotion::Slows } else { motion },
-        kept,
-        trend: course.map_or(Trend::Unknown, |c| c.trend),
-        brakes_hard: course.is_some_and(|c| c.braking_mps2 > trace::SMOOTH_MPS2),
-        lead: by_lead.map(|lead| moment.of_row(lead.row)),
-        by_light,
-        lang,
-    };
     let seed = trace::seed(&episode.episode_id, run);
-    let Some(coc_trace) = trace::trace(&facts, order, signals, keyframe, &moment, seed) else {
+    let told = |subjects: &subjects::Subjects, most: usize, lang| {
+        let facts = trace::DraftFacts {
+            framework,
+            class,
+            components: &subjects.components[..most.min(subjects.components.len())],
+            decision: &decision,
+            motion: if leaves || rolls { LongitudinalMotion::Slows } else { motion },
+            kept,
+            trend: course.map_or(Trend::Unknown, |c| c.trend),
+            brakes_hard: course.is_some_and(|c| c.braking_mps2 > trace::SMOOTH_MPS2),
+            lead: by_lead.map(|lead| moment.of_row(lead.row)),
+            by_light: subjects.by_light,
+            lang,
+        };
+        trace::trace(&facts, (subjects.order, subjects.along), signals, keyframe, &moment, seed)
+    };
+    // An episode has a draft in both languages or in none, with the same components, whatever one of them could say.
+    let other = if lang == Lang::Zh { Lang::En } else { Lang::Zh };
+    let all = subjects.components.len();
+    let texts = told(&subjects, all, lang).zip(told(&named.in_language(other), all, other));
+    let fewest =
+        texts.map(
+            |(own, other)| {
+                if other.things < own.things { told(&subjects, other.things, lang) } else { Some(own) }
+            },
+        );
+    let Some(written) = fewest.flatten() else {
         return undrafted(framework, drive, episode, Doubt::Words, records, notes);
     };
+    let (coc_trace, subjects::Subjects { mut components, of_turn, along, .. }) = (written.text, subjects);
+    // What the trace does not say is not listed.
+    components.truncate(written.things);
     notes.push(Bilingual::new(
         "推理文本为模板草稿，须改写为完整的因果说明",
         "the trace is a template: write the state, why it calls for the decision, and the decision",
     ));
     let clipped = clip::inside(drive, episode, &mut notes);
     number(&mut components, clipped.1.timestamp);
-    let along = usize::from((by_lead.is_some() || by_light) && components.len() > 1);
     let across = match decision.lateral {
         Some(lateral) if !typical.lateral.contains(&lateral) && spec.and_then(|s| s.lateral).is_none() => {
-            of_turn
+            of_turn.filter(|n| *n < components.len())
         }
         // Only a route or the indicator shows why the ego turns.
         Some(Lateral::Turn) if class.l2.as_deref() == Some("turn") => {
@@ -449,6 +407,12 @@ fn label_of(
     }
 }
 
+fn stands(signals: &SignalTable, keyframe: usize, id: &TrackId) -> bool {
+    Moment::of(signals, keyframe, Some(id), None)
+        .number("target.speed")
+        .is_some_and(|v| v < lead::STANDING_MPS)
+}
+
 /// The ego's motion after the keyframe does not fit the decision or, where nothing is decided, is not constant.
 fn is_of_other_motion(
     w: &Driven<'_>,
@@ -510,7 +474,7 @@ pub fn components(
     let moment = Moment::of(signals, keyframe, target, None);
     let has_course = false;
     let scene = components::Scene { framework, drive, signals, episode, target, keyframe, has_course };
-    let mut all = with_cause(&scene, scene.observed(&moment, lang), &moment, lang);
+    let mut all = subjects::with_cause(&scene, scene.observed(&moment, lang), &moment, lang);
     all.extend(trace::also(framework, class, &moment, lang));
     if !all.iter().any(is_light) {
         all.extend(scene.light(&moment, lang));
@@ -529,32 +493,6 @@ pub fn components(
 /// The frame of the keyframe, or the last frame if the keyframe is later.
 fn keyframe_of(drive: &Drive, episode: &EpisodeRecord) -> usize {
     frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1))
-}
-
-/// Inserts the component that every episode of the class has as the first one, if the `observed` ones do not show it;
-/// where the course is known, in the words for this moment. The Chinese texts decide what a component is about, so that
-/// drafts of both languages have the same ones.
-fn with_cause(
-    scene: &components::Scene<'_>,
-    mut observed: Vec<CriticalComponent>,
-    moment: &Moment<'_>,
-    lang: Lang,
-) -> Vec<CriticalComponent> {
-    let (framework, class) = (scene.framework, &scene.episode.scenario_id);
-    let in_chinese = (lang != Lang::Zh).then(|| scene.observed(moment, Lang::Zh));
-    let found = in_chinese.as_ref().unwrap_or(&observed);
-    if let Some(seen) = trace::seen(framework, class, found, moment, lang) {
-        observed.insert(0, seen);
-    }
-    // LABELING.md 3: at least one component about a hidden road user is uncertain.
-    let is_high = |c: &CriticalComponent| c.uncertainty == Some(Uncertainty::High);
-    if framework.specs.get(class).is_some_and(|s| s.uncertainty_high)
-        && !observed.iter().any(is_high)
-        && let Some(first) = observed.first_mut()
-    {
-        first.uncertainty = Some(Uncertainty::High);
-    }
-    observed
 }
 
 /// Gives components their ids and the moment at which they are evident.

@@ -503,6 +503,21 @@ mod tests {
     }
 
     #[test]
+    fn a_lane_that_leads_somewhere_is_no_lead() {
+        let names_lead = |text: &str| said(text).iter().any(|n| n.starts_with("lead"));
+        for verb in [
+            "The ego's lane does not lead where its route goes, but the next one does",
+            "By then the lane may lead elsewhere",
+            "The road may lead into the tunnel",
+        ] {
+            assert!(!names_lead(verb), "{verb}");
+        }
+        for noun in ["The lead stops where the road narrows", "We follow the lead into the tunnel"] {
+            assert!(names_lead(noun), "{noun}");
+        }
+    }
+
+    #[test]
     fn things_have_side_state_and_mood() {
         assert_eq!(said("左前方白色轿车切入，右侧货车并行"), ["car left CuttingIn", "truck right"]);
         assert_eq!(said("后方没有来车，前车已停"), ["vehicle_any absent", "lead Standing"]);

@@ -14,7 +14,7 @@ use whyroad_model::{Bilingual, ComponentCategory, Drive, Lang, ObjectClass, Sign
 const BESIDE_M: f64 = 3.0;
 /// Objects farther than this from the ego's center line are on a side, m.
 const ASIDE_M: f64 = 1.8;
-/// The same for road users that enter the ego's lane, m.
+/// The same for road users that enter the ego's lane, m; nearer to its center, they are in it.
 const FROM_A_SIDE_M: f64 = 1.0;
 
 /// Minimum difference of speeds that is mentioned, m/s.
@@ -27,8 +27,14 @@ const MUCH_SLOWER_MPS: f64 = 1.0;
 const MOVING_OFF_MPS: f64 = 0.2;
 const MOVING_OFF_MPS2: f64 = 0.3;
 
+/// A road user that is faster than this does not stand, m/s: half of a slow walk.
+const MOVING_MPS: f64 = 0.4;
+
 /// The L2 class about traffic lights.
 const TRAFFIC_LIGHT: &str = "traffic_light";
+
+/// The L2 class about following.
+const FOLLOWING: &str = "following";
 
 /// The L3 class about going straight through a junction, and the movement of an ego that does.
 const STRAIGHT: &str = "straight";
@@ -86,7 +92,10 @@ impl Scene<'_> {
         let told = framework.draft_texts.doing_when(&episode.scenario_id).iter();
         let told = told.filter(|when| moment.all(&when.when)).map(DoingWhen::texts).next();
         let doing = told.or_else(|| framework.draft_texts.doing(&episode.scenario_id));
-        found.extend(self.target.and_then(|target| self.object(target, doing, Named::ByPlace, lang)));
+        // Whom the ego follows is ahead even where another is the lead for a moment.
+        let is_followed = episode.scenario_id.l2.as_deref() == Some(FOLLOWING);
+        let named = if is_followed { Named::AsLead } else { Named::ByPlace };
+        found.extend(self.target.and_then(|target| self.object(target, doing, named, lang)));
         let mut add = |category, text: Option<Bilingual>| {
             found.extend(text.map(|text| component(category, &text, lang)));
         };
@@ -197,14 +206,17 @@ impl Scene<'_> {
         // Opposite headings within 45 degrees; in a hairpin bend, a lead has one too.
         let oncoming = !is_lead && turned.is_some_and(|a| a > 135_f64.to_radians());
         let comes_in = crosses_a_line && !is_lead && !oncoming;
+        // In a bend a lead is on a side of the ego and turned, and in its lane nevertheless.
+        let in_lane = number("target.lane_centre_distance").is_some_and(|m| m < FROM_A_SIDE_M);
         let place = if is_lead && same_way && !crosses_a_line && ahead > BESIDE_M {
             Bilingual::new("本车道前方", "ahead in the ego's lane")
-        } else if named == Named::AsLead {
-            // In a bend or a turn it is on the ego's path, whatever its side.
+        } else if named == Named::AsLead || (is_lead && (!crosses_a_line || in_lane)) {
             Bilingual::new("前方", "ahead")
         } else {
             // A road user that enters the lane does so from a side.
-            place(ahead, aside, self.beside(id, turned), if crosses_a_line { FROM_A_SIDE_M } else { ASIDE_M })
+            let from_m = if crosses_a_line { FROM_A_SIDE_M } else { ASIDE_M };
+            let beside_m = if is_lead { 0.0 } else { self.beside(id, turned) };
+            place(ahead, aside, beside_m, from_m)
         };
         let name = match class {
             ObjectClass::StaticObject => Bilingual::new("障碍物", "obstacle"),
@@ -212,8 +224,10 @@ impl Scene<'_> {
         };
         let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
         // Its standstill ends only with the hysteresis of the signal.
-        let moves_off = number("target.speed").is_some_and(|v| v > MOVING_OFF_MPS)
-            && number("target.accel").is_some_and(|a| a > MOVING_OFF_MPS2);
+        let speed = number("target.speed");
+        let moves_off = speed.is_some_and(|v| v > MOVING_MPS)
+            || (speed.is_some_and(|v| v > MOVING_OFF_MPS)
+                && number("target.accel").is_some_and(|a| a > MOVING_OFF_MPS2));
         let doing = if let Some((zh, en)) = doing {
             Bilingual::new(zh, en)
         } else if is_fixed || (holds("target.standstill") && !moves_off) {

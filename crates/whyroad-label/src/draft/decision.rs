@@ -94,6 +94,9 @@ pub(super) struct Asked<'a> {
     pub of_road: bool,
     /// The class is about a legal limit, and not about what the limit is for.
     pub of_limit: bool,
+    /// The class is about something that takes up the ego's lane, or the lane is left because of what stands in it:
+    /// no reason to speed up.
+    pub of_obstacle: bool,
     /// The class is about the ego's turn, or its way straight on, at a junction.
     pub of_turn: bool,
 }
@@ -173,6 +176,7 @@ pub(super) fn infer(
             Longitudinal::SetSpeedTracking => {
                 motion == LongitudinalMotion::SpeedsUp
                     && (!rises_soon(signals, keyframe, began)
+                        || asked.of_obstacle
                         || (asked.of_road && !had_slowed(signals, keyframe)))
             }
             // Yielding needs somebody to yield to; a class about danger is about somebody.
@@ -192,7 +196,8 @@ pub(super) fn infer(
             }
             _ => false,
         };
-        let rises = speeds(signals, keyframe).is_some_and(|(now, then)| then - now > CLEAR_MPS);
+        let rises =
+            speeds(signals, keyframe).is_some_and(|(now, then)| then - now > CLEAR_MPS) && !asked.of_obstacle;
         let found = choose(motion, asked, out).or_else(|| choose_clear(motion, rises, asked));
         found.or_else(|| asked.only_longitudinal())
     };

@@ -424,9 +424,8 @@ pub(super) fn of_ego(
             let k = w.keyframe;
             let falls =
                 w.speed(k).zip(w.speed(k + SOON_FRAMES)).is_none_or(|(now, then)| then < now - ANSWER_MPS);
-            let late = decision.longitudinal.is_some() && !falls;
             let rises = course.is_some_and(|c| c.trend == Trend::Rises);
-            (late || faster || rises).then_some(Doubt::Motion)
+            (!falls || faster || rises).then_some(Doubt::Motion)
         }
         ("reactive_agent", "vru_crossing" | "intersection_interaction")
             if decision.longitudinal == Some(Longitudinal::YieldToAgent) =>

@@ -27,7 +27,7 @@ const QUEUE_MPS: f64 = 2.0;
 const REASON_M: f64 = 50.0;
 const REASON_S: f64 = 3.0;
 /// A road user slower than this is stationary, m/s.
-const STANDING_MPS: f64 = 0.5;
+pub(super) const STANDING_MPS: f64 = 0.5;
 /// Minimum speed difference that is a reason to slow down, m/s.
 const SLOWER_MPS: f64 = 0.5;
 /// A road user with an acceleration below this is braking, m/s2; as for a target.

@@ -60,6 +60,14 @@ fn between_centers(along: &Column, across: &Column, row: usize) -> Option<f64> {
     Some(along.number(row)?.hypot(across.number(row)?))
 }
 
+fn is_ahead(longitudinal_m: f64) -> bool {
+    longitudinal_m >= 0.0
+}
+
+fn is_behind(longitudinal_m: f64) -> bool {
+    longitudinal_m < 0.0
+}
+
 /// One frame, one target.
 #[derive(Clone, Copy)]
 pub(super) struct Moment<'a> {
@@ -152,8 +160,8 @@ impl<'a> Moment<'a> {
     /// A known number; it may be infinite.
     pub(super) fn number(&self, name: &str) -> Option<f64> {
         let value = match name {
-            "around.room_ahead" => self.room(|longitudinal| longitudinal >= 0.0),
-            "around.room_behind" => self.room(|longitudinal| longitudinal < 0.0),
+            "around.room_ahead" => self.room(is_ahead),
+            "around.room_behind" => self.room(is_behind),
             "around.limit_left" => self.limit().zip(self.number("ego.speed")).map(|(limit, v)| limit - v),
             "soon.gain" => self.gain(),
             _ => match self.signals.frame_columns.get(name) {
@@ -343,7 +351,25 @@ impl<'a> Moment<'a> {
     }
 
     /// Distance to the nearest object in the lane that the ego enters, m; infinite without one.
-    fn room(&self, is_there: impl Fn(f64) -> bool) -> Option<f64> {
+    fn room(&self, is_there: fn(f64) -> bool) -> Option<f64> {
+        Some(self.nearest(is_there)?.map_or(f64::INFINITY, |(distance, _)| distance))
+    }
+
+    /// The object that `around.room_ahead` or `around.room_behind` is the distance to.
+    pub(super) fn takes_room(&self, name: &str) -> Option<&'a TrackId> {
+        let row = match name {
+            "around.room_ahead" => self.nearest(is_ahead)?,
+            "around.room_behind" => self.nearest(is_behind)?,
+            _ => None,
+        };
+        let (_, row) = row?;
+        let spans = self.signals.targets.iter();
+        spans.filter(|span| span.row(self.frame) == Some(row)).map(|span| &span.id).next()
+    }
+
+    /// Distance, m, and row of the nearest object in the lane that the ego enters, if there is one.
+    #[allow(clippy::option_option, reason = "unknown is not none")]
+    fn nearest(&self, is_there: fn(f64) -> bool) -> Option<Option<(f64, usize)>> {
         let columns = &self.signals.target_columns;
         let side = self.side.filter(|s| *s != LateralDirection::Uturn)?.id();
         let (lane, along, distance) = (
@@ -352,9 +378,9 @@ impl<'a> Moment<'a> {
             columns.get("target.distance")?,
         );
         let there =
-            |row: &usize| lane.category(*row) == Some(side) && along.number(*row).is_some_and(&is_there);
-        let near = self.rows().filter(there).filter_map(|row| distance.number(row));
-        Some(near.fold(f64::INFINITY, f64::min))
+            |row: &usize| lane.category(*row) == Some(side) && along.number(*row).is_some_and(is_there);
+        let near = self.rows().filter(there).filter_map(|row| Some((distance.number(row)?, row)));
+        Some(near.filter(|(m, _)| !m.is_nan()).min_by(|a, b| a.0.total_cmp(&b.0)))
     }
 
     /// The ego is at a junction or in it.

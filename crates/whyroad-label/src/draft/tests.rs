@@ -13,6 +13,7 @@ use super::*;
 use crate::fixture;
 use std::sync::Arc;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::messages::Uncertainty;
 use whyroad_model::{Column, Tri};
 
 const META: [&str; 4] = ["stop", "gentle_decelerate", "maintain_speed", "gentle_accelerate"];

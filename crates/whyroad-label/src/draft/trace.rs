@@ -9,7 +9,7 @@ use super::wording::{backwards, capital, fits, names_twice, repeats, wanted, wit
 use crate::check::bare;
 use crate::driven::along::{Course, Trend};
 use whyroad_framework::Framework;
-use whyroad_framework::draft_texts::{Claim, Phrasings, SeenWhen, WhyKept};
+use whyroad_framework::draft_texts::{Claim, Phrasings, SeenWhen, SignalCondition, WhyKept};
 use whyroad_framework::label_words::WordRole;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::{CriticalComponent, DrivingDecision, Uncertainty};
@@ -174,10 +174,18 @@ pub(super) enum StateOrder {
 /// Phrasings of the decision that are tried.
 const MOST_ACTIONS: u64 = 4;
 
+/// The trace, and the number of components that it states, from the first one on.
+pub(super) struct Written {
+    pub text: String,
+    pub things: usize,
+}
+
 /// A text that may be used.
 struct Told {
     /// Whether what it claims is true.
     truth: Tri,
+    /// Number of its components.
+    things: usize,
     /// Bytes of its state.
     state: usize,
     text: String,
@@ -186,14 +194,17 @@ struct Told {
 /// The trace with the phrasings that `seed` selects, of the preferred length: with the ego's motion at the keyframe if
 /// there is room, and with fewer components in the state if there is not. `None` where the signals contradict a claim
 /// of each of them.
+///
+/// `order`, `along`: order of the components, and the index of the one that causes the longitudinal decision, which is
+/// not left out.
 pub(super) fn trace(
     facts: &DraftFacts<'_>,
-    order: StateOrder,
+    (order, along): (StateOrder, usize),
     signals: &SignalTable,
     keyframe: usize,
     moment: &Moment<'_>,
     seed: u64,
-) -> Option<String> {
+) -> Option<Written> {
     let choice = Choice::of(seed);
     let reasons = facts.reason(moment);
     let openings = openings(facts, signals, keyframe, moment, choice.opening);
@@ -203,10 +214,12 @@ pub(super) fn trace(
     // The other openings are used where the first makes it too short or too long.
     let with = |things| openings.iter().map(move |o| (things, Some(o.as_str())));
     let without = |things| std::iter::once((things, None));
+    let most = facts.components.len().min(MOST_IN_STATE);
+    let numbers = [most, 1].into_iter().take(if most > 1 && along == 0 { 2 } else { 1 });
     let variants: Vec<(usize, Option<&str>)> = if opens {
-        [MOST_IN_STATE, 1].into_iter().flat_map(|n| with(n).chain(without(n))).collect()
+        numbers.flat_map(|n| with(n).chain(without(n))).collect()
     } else {
-        [MOST_IN_STATE, 1].into_iter().flat_map(|n| without(n).chain(with(n))).collect()
+        numbers.flat_map(|n| without(n).chain(with(n))).collect()
     };
     // The other phrasings of reason and decision are used where no opening gives a fitting length.
     let others = reasons.map_or(1, |p| p.all(facts.lang).len().max(1) as u64);
@@ -235,7 +248,7 @@ pub(super) fn trace(
             let of_rest =
                 of_rest.get_or_insert_with(|| facts.claims(text.get(state.len()..).unwrap_or(text.as_str())));
             let claims = of_state.iter().chain(of_rest.iter()).copied();
-            Told { truth: facts.truth(claims, moment), state: state.len(), text }
+            Told { truth: facts.truth(claims, moment), things: *things, state: state.len(), text }
         });
         told.collect::<Vec<_>>()
     });
@@ -257,7 +270,10 @@ pub(super) fn trace(
             texts.retain(|t| !is_worse(t));
         }
     }
-    let found = texts.iter().find(|t| fits(&t.text, facts.lang));
+    // A component is left out only where no text has room for it.
+    let found = (1..=most.max(1)).rev().find_map(|n| {
+        texts.iter().filter(|t| t.things == n || most == 0).find(|t| fits(&t.text, facts.lang))
+    });
     // None fits: the one that exceeds the length least, or else the longest.
     let wanted = wanted(facts.lang);
     let nearest = || {
@@ -266,7 +282,7 @@ pub(super) fn trace(
             if n > *wanted.end() { (1, n) } else { (0, wanted.start().saturating_sub(n)) }
         })
     };
-    found.or_else(nearest).map(|t| t.text.clone())
+    found.or_else(nearest).map(|t| Written { text: t.text.clone(), things: t.things })
 }
 
 /// Phrasings of the ego's motion at the keyframe, that of `seed` first.
@@ -678,12 +694,23 @@ pub(super) fn also(
     lang: Lang,
 ) -> Option<CriticalComponent> {
     let texts = &framework.draft_texts;
-    let (category, text) = texts.also_when(class).iter().find_map(|w| when_told(w, moment, lang))?;
+    let all = texts.also_when(class).iter();
+    let (when, category, text) = all
+        .filter_map(|when| when_told(when, moment, lang).map(|(category, text)| (when, category, text)))
+        .next()?;
     let text = match moment.side() {
         Some(side) => text.replace("{side}", texts.side(side, lang)),
         None => without_side(&text),
     };
-    Some(component(category.or(texts.seen(class)?.category), text, None))
+    // Those that leave little room are who the text is about.
+    let near = |c: &&SignalCondition| c.below.is_some();
+    let linked_objects =
+        when.when.iter().filter(near).filter_map(|c| moment.takes_room(&c.signal)).map(ToString::to_string);
+    let linked_objects = linked_objects.collect();
+    Some(CriticalComponent {
+        linked_objects,
+        ..component(category.or(texts.seen(class)?.category), text, None)
+    })
 }
 
 /// Category and text of a component whose conditions hold.

@@ -247,6 +247,25 @@ fn components_say_the_same_in_other_words() {
 }
 
 #[test]
+fn two_in_two_lanes_are_not_one() {
+    let trace = "The van ahead is braking to a stop, so the ego slows down behind it and keeps its distance.";
+    let found = |parts: [&str; 2]| following(&parts, trace).contains(&"label.component.duplicate");
+    for two in [
+        [
+            "The car ahead in the ego's lane is slowing down",
+            "The car ahead in the right lane is slowing down",
+        ],
+        ["The car ahead in the left lane is slowing down", "The car ahead in the right lane is slowing down"],
+        ["本车道前方的轿车正在减速", "右侧车道前方的轿车正在减速"],
+    ] {
+        assert!(!found(two), "{two:?}");
+    }
+    let one =
+        ["The car ahead in the ego's lane is slowing down", "The car ahead in our lane is slowing down"];
+    assert!(found(one), "{one:?}");
+}
+
+#[test]
 fn a_cause_beyond_the_near_one_is_distant() {
     let zh = "前面的面包车刹车灯亮起，快要停住，因此自车跟着减速停在它后面。";
     let en = "The van ahead is braking to a stop, so the ego slows down behind it and keeps its distance.";

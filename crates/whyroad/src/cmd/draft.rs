@@ -22,9 +22,10 @@ use whyroad_framework::{Framework, Resolution};
 use whyroad_label::check::{Checker, Recordings as _};
 use whyroad_label::draft::{Doubt, draft_with_seed};
 use whyroad_lake::{Lake, MinedFolder};
+use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::{CocLabel, EpisodeFilter, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Bilingual, Diagnostic, Drive, Lang};
+use whyroad_model::{Bilingual, Diagnostic, Drive, Lang, counted};
 
 /// Arguments of `whyroad draft`.
 #[derive(clap::Args)]
@@ -106,8 +107,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
                 with_findings += usize::from(!findings.is_empty());
                 lines.push_str(&serde_json::to_string(&label)?);
                 lines.push('\n');
-                let place = format!("{} @ {}", label.clip_id, label.keyframe.timestamp);
-                let placed: Vec<_> = findings.into_iter().map(|d| d.in_file(place.clone())).collect();
+                let placed: Vec<_> = findings.into_iter().map(|d| in_line(d, &args.out, written)).collect();
                 tell_all(&placed, global.lang);
             }
             Err(Left::Doubt(doubt)) => *doubts.entry(doubt).or_default() += 1,
@@ -131,8 +131,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
                 episodes.len()
             ),
             Lang::En => format!(
-                "{} episodes: {written} drafts written (by {by}, not yet checked by a person), {with_findings} with findings, {incomplete} without a record that a person has to fill in; {left_out} failed\n",
-                episodes.len()
+                "{}: {} written (by {by}, not yet checked by a person), {with_findings} with findings, {incomplete} without a record that a person has to fill in; {left_out} failed\n",
+                counted(episodes.len(), "episode"),
+                counted(written, "draft"),
             ),
         };
         let line = line + &in_words(&doubts, global.lang);
@@ -145,12 +146,19 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     })
 }
 
+/// The finding in the line of `out` that holds the draft, as `whyroad validate` prints it.
+fn in_line(mut d: Diagnostic, out: &Path, line: usize) -> Diagnostic {
+    d.location.line = Some(line);
+    d.in_file(out.display().to_string())
+}
+
 /// Number of episodes without a draft because of the observations, by reason; nothing where there are none.
 fn in_words(doubts: &BTreeMap<Doubt, usize>, lang: Lang) -> String {
     let all: usize = doubts.values().sum();
     let mut lines = match (all, lang) {
         (0, _) => return String::new(),
         (_, Lang::Zh) => format!("{all} 个事件没有写草稿，原因：\n"),
+        (1, Lang::En) => "1 episode has no draft, because:\n".to_owned(),
         (_, Lang::En) => format!("{all} episodes have no draft, because:\n"),
     };
     for (doubt, n) in doubts {
@@ -191,6 +199,15 @@ fn episodes(args: &Args, framework: &Framework) -> anyhow::Result<Vec<EpisodeRec
     Ok(all)
 }
 
+/// Codes of findings that other words of the trace may remove, besides those that point to the trace.
+const OF_WORDS: [&str; 3] = ["label.text.class", "label.decision.unchanged", "label.cause.proximate"];
+
+/// Other words of the trace may remove the finding: it is not only about the decision, the components or the records,
+/// which are the same in every phrasing.
+fn is_of_words(d: &Diagnostic) -> bool {
+    d.location.pointer.as_deref() == Some(pointer::COC_TRACE) || OF_WORDS.contains(&d.code)
+}
+
 fn by_rule(
     framework: &Framework,
     drives: &Arc<LabelDrives>,
@@ -211,12 +228,11 @@ fn by_rule(
             Ok((made.label, findings))
         };
         let first = checked(seed)?;
-        let of_draft = |d: &Diagnostic| d.code != MISSING_RECORD;
-        if !first.1.iter().any(of_draft) {
+        if !first.1.iter().any(is_of_words) {
             return Ok(first);
         }
         let mut others = (1..=OTHER_PHRASINGS).filter_map(|n| checked(seed.wrapping_add(n)).ok());
-        Ok(others.find(|(_, found)| !found.iter().any(of_draft)).unwrap_or(first))
+        Ok(others.find(|(_, found)| !found.iter().any(is_of_words)).unwrap_or(first))
     };
     let bar = output::progress(episodes.len());
     let made = episodes.iter().map(|episode| {
@@ -306,5 +322,48 @@ impl Images for LakeImages {
         };
         let kind = image_kind(&path)?;
         Some((kind, std::fs::read(path).ok()?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whyroad_model::Location;
+
+    fn finding(code: &'static str, pointer: &str) -> Diagnostic {
+        let location = Location {
+            line: Some(1),
+            column: Some(9),
+            pointer: Some(pointer.to_owned()),
+            ..Location::default()
+        };
+        Diagnostic::warning(code, Bilingual::new("", "")).at(location)
+    }
+
+    #[test]
+    fn other_phrasings_are_tried_only_where_they_may_help() {
+        assert!(is_of_words(&finding("label.cause.circular", pointer::COC_TRACE)));
+        assert!(is_of_words(&finding("label.text.class", pointer::SCENARIO)));
+        for (code, at) in [
+            ("label.cause.no_effect", pointer::CAUSES_LONGITUDINAL),
+            ("label.motion.contradicts", pointer::DRIVING_DECISION_LONGITUDINAL),
+            ("label.object.position", "/critical_components/0/description"),
+        ] {
+            assert!(!is_of_words(&finding(code, at)), "{code}");
+        }
+    }
+
+    #[test]
+    fn a_finding_is_in_the_line_of_its_draft() {
+        let d = in_line(finding("label.cause.circular", pointer::COC_TRACE), Path::new("d.jsonl"), 7);
+        let Location { file, line, column, .. } = d.location;
+        assert_eq!((file.as_deref(), line, column), (Some("d.jsonl"), Some(7), Some(9)));
+    }
+
+    #[test]
+    fn one_is_not_said_in_the_plural() {
+        let doubts = |n| in_words(&[(Doubt::Words, n)].into(), Lang::En);
+        assert!(doubts(1).starts_with("1 episode has no draft"), "{}", doubts(1));
+        assert!(doubts(2).starts_with("2 episodes have no draft"), "{}", doubts(2));
     }
 }

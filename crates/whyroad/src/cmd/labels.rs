@@ -15,7 +15,7 @@ use whyroad_framework::Resolution;
 use whyroad_label::import::{self, Place};
 use whyroad_lake::Lake;
 use whyroad_model::messages::ScenarioLabel;
-use whyroad_model::{Diagnostic, DriveId, Lang, Nanos, ScenarioId, Severity};
+use whyroad_model::{Diagnostic, DriveId, Lang, Nanos, ScenarioId, Severity, counted};
 
 /// Arguments of `whyroad labels`.
 #[derive(clap::Args)]
@@ -125,7 +125,12 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
     let counts = json!({ "read": found, "written": written, "errors": errors, "out": a.out });
     a.print.put(&counts, || match global.lang {
         Lang::Zh => format!("读到 {found} 条因果文本；写出 {written} 个标注草稿；{errors} 个错误\n"),
-        Lang::En => format!("{found} causal texts read; {written} drafts written; {errors} errors\n"),
+        Lang::En => format!(
+            "{} read; {} written; {}\n",
+            counted(found, "causal text"),
+            counted(written, "draft"),
+            counted(errors, "error")
+        ),
     })?;
     Ok(match (written, errors) {
         (0, _) => output::FINDINGS,

@@ -68,7 +68,7 @@ fn causal_texts_of_four_tools_become_drafts_that_tasks_take() {
     );
     assert_eq!(
         (auto.code, auto.out.as_str()),
-        (0, "1 causal texts read; 1 drafts written; 0 errors\n"),
+        (0, "1 causal text read; 1 draft written; 0 errors\n"),
         "{}",
         auto.err
     );

@@ -134,6 +134,9 @@ fn drafts_by_rule_differ_by_seed_and_are_repeatable() {
         drafts.iter().map(|d| d["coc_trace"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
     };
     let (first, again, other) = (traces(1), traces(1), traces(2));
+    let line = "draft --lake DEMO/lake --from DEMO/mined --scenario cutin.urgent --limit 1 --out one.jsonl";
+    let one = run(dir.path(), line).out;
+    assert!(one.starts_with("1 episode: 1 draft written (by rule"), "{one}");
     assert_eq!(first, again);
     assert!(first.iter().zip(&other).filter(|(a, b)| a != b).count() * 2 > first.len());
     for trace in first.iter().chain(&other) {

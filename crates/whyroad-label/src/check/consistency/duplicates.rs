@@ -72,6 +72,9 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let are_two = |i: usize, j: usize| {
         !linked(i).is_empty() && !linked(j).is_empty() && !linked(i).iter().any(|id| linked(j).contains(id))
     };
+    let lanes: Vec<u8> = (0..facts.len()).map(|k| lanes(text(k), &facts[k], words)).collect();
+    let in_two_lanes = |i: usize, j: usize| lanes[i] != 0 && lanes[j] != 0 && lanes[i] & lanes[j] == 0;
+    let are_two = |i: usize, j: usize| are_two(i, j) || in_two_lanes(i, j);
     let same_facts = |i: usize, j: usize| {
         !are_two(i, j)
             && groups[i].meets(groups[j])
@@ -112,6 +115,19 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
             .hint("合并为一个要素", "merge them into one component")
         });
     }
+}
+
+/// The lanes that a text names, one bit each: that of the ego, the left one, the right one.
+fn lanes(text: &str, facts: &TextFacts, words: &LabelWords) -> u8 {
+    let lower = text.to_lowercase();
+    let own = words.subjects.own_lane.iter().any(|w| lower.contains(w.as_str()));
+    let named = facts.named.iter().filter_map(|n| lower.get(n.start..n.end));
+    let lanes = named.filter(|word| word.ends_with("lane") || word.ends_with("车道"));
+    lanes.fold(u8::from(own), |bits, word| match word {
+        word if word.starts_with("left") || word.contains('左') => bits | 2,
+        word if word.starts_with("right") || word.contains('右') => bits | 4,
+        _ => bits,
+    })
 }
 
 /// The first text adds nothing about its things: no thing, side, color or number that the second does not have, and

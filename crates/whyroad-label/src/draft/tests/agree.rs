@@ -229,3 +229,151 @@ fn who_brakes_before_a_red_light_does_not_slow_for_the_road() {
     assert_eq!(slows("red"), Some(Doubt::RedLight));
     assert_ne!(slows("green"), Some(Doubt::RedLight));
 }
+
+#[test]
+fn an_episode_is_drafted_in_both_languages_or_in_none() {
+    let leaves = [
+        "reactive_rule.speed_limit",
+        "reactive_agent.cutin.urgent",
+        "reactive_agent.following.steady",
+        "reactive_agent.intersection_interaction.cross_conflict",
+        "reactive_rule.traffic_light.green_pass",
+        "proactive.turn.straight",
+    ];
+    for leaf in leaves {
+        for (speed, slows) in [(1.0, 0.0), (8.0, 0.4), (8.0, -0.4), (20.0, 2.0), (20.0, 0.0)] {
+            let made = drafts(leaf, |s| {
+                with_speed(s, |f| (speed - slows * (f as f64 - 40.0) / 10.0).max(0.0));
+                number(s, "map.speed_limit", 10.0);
+                number(s, "lead.gap", 4.0);
+                of_target(s, "target.relative_speed", 3.0);
+                of_target(s, "target.path_side_distance", 0.0);
+                of_target(s, "target.distance", 3.0);
+            });
+            let (zh, en) = made.split_at(60);
+            let doubts = zh.iter().zip(en).map(|(zh, en)| (zh.doubt, en.doubt));
+            let differ = doubts.filter(|(zh, en)| zh != en).collect::<Vec<_>>();
+            assert!(differ.is_empty(), "{leaf} at {speed} m/s: {differ:?}");
+        }
+    }
+}
+
+#[test]
+fn a_lead_that_has_stopped_is_not_followed_at_a_crawl() {
+    let queue = |speed: f64| {
+        traces("reactive_agent.following.creeping", move |s| {
+            with_speed(s, |f| (2.0 - 0.08 * f.saturating_sub(42) as f64).max(0.5));
+            flag(s, "target.is_lead", true);
+            flag(s, "target.standstill", speed == 0.0);
+            for (name, value) in [
+                ("target.speed", speed),
+                ("target.relative_speed", speed - 2.0),
+                ("target.longitudinal", 9.0),
+                ("target.lateral", 0.0),
+                ("target.heading_difference", 0.0),
+                ("target.distance", 4.4),
+            ] {
+                of_target(s, name, value);
+            }
+        })
+    };
+    let (stands, creeps) = (queue(0.0), queue(1.0));
+    let crawls = ["at a crawl", "at low speed", "on bit by bit", "低速跟车", "往前挪"];
+    assert!(says(&stands, &["has stopped", "停了下来"]) == stands.len() && !stands.is_empty());
+    assert_eq!(says(&stands, &crawls), 0, "{:?}", stands.first());
+    assert!(says(&creeps, &crawls) > 0, "{:?}", creeps.first());
+}
+
+#[test]
+fn a_lead_in_a_bend_is_ahead_and_on_no_side() {
+    // It is 14 m ahead and 6 m to the left, turned by 50 degrees, and in the ego's lane.
+    let place = |leaf: &str, is_lead: fn(usize) -> bool, from_center: f64, over_line: bool| {
+        let made = draft_of(leaf, |s| {
+            with_speed(s, |f| 8.0 - 0.1 * f.saturating_sub(42) as f64);
+            let leads = (0..fixture::FRAMES).map(|f| Tri::from(is_lead(f))).collect();
+            s.target_columns.insert("target.is_lead".into(), Column::Flag(leads));
+            flag(s, "target.wheel_over_line", over_line);
+            for (name, value) in [
+                ("target.longitudinal", 14.0),
+                ("target.lateral", 6.0),
+                ("target.heading_difference", 0.87),
+                ("target.lane_centre_distance", from_center),
+                ("target.speed", 6.0),
+                ("target.relative_speed", -2.0),
+            ] {
+                of_target(s, name, value);
+            }
+        });
+        made.label.critical_components.first().map(|c| c.description.clone()).unwrap_or_default()
+    };
+    let (enters, follows) = ("reactive_agent.cutin.slow", "reactive_agent.following.steady");
+    for (leaf, is_lead, from_center, over_line, begins) in [
+        (enters, (|_| true) as fn(usize) -> bool, 0.4, false, "前方的轿车"),
+        (enters, |_| true, 0.4, true, "前方的轿车"),
+        // One that is still coming in does so from a side.
+        (enters, |_| true, 1.4, true, "左前方的轿车"),
+        // Whom the ego follows may be no lead for a moment.
+        (follows, |f| f < 38, 0.4, false, "前方的轿车"),
+    ] {
+        let text = place(leaf, is_lead, from_center, over_line);
+        assert!(text.starts_with(begins), "{leaf} {from_center}: {text}");
+    }
+}
+
+#[test]
+fn the_gap_that_the_speed_fits_is_caused_by_who_makes_it() {
+    let merged = draft_of("proactive.lane_change.navigation", |s| {
+        with_speed(s, |f| 12.0 + 0.1 * f.saturating_sub(45) as f64);
+        let codes = (0..fixture::FRAMES).map(|f| u16::from(f > 50)).collect();
+        s.frame_columns.insert("ego.lane_change".into(), category(&["none", "right"], codes));
+        let last = |t: &whyroad_model::signal::TargetSpan| t.first_row + t.frames.end - t.frames.start;
+        let rows = s.targets.iter().map(last).max().unwrap_or(0);
+        s.target_columns.insert("target.lane_side".into(), category(&["right"], vec![0; rows]));
+        s.target_columns.insert("target.longitudinal".into(), Column::Number(vec![20.0; rows]));
+        s.target_columns.insert("target.distance".into(), Column::Number(vec![20.0; rows]));
+    })
+    .label;
+    assert_eq!(merged.driving_decision.longitudinal, Some(Longitudinal::GapMatching));
+    let cause = merged.causes.unwrap().longitudinal.unwrap().components;
+    let of = merged.critical_components.iter().find(|c| c.id.as_ref() == cause.first()).unwrap();
+    assert!(of.description.contains("右侧车道") && !of.linked_objects.is_empty(), "{of:?}");
+}
+
+#[test]
+fn nothing_that_stands_in_the_lane_makes_the_ego_faster() {
+    let passes = |leaf: &str, stands: bool| {
+        draft_of(leaf, |s| {
+            with_speed(s, |f| 4.0 + 0.15 * f.saturating_sub(42).min(40) as f64);
+            of_target(s, "target.longitudinal", 20.0);
+            of_target(s, "target.lateral", -1.5);
+            of_target(s, "target.speed", if stands { 0.0 } else { 3.0 });
+            flag(s, "target.standstill", stands);
+            let codes = (0..fixture::FRAMES).map(|f| if f < 45 { u16::MAX } else { 0 }).collect();
+            s.frame_columns.insert("ego.lane_change".into(), category(&["left"], codes));
+            number(s, "ego.lane_offset", 0.0);
+        })
+        .label
+        .driving_decision
+        .longitudinal
+    };
+    for leaf in ["proactive.obstacle_avoidance.in_lane", "proactive.lane_change.efficiency"] {
+        assert_ne!(passes(leaf, true), Some(Longitudinal::SetSpeedTracking), "{leaf}");
+    }
+    assert_eq!(passes("proactive.lane_change.efficiency", false), Some(Longitudinal::SetSpeedTracking));
+}
+
+#[test]
+fn braking_that_goes_on_is_no_reason_for_itself() {
+    for leaf in ["reactive_agent.following.steady", "reactive_agent.vru_crossing.crosswalk"] {
+        let slowing = traces(leaf, |s| {
+            with_speed(s, |f| 12.0 - 0.1 * f as f64);
+            flag(s, "target.is_lead", leaf.contains("following"));
+            of_target(s, "target.longitudinal", 25.0);
+            of_target(s, "target.lateral", 0.0);
+            of_target(s, "target.speed", 7.0);
+            of_target(s, "target.relative_speed", -1.8);
+        });
+        let circle = ["so the speed of the ego goes on falling", "因此自车的车速继续下降"];
+        assert!(!slowing.is_empty() && says(&slowing, &circle) == 0, "{leaf}: {:?}", slowing.first());
+    }
+}

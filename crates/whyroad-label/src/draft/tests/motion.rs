@@ -141,12 +141,12 @@ fn a_clear_change_of_speed_is_a_decision_though_it_began_before() {
 
 #[test]
 fn the_target_speed_is_returned_to_only_where_the_speed_rises_soon() {
-    let borrow = "proactive.obstacle_avoidance.borrow_lane";
+    let straight = "proactive.turn.straight";
     let from = |frame: usize| move |f: usize| 8.0 + 0.1 * f.saturating_sub(frame) as f64;
-    let soon = draft_of(borrow, |s| with_speed(s, from(45)));
+    let soon = draft_of(straight, |s| with_speed(s, from(45)));
     assert_eq!(soon.label.driving_decision.longitudinal, Some(Longitudinal::SetSpeedTracking));
     // 3 s after the keyframe.
-    let late = draft_of(borrow, |s| with_speed(s, from(70)));
+    let late = draft_of(straight, |s| with_speed(s, from(70)));
     assert_eq!(late.label.driving_decision.longitudinal, None);
     // 0.6 m/s and back.
     let twitch = |f: usize| 27.8 + if (45..55).contains(&f) { 0.06 * (f - 45) as f64 } else { 0.0 };

@@ -198,6 +198,8 @@ fn whom_a_class_is_about_does_what_it_says_or_there_is_no_draft() {
         .doubt
     };
     assert_eq!((brakes(50, -0.2), brakes(65, -0.2)), (None, Some(Doubt::Motion)));
+    // Nor does an ego respond that keeps its speed.
+    assert_eq!(brakes(999, -0.2), Some(Doubt::Motion));
     assert_eq!(brakes(50, 0.2), Some(Doubt::Motion));
     // The ego cannot yield if nobody is there.
     let nobody = behind_lead("proactive.merge_interaction.zipper_merge", 100.0, |s| {
@@ -285,4 +287,23 @@ fn there_is_no_draft_where_something_else_holds_the_ego() {
         draft(Framework::bundled(), &drive, &signals, &episode, Lang::Zh).doubt
     };
     assert_eq!((drafted(false), drafted(true)), (None, Some(Doubt::OtherCause)));
+}
+
+#[test]
+fn who_walks_does_not_stand() {
+    // The standstill of the signal ends later than the person's.
+    let at = |speed: f64| {
+        draft_of("reactive_agent.vru_crossing.horizontal", |s| {
+            with_speed(s, |f| 8.0 - 0.12 * f.saturating_sub(44) as f64);
+            flag(s, "target.standstill", true);
+            of_target(s, "target.speed", speed);
+            of_target(s, "target.longitudinal", 15.0);
+            of_target(s, "target.lateral", -4.0);
+        })
+        .label
+        .coc_trace
+    };
+    let (stands, walks) = (at(0.1), at(0.9));
+    assert!(stands.contains("停着不动") && !walks.contains("停着不动"), "{stands} {walks}");
+    assert!(!stands.contains("停步") && !stands.contains("碰上"), "{stands}");
 }

@@ -201,12 +201,14 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
             of_target(&mut signals, "target.longitudinal", 20.0);
             of_target(&mut signals, "target.lateral", 0.0);
         }
+        let mut doubts = Vec::new();
         for lang in [Lang::Zh, Lang::En] {
             let mut episode = fixture::episode(&drive);
             episode.scenario_id = leaf.clone();
             episode.target_id = episode.target_id.filter(|_| needs_lead(leaf));
             let made = draft(framework, &drive, &signals, &episode, lang);
             let label = &made.label;
+            doubts.push(made.doubt);
             if made.doubt.is_some() {
                 assert!(label.critical_components.is_empty() && label.coc_trace.is_empty(), "{leaf}");
                 continue;
@@ -217,7 +219,12 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
             assert_eq!(lang == Lang::En, trace.is_ascii(), "{leaf}: {trace}");
             traces.insert(trace.clone());
             for run in 0..12 {
-                let trace = draft_with_seed(framework, &drive, &signals, &episode, lang, run).label.coc_trace;
+                let label = draft_with_seed(framework, &drive, &signals, &episode, lang, run).label;
+                let trace = label.coc_trace.clone();
+                // A trace states every component that is listed.
+                let (said, listed) = (trace.to_lowercase(), label.critical_components.iter());
+                let unsaid = listed.map(|c| c.description.to_lowercase()).find(|text| !said.contains(text));
+                assert_eq!(unsaid, None, "{leaf}: {trace}");
                 assert!(numbers(&trace) <= 1, "{leaf}: {trace}");
                 let latin = trace.chars().any(|c| c.is_ascii_alphabetic());
                 assert_eq!(latin, lang == Lang::En, "{leaf}: {trace}");
@@ -234,7 +241,7 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
                 if !fits {
                     wrong.push(format!("{leaf}: {length} characters: {trace}"));
                 }
-                let found = text_findings(&checker, &CocLabel { coc_trace: trace.clone(), ..label.clone() });
+                let found = text_findings(&checker, &label);
                 wrong.extend(found.iter().map(|d| format!("{leaf}: {}: {}: {trace}", d.code, d.message.en)));
                 // Whatever the phrasing, it is recognized as a draft when a person submits it.
                 let own =
@@ -246,6 +253,7 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
             let text = text_findings(&checker, label);
             wrong.extend(text.iter().map(|d| format!("{leaf}: {}: {}: {trace}", d.code, d.message.en)));
         }
+        assert_eq!(doubts[0], doubts[1], "{leaf}: drafted in one language only");
     }
     wrong.sort();
     wrong.dedup();
