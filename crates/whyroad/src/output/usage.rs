@@ -192,7 +192,7 @@ mod tests {
         for (line, expected) in [
             ("whyroad mien --lake l", "没有子命令 'mien'"),
             ("whyroad mine --lake l --out o --lakes x", "没有参数 '--lakes'"),
-            ("whyroad lake", "需要子命令"),
+            ("whyroad lake --verbose", "需要子命令"),
             ("whyroad mine", "缺少必需的参数：\n  --lake <DIR>"),
             ("whyroad mine --lake", "'--lake <DIR>' 需要一个值"),
             ("whyroad mine --lake l --workers 0", "'--workers <N>' 的值 '0' 无效：应在 1..="),

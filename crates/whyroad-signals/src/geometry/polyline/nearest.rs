@@ -245,7 +245,8 @@ impl Segments {
         best
     }
 
-    /// True if `p` is beyond the end of the line in this block: the end is extended straight, out of the block's circle.
+    /// True if `p` is beyond the end of the line in this block: the end is extended straight, out of the block's
+    /// circle.
     fn is_open(&self, b: usize, p: P2) -> bool {
         let (is_first, is_last) = (b == 0, b + 1 == self.blocks.len());
         (is_first && self.along(p, 0) < 0.0)
