@@ -182,7 +182,6 @@ mod tests {
 
     /// The Chinese message of a wrong command line.
     fn zh(line: &str) -> String {
-        crate::output::reason::set_lang(Lang::Zh);
         let error = crate::command_line().try_get_matches_from(os(line)).expect_err("a wrong command line");
         error.apply::<Chinese>().to_string()
     }
@@ -195,10 +194,8 @@ mod tests {
             ("whyroad lake --verbose", "需要子命令"),
             ("whyroad mine", "缺少必需的参数：\n  --lake <DIR>"),
             ("whyroad mine --lake", "'--lake <DIR>' 需要一个值"),
-            ("whyroad mine --lake l --workers 0", "'--workers <N>' 的值 '0' 无效：应在 1..="),
-            ("whyroad mine --lake l --workers many", "不是整数"),
-            ("whyroad other --lake l --near 2", "应在 0 与 1 之间"),
-            ("whyroad tasks make --lang fr", "fr"),
+            ("whyroad mine --lake l --jobs 0", "'--jobs <N>' 的值 '0' 无效：应在 1..="),
+            ("whyroad mine --lake l --jobs many", "不是整数"),
             ("whyroad inspect --lake l --format xml", "可用的值：text、json"),
             ("whyroad inspect --lake l --format json --format text", "'--format <FORMAT>' 只能给出一次"),
         ] {

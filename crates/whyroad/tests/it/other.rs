@@ -105,3 +105,17 @@ fn what_no_class_explains_is_grouped_and_proposed() {
     let made = String::from_utf8(whyroad(&to_tasks).stderr).unwrap();
     assert!(made.contains(&format!("0 tasks created; {} already present", groups.len())), "{made}");
 }
+
+#[test]
+fn a_value_that_an_option_cannot_have_is_refused_in_the_language_that_is_asked_for() {
+    let place = ["other", "--lake", "l", "--episodes", "m", "--similarity", "2"];
+    for (lang, expected) in [
+        ("zh", "错误：'--similarity <SHARE>' 的值 '2' 无效：应在 0 与 1 之间"),
+        ("en", "error: invalid value '2' for '--similarity <SHARE>': must be between 0 and 1"),
+    ] {
+        let o =
+            Command::new(env!("CARGO_BIN_EXE_whyroad")).args(place).args(["--lang", lang]).output().unwrap();
+        let err = String::from_utf8_lossy(&o.stderr);
+        assert!(o.status.code() == Some(2) && err.contains(expected), "{err}");
+    }
+}
