@@ -141,8 +141,10 @@ pub fn ego(of: &UnexplainedMoment, lang: Lang) -> String {
 
 /// A class, called `name`, with how many of its conditions hold.
 pub(super) fn class(near: &NearestClass, name: &str, lang: Lang) -> String {
-    let (held, failed, all) = (near.held, near.failed, near.conditions);
-    let later = all.saturating_sub(held + failed);
+    let (held, all) = (near.held, near.conditions);
+    let later = all.saturating_sub(held + near.failed);
+    let unknown = near.unmet.iter().filter(|part| part.is_unknown).count();
+    let failed = near.failed.saturating_sub(unknown);
     let target = near.target_id.as_ref();
     let when = elsewhere(near.offset_s, lang);
     // Its episode is near, but its time range does not contain the moment.
@@ -155,7 +157,8 @@ pub(super) fn class(near: &NearestClass, name: &str, lang: Lang) -> String {
             }
             let later =
                 if later > 0 { format!("，{later} 个在匹配后才判定") } else { String::new() };
-            format!("{name}：{all} 个条件中 {held} 个成立，{failed} 个不成立{later}{of}{when}")
+            let unknown = if unknown > 0 { format!("，{unknown} 个未知") } else { String::new() };
+            format!("{name}：{all} 个条件中 {held} 个成立，{failed} 个不成立{unknown}{later}{of}{when}")
         }
         Lang::En => {
             let of = target.map_or(String::new(), |t| format!(", target {t}"));
@@ -170,7 +173,12 @@ pub(super) fn class(near: &NearestClass, name: &str, lang: Lang) -> String {
                 n => format!(", {n} are checked after a match"),
             };
             let fail = if failed == 1 { "does not" } else { "do not" };
-            format!("{name}: {held} of {all} conditions hold, {failed} {fail}{later}{of}{when}")
+            let unknown = match unknown {
+                0 => String::new(),
+                1 => ", 1 is unknown".to_owned(),
+                n => format!(", {n} are unknown"),
+            };
+            format!("{name}: {held} of {all} conditions hold, {failed} {fail}{unknown}{later}{of}{when}")
         }
     }
 }

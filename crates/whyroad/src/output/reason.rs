@@ -49,11 +49,17 @@ pub(crate) fn told(error: &anyhow::Error, lang: Lang) -> String {
             // Its message holds its causes.
             break;
         }
-        out.push(match cause.downcast_ref::<io::Error>() {
-            Some(e) => of_system(e),
-            None => cause.to_string(),
-        });
+        if let Some(e) = cause.downcast_ref::<io::Error>() {
+            // Errors of libraries repeat their cause.
+            if let Some(before) = out.last_mut() {
+                *before = before.trim_end_matches(&e.to_string()).trim_end_matches(": ").to_owned();
+            }
+            out.push(of_system(e));
+            continue;
+        }
+        out.push(cause.to_string());
     }
+    out.retain(|text| !text.is_empty());
     out.join("：")
 }
 
@@ -170,5 +176,8 @@ mod tests {
         assert!(told(&error, Lang::En).ends_with("drives is not a lake: it has no whyroad-lake.json"));
         let file = std::fs::read("no such file").map_err(anyhow::Error::from).unwrap_err();
         assert_eq!(told(&file, Lang::Zh), "没有这个文件或文件夹（os error 2）");
+        let text = format!("cannot write x: {}", file.root_cause());
+        let twice = file.context(text);
+        assert_eq!(told(&twice, Lang::Zh), "cannot write x：没有这个文件或文件夹（os error 2）");
     }
 }

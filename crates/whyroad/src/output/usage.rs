@@ -47,6 +47,8 @@ impl ErrorFormatter for Chinese {
         if let Some(ContextValue::StyledStr(usage)) = error.get(ContextKind::Usage) {
             let usage = usage.to_string();
             let usage = usage.strip_prefix("Usage:").map_or(usage.as_str(), str::trim_start);
+            // It is there because it was given, also by the environment.
+            let usage = usage.replace(" --lang <LANG>", "");
             let _ = write!(text, "\n\n用法：{usage}");
         }
         format!("错误：{text}\n\n详见 '--help'。\n").into()
@@ -134,7 +136,11 @@ fn cause(text: &str) -> String {
     if let Some((_, range)) = text.split_once(" is not in ") {
         return format!("应在 {range} 之内");
     }
+    if let Some(rest) = text.strip_prefix("unknown language ") {
+        return format!("没有语言 {}（zh 或 en）", rest.trim_end_matches(" (zh or en)"));
+    }
     match text {
+        "invalid socket address syntax" => "不是“地址:端口”",
         "invalid digit found in string" => "不是整数",
         "cannot parse integer from empty string" | "cannot parse float from empty string" => "是空的",
         "invalid float literal" => "不是数",
