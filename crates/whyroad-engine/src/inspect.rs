@@ -299,7 +299,12 @@ fn map(drive: &Drive) -> Option<BTreeMap<String, usize>> {
         ("signs", m.signs.len()),
         ("facilities", m.facilities.len()),
     ];
-    Some(all.into_iter().filter(|(_, n)| *n > 0).map(|(k, n)| (k.to_owned(), n)).collect())
+    let mut counts: BTreeMap<String, usize> =
+        all.into_iter().filter(|(_, n)| *n > 0).map(|(k, n)| (k.to_owned(), n)).collect();
+    for facility in &m.facilities {
+        *counts.entry(format!("facilities/{}", facility.kind)).or_default() += 1;
+    }
+    Some(counts)
 }
 
 fn tables(drive: &Drive) -> Vec<&'static str> {

@@ -1,5 +1,5 @@
 //! Roundabouts of a map that does not mark them: lanes that form a circle. A block of streets is a ring of lanes too,
-//! but has straight sides; so has a loop road.
+//! but has straight sides and corners far from its middle; so has a loop road.
 
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::{contains, distance};
@@ -17,6 +17,9 @@ const STRAIGHT_RAD: f64 = PI / 18.0;
 /// The longest straight stretch, m, or as a share of the ring: on a circle 10 deg are 3 % of it.
 const STRAIGHT_M: f64 = 12.0;
 const STRAIGHT_SHARE: f64 = 0.12;
+/// A ring all of which is about as far from its middle is round, straight pieces or not: the least distance as a share
+/// of the greatest. A square has 0.71, a pentagon 0.81, a hexagon 0.87.
+const ROUND_SHARE: f64 = 0.8;
 /// Length by which the line of a ring is sampled, m.
 const STEP_M: f64 = 1.0;
 /// At least this many roads lead in: a turning loop at the end of a street has one.
@@ -133,7 +136,8 @@ fn shortest_cycle<I: Iterator<Item = usize>>(
     None
 }
 
-/// The angle that a closed line turns by if it is a circle, more or less: once round, and nowhere straight for long.
+/// The angle that a closed line turns by if it is a circle, more or less: once round, and nowhere straight for long or
+/// everywhere about as far from its middle.
 fn circle(line: &[Point3]) -> Option<f64> {
     let points = sampled(line);
     let n = points.len();
@@ -160,7 +164,16 @@ fn circle(line: &[Point3]) -> Option<f64> {
             .count() as f64
             * STEP_M
     };
-    (0..n).all(|i| straight(i) <= longest).then_some(turned)
+    (is_round(&points) || (0..n).all(|i| straight(i) <= longest)).then_some(turned)
+}
+
+fn is_round(points: &[Point3]) -> bool {
+    let center = middle(points);
+    let (least, greatest) = points
+        .iter()
+        .map(|p| distance(center, *p))
+        .fold((f64::MAX, 0.0), |(low, high), d| (low.min(d), d.max(high)));
+    least >= ROUND_SHARE * greatest
 }
 
 /// Points every meter along a closed line.
@@ -236,6 +249,32 @@ mod tests {
             let expected = PI * radius * radius;
             assert!((area(&ring.boundary) - expected).abs() < 0.05 * expected);
             assert!(map.tells_all("roundabout"));
+        }
+    }
+
+    /// A closed way with straight sides, in two halves, each with a road in and a road out.
+    fn polygon(corners: usize, radius: f64) -> RoadMap {
+        let corner = |i: usize| {
+            let a = std::f64::consts::TAU * i as f64 / corners as f64;
+            (radius * a.cos(), radius * a.sin())
+        };
+        let half = corners / 2;
+        let mut map = roundabout(radius);
+        let points = |from: usize, to: usize| {
+            (from..=to).map(corner).map(|(x, y)| Point3 { x, y, z: 0.0 }).collect::<Vec<_>>()
+        };
+        map.lanes[0].center = points(0, half);
+        map.lanes[1].center = points(half, corners);
+        map
+    }
+
+    /// Lanes drawn with a few points: INTERACTION's map of a roundabout of 16.5 m radius has straight stretches of 18 m.
+    #[test]
+    fn straight_sides_that_keep_their_distance_from_the_middle_are_a_roundabout() {
+        for (corners, is_one) in [(4, false), (6, true), (8, true)] {
+            let mut map = polygon(corners, 18.0);
+            add(&mut map);
+            assert_eq!(!map.facilities.is_empty(), is_one, "{corners} corners");
         }
     }
 

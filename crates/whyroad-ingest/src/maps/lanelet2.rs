@@ -4,6 +4,7 @@
 //! read: traffic rules that follow from a place (default limits), times and conditions of restrictions, tracks of
 //! rails.
 
+mod crosswalks;
 mod document;
 mod ground;
 mod lanelets;
@@ -34,6 +35,7 @@ pub(super) fn read<'a>(input: impl Into<Input<'a>>, placement: &Placement) -> Re
         junctions::add(&mut out.map);
     }
     regulatory::add(&document, &lanelets, &mut ground, &mut out);
+    crosswalks::add(&document, &mut ground, &mut out);
     areas(&document, &mut ground, &mut out);
     let map = &mut out.map;
     map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));

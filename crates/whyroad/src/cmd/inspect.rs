@@ -158,14 +158,35 @@ fn label(key: &str, lang: Lang) -> String {
         "stop lines" => ("停止线", "stop lines"),
         "signs" => ("标志", "signs"),
         "facilities" => ("设施", "facilities"),
+        "facilities/speed_bump" => ("减速带", "speed bumps"),
+        "facilities/toll_etc" => ("ETC 车道", "electronic toll lanes"),
+        "facilities/toll_manual" => ("人工收费车道", "manual toll lanes"),
+        "facilities/toll_plaza" => ("收费广场", "toll plazas"),
+        "facilities/gate" => ("道闸", "gates"),
+        "facilities/tunnel" => ("隧道", "tunnels"),
+        "facilities/roundabout" => ("环岛", "roundabouts"),
+        "facilities/construction" => ("施工区", "construction sites"),
+        "facilities/building" => ("建筑", "buildings"),
+        "facilities/barrier_gap" => ("护栏开口", "gaps in barriers"),
+        "facilities/waiting_area" => ("待转区", "waiting areas"),
+        "facilities/accident" => ("事故现场", "accident sites"),
+        "facilities/bridge" => ("桥梁", "bridges"),
+        "facilities/parking" => ("停车场", "parking areas"),
+        "facilities/driveway" => ("出入口", "driveways"),
+        "facilities/traffic_light" => ("信号灯", "traffic lights"),
         _ => (key, key),
     };
     Bilingual::new(zh, en).get(lang).to_owned()
 }
 
 fn counts_text(counts: &BTreeMap<String, usize>, lang: Lang) -> String {
-    let parts: Vec<String> = counts.iter().map(|(k, n)| format!("{} {n}", label(k, lang))).collect();
-    parts.join(", ")
+    let part = |k: &str, n: usize| format!("{} {n}", label(k, lang));
+    let parts = counts.iter().filter(|(k, _)| !k.contains('/')).map(|(k, n)| {
+        let kinds = counts.iter().filter(|(other, _)| other.split_once('/').is_some_and(|(of, _)| of == *k));
+        let kinds: Vec<String> = kinds.map(|(other, n)| part(other, *n)).collect();
+        if kinds.is_empty() { part(k, *n) } else { format!("{} ({})", part(k, *n), kinds.join(", ")) }
+    });
+    parts.collect::<Vec<_>>().join(", ")
 }
 
 fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {

@@ -1,5 +1,6 @@
 //! Lanelets: a left and a right bound each. Which lanelets follow or lie beside each other is not written in the file:
-//! those that share the end points of their bounds follow, those that share a bound lie beside each other.
+//! those that share the end points of their bounds follow, those that share a bound lie beside each other. A bound is
+//! one way by the format; editors split ways, and pieces that meet end to end are taken for one bound.
 
 use super::document::{Document, MemberKind, Relation, Tags};
 use super::ground::Ground;
@@ -8,12 +9,15 @@ use crate::maps::{MapReading, signs};
 use std::collections::{BTreeMap, HashMap};
 use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, Point3, TurnKind};
 
+/// Most ways of a bound.
+const MAX_PIECES: usize = 1000;
+
 /// A lanelet as it is driven: those for both directions occur twice.
 pub(super) struct Lanelet {
     pub relation: i64,
     pub lane: Lane,
     /// Ways of the left and right bound.
-    bounds: [i64; 2],
+    bounds: [Vec<i64>; 2],
     /// First and last nodes of the left and right bound, in driving direction.
     begin: [i64; 2],
     end: [i64; 2],
@@ -76,10 +80,9 @@ impl Lanelets {
 struct Bounds {
     left: Vec<Point3>,
     right: Vec<Point3>,
-    ways: [i64; 2],
+    /// The ways of each bound, and whether each was turned round.
+    ways: [Vec<(i64, bool)>; 2],
     nodes: [Vec<i64>; 2],
-    /// Whether each way was turned round.
-    turned: [bool; 2],
 }
 
 impl Bounds {
@@ -89,45 +92,40 @@ impl Bounds {
         std::mem::swap(&mut out.left, &mut out.right);
         out.ways.reverse();
         out.nodes.reverse();
-        out.turned.reverse();
         out.turn_round();
         out
     }
 
     fn turn_round(&mut self) {
         self.left.reverse();
+        self.turn_side(0);
         self.right.reverse();
-        self.nodes.iter_mut().for_each(|n| n.reverse());
-        self.turned = self.turned.map(|t| !t);
+        self.turn_side(1);
+    }
+
+    fn turn_side(&mut self, side: usize) {
+        self.nodes[side].reverse();
+        self.ways[side].iter_mut().for_each(|(_, turned)| *turned = !*turned);
     }
 }
 
 fn bounds(document: &Document, ground: &mut Ground, relation: &Relation) -> Result<Bounds, String> {
     let mut side = |role: &str| {
-        let mut ids = relation.members(MemberKind::Way, role);
-        let (Some(id), None) = (ids.next(), ids.next()) else {
-            return Err(format!("it does not have one {role} bound"));
-        };
-        let way = document.ways.get(&id).ok_or_else(|| format!("way {id} is not in the file"))?;
-        let line = ground.line(&way.nodes).ok_or_else(|| format!("way {id} has nodes without a position"))?;
+        let ids: Vec<i64> = relation.members(MemberKind::Way, role).collect();
+        let (ways, nodes) = chain(document, &ids, role)?;
+        let line =
+            ground.line(&nodes).ok_or_else(|| format!("its {role} bound has nodes without a position"))?;
         if line.len() < 2 {
-            return Err(format!("way {id} has fewer than two nodes"));
+            return Err(format!("its {role} bound has fewer than two nodes"));
         }
-        Ok((id, way.nodes.clone(), line))
+        Ok((ways, nodes, line))
     };
-    let ((left_way, left_nodes, left), (right_way, right_nodes, right)) = (side("left")?, side("right")?);
-    let mut out = Bounds {
-        left,
-        right,
-        ways: [left_way, right_way],
-        nodes: [left_nodes, right_nodes],
-        turned: [false; 2],
-    };
+    let ((left_ways, left_nodes, left), (right_ways, right_nodes, right)) = (side("left")?, side("right")?);
+    let mut out = Bounds { left, right, ways: [left_ways, right_ways], nodes: [left_nodes, right_nodes] };
     // Ways are shared by neighbors and may run either way: first both the same way, then forward.
     if edges_oppose(&out.left, &out.right) {
         out.right.reverse();
-        out.nodes[1].reverse();
-        out.turned[1] = true;
+        out.turn_side(1);
     }
     let ring = between(&out.left, &out.right);
     let area: f64 = ring.windows(2).map(|w| w[0].x * w[1].y - w[1].x * w[0].y).sum();
@@ -138,6 +136,46 @@ fn bounds(document: &Document, ground: &mut Ground, relation: &Relation) -> Resu
     Ok(out)
 }
 
+/// The ways of a bound, each with whether it runs against the first one, and the nodes of all in order.
+fn chain(document: &Document, ids: &[i64], role: &str) -> Result<Chain, String> {
+    let way = |id: i64| document.ways.get(&id).ok_or_else(|| format!("way {id} is not in the file"));
+    let Some((&first, rest)) = ids.split_first() else { return Err(format!("it has no {role} bound")) };
+    if rest.len() > MAX_PIECES {
+        return Err(format!("its {role} bound has more than {MAX_PIECES} ways"));
+    }
+    let mut ways = vec![(first, false)];
+    let mut nodes = way(first)?.nodes.clone();
+    let mut rest: Vec<(i64, &[i64])> =
+        rest.iter().map(|&id| Ok((id, way(id)?.nodes.as_slice()))).collect::<Result<_, String>>()?;
+    while !rest.is_empty() {
+        let meets =
+            |end: Option<&i64>, piece: &[i64]| end.is_some() && (piece.first() == end || piece.last() == end);
+        if let Some(k) = rest.iter().position(|(_, piece)| meets(nodes.last(), piece)) {
+            let (id, piece) = rest.swap_remove(k);
+            let turned = piece.first() != nodes.last();
+            ways.push((id, turned));
+            if turned {
+                nodes.extend(piece.iter().rev().skip(1));
+            } else {
+                nodes.extend(&piece[1..]);
+            }
+        } else if let Some(k) = rest.iter().position(|(_, piece)| meets(nodes.first(), piece)) {
+            let (id, piece) = rest.swap_remove(k);
+            let turned = piece.last() != nodes.first();
+            ways.insert(0, (id, turned));
+            let before: Vec<i64> =
+                if turned { piece.iter().rev().copied().collect() } else { piece.to_vec() };
+            nodes.splice(0..1, before);
+        } else {
+            return Err(format!("the ways of its {role} bound do not meet end to end; join or reorder them"));
+        }
+    }
+    Ok((ways, nodes))
+}
+
+/// Ways with whether they were turned round, and their nodes.
+type Chain = (Vec<(i64, bool)>, Vec<i64>);
+
 fn lanelet(
     relation_id: i64,
     id: &str,
@@ -146,9 +184,13 @@ fn lanelet(
     b: Bounds,
     document: &Document,
 ) -> Lanelet {
+    // Unknown where the pieces of a bound are painted differently.
     let mark = |side: usize| {
-        let way = document.ways.get(&b.ways[side]);
-        way.map_or(LaneMark::Unknown, |w| mark(&w.tags, b.turned[side]))
+        let mut marks = b.ways[side]
+            .iter()
+            .map(|(id, turned)| document.ways.get(id).map_or(LaneMark::Unknown, |w| mark(&w.tags, *turned)));
+        let first = marks.next().unwrap_or(LaneMark::Unknown);
+        if marks.all(|m| m == first) { first } else { LaneMark::Unknown }
     };
     let turn = match relation.tag("turn_direction") {
         "straight" => Some(TurnKind::Straight),
@@ -172,7 +214,9 @@ fn lanelet(
     let ends = |last: bool| -> [i64; 2] {
         std::array::from_fn(|i| *(if last { b.nodes[i].last() } else { b.nodes[i].first() }).unwrap_or(&0))
     };
-    Lanelet { relation: relation_id, lane, bounds: b.ways, begin: ends(false), end: ends(true) }
+    let (begin, end) = (ends(false), ends(true));
+    let bounds = b.ways.map(|ways| ways.into_iter().map(|(id, _)| id).collect());
+    Lanelet { relation: relation_id, lane, bounds, begin, end }
 }
 
 /// The users of a lanelet, by its subtype, else by the permitted participants.
@@ -231,7 +275,7 @@ fn link(all: &mut [Lanelet]) {
     let mut with_bound: HashMap<i64, Vec<usize>> = HashMap::new();
     for (i, l) in all.iter().enumerate() {
         begins.entry(l.begin).or_default().push(i);
-        l.bounds.iter().for_each(|way| with_bound.entry(*way).or_default().push(i));
+        l.bounds.iter().flatten().for_each(|way| with_bound.entry(*way).or_default().push(i));
     }
     let mut links: BTreeMap<usize, (Vec<String>, [Option<String>; 2])> = BTreeMap::new();
     let mut before: HashMap<usize, Vec<String>> = HashMap::new();
@@ -244,13 +288,15 @@ fn link(all: &mut [Lanelet]) {
         next.iter().for_each(|j| before.entry(*j).or_default().push(l.lane.id.clone()));
         let beside = |side: usize| {
             let others = || {
-                let all_others = with_bound.get(&l.bounds[side]).into_iter().flatten().copied();
+                let all_others =
+                    l.bounds[side].iter().filter_map(|way| with_bound.get(way)).flatten().copied();
                 all_others.filter(|&j| all[j].relation != l.relation && walks(&all[j]) == walks(l)).take(64)
             };
             // One that goes the same way has the bound on its other side.
-            let same = others().find(|&j| all[j].bounds[1 - side] == l.bounds[side]);
-            same.or_else(|| others().find(|&j| all[j].bounds[side] == l.bounds[side]))
-                .map(|j| all[j].lane.id.clone())
+            let shares =
+                |j: usize, other: usize| all[j].bounds[other].iter().any(|w| l.bounds[side].contains(w));
+            let same = others().find(|&j| shares(j, 1 - side));
+            same.or_else(|| others().find(|&j| shares(j, side))).map(|j| all[j].lane.id.clone())
         };
         links.insert(i, (next.iter().map(|&j| all[j].lane.id.clone()).collect(), [beside(0), beside(1)]));
     }

@@ -1,6 +1,6 @@
 //! Regulatory elements: lights, right of way, limits and signs, with the lines at which lanelets stop for them.
 
-use super::document::{Document, MemberKind, Relation};
+use super::document::{Document, MemberKind, Relation, Way};
 use super::ground::Ground;
 use super::lanelets::Lanelets;
 use crate::maps::{MapReading, signs};
@@ -8,6 +8,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Facility, Lane, Point3, Sign, StopLine};
 
+/// `type` of the way of a board.
+const SIGN: &str = "traffic_sign";
 /// More pairs of loose stop lines and lanes are not compared.
 const MAX_PAIRS: usize = 100_000_000;
 
@@ -28,12 +30,18 @@ pub(super) fn add(document: &Document, lanelets: &Lanelets, ground: &mut Ground,
         document,
         lanes: &lanes,
         stops: BTreeMap::new(),
-        seen: BTreeSet::new(),
+        lights: BTreeSet::new(),
+        signs: BTreeMap::new(),
         ended: BTreeSet::new(),
     };
     for (id, element) in document.relations.iter().filter(|(_, r)| r.tag("type") == "regulatory_element") {
         let concerned = under.get(id).cloned().unwrap_or_default();
         all.add(*id, element, concerned, ground, out);
+    }
+    // Boards that no element names apply to whoever passes them. Those against entering face the other way.
+    let passed = |tags: &Way| tags.tag("type") == SIGN && sign_kind(tags.tag("subtype")) != Some("no_entry");
+    for way in document.ways.iter().filter(|(_, w)| passed(w)).map(|(id, _)| *id) {
+        all.sign(way, &[], None, ground, out);
     }
     // Lines that no element names.
     let loose =
@@ -64,8 +72,10 @@ struct Elements<'d> {
     lanes: &'d HashMap<i64, Vec<String>>,
     /// Lanes that stop at each way.
     stops: BTreeMap<i64, BTreeSet<String>>,
-    /// Lights and signs that were added.
-    seen: BTreeSet<i64>,
+    /// Lights that were added.
+    lights: BTreeSet<i64>,
+    /// Where in the map signs are that were added.
+    signs: BTreeMap<i64, usize>,
     /// Lanes that stop at their end.
     ended: BTreeSet<String>,
 }
@@ -84,14 +94,13 @@ impl Elements<'_> {
             ids.filter_map(|id| self.lanes.get(&id)).flatten().cloned().collect()
         };
         let who_yields = of_role("yield");
-        let (subtype, refers) = (element.tag("subtype"), element.members(MemberKind::Way, "refers"));
-        let refers: Vec<i64> = refers.collect();
+        let subtype = element.tag("subtype");
+        let (refers, lines) = self.roles(element);
         let stopping = match subtype {
             "right_of_way" | "all_way_stop" => who_yields,
             _ => concerned.clone(),
         };
-        let mut lines = element.members(MemberKind::Way, "ref_line").peekable();
-        let no_line = lines.peek().is_none();
+        let no_line = lines.is_empty();
         for way in lines {
             self.stops.entry(way).or_default().extend(stopping.iter().cloned());
         }
@@ -149,6 +158,23 @@ impl Elements<'_> {
         }
     }
 
+    /// The boards or lights of an element, and its lines. Maps mix up the two roles (INTERACTION's of
+    /// DR_DEU_Roundabout_OF does): where the kind of a way contradicts its role, the kind counts.
+    fn roles(&self, element: &Relation) -> (Vec<i64>, Vec<i64>) {
+        let is = |way: &i64, kinds: &[&str]| {
+            self.document.ways.get(way).is_some_and(|w| kinds.contains(&w.tag("type")))
+        };
+        let concerns_lines =
+            matches!(element.tag("subtype"), "right_of_way" | "all_way_stop" | "traffic_sign");
+        let swapped = |way: &i64| concerns_lines && is(way, &["stop_line", "line_thin", "line_thick"]);
+        let (lines, mut refers): (Vec<i64>, Vec<i64>) =
+            element.members(MemberKind::Way, "refers").partition(swapped);
+        let (boards, of_line): (Vec<i64>, Vec<i64>) =
+            element.members(MemberKind::Way, "ref_line").partition(|way| is(way, &[SIGN]));
+        refers.extend(boards);
+        (refers, of_line.into_iter().chain(lines).collect())
+    }
+
     /// Lanes that stop where they end: Lanelet2's rule where an element has no line.
     fn end_lines(&mut self, lanes: &[String], out: &mut MapReading) {
         let RoadMap { lanes: all, stop_lines, .. } = &mut out.map;
@@ -166,7 +192,7 @@ impl Elements<'_> {
         let Some(found) = self.document.ways.get(&way) else {
             return out.dangling.push(format!("traffic light {way}"));
         };
-        if !self.seen.insert(way) || matches!(found.tag("subtype"), "red_green" | "pedestrian") {
+        if !self.lights.insert(way) || matches!(found.tag("subtype"), "red_green" | "pedestrian") {
             return;
         }
         if let Some(boundary) = ground.line(&found.nodes).filter(|l| !l.is_empty()) {
@@ -189,10 +215,16 @@ impl Elements<'_> {
         let Some(found) = self.document.ways.get(&way) else {
             return out.dangling.push(format!("traffic sign {way}"));
         };
+        // A board at a corner stands for several ways in.
+        if let Some(at) = self.signs.get(&way) {
+            let known = &mut out.map.signs[*at].lane_ids;
+            known.extend(lanes.iter().filter(|l| !known.contains(l)).cloned().collect::<Vec<_>>());
+            return;
+        }
         let name = found.tag("subtype");
         let kind = sign_kind(name).or(fallback).filter(|k| *k != "stop_line");
         let Some((kind, line)) = kind.zip(ground.line(&found.nodes)) else { return };
-        if !self.seen.insert(way) || line.is_empty() {
+        if line.is_empty() {
             return;
         }
         let n = line.len() as f64;
@@ -200,6 +232,7 @@ impl Elements<'_> {
         let position = Point3 { x: mean(|p| p.x), y: mean(|p| p.y), z: mean(|p| p.z) };
         let value = if kind == "speed_limit" { limit(name) } else { None };
         let (id, lane_ids) = (format!("sign_{way}"), lanes.to_vec());
+        self.signs.insert(way, out.map.signs.len());
         out.map.signs.push(Sign { id, kind: kind.into(), position, lane_ids, value, facing: None });
     }
 }

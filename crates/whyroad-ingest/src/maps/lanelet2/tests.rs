@@ -3,7 +3,7 @@
 use super::*;
 use crate::maps::options::{MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION};
 use crate::options::Options;
-use whyroad_model::road_map::{LaneMark, TurnKind};
+use whyroad_model::road_map::{LaneMark, Point3, TurnKind};
 
 /// Nodes on a grid of 10 m, named by their place: id 100 + 10 * column + row, at (10 column, 4 row).
 fn nodes() -> String {
@@ -129,6 +129,91 @@ fn lanelets_are_turned_linked_and_marked() {
     assert_eq!(r.map.layer(MapLayer::SpeedLimits), LayerState::Complete);
     assert_eq!(r.map.layer(MapLayer::Lights), LayerState::Partial);
     assert_eq!(r.map.layer(MapLayer::Ramps), LayerState::Absent);
+}
+
+/// Members of a lanelet with bounds of several ways.
+fn pieced(id: i64, left: &[i64], right: &[i64]) -> String {
+    let of = |ways: &[i64], role: &'static str| ways.iter().map(|w| ("way", *w, role)).collect::<Vec<_>>();
+    let members = [of(left, "left"), of(right, "right")].concat();
+    relation(id, &members, &[("type", "lanelet"), ("subtype", "road")])
+}
+
+#[test]
+fn a_bound_in_several_ways_is_joined_where_they_meet() {
+    let painted = |subtype: &'static str| [("type", "line_thin"), ("subtype", subtype)];
+    let content = [
+        nodes(),
+        // From column 0 to 3 in three pieces: the middle one backwards, listed last.
+        way(1, &[101, 111], &painted("dashed")),
+        way(2, &[121, 131], &painted("dashed")),
+        way(3, &[121, 111], &painted("dashed")),
+        way(4, &[100, 110], &painted("solid")),
+        way(5, &[110, 120, 130], &painted("dashed")),
+        // Above: one way beside all of it.
+        way(6, &[102, 132], &painted("solid")),
+        way(7, &[101, 111, 121, 131], &painted("solid")),
+        pieced(50, &[1, 2, 3], &[4, 5]),
+        pieced(51, &[6], &[1, 3, 2]),
+        pieced(52, &[6], &[4, 2]),
+    ]
+    .concat();
+    let r = reading(&content, &Options::default());
+    let (lower, upper) = (r.map.lane("50").unwrap(), r.map.lane("51").unwrap());
+    let xs = |line: &[Point3]| line.iter().map(|p| p.x).collect::<Vec<_>>();
+    assert_eq!(xs(&lower.left), [0.0, 10.0, 20.0, 30.0]);
+    assert_eq!(xs(&lower.right), [0.0, 10.0, 20.0, 30.0]);
+    assert_eq!((lower.left_mark, lower.right_mark), (LaneMark::Dashed, LaneMark::Unknown));
+    assert_eq!((lower.left_neighbor.as_deref(), upper.right_neighbor.as_deref()), (Some("51"), Some("50")));
+    assert_eq!(
+        r.invalid,
+        ["lanelet 52: the ways of its right bound do not meet end to end; join or reorder them"]
+    );
+}
+
+#[test]
+fn two_painted_lines_beside_each_other_are_a_crosswalk() {
+    let marking = [("type", "pedestrian_marking")];
+    let content = [
+        street(),
+        // 4 m apart and 10 m long; the second runs backwards. Then one alone, 10 m farther and at right angles.
+        way(20, &[102, 112], &marking),
+        way(21, &[113, 103], &marking),
+        way(22, &[130, 133], &marking),
+    ]
+    .concat();
+    let r = reading(&content, &Options::default());
+    let ids: Vec<&str> = r.map.crosswalks.iter().map(|c| c.id.as_str()).collect();
+    assert_eq!(ids, ["53", "crosswalk_20_21"]);
+    let corners: Vec<(f64, f64)> = r.map.crosswalks[1].boundary.iter().map(|p| (p.x, p.y)).collect();
+    assert_eq!(corners, [(0.0, 8.0), (10.0, 8.0), (10.0, 12.0), (0.0, 12.0), (0.0, 8.0)]);
+}
+
+#[test]
+fn boards_are_found_by_their_kind_and_apply_to_all_lanes_that_name_them() {
+    let sign =
+        |id: i64, kind: &'static str| way(id, &[130, 131], &[("type", "traffic_sign"), ("subtype", kind)]);
+    let yielding = |id: i64, board: &'static str, line: &'static str, lane: i64| {
+        let members = [("way", 30, board), ("way", 6, line), ("relation", lane, "yield")];
+        relation(id, &members, &[("type", "regulatory_element"), ("subtype", "right_of_way")])
+    };
+    let content = [
+        street(),
+        sign(30, "de205"),
+        sign(31, "usW5-1"),
+        // Faces those who come the wrong way.
+        sign(32, "usR5-1"),
+        // The roles the wrong way round, as in INTERACTION's DR_DEU_Roundabout_OF; then right, for another lane.
+        yielding(62, "ref_line", "refers", 50),
+        yielding(63, "refers", "ref_line", 51),
+    ]
+    .concat();
+    let r = reading(&content, &Options::default());
+    let signs: Vec<(&str, &[String])> =
+        r.map.signs.iter().map(|s| (s.kind.as_str(), s.lane_ids.as_slice())).collect();
+    let both = ["50".to_owned(), "51".to_owned()];
+    assert_eq!(signs, [("yield", &both[..]), ("warning", &[][..]), ("speed_limit", &["52".to_owned()][..])]);
+    let stops: Vec<&[String]> = r.map.stop_lines.iter().map(|s| s.lane_ids.as_slice()).collect();
+    assert_eq!(stops, [&both[..]]);
 }
 
 #[test]
