@@ -255,7 +255,7 @@ mod tests {
     /// A closed way with straight sides, in two halves, each with a road in and a road out.
     fn polygon(corners: usize, radius: f64) -> RoadMap {
         let corner = |i: usize| {
-            let a = std::f64::consts::TAU * i as f64 / corners as f64;
+            let a = TAU * i as f64 / corners as f64;
             (radius * a.cos(), radius * a.sin())
         };
         let half = corners / 2;
