@@ -7,7 +7,7 @@ use crate::assemble::geometry::distance;
 use std::collections::BTreeMap;
 use whyroad_model::road_map::{Lane, LayerState, MapLayer, Point3};
 use whyroad_model::scene::{Drive, Motion};
-use whyroad_model::{Bilingual, Diagnostic, Nanos, Need, RoadMap};
+use whyroad_model::{Bilingual, Diagnostic, Nanos, Need, RoadMap, counted};
 
 /// Codes of this module.
 pub(crate) const CODES: &[&str] = &[
@@ -97,33 +97,40 @@ fn far_positions(drive: &mut Drive) -> Option<Diagnostic> {
 }
 
 fn swapped_sizes(drive: &mut Drive) -> Option<Diagnostic> {
-    let (mut repaired, mut unknown) = (0, 0);
-    let mut check = |length: &mut f64, width: &mut f64| {
+    let (mut repaired, mut unknown, mut vehicles) = (0, 0, 0);
+    // `rows` boxes have this size.
+    let mut check = |length: &mut f64, width: &mut f64, rows: usize| {
         if *width <= *length * WIDER || length.is_nan() || width.is_nan() {
-            return;
+            return false;
         }
         if LENGTH_M.contains(width) && WIDTH_M.contains(length) {
             std::mem::swap(length, width);
-            repaired += 1;
+            repaired += rows;
         } else {
             (*length, *width) = (f64::NAN, f64::NAN);
-            unknown += 1;
+            unknown += rows;
         }
+        true
     };
     if let Some(ego) = &mut drive.ego {
-        check(&mut ego.length_m, &mut ego.width_m);
+        vehicles += usize::from(check(&mut ego.length_m, &mut ego.width_m, ego.motion.len()));
     }
     for track in drive.tracks.iter_mut().filter(|t| t.class.is_vehicle()) {
-        track.length_m.iter_mut().zip(&mut track.width_m).for_each(|(l, w)| check(l, w));
+        let sizes = track.length_m.iter_mut().zip(&mut track.width_m);
+        vehicles += usize::from(sizes.fold(false, |any, (l, w)| check(l, w, 1) || any));
     }
     (repaired + unknown > 0).then(|| {
         warning(
             "ingest.size.swapped",
-            format!("{} 个车辆框的宽大于长：{repaired} 个已交换长宽，{unknown} 个记为未知", repaired + unknown),
             format!(
-                "{} boxes of vehicles are wider than long: length and width were swapped back in {repaired}, {unknown} \
-                 are set to unknown",
+                "{vehicles} 辆车的 {} 个框宽大于长：{repaired} 个已交换长宽，{unknown} 个记为未知",
                 repaired + unknown
+            ),
+            format!(
+                "{} boxes of {} are wider than long: length and width were swapped back in {repaired}, {unknown} are set to \
+                 unknown",
+                repaired + unknown,
+                counted(vehicles, "vehicle")
             ),
         )
     })

@@ -7,20 +7,24 @@ use crate::target::placement::Placement;
 /// Minimum lateral speed towards the lane's center of a target that enters the lane, m/s.
 const COMING_IN_MPS: f64 = 0.1;
 
-/// Arc length from the ego's center to the nearest part of a target ahead in its path, m; `None` if the target is not
-/// in path. In path are targets in the band that the ego sweeps along its driven path; targets whose center is in the
-/// ego's lane; and targets that are partly over the line into the lane and moving in. A car parked with one wheel in
-/// the lane, which the ego passes, is none of these.
+/// Arc length from the ego's center to the near end of a target ahead in its path, m; `None` if the target is not in
+/// path. In path are targets whose center is in the ego's lane; targets in the band that the ego sweeps along its driven
+/// path, of which the part in the band counts; and targets that are partly over the line into the lane and moving in. A
+/// car parked with one wheel in the lane, which the ego passes, is none of these.
 fn nearest_in_path(p: &Placement) -> Option<f64> {
     if !p.same_level || !p.within_reach() {
         return None;
+    }
+    // The whole of one that is in the lane: the part of it in the band changes where the ego swings out.
+    if p.ahead > 0.0 && p.blocks_way() {
+        return Some(p.near);
     }
     if let Some((near, far)) = p.band {
         return (near + far > 0.0).then_some(near);
     }
     let coming_in =
         p.intrusion().is_some_and(|d| d > 0.0) && lane_lateral_speed(p).is_some_and(|v| v >= COMING_IN_MPS);
-    (p.ahead > 0.0 && (p.blocks_way() || coming_in)).then_some(p.near)
+    (p.ahead > 0.0 && coming_in).then_some(p.near)
 }
 
 /// Velocity across the ego's lane, towards its center line positive, m/s. `None` without a lane.

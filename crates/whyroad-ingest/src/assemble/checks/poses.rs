@@ -15,12 +15,16 @@ const BRAKING_MPS2: f64 = 9.81;
 /// Error of a pose, m.
 const POSE_M: f64 = 0.05;
 
-/// Sets impossible poses of the ego to unknown.
+/// Sets impossible poses of the ego to unknown, and the velocities beside them that were computed from them.
 pub(super) fn steps_back(drive: &mut Drive) -> Option<Diagnostic> {
     let start = *drive.times.first()?;
     let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
     let m = &mut drive.ego.as_mut()?.motion;
     let rows = impossible(&seconds, m);
+    for i in spoiled(&rows, &seconds, m) {
+        (m.vx[i], m.vy[i]) = (f64::NAN, f64::NAN);
+        m.accel.get_mut(i).into_iter().for_each(|a| *a = f64::NAN);
+    }
     for &i in &rows {
         for column in [
             &mut m.x,
@@ -46,6 +50,29 @@ pub(super) fn steps_back(drive: &mut Drive) -> Option<Diagnostic> {
              are set to unknown"
         ),
     ))
+}
+
+/// Rows right before or behind impossible ones whose stated velocity is none that the ego can have had: sources that
+/// compute it as the difference of two poses compute it from an impossible one.
+fn spoiled(rows: &[usize], seconds: &[f64], m: &Motion) -> Vec<usize> {
+    let is_possible = |i: usize| i < m.len().min(seconds.len()) && rows.binary_search(&i).is_err();
+    let beside = |i: usize| [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter(|&i| is_possible(i));
+    let has_spoiled = |i: &usize| {
+        let i = *i;
+        // The speed between this row and the one on its other side.
+        let other =
+            if is_possible(i + 1) { Some(i + 1) } else { i.checked_sub(1).filter(|&j| is_possible(j)) };
+        let Some(other) = other else { return false };
+        let (from, to) = (i.min(other), i.max(other));
+        let (sin, cos) = m.heading[i].sin_cos();
+        let along = |x: f64, y: f64| x * cos + y * sin;
+        let dt = seconds[to] - seconds[from];
+        let speed = along(m.x[to] - m.x[from], m.y[to] - m.y[from]) / dt;
+        (along(m.vx[i], m.vy[i]) - speed).abs() > MAX_ACCEL_MPS2 * dt
+    };
+    let mut out: Vec<usize> = rows.iter().flat_map(|&i| beside(i)).filter(has_spoiled).collect();
+    out.dedup();
+    out
 }
 
 /// The rows, each decided from earlier ones only.

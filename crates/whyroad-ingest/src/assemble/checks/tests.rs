@@ -65,7 +65,10 @@ fn swapped_sizes_are_repaired_and_a_bad_box_is_unknown() {
     let ego = d.ego.as_mut().unwrap();
     (ego.length_m, ego.width_m) = (1.73, 4.08);
     (d.tracks[0].length_m[3], d.tracks[0].width_m[3]) = (0.4, 1.1);
-    assert_eq!(codes(&mut d), ["ingest.size.swapped"]);
+    let found = check(&mut d);
+    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["ingest.size.swapped"]);
+    // 50 rows of the ego and one of the track.
+    assert!(found[0].message.en.starts_with("51 boxes of 2 vehicles "), "{}", found[0].message.en);
     let ego = d.ego.as_ref().unwrap();
     assert_eq!((ego.length_m, ego.width_m), (4.08, 1.73));
     assert!(d.tracks[0].length_m[3].is_nan() && d.tracks[0].length_m[4] == 4.5);
@@ -100,10 +103,13 @@ fn poses_behind_a_step_back_are_unknown() {
     for (i, x) in scene_0655.into_iter().enumerate() {
         m.x[41 + i] = 41.0 + x;
     }
+    // The difference of the poses around it, as the converter has it.
+    m.vx[45] = -19.09;
     assert_eq!(codes(&mut d), ["ingest.pose.impossible"]);
     let x = &d.ego.as_ref().unwrap().motion.x;
     assert!(x[..46].iter().all(|x| x.is_finite()) && x[46..].iter().all(|x| x.is_nan()), "{x:?}");
-    assert!(d.ego.unwrap().motion.vx[46..].iter().all(|v| v.is_nan()));
+    let vx = &d.ego.as_ref().unwrap().motion.vx;
+    assert!(vx[..45].iter().all(|v| v.is_finite()) && vx[45..].iter().all(|v| v.is_nan()), "{vx:?}");
 }
 
 /// One pose 1 m behind is left out; a correction of the localization by 3 m is left out for its first second only.
