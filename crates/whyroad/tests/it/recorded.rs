@@ -89,8 +89,8 @@ fn a_pedestrian_nears_the_ego_s_path_over_a_crosswalk() {
     // *ego's* frame because the ego turns: what stands does not cross.
     assert!(all.iter().all(|e| !e.target.starts_with("cfb81c")));
     // Raw: the ego's yaw goes from -33 degrees at 11 s to +29 degrees at 15.4 s, inside the junction, up to 1.8 m to
-    // the left of the center of the turning lane: more than 0.5 m inside is a cut corner, protected or not (taxonomy).
-    let turn = the(&all, "proactive.turn.left_cut_corner", "");
+    // the left of the center of the turning lane, and in no oncoming lane: a turn that cuts no corner.
+    let turn = the(&all, "proactive.turn", "");
     assert_eq!(turn.len(), 1);
     assert!((10.5..12.5).contains(&turn[0].keyframe), "{}", turn[0].keyframe);
 }
