@@ -93,7 +93,7 @@ pub struct Licences {
     pub assume: Option<String>,
 }
 
-/// Treatment of a sample whose window reaches beyond the drive.
+/// Treatment of a sample whose window reaches beyond the drive or has steps without a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Incomplete {

@@ -182,8 +182,11 @@ fn summary(state: &mut State<'_>) {
             Diagnostic::warning(
                 "dataset.window.incomplete",
                 Bilingual::new(
-                    format!("{n} 个样本的窗口超出行程，未收入"),
-                    format!("{n} samples are left out because their window reaches beyond the drive"),
+                    format!("{n} 个样本的窗口超出行程，或其中有缺少位姿的步，未收入"),
+                    format!(
+                        "{n} samples are left out because their window reaches beyond the drive or has steps \
+                         without a pose"
+                    ),
                 ),
             )
             .with_hint(Bilingual::new(
