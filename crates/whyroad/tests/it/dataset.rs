@@ -5,6 +5,7 @@
 use crate::service::demo;
 use crate::session::{Run, whyroad_in};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 fn run(folder: &Path, line: &str) -> Run {
@@ -39,7 +40,14 @@ fn spec(folder: &Path, changes: &[(&str, &str)]) {
 fn a_release_is_built_checked_shown_and_compared() {
     let dir = tempfile::tempdir().unwrap();
     let at = dir.path();
-    spec(at, &[("floor_leaf: 0", "floor_leaf: 30"), ("images: none", "images: bev")]);
+    spec(
+        at,
+        &[
+            ("floor_leaf: 0", "floor_leaf: 30"),
+            ("floor_l2: 0", "floor_l2: 30"),
+            ("images: none", "images: bev"),
+        ],
+    );
     let build = "dataset build --spec dataset.yaml --labels DEMO/mined --lake DEMO/lake --out r1";
     let refused = run(at, build);
     assert_eq!(refused.code, 1);
@@ -71,9 +79,18 @@ fn a_release_is_built_checked_shown_and_compared() {
         let out = query.file_stem().unwrap().to_string_lossy().into_owned();
         good(at, &format!("mine --query {} --lake DEMO/lake --out {out}", query.display()));
     }
-    let urgent =
-        run(at, "mine --query r1/queries/reactive_agent.cutin.urgent.json --lake DEMO/lake --out more");
-    assert_eq!(urgent.code, 0, "{}", urgent.err);
+    let card = std::fs::read_to_string(at.join("r1/README.md")).unwrap();
+    assert!(card.contains("| `safety.aeb` | 0 | 30 | `queries/safety.aeb.json` |"), "{card}");
+    // Leaves count for the floor of their L2: its query finds them, as the command that mines the class does.
+    let episodes = |folder: &str| -> BTreeSet<String> {
+        let text = std::fs::read_to_string(at.join(folder).join("episodes.jsonl")).unwrap();
+        let id = |line: &str| serde_json::from_str::<Value>(line).unwrap()["episode_id"].to_string();
+        text.lines().map(id).collect()
+    };
+    good(at, "mine --query r1/queries/reactive_agent.cutin.json --lake DEMO/lake --out more");
+    good(at, "mine --scenario reactive_agent.cutin --lake DEMO/lake --out all");
+    assert_eq!(episodes("more"), episodes("all"));
+    assert!(!episodes("more").is_empty());
 
     let again = build.replace("--out r1", "--out r2");
     good(at, &format!("{again} --drafts"));
