@@ -87,6 +87,7 @@ const REASONS: &[(&str, &str, &str)] = &[
     ("status", "状态不在选取之列", "status not selected"),
     ("class", "类别不在选取之列", "class not selected"),
     ("score", "得分过低", "score too low"),
+    ("score_unknown", "得分未知", "score unknown"),
     ("source", "来源不在选取之列", "source not selected"),
     ("place", "地点不在选取之列", "place not selected"),
     ("weather", "天气不在选取之列", "weather not selected"),
@@ -138,6 +139,8 @@ pub(crate) struct Item {
     pub label: RecordRef,
     /// The same in the other language.
     pub other: Option<RecordRef>,
+    /// The mined episode that the label is about, where both were read.
+    pub episode: Option<RecordRef>,
     /// Index into the build's drives.
     pub drive: u32,
     pub keyframe_ns: i64,

@@ -65,6 +65,12 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
     // The license of a drive without remaining candidates is not checked.
     let used: BTreeSet<u32> = labels.items.iter().filter(|i| i.kept()).map(|i| i.drive).collect();
     out.drives.retain(|d, _| used.contains(d));
+    let unscored =
+        labels.items.iter().filter(|i| i.dropped.as_ref().is_some_and(|d| d.reason == "score_unknown"));
+    let unscored = unscored.count();
+    if unscored > 0 {
+        out.diagnostics.push(without_score(unscored));
+    }
     for name in &missing {
         let message = Bilingual::new(
             format!("标签引用的行程 {name} 不在数据湖中"),
@@ -94,6 +100,18 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
         out.refused.push(*d);
     }
     out
+}
+
+fn without_score(n: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("{n} 个标签没有得分，无法按 select.min_score 判断，未收入"),
+        format!("{n} labels without a score are left out: select.min_score cannot judge them"),
+    );
+    Diagnostic::warning("dataset.score.unknown", message).with_hint(Bilingual::new(
+        "再加 --labels 指定产生这些标签的挖掘结果文件夹，标签从其事件取得得分；或去掉 select.min_score",
+        "name the mined folder that they come from with another --labels, so that they take the score of their \
+         episodes, or unset select.min_score",
+    ))
 }
 
 fn unknown_in_spec(name: &str) -> Diagnostic {
@@ -144,10 +162,12 @@ fn by_label(item: &Item, labels: &Labels, spec: &Spec) -> Option<Dropped> {
     if (!select.classes.is_empty() && !inside(&select.classes)) || inside(&select.exclude_classes) {
         return drop("class", class);
     }
-    if select.min_score.is_some_and(|least| f64::from(item.score) < least) {
-        return drop("score", &format!("{:.2}", item.score));
+    match select.min_score {
+        // Unknown is not enough, as for the weather.
+        Some(_) if item.score.is_nan() => drop("score_unknown", "the label states no score"),
+        Some(least) if f64::from(item.score) < least => drop("score", &format!("{:.2}", item.score)),
+        _ => None,
     }
-    None
 }
 
 fn by_drive(meta: &DriveMeta, spec: &Spec) -> Option<Dropped> {

@@ -66,7 +66,7 @@ pub struct Select {
     pub places: Vec<String>,
     /// Stated weather at t0; a drive that states none is left out when this is set.
     pub weather: Vec<String>,
-    /// Minimum match score of the episode; a label without a score passes.
+    /// Minimum match score of the episode; a label without a known score is left out and reported.
     pub min_score: Option<f64>,
 }
 

@@ -126,7 +126,10 @@ fn cut_drive(state: &State<'_>, drive: u32, items: &[usize]) -> Result<Vec<Outco
 
 fn candidate<'a>(state: &'a State<'_>, item: &Item) -> Result<Candidate<'a>, DatasetError> {
     let path = state.work.labels();
-    let label: LabelRecord = read_record(&path, item.label)?;
+    let mut label: LabelRecord = read_record(&path, item.label)?;
+    if let Some(at) = item.episode {
+        label = label.of_episode(read_record(&path, at)?);
+    }
     let other = item.other.map(|at| read_record(&path, at)).transpose()?;
     Ok(Candidate {
         id: id_text(item.id),

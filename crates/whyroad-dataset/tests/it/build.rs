@@ -189,6 +189,34 @@ fn drafts_are_taken_only_when_asked_for_and_marked() {
     assert!(!marked[0].lineage.checked);
 }
 
+/// A label of a plain file has no score: it is neither good nor bad, and the user is told.
+#[test]
+fn labels_without_a_score_do_not_pass_a_minimum_unnoticed() {
+    let mut fleet = Fleet::town();
+    let scored = |seconds: f64, score: f64| {
+        let plan = plan("drive0", 0.0, 6.0);
+        let label = label(&plan, seconds, "intersection");
+        let episode = serde_json::json!({
+            "episode_id": "e", "scenario_id": "reactive_agent.cutin.intersection", "drive_id": "drive0",
+            "clip_id": label["clip_id"], "time_range": label["time_range"], "keyframe": label["keyframe"],
+            "score": score, "is_primary": true, "keyframe_rule": {"zh": "", "en": ""}, "conditions_matched": [],
+            "signals": [],
+        });
+        serde_json::json!({ "task": { "id": "t", "state": "accepted", "draft": label, "episode": episode } })
+    };
+    fleet.labels += &format!("{}\n{}\n", scored(10.0, 0.9), scored(12.0, 0.3));
+    fleet.spec_text = "select: {min_score: 0.5}\n".into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let dropped = &built.manifest.counts.dropped["1-select"];
+    assert_eq!((built.manifest.counts.samples, dropped["score"], dropped["score_unknown"]), (1, 1, 16));
+    let warned = built.diagnostics.iter().find(|d| d.code == "dataset.score.unknown").unwrap();
+    assert!(warned.message.en.starts_with("16 labels"), "{}", warned.message.en);
+    // Without a minimum nothing is missed.
+    fleet.spec_text.clear();
+    let built = fleet.build(&fleet.out("all")).unwrap();
+    assert!(!built.diagnostics.iter().any(|d| d.code == "dataset.score.unknown"));
+}
+
 #[test]
 fn caps_thin_the_training_split_but_not_below_a_floor() {
     let mut fleet = Fleet::town();
