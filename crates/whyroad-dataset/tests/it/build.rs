@@ -36,6 +36,8 @@ fn samples_are_what_the_drives_say() {
         let now = lead.t_s.iter().position(|t| *t == 0.0).unwrap();
         assert!((lead.x[now].unwrap() - (20.0 + start + 1.4)).abs() < 1e-3);
         assert_eq!(lead.t_s.len(), 81);
+        // Its center is 0.1 m above the ego's.
+        assert!((lead.z[now].unwrap() - 0.1).abs() < 1e-6 && lead.z.len() == 81);
         assert_eq!(s.map.as_ref().unwrap()[0].kind, "lane");
         assert_eq!((s.lights.as_ref(), s.route.as_ref(), s.context.as_ref()), (None, None, None));
         assert_eq!((s.lineage.label_status.as_str(), s.lineage.checked), ("imported", false));
