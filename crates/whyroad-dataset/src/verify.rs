@@ -12,6 +12,7 @@ use crate::licence::LicenceTable;
 use crate::place::Grid;
 use crate::release::read_text;
 use crate::spec::GroupKey;
+use crate::split::value_of_sample;
 use crate::{DatasetError, Release, Sample, descriptor};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -131,7 +132,7 @@ pub fn verify_with(
                     found.repeated(&sample.sample_id, other, split);
                 }
                 for key in release.manifest.spec.split.by.iter().chain([&GroupKey::Drive]) {
-                    if let Some(value) = group(&sample, *key) {
+                    if let Some(value) = value_of_sample(&sample, *key) {
                         groups.entry((*key, value)).or_default().insert(split);
                     }
                 }
@@ -213,17 +214,6 @@ fn stale(sample: &Sample, checker: &Checker<'_>) -> Option<String> {
     let found = checker.check_text(&sample.label_json);
     let codes: Vec<&str> = found.iter().filter(|d| d.severity == Severity::Error).map(|d| d.code).collect();
     (!codes.is_empty()).then(|| codes.join(", "))
-}
-
-fn group(sample: &Sample, key: GroupKey) -> Option<String> {
-    let g = &sample.groups;
-    match key {
-        GroupKey::Drive => Some(sample.lineage.drive_id.clone()),
-        GroupKey::Session => g.session.clone(),
-        GroupKey::Vehicle => g.vehicle.clone(),
-        GroupKey::Place => g.place_cell.clone(),
-        GroupKey::Date => g.date.clone(),
-    }
 }
 
 fn keep(sample: &Sample, split: SplitName) -> Seen {

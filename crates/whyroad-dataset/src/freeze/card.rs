@@ -124,9 +124,11 @@ pub(crate) fn card(m: &Manifest) -> String {
 }
 
 fn samples(t: &mut String, m: &Manifest) {
-    let _ = writeln!(t, "## Samples · 样本\n\n| split | samples |\n|---|---|");
+    let _ = writeln!(t, "## Samples · 样本\n\n| split | samples | share |\n|---|---|---|");
     for split in SplitName::ALL.map(SplitName::name) {
-        let _ = writeln!(t, "| {split} | {} |", m.counts.by_split.get(split).unwrap_or(&0));
+        let n = m.counts.by_split.get(split).copied().unwrap_or(0);
+        let share = 100.0 * n as f64 / m.counts.samples.max(1) as f64;
+        let _ = writeln!(t, "| {split} | {n} | {share:.1} % |");
     }
     let s = &m.spec.sample;
     let _ = writeln!(

@@ -126,6 +126,29 @@ fn groups_are_never_separated_and_near_places_count_as_one() {
     assert_eq!(near, [Some(0.0); 3]);
 }
 
+/// Every other drive repeats the drive before it: half of the samples are dropped as duplicates after the split.
+#[test]
+fn the_split_is_reported_of_the_release_and_not_of_the_stage() {
+    let plans: Vec<_> =
+        (0..8).map(|i| plan(&format!("d{i}"), f64::from(i) * 300.0, 6.0 + 4.0 * f64::from(i / 2))).collect();
+    let fleet = Fleet::new(&plans);
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let manifest = built.manifest;
+    assert_eq!(manifest.counts.samples, 8);
+    let (split, by_split) = (&manifest.split, &manifest.counts.by_split);
+    assert_eq!(&split.samples, by_split);
+    assert!(split.shares.iter().all(|(s, share)| (share - by_split[s] as f64 / 8.0).abs() < 1e-9));
+    assert_eq!((split.unknown["session"], split.components, split.largest_component), (8, 4, 2));
+    let card = std::fs::read_to_string(fleet.out("r/README.md")).unwrap();
+    assert!(card.contains(&format!(
+        "| train | {} | {:.1} % |",
+        by_split["train"],
+        12.5 * by_split["train"] as f64
+    )));
+    let unknown = built.diagnostics.iter().find(|d| d.code == "dataset.group.unknown").unwrap();
+    assert!(unknown.message.en.starts_with("8 samples"), "{}", unknown.message.en);
+}
+
 /// Two drives of one default clock share no day.
 #[test]
 fn drives_without_a_date_are_not_grouped_by_their_clock() {
