@@ -102,6 +102,8 @@ const REASONS: &[(&str, &str, &str)] = &[
     ("draft_doubt", "草稿存疑", "doubtful draft"),
     ("camera_missing", "缺少相机", "camera missing"),
     ("image_missing", "缺少图片", "image missing"),
+    ("image_before_drive", "图片时刻早于行程", "image time before the drive"),
+    ("image_not_rendered", "无法渲染鸟瞰图", "bird's-eye image cannot be rendered"),
     ("image_in_video", "图片在视频中", "image inside a video"),
     ("image_file_missing", "缺少图片文件", "image file missing"),
     ("image_not_blurred", "图片未能模糊处理", "image could not be blurred"),

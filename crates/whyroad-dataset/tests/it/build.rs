@@ -120,7 +120,8 @@ fn groups_are_never_separated_and_near_places_count_as_one() {
     }
     let report = built.manifest.split;
     assert_eq!(report.components, 8);
-    assert_eq!(report.unknown["session"], 13);
+    let without = samples(&release).iter().filter(|s| s.groups.session.is_none()).count();
+    assert_eq!(report.unknown["session"], without);
     assert!(report.samples.values().all(|n| *n > 0), "{:?}", report.samples);
     let near: Vec<_> = report.distances.iter().filter(|d| d.within_m == 5.0).map(|d| d.share).collect();
     assert_eq!(near, [Some(0.0); 3]);
@@ -138,7 +139,13 @@ fn the_split_is_reported_of_the_release_and_not_of_the_stage() {
     let (split, by_split) = (&manifest.split, &manifest.counts.by_split);
     assert_eq!(&split.samples, by_split);
     assert!(split.shares.iter().all(|(s, share)| (share - by_split[s] as f64 / 8.0).abs() < 1e-9));
-    assert_eq!((split.unknown["session"], split.components, split.largest_component), (8, 4, 2));
+    let mut of_group: BTreeMap<u32, usize> = BTreeMap::new();
+    for s in samples(&Release::open(fleet.out("r")).unwrap()) {
+        *of_group.entry(s.groups.component).or_default() += 1;
+    }
+    assert_eq!(split.unknown["session"], 8);
+    assert_eq!(split.components, of_group.len());
+    assert_eq!(Some(&split.largest_component), of_group.values().max());
     let card = std::fs::read_to_string(fleet.out("r/README.md")).unwrap();
     assert!(card.contains(&format!(
         "| train | {} | {:.1} % |",
@@ -276,6 +283,21 @@ fn shards_are_equal_and_bev_images_are_in_them() {
         assert_eq!(s.images.iter().map(|i| i.t_s).collect::<Vec<_>>(), [-0.3, -0.2, -0.1, 0.0]);
         assert!(s.images.iter().all(|i| i.camera == "bev" && i.bytes.starts_with(b"\x89PNG")));
     }
+}
+
+/// A keyframe 1 s after the start of its drive has no image of 1.5 s before it: no folder of images helps.
+#[test]
+fn an_image_time_before_the_drive_is_said_to_be_that() {
+    let mut fleet = Fleet::new(&[plan("a", 0.0, 10.0)]);
+    fleet.labels += &format!("{}\n", label(&plan("a", 0.0, 10.0), 1.0, "intersection"));
+    fleet.spec_text = "sample: {images: bev, image_times_s: [-1.5, 0], bev_size_px: 64, bev_m_per_px: 1, incomplete: keep}\n".into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    assert_eq!(built.manifest.counts.dropped["2-sample"]["image_before_drive"], 1);
+    let found: Vec<_> = built.diagnostics.iter().filter(|d| d.code == "dataset.image.missing").collect();
+    let [d] = found[..] else { panic!("{found:?}") };
+    let hint = d.hint.as_ref().unwrap();
+    assert!(d.message.en.contains("before the start") && hint.en.contains("image_times_s"), "{d:?}");
+    assert!(!hint.en.contains("--media"), "{}", hint.en);
 }
 
 #[test]
