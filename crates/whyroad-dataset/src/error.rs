@@ -16,6 +16,7 @@ pub const CODES: &[&str] = &[
     "dataset.labels.none",
     "dataset.samples.none",
     "dataset.score.unknown",
+    "dataset.select.unknown",
     "dataset.licence.unknown",
     "dataset.licence.forbidden",
     "dataset.licence.conflict",

@@ -254,6 +254,14 @@ fn a_spec_that_names_what_does_not_exist_is_refused_or_warned_of() {
     let mut fleet = Fleet::town();
     fleet.spec_text = "licences: {allow: [Apache-2.0, Beerware]}\n".into();
     assert_eq!(refusal(&fleet), ["dataset.licence.unknown"]);
+    // Sources and places of the fleet are `fleet` and `town`.
+    fleet.spec_text = "select: {sources: [fleat], places: [town, nowhere]}\n".into();
+    let Err(DatasetError::Refused(found)) = fleet.build(&fleet.out("refused")) else { panic!("not refused") };
+    let said: Vec<_> = found.iter().map(|d| (d.code, d.hint.as_ref().unwrap().en.as_str())).collect();
+    let code = "dataset.select.unknown";
+    assert_eq!(said, [(code, "did you mean 'fleet'?"), (code, "known: town")]);
+    fleet.spec_text = "select: {sources: [fleet], places: [town, unknown]}\n".into();
+    assert_eq!(fleet.build(&fleet.out("selected")).unwrap().manifest.counts.samples, 16);
     let unused = |spec: &str| {
         let mut fleet = Fleet::town();
         fleet.spec_text = spec.into();
