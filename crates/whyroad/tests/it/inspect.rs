@@ -34,7 +34,7 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
         "1 drive, 1 clip",
         // What `select.sources` in the spec of a data set takes; the format is another thing.
         "  formats: sumo 1\n  sources: sumo 1\n",
-        "crossroads-ego (sumo)\n  source: sumo\n",
+        "crossroads-ego (sumo, crossroads)\n  source: sumo\n",
         // FCD has no dates: what `ingest` sets as the start is not shown as one.
         "crossroads-ego_000  no date  0.5 s  5 frames",
         "ego: 5.00 x 1.80 m, 10.0 - 10.0 m/s",
