@@ -1,7 +1,7 @@
 //! Labels in: JSON lines of the service's export (`tasks export --content tasks`), plain labels (DATA_FORMAT.md 4), or
 //! episodes as `whyroad mine` writes them, which are drafted by rule when drafts are requested. Each line is kept or
-//! dropped with a reason; kept lines go to a record file, and a short [`Item`] stays in memory. A label has no place for
-//! the score and the id of its episode: where a stream has the episode itself, the label takes them from it.
+//! dropped with a reason; kept lines go to a record file, and a short [`Item`] stays in memory. A label has no place
+//! for the score and the id of its episode: where a stream has the episode itself, the label takes them from it.
 
 use crate::DatasetError;
 use crate::item::{Dropped, Item, SampleId, Stage};

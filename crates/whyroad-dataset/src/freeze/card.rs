@@ -105,10 +105,8 @@ pub(crate) fn card(m: &Manifest) -> String {
         } else {
             "for `whyroad mine --query`; `–`: no mining rule finds the class"
         };
-        let _ = writeln!(
-            t,
-            "Classes below their floor, with their query ({about}):\n\n| class | present | floor | query |\n|---|---|---|---|"
-        );
+        let _ = writeln!(t, "Classes below their floor, with their query ({about}):\n");
+        let _ = writeln!(t, "| class | present | floor | query |\n|---|---|---|---|");
         for s in &b.shortfalls {
             let query = s.query.as_ref().map_or_else(|| "–".to_owned(), |q| format!("`{q}`"));
             let _ = writeln!(t, "| `{}` | {} | {} | {query} |", s.scenario_id, s.present, s.wanted);

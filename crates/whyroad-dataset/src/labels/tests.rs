@@ -44,8 +44,8 @@ fn a_label_without_a_text_is_not_the_other_language() {
     assert_eq!(read_lines(&["", ""]), (None, false, before()));
 }
 
-/// `whyroad draft` writes labels, which have no place for the score and id of their episode (DATA_FORMAT.md 5). With the
-/// mined folder beside them they have both, in whatever order they are read.
+/// `whyroad draft` writes labels, which have no place for the score and id of their episode (DATA_FORMAT.md 5). With
+/// the mined folder beside them they have both, in whatever order they are read.
 #[test]
 fn a_label_takes_the_facts_of_its_episode() {
     let label: Value = serde_json::from_str(&line(EN)).unwrap();

@@ -290,7 +290,9 @@ fn shards_are_equal_and_bev_images_are_in_them() {
 fn an_image_time_before_the_drive_is_said_to_be_that() {
     let mut fleet = Fleet::new(&[plan("a", 0.0, 10.0)]);
     fleet.labels += &format!("{}\n", label(&plan("a", 0.0, 10.0), 1.0, "intersection"));
-    fleet.spec_text = "sample: {images: bev, image_times_s: [-1.5, 0], bev_size_px: 64, bev_m_per_px: 1, incomplete: keep}\n".into();
+    fleet.spec_text = "sample: {images: bev, image_times_s: [-1.5, 0], bev_size_px: 64, bev_m_per_px: 1, \
+        incomplete: keep}\n"
+        .into();
     let built = fleet.build(&fleet.out("r")).unwrap();
     assert_eq!(built.manifest.counts.dropped["2-sample"]["image_before_drive"], 1);
     let found: Vec<_> = built.diagnostics.iter().filter(|d| d.code == "dataset.image.missing").collect();

@@ -49,7 +49,9 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
     match a.format {
         DataFormat::Json => {
             let rows: Vec<_> = found.diagnostics.iter().map(|d| json_row(d, global.lang)).collect();
-            let value = json!({ "samples": samples, "files": files, "labels": labels, "drafts": drafts, "diagnostics": rows });
+            let value = json!({
+                "samples": samples, "files": files, "labels": labels, "drafts": drafts, "diagnostics": rows,
+            });
             output::put(&format!("{value:#}\n"));
         }
         DataFormat::Text => {
