@@ -105,6 +105,54 @@ fn a_release_is_built_checked_shown_and_compared() {
     }
 }
 
+/// Drafts that went through a file, where a person may correct them, give the release that the episodes give: the same
+/// labels, and with the mined folder beside them the same lineage. Without it the score is unknown, which is no pass.
+#[test]
+fn drafts_of_a_file_are_traced_back_to_their_episodes() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    good(at, "draft --lake DEMO/lake --from DEMO/mined --out drafts.jsonl");
+    let text = std::fs::read_to_string(at.join("drafts.jsonl")).unwrap();
+    let mined = std::fs::read_to_string(demo().join("mined/episodes.jsonl")).unwrap();
+    let parsed = |line: &str| serde_json::from_str::<Value>(line).unwrap();
+    let versions: BTreeSet<String> = mined.lines().map(|l| parsed(l)["rule_version"].to_string()).collect();
+    for draft in text.lines().map(parsed) {
+        let rules = draft["provenance"]["versions"]["rules"].to_string();
+        assert!(versions.contains(&rules) && rules != "null", "{rules} {versions:?}");
+    }
+
+    good(at, "dataset init dataset.yaml");
+    let build = "dataset build --spec dataset.yaml --lake DEMO/lake --drafts";
+    good(at, &format!("{build} --labels DEMO/mined --out r1"));
+    good(at, &format!("{build} --labels drafts.jsonl --labels DEMO/mined --out r2"));
+    let lineage = |release: &str| {
+        let all = whyroad_dataset::Release::open(&at.join(release)).unwrap();
+        let mut all: Vec<_> = all.samples(None).map(|s| s.unwrap()).collect();
+        all.sort_by(|a, b| a.sample_id.cmp(&b.sample_id));
+        all.into_iter()
+            .map(|s| {
+                (
+                    s.sample_id,
+                    s.lineage.episode_id,
+                    s.lineage.target_id,
+                    s.lineage.rule_version,
+                    s.lineage.score,
+                )
+            })
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(lineage("r1"), lineage("r2"));
+    assert!(lineage("r2").iter().all(|(_, episode, ..)| episode.is_some()));
+    let differences = good(at, "dataset diff r1 r2").out;
+    assert_eq!(differences.lines().filter(|l| l.ends_with(" 0")).count(), 5, "{differences}");
+
+    spec(at, &[("# min_score: 0.5 ", "min_score: 0.0   ")]);
+    let alone = run(at, &format!("{build} --labels drafts.jsonl --out r3"));
+    assert_eq!(alone.code, 1);
+    assert!(alone.err.contains("dataset.score.unknown"), "{}", alone.err);
+    good(at, &format!("{build} --labels drafts.jsonl --labels DEMO/mined --out r3"));
+}
+
 /// The id of some sample, read without the commands under test.
 fn first_sample(release: &Path) -> String {
     let release = whyroad_dataset::Release::open(release).unwrap();
