@@ -178,6 +178,8 @@ impl Drafter<'_> {
         label.coc_trace = answer.trace.trim().to_owned();
         let version =
             |name: PromptName| (format!("prompt.{}", name.id()), self.framework.prompts.get(name).version);
+        // Those that found the episode: the draft by rule states them.
+        let rules = label.provenance.take().and_then(|mut by_rule| by_rule.versions.remove_entry("rules"));
         label.provenance = Some(Provenance {
             source: ProvenanceSource::Model,
             by: Some(self.client.model().to_owned()),
@@ -188,7 +190,9 @@ impl Drafter<'_> {
                 version(PromptName::DraftHistory),
                 version(PromptName::DraftFuture),
             ]
-            .into(),
+            .into_iter()
+            .chain(rules)
+            .collect(),
         });
         Ok(())
     }

@@ -29,7 +29,7 @@ pub struct Shortfall {
     pub wanted: usize,
     /// Number of training samples.
     pub present: usize,
-    /// File of the mining query, relative to the release; `None` when the class has no rule that a query can express.
+    /// File of the mining query, relative to the release; `None` when no mining rule finds the class.
     pub query: Option<String>,
 }
 

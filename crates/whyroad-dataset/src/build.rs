@@ -123,8 +123,11 @@ pub fn build(
         &spec.balance,
         spec.seed,
     );
+    // What the split did explains an empty one; the manifest and the card describe the release.
+    let assigned = split_report.clone();
+    split_report.count(split::counted(&state.labels.items, &state.selected.drives, &spec.split.by));
     split_report.distances = split::distances(&state.labels.items);
-    report_groups(&mut state, &split_report);
+    report_groups(&mut state, &split_report, &assigned);
     let manifest = freezing::freeze(&mut state, &names, (split_report, dedup, balanced), progress)?;
     let State { work, diagnostics, .. } = state;
     work.publish(inputs.out)?;
@@ -219,8 +222,8 @@ fn nothing_left(labels: &Labels) -> Diagnostic {
     ))
 }
 
-/// Samples that could not be grouped, and empty splits.
-fn report_groups(state: &mut State<'_>, report: &split::SplitReport) {
+/// Samples that could not be grouped, and empty splits. `assigned` counts the samples before duplicates were dropped.
+fn report_groups(state: &mut State<'_>, report: &split::SplitReport, assigned: &split::SplitReport) {
     for (key, n) in &report.unknown {
         state.diagnostics.push(
             Diagnostic::warning(
@@ -260,12 +263,12 @@ fn report_groups(state: &mut State<'_>, report: &split::SplitReport) {
         );
     }
     for (split, share) in SplitName::ALL.into_iter().zip([spec.train, spec.val, spec.test]) {
-        let (name, given) = (split.name(), report.samples.get(split.name()).copied().unwrap_or(0));
+        let (name, given) = (split.name(), assigned.samples.get(split.name()).copied().unwrap_or(0));
         let left = state.labels.items.iter().any(|i| i.kept() && i.split == Some(split));
         if share <= 0.0 || left {
             continue;
         }
-        let (n, largest) = (report.components, report.largest_component);
+        let (n, largest) = (assigned.components, assigned.largest_component);
         let message = if given == 0 {
             Bilingual::new(
                 format!("划分 {name} 为空：只有 {n} 个连通分组，最大的有 {largest} 个样本"),

@@ -7,10 +7,11 @@ use crate::freeze::manifest::{Counts, FileEntry, Manifest};
 use crate::freeze::{
     CARD, CHARTS, CHECKSUMS, CROISSANT, DATA, MANIFEST, QUERIES, card, checksums, croissant, shards,
 };
-use crate::item::{hex, id_text};
+use crate::item::{SplitName, hex, id_text};
 use crate::labels::sample_id;
 use crate::sample::Sample;
 use crate::spec::Images;
+use crate::split::{Counted, value_of_sample};
 use crate::{DatasetError, Release};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -116,6 +117,8 @@ fn write(
     manifest.counts = Counts { dropped, by_split: splits, alike_traces, ..Counts::default() };
     let mut licensed: BTreeMap<String, (BTreeSet<String>, usize)> = BTreeMap::new();
     let mut in_file: BTreeMap<String, usize> = BTreeMap::new();
+    let mut in_split: Vec<Counted> = Vec::new();
+    let by = manifest.split.by.clone();
     for file in release.data_files(None) {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut kept = 0;
@@ -128,6 +131,10 @@ fn write(
             };
             kept += 1;
             count(counts, &carried);
+            if let Some(split) = SplitName::ALL.into_iter().find(|s| s.name() == carried.split) {
+                let unknown = by.iter().copied().filter(|key| value_of_sample(&carried, *key).is_none());
+                in_split.push((split, carried.groups.component, unknown.collect()));
+            }
             let of = licensed.entry(carried.groups.licence.clone()).or_default();
             of.0.insert(carried.lineage.drive_id.clone());
             of.1 += 1;
@@ -141,6 +148,7 @@ fn write(
             manifest.counts.dropped.entry(STAGE.to_owned()).or_default().insert(reason.to_owned(), n);
         }
     }
+    manifest.split.count(in_split.into_iter());
     manifest.licences.retain_mut(|l| {
         let of = licensed.get(&l.id);
         (l.drives, l.samples) = of.map_or((0, 0), |(drives, samples)| (drives.len(), *samples));

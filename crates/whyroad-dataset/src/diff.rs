@@ -4,10 +4,11 @@
 use crate::sample::schema::from_batch;
 use crate::{DatasetError, Release};
 use serde::Serialize;
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Columns that are compared.
-const COLUMNS: &[&str] = &["sample_id", "split", "scenario_id", "weight", "lineage"];
+const COLUMNS: &[&str] = &["sample_id", "split", "scenario_id", "weight", "lineage", "label_json"];
 
 /// The difference; ids sorted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -18,7 +19,7 @@ pub struct Difference {
     pub removed: Vec<String>,
     /// Samples in another split: id, from, to.
     pub moved: Vec<(String, String, String)>,
-    /// Samples whose label has other content.
+    /// Samples whose label has other content; the order of keys and the form of numbers are no content.
     pub relabelled: Vec<String>,
     /// Samples whose drive has other content.
     pub changed_drives: Vec<String>,
@@ -32,7 +33,8 @@ pub struct Difference {
 
 struct Row {
     split: String,
-    label: String,
+    /// Hash of the label as a value.
+    label: blake3::Hash,
     drive: String,
 }
 
@@ -86,29 +88,87 @@ fn rows(release: &Release) -> Result<BTreeMap<String, Row>, DatasetError> {
     let mut out = BTreeMap::new();
     for batch in release.batches(None, Some(COLUMNS)) {
         for s in from_batch(&batch?).map_err(|e| DatasetError::broken(release.dir(), e))? {
-            let row = Row { split: s.split, label: s.lineage.label_sha256, drive: s.lineage.drive_hash };
+            let label = content_hash(&s.label_json);
+            let row = Row { split: s.split, label, drive: s.lineage.drive_hash };
             out.insert(s.sample_id, row);
         }
     }
     Ok(out)
 }
 
-fn compare(
-    path: &str,
-    a: &serde_json::Value,
-    b: &serde_json::Value,
-    out: &mut Vec<(String, String, String)>,
-) {
+/// A hash that is equal for equal JSON values, however they are written; of a text that is not JSON, of the text.
+fn content_hash(json: &str) -> blake3::Hash {
+    let mut hash = blake3::Hasher::new();
+    match serde_json::from_str(json) {
+        Ok(value) => put(&value, &mut hash),
+        Err(_) => drop(hash.update(json.as_bytes())),
+    }
+    hash.finalize()
+}
+
+fn put(value: &Value, hash: &mut blake3::Hasher) {
+    match value {
+        Value::Object(entries) => {
+            let sorted: BTreeMap<&String, &Value> = entries.iter().collect();
+            hash.update(b"{");
+            for (key, value) in sorted {
+                put(&Value::from(key.as_str()), hash);
+                put(value, hash);
+            }
+            hash.update(b"}");
+        }
+        Value::Array(items) => {
+            hash.update(b"[");
+            items.iter().for_each(|item| put(item, hash));
+            hash.update(b"]");
+        }
+        // 2 and 2.0 are one number.
+        Value::Number(n) if n.is_f64() => {
+            let n = n.as_f64().unwrap_or_default();
+            let whole = n.fract() == 0.0 && n.abs() < 2.0_f64.powi(53);
+            let text = if whole { (n as i64).to_string() } else { n.to_string() };
+            hash.update(text.as_bytes()).update(b",");
+        }
+        // Texts are quoted and escaped, so that none can look like another value.
+        _ => drop(hash.update(value.to_string().as_bytes()).update(b",")),
+    }
+}
+
+fn compare(path: &str, a: &Value, b: &Value, out: &mut Vec<(String, String, String)>) {
     match (a, b) {
-        (serde_json::Value::Object(x), serde_json::Value::Object(y)) => {
+        (Value::Object(x), Value::Object(y)) => {
             let keys: BTreeSet<&String> = x.keys().chain(y.keys()).collect();
             for key in keys {
                 let inner = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-                let null = serde_json::Value::Null;
+                let null = Value::Null;
                 compare(&inner, x.get(key).unwrap_or(&null), y.get(key).unwrap_or(&null), out);
             }
         }
         _ if a == b => {}
         _ => out.push((path.to_owned(), a.to_string(), b.to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// RFC 8259: an object is an unordered collection; white space and escapes are form.
+    #[test]
+    fn labels_are_compared_as_values() {
+        let same = |a: &str, b: &str| content_hash(a) == content_hash(b);
+        let label = r#"{"a": {"x": 1, "y": [1, 2]}, "b": "\u81ea\u8f66"}"#;
+        assert!(same(label, r#"{"b":"自车","a":{"y":[1,2.0],"x":1.0}}"#));
+        for other in [
+            r#"{"b":"自车","a":{"y":[2,1],"x":1}}"#,
+            r#"{"b":"自车","a":{"y":[1,2],"x":1.5}}"#,
+            r#"{"b":"自车","a":{"y":[1,2]}}"#,
+            r#"{"b":"自车","a":{"y":[1,2],"x":null}}"#,
+            r#"{"b":"自车","a":{"y":[1,2],"x":"1"}}"#,
+            r#"{"b":"自车","a":{"y":[12],"x":1}}"#,
+        ] {
+            assert!(!same(label, other), "{other}");
+        }
+        assert!(same("no JSON", "no JSON") && !same("no JSON", "{}"));
     }
 }

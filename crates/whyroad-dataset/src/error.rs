@@ -15,6 +15,8 @@ pub const CODES: &[&str] = &[
     "dataset.labels.drive",
     "dataset.labels.none",
     "dataset.samples.none",
+    "dataset.score.unknown",
+    "dataset.select.unknown",
     "dataset.licence.unknown",
     "dataset.licence.forbidden",
     "dataset.licence.conflict",

@@ -224,7 +224,7 @@ fn write(
         }
         ExportFormat::WebDataset => Box::new(webdataset::Writer::new(release)),
         ExportFormat::Alpamayo => Box::new(alpamayo::Writer::default()),
-        ExportFormat::OpenLabel => Box::new(openlabel::Writer),
+        ExportFormat::OpenLabel => Box::new(openlabel::Writer::default()),
     };
     for split in options.splits() {
         each_sample(release, split, &mut |sample| {

@@ -87,6 +87,7 @@ const REASONS: &[(&str, &str, &str)] = &[
     ("status", "状态不在选取之列", "status not selected"),
     ("class", "类别不在选取之列", "class not selected"),
     ("score", "得分过低", "score too low"),
+    ("score_unknown", "得分未知", "score unknown"),
     ("source", "来源不在选取之列", "source not selected"),
     ("place", "地点不在选取之列", "place not selected"),
     ("weather", "天气不在选取之列", "weather not selected"),
@@ -101,6 +102,8 @@ const REASONS: &[(&str, &str, &str)] = &[
     ("draft_doubt", "草稿存疑", "doubtful draft"),
     ("camera_missing", "缺少相机", "camera missing"),
     ("image_missing", "缺少图片", "image missing"),
+    ("image_before_drive", "图片时刻早于行程", "image time before the drive"),
+    ("image_not_rendered", "无法渲染鸟瞰图", "bird's-eye image cannot be rendered"),
     ("image_in_video", "图片在视频中", "image inside a video"),
     ("image_file_missing", "缺少图片文件", "image file missing"),
     ("image_not_blurred", "图片未能模糊处理", "image could not be blurred"),
@@ -138,6 +141,8 @@ pub(crate) struct Item {
     pub label: RecordRef,
     /// The same in the other language.
     pub other: Option<RecordRef>,
+    /// The mined episode that the label is about, where both were read.
+    pub episode: Option<RecordRef>,
     /// Index into the build's drives.
     pub drive: u32,
     pub keyframe_ns: i64,

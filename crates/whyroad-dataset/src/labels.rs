@@ -1,6 +1,7 @@
 //! Labels in: JSON lines of the service's export (`tasks export --content tasks`), plain labels (DATA_FORMAT.md 4), or
 //! episodes as `whyroad mine` writes them, which are drafted by rule when drafts are requested. Each line is kept or
-//! dropped with a reason; kept lines go to a record file, and a short [`Item`] stays in memory.
+//! dropped with a reason; kept lines go to a record file, and a short [`Item`] stays in memory. A label has no place
+//! for the score and the id of its episode: where a stream has the episode itself, the label takes them from it.
 
 use crate::DatasetError;
 use crate::item::{Dropped, Item, SampleId, Stage};
@@ -8,7 +9,7 @@ use crate::records::{RecordRef, RecordWriter};
 use crate::sample::Rejected;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::BufRead;
 use std::path::Path;
 use whyroad_framework::Framework;
@@ -43,6 +44,19 @@ pub(crate) struct LabelRecord {
     pub rule_version: Option<String>,
     pub score: Option<f64>,
     pub rejected: Vec<Rejected>,
+}
+
+impl LabelRecord {
+    /// With the facts of its episode that it does not state itself.
+    pub fn of_episode(self, episode: Self) -> Self {
+        Self {
+            episode_id: self.episode_id.or(episode.episode_id),
+            target_id: self.target_id.or(episode.target_id),
+            rule_version: self.rule_version.or(episode.rule_version),
+            score: self.score.or(episode.score),
+            ..self
+        }
+    }
 }
 
 /// A line that did not become a candidate.
@@ -87,6 +101,8 @@ pub(crate) struct Labels {
     pub statuses: Names,
     pub lines: usize,
     pub dropped: Vec<DroppedLine>,
+    /// Items that are episodes, to be drafted.
+    pub episodes: HashSet<SampleId>,
     pub diagnostics: Vec<Diagnostic>,
     /// Hash of all bytes.
     pub hash: String,
@@ -117,6 +133,7 @@ pub(crate) fn read(
         statuses: Names::default(),
         lines: 0,
         dropped: Vec::new(),
+        episodes: HashSet::new(),
         diagnostics: Vec::new(),
         hash: String::new(),
     };
@@ -170,6 +187,7 @@ impl Labels {
             id,
             label: at,
             other: None,
+            episode: None,
             drive: self.drives.put(&drive_name),
             keyframe_ns: read.keyframe_ns,
             class: self.classes.put(&scenario),
@@ -184,7 +202,11 @@ impl Labels {
             place_cell: u32::MAX,
             weight: 1.0,
         };
+        let is_episode = read.record.is_episode;
         let Some(&i) = known.get(&id) else {
+            if is_episode {
+                self.episodes.insert(id);
+            }
             known.insert(id, self.items.len());
             self.items.push(item);
             return;
@@ -198,19 +220,41 @@ impl Labels {
             scenario_id: scenario.clone(),
             dropped: Dropped::with(Stage::Select, "repeated_label", detail),
         };
+        // The episode that a label is about is no second label: the label is used, with the episode's facts.
+        if is_episode != self.episodes.contains(&id) {
+            if is_episode {
+                (held.episode, held.score) = (Some(at), first_known(held.score, item.score));
+            } else {
+                let score = first_known(item.score, held.score);
+                *held = Item { episode: Some(held.label), score, ..item };
+                self.episodes.remove(&id);
+            }
+            self.dropped.push(repeated("the episode of a label"));
+            return;
+        }
         let languages = held.lang.zip(item.lang);
         if languages.is_some_and(|(a, b)| a != b) && held.status == item.status && held.other.is_none() {
             held.other = Some(item.label);
         } else if item.checked && !held.checked {
             self.dropped.push(repeated("an earlier label of the same keyframe and class is not checked"));
-            *held = item;
+            replace(held, item);
         } else if held.lang.is_none() && item.lang.is_some() && item.checked == held.checked {
             self.dropped.push(repeated("an earlier label of the same keyframe and class has no trace"));
-            *held = item;
+            replace(held, item);
         } else {
             self.dropped.push(repeated("a label of the same keyframe and class was read before"));
         }
     }
+}
+
+/// Another label of the same keyframe and class, of the same episode.
+fn replace(held: &mut Item, by: Item) {
+    *held = Item { episode: held.episode, score: first_known(by.score, held.score), ..by };
+}
+
+/// The first score that is known; NaN is unknown.
+fn first_known(a: f32, b: f32) -> f32 {
+    if a.is_nan() { b } else { a }
 }
 
 /// Drive of a clip: clips are called `<drive>_<index>`.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the sample's columns; the minor part rises with new columns, the major part when a reader would
 /// misread.
-pub const SAMPLE_VERSION: &str = "1.0.0";
+pub const SAMPLE_VERSION: &str = "1.1.0";
 
 /// One row. A column that a reader left out is read as its default.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -262,6 +262,8 @@ pub struct Object {
     pub x: Vec<Option<f32>>,
     /// m.
     pub y: Vec<Option<f32>>,
+    /// m; since 1.1.0.
+    pub z: Vec<Option<f32>>,
     /// rad.
     pub heading: Vec<Option<f32>>,
     /// m/s along the sample's x axis, over ground.

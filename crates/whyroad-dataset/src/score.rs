@@ -123,15 +123,11 @@ pub fn score_truth(
     found.extend(short_trajectories(&rows));
     let targets: Vec<Target> =
         Target::ALL.into_iter().filter(|t| predictions.rows().any(|p| p.class(*t).is_some())).collect();
-    let drawn = |name: String, rows: &[&figures::Row<'_>]| figures::of(rows, &targets, &name, options);
-    let group = |kind: &str, key: &dyn Fn(&figures::Row<'_>) -> String| {
+    let drawn = |rows: &[&figures::Row<'_>]| figures::of(rows, &targets, options);
+    let group = |key: &dyn Fn(&figures::Row<'_>) -> String| {
         let mut groups: BTreeMap<String, Vec<&figures::Row<'_>>> = BTreeMap::new();
         rows.iter().for_each(|r| groups.entry(key(r)).or_default().push(r));
-        let named = groups.into_iter().map(|(k, rows)| {
-            let figures = drawn(format!("{kind}/{k}"), &rows);
-            (k, figures)
-        });
-        named.collect::<BTreeMap<_, _>>()
+        groups.into_iter().map(|(k, rows)| (k, drawn(&rows))).collect::<BTreeMap<_, _>>()
     };
     let rarity =
         |r: &figures::Row<'_>| Rarity::of(in_training.get(r.truth.leaf.as_str()).copied().unwrap_or(0));
@@ -146,14 +142,11 @@ pub fn score_truth(
         drives: truth.iter().map(|t| t.drive.as_str()).collect::<std::collections::BTreeSet<_>>().len(),
         resamples: options.resamples,
         seed: options.seed,
-        overall: drawn("overall".to_owned(), &all),
+        overall: drawn(&all),
         classes: targets.iter().map(|t| (*t, figures::classes(&all, *t, options))).collect(),
-        by_leaf: group("leaf", &|r| r.truth.leaf.clone()),
-        by_place: group("place", &|r| r.truth.place.clone().unwrap_or_else(|| "unknown".to_owned())),
-        by_rarity: by_rarity
-            .into_iter()
-            .map(|(k, rows)| (k, drawn(format!("rarity/{}", k.name()), &rows)))
-            .collect(),
+        by_leaf: group(&|r| r.truth.leaf.clone()),
+        by_place: group(&|r| r.truth.place.clone().unwrap_or_else(|| "unknown".to_owned())),
+        by_rarity: by_rarity.into_iter().map(|(k, rows)| (k, drawn(&rows))).collect(),
     };
     (score, found)
 }

@@ -8,7 +8,11 @@ use crate::spec::Spec;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_lake::Lake;
 use whyroad_model::scene::DriveMeta;
+use whyroad_model::suggest::suggestion_or_known;
 use whyroad_model::{Bilingual, Diagnostic, DriveId, ScenarioId};
+
+/// The place of drives that state none, in the spec and in counts.
+const UNKNOWN: &str = "unknown";
 
 /// Results of the selection about the drives.
 #[derive(Default)]
@@ -62,9 +66,16 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
         };
     }
     labels.items = items;
+    out.refused.extend(unknown_names(&out.drives, spec, lake, &present));
     // The license of a drive without remaining candidates is not checked.
     let used: BTreeSet<u32> = labels.items.iter().filter(|i| i.kept()).map(|i| i.drive).collect();
     out.drives.retain(|d, _| used.contains(d));
+    let unscored =
+        labels.items.iter().filter(|i| i.dropped.as_ref().is_some_and(|d| d.reason == "score_unknown"));
+    let unscored = unscored.count();
+    if unscored > 0 {
+        out.diagnostics.push(without_score(unscored));
+    }
     for name in &missing {
         let message = Bilingual::new(
             format!("标签引用的行程 {name} 不在数据湖中"),
@@ -94,6 +105,50 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
         out.refused.push(*d);
     }
     out
+}
+
+/// Names of sources and places in the spec that no drive of the lake has: the selection would be empty without a word.
+fn unknown_names(
+    of_labels: &BTreeMap<u32, DriveMeta>,
+    spec: &Spec,
+    lake: &Lake,
+    present: &BTreeSet<DriveId>,
+) -> Vec<Diagnostic> {
+    type Of = fn(&DriveMeta) -> &str;
+    let select = &spec.select;
+    let place: Of = |meta| meta.place.as_deref().unwrap_or(UNKNOWN);
+    let fields: [(&str, &[String], Of); 2] =
+        [("sources", &select.sources, |meta| &meta.source), ("places", &select.places, place)];
+    let mut out = Vec::new();
+    for (field, wanted, of) in fields {
+        let mut known: BTreeSet<String> = of_labels.values().map(|meta| of(meta).to_owned()).collect();
+        if wanted.iter().any(|name| !known.contains(name)) {
+            // A name that no label has, but another drive.
+            let metas = present.iter().filter_map(|id| lake.outline(id).ok());
+            known.extend(metas.map(|outline| of(&outline.meta).to_owned()));
+        }
+        for name in wanted.iter().filter(|name| !known.contains(*name) && *name != UNKNOWN) {
+            let message = Bilingual::new(
+                format!("spec 的 select.{field} 中的 '{name}' 未知：数据湖中没有这样的行程"),
+                format!("select.{field} in the spec names '{name}', which no drive of the lake has"),
+            );
+            let hint = suggestion_or_known(name, known.iter().map(String::as_str));
+            out.push(Diagnostic::error("dataset.select.unknown", message).with_hint(hint));
+        }
+    }
+    out
+}
+
+fn without_score(n: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("{n} 个标签没有得分，无法按 select.min_score 判断，未收入"),
+        format!("{n} labels without a score are left out: select.min_score cannot judge them"),
+    );
+    Diagnostic::warning("dataset.score.unknown", message).with_hint(Bilingual::new(
+        "再加 --labels 指定产生这些标签的挖掘结果文件夹，标签从其事件取得得分；或去掉 select.min_score",
+        "name the mined folder that they come from with another --labels, so that they take the score of their \
+         episodes, or unset select.min_score",
+    ))
 }
 
 fn unknown_in_spec(name: &str) -> Diagnostic {
@@ -144,10 +199,12 @@ fn by_label(item: &Item, labels: &Labels, spec: &Spec) -> Option<Dropped> {
     if (!select.classes.is_empty() && !inside(&select.classes)) || inside(&select.exclude_classes) {
         return drop("class", class);
     }
-    if select.min_score.is_some_and(|least| f64::from(item.score) < least) {
-        return drop("score", &format!("{:.2}", item.score));
+    match select.min_score {
+        // Unknown is not enough, as for the weather.
+        Some(_) if item.score.is_nan() => drop("score_unknown", "the label states no score"),
+        Some(least) if f64::from(item.score) < least => drop("score", &format!("{:.2}", item.score)),
+        _ => None,
     }
-    None
 }
 
 fn by_drive(meta: &DriveMeta, spec: &Spec) -> Option<Dropped> {
@@ -155,7 +212,7 @@ fn by_drive(meta: &DriveMeta, spec: &Spec) -> Option<Dropped> {
     if !select.sources.is_empty() && !select.sources.contains(&meta.source) {
         return Some(Dropped::with(Stage::Select, "source", meta.source.as_str()));
     }
-    let place = meta.place.as_deref().unwrap_or("unknown");
+    let place = meta.place.as_deref().unwrap_or(UNKNOWN);
     if !select.places.is_empty() && !select.places.iter().any(|p| p == place) {
         return Some(Dropped::with(Stage::Select, "place", place));
     }

@@ -66,7 +66,7 @@ pub struct Select {
     pub places: Vec<String>,
     /// Stated weather at t0; a drive that states none is left out when this is set.
     pub weather: Vec<String>,
-    /// Minimum match score of the episode; a label without a score passes.
+    /// Minimum match score of the episode; a label without a known score is left out and reported.
     pub min_score: Option<f64>,
 }
 
@@ -93,7 +93,7 @@ pub struct Licences {
     pub assume: Option<String>,
 }
 
-/// Treatment of a sample whose window reaches beyond the drive.
+/// Treatment of a sample whose window reaches beyond the drive or has steps without a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Incomplete {

@@ -10,13 +10,14 @@ pub(crate) use distance::distances;
 use crate::item::{Item, SplitName};
 use crate::labels::Names;
 use crate::place;
+use crate::sample::Sample;
 use crate::spec::{GroupKey, Split};
 use components::Components;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 use whyroad_model::scene::DriveMeta;
 
-/// Results of the split; part of the manifest.
+/// The split of the release; part of the manifest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SplitReport {
     /// Requested keys.
@@ -27,7 +28,7 @@ pub struct SplitReport {
     pub largest_component: usize,
     /// Samples whose group by this key is unknown; they are grouped by their drive.
     pub unknown: BTreeMap<String, usize>,
-    /// Samples per split before anything else is dropped.
+    /// Samples per split.
     pub samples: BTreeMap<String, usize>,
     /// Shares per split.
     pub shares: BTreeMap<String, f64>,
@@ -35,7 +36,67 @@ pub struct SplitReport {
     pub distances: Vec<Distance>,
 }
 
-/// Assigns every kept item to a split; `cells` gets the names of the place cells.
+/// A sample as the report counts it: its split, its component, the requested keys that are unknown.
+pub(crate) type Counted = (SplitName, u32, Vec<GroupKey>);
+
+impl SplitReport {
+    /// Replaces all numbers but the distances.
+    pub(crate) fn count(&mut self, samples: impl Iterator<Item = Counted>) {
+        let mut of_component: BTreeMap<u32, usize> = BTreeMap::new();
+        let mut of_split = SplitName::ALL.map(|s| (s.name().to_owned(), 0_usize));
+        self.unknown.clear();
+        for (split, component, unknown) in samples {
+            *of_component.entry(component).or_default() += 1;
+            of_split[split as usize].1 += 1;
+            for key in unknown {
+                *self.unknown.entry(key_name(key).to_owned()).or_default() += 1;
+            }
+        }
+        self.components = of_component.len();
+        self.largest_component = of_component.values().copied().max().unwrap_or(0);
+        let total = of_component.values().sum::<usize>().max(1) as f64;
+        self.samples = of_split.into();
+        self.shares = self.samples.iter().map(|(s, n)| (s.clone(), *n as f64 / total)).collect();
+    }
+}
+
+/// Every kept item, for the report.
+pub(crate) fn counted<'a>(
+    items: &'a [Item],
+    drives: &'a BTreeMap<u32, DriveMeta>,
+    by: &'a [GroupKey],
+) -> impl Iterator<Item = Counted> + 'a {
+    items.iter().filter(|i| i.kept()).filter_map(move |item| {
+        let unknown = by.iter().filter(|key| value(item, drives.get(&item.drive), **key).is_none());
+        Some((item.split?, item.component, unknown.copied().collect()))
+    })
+}
+
+/// The value of a key; `None` where it is unknown.
+fn value(item: &Item, meta: Option<&DriveMeta>, key: GroupKey) -> Option<String> {
+    match key {
+        GroupKey::Drive => Some(item.drive.to_string()),
+        GroupKey::Session => meta.and_then(|m| m.session.clone()),
+        GroupKey::Vehicle => meta.and_then(|m| m.vehicle.clone()),
+        GroupKey::Place => Some(item.place_cell).filter(|c| *c != u32::MAX).map(|c| c.to_string()),
+        GroupKey::Date if meta.is_some_and(|m| !m.is_dated()) => None,
+        GroupKey::Date => item.cut.as_ref().map(|c| c.day.to_string()),
+    }
+}
+
+/// The same of a finished sample.
+pub(crate) fn value_of_sample(sample: &Sample, key: GroupKey) -> Option<String> {
+    let g = &sample.groups;
+    match key {
+        GroupKey::Drive => Some(sample.lineage.drive_id.clone()),
+        GroupKey::Session => g.session.clone(),
+        GroupKey::Vehicle => g.vehicle.clone(),
+        GroupKey::Place => g.place_cell.clone(),
+        GroupKey::Date => g.date.clone(),
+    }
+}
+
+/// Assigns every kept item to a split; `cells` gets the names of the place cells. The report counts these items.
 pub(crate) fn split(
     items: &mut [Item],
     drives: &BTreeMap<u32, DriveMeta>,
@@ -44,7 +105,6 @@ pub(crate) fn split(
     cells: &mut Names,
 ) -> SplitReport {
     let kept: Vec<usize> = (0..items.len()).filter(|i| items[*i].kept()).collect();
-    let mut unknown: BTreeMap<String, usize> = BTreeMap::new();
     let mut components = Components::new(kept.len());
     let mut first: HashMap<(GroupKey, String), usize> = HashMap::new();
     let with_place = spec.by.contains(&GroupKey::Place);
@@ -55,20 +115,9 @@ pub(crate) fn split(
         let item = &items[i];
         let meta = drives.get(&item.drive);
         for key in spec.by.iter().chain([&GroupKey::Drive]) {
-            let value = match key {
-                GroupKey::Drive => Some(item.drive.to_string()),
-                GroupKey::Session => meta.and_then(|m| m.session.clone()),
-                GroupKey::Vehicle => meta.and_then(|m| m.vehicle.clone()),
-                GroupKey::Place => Some(item.place_cell).filter(|c| *c != u32::MAX).map(|c| c.to_string()),
-                GroupKey::Date if meta.is_some_and(|m| !m.is_dated()) => None,
-                GroupKey::Date => item.cut.as_ref().map(|c| c.day.to_string()),
-            };
-            match value {
-                Some(value) => {
-                    let other = *first.entry((*key, value)).or_insert(k);
-                    components.join(k, other);
-                }
-                None => *unknown.entry(key_name(*key).to_owned()).or_default() += 1,
+            if let Some(value) = value(item, meta, *key) {
+                let other = *first.entry((*key, value)).or_insert(k);
+                components.join(k, other);
             }
         }
     }
@@ -93,18 +142,9 @@ pub(crate) fn split(
             item.split = Some(*split);
         }
     }
-    let count = |s: SplitName| items.iter().filter(|i| i.kept() && i.split == Some(s)).count();
-    let samples: BTreeMap<String, usize> = SplitName::ALL.map(|s| (s.name().to_owned(), count(s))).into();
-    let total = kept.len().max(1) as f64;
-    SplitReport {
-        by: spec.by.clone(),
-        components: groups.len(),
-        largest_component: groups.iter().map(Vec::len).max().unwrap_or(0),
-        unknown,
-        shares: samples.iter().map(|(s, n)| (s.clone(), *n as f64 / total)).collect(),
-        samples,
-        distances: Vec::new(),
-    }
+    let mut report = SplitReport { by: spec.by.clone(), ..SplitReport::default() };
+    report.count(counted(items, drives, &spec.by));
+    report
 }
 
 pub(crate) fn key_name(key: GroupKey) -> &'static str {

@@ -402,9 +402,16 @@ fn label_of(
             by: Some(id.to_string()),
             at: None,
             tool: Some(format!("whyroad {}", env!("CARGO_PKG_VERSION"))),
-            versions: [("taxonomy".to_owned(), framework.taxonomy.version.clone())].into(),
+            versions: versions(framework, episode),
         }),
     }
+}
+
+/// Versions of what a draft rests on: the taxonomy, and the rules that found its episode.
+fn versions(framework: &Framework, episode: &EpisodeRecord) -> BTreeMap<String, String> {
+    let taxonomy = ("taxonomy".to_owned(), framework.taxonomy.version.clone());
+    let rules = episode.rule_version.clone().map(|version| ("rules".to_owned(), version));
+    [taxonomy].into_iter().chain(rules).collect()
 }
 
 fn stands(signals: &SignalTable, keyframe: usize, id: &TrackId) -> bool {

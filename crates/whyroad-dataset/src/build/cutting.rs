@@ -7,6 +7,7 @@ use crate::cut::{Candidate, Cutter};
 use crate::item::{Cut, Dropped, Item, Stage, id_text};
 use crate::labels::LabelRecord;
 use crate::records::{RecordWriter, read_record, read_value, write_value};
+use crate::spec::Images;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -126,7 +127,10 @@ fn cut_drive(state: &State<'_>, drive: u32, items: &[usize]) -> Result<Vec<Outco
 
 fn candidate<'a>(state: &'a State<'_>, item: &Item) -> Result<Candidate<'a>, DatasetError> {
     let path = state.work.labels();
-    let label: LabelRecord = read_record(&path, item.label)?;
+    let mut label: LabelRecord = read_record(&path, item.label)?;
+    if let Some(at) = item.episode {
+        label = label.of_episode(read_record(&path, at)?);
+    }
     let other = item.other.map(|at| read_record(&path, at)).transpose()?;
     Ok(Candidate {
         id: id_text(item.id),
@@ -148,6 +152,8 @@ fn summary(state: &mut State<'_>) {
             let kind = match &*d.reason {
                 "history" | "future" => "window",
                 "camera_missing" | "image_missing" | "image_in_video" | "image_file_missing" => "image",
+                "image_before_drive" => "early",
+                "image_not_rendered" => "bev",
                 "image_not_blurred" => {
                     if not_blurred.is_empty() {
                         not_blurred = d.detail.as_deref().unwrap_or_default().to_owned();
@@ -159,7 +165,8 @@ fn summary(state: &mut State<'_>) {
             *counts.entry(kind).or_default() += 1;
         }
     }
-    let [window, image, blur] = ["window", "image", "blur"].map(|kind| counts.get(kind).copied());
+    let [window, image, early, bev, blur] =
+        ["window", "image", "early", "bev", "blur"].map(|kind| counts.get(kind).copied());
     if let Some(n) = blur {
         state.diagnostics.push(
             Diagnostic::warning(
@@ -182,8 +189,11 @@ fn summary(state: &mut State<'_>) {
             Diagnostic::warning(
                 "dataset.window.incomplete",
                 Bilingual::new(
-                    format!("{n} 个样本的窗口超出行程，未收入"),
-                    format!("{n} samples are left out because their window reaches beyond the drive"),
+                    format!("{n} 个样本的窗口超出行程，或其中有缺少位姿的步，未收入"),
+                    format!(
+                        "{n} samples are left out because their window reaches beyond the drive or has steps \
+                         without a pose"
+                    ),
                 ),
             )
             .with_hint(Bilingual::new(
@@ -192,19 +202,45 @@ fn summary(state: &mut State<'_>) {
             )),
         );
     }
-    if let Some(n) = image {
-        state.diagnostics.push(
-            Diagnostic::warning(
-                "dataset.image.missing",
-                Bilingual::new(
-                    format!("{n} 个样本缺少图像，未收入"),
-                    format!("{n} samples are left out because an image is missing"),
-                ),
-            )
-            .with_hint(Bilingual::new(
+    let mut missing = |n: Option<usize>, (zh, en): (&str, &str), (hint_zh, hint_en): (&str, &str)| {
+        let Some(n) = n else { return };
+        let message = Bilingual::new(
+            format!("{n} 个样本{zh}，未收入"),
+            format!("{n} samples are left out because {en}"),
+        );
+        let d = Diagnostic::warning("dataset.image.missing", message);
+        state.diagnostics.push(d.with_hint(Bilingual::new(hint_zh, hint_en)));
+    };
+    missing(
+        image,
+        ("缺少图像", "an image is missing"),
+        match state.inputs.spec.sample.images {
+            Images::CamerasOrBev => {
+                ("用 --media 指定图像文件夹", "name the folder of the images with --media")
+            }
+            _ => (
                 "用 --media 指定图像文件夹，或设 sample.images: cameras_or_bev",
                 "name the folder of the images with --media, or set sample.images: cameras_or_bev",
-            )),
-        );
-    }
+            ),
+        },
+    );
+    missing(
+        early,
+        ("的图像时刻早于行程的起点", "a time of sample.image_times_s is before the start of their drive"),
+        (
+            "缩短 sample.image_times_s，或要求完整的历史（sample.incomplete: drop）",
+            "shorten sample.image_times_s, or require a whole history (sample.incomplete: drop)",
+        ),
+    );
+    missing(
+        bev,
+        (
+            "在图像时刻没有可渲染的帧或自车位姿",
+            "their drive has no frame or no pose of the ego to render at a time of sample.image_times_s",
+        ),
+        (
+            "stages/2-sample.parquet 列出这些时刻；修改 sample.image_times_s 以避开",
+            "stages/2-sample.parquet names the times; change sample.image_times_s to avoid them",
+        ),
+    );
 }

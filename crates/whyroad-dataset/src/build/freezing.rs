@@ -2,7 +2,7 @@
 
 use super::{State, Step};
 use crate::DatasetError;
-use crate::balance::BalanceReport;
+use crate::balance::{BalanceReport, Shortfall};
 use crate::dedup::{DedupReport, trace};
 use crate::freeze::manifest::{Counts, FORMAT, FORMAT_VERSION, FileEntry, Inputs, LicenceCount, Manifest};
 use crate::freeze::tables::{self, StageRow, stage_columns};
@@ -294,17 +294,41 @@ fn shortfalls(state: &mut State<'_>, dir: &Path, balance: &mut BalanceReport) ->
         }
     }
     if !balance.shortfalls.is_empty() {
-        let n = balance.shortfalls.len();
-        let written = balance.shortfalls.iter().filter(|s| s.query.is_some()).count();
-        state.diagnostics.push(Diagnostic::note(
-            "dataset.shortfall",
-            Bilingual::new(
-                format!("{n} 个类别的训练样本低于下限；{written} 个挖掘查询写入 {QUERIES}/"),
-                format!("{n} classes have fewer training samples than their floor; {written} mining queries are in {QUERIES}/"),
-            ),
-        ));
+        state.diagnostics.push(shortfall(&balance.shortfalls));
     }
     Ok(())
+}
+
+/// Classes that the note about shortfalls names.
+const NAMED: usize = 10;
+
+/// How many classes are short, and which of them have no query.
+fn shortfall(shortfalls: &[Shortfall]) -> Diagnostic {
+    let without: Vec<&str> =
+        shortfalls.iter().filter(|s| s.query.is_none()).map(|s| s.scenario_id.as_str()).collect();
+    let (n, written) = (shortfalls.len(), shortfalls.len() - without.len());
+    let mut message = Bilingual::new(
+        format!("{n} 个类别的训练样本低于下限；{written} 个挖掘查询写入 {QUERIES}/"),
+        format!(
+            "{n} classes have fewer training samples than their floor; {written} mining queries are in {QUERIES}/"
+        ),
+    );
+    if without.is_empty() {
+        return Diagnostic::note("dataset.shortfall", message);
+    }
+    let list = without[..without.len().min(NAMED)].join(", ");
+    let more = without.len().saturating_sub(NAMED);
+    let (rest_zh, rest_en) = if more > 0 {
+        (format!(" 等 {} 个", without.len()), format!(" and {more} more"))
+    } else {
+        Default::default()
+    };
+    message.zh += &format!("；没有规则能找到、因此没有查询的类别：{list}{rest_zh}");
+    message.en += &format!("; without a query, because no mining rule finds them: {list}{rest_en}");
+    Diagnostic::note("dataset.shortfall", message).with_hint(Bilingual::new(
+        "为这些类别编写挖掘规则（docs/how-to/write-a-rule.zh.md），或人工标注样本",
+        "write a mining rule for these classes (docs/how-to/write-a-rule.md), or label samples of them by hand",
+    ))
 }
 
 fn counts(state: &State<'_>, alike_traces: [usize; 2]) -> Counts {

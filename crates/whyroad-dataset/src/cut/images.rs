@@ -17,6 +17,8 @@ use whyroad_render::raster::{Raster, birds_eye};
 const TYPES: &[&str] = &["jpg", "jpeg", "png", "webp"];
 /// A camera frame may be this much older than the requested time, s.
 const OLDEST_S: f64 = 0.25;
+/// A frame this near to a time is at it, s.
+const SAME_S: f64 = 1e-3;
 
 /// Returns the file to be exported in place of a camera image, with faces and plates made unreadable, or an error
 /// message.
@@ -100,6 +102,9 @@ fn cameras(cutter: &Cutter<'_>, cut: &Cut, t0: Nanos) -> Result<Vec<Image>, Drop
     for camera in names {
         for at in &cut.image_times_s {
             let time = t0.plus_secs(*at);
+            if is_before(cutter, time) {
+                return Err(drop("image_before_drive", format!("{camera} at {at} s")));
+            }
             let before = media.iter().filter(|m| m.camera == camera && m.time <= time);
             let Some(frame) = before.max_by_key(|m| m.time) else {
                 return Err(drop("image_missing", format!("{camera} at {at} s")));
@@ -137,10 +142,11 @@ fn bev(cutter: &Cutter<'_>, cut: &Cut, frame: usize) -> Result<Vec<Image>, Dropp
     let mut out = Vec::new();
     for at in &cut.image_times_s {
         let time = t0.plus_secs(*at);
-        let after = times.partition_point(|t| t.seconds_since(time) <= 1e-3);
-        let fault =
-            |why: &str| Dropped::with(Stage::Sample, "image_missing", format!("bev at {at} s: {why}"));
-        let index = after.checked_sub(1).ok_or_else(|| fault("before the drive"))?;
+        let after = times.partition_point(|t| t.seconds_since(time) <= SAME_S);
+        let drop = |reason, detail: String| Dropped::with(Stage::Sample, reason, detail);
+        let fault = |why: &str| drop("image_not_rendered", format!("bev at {at} s: {why}"));
+        let index =
+            after.checked_sub(1).ok_or_else(|| drop("image_before_drive", format!("bev at {at} s")))?;
         if times[index].seconds_since(time) < -OLDEST_S {
             return Err(fault("the last frame is older"));
         }
@@ -148,6 +154,11 @@ fn bev(cutter: &Cutter<'_>, cut: &Cut, frame: usize) -> Result<Vec<Image>, Dropp
         out.push(image("bev", times[index].seconds_since(t0), "png".into(), png));
     }
     Ok(out)
+}
+
+/// No frame of the drive is that early.
+fn is_before(cutter: &Cutter<'_>, time: Nanos) -> bool {
+    cutter.drive.times.first().is_some_and(|first| first.seconds_since(time) > SAME_S)
 }
 
 fn image(camera: &str, t_s: f64, format: String, bytes: Vec<u8>) -> Image {

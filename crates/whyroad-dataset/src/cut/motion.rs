@@ -10,7 +10,7 @@ use whyroad_model::{Drive, FrameRange, Nanos};
 
 /// Seconds of the drive before the history that the states may use: an estimator needs some data to settle.
 const RUN_UP_S: f64 = 3.0;
-/// Steps are interpolated between frames that are at most this far apart, s.
+/// Steps are interpolated between frames with a pose that are at most this far apart, s.
 const LARGEST_GAP_S: f64 = 0.25;
 /// A frame this near to a step is taken as it is, s.
 const SAME_S: f64 = 0.001;
@@ -33,7 +33,7 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// `None` when the ego has no pose at `frame`.
+    /// `None` when the lake has no pose of the ego at `frame`.
     pub fn around(drive: &Drive, frame: usize, cut: &Cut) -> Option<Self> {
         let time = drive.times[frame];
         let first = drive.times.partition_point(|t| *t < time.plus_secs(-cut.history_s - RUN_UP_S));
@@ -52,7 +52,7 @@ impl Window {
         let motion = past.ego.as_ref()?;
         let (x, y, z, heading) =
             (*motion.x.get(t0)?, *motion.y.get(t0)?, *motion.z.get(t0)?, *motion.heading.get(t0)?);
-        if !(x.is_finite() && y.is_finite() && heading.is_finite()) {
+        if !(has_pose(ego, t0) && x.is_finite() && y.is_finite() && heading.is_finite()) {
             return None;
         }
         let (s, c) = heading.sin_cos();
@@ -91,7 +91,11 @@ impl Window {
         for step in steps {
             let t = f64::from(step) / rate_hz;
             out.t_s.push(t as f32);
-            let between = self.frames_at(t, motion.len());
+            // The states bridge gaps; a step is what was driven, so it needs a pose that the lake has.
+            let between = self.frames_at(t, motion.len()).filter(|(a, b, _)| {
+                let ego = self.drive.ego.as_ref();
+                ego.is_some_and(|ego| has_pose(ego, *a) && has_pose(ego, *b))
+            });
             let at = |v: &[f64]| between.map_or(f64::NAN, |(a, b, w)| mix(v, a, b, w));
             let heading = between.map_or(f64::NAN, |(a, b, w)| {
                 let (from, to) = (motion.heading[a], motion.heading[b]);
@@ -145,6 +149,12 @@ impl Window {
             reference_to_centre_m: self.to_center as f32,
         }
     }
+}
+
+/// The lake has the ego's position in the frame. (A heading that the log does not state follows from the positions.)
+fn has_pose(ego: &Ego, frame: usize) -> bool {
+    let known = |v: &[f64]| v.get(frame).is_some_and(|v| v.is_finite());
+    known(&ego.motion.x) && known(&ego.motion.y)
 }
 
 fn mix(v: &[f64], a: usize, b: usize, w: f64) -> f64 {
@@ -210,6 +220,41 @@ mod tests {
         assert_eq!(h.x.iter().filter(|x| x.is_none()).count(), 10);
         let w = Window::around(&drive(), 119, &cut).unwrap();
         assert!(w.future(&cut).x.iter().all(Option::is_none));
+    }
+
+    /// As ingest leaves a frame with an impossible pose (`ingest.pose.impossible`).
+    fn forget(drive: &mut Drive, frames: std::ops::Range<usize>) {
+        let m = &mut drive.ego.as_mut().unwrap().motion;
+        for column in [&mut m.x, &mut m.y, &mut m.z, &mut m.heading, &mut m.vx, &mut m.vy, &mut m.accel] {
+            column[frames.clone()].fill(f64::NAN);
+        }
+    }
+
+    #[test]
+    fn a_step_whose_pose_the_lake_does_not_have_is_null_and_not_bridged() {
+        let mut d = drive();
+        // Before t0 one frame, after it two: 0.5 s back, 1.0 and 1.1 s ahead.
+        forget(&mut d, 25..26);
+        forget(&mut d, 40..42);
+        let cut = Cut { future_s: 2.0, ..Cut::default() };
+        let w = Window::around(&d, 30, &cut).unwrap();
+        let nulls = |v: &[Option<f32>]| (0..v.len()).filter(|i| v[*i].is_none()).collect::<Vec<_>>();
+        let (h, f) = (w.history(&cut), w.future(&cut));
+        assert!(!h.complete && !f.complete);
+        // Steps: history from 2.0 s back, future from 0.1 s ahead.
+        for column in [&h.x, &h.y, &h.z, &h.heading, &h.speed, &h.accel, &h.yaw_rate] {
+            assert_eq!(nulls(column), [15]);
+        }
+        for column in [&f.x, &f.y, &f.z, &f.heading, &f.speed, &f.accel, &f.yaw_rate] {
+            assert_eq!(nulls(column), [9, 10]);
+        }
+        assert!(f.meta_longitudinal[9].is_none() && f.meta_lateral[10].is_none());
+        // Constant 10 m/s: the steps around them are where the car drove.
+        assert!((f.x[8].unwrap() - 9.0).abs() < 1e-3 && (f.x[11].unwrap() - 12.0).abs() < 1e-3);
+        // Between two frames of which one has no pose, too.
+        let fine = Cut { rate_hz: 20.0, ..cut };
+        assert_eq!(nulls(&w.future(&fine).x), [18, 19, 20, 21, 22]);
+        assert!(Window::around(&d, 25, &fine).is_none(), "no origin without a pose");
     }
 
     #[test]

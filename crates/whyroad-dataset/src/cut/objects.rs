@@ -57,6 +57,7 @@ fn object(window: &Window, cut: &Cut, past: &ObjectStates, named: bool) -> Objec
             out.t_s.push(t as f32);
             out.x.push(known(x));
             out.y.push(known(y));
+            out.z.push(known(m.z.get(row).copied().unwrap_or(f64::NAN) - window.pose.z));
             out.heading.push(known(window.pose.relative(m.heading[row])));
             out.vx.push(known(vx));
             out.vy.push(known(vy));

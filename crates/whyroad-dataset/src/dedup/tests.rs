@@ -12,6 +12,7 @@ fn item(n: u8, class: u32, split: SplitName, first: f32, content: u8) -> Item {
         id: [n; 8],
         label: RecordRef::default(),
         other: None,
+        episode: None,
         drive: u32::from(n),
         keyframe_ns: 0,
         class,

@@ -17,16 +17,44 @@ const EGO: &str = "ego";
 /// The definition of the class in `tags`.
 const ONTOLOGY: &str = "https://github.com/whyroad/whyroad/blob/main/schema/scenario_taxonomy.yaml";
 
+/// Name of the attribute of a cuboid that lists its unknown values. The standard has no null: they are 0.
+const UNKNOWN: &str = "unknown";
+
 #[derive(Default)]
-pub(super) struct Writer;
+pub(super) struct Writer {
+    cuboids: usize,
+    /// Cuboids whose `z` or height is unknown.
+    of_unknown_height: usize,
+}
 
 impl SampleWriter for Writer {
     fn add(&mut self, sample: Sample, split: SplitName, out: &mut Output) -> Result<(), DatasetError> {
         out.report.records += 1;
+        let document = document(&sample);
+        for cuboid in cuboids(&document) {
+            self.cuboids += 1;
+            self.of_unknown_height += usize::from(cuboid.get("attributes").is_some());
+        }
         let name = format!("{}/{}.json", split.name(), sample.sample_id);
-        let text = serde_json::to_vec(&document(&sample)).map_err(|e| DatasetError::broken(&out.root, e))?;
+        let text = serde_json::to_vec(&document).map_err(|e| DatasetError::broken(&out.root, e))?;
         out.write(&name, &text)
     }
+
+    fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
+        let (n, all) = (self.of_unknown_height, self.cuboids);
+        if n > 0 {
+            out.report.notes.push(format!(
+                "{n} of {all} cuboids have no known z or height: the value is 0, and the attribute `{UNKNOWN}` names it"
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn cuboids(document: &Value) -> impl Iterator<Item = &Value> {
+    let frames = document["openlabel"]["frames"].as_object().into_iter().flat_map(Map::values);
+    let objects = frames.flat_map(|f| f["objects"].as_object().into_iter().flat_map(Map::values));
+    objects.flat_map(|o| o["object_data"]["cuboid"].as_array().into_iter().flatten())
 }
 
 /// Times of all frames, seconds from t0, ascending.
@@ -159,12 +187,19 @@ fn objects(sample: &Sample, times: &[f32]) -> (Map<String, Value>, BTreeMap<Stri
             let (Some(length), Some(width)) = (object.length_m, object.width_m) else { continue };
             first = first.min(frame);
             last = last.max(frame);
-            let height = object.height_m.unwrap_or(0.0);
+            let (z, height) = (at(&object.z), object.height_m);
             // x, y, z, quaternion x, y, z, w, sizes; a turn about z.
             let half = heading / 2.0;
-            let values = [x, y, 0.0, 0.0, 0.0, half.sin(), half.cos(), length, width, height];
+            let (center_z, size_z) = (z.unwrap_or(0.0), height.unwrap_or(0.0));
+            let values = [x, y, center_z, 0.0, 0.0, half.sin(), half.cos(), length, width, size_z];
             let values = values.map(number);
-            let cuboid = json!({ "name": "box", "coordinate_system": FRAME, "val": values });
+            let mut cuboid = json!({ "name": "box", "coordinate_system": FRAME, "val": values });
+            let unknown = [("z", z), ("height", height)].into_iter().filter(|(_, v)| v.is_none());
+            let unknown: Vec<&str> = unknown.map(|(name, _)| name).collect();
+            if !unknown.is_empty() {
+                let names = json!({ "name": UNKNOWN, "val": unknown.join(", ") });
+                cuboid["attributes"] = json!({ "text": [names] });
+            }
             let frame: &mut Value =
                 frames.entry(frame.to_string()).or_insert_with(|| json!({ "objects": {} }));
             frame["objects"][&uid] = json!({ "object_data": { "cuboid": [cuboid] } });
@@ -181,4 +216,41 @@ fn objects(sample: &Sample, times: &[f32]) -> (Map<String, Value>, BTreeMap<Stri
         }
     }
     (objects, frames)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::{Object, Trajectory};
+
+    /// A bus of the AV2 log adcf7d18: its center is 1.09 m above the ego frame's origin, its height 3.0 m. The height
+    /// of the other object is not known, as in nuScenes drives of ScenarioNet.
+    #[test]
+    fn heights_are_those_of_the_log_and_marked_where_it_has_none() {
+        let object = |id: &str, z: Option<f32>, height_m: Option<f32>| Object {
+            id: id.into(),
+            length_m: Some(11.6),
+            width_m: Some(2.9),
+            height_m,
+            t_s: vec![0.0],
+            x: vec![Some(8.0)],
+            y: vec![Some(1.0)],
+            z: vec![z],
+            heading: vec![Some(0.0)],
+            ..Object::default()
+        };
+        let sample = Sample {
+            history: Trajectory { t_s: vec![0.0], ..Trajectory::default() },
+            objects: vec![object("bus", Some(1.09), Some(3.0)), object("flat", None, None)],
+            ..Sample::default()
+        };
+        let document = document(&sample);
+        let found: Vec<&Value> = cuboids(&document).collect();
+        let [bus, flat] = found[..] else { panic!("{document:#}") };
+        // ASAM OpenLABEL 1.0, cuboid: x, y, z of the center, quaternion, sizes along x, y, z.
+        assert_eq!((&bus["val"][2], &bus["val"][9]), (&json!(1.09), &json!(3.0)));
+        assert!(bus.get("attributes").is_none());
+        assert_eq!((&flat["val"][2], &flat["val"][9]), (&json!(0.0), &json!(0.0)));
+        assert_eq!(flat["attributes"]["text"], json!([{ "name": "unknown", "val": "z, height" }]));
+    }
 }

@@ -1,8 +1,8 @@
 //! The card: the contents of the release, with charts; its front matter is what the Hugging Face hub and `datasets`
 //! read.
 
+use super::CHARTS;
 use super::manifest::Manifest;
-use super::{CHARTS, QUERIES};
 use crate::item::SplitName;
 use std::fmt::Write;
 use whyroad_render::bars::bars;
@@ -99,12 +99,17 @@ pub(crate) fn card(m: &Manifest) -> String {
     if b.shortfalls.is_empty() {
         let _ = writeln!(t, "No class is below its floor.\n");
     } else {
-        let _ = writeln!(
-            t,
-            "Classes below their floor (queries for `whyroad mine --query` in `{QUERIES}/`):\n\n| class | present | floor |\n|---|---|---|"
-        );
+        let migrated = m.versions.contains_key("class_mapping");
+        let about = if migrated {
+            "queries of the build are not part of a migrated release"
+        } else {
+            "for `whyroad mine --query`; `–`: no mining rule finds the class"
+        };
+        let _ = writeln!(t, "Classes below their floor, with their query ({about}):\n");
+        let _ = writeln!(t, "| class | present | floor | query |\n|---|---|---|---|");
         for s in &b.shortfalls {
-            let _ = writeln!(t, "| `{}` | {} | {} |", s.scenario_id, s.present, s.wanted);
+            let query = s.query.as_ref().map_or_else(|| "–".to_owned(), |q| format!("`{q}`"));
+            let _ = writeln!(t, "| `{}` | {} | {} | {query} |", s.scenario_id, s.present, s.wanted);
         }
         t.push('\n');
     }
@@ -117,9 +122,11 @@ pub(crate) fn card(m: &Manifest) -> String {
 }
 
 fn samples(t: &mut String, m: &Manifest) {
-    let _ = writeln!(t, "## Samples · 样本\n\n| split | samples |\n|---|---|");
+    let _ = writeln!(t, "## Samples · 样本\n\n| split | samples | share |\n|---|---|---|");
     for split in SplitName::ALL.map(SplitName::name) {
-        let _ = writeln!(t, "| {split} | {} |", m.counts.by_split.get(split).unwrap_or(&0));
+        let n = m.counts.by_split.get(split).copied().unwrap_or(0);
+        let share = 100.0 * n as f64 / m.counts.samples.max(1) as f64;
+        let _ = writeln!(t, "| {split} | {n} | {share:.1} % |");
     }
     let s = &m.spec.sample;
     let _ = writeln!(

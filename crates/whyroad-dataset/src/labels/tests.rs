@@ -44,6 +44,40 @@ fn a_label_without_a_text_is_not_the_other_language() {
     assert_eq!(read_lines(&["", ""]), (None, false, before()));
 }
 
+/// `whyroad draft` writes labels, which have no place for the score and id of their episode (DATA_FORMAT.md 5). With
+/// the mined folder beside them they have both, in whatever order they are read.
+#[test]
+fn a_label_takes_the_facts_of_its_episode() {
+    let label: Value = serde_json::from_str(&line(EN)).unwrap();
+    let label = &label["task"]["draft"];
+    let episode = json!({
+        "episode_id": "e1", "scenario_id": "reactive_agent.cutin.urgent", "drive_id": "d", "clip_id": "d_000",
+        "target_id": "car7", "time_range": label["time_range"], "keyframe": label["keyframe"], "score": 0.7,
+        "is_primary": true, "keyframe_rule": { "zh": "", "en": "" }, "conditions_matched": [], "signals": [],
+        "rule_version": "r1",
+    });
+    let stated = {
+        let mut label = label.clone();
+        label["provenance"] = json!({ "source": "rule" });
+        label
+    };
+    for lines in [[&stated, &episode], [&episode, &stated]] {
+        let dir = tempfile::tempdir().unwrap();
+        let text: String = lines.iter().map(|l| format!("{l}\n")).collect();
+        let stream = LabelStream { name: "labels".into(), lines: Box::new(std::io::Cursor::new(text)) };
+        let path = dir.path().join("labels.records");
+        let read = read(vec![stream], Framework::bundled(), &path).unwrap();
+        let [item] = &read.items[..] else { panic!("{:?}", read.items) };
+        assert_eq!((item.lang, item.score), (Some(Lang::En), 0.7));
+        let record = |at| crate::records::read_record::<LabelRecord>(&path, at).unwrap();
+        let label = record(item.label).of_episode(record(item.episode.unwrap()));
+        assert!(!label.is_episode && label.json.contains(EN));
+        let facts = [label.episode_id, label.target_id, label.rule_version].map(Option::unwrap);
+        assert_eq!((facts, label.score), (["e1", "car7", "r1"].map(String::from), Some(0.7)));
+        assert_eq!(read.dropped.len(), 1, "the other line is counted");
+    }
+}
+
 /// As the labeling service exports tasks (docs/reference/service.md, *Queue*): of an episode with several labels
 /// only the chosen one is used.
 #[test]

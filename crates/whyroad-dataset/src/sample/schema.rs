@@ -120,6 +120,7 @@ fn columns() -> Vec<(&'static str, DataType)> {
                 ("t_s", list(f32s.clone())),
                 ("x", list(f32s.clone())),
                 ("y", list(f32s.clone())),
+                ("z", list(f32s.clone())),
                 ("heading", list(f32s.clone())),
                 ("vx", list(f32s.clone())),
                 ("vy", list(f32s.clone())),

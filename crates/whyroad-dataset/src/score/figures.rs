@@ -7,6 +7,9 @@ use super::truth::Truth;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// Name of the stream by which drives are drawn.
+const DRAWS: &str = "drives";
+
 /// A sample with its prediction.
 pub struct Row<'a> {
     pub(super) truth: &'a Truth,
@@ -84,9 +87,10 @@ pub struct Figures {
 /// Sum and count of one drive.
 type Part = (f64, usize);
 
-/// The figures of `rows`; `name` separates the random streams.
-pub(super) fn of(rows: &[&Row<'_>], targets: &[Target], name: &str, options: Options) -> Figures {
-    let mean = |figure: &str, value: &dyn Fn(&Row<'_>) -> Option<f64>| {
+/// The figures of `rows`. Drives are drawn alike for every figure and group: groups of the same samples have the same
+/// intervals.
+pub(super) fn of(rows: &[&Row<'_>], targets: &[Target], options: Options) -> Figures {
+    let mean = |value: &dyn Fn(&Row<'_>) -> Option<f64>| {
         let mut drives: BTreeMap<&str, Part> = BTreeMap::new();
         for row in rows {
             if let Some(v) = value(row) {
@@ -96,29 +100,29 @@ pub(super) fn of(rows: &[&Row<'_>], targets: &[Target], name: &str, options: Opt
         }
         let parts: Vec<Part> = drives.into_values().collect();
         let samples = parts.iter().map(|p| p.1).sum();
-        let random = Random::new(options.seed, &format!("{name}/{figure}"));
+        let random = Random::new(options.seed, DRAWS);
         estimate(&parts, samples, options.resamples, random, |parts| {
             let (sum, n) = parts.iter().fold((0.0, 0), |a, p| (a.0 + p.0, a.1 + p.1));
             (n > 0).then(|| sum / n as f64)
         })
     };
     let has = |t: Target| targets.contains(&t);
-    let share = |figure: &str, wanted: bool, right: &dyn Fn(&Row<'_>) -> bool| {
-        wanted.then(|| mean(figure, &|r| Some(f64::from(u8::from(right(r)))))).flatten()
+    let share = |wanted: bool, right: &dyn Fn(&Row<'_>) -> bool| {
+        wanted.then(|| mean(&|r| Some(f64::from(u8::from(right(r)))))).flatten()
     };
     let both = has(Target::Longitudinal) && has(Target::Lateral);
     Figures {
         samples: rows.len(),
         predicted: rows.iter().filter(|r| r.prediction.is_some()).count(),
-        longitudinal: share("longitudinal", has(Target::Longitudinal), &|r| r.right(Target::Longitudinal)),
-        lateral: share("lateral", has(Target::Lateral), &|r| r.right(Target::Lateral)),
-        decisions: share("decisions", both, &|r| r.right(Target::Longitudinal) && r.right(Target::Lateral)),
-        leaf: share("leaf", has(Target::Leaf), &|r| r.right(Target::Leaf)),
-        l2: share("l2", has(Target::Leaf), &|r| {
+        longitudinal: share(has(Target::Longitudinal), &|r| r.right(Target::Longitudinal)),
+        lateral: share(has(Target::Lateral), &|r| r.right(Target::Lateral)),
+        decisions: share(both, &|r| r.right(Target::Longitudinal) && r.right(Target::Lateral)),
+        leaf: share(has(Target::Leaf), &|r| r.right(Target::Leaf)),
+        l2: share(has(Target::Leaf), &|r| {
             r.prediction.and_then(|p| p.class(Target::Leaf)).map(l2) == Some(l2(&r.truth.leaf))
         }),
-        ade_m: mean("ade", &|r| r.displacement.map(|d| d.average_m)),
-        fde_m: mean("fde", &|r| r.displacement.map(|d| d.final_m)),
+        ade_m: mean(&|r| r.displacement.map(|d| d.average_m)),
+        fde_m: mean(&|r| r.displacement.map(|d| d.final_m)),
     }
 }
 
@@ -188,7 +192,7 @@ pub(super) fn classes(rows: &[&Row<'_>], target: Target, options: Options) -> Cl
         all
     };
     let all = sum(&parts.iter().collect::<Vec<_>>());
-    let random = Random::new(options.seed, &format!("macro_f1/{}", target.name()));
+    let random = Random::new(options.seed, DRAWS);
     let macro_f1 = estimate(&parts, rows.len(), options.resamples, random, |parts| {
         let f1: Vec<f64> = sum(parts).iter().filter(|c| c[0] > 0).filter_map(|c| counts(c).f1).collect();
         (!f1.is_empty()).then(|| f1.iter().sum::<f64>() / f1.len() as f64)

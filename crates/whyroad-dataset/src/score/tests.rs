@@ -99,6 +99,27 @@ fn displacement_by_hand() {
 }
 
 #[test]
+fn groups_of_the_same_samples_have_the_same_intervals() {
+    // Nine drives whose path is missed by 0, 1, 4, ... 64 m: every draw of drives has another mean.
+    let truth: Vec<Truth> = (0..9)
+        .map(|i| Truth { sample_id: format!("s{i}"), drive: format!("d{i}"), ..truth()[0].clone() })
+        .collect();
+    let predictions = (0..9).map(|i| {
+        let y = (i * i) as f64;
+        let trajectory = PredictedTrajectory { t_s: vec![0.5, 2.0], x: vec![5.0, 20.0], y: vec![y, y] };
+        let leaf = if i % 3 == 0 { "a.b.c" } else { "x.y.z" };
+        Prediction { trajectory: Some(trajectory), ..prediction(i, None, leaf) }
+    });
+    let predictions = Predictions::new(predictions);
+    let (s, _) =
+        score_truth("r 1", &truth, &BTreeMap::from([("a.b.c", 9)]), &predictions, Options::default());
+    assert!(s.overall.ade_m.unwrap().low < s.overall.ade_m.unwrap().high);
+    for of_all in [&s.by_rarity[&Rarity::Few], &s.by_place["town"], &s.by_leaf["a.b.c"]] {
+        assert_eq!(of_all, &s.overall);
+    }
+}
+
+#[test]
 fn lines_that_are_not_predictions_are_reported_with_their_line() {
     let text = concat!(
         "{\"sample_id\":\"s0\",\"longitudinal\":null,\"scenario_id\":\"a.b.c\"}\n",

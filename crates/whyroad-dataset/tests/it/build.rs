@@ -36,6 +36,8 @@ fn samples_are_what_the_drives_say() {
         let now = lead.t_s.iter().position(|t| *t == 0.0).unwrap();
         assert!((lead.x[now].unwrap() - (20.0 + start + 1.4)).abs() < 1e-3);
         assert_eq!(lead.t_s.len(), 81);
+        // Its center is 0.1 m above the ego's.
+        assert!((lead.z[now].unwrap() - 0.1).abs() < 1e-6 && lead.z.len() == 81);
         assert_eq!(s.map.as_ref().unwrap()[0].kind, "lane");
         assert_eq!((s.lights.as_ref(), s.route.as_ref(), s.context.as_ref()), (None, None, None));
         assert_eq!((s.lineage.label_status.as_str(), s.lineage.checked), ("imported", false));
@@ -118,10 +120,40 @@ fn groups_are_never_separated_and_near_places_count_as_one() {
     }
     let report = built.manifest.split;
     assert_eq!(report.components, 8);
-    assert_eq!(report.unknown["session"], 13);
+    let without = samples(&release).iter().filter(|s| s.groups.session.is_none()).count();
+    assert_eq!(report.unknown["session"], without);
     assert!(report.samples.values().all(|n| *n > 0), "{:?}", report.samples);
     let near: Vec<_> = report.distances.iter().filter(|d| d.within_m == 5.0).map(|d| d.share).collect();
     assert_eq!(near, [Some(0.0); 3]);
+}
+
+/// Every other drive repeats the drive before it: half of the samples are dropped as duplicates after the split.
+#[test]
+fn the_split_is_reported_of_the_release_and_not_of_the_stage() {
+    let plans: Vec<_> =
+        (0..8).map(|i| plan(&format!("d{i}"), f64::from(i) * 300.0, 6.0 + 4.0 * f64::from(i / 2))).collect();
+    let fleet = Fleet::new(&plans);
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let manifest = built.manifest;
+    assert_eq!(manifest.counts.samples, 8);
+    let (split, by_split) = (&manifest.split, &manifest.counts.by_split);
+    assert_eq!(&split.samples, by_split);
+    assert!(split.shares.iter().all(|(s, share)| (share - by_split[s] as f64 / 8.0).abs() < 1e-9));
+    let mut of_group: BTreeMap<u32, usize> = BTreeMap::new();
+    for s in samples(&Release::open(fleet.out("r")).unwrap()) {
+        *of_group.entry(s.groups.component).or_default() += 1;
+    }
+    assert_eq!(split.unknown["session"], 8);
+    assert_eq!(split.components, of_group.len());
+    assert_eq!(Some(&split.largest_component), of_group.values().max());
+    let card = std::fs::read_to_string(fleet.out("r/README.md")).unwrap();
+    assert!(card.contains(&format!(
+        "| train | {} | {:.1} % |",
+        by_split["train"],
+        12.5 * by_split["train"] as f64
+    )));
+    let unknown = built.diagnostics.iter().find(|d| d.code == "dataset.group.unknown").unwrap();
+    assert!(unknown.message.en.starts_with("8 samples"), "{}", unknown.message.en);
 }
 
 /// Two drives of one default clock share no day.
@@ -189,6 +221,34 @@ fn drafts_are_taken_only_when_asked_for_and_marked() {
     assert!(!marked[0].lineage.checked);
 }
 
+/// A label of a plain file has no score: it is neither good nor bad, and the user is told.
+#[test]
+fn labels_without_a_score_do_not_pass_a_minimum_unnoticed() {
+    let mut fleet = Fleet::town();
+    let scored = |seconds: f64, score: f64| {
+        let plan = plan("drive0", 0.0, 6.0);
+        let label = label(&plan, seconds, "intersection");
+        let episode = serde_json::json!({
+            "episode_id": "e", "scenario_id": "reactive_agent.cutin.intersection", "drive_id": "drive0",
+            "clip_id": label["clip_id"], "time_range": label["time_range"], "keyframe": label["keyframe"],
+            "score": score, "is_primary": true, "keyframe_rule": {"zh": "", "en": ""}, "conditions_matched": [],
+            "signals": [],
+        });
+        serde_json::json!({ "task": { "id": "t", "state": "accepted", "draft": label, "episode": episode } })
+    };
+    fleet.labels += &format!("{}\n{}\n", scored(10.0, 0.9), scored(12.0, 0.3));
+    fleet.spec_text = "select: {min_score: 0.5}\n".into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let dropped = &built.manifest.counts.dropped["1-select"];
+    assert_eq!((built.manifest.counts.samples, dropped["score"], dropped["score_unknown"]), (1, 1, 16));
+    let warned = built.diagnostics.iter().find(|d| d.code == "dataset.score.unknown").unwrap();
+    assert!(warned.message.en.starts_with("16 labels"), "{}", warned.message.en);
+    // Without a minimum nothing is missed.
+    fleet.spec_text.clear();
+    let built = fleet.build(&fleet.out("all")).unwrap();
+    assert!(!built.diagnostics.iter().any(|d| d.code == "dataset.score.unknown"));
+}
+
 #[test]
 fn caps_thin_the_training_split_but_not_below_a_floor() {
     let mut fleet = Fleet::town();
@@ -223,6 +283,23 @@ fn shards_are_equal_and_bev_images_are_in_them() {
         assert_eq!(s.images.iter().map(|i| i.t_s).collect::<Vec<_>>(), [-0.3, -0.2, -0.1, 0.0]);
         assert!(s.images.iter().all(|i| i.camera == "bev" && i.bytes.starts_with(b"\x89PNG")));
     }
+}
+
+/// A keyframe 1 s after the start of its drive has no image of 1.5 s before it: no folder of images helps.
+#[test]
+fn an_image_time_before_the_drive_is_said_to_be_that() {
+    let mut fleet = Fleet::new(&[plan("a", 0.0, 10.0)]);
+    fleet.labels += &format!("{}\n", label(&plan("a", 0.0, 10.0), 1.0, "intersection"));
+    fleet.spec_text = "sample: {images: bev, image_times_s: [-1.5, 0], bev_size_px: 64, bev_m_per_px: 1, \
+        incomplete: keep}\n"
+        .into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    assert_eq!(built.manifest.counts.dropped["2-sample"]["image_before_drive"], 1);
+    let found: Vec<_> = built.diagnostics.iter().filter(|d| d.code == "dataset.image.missing").collect();
+    let [d] = found[..] else { panic!("{found:?}") };
+    let hint = d.hint.as_ref().unwrap();
+    assert!(d.message.en.contains("before the start") && hint.en.contains("image_times_s"), "{d:?}");
+    assert!(!hint.en.contains("--media"), "{}", hint.en);
 }
 
 #[test]

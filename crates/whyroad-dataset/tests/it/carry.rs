@@ -83,6 +83,7 @@ fn what_a_split_leaves_open_is_left_out_and_listed() {
     assert_eq!((done.undecided.len(), done.samples), (urgent, 16 - urgent));
     let carried = Release::open(&new).unwrap();
     assert_eq!(samples(&carried).len(), 16 - urgent);
+    assert_eq!(carried.manifest.split.samples, carried.manifest.counts.by_split);
     assert_eq!(carried.manifest.counts.dropped["6-migrate"]["undecided"], urgent);
     let listed = std::fs::read_to_string(new.join(UNDECIDED)).unwrap();
     assert_eq!(listed.lines().count(), urgent);

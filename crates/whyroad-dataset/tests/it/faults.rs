@@ -87,6 +87,36 @@ fn a_file_damaged_anywhere_is_found_and_reading_it_ends() {
 }
 
 #[test]
+fn a_draft_of_a_class_that_the_framework_does_not_have_is_found() {
+    let mut fleet = Fleet::new(&[plan("a", 0.0, 10.0), plan("b", 500.0, 16.0)]);
+    // Drafts by a model, without causes: they need not be complete.
+    let lines = std::mem::take(&mut fleet.labels);
+    for line in lines.lines() {
+        let mut label: serde_json::Value = serde_json::from_str(line).unwrap();
+        label["provenance"]["source"] = "model".into();
+        label["causes"]["longitudinal"] = serde_json::json!({});
+        fleet.labels += &format!("{label}\n");
+    }
+    fleet.spec_text = "labels: {drafts: true}\n".into();
+    let out = fleet.out("release");
+    fleet.build(&out).unwrap();
+    let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
+    let found = verify(&out, Framework::bundled(), &table).unwrap();
+    assert_eq!((found.samples, found.labels, found.drafts), (4, 0, 4));
+    assert_eq!(found.diagnostics, []);
+    // The framework loses one leaf, of which every drive has a draft.
+    let mut framework = Framework::bundled().clone();
+    for l1 in &mut framework.taxonomy.l1 {
+        for l2 in l1.l2.iter_mut().filter(|l2| l2.id == "cutin") {
+            l2.l3.retain(|l3| l3.id != "urgent");
+        }
+    }
+    let found = verify(&out, &framework, &table).unwrap();
+    let codes: Vec<&str> = found.diagnostics.iter().map(|d| d.code).collect();
+    assert_eq!(codes, ["dataset.label.stale"; 2]);
+}
+
+#[test]
 fn a_leak_between_splits_is_found() {
     // A release whose test file is a copy of its training file, with a manifest that agrees: only reading finds it.
     let fleet = Fleet::town();
@@ -224,6 +254,14 @@ fn a_spec_that_names_what_does_not_exist_is_refused_or_warned_of() {
     let mut fleet = Fleet::town();
     fleet.spec_text = "licences: {allow: [Apache-2.0, Beerware]}\n".into();
     assert_eq!(refusal(&fleet), ["dataset.licence.unknown"]);
+    // Sources and places of the fleet are `fleet` and `town`.
+    fleet.spec_text = "select: {sources: [fleat], places: [town, nowhere]}\n".into();
+    let Err(DatasetError::Refused(found)) = fleet.build(&fleet.out("refused")) else { panic!("not refused") };
+    let said: Vec<_> = found.iter().map(|d| (d.code, d.hint.as_ref().unwrap().en.as_str())).collect();
+    let code = "dataset.select.unknown";
+    assert_eq!(said, [(code, "did you mean 'fleet'?"), (code, "known: town")]);
+    fleet.spec_text = "select: {sources: [fleet], places: [town, unknown]}\n".into();
+    assert_eq!(fleet.build(&fleet.out("selected")).unwrap().manifest.counts.samples, 16);
     let unused = |spec: &str| {
         let mut fleet = Fleet::town();
         fleet.spec_text = spec.into();

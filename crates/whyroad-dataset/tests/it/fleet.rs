@@ -64,7 +64,7 @@ pub fn drive(plan: &Plan) -> Drive {
         class: ObjectClass::Car,
         source_class: "car".into(),
         frames: (0..n as u32).collect(),
-        motion: along(20.0 + plan.speed_mps, plan.street_m, plan.speed_mps, n),
+        motion: Motion { z: vec![0.1; n], ..along(20.0 + plan.speed_mps, plan.street_m, plan.speed_mps, n) },
         length_m: vec![4.5; n],
         width_m: vec![1.8; n],
         height_m: vec![1.5; n],

@@ -76,7 +76,7 @@ pub struct Shortfall {
     pub hours: Option<f64>,
     /// Next action.
     pub step: ShortfallStep,
-    /// The query that finds more; `None` where its rule has no form as a query.
+    /// The query that finds more; `None` where no rule finds the class.
     pub query: Option<MiningQueryMessage>,
 }
 

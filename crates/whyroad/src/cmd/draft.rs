@@ -36,7 +36,8 @@ pub(crate) struct Args {
     /// Folder that `whyroad mine` wrote
     #[arg(long, value_name = "DIR")]
     from: PathBuf,
-    /// File to write (JSON Lines), for `tasks import`, `validate` and `dataset build --drafts`
+    /// File to write (JSON Lines), for `tasks import`, `validate` and `dataset build --drafts`, there beside the mined
+    /// folder, which has the scores and ids of the episodes
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Only this class (L1, L2 or leaf; full or unambiguous short id)

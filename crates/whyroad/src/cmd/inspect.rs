@@ -71,7 +71,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     args.print.put(&summaries, || {
         let mut text = String::new();
         if clip.is_none() {
-            text += &lake_text(&lake_summary, global.lang);
+            text += &lake_text(&lake_summary, &summaries, global.lang);
         }
         for s in &summaries {
             text.push('\n');
@@ -102,11 +102,14 @@ pub(crate) fn drive_of(lake: &Lake, clip: &str) -> Option<DriveId> {
 }
 
 /// The lake as a whole, in a few lines.
-fn lake_text(s: &LakeSummary, lang: Lang) -> String {
+fn lake_text(s: &LakeSummary, of_drives: &[DriveSummary], lang: Lang) -> String {
     let counts = |counts: Vec<(&str, usize)>| {
         counts.iter().map(|(name, n)| format!("{name} {n}")).collect::<Vec<_>>().join(", ")
     };
     let formats = counts(s.formats.iter().map(|(k, n)| (k.as_str(), *n)).collect());
+    let mut sources: BTreeMap<&str, usize> = BTreeMap::new();
+    of_drives.iter().for_each(|drive| *sources.entry(source(drive)).or_default() += 1);
+    let sources = counts(sources.into_iter().collect());
     let objects = counts(s.objects.iter().map(|(k, c)| (k.as_str(), c.objects)).collect());
     let tables = counts(s.tables.iter().map(|(k, n)| (*k, *n)).collect());
     let (drives, clips, hours) = (s.drives, s.clips, s.hours);
@@ -114,12 +117,14 @@ fn lake_text(s: &LakeSummary, lang: Lang) -> String {
         Lang::Zh => [
             format!("{drives} 个行程，{clips} 个片段，{hours:.2} 小时"),
             format!("  格式：{formats}"),
+            format!("  来源：{sources}"),
             format!("  轨迹：{objects}"),
             format!("  有该数据表的行程：{tables}"),
         ],
         Lang::En => [
             format!("{}, {}, {hours:.2} h", counted(drives, "drive"), counted(clips, "clip")),
             format!("  formats: {formats}"),
+            format!("  sources: {sources}"),
             format!("  tracks: {objects}"),
             format!("  drives with the table: {tables}"),
         ],
@@ -127,9 +132,15 @@ fn lake_text(s: &LakeSummary, lang: Lang) -> String {
     lines.iter().filter(|l| !l.ends_with([' ', '：'])).map(|l| wrapped(l, 4)).collect()
 }
 
+/// The source that the clips of a drive state: what `select.sources` in the spec of a data set takes.
+fn source(drive: &DriveSummary) -> &str {
+    drive.clips.first().map_or("", |clip| &clip.source)
+}
+
 /// Labels of the listing.
 fn label(key: &str, lang: Lang) -> String {
     let (zh, en) = match key {
+        "source" => ("来源", "source"),
         "ego" => ("自车", "ego"),
         "no_ego" => ("没有自车位姿：位置相对于自车", "no ego pose: positions are relative to the ego"),
         "noise" => ("噪声", "noise"),
@@ -194,6 +205,7 @@ fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
     let facts: Vec<&str> =
         [Some(s.format.as_str()), s.place.as_deref(), s.licence.as_deref()].into_iter().flatten().collect();
     let mut out = format!("{} ({})\n", s.drive_id, facts.join(", "));
+    out += &format!("  {}: {}\n", l("source"), source(s));
     // Without dates in the log the times are those that `ingest` counts from.
     let dated = !s.missing.contains(&Need::Date);
     for c in &s.clips {

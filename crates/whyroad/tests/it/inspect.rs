@@ -32,6 +32,9 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
     // J, which has lights (a facility of the map).
     for part in [
         "1 drive, 1 clip",
+        // What `select.sources` in the spec of a data set takes; the format is another thing.
+        "  formats: sumo 1\n  sources: sumo 1\n",
+        "crossroads-ego (sumo, crossroads)\n  source: sumo\n",
         // FCD has no dates: what `ingest` sets as the start is not shown as one.
         "crossroads-ego_000  no date  0.5 s  5 frames",
         "ego: 5.00 x 1.80 m, 10.0 - 10.0 m/s",
@@ -40,7 +43,7 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
         "noise vehicles: 0.000 m, 0.00 deg, 0.00 m/s (exact)",
         "tracks: 3, 13 rows; 3 objects after joining tracks that break off",
         "truck                  1        3 rows",
-        "crosswalks 1, facilities 1, junctions 1, lanes 12, lanes in junctions 2, stop lines 1",
+        "crosswalks 1, facilities 1 (traffic lights 1), junctions 1, lanes 12, lanes in junctions 2, stop lines 1",
         "tables: clips, frames, tracks, ego, map\n",
         "not in the log: traffic lights",
         "not observable (needs traffic lights): light.countdown, light.distance_to_stop_line, light.previous,",

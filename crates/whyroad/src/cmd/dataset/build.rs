@@ -27,8 +27,9 @@ pub(crate) struct Args {
     /// Spec; `whyroad dataset init` writes one
     #[arg(long, value_name = "FILE")]
     spec: PathBuf,
-    /// Labels: a file of JSON lines, a folder of such files or one that `whyroad mine` wrote, the store of the
-    /// service (labels.db or postgres://...), or - for stdin
+    /// Labels: a file of JSON lines, a folder of such files or one that `whyroad mine` wrote, the store of the service
+    /// (labels.db or postgres://...), or - for stdin. Given several times, all are read: a label takes score and id of
+    /// its episode from a mined folder
     #[arg(long, value_name = "SRC", required = true)]
     labels: Vec<String>,
     /// Project of the service; default: all projects of the store

@@ -12,8 +12,8 @@ use whyroad_dataset::verify::verify_with;
 use whyroad_engine::label_drives::LabelDrives;
 use whyroad_label::check::Recordings;
 use whyroad_lake::Lake;
-use whyroad_model::Lang;
 use whyroad_model::diagnostic::json_row;
+use whyroad_model::{Lang, counted};
 
 /// Arguments of `whyroad dataset verify`.
 #[derive(clap::Args)]
@@ -44,23 +44,35 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
         Ok(found) => found,
         Err(e) => return Ok(refused(global, &e)),
     };
-    let (samples, files, labels, faults) =
-        (found.samples, found.files, found.labels, found.diagnostics.len());
+    let (samples, files, faults) = (found.samples, found.files, found.diagnostics.len());
+    let (labels, drafts) = (found.labels, found.drafts);
     match a.format {
         DataFormat::Json => {
             let rows: Vec<_> = found.diagnostics.iter().map(|d| json_row(d, global.lang)).collect();
-            let value = json!({ "samples": samples, "files": files, "labels": labels, "diagnostics": rows });
+            let value = json!({
+                "samples": samples, "files": files, "labels": labels, "drafts": drafts, "diagnostics": rows,
+            });
             output::put(&format!("{value:#}\n"));
         }
         DataFormat::Text => {
             print(global, &found.diagnostics);
             output::put(&match global.lang {
                 Lang::Zh => {
-                    format!("{samples} 个样本，{files} 个文件，{labels} 个标签重新校验；{faults} 个问题\n")
+                    let drafts = match drafts {
+                        0 => String::new(),
+                        n => format!("；{n} 个草稿只检查了类别"),
+                    };
+                    format!(
+                        "{samples} 个样本，{files} 个文件，{labels} 个标签重新校验{drafts}；{faults} 个问题\n"
+                    )
                 }
                 Lang::En => {
+                    let drafts = match drafts {
+                        0 => String::new(),
+                        n => format!("; of {} only the class was checked", counted(n, "draft")),
+                    };
                     format!(
-                        "{samples} samples, {files} files, {labels} labels checked again; {faults} findings\n"
+                        "{samples} samples, {files} files, {labels} labels checked again{drafts}; {faults} findings\n"
                     )
                 }
             });
