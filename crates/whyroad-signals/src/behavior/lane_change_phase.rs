@@ -17,6 +17,9 @@ use whyroad_model::road_map::LaneKind;
 const CENTERED_M: f64 = 0.3;
 /// Minimum distance from the center at which the ego has left it, m.
 const LEFT_CENTER_M: f64 = 0.5;
+/// Maximum distance of the ego's side from the line to which it moves, m: within wide lanes drivers wander by half a
+/// meter and more (NGSIM).
+const NEAR_LINE_M: f64 = 0.3;
 /// A peak is the maximum of many values: this many standard deviations of it are noise.
 const PEAK_DEVIATIONS: f64 = 2.5;
 /// Minimum share of the offset of an attempt that the ego's own steering caused.
@@ -118,8 +121,10 @@ fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::
     let (left, right) = on.corridor.widths_at(on.s);
     let noise = PEAK_DEVIATIONS * ego.place_sd(peak);
     let over_line = OVER_LINE_M + noise;
-    let over = if x.side == 0 { high > left + over_line } else { low < -right - over_line };
-    if off(peak) <= LEFT_CENTER_M + noise && !over {
+    // How far the ego's side is beyond the line.
+    let beyond = if x.side == 0 { high - left } else { -right - low };
+    let is_near = off(peak) > LEFT_CENTER_M + noise && beyond > noise - NEAR_LINE_M;
+    if !is_near && beyond <= over_line {
         return None;
     }
     // Only the ego's own steering counts: in a lane that widens or forks, an ego that drives straight on has aborted

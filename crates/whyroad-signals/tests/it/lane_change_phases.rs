@@ -92,6 +92,11 @@ fn a_lane_change_given_up() {
     // completed.
     assert_eq!(t.span("ego.lane_change_phase", "execute"), Some((47, first - 1)));
     assert_eq!(t.span("ego.lane_change_phase", "complete"), None);
+    // 0.53 m out its side is 0.33 m from the line of a lane of 3.5 m: wandering.
+    let mut d = drive(120, move |t| (12.0 * t, 0.44 * out(t), 0.0));
+    d.map = Some(road());
+    d.ego.as_mut().unwrap().width_m = 1.78;
+    assert_eq!(when(&Table::of(&d), "ego.lane_change_aborted", 120), None);
     // There is no lane to the right: keeping away from the edge is no aborted lane change.
     let mut d = drive(120, move |t| (12.0 * t, -out(t), 0.0));
     d.map = Some(road());
