@@ -40,7 +40,7 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
         "noise vehicles: 0.000 m, 0.00 deg, 0.00 m/s (exact)",
         "tracks: 3, 13 rows; 3 objects after joining tracks that break off",
         "truck                  1        3 rows",
-        "crosswalks 1, facilities 1, junctions 1, lanes 12, lanes in junctions 2, stop lines 1",
+        "crosswalks 1, facilities 1 (traffic lights 1), junctions 1, lanes 12, lanes in junctions 2, stop lines 1",
         "tables: clips, frames, tracks, ego, map\n",
         "not in the log: traffic lights",
         "not observable (needs traffic lights): light.countdown, light.distance_to_stop_line, light.previous,",
@@ -72,5 +72,38 @@ fn what_is_not_there_is_said() {
     assert!(whyroad(&["ingest", "sumo", fixture, "--lake", lake]).status.success());
     for clip in ["crossroads-ego_001", "crossroads-ego_0", "nothing"] {
         assert_eq!(whyroad(&["inspect", "--lake", lake, "--clip", clip]).status.code(), Some(1), "{clip}");
+    }
+}
+
+/// Signals are known, not observable, or without a value: each is in one group, in both languages.
+#[test]
+fn the_groups_of_signals_are_all_signals() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let lake = tempfile::tempdir().unwrap();
+    let (path, drive) = (lake.path().to_str().unwrap(), root.join("examples/drives/multilane"));
+    let ingested = whyroad(&["ingest", "sumo", drive.to_str().unwrap(), "--lake", path]);
+    assert!(ingested.status.success(), "{}", out(&ingested));
+    for (lang, of, known, blind, without, names) in [
+        ("en", " of ", " of ", " not observable", " without a value", "without a value here: "),
+        ("zh", " 个中 ", " 个已知", " 个不可观测", " 个没有值", "但没有值: "),
+    ] {
+        let shown = out(&whyroad(&["--lang", lang, "inspect", "--lake", path]));
+        let line = shown.lines().find(|l| l.contains(without)).unwrap_or_else(|| panic!("{shown}"));
+        let last = |before: &str| -> usize {
+            before
+                .rsplit(|c: char| !c.is_ascii_digit())
+                .next()
+                .unwrap()
+                .parse()
+                .unwrap_or_else(|_| panic!("{line}"))
+        };
+        let number = |word: &str| last(line.split(word).next().unwrap());
+        let numbers: Vec<usize> =
+            line.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse().ok()).collect();
+        assert!(line.contains(of) && numbers.len() == 4, "{line}");
+        let (a, b, c) = (number(known), number(blind), number(without));
+        assert_eq!(a + b + c, *numbers.iter().max().unwrap(), "{line}");
+        let named = shown.lines().find_map(|l| l.split(names).nth(1)).map_or(0, |l| l.split(", ").count());
+        assert_eq!(named, c, "{shown}");
     }
 }
