@@ -30,6 +30,8 @@ pub struct Tally {
     pub cases: BTreeMap<(ScenarioId, CaseKind), usize>,
     /// One `rule.case` for each case that failed or could not be read.
     pub failures: Vec<Diagnostic>,
+    /// Files whose cases could not be read at all: they may have cases of any kind.
+    pub unread: BTreeSet<String>,
 }
 
 /// Inputs for the cases of a framework.
@@ -66,6 +68,9 @@ impl Tally {
             );
             let source = framework.rule(class)?;
             let beside = source.file.replace(".yaml", CASES_EXTENSION);
+            if self.unread.contains(&beside) {
+                return None;
+            }
             let hint = Bilingual::new(
                 format!("在 {beside} 中为每一类各写至少一个用例（kind）"),
                 format!("write at least one case of each kind in {beside}"),
@@ -86,6 +91,7 @@ impl CaseRunner<'_> {
         for (path, text) in beside {
             let tally = self.run(path, text);
             all.failures.extend(tally.failures);
+            all.unread.extend(tally.unread);
             for (key, n) in tally.cases {
                 *all.cases.entry(key).or_default() += n;
             }
@@ -101,6 +107,7 @@ impl CaseRunner<'_> {
             Ok(read) => read,
             Err(finding) => {
                 tally.failures.push(*finding);
+                tally.unread.insert(file.to_owned());
                 return tally;
             }
         };

@@ -134,7 +134,11 @@ fn a_rule_without_a_kind_of_case_is_reported() {
     let missing =
         |files: &BTreeMap<String, String>| runner.run_all(files).missing(&rules, Framework::bundled());
     assert_eq!(missing(&files), []);
-    files.remove("scenarios/reactive_agent/cutin.cases.yaml");
+    let cutin = "scenarios/reactive_agent/cutin.cases.yaml";
+    let unreadable = files[cutin].replacen("cases:", "cases", 1);
+    let broken: BTreeMap<_, _> = files.clone().into_iter().chain([(cutin.to_owned(), unreadable)]).collect();
+    assert_eq!(missing(&broken), [], "an unreadable file is reported as that");
+    files.remove(cutin);
     let found = missing(&files);
     let cutins = rules.rules.iter().filter(|r| r.scenario.l2.as_deref() == Some("cutin"));
     assert_eq!(found.len(), cutins.count());

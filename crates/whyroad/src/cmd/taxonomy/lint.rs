@@ -63,8 +63,10 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
         let (rules, _) = RuleSet::of_framework(f, &catalog);
         let errors = found.iter().filter(|d| d.severity == Severity::Error);
         let faulty = errors.filter_map(|d| d.location.file.clone()).collect();
-        let tally = CaseRunner { rules: &rules, catalog: &catalog, faulty: &faulty }.run_all(&files.texts);
+        let mut tally =
+            CaseRunner { rules: &rules, catalog: &catalog, faulty: &faulty }.run_all(&files.texts);
         cases = tally.cases.values().sum();
+        tally.unread.extend(files.not_text.iter().filter_map(|d| d.location.file.clone()));
         found.extend(tally.missing(&rules, f));
         found.extend(tally.failures);
     }
