@@ -4,6 +4,7 @@
 use crate::spec::{Licences, Use};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+use whyroad_framework::yaml_text;
 use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node};
 use whyroad_model::{Bilingual, Diagnostic, Severity};
 
@@ -53,7 +54,7 @@ impl LicenceTable {
     pub fn read(text: &str, file: &str) -> Result<Self, Vec<Diagnostic>> {
         let mut r = FileReport::new(file, text, &FORM);
         let mut table = Self { version: String::new(), licences: Vec::new() };
-        if let Some(root) = r.parse(text)
+        if let Some(root) = yaml_text::parse(&mut r, text)
             && let Some(mut f) = Fields::open(&root, &mut r)
         {
             table.version = f.text("version", &mut r).unwrap_or_default();

@@ -2,6 +2,7 @@
 //! was right. Mining makes its scores from it; `whyroad calibrate` writes it. How shares are estimated from judged
 //! episodes is `whyroad_report::calibration`.
 
+use crate::yaml_text;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId, yaml};
@@ -112,12 +113,10 @@ impl Calibration {
             let d = Diagnostic::error("calibration.file", message).in_file(file).with_hint(hint);
             (Calibration::default(), vec![d])
         };
-        let table: Calibration = match yaml::from_str(text) {
-            Ok(table) => table,
-            Err(e) => {
-                let what = Bilingual::new("校准表", "the calibration table");
-                return (Calibration::default(), vec![e.diagnostic("calibration.file", file, what)]);
-            }
+        let what = Bilingual::new("校准表", "the calibration table");
+        let table: Calibration = match yaml_text::read("calibration.file", file, text, what) {
+            Ok((table, _)) => table,
+            Err(finding) => return (Calibration::default(), vec![*finding]),
         };
         for class in &table.classes {
             let id = &class.id;

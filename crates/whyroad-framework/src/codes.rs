@@ -33,6 +33,9 @@ pub const TAXONOMY: &[&str] = &[
     "taxonomy.yaml",
 ];
 
+/// Codes of any file of a framework.
+pub const FILES: &[&str] = &["framework.encoding"];
+
 /// Codes of labeling specs.
 pub const SPEC: &[&str] = &[
     "spec.class.missing",

@@ -3,11 +3,14 @@
 #[cfg(test)]
 mod checked;
 
+use crate::{Taxonomy, yaml_text};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::DrivingDecision;
-use whyroad_model::{Bilingual, ComponentCategory, Diagnostic, Lang, ScenarioId, yaml};
+use whyroad_model::suggest::{did_you_mean, suggestion};
+use whyroad_model::yaml::Node;
+use whyroad_model::{Bilingual, ComponentCategory, Diagnostic, Lang, Location, ScenarioId};
 
 /// All texts of drafts.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -363,15 +366,33 @@ struct KeptTexts {
 }
 
 impl DraftTexts {
-    /// From the text of `schema/draft_texts.yaml`; `file` is named in diagnostics.
-    pub fn parse(file: &str, text: &str) -> (DraftTexts, Vec<Diagnostic>) {
-        match yaml::from_str(text) {
-            Ok(texts) => (texts, Vec::new()),
-            Err(e) => {
-                let what = Bilingual::new("草稿文本", "the texts of drafts");
-                (DraftTexts::default(), vec![e.diagnostic("lexicon.syntax", file, what)])
-            }
-        }
+    /// From the text of `schema/draft_texts.yaml`; `file` is named in diagnostics. Texts of a class that `taxonomy`
+    /// does not have are never used: they are reported.
+    pub fn parse(file: &str, text: &str, taxonomy: &Taxonomy) -> (DraftTexts, Vec<Diagnostic>) {
+        let what = Bilingual::new("草稿文本", "the texts of drafts");
+        let (texts, root): (DraftTexts, Node) = match yaml_text::read("lexicon.syntax", file, text, what) {
+            Ok(read) => read,
+            Err(finding) => return (DraftTexts::default(), vec![*finding]),
+        };
+        let known: Vec<ScenarioId> = taxonomy.ids().into_iter().filter(|id| id.l2.is_some()).collect();
+        let known: Vec<String> = known.iter().map(ToString::to_string).collect();
+        let classes = root.get("classes").map_or(&[][..], Node::entries).iter();
+        let classes = classes.map(|e| (e.key.as_str(), e.mark, e.node.pointer.as_str()));
+        let claims =
+            root.get("claims").map_or(&[][..], Node::items).iter().filter_map(|claim| claim.get("of"));
+        let claims = claims.filter_map(|of| Some((of.text()?, of.mark, of.pointer.as_str())));
+        let unknown = classes.chain(claims).filter(|(id, ..)| !known.iter().any(|k| k == id));
+        let found = unknown.map(|(id, mark, pointer)| {
+            let message = Bilingual::new(
+                format!("分类体系中没有 L2 或 L3 场景 '{id}'，它的草稿文本不起作用"),
+                format!("the taxonomy has no L2 or leaf '{id}', so its texts of drafts have no effect"),
+            );
+            let at = Location { pointer: Some(pointer.to_owned()), ..yaml_text::location(file, text, mark) };
+            let hint = did_you_mean(id, known.iter().map(String::as_str)).map(suggestion);
+            Diagnostic { hint, ..Diagnostic::error("lexicon.class", message).at(at) }
+        });
+        let found = found.collect();
+        (texts, found)
     }
 
     /// Subject of the class: of the leaf, or of its L2.

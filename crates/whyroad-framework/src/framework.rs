@@ -1,6 +1,9 @@
 //! The whole framework as one value, from the texts of `schema/`, `scenarios/` and `prompts/`.
 
+mod files;
 mod load;
+
+pub use files::{FrameworkFiles, utf8_text};
 
 use crate::{
     Calibration, DecisionSets, DecisionTable, DraftTexts, LabelWords, Lexicon, Prompts, RecordTypes,

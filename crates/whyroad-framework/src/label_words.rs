@@ -32,10 +32,11 @@ pub use undecided::{ClauseMood, Undecided};
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
-use whyroad_model::{Bilingual, Diagnostic, yaml};
+use whyroad_model::{Bilingual, Diagnostic};
 
 use crate::lexicon::trie::{Found, Trie};
 use crate::lexicon::units::Units;
+use crate::yaml_text;
 
 /// Maximum bytes of a text that may be unfinished: a longer one has other content.
 pub const LONGEST_UNFINISHED: usize = 60;
@@ -331,12 +332,10 @@ impl LabelWords {
     /// From the text of `schema/label_words.yaml`; `file` is named in diagnostics. An unreadable file gives an empty
     /// word list, which finds nothing.
     pub fn parse(file: &str, text: &str) -> (LabelWords, Vec<Diagnostic>) {
-        let raw: File = match yaml::from_str(text) {
-            Ok(raw) => raw,
-            Err(e) => {
-                let what = Bilingual::new("词表", "the word list");
-                return (LabelWords::default(), vec![e.diagnostic("lexicon.syntax", file, what)]);
-            }
+        let what = Bilingual::new("词表", "the word list");
+        let raw: File = match yaml_text::read("lexicon.syntax", file, text, what) {
+            Ok((raw, _)) => raw,
+            Err(finding) => return (LabelWords::default(), vec![*finding]),
         };
         let (words, problems) = compile::compile(&raw);
         let diagnostics =

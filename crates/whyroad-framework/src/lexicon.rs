@@ -11,9 +11,10 @@ pub use compile::{Hit, Role};
 pub use stems::Stems;
 
 use crate::phrases::Phrases;
+use crate::yaml_text;
 use serde::Deserialize;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::{Bilingual, Diagnostic, yaml};
+use whyroad_model::{Bilingual, Diagnostic};
 
 /// Words for decisions, for negation, and for subjects and actions.
 #[derive(Clone, Debug, Default)]
@@ -248,12 +249,10 @@ impl Lexicon {
     /// users, who act where the lexicon gives the word no other role. An unreadable file gives an empty lexicon, with
     /// which traces are checked for form only.
     pub fn parse(file: &str, text: &str, road_users: &[String]) -> (Lexicon, Vec<Diagnostic>) {
-        let raw: File = match yaml::from_str(text) {
-            Ok(raw) => raw,
-            Err(e) => {
-                let what = Bilingual::new("词表", "the lexicon");
-                return (Lexicon::default(), vec![e.diagnostic("lexicon.syntax", file, what)]);
-            }
+        let what = Bilingual::new("词表", "the lexicon");
+        let raw: File = match yaml_text::read("lexicon.syntax", file, text, what) {
+            Ok((raw, _)) => raw,
+            Err(finding) => return (Lexicon::default(), vec![*finding]),
         };
         let (lexicon, problems) = compile::compile(&raw, road_users);
         let diagnostics = problems

@@ -1,9 +1,10 @@
 //! Prompts of language models (`prompts/*.yaml`): instructions, question, and the reply when an answer has errors, in
 //! both languages, with placeholders for data. Sends nothing.
 
+use crate::yaml_text;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use whyroad_model::{Bilingual, Diagnostic, Lang, Location, yaml};
+use whyroad_model::{Bilingual, Diagnostic, Lang};
 
 /// Codes of prompts; each has a page in `docs/diagnostics/`.
 pub const PROMPT_CODES: &[&str] = &["prompt.placeholder", "prompt.syntax", "prompt.unknown"];
@@ -126,19 +127,8 @@ impl Prompts {
 }
 
 fn parse(name: PromptName, file: &str, text: &str) -> Result<(Prompt, Vec<Diagnostic>), Box<Diagnostic>> {
-    let prompt: Prompt = yaml::from_str(text).map_err(|e| {
-        let message = Bilingual::new(
-            format!("提示词无法读取：{}", e.message),
-            format!("the prompt cannot be read: {}", e.message),
-        );
-        let location = Location {
-            file: Some(file.to_owned()),
-            line: e.mark.map(|m| m.line),
-            column: e.mark.map(|m| m.column),
-            ..Location::default()
-        };
-        Box::new(Diagnostic::error("prompt.syntax", message).at(location))
-    })?;
+    let what = Bilingual::new("提示词", "the prompt");
+    let (prompt, _): (Prompt, _) = yaml_text::read("prompt.syntax", file, text, what)?;
     let mut found = Vec::new();
     let [system, user, again] = name.placeholders();
     let parts = [

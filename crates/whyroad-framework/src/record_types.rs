@@ -1,10 +1,11 @@
 //! Types of the required records of a label (`scenarios/records.yaml`), and their stored form, which is independent of
 //! the language. The labeling specs state which leaf requires which record.
 
+use crate::yaml_text;
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use whyroad_model::{Bilingual, Diagnostic, yaml};
+use whyroad_model::{Bilingual, Diagnostic};
 
 /// The stored value where the clip does not show it.
 pub const UNKNOWN: &str = "unknown";
@@ -111,12 +112,10 @@ pub enum RecordVerdict {
 impl RecordTypes {
     /// From the text of `scenarios/records.yaml`; `file` is named in diagnostics.
     pub fn parse(file: &str, text: &str) -> (RecordTypes, Vec<Diagnostic>) {
-        match yaml::from_str(text) {
-            Ok(types) => (types, Vec::new()),
-            Err(e) => {
-                let what = Bilingual::new("记录类型表", "the record types");
-                (RecordTypes::default(), vec![e.diagnostic("spec.record_types", file, what)])
-            }
+        let what = Bilingual::new("记录类型表", "the record types");
+        match yaml_text::read("spec.record_types", file, text, what) {
+            Ok((types, _)) => (types, Vec::new()),
+            Err(finding) => (RecordTypes::default(), vec![*finding]),
         }
     }
 

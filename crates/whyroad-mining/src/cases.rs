@@ -17,7 +17,9 @@ use crate::rule::{OTHER, Rule, RuleSet};
 use file::{CaseFile, CaseText};
 use std::collections::{BTreeMap, BTreeSet};
 use table::table;
-use whyroad_model::yaml::{self, DecodeError};
+use whyroad_framework::{Framework, yaml_text};
+use whyroad_model::suggest::{did_you_mean, suggestion};
+use whyroad_model::yaml::{self, DecodeError, Node};
 use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId, SignalTable};
 use whyroad_signals::Catalog;
 
@@ -28,6 +30,8 @@ pub struct Tally {
     pub cases: BTreeMap<(ScenarioId, CaseKind), usize>,
     /// One `rule.case` for each case that failed or could not be read.
     pub failures: Vec<Diagnostic>,
+    /// Files whose cases could not be read at all: they may have cases of any kind.
+    pub unread: BTreeSet<String>,
 }
 
 /// Inputs for the cases of a framework.
@@ -48,6 +52,36 @@ struct Unruled {
     first_line: Option<usize>,
 }
 
+impl Tally {
+    /// One warning for each of the rules that lacks a kind of case, at the rule. `framework` has their positions.
+    pub fn missing(&self, rules: &RuleSet, framework: &Framework) -> Vec<Diagnostic> {
+        let of_rule = |rule: &Rule| {
+            let lacks = |kind: &CaseKind| !self.cases.contains_key(&(rule.scenario.clone(), *kind));
+            let missing: Vec<CaseKind> = CaseKind::ALL.into_iter().filter(lacks).collect();
+            if missing.is_empty() {
+                return None;
+            }
+            let (class, names) = (&rule.scenario, missing.iter().map(|k| k.id()).collect::<Vec<_>>());
+            let message = Bilingual::new(
+                format!("{class} 的挖掘规则缺少用例：{}", names.join("、")),
+                format!("the mining rule of {class} has no case of these kinds: {}", names.join(", ")),
+            );
+            let source = framework.rule(class)?;
+            let beside = source.file.replace(".yaml", CASES_EXTENSION);
+            if self.unread.contains(&beside) {
+                return None;
+            }
+            let hint = Bilingual::new(
+                format!("在 {beside} 中为每一类各写至少一个用例（kind）"),
+                format!("write at least one case of each kind in {beside}"),
+            );
+            let at = yaml_text::location(&source.file, &source.text, source.mark);
+            Some(Diagnostic::warning("rule.case.missing", message).with_hint(hint).at(at))
+        };
+        rules.rules.iter().filter_map(of_rule).collect()
+    }
+}
+
 impl CaseRunner<'_> {
     /// Runs the cases of every `scenarios/**/*.cases.yaml` among the texts of a framework, by relative path.
     pub fn run_all(&self, files: &BTreeMap<String, String>) -> Tally {
@@ -57,6 +91,7 @@ impl CaseRunner<'_> {
         for (path, text) in beside {
             let tally = self.run(path, text);
             all.failures.extend(tally.failures);
+            all.unread.extend(tally.unread);
             for (key, n) in tally.cases {
                 *all.cases.entry(key).or_default() += n;
             }
@@ -67,16 +102,12 @@ impl CaseRunner<'_> {
     /// Runs all cases of one file.
     pub fn run(&self, file: &str, text: &str) -> Tally {
         let mut tally = Tally::default();
-        let tree = yaml::parse(text).map_err(DecodeError::from);
-        let read = tree.and_then(|root| Ok((yaml::from_node::<CaseFile>(&root)?, root)));
-        let (parsed, root) = match read {
+        let what = Bilingual::new("用例文件", "the file of cases");
+        let (parsed, root): (CaseFile, Node) = match yaml_text::read("rule.case", file, text, what) {
             Ok(read) => read,
-            Err(DecodeError { message, mark }) => {
-                let words = Bilingual::new(
-                    format!("用例文件无法读取：{message}"),
-                    format!("the cases cannot be read: {message}"),
-                );
-                tally.failures.push(said(file, mark.map(|m| m.line), words));
+            Err(finding) => {
+                tally.failures.push(*finding);
+                tally.unread.insert(file.to_owned());
                 return tally;
             }
         };
@@ -86,7 +117,15 @@ impl CaseRunner<'_> {
         let rules = self.rules.restricted_to(std::slice::from_ref(&l2));
         let plan = Plan::of(&rules);
         let mut unruled: BTreeMap<ScenarioId, Unruled> = BTreeMap::new();
-        for (case, node) in parsed.cases.iter().zip(nodes) {
+        for node in nodes {
+            let case: CaseText = match yaml::from_node(node) {
+                Ok(case) => case,
+                Err(e) => {
+                    tally.failures.push(unreadable(file, text, node, &e));
+                    continue;
+                }
+            };
+            let case = &case;
             let scenario = ScenarioId { l3: case.leaf.clone(), ..l2.clone() };
             let line = Some(node.get("name").unwrap_or(node).mark.line);
             let Some(rule) = rules.rules.iter().find(|r| r.scenario == scenario) else {
@@ -114,7 +153,9 @@ impl CaseRunner<'_> {
                 let n = u.cases;
                 let zh = format!("{class} 没有挖掘规则，它的 {n} 个用例未运行");
                 let en = format!("{class} has no mining rule; {} not run", counted(n));
-                said(file, u.first_line, Bilingual::new(zh, en))
+                let known = self.rules.rules.iter().map(|r| r.scenario.to_string()).collect::<Vec<_>>();
+                let near = did_you_mean(&class.to_string(), known.iter().map(String::as_str)).map(suggestion);
+                Diagnostic { hint: near, ..said(file, u.first_line, Bilingual::new(zh, en)) }
             };
             return unruled.iter().map(one).collect();
         }
@@ -135,6 +176,15 @@ const CASES_EXTENSION: &str = ".cases.yaml";
 
 fn counted(cases: usize) -> String {
     if cases == 1 { "1 case was".to_owned() } else { format!("{cases} cases were") }
+}
+
+/// The finding for a case with a value that it cannot have.
+fn unreadable(file: &str, text: &str, node: &Node, e: &DecodeError) -> Diagnostic {
+    let what = match node.get("name").and_then(Node::text) {
+        Some(name) => Bilingual::new(format!("用例 '{name}' "), format!("case '{name}'")),
+        None => Bilingual::new("没有名称的用例", "a case without a name"),
+    };
+    yaml_text::decoding("rule.case", file, text, what, e)
 }
 
 fn failure(file: &str, line: Option<usize>, name: &str, reason: &Reason) -> Diagnostic {

@@ -39,6 +39,7 @@ pub const CODES: &[&str] = &[
     "rule.precedence",
     "rule.words",
     "rule.case",
+    "rule.case.missing",
     "rule.case.skipped",
     "mine.drive.unreadable",
     "mine.drive.crashed",

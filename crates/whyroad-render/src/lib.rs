@@ -6,6 +6,7 @@
 pub mod bars;
 pub mod birds_eye;
 pub mod charts;
+pub mod language;
 pub mod markup;
 pub mod plot;
 pub mod raster;

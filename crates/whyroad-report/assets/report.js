@@ -1,22 +1,7 @@
 "use strict";
 (() => {
-  const root = document.documentElement;
   const form = document.querySelector(".filter");
   const cards = [...document.querySelectorAll(".card")];
-
-  const language = (lang) => {
-    root.lang = lang;
-    for (const o of document.querySelectorAll("option[data-zh]")) {
-      o.textContent = `${lang === "zh" ? o.dataset.zh : o.dataset.en} (${o.dataset.n})`;
-    }
-  };
-  for (const b of document.querySelectorAll("button[data-lang]")) {
-    b.addEventListener("click", () => language(b.dataset.lang));
-  }
-  // `#zh` and `#en` in the address choose the language, so that a link can; else the browser's language counts.
-  const wanted = location.hash.slice(1);
-  const own = (navigator.languages ?? [navigator.language]).map((l) => l.slice(0, 2)).find((l) => l === "zh" || l === "en");
-  language(wanted === "zh" || wanted === "en" ? wanted : (own ?? root.lang));
 
   // A few cards a page: all of them would be tens of thousands of pixels.
   const PER_PAGE = 6;

@@ -16,7 +16,7 @@ mod progress;
 mod shortfalls;
 mod stages;
 mod tables;
-mod text;
+pub(crate) mod text;
 pub mod unseen;
 
 pub use agreement::{AgreementRow, Measure};

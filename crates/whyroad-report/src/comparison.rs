@@ -96,9 +96,53 @@ fn is_zero(n: &usize) -> bool {
     *n == 0
 }
 
+/// What one side searched, and what it found.
+#[derive(Clone, Copy, Debug)]
+pub struct Searched<'a> {
+    /// Drives that were searched.
+    pub drives: &'a [DriveId],
+    /// Classes that were asked for, each with everything below it; `None`: all of a taxonomy.
+    pub classes: Option<&'a [ScenarioId]>,
+    /// The episodes.
+    pub episodes: &'a [EpisodeRecord],
+}
+
+impl Searched<'_> {
+    /// The classes that both sides asked for, sorted; `None`: all.
+    fn shared(&self, other: &Self) -> Option<Vec<ScenarioId>> {
+        let (ours, theirs) = match (self.classes, other.classes) {
+            (None, None) => return None,
+            (Some(one), None) | (None, Some(one)) => {
+                // A custom rule is in no taxonomy.
+                return Some(one.iter().filter(|c| c.custom_name().is_none()).cloned().collect());
+            }
+            (Some(ours), Some(theirs)) => (ours, theirs),
+        };
+        let within = |of: &[ScenarioId], all: &[ScenarioId]| -> Vec<ScenarioId> {
+            of.iter().filter(|c| all.iter().any(|a| c.is_within(a))).cloned().collect()
+        };
+        let both = [within(ours, theirs), within(theirs, ours)].concat();
+        Some(both.into_iter().collect::<BTreeSet<_>>().into_iter().collect())
+    }
+}
+
+/// Classes that are compared, where a side did not ask for all.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SharedClasses {
+    /// Classes that both sides asked for, each with everything below it.
+    pub compared: Vec<ScenarioId>,
+    /// Episodes of other classes in the first folder.
+    pub left_out_before: usize,
+    /// Episodes of other classes in the second folder.
+    pub left_out_after: usize,
+}
+
 /// The comparison of two folders.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Comparison {
+    /// The classes that are compared; absent where both sides asked for the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub classes_of_both: Option<SharedClasses>,
     /// Drives that both searched.
     pub drives: usize,
     /// Drives that only the first searched; their episodes are not compared.
@@ -134,22 +178,29 @@ impl AcceptedMoment {
     }
 }
 
-/// Compares the episodes of two folders. `drives_*` are the drives that each searched; `accepted`, where it is given,
-/// judges the changes.
-pub fn compare(
-    (drives_before, before): (&[DriveId], &[EpisodeRecord]),
-    (drives_after, after): (&[DriveId], &[EpisodeRecord]),
-    accepted: Option<&[AcceptedMoment]>,
-) -> Comparison {
-    let first: BTreeSet<&DriveId> = drives_before.iter().collect();
-    let second: BTreeSet<&DriveId> = drives_after.iter().collect();
+/// Compares the episodes of two folders, of the drives and classes that both searched: what one did not search is not
+/// lost. `accepted`, where it is given, judges the changes.
+pub fn compare(before: Searched<'_>, after: Searched<'_>, accepted: Option<&[AcceptedMoment]>) -> Comparison {
+    let first: BTreeSet<&DriveId> = before.drives.iter().collect();
+    let second: BTreeSet<&DriveId> = after.drives.iter().collect();
+    let shared = before.shared(&after);
+    let is_shared =
+        |e: &&EpisodeRecord| shared.as_ref().is_none_or(|all| all.iter().any(|c| e.scenario_id.is_within(c)));
+    let outside = |of: &[EpisodeRecord]| of.iter().filter(|e| !is_shared(e)).count();
+    let classes_of_both =
+        shared.as_ref().filter(|_| before.classes != after.classes).map(|all| SharedClasses {
+            compared: all.clone(),
+            left_out_before: outside(before.episodes),
+            left_out_after: outside(after.episodes),
+        });
     let mut out = Comparison {
+        classes_of_both,
         drives: first.intersection(&second).count(),
         only_before: first.difference(&second).map(|d| (*d).clone()).collect(),
         only_after: second.difference(&first).map(|d| (*d).clone()).collect(),
         ..Comparison::default()
     };
-    let (before, after) = (by_subject(before), by_subject(after));
+    let (before, after) = [before, after].map(|s| by_subject(s.episodes.iter().filter(is_shared))).into();
     let none = Vec::new();
     let subjects: BTreeSet<&Subject<'_>> = before.keys().chain(after.keys()).collect();
     for subject in subjects {
@@ -166,8 +217,10 @@ pub fn compare(
 /// Drive and target.
 type Subject<'e> = (&'e DriveId, Option<&'e str>);
 
-fn by_subject(episodes: &[EpisodeRecord]) -> BTreeMap<Subject<'_>, Vec<&EpisodeRecord>> {
-    let mut out: BTreeMap<Subject<'_>, Vec<&EpisodeRecord>> = BTreeMap::new();
+fn by_subject<'e>(
+    episodes: impl Iterator<Item = &'e EpisodeRecord>,
+) -> BTreeMap<Subject<'e>, Vec<&'e EpisodeRecord>> {
+    let mut out: BTreeMap<Subject<'e>, Vec<&EpisodeRecord>> = BTreeMap::new();
     for e in episodes {
         out.entry((&e.drive_id, e.target_id.as_ref().map(|t| t.as_str()))).or_default().push(e);
     }

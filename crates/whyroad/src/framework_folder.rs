@@ -3,9 +3,8 @@
 use crate::Global;
 use crate::output::reason::{cannot_read, no_framework, stop};
 use anyhow::Context as _;
-use std::collections::BTreeMap;
 use std::path::Path;
-use whyroad_framework::Framework;
+use whyroad_framework::{Framework, FrameworkFiles};
 use whyroad_model::Diagnostic;
 use whyroad_signals::Catalog;
 
@@ -28,7 +27,7 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
 
 /// The framework of a folder and its errors. Every file is named by the user's path, including `dir`.
 pub(crate) fn read(dir: &Path) -> anyhow::Result<(Option<Framework>, Vec<Diagnostic>)> {
-    let (mut framework, found) = Framework::from_files(&read_folder(dir)?);
+    let (mut framework, found) = read_folder(dir)?.load();
     let named = |file: &str| dir.join(file).display().to_string();
     if let Some(f) = &mut framework {
         for rule in &mut f.rules {
@@ -55,16 +54,16 @@ pub(crate) fn placed(dir: Option<&Path>, mut found: Vec<Diagnostic>) -> Vec<Diag
     found
 }
 
-/// All text files below `schema/`, `scenarios/` and `prompts/` of `dir`.
-pub(crate) fn read_folder(dir: &Path) -> anyhow::Result<BTreeMap<String, String>> {
-    let mut out = BTreeMap::new();
+/// All files below `schema/`, `scenarios/` and `prompts/` of `dir`, and findings about those that are not UTF-8.
+pub(crate) fn read_folder(dir: &Path) -> anyhow::Result<FrameworkFiles> {
+    let mut out = FrameworkFiles::default();
     for root in ["schema", "scenarios", "prompts"] {
         let folder = dir.join(root);
         if folder.is_dir() {
             collect(&folder, root, &mut out)?;
         }
     }
-    if out.is_empty() {
+    if out.texts.is_empty() && out.not_text.is_empty() {
         return Err(stop(
             format!("{} 中没有含文件的 schema/ 或 scenarios/ 文件夹", dir.display()),
             format!("{} has no schema/ or scenarios/ folder with files", dir.display()),
@@ -73,7 +72,7 @@ pub(crate) fn read_folder(dir: &Path) -> anyhow::Result<BTreeMap<String, String>
     Ok(out)
 }
 
-fn collect(folder: &Path, prefix: &str, out: &mut BTreeMap<String, String>) -> anyhow::Result<()> {
+fn collect(folder: &Path, prefix: &str, out: &mut FrameworkFiles) -> anyhow::Result<()> {
     let entries = std::fs::read_dir(folder).with_context(|| cannot_read(folder.display()))?;
     for entry in entries {
         let entry = entry.with_context(|| cannot_read(folder.display()))?;
@@ -82,8 +81,7 @@ fn collect(folder: &Path, prefix: &str, out: &mut BTreeMap<String, String>) -> a
         if path.is_dir() {
             collect(&path, &inner, out)?;
         } else if name.ends_with(".yaml") || name.ends_with(".json") {
-            let text = std::fs::read_to_string(&path).with_context(|| cannot_read(path.display()))?;
-            out.insert(inner, text);
+            out.add(inner, std::fs::read(&path).with_context(|| cannot_read(path.display()))?);
         }
     }
     Ok(())

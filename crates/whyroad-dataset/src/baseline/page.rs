@@ -6,7 +6,7 @@ use super::calibration::Reliability;
 use super::compare::Comparison;
 use crate::score::Target;
 use crate::score::figures::Figures;
-use crate::score::page::start;
+use crate::score::page::{finish, sizes, start};
 use crate::score::resample::Estimate;
 use whyroad_model::Lang;
 use whyroad_render::markup::Markup;
@@ -16,8 +16,9 @@ pub fn page(c: &Comparison, lang: Lang) -> String {
     let mut m = start("基线", "Baseline", lang);
     m.raw("<h1>").say("基线模型", "Baseline").raw("</h1>");
     if let Some(score) = c.methods.get(&Method::Boosted) {
-        m.raw("<p>").text(&score.release).raw(" · ").text(score.split.name()).raw(" · ").int(score.samples);
-        m.say(" 个样本，", " samples, ").int(score.drives).say(" 个行程", " drives").raw("</p>");
+        m.raw("<p>").text(&score.release).raw(" · ").text(score.split.name()).raw(" · ");
+        sizes(&mut m, score.samples, score.drives);
+        m.raw("</p>");
     }
     m.raw("<h2>").say("总体", "Overall").raw("</h2><table><tr><th>").say("项目", "measure").raw("</th>");
     for method in c.methods.keys() {
@@ -46,8 +47,7 @@ pub fn page(c: &Comparison, lang: Lang) -> String {
     for target in Target::ALL {
         by_leaf(&mut m, c, target);
     }
-    m.raw("</body></html>\n");
-    m.into_string()
+    finish(m)
 }
 
 fn name(m: &mut Markup, method: Method) {
@@ -121,6 +121,8 @@ pub fn diagram(target: Target, of: &Reliability) -> Markup {
     const SIDE: f64 = 200.0;
     const LEFT: f64 = 44.0;
     const TOP: f64 = 28.0;
+    /// Radius of a dot with all samples.
+    const DOT: f64 = 12.0;
     let (x, y) = (|v: f64| LEFT + SIDE * v, |v: f64| TOP + SIDE * (1.0 - v));
     let mut m = Markup::new();
     m.raw(
@@ -134,13 +136,18 @@ pub fn diagram(target: Target, of: &Reliability) -> Markup {
     };
     m.raw("</text><path fill=\"none\" stroke=\"#000\" d=\"M44 28V228H244\"/>");
     m.raw("<path stroke=\"#777\" stroke-dasharray=\"4 4\" d=\"M44 228L244 28\"/>");
+    // Beyond the largest dot at the end of an axis.
     for tick in [0.0, 0.5, 1.0] {
-        m.raw("<text text-anchor=\"end\" x=\"38\" y=\"")
+        m.raw("<text text-anchor=\"end\" x=\"")
+            .num(LEFT - DOT - 2.0, 0)
+            .raw("\" y=\"")
             .num(y(tick) + 4.0, 0)
             .raw("\">")
             .num(tick, 1)
             .raw("</text>");
-        m.raw("<text text-anchor=\"middle\" y=\"244\" x=\"")
+        m.raw("<text text-anchor=\"middle\" y=\"")
+            .num(TOP + SIDE + DOT + 12.0, 0)
+            .raw("\" x=\"")
             .num(x(tick), 0)
             .raw("\">")
             .num(tick, 1)
@@ -149,7 +156,7 @@ pub fn diagram(target: Target, of: &Reliability) -> Markup {
     let all: usize = of.bins.iter().map(|b| b.samples).sum();
     for bin in &of.bins {
         if let (Some(stated), Some(right)) = (bin.stated, bin.right) {
-            let radius = 3.0 + 9.0 * (bin.samples as f64 / all as f64).sqrt();
+            let radius = 3.0 + (DOT - 3.0) * (bin.samples as f64 / all as f64).sqrt();
             m.raw("<circle fill=\"#fff\" stroke=\"#000\" cx=\"")
                 .num(x(stated), 1)
                 .raw("\" cy=\"")

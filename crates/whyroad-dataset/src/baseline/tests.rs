@@ -119,6 +119,24 @@ fn unknown_stays_unknown() {
     assert_eq!(known, ["objects_30", "vru_30", "large_30"]);
 }
 
+/// Dots of all samples at both ends of both axes: their centers are at (44, 28) and (244, 228), and their radius is 12,
+/// so a tick's number ends left of 32 or has its top (9 units above its line) below 240.
+#[test]
+fn dots_do_not_cover_the_numbers_of_the_axes() {
+    let svg = page::diagram(Target::Leaf, &calibration::reliability([(0.0, true)])).into_string();
+    let number = |tag: &str, name: &str| -> f64 {
+        tag.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    let tags =
+        |start: &str| svg.split('<').filter(|t| t.starts_with(start)).map(str::to_owned).collect::<Vec<_>>();
+    let radius = number(&tags("circle")[0], "r");
+    assert_eq!(radius, 12.0);
+    let (up, across) = (tags("text text-anchor=\"end\""), tags("text text-anchor=\"middle\""));
+    assert_eq!((up.len(), across.len()), (3, 3));
+    assert!(up.iter().all(|t| number(t, "x") <= 44.0 - radius), "{svg}");
+    assert!(across.iter().all(|t| number(t, "y") - 9.0 >= 228.0 + radius), "{svg}");
+}
+
 /// Flips the longitudinal decision of 10 % of samples, seeded; the ids of those.
 fn noisy(samples: &mut [Sample]) -> BTreeSet<String> {
     let mut random = Random::new(11, "noise");

@@ -1,15 +1,16 @@
-//! The score as one HTML page without scripts: both languages, tables, and a chart that is legible without color.
+//! The score as one HTML page, legible without scripts: both languages, tables, and a chart that needs no color.
 
 use super::figures::{ClassFigures, Figures};
 use super::resample::Estimate;
 use super::{Score, Target};
 use std::collections::BTreeMap;
-use whyroad_model::Lang;
+use whyroad_model::{Bilingual, Lang, counted};
+use whyroad_render::language::LANGUAGE_SCRIPT;
 use whyroad_render::markup::Markup;
 
 // Intervals are below their values, so that nine columns fit on a screen and on paper. Charts are black on white.
 const STYLE: &str = "<style>:root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:75em;padding:0 1em}\
-table{border-collapse:collapse;margin:.5em 0 2em}th,td{border-bottom:1px solid #999;padding:.2em .7em;text-align:right;white-space:nowrap;\
+table{border-collapse:collapse;margin:.5em 0 2em;display:block;width:max-content;max-width:100%;overflow-x:auto}th,td{border-bottom:1px solid #999;padding:.2em .7em;text-align:right;white-space:nowrap;\
 font-variant-numeric:tabular-nums}th:first-child,td:first-child{text-align:left}td small{display:block}small{opacity:.75}svg{max-width:100%;background:#fff}\
 body:has(#zh:checked) span[lang=en],body:has(#en:checked) span[lang=zh]{display:none}\
 @media print{:root{color-scheme:light}.choose{display:none}body{font-size:11px;margin:0}tr,svg{break-inside:avoid}}</style>";
@@ -18,15 +19,9 @@ body:has(#zh:checked) span[lang=en],body:has(#en:checked) span[lang=zh]{display:
 pub fn page(score: &Score, lang: Lang) -> String {
     let mut m = start("评分", "Score", lang);
     m.raw("<h1>").say("模型评分", "Model score").raw("</h1><p>").text(&score.release).raw(" · ");
-    m.text(score.split.name())
-        .raw(" · ")
-        .int(score.samples)
-        .say(" 个样本，", " samples, ")
-        .int(score.predicted);
-    m.say(" 个有预测，", " with a prediction, ")
-        .int(score.drives)
-        .say(" 个行程", " drives")
-        .raw("</p><p><small>");
+    m.text(score.split.name()).raw(" · ");
+    sizes(&mut m, score.samples, score.drives);
+    m.say("，有预测的样本：", ", samples with a prediction: ").int(score.predicted).raw("</p><p><small>");
     m.say("区间为 95 %，按行程重采样 ", "Intervals: 95 %, bootstrap over drives, ").int(score.resamples);
     m.say(" 次，随机种子 ", " resamples, seed ").int(score.seed);
     m.say("。缺少预测的样本按错误计。", ". A sample without a prediction counts as wrong.")
@@ -46,8 +41,21 @@ pub fn page(score: &Score, lang: Lang) -> String {
         .say("按稀有度（训练集中同场景样本数）", "By rarity (training samples of the leaf)")
         .raw("</h2>");
     table(&mut m, score.by_rarity.iter().map(|(k, v)| (k.name().to_owned(), v)));
-    m.raw("</body></html>\n");
+    finish(m)
+}
+
+/// The end of a page.
+pub(crate) fn finish(mut m: Markup) -> String {
+    m.raw("<script>\n").raw(LANGUAGE_SCRIPT).raw("</script></body></html>\n");
     m.into_string()
+}
+
+/// Numbers of samples and drives.
+pub(crate) fn sizes(m: &mut Markup, samples: usize, drives: usize) {
+    m.both(&Bilingual::new(
+        format!("{samples} 个样本，{drives} 个行程"),
+        format!("{}, {}", counted(samples, "sample"), counted(drives, "drive")),
+    ));
 }
 
 /// Head of a page, up to the choice of language.
@@ -56,7 +64,7 @@ pub(crate) fn start(zh: &'static str, en: &'static str, lang: Lang) -> Markup {
     let (code, title) = if lang == Lang::Zh { ("zh", zh) } else { ("en", en) };
     m.raw("<!doctype html><html lang=\"")
         .text(code)
-        .raw("\"><head><meta charset=\"utf-8\"><title>")
+        .raw("\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>")
         .text(title);
     m.raw("</title>")
         .raw(STYLE)

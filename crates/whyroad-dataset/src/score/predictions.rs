@@ -5,6 +5,7 @@ use super::target::{NO_CHANGE, Target};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::BufRead;
+use whyroad_framework::json_text;
 use whyroad_model::diagnostic::Location;
 use whyroad_model::{Bilingual, Diagnostic};
 
@@ -103,7 +104,9 @@ impl Predictions {
             let prediction: Prediction = match serde_json::from_str(&line) {
                 Ok(p) => p,
                 Err(e) => {
-                    found.push(line_fault(&e.to_string(), &e.to_string()).at(at));
+                    let column = Some(e.column().max(1));
+                    let Bilingual { zh, en } = json_text::message(&line, &e);
+                    found.push(line_fault(&zh, &en).at(Location { column, ..at }));
                     continue;
                 }
             };

@@ -7,8 +7,8 @@ use super::{
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::{Error as ValueError, StrDeserializer};
-use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
+use whyroad_framework::{Framework, yaml_text};
 use whyroad_model::serde_text::in_chinese;
 use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node, Value};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId, Severity};
@@ -42,7 +42,7 @@ const VALUE: &str = "dataset.spec.value";
 pub fn read(text: &str, file: &str, framework: &Framework) -> Result<Spec, Vec<Diagnostic>> {
     let mut r = FileReport::new(file, text, &FORM);
     let mut spec = Spec::default();
-    if let Some(root) = r.parse(text)
+    if let Some(root) = yaml_text::parse(&mut r, text)
         && !matches!(root.value, Value::Null)
         && let Some(mut f) = Fields::open(&root, &mut r)
     {

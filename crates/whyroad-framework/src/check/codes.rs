@@ -35,6 +35,7 @@ pub const CODES: &[&str] = &[
     "message.query.unit",
     "message.result.count",
     "message.result.statistics",
+    "lexicon.class",
     "lexicon.syntax",
     "lexicon.pattern",
 ];

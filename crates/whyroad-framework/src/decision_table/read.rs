@@ -4,10 +4,12 @@ use super::{Causes, ClassDecisions, DecisionTable, Fit, LateralEntry};
 use crate::Taxonomy;
 use crate::label_words::{GroupSet, LabelWords};
 use crate::taxonomy::did_you_mean;
+use crate::yaml_text;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::{Bilingual, Diagnostic, ScenarioId, yaml};
+use whyroad_model::yaml::{Mark, Node};
+use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 
 /// The identifier for "no change of decision".
 const NONE: &str = "none";
@@ -42,6 +44,13 @@ struct RawChannel {
     possible: Vec<String>,
 }
 
+impl RawChannel {
+    /// The lists, with their fit and key.
+    fn lists(&self) -> [(&Vec<String>, Fit, &'static str); 2] {
+        [(&self.usual, Fit::Usual, "usual"), (&self.possible, Fit::Possible, "possible")]
+    }
+}
+
 /// The table in `text`, and its errors. `file` is named in diagnostics.
 pub fn parse(
     file: &str,
@@ -49,23 +58,25 @@ pub fn parse(
     taxonomy: &Taxonomy,
     words: &LabelWords,
 ) -> (DecisionTable, Vec<Diagnostic>) {
-    let raw: File = match yaml::from_str(text) {
-        Ok(raw) => raw,
-        Err(e) => {
-            let what = Bilingual::new("决策组合表", "the decision table");
-            return (DecisionTable::default(), vec![e.diagnostic("spec.decisions", file, what)]);
-        }
+    let what = Bilingual::new("决策组合表", "the decision table");
+    let (raw, root): (File, Node) = match yaml_text::read("spec.decisions", file, text, what) {
+        Ok(read) => read,
+        Err(finding) => return (DecisionTable::default(), vec![*finding]),
     };
-    let mut reader = Reader { file, words, out: Vec::new() };
+    let mut reader = Reader { file, text, root: &root, words, out: Vec::new() };
     let mut table = DecisionTable::default();
     let (causes, problems) = Causes::read(&raw.causes, words);
     table.causes = causes;
     for problem in problems {
-        reader.problem(problem.zh, problem.en);
+        let at = root.entries().iter().find(|e| e.key == "causes").map(|e| e.mark);
+        reader.problem(at, problem.zh, problem.en);
     }
-    for (along, across) in &raw.impossible_pairs {
-        let pair =
-            reader.longitudinal(along, "impossible_pairs").zip(reader.lateral(across, "impossible_pairs"));
+    for (i, (along, across)) in raw.impossible_pairs.iter().enumerate() {
+        let written =
+            root.get("impossible_pairs").and_then(|n| n.items().get(i)).map_or(&[][..], Node::items);
+        let at = |side: usize| written.get(side).map(|n| n.mark);
+        let of = "impossible_pairs";
+        let pair = reader.longitudinal(along, of, at(0)).zip(reader.lateral(across, of, at(1)));
         if let Some((Some(along), LateralEntry { lateral: Some(across), .. })) = pair {
             table.impossible_pairs.push((along, across));
         }
@@ -76,8 +87,11 @@ pub fn parse(
         let also = near
             .map(|n| (format!("，是否想写 '{n}'？"), format!("; did you mean '{n}'?")))
             .unwrap_or_default();
-        reader
-            .problem(format!("'{class}' 不是类别{}", also.0), format!("'{class}' is not a class{}", also.1));
+        reader.problem(
+            reader.class_mark(class),
+            format!("'{class}' 不是类别{}", also.0),
+            format!("'{class}' is not a class{}", also.1),
+        );
     }
     for (l1, l2, l3) in taxonomy.leaves() {
         let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
@@ -90,19 +104,20 @@ pub fn parse(
             about: own.about.or(above.about),
             reveals: own.reveals.or(above.reveals),
         };
-        let class = reader.class(&id.to_string(), &whole);
+        let levels = [id.to_string(), format!("{}.{}", l1.id, l2.id)];
+        let class = reader.class(&levels, &whole);
         for d in l3
             .typical_decisions
             .longitudinal
             .iter()
             .filter(|d| class.longitudinal_fit(Some(**d)) == Fit::Impossible)
         {
-            reader.typical(&id, d.id());
+            reader.typical(&id, reader.part(&levels, "longitudinal").map(|n| n.mark), d.id());
         }
         for d in
             l3.typical_decisions.lateral.iter().filter(|d| class.lateral_fit(Some(**d)) == Fit::Impossible)
         {
-            reader.typical(&id, d.id());
+            reader.typical(&id, reader.part(&levels, "lateral").map(|n| n.mark), d.id());
         }
         table.leaves.insert(id, class);
     }
@@ -111,23 +126,50 @@ pub fn parse(
 
 struct Reader<'r> {
     file: &'r str,
+    text: &'r str,
+    /// The file as written.
+    root: &'r Node,
     words: &'r LabelWords,
     out: Vec<Diagnostic>,
 }
 
-impl Reader<'_> {
-    fn problem(&mut self, zh: String, en: String) {
-        self.out.push(Diagnostic::error("spec.decisions", Bilingual::new(zh, en)).in_file(self.file));
+impl<'r> Reader<'r> {
+    fn problem(&mut self, at: Option<Mark>, zh: String, en: String) {
+        let problem = Diagnostic::error("spec.decisions", Bilingual::new(zh, en));
+        self.out.push(match at {
+            Some(mark) => problem.at(yaml_text::location(self.file, self.text, mark)),
+            None => problem.in_file(self.file),
+        });
     }
 
-    fn typical(&mut self, id: &ScenarioId, decision: &str) {
+    /// Position of the key of a class.
+    fn class_mark(&self, class: &str) -> Option<Mark> {
+        self.root.get("classes")?.entries().iter().find(|e| e.key == class).map(|e| e.mark)
+    }
+
+    /// A part of a class as written: of a leaf, or else of its L2.
+    fn part(&self, levels: &[String; 2], key: &str) -> Option<&'r Node> {
+        let classes = self.root.get("classes")?;
+        levels.iter().find_map(|class| classes.get(class)?.get(key))
+    }
+
+    fn typical(&mut self, id: &ScenarioId, at: Option<Mark>, decision: &str) {
         self.problem(
+            at,
             format!("{id} 的典型决策 {decision} 在决策组合表中不可能"),
             format!("{decision} is typical of {id} in the taxonomy, but impossible in the decision table"),
         );
     }
 
-    fn class(&mut self, id: &str, raw: &RawClass) -> ClassDecisions {
+    /// `levels` are the ids of the leaf and of its L2.
+    fn class(&mut self, levels: &[String; 2], raw: &RawClass) -> ClassDecisions {
+        let id = levels[0].as_str();
+        // Position of an item of a list; channels have two lists.
+        let list = |reader: &Self, part: &str, fit: Option<&str>| -> Vec<Mark> {
+            let part = reader.part(levels, part);
+            let list = fit.map_or(part, |fit| part?.get(fit));
+            list.map_or(&[][..], Node::items).iter().map(|n| n.mark).collect()
+        };
         let mut out = ClassDecisions {
             decides: raw.decides.unwrap_or(false),
             reveals: raw.reveals.unwrap_or(false),
@@ -135,48 +177,49 @@ impl Reader<'_> {
             ..ClassDecisions::default()
         };
         if raw.longitudinal.is_none() || raw.lateral.is_none() {
+            let at = levels.iter().find_map(|class| self.class_mark(class));
             self.problem(
+                at,
                 format!("{id} 缺少 longitudinal 或 lateral"),
                 format!("{id} has no longitudinal or no lateral decisions"),
             );
         }
-        for (names, fit) in
-            raw.longitudinal.iter().flat_map(|c| [(&c.usual, Fit::Usual), (&c.possible, Fit::Possible)])
-        {
-            out.longitudinal.extend(names.iter().filter_map(|n| Some((self.longitudinal(n, id)?, fit))));
+        for (names, fit, key) in raw.longitudinal.iter().flat_map(RawChannel::lists) {
+            let marks = list(self, "longitudinal", Some(key));
+            for (i, name) in names.iter().enumerate() {
+                out.longitudinal.extend(self.longitudinal(name, id, marks.get(i).copied()).map(|d| (d, fit)));
+            }
         }
-        for (names, fit) in
-            raw.lateral.iter().flat_map(|c| [(&c.usual, Fit::Usual), (&c.possible, Fit::Possible)])
-        {
-            out.lateral.extend(names.iter().filter_map(|n| Some((self.lateral(n, id)?, fit))));
+        for (names, fit, key) in raw.lateral.iter().flat_map(RawChannel::lists) {
+            let marks = list(self, "lateral", Some(key));
+            for (i, name) in names.iter().enumerate() {
+                out.lateral.extend(self.lateral(name, id, marks.get(i).copied()).map(|d| (d, fit)));
+            }
         }
-        for name in &out.about_names {
+        let marks = list(self, "about", None);
+        for (i, name) in out.about_names.iter().enumerate() {
             match self.words.kinds.get(name) {
                 Some(set) => out.about = out.about.with(*set),
                 // Without words nothing can be compared; their absence has already been reported.
                 None if self.words.is_empty() => out.about = GroupSet::default(),
-                None => self.out.push(
-                    Diagnostic::error(
-                        "spec.decisions",
-                        Bilingual::new(
-                            format!("{id}：schema/label_words.yaml 中没有 '{name}'"),
-                            format!("{id}: schema/label_words.yaml has no '{name}'"),
-                        ),
-                    )
-                    .in_file(self.file),
+                None => self.problem(
+                    marks.get(i).copied(),
+                    format!("{id}：schema/label_words.yaml 中没有 '{name}'"),
+                    format!("{id}: schema/label_words.yaml has no '{name}'"),
                 ),
             }
         }
         out
     }
 
-    fn longitudinal(&mut self, name: &str, id: &str) -> Option<Option<Longitudinal>> {
+    fn longitudinal(&mut self, name: &str, id: &str, at: Option<Mark>) -> Option<Option<Longitudinal>> {
         if name == NONE {
             return Some(None);
         }
         let found = Longitudinal::from_id(name);
         if found.is_none() {
             self.problem(
+                at,
                 format!("{id}：'{name}' 不是纵向决策"),
                 format!("{id}: '{name}' is not a longitudinal decision"),
             );
@@ -184,7 +227,7 @@ impl Reader<'_> {
         found.map(Some)
     }
 
-    fn lateral(&mut self, name: &str, id: &str) -> Option<LateralEntry> {
+    fn lateral(&mut self, name: &str, id: &str, at: Option<Mark>) -> Option<LateralEntry> {
         if name == NONE {
             return Some(LateralEntry { lateral: None, direction: None });
         }
@@ -197,6 +240,7 @@ impl Reader<'_> {
         };
         if lateral.is_none() || wrong_side {
             self.problem(
+                at,
                 format!("{id}：'{name}' 不是横向决策或方向"),
                 format!("{id}: '{name}' is not a lateral decision with a direction"),
             );
@@ -249,6 +293,17 @@ mod tests {
             |from: &str, to: &str| table(from, to).iter().map(|d| d.message.en.clone()).collect::<Vec<_>>();
         assert!(said("classes:", "klasses:").iter().any(|m| m.contains("cannot be read")));
         assert!(said("reactive_agent.cutin.ramp:", "reactive_agent.cutin.rump:")[0].contains("did you mean"));
+        // Lines are counted in the text, not taken from the reader.
+        for (from, to) in [
+            ("reactive_agent.cutin.ramp:", "reactive_agent.cutin.rump:"),
+            ("usual: [turn/left]", "usual: [turn/up]"),
+            ("about: [vru]", "about: [vrus]"),
+        ] {
+            let at = files[FILE].find(from).unwrap();
+            let line = files[FILE][..at].matches('\n').count() + 1;
+            let found = table(from, to);
+            assert!(found.iter().any(|d| d.location.line == Some(line)), "{to}: {found:?}");
+        }
         assert!(
             said("  turn: [route", "  tern: [route")
                 .iter()

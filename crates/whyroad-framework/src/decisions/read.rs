@@ -2,6 +2,7 @@
 
 use super::{DecisionSets, DecisionText, LateralText, LongitudinalText};
 use crate::taxonomy::{FAMILY, optional_bilingual, read_bilingual, read_version, suggestion};
+use crate::yaml_text;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::yaml::{Fields, FileReport, Node};
 use whyroad_model::{Bilingual, Diagnostic};
@@ -9,7 +10,8 @@ use whyroad_model::{Bilingual, Diagnostic};
 /// Reads the decisions. Unreadable entries are left out and reported.
 pub fn read_decisions(file: &str, text: &str) -> (DecisionSets, Vec<Diagnostic>) {
     let mut report = FileReport::new(file, text, &FAMILY);
-    let sets = report.parse(text).and_then(|root| document(&root, &mut report)).unwrap_or_default();
+    let sets =
+        yaml_text::parse(&mut report, text).and_then(|root| document(&root, &mut report)).unwrap_or_default();
     (sets, report.diagnostics)
 }
 

@@ -94,7 +94,7 @@ fn without_reading(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
         None => out.push(missing_file(DECISIONS)),
     }
     if let Some(text) = files.get(DRAFT_TEXTS) {
-        let (texts, found) = DraftTexts::parse(DRAFT_TEXTS, text);
+        let (texts, found) = DraftTexts::parse(DRAFT_TEXTS, text, &framework.taxonomy);
         framework.draft_texts = texts;
         out.extend(found);
     }

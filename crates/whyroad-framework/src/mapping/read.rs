@@ -3,6 +3,7 @@
 use super::{ClassChange, ClassMapping, SplitPart};
 use crate::Taxonomy;
 use crate::taxonomy::{did_you_mean, suggestion};
+use crate::yaml_text;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::label_fields::LabelField;
 use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node, Value};
@@ -51,7 +52,7 @@ pub fn read_mapping(
     after: &Taxonomy,
 ) -> Result<ClassMapping, Vec<Diagnostic>> {
     let mut r = FileReport::new(file, text, &FORM);
-    let mapping = r.parse(text).and_then(|root| document(&root, before, after, &mut r));
+    let mapping = yaml_text::parse(&mut r, text).and_then(|root| document(&root, before, after, &mut r));
     match mapping {
         Some(mapping) if !r.diagnostics.iter().any(|d| d.severity == Severity::Error) => Ok(mapping),
         _ => Err(r.diagnostics),

@@ -6,6 +6,7 @@ use super::raw::{
     SpecFile, Words,
 };
 use crate::taxonomy::{Taxonomy, did_you_mean, read_version, suggestion};
+use crate::yaml_text;
 use indexmap::IndexMap;
 use whyroad_model::decision::Lateral;
 use whyroad_model::messages::{KeyframeType, Uncertainty};
@@ -38,7 +39,7 @@ pub(crate) struct ReadSpec {
 /// Reads one file and checks it against the classes.
 pub(crate) fn read_spec(file: &str, text: &str, taxonomy: &Taxonomy) -> (Option<ReadSpec>, Vec<Diagnostic>) {
     let mut report = FileReport::new(file, text, &FAMILY);
-    let read = report.parse(text).and_then(|root| document(&root, taxonomy, &mut report));
+    let read = yaml_text::parse(&mut report, text).and_then(|root| document(&root, taxonomy, &mut report));
     (read, report.diagnostics)
 }
 

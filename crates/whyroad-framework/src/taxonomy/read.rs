@@ -3,6 +3,7 @@
 
 use super::{Decides, L1, L2, L3, Taxonomy, TypicalDecisions, did_you_mean, suggestion};
 use crate::version::Version;
+use crate::yaml_text;
 use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node};
@@ -20,7 +21,7 @@ pub(crate) static FAMILY: FormCodes = FormCodes {
 /// Reads a taxonomy. `None` when the text is not a YAML mapping.
 pub fn read_taxonomy(file: &str, text: &str) -> (Option<Taxonomy>, Vec<Diagnostic>) {
     let mut report = FileReport::new(file, text, &FAMILY);
-    let taxonomy = report.parse(text).and_then(|root| {
+    let taxonomy = yaml_text::parse(&mut report, text).and_then(|root| {
         let mut reading = Reading { report: &mut report, against: Vec::new(), nodes: BTreeMap::new() };
         let taxonomy = reading.document(&root)?;
         let against = reading.against;
@@ -54,12 +55,12 @@ impl<'n> Reading<'_, '_, 'n> {
         let mut l1: Vec<L1> = Vec::new();
         for node in l1_nodes {
             let Some(category) = self.l1(node) else { continue };
-            if let Some(category) = self.unless_taken(category, |c| &c.id, &l1, node) {
+            if let Some(category) = self.unless_taken(category, |c| &c.id, &l1, (node, l1_nodes)) {
                 l1.push(category);
             }
         }
         // L2 ids key the L3 lists, so they must be unique across L1s. Where each was first written:
-        let mut l2_seen: BTreeMap<String, String> = BTreeMap::new();
+        let mut l2_seen: BTreeMap<String, (String, usize)> = BTreeMap::new();
         for entry in &l2_lists {
             let Some(at) = l1.iter().position(|a| a.id == entry.key) else {
                 self.unknown_parent(&entry.key, entry.mark, &entry.node, l1.iter().map(|a| a.id.as_str()));
@@ -67,18 +68,21 @@ impl<'n> Reading<'_, '_, 'n> {
             };
             for node in self.report.items(&entry.node) {
                 let Some(scenario) = self.l2(&entry.key, node) else { continue };
-                let owner = l2_seen.entry(scenario.id.clone()).or_insert_with(|| entry.key.clone());
-                if *owner != entry.key {
+                let first = || (entry.key.clone(), node.mark.line);
+                let (owner, line) = l2_seen.entry(scenario.id.clone()).or_insert_with(first).clone();
+                if owner != entry.key {
                     let id = &scenario.id;
                     self.report.error(
                         "taxonomy.id.duplicate",
                         node,
-                        format!("L2 id '{id}' 已属于 '{owner}'；L2 id 在所有 L1 中必须唯一"),
+                        format!("L2 id '{id}' 已属于 '{owner}'（第 {line} 行）；L2 id 在所有 L1 中必须唯一"),
                         format!(
-                            "L2 id '{id}' already belongs to '{owner}'; L2 ids must be unique across L1s"
+                            "L2 id '{id}' already belongs to '{owner}' (line {line}); L2 ids must be unique across L1s"
                         ),
                     );
-                } else if let Some(scenario) = self.unless_taken(scenario, |b| &b.id, &l1[at].l2, node) {
+                } else if let Some(scenario) =
+                    self.unless_taken(scenario, |b| &b.id, &l1[at].l2, (node, entry.node.items()))
+                {
                     l1[at].l2.push(scenario);
                 }
             }
@@ -95,7 +99,9 @@ impl<'n> Reading<'_, '_, 'n> {
             };
             for node in self.report.items(&entry.node) {
                 let Some(variant) = self.l3(&l1[i].id.clone(), &l1[i].l2[j], node) else { continue };
-                if let Some(variant) = self.unless_taken(variant, |c| &c.id, &l1[i].l2[j].l3, node) {
+                if let Some(variant) =
+                    self.unless_taken(variant, |c| &c.id, &l1[i].l2[j].l3, (node, entry.node.items()))
+                {
                     l1[i].l2[j].l3.push(variant);
                 }
             }
@@ -207,23 +213,29 @@ impl<'n> Reading<'_, '_, 'n> {
         out
     }
 
-    /// `item`, unless a sibling has its id already; that is reported.
+    /// `item`, unless a sibling has its id already; that is reported. `node` is the item as written, `list` all of its
+    /// list.
     fn unless_taken<T>(
         &mut self,
         item: T,
         id: impl Fn(&T) -> &String,
         siblings: &[T],
-        node: &Node,
+        (node, list): (&Node, &[Node]),
     ) -> Option<T> {
         if !siblings.iter().any(|s| id(s) == id(&item)) {
             return Some(item);
         }
         let id = id(&item);
+        let is_same = |n: &&Node| n.get("id").and_then(Node::text).is_some_and(|text| text.trim() == id);
+        let first = list.iter().find(is_same).map_or_else(Bilingual::default, |n| {
+            let line = n.mark.line;
+            Bilingual::new(format!("，首次出现在第 {line} 行"), format!(", first on line {line}"))
+        });
         self.report.error(
             "taxonomy.id.duplicate",
             node,
-            format!("id '{id}' 重复"),
-            format!("id '{id}' is used twice"),
+            format!("id '{id}' 重复{}", first.zh),
+            format!("id '{id}' is used twice{}", first.en),
         );
         None
     }

@@ -1,9 +1,9 @@
 //! What the loader says of broken frameworks: every mistake, each with its code and line, and the rest still read.
 
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_framework::Framework;
-use whyroad_framework::codes::{SPEC, TAXONOMY};
+use whyroad_framework::codes::{FILES, SPEC, TAXONOMY};
 use whyroad_framework::taxonomy::read_taxonomy;
+use whyroad_framework::{Framework, FrameworkFiles};
 use whyroad_model::{Diagnostic, ScenarioId};
 
 /// One L1, one L2, two leaves; hand-made, correct.
@@ -79,7 +79,8 @@ leaves:
 
 fn small() -> BTreeMap<String, String> {
     let mut files = Framework::bundled_files();
-    files.retain(|path, _| path.starts_with("schema/"));
+    // Its texts of drafts are those of other classes.
+    files.retain(|path, _| path.starts_with("schema/") && path != "schema/draft_texts.yaml");
     files.insert("schema/scenario_taxonomy.yaml".into(), SMALL.into());
     files.insert("scenarios/reactive_agent.yaml".into(), L1_SPEC.into());
     files.insert("scenarios/reactive_agent/cutin.yaml".into(), L2_SPEC.into());
@@ -272,6 +273,55 @@ fn several_mistakes_are_all_reported_and_the_rest_is_read() {
     assert_eq!(hint("taxonomy.decision.unknown"), "did you mean 'yield_to_agent'?");
 }
 
+/// Text of a class that does not exist is never used; the position is counted in the text.
+#[test]
+fn texts_of_drafts_for_no_class_are_reported() {
+    let mut files = Framework::bundled_files();
+    let text = files.get_mut("schema/draft_texts.yaml").unwrap();
+    let at = text.find("  reactive_agent.cutin.urgent:").unwrap();
+    let line = text[..at].matches('\n').count() + 1;
+    *text = text.replacen("  reactive_agent.cutin.urgent:", "  reactive_agent.cutin.urgnt:", 1);
+    let found = Framework::from_files(&files).1;
+    assert_eq!(short(&found), [format!("lexicon.class:{line}")]);
+    assert_eq!(found[0].hint.as_ref().unwrap().en, "did you mean 'reactive_agent.cutin.urgent'?");
+}
+
+/// "跟车" in GB18030 (0xB8FA 0xB3B5): 0xB8 cannot begin a character in UTF-8. Bytes and columns are counted by hand.
+#[test]
+fn a_file_in_another_encoding_costs_that_file_only() {
+    let texts = small();
+    let mut files = FrameworkFiles::default();
+    for (path, text) in &texts {
+        let bytes = if path == S2 {
+            b"version: 1\nname: \xB8\xFA\xB3\xB5\n".to_vec()
+        } else {
+            text.clone().into_bytes()
+        };
+        files.add(path.clone(), bytes);
+    }
+    let (framework, found) = files.load();
+    assert_eq!(short(&found), ["framework.encoding:2"], "not also missing");
+    assert_eq!((found[0].location.column, found[0].location.snippet.as_deref()), (Some(7), Some("name: ")));
+    assert!(found[0].message.en.contains("byte 18 (0xB8)") && found[0].message.zh.contains("第 18 字节"));
+    let hint = found[0].hint.as_ref().unwrap();
+    assert!(hint.en.contains("save it as UTF-8") && hint.zh.contains("另存为 UTF-8"));
+    let framework = framework.unwrap();
+    assert_eq!(framework.l1_specs.len(), 1, "the other files are read");
+    let without: BTreeMap<_, _> = texts.into_iter().filter(|(path, _)| path != S2).collect();
+    assert_eq!(framework.specs.len(), Framework::from_files(&without).0.unwrap().specs.len());
+    assert!(FILES.contains(&found[0].code));
+}
+
+#[test]
+fn a_repeated_id_names_the_line_of_the_first() {
+    let text = SMALL.replacen("id: slow", "id: urgent", 1);
+    let first = SMALL[..SMALL.find("id: urgent").unwrap()].matches('\n').count() + 1;
+    let found = read_taxonomy("t.yaml", &text).1;
+    let repeated = found.iter().find(|d| d.code == "taxonomy.id.duplicate").unwrap();
+    assert!(repeated.message.en.contains(&format!("first on line {first}")), "{repeated:?}");
+    assert!(repeated.message.zh.contains(&format!("第 {first} 行")), "{repeated:?}");
+}
+
 #[test]
 fn missing_files_are_named() {
     for path in ["schema/driving_decisions.yaml", S1, S2] {
@@ -323,7 +373,7 @@ fn a_leaf_inherits_field_by_field() {
 #[test]
 fn every_code_has_a_page_in_both_languages() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/diagnostics");
-    for code in TAXONOMY.iter().chain(SPEC) {
+    for code in TAXONOMY.iter().chain(SPEC).chain(FILES) {
         let page = std::fs::read_to_string(folder.join(format!("{code}.md"))).unwrap_or_default();
         assert!(page.starts_with(&format!("# {code}\n")), "docs/diagnostics/{code}.md");
         assert!(page.contains("\n## 中文\n"), "{code}: no Chinese section");
@@ -331,9 +381,9 @@ fn every_code_has_a_page_in_both_languages() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         let code = name.trim_end_matches(".md");
-        if code.starts_with("taxonomy.") || code.starts_with("spec.") {
+        if code.starts_with("taxonomy.") || code.starts_with("spec.") || code.starts_with("framework.") {
             assert!(
-                TAXONOMY.contains(&code) || SPEC.contains(&code),
+                TAXONOMY.contains(&code) || SPEC.contains(&code) || FILES.contains(&code),
                 "a page for '{code}', which nothing emits"
             );
         }

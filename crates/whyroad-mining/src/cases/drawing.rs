@@ -59,7 +59,7 @@ pub struct DrawnEpisode {
 /// The cases of a `<l2>.cases.yaml`, in order, with the signals that `rules` read. The error is the first case that
 /// cannot be read.
 pub fn drawn(text: &str, rules: &[Rule], catalog: &Catalog) -> Result<Vec<DrawnCase>, Reason> {
-    let file: CaseFile = yaml::from_str(text).map_err(|e| {
+    let file: CaseFile<CaseText> = yaml::from_str(text).map_err(|e| {
         Bilingual::new(format!("用例无法读取：{e}"), format!("the cases cannot be read: {e}"))
     })?;
     let l1 = file.l1.clone().unwrap_or_else(|| OTHER.to_owned());

@@ -1,6 +1,7 @@
 //! The texts of a case file, before signals and times are looked up.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, ObjectClass};
 
@@ -18,9 +19,10 @@ pub enum CaseKind {
     Unknown,
 }
 
+/// The file. Where a mistake in a case may cost that case only, cases are left as [`IgnoredAny`] and read one by one.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct CaseFile {
+pub(super) struct CaseFile<C = IgnoredAny> {
     #[serde(rename = "version")]
     _version: Option<String>,
     /// Class of the rules; both are absent beside a rule without a class.
@@ -29,7 +31,22 @@ pub(super) struct CaseFile {
     /// Signals that the cases have in common.
     #[serde(default)]
     pub base: BTreeMap<String, String>,
-    pub cases: Vec<CaseText>,
+    pub cases: Vec<C>,
+}
+
+impl CaseKind {
+    /// All kinds.
+    pub const ALL: [Self; 4] = [Self::Positive, Self::Negative, Self::Boundary, Self::Unknown];
+
+    /// As the file writes it.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Positive => "positive",
+            Self::Negative => "negative",
+            Self::Boundary => "boundary",
+            Self::Unknown => "unknown",
+        }
+    }
 }
 
 #[derive(Deserialize)]

@@ -10,7 +10,7 @@ fn both_evaluators_find_the_same_in_every_case() {
     let files = Framework::bundled_files();
     let mut compared = 0;
     for (path, text) in files.iter().filter(|(path, _)| path.ends_with(CASES_EXTENSION)) {
-        let parsed: CaseFile = yaml::from_node(&yaml::parse(text).unwrap()).unwrap();
+        let parsed: CaseFile<CaseText> = yaml::from_node(&yaml::parse(text).unwrap()).unwrap();
         let l1 = parsed.l1.unwrap_or_else(|| OTHER.to_owned());
         let rules = all.restricted_to(&[ScenarioId { l1, l2: parsed.l2, l3: None }]);
         for case in &parsed.cases {

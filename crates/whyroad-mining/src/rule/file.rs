@@ -6,9 +6,8 @@ use super::lint::lint;
 use super::origin::{Origin, SourceFile};
 use super::{OTHER, Rule, RuleSet, source};
 use crate::cases::CaseRunner;
-use crate::language::{Fault, Span};
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_framework::Framework;
+use whyroad_framework::{Framework, yaml_text};
 use whyroad_model::yaml::{self, Node, SyntaxError};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId, Severity};
 use whyroad_signals::Catalog;
@@ -45,14 +44,7 @@ pub fn check_file(
 }
 
 fn unreadable(file: SourceFile<'_>, e: &SyntaxError) -> Diagnostic {
-    let Bilingual { zh, en } = e.message();
-    let fault = Fault::new(
-        "rule.block",
-        Span::default(),
-        format!("文件无法读取：{zh}"),
-        format!("the file cannot be read: {en}"),
-    );
-    file.at(e.mark, "", fault)
+    yaml_text::syntax("rule.block", file.name, file.text, &Bilingual::new("文件", "the file"), e)
 }
 
 fn scenarios(

@@ -5,11 +5,12 @@ use super::origin::{Origin, SourceFile};
 use super::source::{compile, inherit};
 use crate::language::{Fault, Span};
 use serde::Deserialize;
-use std::collections::BTreeMap;
-use whyroad_framework::{Calibration, Framework, Taxonomy};
+use std::collections::{BTreeMap, BTreeSet};
+use whyroad_framework::{Calibration, Framework, Taxonomy, yaml_text};
+use whyroad_model::suggest::{did_you_mean, suggestion};
 use whyroad_model::units::{Dimension, Unit};
-use whyroad_model::yaml::{self, DecodeError, Mark};
-use whyroad_model::{Diagnostic, Nanos, ScenarioId};
+use whyroad_model::yaml::Mark;
+use whyroad_model::{Bilingual, Diagnostic, Nanos, ScenarioId};
 use whyroad_signals::Catalog;
 
 /// Rules, in taxonomy order, an L2 before its leaves.
@@ -63,6 +64,21 @@ impl RuleSet {
         (RuleSet { rules, precedence, calibration }, unique)
     }
 
+    /// Leaves of `framework` whose rule is written but not among these rules: it has errors, or the file that should
+    /// hold it cannot be read.
+    pub fn unusable(&self, framework: &Framework) -> BTreeSet<ScenarioId> {
+        let usable: BTreeSet<&ScenarioId> = self.rules.iter().map(|r| &r.scenario).collect();
+        let written: BTreeSet<&ScenarioId> = framework.rules.iter().map(|r| &r.leaf).collect();
+        let leaves = framework.taxonomy.leaves().map(|(l1, l2, l3)| {
+            let is_read =
+                framework.spec_versions.contains_key(&format!("scenarios/{}/{}.yaml", l1.id, l2.id));
+            (ScenarioId::leaf(&l1.id, &l2.id, &l3.id), is_read)
+        });
+        let unusable =
+            leaves.filter(|(id, is_read)| !usable.contains(id) && (written.contains(id) || !is_read));
+        unusable.map(|(id, _)| id).collect()
+    }
+
     /// The rules for these classes: of the class itself and of everything below it.
     #[must_use]
     pub fn restricted_to(&self, wanted: &[ScenarioId]) -> Self {
@@ -102,32 +118,27 @@ impl Precedence {
     /// Reads the file; a class that does not exist, or is named twice, is reported.
     pub fn parse(text: &str, taxonomy: &Taxonomy) -> (Precedence, Vec<Diagnostic>) {
         let source = SourceFile { name: PRECEDENCE_FILE, text };
-        let mut found = Vec::new();
-        let mut report = |mark: Mark, pointer: &str, zh: String, en: String| {
-            found.push(source.at(mark, pointer, Fault::new("rule.precedence", Span::default(), zh, en)));
-        };
-        let tree = yaml::parse(text).map_err(DecodeError::from);
-        let read = tree.and_then(|root| Ok((yaml::from_node::<PrecedenceFile>(&root)?, root)));
+        let what = Bilingual::new("优先级文件", "the order of precedence");
+        let read = yaml_text::read::<PrecedenceFile>("rule.precedence", PRECEDENCE_FILE, text, what);
         let (file, root) = match read {
             Ok(read) => read,
-            Err(DecodeError { message, mark }) => {
-                report(
-                    mark.unwrap_or(Mark { line: 1, column: 1, span: 1 }),
-                    "",
-                    format!("优先级文件有误：{message}"),
-                    format!("the order of precedence cannot be read: {message}"),
-                );
-                return (Precedence::default(), found);
-            }
+            Err(finding) => return (Precedence::default(), vec![*finding]),
         };
+        let mut found = Vec::new();
+        let fault = |zh, en| Fault::new("rule.precedence", Span::default(), zh, en);
+        let mut report =
+            |mark: Mark, pointer: &str, fault: Fault| found.push(source.at(mark, pointer, fault));
+        let classes: Vec<String> = taxonomy.ids().iter().map(ToString::to_string).collect();
         let mut out = Precedence::default();
         match seconds(&file.neighbourhood) {
             Some(n) => out.neighbourhood = n,
             None => report(
                 root.get("neighbourhood").map(|n| n.mark).unwrap_or_default(),
                 "/neighbourhood",
-                format!("neighbourhood '{}' 不是时长", file.neighbourhood),
-                format!("neighbourhood '{}' is not a time", file.neighbourhood),
+                fault(
+                    format!("neighbourhood '{}' 不是时长", file.neighbourhood),
+                    format!("neighbourhood '{}' is not a time", file.neighbourhood),
+                ),
             ),
         }
         let entries = root.get("order").map_or(&[][..], |n| n.items());
@@ -136,11 +147,17 @@ impl Precedence {
                 Ok(id) if taxonomy.contains(&id) && !out.order.contains(&id) => out.order.push(id),
                 Ok(id) if out.order.contains(&id) => {
                     let (zh, en) = (format!("'{word}' 出现了两次"), format!("'{word}' is listed twice"));
-                    report(node.mark, &node.pointer, zh, en);
+                    report(node.mark, &node.pointer, fault(zh, en));
                 }
                 _ => {
                     let (zh, en) = (format!("没有名为 '{word}' 的类别"), format!("class '{word}' not found"));
-                    report(node.mark, &node.pointer, zh, en);
+                    let unknown = fault(zh, en);
+                    let near = did_you_mean(word, classes.iter().map(String::as_str)).map(suggestion);
+                    let unknown = match near {
+                        Some(near) => unknown.hint(near.zh, near.en),
+                        None => unknown,
+                    };
+                    report(node.mark, &node.pointer, unknown);
                 }
             }
         }

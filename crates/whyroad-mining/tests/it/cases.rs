@@ -84,6 +84,72 @@ cases:
     assert_eq!(places, [6, 11, 16, 21].map(|line| ("rule.case", Some(line))));
 }
 
+/// One value that no case can have: the others are run. Lines, columns and numbers of cases are counted in the text.
+#[test]
+fn a_wrong_value_costs_its_case_only() {
+    let file = "scenarios/reactive_agent/cutin.cases.yaml";
+    let text = &case_files()[file];
+    let all = text.matches("  - name: ").count();
+    let runner = CaseRunner { rules: &rules(), catalog: Catalog::bundled(), faulty: &BTreeSet::new() };
+    for (from, to, zh, hint) in [
+        ("    target: car\n", "    target: cra\n", "没有取值 `cra`，可用：", Some("did you mean 'car'?")),
+        (
+            "    kind: positive\n",
+            "    kinds: positive\n",
+            "没有字段 `kinds`，可用：",
+            Some("did you mean 'kind'?"),
+        ),
+        ("    kind: positive\n", "", "缺少字段 `kind`", None),
+    ] {
+        let at = text.find(from).unwrap_or_else(|| panic!("{from}"));
+        let tally = runner.run(file, &text.replacen(from, to, 1));
+        assert_eq!(tally.cases.values().sum::<usize>(), all - 1, "{to}");
+        let [fault] = &tally.failures[..] else { panic!("{to}: {:?}", tally.failures) };
+        assert!(fault.message.zh.contains(zh) && fault.message.en.contains("cannot be read: "), "{fault:?}");
+        assert!(
+            fault.message.zh.starts_with("用例 '") && fault.message.en.starts_with("case '"),
+            "{fault:?}"
+        );
+        assert_eq!(fault.hint.as_ref().map(|h| h.en.as_str()), hint);
+        let (line, column) = (fault.location.line.unwrap(), fault.location.column.unwrap());
+        if to.is_empty() {
+            // The case as a whole: its name, on the line before or earlier.
+            assert!(line <= text[..at].matches('\n').count(), "{fault:?}");
+        } else {
+            let column_of = |value: &str| to.find(value).unwrap() + 1;
+            let value = if to.contains("cra") { column_of("cra") } else { column_of("kinds") };
+            assert_eq!((line, column), (text[..at].matches('\n').count() + 1, value), "{fault:?}");
+        }
+    }
+    let misspelled = text.replacen("    leaf: urgent\n", "    leaf: urgnt\n", 1);
+    let fault = &runner.run(file, &misspelled).failures[0];
+    assert_eq!(fault.hint.as_ref().unwrap().en, "did you mean 'reactive_agent.cutin.urgent'?");
+}
+
+/// Without its file, each rule lacks all kinds of cases; without one case, at most its own.
+#[test]
+fn a_rule_without_a_kind_of_case_is_reported() {
+    let (rules, mut files) = (rules(), case_files());
+    let runner = CaseRunner { rules: &rules, catalog: Catalog::bundled(), faulty: &BTreeSet::new() };
+    let missing =
+        |files: &BTreeMap<String, String>| runner.run_all(files).missing(&rules, Framework::bundled());
+    assert_eq!(missing(&files), []);
+    let cutin = "scenarios/reactive_agent/cutin.cases.yaml";
+    let unreadable = files[cutin].replacen("cases:", "cases", 1);
+    let broken: BTreeMap<_, _> = files.clone().into_iter().chain([(cutin.to_owned(), unreadable)]).collect();
+    assert_eq!(missing(&broken), [], "an unreadable file is reported as that");
+    files.remove(cutin);
+    let found = missing(&files);
+    let cutins = rules.rules.iter().filter(|r| r.scenario.l2.as_deref() == Some("cutin"));
+    assert_eq!(found.len(), cutins.count());
+    for d in found {
+        assert_eq!((d.code, d.severity), ("rule.case.missing", Severity::Warning));
+        assert!(d.message.en.ends_with(": positive, negative, boundary, unknown"), "{d:?}");
+        assert_eq!(d.location.file.as_deref(), Some("scenarios/reactive_agent/cutin.yaml"));
+        assert!(d.location.line.is_some());
+    }
+}
+
 #[test]
 fn cases_of_a_faulty_rule_are_skipped_with_one_note() {
     let (cutin, rules) = ("scenarios/reactive_agent/cutin", RuleSet::default());

@@ -36,6 +36,14 @@ fn the_bundled_framework_is_free_of_findings() {
 }
 
 #[test]
+fn a_misspelled_moment_has_a_suggestion() {
+    let (found, line) = broken("scenarios/reactive_rule.yaml", "keyframe - 2 s", "match.strat");
+    assert_eq!((found.len(), found[0].location.line), (1, Some(line)), "{found:?}");
+    let hint = found[0].hint.as_ref().unwrap();
+    assert!(hint.en == "did you mean 'match.start'?" && hint.zh.contains("match.start"), "{hint:?}");
+}
+
+#[test]
 fn faults_are_shown_where_they_are_written() {
     for (file, from, to, code) in [
         // A rule of a leaf, the start of an L1, an L2 none of whose leaves has a rule for AEB data, the order of
@@ -50,6 +58,9 @@ fn faults_are_shown_where_they_are_written() {
         let place = &found[0].location;
         let shown = (found[0].code, place.file.as_deref(), place.line);
         assert_eq!(shown, (code, Some(file), Some(line)));
+        if code == "rule.precedence" {
+            assert_eq!(found[0].hint.as_ref().unwrap().en, "did you mean 'safety.aeb'?");
+        }
         if code == "rule.signal.unknown" {
             assert!(found[0].hint.as_ref().is_some_and(|h| h.en.contains("did you mean")), "{:?}", found[0]);
             let column = place.column.unwrap();

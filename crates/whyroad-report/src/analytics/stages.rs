@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
 use whyroad_label::facts::{LabelStage, TaskFacts};
 use whyroad_model::ids::OTHER;
-use whyroad_model::messages::CoverageState;
+use whyroad_model::messages::{Coverage, CoverageState};
 use whyroad_model::{Bilingual, ScenarioId};
 
 /// Counts of a class; `None` where the input of a stage was not given, or the drives cannot show the class.
@@ -54,7 +54,8 @@ pub struct StageRow {
     pub scenario_id: ScenarioId,
     /// Its name.
     pub name: Bilingual,
-    /// Mining state of a leaf; `None` without mining, and for L1 and L2.
+    /// Mining state; `None` without mining. Of an L1 or L2: the best state of what belongs to it (found, searched, not
+    /// observable, no rule).
     pub state: Option<CoverageState>,
     /// Counts; for an L1 or L2, everything below it and episodes known to be of the L2 without a variant.
     pub counts: StageCounts,
@@ -77,6 +78,15 @@ struct Tally {
     counts: BTreeMap<ScenarioId, StageCounts>,
     left_out: BTreeMap<ScenarioId, u64>,
     secondary: BTreeMap<ScenarioId, u64>,
+}
+
+impl Tally {
+    /// Whether episodes of the class, or of one below it, were mined.
+    fn has_episodes(&self, id: &ScenarioId) -> bool {
+        let mined =
+            self.counts.iter().filter(|(_, c)| c.mined.is_some_and(|n| n > 0)).map(|(class, _)| class);
+        mined.chain(self.secondary.keys()).any(|class| class.is_within(id))
+    }
 }
 
 /// Every class in tree order, then classes that the taxonomy does not have.
@@ -102,12 +112,11 @@ pub(super) fn rows(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Vec<S
     };
     let mut out = Vec::new();
     for id in framework.taxonomy.ids() {
-        let state = id.is_leaf().then(|| inputs.mined.map(|_| states.get(&id).copied())).flatten();
-        let state = state.map(|s| s.unwrap_or(CoverageState::NoRule));
         let mut counts = own(&id);
         let mut secondary = inputs.mined.map(|_| sum_below(&tally.secondary, &id).unwrap_or(0));
         let without_variant = if id.is_leaf() { StageCounts::default() } else { counts };
-        if matches!(state, Some(CoverageState::NotObservable | CoverageState::NoRule)) {
+        let state = inputs.mined.map(|_| best_state(&id, &states, &tally));
+        if id.is_leaf() && matches!(state, Some(CoverageState::NotObservable | CoverageState::NoRule)) {
             // Unobservable classes were not counted, unless something was found anyway.
             counts.mined = counts.mined.filter(|n| *n > 0);
             secondary = secondary.filter(|n| *n > 0);
@@ -137,12 +146,15 @@ pub(super) fn rows(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Vec<S
         });
     }
     for (id, counts) in tally.counts.iter().filter(|(id, _)| !framework.taxonomy.contains(id)) {
+        let state = inputs.mined.map(|m| state_outside(id, &m.coverage, &tally));
+        let is_counted = !matches!(state, Some(CoverageState::NotObservable | CoverageState::NoRule));
+        let of_class = own(id);
         out.push(StageRow {
             name: name(framework, id),
-            state: None,
-            counts: own(id),
+            state,
+            counts: StageCounts { mined: of_class.mined.filter(|_| is_counted), ..of_class },
             without_variant: *counts,
-            secondary: inputs.mined.map(|_| tally.secondary.get(id).copied().unwrap_or(0)),
+            secondary: state.filter(|_| is_counted).map(|_| tally.secondary.get(id).copied().unwrap_or(0)),
             left_out: inputs.tasks.map(|_| tally.left_out.get(id).copied().unwrap_or(0)),
             wanted: inputs.wanted.get(id).copied(),
             in_taxonomy: false,
@@ -150,6 +162,41 @@ pub(super) fn rows(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Vec<S
         });
     }
     out
+}
+
+/// The state of a leaf; of an L1 or L2, whose own episodes and leaves count, the best.
+fn best_state(
+    id: &ScenarioId,
+    states: &BTreeMap<&ScenarioId, CoverageState>,
+    tally: &Tally,
+) -> CoverageState {
+    if let (true, Some(state)) = (id.is_leaf(), states.get(id)) {
+        return *state;
+    }
+    if !id.is_leaf() && tally.has_episodes(id) {
+        return CoverageState::Found;
+    }
+    let below = states.iter().filter(|(leaf, _)| leaf.is_within(id)).map(|(_, state)| *state);
+    below.min_by_key(|state| rank(*state)).unwrap_or(CoverageState::NoRule)
+}
+
+fn rank(state: CoverageState) -> u8 {
+    match state {
+        CoverageState::Found => 0,
+        CoverageState::NotFound => 1,
+        CoverageState::NotObservable => 2,
+        CoverageState::NoRule => 3,
+    }
+}
+
+/// The state of a class that the taxonomy does not have.
+fn state_outside(id: &ScenarioId, coverage: &Coverage, tally: &Tally) -> CoverageState {
+    let searched = coverage.leaves.iter().chain(&coverage.unresolved).find(|l| l.scenario_id == *id);
+    match searched {
+        _ if tally.has_episodes(id) => CoverageState::Found,
+        Some(found) => found.state,
+        None => CoverageState::NoRule,
+    }
 }
 
 fn sum_below(of: &BTreeMap<ScenarioId, u64>, id: &ScenarioId) -> Option<u64> {

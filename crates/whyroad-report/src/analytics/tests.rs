@@ -171,6 +171,26 @@ fn stages_count_episodes_by_the_class_that_they_have_there() {
     assert_eq!(l2.wanted, Some(6));
 }
 
+/// Of the leaves of the third class's L2, mining knows only the one that no drive can show.
+#[test]
+fn every_class_has_a_state_and_its_mark() {
+    let framework = Framework::bundled();
+    let a = analytics(true, true);
+    let blind = ScenarioId { l3: None, ..third(framework) };
+    let l2 = a.stages.iter().find(|r| r.scenario_id == blind).unwrap();
+    assert_eq!((l2.state, l2.counts.mined), (Some(CoverageState::NotObservable), None));
+    assert_eq!(row(&a, "reactive_agent.cutin").state, Some(CoverageState::Found));
+    assert_eq!(row(&a, "reactive_agent").state, Some(CoverageState::Found));
+    assert!(a.stages.iter().all(|r| r.state.is_some()));
+    for lang in [Lang::Zh, Lang::En] {
+        let text = render_text(&a, lang);
+        let line = text.lines().find(|l| l.trim_start().starts_with(l2.name.get(lang))).unwrap();
+        let mined = line.trim_start().strip_prefix(l2.name.get(lang)).unwrap().split_whitespace().next();
+        assert_eq!(mined, Some("?"), "{line}");
+    }
+    assert!(analytics(true, false).stages.iter().all(|r| r.state.is_none()), "nothing was mined");
+}
+
 #[test]
 fn what_cannot_be_seen_and_what_was_not_given_is_not_zero() {
     let framework = Framework::bundled();

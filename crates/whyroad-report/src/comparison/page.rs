@@ -1,11 +1,12 @@
 //! A comparison as one self-contained page: totals, the verdict against accepted labels, a table of classes, examples.
 
-use super::text::name;
+use super::text::{self, name};
 use super::{Change, ChangedEpisode, ClassComparison, Comparison};
 use crate::coverage::class_title;
 use whyroad_framework::Taxonomy;
 use whyroad_model::{Bilingual, Lang, ScenarioId};
 use whyroad_render::charts;
+use whyroad_render::language::LANGUAGE_SCRIPT;
 use whyroad_render::markup::Markup;
 
 const STYLE: &str = include_str!("../../assets/report.css");
@@ -57,7 +58,7 @@ pub fn render_page(c: &Comparison, head: &PageHead<'_>) -> String {
     verdict(&mut m, c);
     classes(&mut m, c, head);
     examples(&mut m, c, head);
-    m.raw("</main><script>\n").raw(SCRIPT).raw("</script></body></html>\n");
+    m.raw("</main><script>\n").raw(LANGUAGE_SCRIPT).raw(SCRIPT).raw("</script></body></html>\n");
     m.into_string()
 }
 
@@ -79,6 +80,9 @@ fn scope(m: &mut Markup, c: &Comparison) {
         m.say("（不参与比较）", " (not compared)");
     }
     m.raw("</p>");
+    if let Some(of) = &c.classes_of_both {
+        m.raw("<p class=\"warning\">").both(&text::scope(of)).raw("</p>");
+    }
 }
 
 fn verdict(m: &mut Markup, c: &Comparison) {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fixture;
-use whyroad_model::Nanos;
+use whyroad_model::{Lang, Nanos};
 
 /// An episode of a class with its keyframe at `s` seconds.
 fn episode(class: &str, s: f64) -> EpisodeRecord {
@@ -20,9 +20,14 @@ fn episode(class: &str, s: f64) -> EpisodeRecord {
 const URGENT: &str = "reactive_agent.cutin.urgent";
 const SLOW: &str = "reactive_agent.cutin.slow";
 
+/// A side that asked for all classes.
+fn all<'a>(drives: &'a [DriveId], episodes: &'a [EpisodeRecord]) -> Searched<'a> {
+    Searched { drives, classes: None, episodes }
+}
+
 fn compared(before: &[EpisodeRecord], after: &[EpisodeRecord]) -> Comparison {
     let drives: Vec<DriveId> = vec!["d".into()];
-    compare((&drives, before), (&drives, after), None)
+    compare(all(&drives, before), all(&drives, after), None)
 }
 
 #[test]
@@ -61,9 +66,51 @@ fn exchanging_the_sides_exchanges_gained_and_lost() {
 #[test]
 fn drives_that_one_side_did_not_search_are_named_and_not_lost() {
     let before = [episode(URGENT, 10.0)];
-    let c = compare((&["d".into()], &before), (&["e".into()], &[]), None);
+    let c = compare(all(&["d".into()], &before), all(&["e".into()], &[]), None);
     assert_eq!((c.drives, c.total(Change::Lost)), (0, 0));
     assert_eq!((c.only_before, c.only_after), (vec!["d".into()], vec!["e".into()]));
+}
+
+#[test]
+fn classes_that_one_side_did_not_ask_for_are_named_and_not_lost() {
+    const AHEAD: &str = "reactive_agent.following.close";
+    let before = [episode(URGENT, 10.0), episode(SLOW, 30.0), episode(AHEAD, 50.0)];
+    let after = [episode(URGENT, 10.0)];
+    let drives: Vec<DriveId> = vec!["d".into()];
+    let class = |id: &str| -> ScenarioId { id.parse().unwrap() };
+    let asked = [class("reactive_agent.cutin")];
+    let c = compare(all(&drives, &before), Searched { classes: Some(&asked), ..all(&drives, &after) }, None);
+    // SLOW is within the class that the second asked for, AHEAD is not.
+    assert_eq!((c.unchanged, c.total(Change::Lost)), (1, 1));
+    let of = c.classes_of_both.clone().unwrap();
+    assert_eq!((of.left_out_before, of.left_out_after), (1, 0));
+    assert_eq!(of.compared, asked);
+    for lang in [Lang::Zh, Lang::En] {
+        assert!(render(&c, lang, false).contains("reactive_agent.cutin；") || lang == Lang::En);
+        assert!(render(&c, lang, false).contains("reactive_agent.cutin; ") || lang == Lang::Zh);
+    }
+    // The narrower of two questions; the same question on both sides needs no word.
+    let leaf = [class(SLOW)];
+    let side = |classes| Searched { classes: Some(classes), ..all(&drives, &before) };
+    let c = compare(side(&asked), side(&leaf), None);
+    assert_eq!(c.classes_of_both.map(|of| (of.compared, of.left_out_before)), Some((leaf.to_vec(), 2)));
+    assert_eq!(compare(side(&asked), side(&asked), None).classes_of_both, None);
+    let c = compare(side(&leaf), Searched { classes: Some(&[class(AHEAD)]), ..all(&drives, &before) }, None);
+    assert_eq!((c.unchanged, c.classes_of_both.map(|of| of.compared.len())), (0, Some(0)));
+}
+
+#[test]
+fn columns_are_below_their_titles_where_an_id_is_long() {
+    let long = "reactive_agent.intersection_interaction.cross_conflict";
+    assert!(long.len() > 50);
+    let text = render(&compared(&[episode(long, 10.0)], &[]), Lang::En, false);
+    let lines: Vec<&str> = text.lines().skip(2).collect();
+    assert!(lines[0].trim_start().starts_with("before"), "{text}");
+    assert_eq!(
+        lines[0].find("before").map(|at| at + "before".len()),
+        lines[1].find(" 1 ").map(|at| at + 2),
+        "{text}"
+    );
 }
 
 #[test]
@@ -77,10 +124,10 @@ fn changes_are_judged_by_accepted_labels() {
     };
     let labels = [accepted(URGENT, 10.4), accepted(SLOW, 50.0), accepted(SLOW, 70.9), accepted(URGENT, 50.0)];
     let drives: Vec<DriveId> = vec!["d".into()];
-    let c = compare((&drives, &before), (&drives, &after), Some(&labels));
+    let c = compare(all(&drives, &before), all(&drives, &after), Some(&labels));
     assert_eq!(c.total_accepted(Change::Gained), Some(2));
     assert_eq!(c.total_accepted(Change::Lost), Some(1));
-    let text = render(&c, whyroad_model::Lang::En, true);
+    let text = render(&c, Lang::En, true);
     assert!(text.contains("gains 2, loses 1 that people accepted"), "{text}");
     assert!(text.lines().all(|l| l.chars().count() <= 120), "{text}");
 }

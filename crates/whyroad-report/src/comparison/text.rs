@@ -1,8 +1,9 @@
 //! A comparison for people: a table of classes with changes, examples, and the verdict against accepted labels.
 
-use super::{Change, ChangedEpisode, ClassComparison, Comparison};
+use super::{Change, ChangedEpisode, ClassComparison, Comparison, SharedClasses};
+use crate::analytics::text::pad_left;
 use std::fmt::Write as _;
-use whyroad_model::Lang;
+use whyroad_model::{Bilingual, Lang};
 
 /// The text; `examples` adds the ids of changed episodes.
 pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
@@ -24,6 +25,9 @@ pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
             let _ = writeln!(out, "{}: {} ({}{more})", t(zh, en), drives.len(), names.join(", "));
         }
     }
+    if let Some(of) = &c.classes_of_both {
+        let _ = writeln!(out, "{}", scope(of).get(lang));
+    }
     if let Some((gained, lost)) = c.verdict() {
         let _ = match lang {
             Lang::Zh => writeln!(out, "与已接受标注相比：新增 {gained} 个、丢失 {lost} 个经人工接受的时刻"),
@@ -37,13 +41,19 @@ pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
         return out;
     }
     out.push('\n');
-    let _ = write!(out, "{:<48}{:>8}{:>8}", "", t("前", "before"), t("后", "after"));
+    // As wide as the longest id, which is never cut.
+    let ids = changed.iter().map(|(id, _)| id.to_string().len());
+    let width = ids.max().unwrap_or(0).max(46) + 2;
+    let _ = write!(out, "{:width$}", "");
+    for (title, columns) in [(t("前", "before"), 8), (t("后", "after"), 8)] {
+        out += &pad_left(title, columns);
+    }
     for change in Change::ALL {
-        let _ = write!(out, "{:>9}", short(change, lang));
+        out += &pad_left(short(change, lang), 9);
     }
     out.push('\n');
     for (id, of) in changed {
-        out += &row(&id.to_string(), of);
+        out += &row(&id.to_string(), width, of);
         if examples {
             for e in &of.examples {
                 let _ = writeln!(out, "    {}", example(e, lang));
@@ -53,8 +63,25 @@ pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
     out
 }
 
-fn row(id: &str, of: &ClassComparison) -> String {
-    let mut out = format!("{id:<48}{:>8}{:>8}", of.before, of.after);
+/// The classes that are compared, where the sides asked for different ones.
+pub(super) fn scope(of: &SharedClasses) -> Bilingual {
+    let SharedClasses { compared, left_out_before: before, left_out_after: after } = of;
+    let ids: Vec<String> = compared.iter().map(ToString::to_string).collect();
+    Bilingual::new(
+        format!(
+            "两侧查询的类别不同，只比较两侧都查询的：{}；未比较的事件：之前 {before}，之后 {after}",
+            if ids.is_empty() { "（无）".to_owned() } else { ids.join("、") }
+        ),
+        format!(
+            "The sides asked for different classes; compared are those of both: {}; episodes left out: {before} before, \
+             {after} after",
+            if ids.is_empty() { "(none)".to_owned() } else { ids.join(", ") }
+        ),
+    )
+}
+
+fn row(id: &str, width: usize, of: &ClassComparison) -> String {
+    let mut out = format!("{id:<width$}{:>8}{:>8}", of.before, of.after);
     for change in Change::ALL {
         let n = of.changes.get(&change).copied().unwrap_or(0);
         let _ = write!(out, "{:>9}", if n == 0 { "·".to_owned() } else { n.to_string() });

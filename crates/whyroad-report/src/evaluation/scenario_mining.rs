@@ -46,8 +46,8 @@ pub struct Figures {
 /// All figures.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Scores {
-    /// Means over the prompts.
-    pub mean: Figures,
+    /// Means over the prompts; `None` where there is no prompt: nothing was compared.
+    pub mean: Option<Figures>,
     /// By prompt.
     pub prompts: BTreeMap<String, Figures>,
 }
@@ -105,14 +105,17 @@ pub fn score(truth: &[Sequence], predictions: &[Sequence]) -> Result<Scores, Mis
         };
         scores.prompts.insert(prompt.to_owned(), figures);
     }
-    let n = scores.prompts.len().max(1) as f64;
+    if scores.prompts.is_empty() {
+        return Ok(scores);
+    }
+    let n = scores.prompts.len() as f64;
     let mean = |of: fn(&Figures) -> f64| scores.prompts.values().map(of).sum::<f64>() / n;
-    scores.mean = Figures {
+    scores.mean = Some(Figures {
         hota_temporal: mean(|f| f.hota_temporal),
         hota_track: mean(|f| f.hota_track),
         timestamp_balanced_accuracy: mean(|f| f.timestamp_balanced_accuracy),
         log_balanced_accuracy: mean(|f| f.log_balanced_accuracy),
-    };
+    });
     Ok(scores)
 }
 

@@ -4,7 +4,9 @@
 //! in nanoseconds since the Unix epoch (the drive's own clock) and a half-open range.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use std::collections::BTreeSet;
+use whyroad_framework::json_text;
 use whyroad_model::{Bilingual, Diagnostic, DriveId, Location, Nanos, ScenarioId, TrackId};
 
 /// An event.
@@ -108,10 +110,30 @@ impl TruthSet {
                 continue;
             }
             match serde_json::from_str::<TruthEntry>(line) {
+                Err(_) if is_sequence(line) => problems.push(
+                    Diagnostic::error(
+                        "evaluate.truth.line",
+                        Bilingual::new(
+                            "该行是场景挖掘挑战赛的序列，不是真值记录，已跳过",
+                            "this line is a sequence of the scenario-mining challenge, not an entry of a truth file, and \
+                             is skipped",
+                        ),
+                    )
+                    .with_hint(Bilingual::new(
+                        "序列文件只能与序列比较：用 --predictions 指定预测的序列，代替 --episodes",
+                        "a file of sequences is compared with sequences: name those of the predictions with \
+                         --predictions, instead of --episodes",
+                    ))
+                    .at(Location { column: Some(1), ..place.clone() })
+                    .in_file(file),
+                ),
                 Err(e) => refuse(
                     Bilingual::new(
-                        format!("该行不是真值记录，已跳过：{e}"),
-                        format!("this line is not an entry of a truth file and is skipped: {e}"),
+                        format!("该行不是真值记录，已跳过：{}", json_text::message(line, &e).zh),
+                        format!(
+                            "this line is not an entry of a truth file and is skipped: {}",
+                            json_text::message(line, &e).en
+                        ),
                     ),
                     Some(e.column().max(1)),
                 ),
@@ -128,6 +150,20 @@ impl TruthSet {
         }
         problems
     }
+}
+
+/// The keys of a [`super::scenario_mining::sequence::Sequence`].
+fn is_sequence(line: &str) -> bool {
+    #[derive(Deserialize)]
+    struct Keys {
+        #[serde(rename = "log_id")]
+        _log_id: IgnoredAny,
+        #[serde(rename = "prompt")]
+        _prompt: IgnoredAny,
+        #[serde(rename = "frames")]
+        _frames: IgnoredAny,
+    }
+    serde_json::from_str::<Keys>(line).is_ok()
 }
 
 fn unknown(class: &ScenarioId) -> Bilingual {

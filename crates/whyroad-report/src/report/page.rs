@@ -6,6 +6,7 @@ use super::{ReportContext, summary, tree_map};
 use crate::coverage::{self, LeafRow, class_title};
 use std::collections::BTreeMap;
 use whyroad_model::{Drive, DriveId, Lang, Need, ScenarioId};
+use whyroad_render::language::LANGUAGE_SCRIPT;
 use whyroad_render::markup::Markup;
 
 const STYLE: &str = include_str!("../../assets/report.css");
@@ -90,7 +91,7 @@ pub(super) fn render(
         .say("全部场景", "All scenarios")
         .raw("</h2></summary>");
     m.piece(&summary::table(rows, &unresolved, context.signals)).raw("</details></section>");
-    m.raw("</main><script>\n").raw(SCRIPT).raw("</script></body></html>\n");
+    m.raw("</main><script>\n").raw(LANGUAGE_SCRIPT).raw(SCRIPT).raw("</script></body></html>\n");
     m.into_string()
 }
 

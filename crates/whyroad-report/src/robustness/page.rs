@@ -1,8 +1,9 @@
-//! Agreement as one HTML page without scripts, in both languages: a matrix of classes and perturbations.
+//! Agreement as one HTML page in both languages, legible without scripts: a matrix of classes and perturbations.
 
 use super::{ClassAgreement, Robustness};
 use std::collections::BTreeSet;
 use whyroad_model::{Bilingual, Lang, ScenarioId};
+use whyroad_render::language::LANGUAGE_SCRIPT;
 use whyroad_render::markup::Markup;
 
 const STYLE: &str = "small,.small{color:var(--faint);font-size:12px;font-weight:400}table{width:auto;margin:.5em 0 2em}th,td{text-align:right;\
@@ -18,7 +19,7 @@ pub fn page(of: &Robustness, lang: Lang, floor: f64, name: impl Fn(&ScenarioId) 
     let (code, title) = if lang == Lang::Zh { ("zh", "鲁棒性") } else { ("en", "Robustness") };
     m.raw("<!doctype html><html lang=\"")
         .raw(code)
-        .raw("\"><head><meta charset=\"utf-8\"><title>")
+        .raw("\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>")
         .raw(title);
     m.raw("</title><style>")
         .raw(crate::STYLE)
@@ -85,7 +86,7 @@ pub fn page(of: &Robustness, lang: Lang, floor: f64, name: impl Fn(&ScenarioId) 
         }
         m.raw("</tr>");
     }
-    m.raw("</table></div></main></body></html>\n");
+    m.raw("</table></div></main><script>\n").raw(LANGUAGE_SCRIPT).raw("</script></body></html>\n");
     m.into_string()
 }
 

@@ -15,7 +15,7 @@ pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
     let title = if zh { "没有类别能解释的时刻" } else { "Moments that no class explains" };
     let mut m = Markup::new();
     m.raw("<!doctype html>\n<html lang=\"").raw(if zh { "zh" } else { "en" });
-    m.raw("\">\n<head><meta charset=\"utf-8\">\n<title>").text(title).raw("</title>\n<style>");
+    m.raw("\">\n<head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>").text(title).raw("</title>\n<style>");
     m.raw(crate::STYLE).raw(STYLE).raw("</style></head>\n<body>\n<main><h1>").text(title).raw("</h1>\n<p>");
     m.text(&if zh {
         format!("{} 个时刻，{} 个行程，{} 组", of.moments, of.drives, of.groups.len())

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use whyroad_label::facts::LabelStage;
 use whyroad_model::messages::CocLabel;
 use whyroad_model::{DriveId, ScenarioId};
-use whyroad_report::comparison::{AcceptedMoment, PageHead, compare, render, render_page};
+use whyroad_report::comparison::{AcceptedMoment, PageHead, SharedClasses, compare, render, render_page};
 use whyroad_report::verdicts::{self, VerdictLine};
 
 /// Arguments of `whyroad compare`.
@@ -64,10 +64,15 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         name_targets(&mut before.episodes, &after.episodes);
         name_targets(&mut after.episodes, &before.episodes);
     }
+    let is_custom =
+        |side: &Side| side.classes.as_ref().is_some_and(|all| all.iter().all(|c| c.custom_name().is_some()));
+    if is_custom(&before) && is_custom(&after) {
+        // Two custom rules are compared whatever their names are.
+        (before.classes, after.classes) = (None, None);
+    }
     let drives: BTreeSet<&DriveId> = before.drives.iter().chain(&after.drives).collect();
     let accepted = args.labels.as_deref().map(|s| accepted(s, &drives, global)).transpose()?;
-    let comparison =
-        compare((&before.drives, &before.episodes), (&after.drives, &after.episodes), accepted.as_deref());
+    let comparison = compare(before.searched(), after.searched(), accepted.as_deref());
     if let Some(out) = &args.out {
         let names = (args.before.display().to_string(), args.after.display().to_string());
         // Classes that only the later framework has are in its taxonomy, the others in the earlier one's.
@@ -84,6 +89,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         say!("{}", out.display());
     }
     args.print.put(&comparison, || render(&comparison, global.lang, args.examples))?;
+    let is_nothing = |of: &SharedClasses| of.compared.is_empty();
+    if comparison.classes_of_both.as_ref().is_some_and(is_nothing) {
+        return Ok(output::FINDINGS);
+    }
     Ok(if before.lost || after.lost { output::lost_input() } else { output::FINE })
 }
 

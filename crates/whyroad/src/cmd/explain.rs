@@ -164,7 +164,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             .with_context(|| cannot_write(file.display()))?;
     }
     if let Some(file) = &args.html {
-        let chart = truths::render(&chart::chart(&shown, global.lang));
+        let chart = chart::chart(&shown, global.lang);
         let target = explanation.roles.get(&rule.target_role);
         let scene = |frame: usize, caption| page::Scene { frame, target, caption };
         let left = shown.moments.as_ref().map_or(&[][..], |m| &m.frames);

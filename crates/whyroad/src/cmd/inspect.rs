@@ -161,6 +161,7 @@ fn label(key: &str, lang: Lang) -> String {
             ("日志中各项都有一部分，但不足以得出", "the log has a part of what it needs, but too little")
         }
         "unobservable" => ("不可观测", "not observable"),
+        "no value" => ("日志支持，但没有值", "supported by the log, but without a value here"),
         "lanes" => ("车道", "lanes"),
         "lanes in junctions" => ("路口内车道", "lanes in junctions"),
         "crosswalks" => ("人行横道", "crosswalks"),
@@ -279,16 +280,17 @@ fn noise_text(kind: &str, of: &NoiseOf, lang: Lang) -> String {
 fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
     let total = s.signals.len() + s.unavailable.len();
     let known = s.signals.values().filter(|v| v.known > 0).count();
+    let without_value: Vec<&str> =
+        s.signals.iter().filter(|(_, v)| v.known == 0).map(|(name, _)| name.as_str()).collect();
+    let (blind, silent) = (s.unavailable.len(), without_value.len());
     let mut out = match lang {
         Lang::Zh => format!(
-            "  {}：{total} 个中 {known} 个已知，{} 个不可观测\n",
+            "  {}：{total} 个中 {known} 个已知，{blind} 个不可观测，{silent} 个没有值\n",
             label("signals", lang),
-            s.unavailable.len()
         ),
         Lang::En => format!(
-            "  {}: {known} of {total} known, {} not observable\n",
+            "  {}: {known} of {total} known, {blind} not observable, {silent} without a value\n",
             label("signals", lang),
-            s.unavailable.len()
         ),
     };
     if in_detail {
@@ -308,6 +310,9 @@ fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
             _ => format!("{} {}", label("needs", lang), Need::list(needs, lang)),
         };
         out += &format!("    {} ({why}): {}\n", label("unobservable", lang), names.join(", "));
+    }
+    if !without_value.is_empty() {
+        out += &format!("    {}: {}\n", label("no value", lang), without_value.join(", "));
     }
     out
 }

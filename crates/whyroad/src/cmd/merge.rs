@@ -38,7 +38,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let lang = global.lang;
     let (framework, _) = framework_folder::load(global)?;
     let (catalog, _) = Catalog::parse(&framework.signals_yaml);
-    let precedence = RuleSet::of_framework(&framework, &catalog).0.precedence;
+    let rules = RuleSet::of_framework(&framework, &catalog).0;
+    let (precedence, faulty) = (&rules.precedence, rules.unusable(&framework));
     let mut parts = Vec::new();
     for dir in &args.parts {
         parts.extend(Part::find(dir)?);
@@ -48,7 +49,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Err(e) => return Ok(say(&[e.diagnostic()], lang)),
     };
     let expected = lake.as_ref().map_or(Expected::Plan, Expected::Lake);
-    let merged = merge(&parts, expected, (&framework.taxonomy, &precedence), &args.out, args.force);
+    let merged = merge(&parts, expected, (&framework.taxonomy, precedence), &args.out, args.force);
     let merged = match merged {
         Err(MergeError::Publish(PublishError::OtherQuestion(dir))) => {
             say!("{}", other_question(&dir, lang));
@@ -67,9 +68,11 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     say(&failed, lang);
     let results = Results {
         summary: &merged.summary,
+        asked: &merged.request.asked,
         questions: &merged.request.questions,
         searched: merged.request.searched,
         taxonomy: &framework.taxonomy,
+        faulty: &faulty,
         lang,
     };
     let missing = args.missing.list(&results, lake.as_ref())?;

@@ -288,11 +288,14 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
     // The results are complete even if the lake could not keep them.
     let lost = said.iter().any(|d| d.severity == Severity::Error);
     let summary = folder.finish(&framework.taxonomy, plan.searched)?;
+    let faulty = plan.rules.unusable(&framework);
     let results = Results {
         summary: &summary,
+        asked: &request.asked,
         questions: &plan.questions,
         searched: plan.searched,
         taxonomy: &framework.taxonomy,
+        faulty: &faulty,
         lang: global.lang,
     };
     let missing = args.missing.list(&results, Some(&lake))?;

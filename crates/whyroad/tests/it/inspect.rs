@@ -77,3 +77,36 @@ fn what_is_not_there_is_said() {
         assert_eq!(whyroad(&["inspect", "--lake", lake, "--clip", clip]).status.code(), Some(1), "{clip}");
     }
 }
+
+/// Signals are known, not observable, or without a value: each is in one group, in both languages.
+#[test]
+fn the_groups_of_signals_are_all_signals() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let lake = tempfile::tempdir().unwrap();
+    let (path, drive) = (lake.path().to_str().unwrap(), root.join("examples/drives/multilane"));
+    let ingested = whyroad(&["ingest", "sumo", drive.to_str().unwrap(), "--lake", path]);
+    assert!(ingested.status.success(), "{}", out(&ingested));
+    for (lang, of, known, blind, without, names) in [
+        ("en", " of ", " of ", " not observable", " without a value", "without a value here: "),
+        ("zh", " 个中 ", " 个已知", " 个不可观测", " 个没有值", "但没有值: "),
+    ] {
+        let shown = out(&whyroad(&["--lang", lang, "inspect", "--lake", path]));
+        let line = shown.lines().find(|l| l.contains(without)).unwrap_or_else(|| panic!("{shown}"));
+        let last = |before: &str| -> usize {
+            before
+                .rsplit(|c: char| !c.is_ascii_digit())
+                .next()
+                .unwrap()
+                .parse()
+                .unwrap_or_else(|_| panic!("{line}"))
+        };
+        let number = |word: &str| last(line.split(word).next().unwrap());
+        let numbers: Vec<usize> =
+            line.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse().ok()).collect();
+        assert!(line.contains(of) && numbers.len() == 4, "{line}");
+        let (a, b, c) = (number(known), number(blind), number(without));
+        assert_eq!(a + b + c, *numbers.iter().max().unwrap(), "{line}");
+        let named = shown.lines().find_map(|l| l.split(names).nth(1)).map_or(0, |l| l.split(", ").count());
+        assert_eq!(named, c, "{shown}");
+    }
+}

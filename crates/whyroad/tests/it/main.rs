@@ -38,6 +38,7 @@ mod model;
 mod ops;
 mod other;
 mod packs;
+mod pages;
 mod parts;
 mod recorded;
 mod robustness;

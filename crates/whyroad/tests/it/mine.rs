@@ -501,6 +501,94 @@ fn a_damaged_drive_does_not_stop_the_others() {
     assert_eq!(drives.into_iter().collect::<Vec<_>>(), ["back_street-ego", "signal_junction-ego"]);
 }
 
+/// A framework whose `cutin.yaml` has a colon too few, and whose `animal.yaml` is in another encoding.
+fn faulty_framework() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in Framework::bundled_files() {
+        let path = folder.path().join(&name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        if name.ends_with("/cutin.yaml") {
+            std::fs::write(path, text.replacen("leaves:", "leaves", 1)).unwrap();
+        } else if name.ends_with("/animal.yaml") {
+            // "动物" in GB18030.
+            std::fs::write(path, [text.as_bytes(), &b"# \xB6\xAF\xCE\xEF\n"[..]].concat()).unwrap();
+        } else {
+            std::fs::write(path, text).unwrap();
+        }
+    }
+    folder
+}
+
+/// The number before `word` in a line of totals.
+fn number_before(line: &str, word: &str) -> u64 {
+    let before = line.split(word).next().unwrap().trim_end();
+    before
+        .rsplit(|c: char| !c.is_ascii_digit())
+        .next()
+        .unwrap()
+        .parse()
+        .unwrap_or_else(|_| panic!("{word}: {line}"))
+}
+
+#[test]
+fn leaves_with_a_faulty_rule_are_counted_as_such_and_nothing_else_is_lost() {
+    let framework = faulty_framework();
+    let (lake, _, _) = &*MINED;
+    let out = tempfile::tempdir().unwrap();
+    let run = mine(lake.path(), out.path(), &["--framework", framework.path().to_str().unwrap()]);
+    assert_eq!(run.status.code(), Some(1));
+    let said = text(&run.stderr);
+    assert!(said.contains("error[spec.yaml]") && said.contains("error[framework.encoding]"), "{said}");
+    assert!(said.contains("animal.yaml:") && !said.contains("spec.file.missing"), "{said}");
+    let shown = text(&run.stdout).replace("\n  ", " ");
+    let totals = shown.lines().find(|l| l.contains("leaves: ")).unwrap().split("leaves: ").nth(1).unwrap();
+    let taxonomy = &Framework::bundled().taxonomy;
+    let words = [" found,", " searched and not found", " not observable", " without a rule"];
+    let sum: u64 = words.iter().map(|w| number_before(totals, w)).sum();
+    assert_eq!(sum as usize, taxonomy.leaves().count(), "{totals}");
+    // Counted in the taxonomy, not by the miner: the leaves of the two files.
+    let lost = taxonomy.leaves().filter(|(_, l2, _)| ["cutin", "animal"].contains(&l2.id.as_str())).count();
+    assert_eq!(number_before(totals, " without a rule") as usize, lost, "{totals}");
+    assert!(totals.contains(&format!("({lost} of them with a faulty rule)")), "{totals}");
+    let coverage = json(&out.path().join("coverage.json"));
+    let states = coverage["leaves"].as_array().unwrap().iter().filter(|l| l["state"] == "no_rule");
+    assert_eq!(states.count(), lost);
+    assert!(found(out.path()).iter().any(|e| !e.class.contains("cutin")), "the other rules were run");
+}
+
+#[test]
+fn the_rows_of_a_class_add_up_to_its_total() {
+    let (lake, everything, _) = &*MINED;
+    let all = found(everything.path());
+    let class = all.iter().map(|e| &e.class).find(|c| c.matches('.').count() == 2).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let run = mine(lake.path(), out.path(), &["--scenario", class, "--format", "json"]);
+    let result: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let rows: u64 =
+        result["classes"].as_array().unwrap().iter().map(|c| c["episodes"].as_u64().unwrap()).sum();
+    let counted = all.iter().filter(|e| e.class == *class).count() as u64;
+    assert_eq!((rows, result["episodes"].as_u64()), (counted, Some(counted)), "{result:#}");
+}
+
+#[test]
+fn folders_with_different_questions_are_compared_where_both_asked() {
+    let (lake, everything, _) = &*MINED;
+    let out = tempfile::tempdir().unwrap();
+    mine(lake.path(), out.path(), &["--scenario", "cutin"]);
+    let [all, some] = [everything.path(), out.path()].map(|p| p.to_str().unwrap());
+    let run = whyroad(&["compare", all, some, "--format", "json"]);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    let result: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let cutins = found(out.path()).len();
+    assert_eq!(result["unchanged"], cutins);
+    assert_eq!(result["classes_of_both"]["compared"], serde_json::json!(["reactive_agent.cutin"]));
+    assert_eq!(result["classes_of_both"]["left_out_before"], found(everything.path()).len() - cutins);
+    for (lang, words) in [("en", "different classes"), ("zh", "查询的类别不同")] {
+        let said = text(&whyroad(&["--lang", lang, "compare", all, some]).stdout);
+        assert!(said.contains(words) && said.contains("reactive_agent.cutin"), "{said}");
+    }
+}
+
 #[test]
 fn an_empty_lake_and_no_lake() {
     let (dir, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());

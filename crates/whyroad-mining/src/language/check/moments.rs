@@ -3,7 +3,7 @@
 
 use super::super::program::Moment;
 use super::super::syntax::{ArithmeticOp, Expr, ExprKind};
-use super::{Checker, Fault};
+use super::{Checker, Fault, names};
 use whyroad_model::Nanos;
 
 impl Checker<'_> {
@@ -31,6 +31,10 @@ impl Checker<'_> {
                 }
                 _ => Ok(Moment::Nearest(self.condition(expr)?)),
             },
+            ExprKind::Name(name) => {
+                let of = self.condition(expr).map_err(|fault| names::or_moment(name, fault))?;
+                Ok(Moment::Nearest(of))
+            }
             _ => Ok(Moment::Nearest(self.condition(expr)?)),
         }
     }

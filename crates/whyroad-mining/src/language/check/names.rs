@@ -79,6 +79,15 @@ fn see_the_list(fault: Fault) -> Fault {
     )
 }
 
+/// The same fault with a moment of the match as its suggestion, where that is what the unknown name resembles.
+pub(super) fn or_moment(written: &str, fault: Fault) -> Fault {
+    let near = nearest(written, ["keyframe", "match.start", "match.end"].into_iter());
+    match near.filter(|_| fault.code == "rule.signal.unknown") {
+        Some(moment) => fault.hint(format!("是否想写 '{moment}'？"), format!("did you mean '{moment}'?")),
+        None => fault,
+    }
+}
+
 /// The fault for a word that is both a value of a category and a name of the rule.
 pub(super) fn also_a_value(name: &str, span: Span) -> Fault {
     Fault::new(

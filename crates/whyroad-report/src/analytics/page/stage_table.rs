@@ -44,7 +44,7 @@ pub(super) fn write(m: &mut Markup, a: &Analytics) {
         .map(|i| leaves().filter_map(|r| r.counts.all()[i].1).max().unwrap_or(0) as f64)
         .collect();
     for row in &a.stages {
-        line(m, row, state(a, row), &columns, &most);
+        line(m, row, &columns, &most);
     }
     m.raw("</tbody></table></div>");
 }
@@ -66,27 +66,7 @@ impl Columns {
     }
 }
 
-/// Why nothing was mined: for a leaf its own state, for a class above it the common state of all its leaves.
-fn state(a: &Analytics, row: &StageRow) -> Option<CoverageState> {
-    if row.scenario_id.is_leaf() {
-        return row.state;
-    }
-    let (l1, l2) = (&row.scenario_id.l1, &row.scenario_id.l2);
-    let below = |r: &&StageRow| {
-        r.scenario_id.is_leaf() && r.scenario_id.l1 == *l1 && (l2.is_none() || r.scenario_id.l2 == *l2)
-    };
-    let mut found = None;
-    for leaf in a.stages.iter().filter(below) {
-        match leaf.state {
-            Some(CoverageState::NotObservable) => found = leaf.state,
-            Some(CoverageState::NoRule) => found = found.or(leaf.state),
-            _ => return None,
-        }
-    }
-    found
-}
-
-fn line(m: &mut Markup, row: &StageRow, state: Option<CoverageState>, columns: &Columns, most: &[f64]) {
+fn line(m: &mut Markup, row: &StageRow, columns: &Columns, most: &[f64]) {
     let id = row.scenario_id.to_string();
     let counts = row.counts.all().into_iter().map(|(_, n)| n).chain([row.secondary, row.wanted]);
     let has_any = counts.flatten().any(|n| n > 0);
@@ -105,7 +85,7 @@ fn line(m: &mut Markup, row: &StageRow, state: Option<CoverageState>, columns: &
     for &i in &columns.stages {
         let value = row.counts.all()[i].1;
         m.raw("<td class=\"n\">");
-        match (i, value, state) {
+        match (i, value, row.state) {
             (0, None, Some(CoverageState::NotObservable)) => drop(m.raw("?")),
             (0, None, Some(CoverageState::NoRule)) => drop(m.raw("–")),
             _ => count(m, value),

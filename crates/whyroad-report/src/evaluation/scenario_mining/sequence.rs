@@ -3,6 +3,7 @@
 //! "label"?, "x", "y", "score"?}]}]}`. Positions are box centers in the city (world) frame, m.
 
 use serde::{Deserialize, Deserializer, Serialize};
+use whyroad_framework::json_text;
 use whyroad_model::{Bilingual, Diagnostic, Location};
 
 /// One log and one prompt.
@@ -82,8 +83,11 @@ pub fn read(text: &str, file: &str) -> (Vec<Sequence>, Vec<Diagnostic>) {
                 Diagnostic::error(
                     "evaluate.sequence.line",
                     Bilingual::new(
-                        format!("该行不是序列，已跳过：{e}"),
-                        format!("this line is not a sequence and is skipped: {e}"),
+                        format!("该行不是序列，已跳过：{}", json_text::message(line, &e).zh),
+                        format!(
+                            "this line is not a sequence and is skipped: {}",
+                            json_text::message(line, &e).en
+                        ),
                     ),
                 )
                 .with_hint(Bilingual::new(

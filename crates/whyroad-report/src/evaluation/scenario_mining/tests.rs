@@ -30,7 +30,7 @@ fn figures_are_those_of_the_challenge() {
         }
     }
     assert_eq!(compared, 16);
-    assert!((scores.mean.hota_temporal - expected["mean"][0].as_f64().unwrap()).abs() < 1e-9);
+    assert!((scores.mean.unwrap().hota_temporal - expected["mean"][0].as_f64().unwrap()).abs() < 1e-9);
 }
 
 #[test]
@@ -53,6 +53,21 @@ fn sequences_without_a_counterpart_are_named() {
     };
     assert!(matches!(score(&[one("a", &[1])], &[one("b", &[1])]), Err(Mismatch::NoPrediction { .. })));
     assert!(matches!(score(&[one("a", &[1])], &[one("a", &[2])]), Err(Mismatch::Frames { .. })));
+}
+
+/// A mean over nothing is unknown; and a file of sequences given as a truth file says what it is for.
+#[test]
+fn nothing_compared_has_no_mean() {
+    let none = score(&[], &[]).unwrap();
+    assert_eq!(none.mean, None);
+    assert!(serde_json::to_value(&none).unwrap()["mean"].is_null());
+    let mut truth = crate::evaluation::truth::TruthSet::default();
+    let found = truth.read(&file("truth.jsonl"), "truth.jsonl", &|_| true);
+    assert!(!found.is_empty() && truth.entries.is_empty());
+    for d in found {
+        let hint = d.hint.unwrap();
+        assert!(hint.zh.contains("--predictions") && hint.en.contains("--predictions"), "{hint:?}");
+    }
 }
 
 #[test]

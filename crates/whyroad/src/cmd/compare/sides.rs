@@ -9,10 +9,12 @@ use std::path::Path;
 use whyroad_dataset::{Release, Sample};
 use whyroad_engine::mine::{MineOptions, mine_each};
 use whyroad_framework::{Framework, Taxonomy};
+use whyroad_lake::mined::MiningQuestion;
 use whyroad_lake::{Lake, MinedFolder};
 use whyroad_mining::RuleSet;
 use whyroad_model::messages::{EpisodeRecord, Keyframe, KeyframeType, TimeRange};
 use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Nanos, ScenarioId, TrackId};
+use whyroad_report::comparison::Searched;
 use whyroad_signals::Catalog;
 
 /// Type of a path.
@@ -61,6 +63,8 @@ pub(super) struct Side {
     pub drives: Vec<DriveId>,
     /// Episodes of the requested classes.
     pub episodes: Vec<EpisodeRecord>,
+    /// Classes that were asked for; `None`: all.
+    pub classes: Option<Vec<ScenarioId>>,
     /// The taxonomy, of a framework.
     pub taxonomy: Option<Taxonomy>,
     /// Some input could not be read.
@@ -68,6 +72,11 @@ pub(super) struct Side {
 }
 
 impl Side {
+    /// For the comparison.
+    pub(super) fn searched(&self) -> Searched<'_> {
+        Searched { drives: &self.drives, classes: self.classes.as_deref(), episodes: &self.episodes }
+    }
+
     pub(super) fn read(
         global: &Global,
         path: &Path,
@@ -106,7 +115,19 @@ fn mined(dir: &Path, lang: Lang, wanted: impl Fn(&EpisodeRecord) -> bool) -> any
             episodes.push(episode);
         }
     }
-    Ok(Side { drives: coverage.drives, episodes, taxonomy: None, lost: false })
+    let classes = match folder.question() {
+        Some(MiningQuestion::Framework { scenarios }) => Some(scenarios).filter(|s| !s.is_empty()),
+        Some(MiningQuestion::Rule { scenario, .. }) => Some(vec![scenario]),
+        Some(MiningQuestion::Query { query }) => class_of(&query).map(|class| vec![class]),
+        // A folder of an earlier version: what it found is all that is known.
+        None => None,
+    };
+    Ok(Side { drives: coverage.drives, episodes, classes, taxonomy: None, lost: false })
+}
+
+/// The class of a `mining_query` message.
+fn class_of(query: &serde_json::Value) -> Option<ScenarioId> {
+    query.pointer("/mining_query/scenario_id").or_else(|| query.get("scenario_id"))?.as_str()?.parse().ok()
 }
 
 /// Runs all rules of a framework over the lake; its errors are reported on stderr.
@@ -151,7 +172,7 @@ fn run_rules(
     for d in &unread {
         tell!("{}", output::render_text(d, global.lang));
     }
-    Ok(Side { drives, episodes, taxonomy: Some(framework.taxonomy), lost: !unread.is_empty() })
+    Ok(Side { drives, episodes, classes: None, taxonomy: Some(framework.taxonomy), lost: !unread.is_empty() })
 }
 
 /// Columns of a release needed for moments.
@@ -160,7 +181,7 @@ const COLUMNS: &[&str] = &["sample_id", "scenario_id", "secondary_scenarios", "l
 fn release(dir: &Path, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Result<Side> {
     let cannot = || cannot_read(dir.display());
     let release = Release::open(dir).with_context(cannot)?;
-    let mut out = Side { drives: vec![], episodes: vec![], taxonomy: None, lost: false };
+    let mut out = Side { drives: vec![], episodes: vec![], classes: None, taxonomy: None, lost: false };
     for batch in release.batches(None, Some(COLUMNS)) {
         let samples = whyroad_dataset::sample::schema::from_batch(&batch.with_context(cannot)?);
         for sample in samples.map_err(|e| anyhow!("{}: {e}", dir.display()))? {
@@ -257,7 +278,8 @@ mod tests {
         let (mut plain, mined) = (sample(None), sample(Some("car7")));
         name_targets(&mut plain, &mined);
         let drives = [DriveId::from("d")];
-        let found = whyroad_report::comparison::compare((&drives, &plain), (&drives, &mined), None);
+        let side = |episodes| Searched { drives: &drives, classes: None, episodes };
+        let found = whyroad_report::comparison::compare(side(&plain), side(&mined), None);
         assert_eq!(found.unchanged, 1);
         let other = {
             let mut e = mined.clone();

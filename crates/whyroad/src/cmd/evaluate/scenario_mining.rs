@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use whyroad_lake::Lake;
 use whyroad_model::messages::EpisodeRecord;
-use whyroad_model::{Diagnostic, DriveId, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, ScenarioId};
 use whyroad_report::evaluation::scenario_mining::bridge::{self, Reference};
 use whyroad_report::evaluation::scenario_mining::region::Region;
 use whyroad_report::evaluation::scenario_mining::sequence::{self, Sequence};
@@ -104,7 +104,18 @@ fn finish(
         None => score(truth, predictions)?,
     };
     args.print.put(&scores, || table(&scores))?;
+    if scores.mean.is_none() {
+        say!("{}", nothing_compared().get(global.lang));
+        return Ok(output::FINDINGS);
+    }
     Ok(if lost.is_empty() { output::FINE } else { output::lost_input() })
+}
+
+fn nothing_compared() -> Bilingual {
+    Bilingual::new(
+        "没有比较任何内容：真值中没有可用的记录",
+        "nothing was compared: the truth has no usable entry",
+    )
 }
 
 /// The region of interest, where one is given. One raster covers one city: evaluate logs of one city at a time.
@@ -121,15 +132,19 @@ fn table(scores: &Scores) -> String {
         "{:width$} {:>13} {:>10} {:>12} {:>7}\n",
         "prompt", "HOTA-Temporal", "HOTA-Track", "timestamp BA", "log BA"
     );
-    let mut row = |name: &str, f: &Figures| {
-        let [a, b, c, d] =
-            [f.hota_temporal, f.hota_track, f.timestamp_balanced_accuracy, f.log_balanced_accuracy]
-                .map(|v| v * 100.0);
-        let _ = writeln!(out, "{name:width$} {a:>13.2} {b:>10.2} {c:>12.2} {d:>7.2}");
+    let mut row = |name: &str, f: Option<&Figures>| {
+        let of: [fn(&Figures) -> f64; 4] = [
+            |f| f.hota_temporal,
+            |f| f.hota_track,
+            |f| f.timestamp_balanced_accuracy,
+            |f| f.log_balanced_accuracy,
+        ];
+        let [a, b, c, d] = of.map(|v| f.map_or("-".to_owned(), |f| format!("{:.2}", v(f) * 100.0)));
+        let _ = writeln!(out, "{name:width$} {a:>13} {b:>10} {c:>12} {d:>7}");
     };
     for (prompt, f) in &scores.prompts {
-        row(prompt, f);
+        row(prompt, Some(f));
     }
-    row("mean", &scores.mean);
+    row("mean", scores.mean.as_ref());
     out
 }

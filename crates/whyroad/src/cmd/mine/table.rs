@@ -3,10 +3,12 @@
 
 use crate::text_table::{Align, aligned, wrapped};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use whyroad_engine::output::{EpisodeExample, Question, Searched, Summary};
 use whyroad_framework::Taxonomy;
 use whyroad_framework::taxonomy::Resolution;
+use whyroad_lake::mined::MiningQuestion;
 use whyroad_model::messages::{CoverageState, LeafCoverage, MatchedCondition, MinedClip};
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Lang, ScenarioId, counted};
@@ -14,9 +16,13 @@ use whyroad_model::{Lang, ScenarioId, counted};
 /// The results of a run.
 pub(in crate::cmd) struct Results<'a> {
     pub summary: &'a Summary,
+    /// The question as it was asked.
+    pub asked: &'a MiningQuestion,
     pub questions: &'a [Question],
     pub searched: Searched,
     pub taxonomy: &'a Taxonomy,
+    /// Leaves whose rule exists but cannot be used.
+    pub faulty: &'a BTreeSet<ScenarioId>,
     pub lang: Lang,
 }
 
@@ -86,9 +92,11 @@ impl Results<'_> {
         rows
     }
 
-    /// Whether one of the questions is about the class.
+    /// Whether the question is about the class. Without named classes it is about all, also those without a rule: the
+    /// questions are only about classes with one.
     fn is_asked(&self, id: &ScenarioId) -> bool {
-        self.questions.iter().any(|q| id.is_within(&q.scenario) || q.scenario.is_within(id))
+        matches!(self.asked, MiningQuestion::Framework { scenarios } if scenarios.is_empty())
+            || self.questions.iter().any(|q| id.is_within(&q.scenario))
     }
 
     fn found(&self, rows: &[&LeafCoverage]) -> String {
@@ -139,12 +147,20 @@ impl Results<'_> {
         let (found, none) = (count(CoverageState::Found), count(CoverageState::NotFound));
         let in_part = asked().filter(|l| l.state == CoverageState::NotFound && !l.gaps.is_empty()).count();
         let (blind, without) = (count(CoverageState::NotObservable), count(CoverageState::NoRule));
+        let faulty = asked()
+            .filter(|l| l.state == CoverageState::NoRule && self.faulty.contains(&l.scenario_id))
+            .count();
+        let faulty = match (faulty, self.lang) {
+            (0, _) => String::new(),
+            (_, Lang::Zh) => format!("（其中 {faulty} 个的规则有错误，不可用）"),
+            (_, Lang::En) => format!(" ({faulty} of them with a faulty rule)"),
+        };
         match self.lang {
             Lang::Zh => format!(
-                "{totals}；L3 场景：找到 {found}，已搜索未找到 {none}（其中 {in_part} 个只搜索了部分行程），不可观测 {blind}，尚无规则 {without}"
+                "{totals}；L3 场景：找到 {found}，已搜索未找到 {none}（其中 {in_part} 个只搜索了部分行程），不可观测 {blind}，无规则 {without}{faulty}"
             ),
             Lang::En => format!(
-                "{totals}; leaves: {found} found, {none} searched and not found ({in_part} of them on some drives only), {blind} not observable, {without} without a rule"
+                "{totals}; leaves: {found} found, {none} searched and not found ({in_part} of them on some drives only), {blind} not observable, {without} without a rule{faulty}"
             ),
         }
     }

@@ -63,7 +63,7 @@ fn reference_pages(
     docs: &Path,
 ) -> anyhow::Result<Vec<(PathBuf, String)>> {
     let texts = match &global.framework {
-        Some(dir) => framework_folder::read_folder(dir)?,
+        Some(dir) => framework_folder::read_folder(dir)?.texts,
         None => Framework::bundled_files(),
     };
     let (catalog, _) = Catalog::parse(&framework.signals_yaml);

@@ -6,10 +6,11 @@ use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::path::Path;
 use std::process::ExitCode;
-use whyroad_framework::Framework;
 use whyroad_framework::calibration::CALIBRATION_FILE;
+use whyroad_framework::framework::utf8_text;
 use whyroad_framework::markdown::lint_markdown;
 use whyroad_framework::taxonomy::read_taxonomy;
+use whyroad_framework::{Framework, FrameworkFiles};
 use whyroad_mining::cases::CaseRunner;
 use whyroad_mining::{RuleSet, rule};
 use whyroad_model::diagnostic::{self, Severity};
@@ -20,8 +21,15 @@ pub(super) fn run(global: &Global, file: Option<&Path>, format: FindingFormat) -
     let found = match file {
         None => framework(global)?,
         Some(path) => {
-            let text = std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))?;
+            let bytes = std::fs::read(path).with_context(|| cannot_read(path.display()))?;
             let name = path.display().to_string();
+            let text = match utf8_text(&name, bytes) {
+                Ok(text) => text,
+                Err(finding) => {
+                    print(&[*finding], format, global.lang);
+                    return Ok(output::FINDINGS);
+                }
+            };
             match path.extension().and_then(|e| e.to_str()) {
                 Some("md") => lint_markdown(&name, &text, Some(&framework_folder::load(global)?.0.taxonomy)),
                 Some("yaml" | "yml") => read_taxonomy(&name, &text).1,
@@ -43,9 +51,9 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
     let dir = global.framework.as_deref();
     let files = match dir {
         Some(dir) => framework_folder::read_folder(dir)?,
-        None => Framework::bundled_files(),
+        None => FrameworkFiles::bundled(),
     };
-    let (framework, mut found) = Framework::from_files(&files);
+    let (framework, mut found) = files.load();
     let mut cases = 0;
     if let Some(f) = &framework {
         let (catalog, of_signals) = Catalog::parse(&f.signals_yaml);
@@ -55,8 +63,11 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
         let (rules, _) = RuleSet::of_framework(f, &catalog);
         let errors = found.iter().filter(|d| d.severity == Severity::Error);
         let faulty = errors.filter_map(|d| d.location.file.clone()).collect();
-        let tally = CaseRunner { rules: &rules, catalog: &catalog, faulty: &faulty }.run_all(&files);
+        let mut tally =
+            CaseRunner { rules: &rules, catalog: &catalog, faulty: &faulty }.run_all(&files.texts);
         cases = tally.cases.values().sum();
+        tally.unread.extend(files.not_text.iter().filter_map(|d| d.location.file.clone()));
+        found.extend(tally.missing(&rules, f));
         found.extend(tally.failures);
     }
     let found = framework_folder::placed(dir, found);
