@@ -68,6 +68,9 @@ pub enum DatasetError {
     /// Another build writes into the same folder.
     #[error("another build is working in {}", .0.display())]
     Busy(PathBuf),
+    /// The folder is no release.
+    #[error("{}: not a release: there is no manifest.json", .0.display())]
+    NoRelease(PathBuf),
     /// A file of a release cannot be read.
     #[error("{}: {reason}", .path.display())]
     Broken {
@@ -129,6 +132,11 @@ impl DatasetError {
                     "等它结束，或换一个 --out 文件夹",
                     "wait until it ends, or name another folder with --out",
                 )),
+            ),
+            Self::NoRelease(path) => one(
+                "dataset.release.broken",
+                format!("{}：不是发布的数据集：其中没有 manifest.json", path.display()),
+                None,
             ),
             Self::Broken { path, reason } => {
                 one("dataset.release.broken", format!("{}：{reason}", path.display()), None)

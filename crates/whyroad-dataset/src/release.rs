@@ -38,7 +38,7 @@ impl Release {
             DatasetError::Io { source, .. }
                 if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
             {
-                DatasetError::broken(&dir, "not a release: there is no manifest.json")
+                DatasetError::NoRelease(dir.clone())
             }
             e => e,
         })?;

@@ -99,9 +99,7 @@ impl OptionSpec {
         match self.value {
             OptionType::Flag => Ok(OptionValue::Flag),
             OptionType::Text => Ok(OptionValue::Text(text.to_owned())),
-            OptionType::Time => Nanos::parse_iso(text).map(OptionValue::Time).map_err(|e| {
-                Bilingual::new("应为带时区的 ISO 8601 时间，例如 2026-01-15T10:30:00.000Z", e.to_string())
-            }),
+            OptionType::Time => Nanos::parse_iso(text).map(OptionValue::Time).map_err(|e| e.text()),
             OptionType::File => Ok(OptionValue::File(text.into())),
             OptionType::Integer => text
                 .parse()

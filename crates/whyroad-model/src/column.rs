@@ -61,12 +61,14 @@ impl std::ops::Not for Tri {
 }
 
 impl From<bool> for Tri {
+    #[inline]
     fn from(b: bool) -> Tri {
         if b { Tri::True } else { Tri::False }
     }
 }
 
 impl From<Option<bool>> for Tri {
+    #[inline]
     fn from(b: Option<bool>) -> Tri {
         b.map_or(Tri::Unknown, Tri::from)
     }

@@ -7,7 +7,7 @@ pub fn in_chinese(message: &str) -> String {
         match rest {
             "there are no fields" | "there are no variants" => "此处不能有内容".to_owned(),
             _ if rest.starts_with('`') || rest.starts_with("one of ") => format!("可用：{list}"),
-            _ => format!("应为 {}", kind(rest)),
+            _ => spaced("应为", &kind(rest)),
         }
     };
     let (what, wanted) = match message.split_once(", expected ") {
@@ -18,19 +18,25 @@ pub fn in_chinese(message: &str) -> String {
         },
     };
     let forms = [
-        ("unknown variant ", "没有取值 "),
-        ("unknown field ", "没有字段 "),
-        ("missing field ", "缺少字段 "),
+        ("unknown variant ", "没有取值"),
+        ("unknown field ", "没有字段"),
+        ("missing field ", "缺少字段"),
         ("duplicate field ", "字段重复："),
-        ("invalid type: ", "类型不对：给出了 "),
-        ("invalid value: ", "取值不对：给出了 "),
+        ("invalid type: ", "类型不对：给出了"),
+        ("invalid value: ", "取值不对：给出了"),
         ("invalid length ", "长度不对："),
     ];
-    let Some(known) = forms.iter().find_map(|(en, zh)| Some(format!("{zh}{}", kind(what.strip_prefix(en)?))))
+    let Some(known) = forms.iter().find_map(|(en, zh)| Some(spaced(zh, &kind(what.strip_prefix(en)?))))
     else {
         return message.to_owned();
     };
     wanted.into_iter().fold(known, |all, wanted| format!("{all}，{wanted}"))
+}
+
+/// Chinese text before another text, with a space before Latin letters, digits and quotes.
+fn spaced(zh: &str, text: &str) -> String {
+    let is_apart = !zh.ends_with('：') && text.starts_with(|c: char| c.is_ascii());
+    format!("{zh}{}{text}", if is_apart { " " } else { "" })
 }
 
 /// A type, as serde calls it.
@@ -90,7 +96,7 @@ mod tests {
             (r#"{"level": "hgh", "limit": 1}"#, "没有取值 `hgh`，可用：`low`、`high`"),
             (r#"{"level": "low", "lmt": 1}"#, "没有字段 `lmt`，可用：`level`、`limit`"),
             (r#"{"level": "low"}"#, "缺少字段 `limit`"),
-            (r#"{"level": "low", "limit": "x"}"#, "类型不对：给出了 字符串 \"x\"，应为 数"),
+            (r#"{"level": "low", "limit": "x"}"#, "类型不对：给出了字符串 \"x\"，应为数"),
         ] {
             let error = serde_json::from_str::<Sample>(json).expect_err("a wrong document").to_string();
             let (message, _) = error.split_once(" at line ").expect("a place");

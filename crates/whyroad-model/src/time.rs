@@ -1,6 +1,7 @@
 //! Time. One clock per drive: nanoseconds since the Unix epoch as the log states them. Nothing here reads the machine's
 //! clock.
 
+use crate::Bilingual;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -65,6 +66,13 @@ impl Nanos {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("'{0}' is not an ISO 8601 date-time such as 2026-01-15T10:30:00.000Z")]
 pub struct TimeError(pub String);
+
+impl TimeError {
+    /// What is wrong, in both languages.
+    pub fn text(&self) -> Bilingual {
+        Bilingual::new("应为带时区的 ISO 8601 时间，例如 2026-01-15T10:30:00.000Z", self.to_string())
+    }
+}
 
 impl fmt::Display for Nanos {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,7 +1,7 @@
 //! Values of options that several commands have.
 
 use crate::output::reason::{Reason, reason};
-use whyroad_model::Nanos;
+use whyroad_model::{Lang, Nanos};
 
 pub(crate) fn not_a_number() -> Reason {
     reason("不是数", "not a number")
@@ -16,6 +16,10 @@ pub(crate) fn share(text: &str) -> Result<f64, Reason> {
 
 /// A time with its offset from UTC.
 pub(crate) fn time(text: &str) -> Result<Nanos, Reason> {
-    Nanos::parse_iso(text)
-        .map_err(|e| reason("应为带时区的 ISO 8601 时间，例如 2026-01-05T10:30:00Z", e.to_string()))
+    Nanos::parse_iso(text).map_err(|e| e.text().into())
+}
+
+/// A language of the user interface.
+pub(crate) fn lang(text: &str) -> Result<Lang, Reason> {
+    text.parse().map_err(|e: String| reason(format!("没有语言 '{text}'（zh 或 en）"), e))
 }

@@ -36,7 +36,8 @@ pub(crate) struct Global {
     #[arg(long, global = true, value_name = "DIR", env = "WHYROAD_FRAMEWORK")]
     pub framework: Option<PathBuf>,
     /// Language of messages
-    #[arg(long, global = true, value_name = "LANG", default_value = "en", env = "WHYROAD_LANG")]
+    #[arg(long, global = true, value_name = "LANG", default_value = "en", env = "WHYROAD_LANG",
+        value_parser = arguments::lang)]
     pub lang: whyroad_model::Lang,
     /// Print notes too: messages that need no action
     #[arg(long, global = true)]

@@ -694,10 +694,8 @@ pub(super) fn also(
     lang: Lang,
 ) -> Option<CriticalComponent> {
     let texts = &framework.draft_texts;
-    let all = texts.also_when(class).iter();
-    let (when, category, text) = all
-        .filter_map(|when| when_told(when, moment, lang).map(|(category, text)| (when, category, text)))
-        .next()?;
+    let told = |when| when_told(when, moment, lang).map(|(category, text)| (when, category, text));
+    let (when, category, text) = texts.also_when(class).iter().find_map(told)?;
     let text = match moment.side() {
         Some(side) => text.replace("{side}", texts.side(side, lang)),
         None => without_side(&text),

@@ -104,12 +104,7 @@ impl Truth {
 
     /// The value in one row.
     pub fn at(&self, row: usize) -> whyroad_model::Tri {
-        use whyroad_model::Tri;
-        match (self.known.get(row), self.yes.get(row)) {
-            (false, _) => Tri::Unknown,
-            (true, true) => Tri::True,
-            (true, false) => Tri::False,
-        }
+        self.known.get(row).then(|| self.yes.get(row)).into()
     }
 }
 

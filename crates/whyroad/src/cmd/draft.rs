@@ -46,7 +46,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N")]
     limit: Option<usize>,
     /// Language of the drafts' texts [default: that of --lang]
-    #[arg(long, value_name = "LANG")]
+    #[arg(long, value_name = "LANG", value_parser = crate::arguments::lang)]
     texts: Option<Lang>,
     /// Seed of the phrasings of drafts by rule: the same one gives the same texts
     #[arg(long, value_name = "N", default_value_t = 0)]

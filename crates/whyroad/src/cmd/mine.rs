@@ -50,7 +50,8 @@ pub(crate) struct Args {
     target: Option<String>,
     /// Also write the results of --rule in the format of the Argoverse 2 scenario-mining challenge: .pkl for its
     /// evaluator, or .jsonl
-    #[arg(long, value_name = "FILE", requires = "rule", conflicts_with = "drives")]
+    #[arg(long, value_name = "FILE", requires = "rule", conflicts_with = "drives",
+        value_parser = sequences::file)]
     sequences: Option<PathBuf>,
     /// Prompt to write with --sequences [default: the name of the rule]
     #[arg(long, value_name = "TEXT", requires = "sequences")]

@@ -5,11 +5,12 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use whyroad_dataset::DatasetError;
 use whyroad_lake::LakeError;
 use whyroad_lake::storage::StorageUrl;
 use whyroad_model::{Bilingual, Diagnostic, Lang};
 
-/// Set once, when the command line has been read: `anyhow` displays errors without a language parameter.
+/// Set once, before the command line is parsed: `anyhow` displays errors without a language parameter.
 static ENGLISH: AtomicBool = AtomicBool::new(true);
 
 /// Sets the language of reasons for the whole run.
@@ -49,6 +50,12 @@ pub(crate) fn told(error: &anyhow::Error, lang: Lang) -> String {
             // Its message holds its causes.
             break;
         }
+        if let Some(of_release) = cause.downcast_ref::<DatasetError>()
+            && let Some(first) = of_release.diagnostics().first()
+        {
+            out.push(of_diagnostic(first));
+            break;
+        }
         if let Some(e) = cause.downcast_ref::<io::Error>() {
             // Errors of libraries repeat their cause.
             if let Some(before) = out.last_mut() {
@@ -77,6 +84,7 @@ fn of_system(e: &io::Error) -> String {
         io::ErrorKind::NotADirectory => "不是文件夹",
         io::ErrorKind::StorageFull => "磁盘已满",
         io::ErrorKind::ReadOnlyFilesystem => "文件系统只读",
+        io::ErrorKind::InvalidData if e.to_string().contains("valid UTF-8") => "内容不是 UTF-8 文本",
         _ => return e.to_string(),
     };
     match e.raw_os_error() {

@@ -136,9 +136,6 @@ fn cause(text: &str) -> String {
     if let Some((_, range)) = text.split_once(" is not in ") {
         return format!("应在 {range} 之内");
     }
-    if let Some(rest) = text.strip_prefix("unknown language ") {
-        return format!("没有语言 {}（zh 或 en）", rest.trim_end_matches(" (zh or en)"));
-    }
     match text {
         "invalid socket address syntax" => "不是“地址:端口”",
         "invalid digit found in string" => "不是整数",

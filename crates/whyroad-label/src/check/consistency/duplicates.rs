@@ -69,12 +69,12 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
         (0..facts.len()).map(|k| Meaning::of(text(k), &facts[k], words, background)).collect();
     // Two linked objects are two things, however similar the texts are.
     let linked = |k: usize| &label.parts[k].objects;
-    let are_two = |i: usize, j: usize| {
+    let other_objects = |i: usize, j: usize| {
         !linked(i).is_empty() && !linked(j).is_empty() && !linked(i).iter().any(|id| linked(j).contains(id))
     };
     let lanes: Vec<u8> = (0..facts.len()).map(|k| lanes(text(k), &facts[k], words)).collect();
-    let in_two_lanes = |i: usize, j: usize| lanes[i] != 0 && lanes[j] != 0 && lanes[i] & lanes[j] == 0;
-    let are_two = |i: usize, j: usize| are_two(i, j) || in_two_lanes(i, j);
+    let other_lanes = |i: usize, j: usize| lanes[i] != 0 && lanes[j] != 0 && lanes[i] & lanes[j] == 0;
+    let are_two = |i: usize, j: usize| other_objects(i, j) || other_lanes(i, j);
     let same_facts = |i: usize, j: usize| {
         !are_two(i, j)
             && groups[i].meets(groups[j])
@@ -119,7 +119,7 @@ pub(in crate::check) fn duplicates(scope: &TextScope<'_>, sink: &mut dyn Sink) {
 
 /// The lanes that a text names, one bit each: that of the ego, the left one, the right one.
 fn lanes(text: &str, facts: &TextFacts, words: &LabelWords) -> u8 {
-    let lower = text.to_lowercase();
+    let lower = text.to_ascii_lowercase();
     let own = words.subjects.own_lane.iter().any(|w| lower.contains(w.as_str()));
     let named = facts.named.iter().filter_map(|n| lower.get(n.start..n.end));
     let lanes = named.filter(|word| word.ends_with("lane") || word.ends_with("车道"));

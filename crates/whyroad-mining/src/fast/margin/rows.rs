@@ -60,8 +60,7 @@ pub fn settle(margins: &mut [f64], truth: &Truth, first: usize) {
         }
         for (i, margin) in margins.iter_mut().enumerate() {
             let [is_true, is_known] = [yes, known].map(|word| word >> i & 1 == 1);
-            let one = if is_true { Tri::True } else { Tri::False };
-            *margin = settled(if is_known { one } else { Tri::Unknown }, *margin);
+            *margin = settled(is_known.then_some(is_true).into(), *margin);
         }
     }
 }

@@ -1,9 +1,9 @@
 //! `whyroad mine --sequences FILE`: the results of a custom rule, in the form of the Argoverse 2 scenario-mining
 //! challenge.
 
-use crate::output::reason::{Reason, cannot_write};
+use crate::output::reason::{Reason, cannot_write, reason};
 use anyhow::Context as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use whyroad_lake::Lake;
 use whyroad_model::DriveId;
 use whyroad_model::messages::EpisodeRecord;
@@ -11,6 +11,15 @@ use whyroad_report::evaluation::scenario_mining::bridge;
 use whyroad_report::evaluation::scenario_mining::result::{MiningResult, to_pickle};
 use whyroad_report::evaluation::scenario_mining::sequence;
 use whyroad_signals::estimate::estimated;
+
+/// The file's name, whose ending states the form.
+pub(super) fn file(text: &str) -> Result<PathBuf, Reason> {
+    let path = PathBuf::from(text);
+    let known = path.extension().is_some_and(|e| e == "pkl" || e == "jsonl");
+    known
+        .then_some(path)
+        .ok_or_else(|| reason("文件名应以 .pkl 或 .jsonl 结尾", "the name must end with .pkl or .jsonl"))
+}
 
 /// Writes the results on each of these drives: a pickle where the file ends in `.pkl`, else JSON Lines.
 pub(super) fn write(
