@@ -1,10 +1,15 @@
-//! Drives of a lake for the checks of labels: by clip id, with their signals and the episodes that the rules find; the
-//! last few stay in memory, because labels are mostly ordered by drive.
+//! Drives of a lake for the checks of labels: by clip id, with their signals and the episodes that the rules find. What
+//! was used last stays in memory, up to a number of bytes.
+
+mod bytes;
+mod kept;
+#[cfg(test)]
+mod tests;
 
 use crate::drives::signals_of;
 use crate::output::record::write_down;
-use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use kept::Kept;
+use std::sync::{Arc, OnceLock};
 use whyroad_framework::Framework;
 use whyroad_label::check::{COMPONENT_SIGNALS, Recorded, Recordings};
 use whyroad_lake::Lake;
@@ -12,41 +17,79 @@ use whyroad_mining::drive::arbitrated;
 use whyroad_mining::fast::{Plan, Signals, find_all};
 use whyroad_mining::rule::RuleSet;
 use whyroad_model::{ClipCut, ClipId, Drive, DriveId, Lang, Nanos};
-use whyroad_signals::{Catalog, Wanted, derive_wanted};
+use whyroad_signals::{Catalog, Wanted, derive_wanted, estimate};
 
-/// Drives kept in memory.
-const KEPT: usize = 8;
-/// Drives cut at a keyframe that are kept: without their map and most signals they are small.
-const HISTORIES_KEPT: usize = 64;
+/// Memory for what is kept of the lake, about. A drive of 20 s takes 3 to 40 MB, by the number of its objects.
+const KEPT_BYTES: usize = 384 << 20;
 
 /// Drives of one lake.
 pub struct LabelDrives {
     lake: Lake,
     rules: RuleSet,
-    kept: Mutex<VecDeque<(DriveId, Option<Arc<Recorded>>)>>,
-    histories: Mutex<VecDeque<(History, Option<Arc<Recorded>>)>>,
+    /// Of `rules`, made when the first drive is mined.
+    plan: OnceLock<Plan<'static>>,
+    /// As the lake has them.
+    measured: Kept<Version, Drive>,
+    /// Estimated, with signals and episodes.
+    recorded: Kept<Version, Recorded>,
+    /// Cut at a keyframe.
+    histories: Kept<(Version, Nanos), Recorded>,
 }
 
-/// A drive's version and a keyframe.
-type History = (DriveId, String, Nanos);
+/// A drive and its stamp.
+type Version = (DriveId, String);
 
 impl LabelDrives {
     /// Drives of `lake`, mined with the rules of `framework`. Rules with errors are left out; loading has reported
     /// them.
     pub fn new(lake: Lake, framework: &Framework) -> Self {
-        let (rules, _) = RuleSet::of_framework(framework, Catalog::bundled());
-        Self { lake, rules, kept: Mutex::default(), histories: Mutex::default() }
+        Self::keeping(KEPT_BYTES, lake, framework)
     }
 
-    fn read(&self, id: &DriveId) -> Option<Arc<Recorded>> {
-        let drive = crate::estimated(self.lake.read_drive(id).ok()?);
+    /// [`LabelDrives::new`] that keeps this many bytes, about, or one drive that is larger.
+    fn keeping(bytes: usize, lake: Lake, framework: &Framework) -> Self {
+        let (rules, _) = RuleSet::of_framework(framework, Catalog::bundled());
+        let sixth = bytes / 6;
+        Self {
+            lake,
+            rules,
+            plan: OnceLock::new(),
+            measured: Kept::new(sixth),
+            recorded: Kept::new(4 * sixth),
+            histories: Kept::new(sixth),
+        }
+    }
+
+    fn version(&self, clip_id: &str) -> Option<Version> {
+        let id = drive_of_clip(clip_id)?;
+        let stamp = self.lake.stamp(&id).ok()?;
+        Some((id, format!("{stamp:?}")))
+    }
+
+    fn measured(&self, version: &Version) -> Option<Arc<Drive>> {
+        self.measured.get(version, || {
+            let drive = self.lake.read_drive(&version.0).ok()?;
+            let bytes = bytes::of_drive(&drive);
+            Some((drive, bytes))
+        })
+    }
+
+    /// The recorded drive, and the bytes that it takes.
+    fn read(&self, version: &Version) -> Option<(Recorded, usize)> {
+        let id = &version.0;
+        let measured = self.measured(version)?;
+        let drive = match estimate(&measured) {
+            std::borrow::Cow::Owned(complete) => Arc::new(complete),
+            std::borrow::Cow::Borrowed(_) => Arc::clone(&measured),
+        };
         let signals = signals_of(&self.lake, id).ok()?;
-        let plan = Plan::of(&self.rules);
-        let found = find_all(&plan, &Signals::of_table(&signals));
+        let plan = self.plan.get_or_init(|| Plan::owning(&self.rules));
+        let found = find_all(plan, &Signals::of_table(&signals));
         let mined = arbitrated(&self.rules, id, &drive.times, found);
         let episodes = write_down(&mined.episodes, id, &drive.times, ClipCut::Fixed, Lang::En);
-        let episodes = episodes.into_iter().map(|e| e.record).collect();
-        Some(Arc::new(Recorded { drive: Arc::new(drive), signals: Arc::new(signals), episodes }))
+        let episodes: Vec<_> = episodes.into_iter().map(|e| e.record).collect();
+        let bytes = bytes::of_drive(&drive) + bytes::of_signals(&signals) + bytes::of_episodes(&episodes);
+        Some((Recorded { drive, signals: Arc::new(signals), episodes }, bytes))
     }
 }
 
@@ -68,34 +111,16 @@ pub fn drive_of_clip(clip_id: &str) -> Option<DriveId> {
 
 impl Recordings for LabelDrives {
     fn of_clip(&self, clip_id: &str) -> Option<Arc<Recorded>> {
-        let id = drive_of_clip(clip_id)?;
-        {
-            let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some((_, found)) = kept.iter().find(|(k, _)| *k == id) {
-                return found.clone();
-            }
-        }
-        let found = self.read(&id);
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.push_front((id, found.clone()));
-        kept.truncate(KEPT);
-        found
+        let version = self.version(clip_id)?;
+        self.recorded.get(&version, || self.read(&version))
     }
 
     fn until(&self, clip_id: &str, keyframe: Nanos) -> Option<Arc<Recorded>> {
-        let id = drive_of_clip(clip_id)?;
-        let version = self.lake.stamp(&id).map(|s| format!("{s:?}")).ok()?;
-        let key = (id, version, keyframe);
-        {
-            let kept = self.histories.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some((_, found)) = kept.iter().find(|(k, _)| *k == key) {
-                return found.clone();
-            }
-        }
-        let found = self.lake.read_drive(&key.0).ok().and_then(|d| history(&d, keyframe)).map(Arc::new);
-        let mut kept = self.histories.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.push_front((key, found.clone()));
-        kept.truncate(HISTORIES_KEPT);
-        found
+        let key = (self.version(clip_id)?, keyframe);
+        self.histories.get(&key, || {
+            let cut = history(&*self.measured(&key.0)?, keyframe)?;
+            let bytes = bytes::of_drive(&cut.drive) + bytes::of_signals(&cut.signals);
+            Some((cut, bytes))
+        })
     }
 }

@@ -454,6 +454,11 @@ impl LabelWords {
 
     /// The last color of a light in `text`, as an index in the file's order: "from green to yellow".
     pub fn light_color(&self, text: &str) -> Option<usize> {
+        self.last_light_color(text).map(|(_, color)| color)
+    }
+
+    /// The same with the first byte of its word.
+    pub fn last_light_color(&self, text: &str) -> Option<(usize, usize)> {
         let lower = text.to_ascii_lowercase();
         // "Hundred" is not a color.
         let whole = |at: usize, w: &str| {
@@ -463,7 +468,7 @@ impl LabelWords {
         let found = |w: &String| lower.rmatch_indices(w.as_str()).map(|(at, _)| at).find(|at| whole(*at, w));
         let last = |names: &[String]| names.iter().filter_map(found).max();
         let all = self.lights.iter().enumerate();
-        all.filter_map(|(i, names)| Some((last(names)?, i))).max().map(|(_, i)| i)
+        all.filter_map(|(i, names)| Some((last(names)?, i))).max()
     }
 
     /// The number of an exit, from 0, that a record states.

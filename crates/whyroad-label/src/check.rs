@@ -20,6 +20,7 @@ mod reading;
 mod recording;
 mod rulebook;
 mod silence;
+mod spans;
 mod subject;
 mod texts;
 mod view;

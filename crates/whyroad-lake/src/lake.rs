@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 use whyroad_model::messages::clip::ClipMetadata;
 use whyroad_model::scene::DriveMeta;
 use whyroad_model::{Drive, DriveId, Nanos};
@@ -27,6 +27,8 @@ pub struct Lake {
     pub(crate) packs: Arc<Packs>,
     /// Of a lake in an object store, whose folder is then one of this process.
     pub(crate) mirror: Option<Arc<Mirror>>,
+    /// Whether leftovers were removed.
+    tidied: Arc<Once>,
 }
 
 /// What [`Lake::write_drive`] did.
@@ -94,7 +96,15 @@ impl Lake {
             Err(e) => return Err(LakeError::io(&path)(e)),
         };
         let marker: LakeMarker = serde_json::from_str(&text).map_err(|e| LakeError::broken(&path, e))?;
-        Ok((Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None }, marker.version))
+        Ok((
+            Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None, tidied: Arc::new(Once::new()) },
+            marker.version,
+        ))
+    }
+
+    /// Removes what killed processes left, once for this lake and its copies.
+    pub(crate) fn remove_leftovers(&self) {
+        self.tidied.call_once(|| leftovers::remove(&self.dir.join("drives")));
     }
 
     /// Opens the lake for writing, making an empty one if it does not exist. Partial writes of a killed process are
@@ -167,7 +177,7 @@ impl Lake {
         }
         let marker = LakeMarker { format: "whyroad-lake".to_owned(), version: LAKE_VERSION };
         write_json(&dir.join(MARKER), &marker)?;
-        Ok(Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None })
+        Ok(Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None, tidied: Arc::new(Once::new()) })
     }
 
     /// Makes the folder of packs; from now on, a build without support for packs refuses the lake.

@@ -1,15 +1,16 @@
-//! What a killed process left partly written (`.new-<pid>-<drive>`), moved aside (`.old-<pid>-<drive>`) or had not yet
-//! removed (`.gone-<pid>-<drive>`) among the drives.
+//! What a killed process left partly written (`.new-<pid>-<drive>`, `.signals-<pid>-<drive>`, files such as
+//! `.found.json-<pid>-<drive>`), moved aside (`.old-<pid>-<drive>`) or had not yet removed (`.gone-<pid>-<drive>`) among
+//! the drives.
 
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// A folder that was touched more recently is left alone: a lake on shared storage may be written from another machine
+/// What was touched more recently is left alone: a lake on shared storage may be written from another machine
 /// or container, whose processes cannot be seen from here.
 const QUIET: Duration = Duration::from_secs(600);
 
-/// Removes half-written drives whose process is gone. A drive that was moved aside for a replacement that was never
+/// Removes half-written drives, signals and files whose process is gone. A drive that was moved aside for a replacement that was never
 /// completed is restored. Where processes cannot be looked up (no `/proc`) nothing is done; what cannot be removed
 /// stays, as it harms no reader.
 pub(crate) fn remove(drives: &Path) {
@@ -20,14 +21,15 @@ pub(crate) fn remove(drives: &Path) {
         let name = entry.file_name();
         let Some((kind, pid, drive)) = name.to_str().and_then(parts) else { continue };
         let path = entry.path();
-        if !path.is_dir() || Path::new("/proc").join(pid.to_string()).exists() || !is_quiet(&path) {
+        if Path::new("/proc").join(pid.to_string()).exists() || !is_quiet(&path) {
             continue;
         }
         let target = drives.join(drive);
         let _ = match kind {
             // A drive that is in a pack, too, is restored as a loose one, which overrides the pack.
             "old" if !target.exists() => fs::rename(&path, &target),
-            _ => fs::remove_dir_all(&path),
+            _ if path.is_dir() => fs::remove_dir_all(&path),
+            _ => fs::remove_file(&path),
         };
     }
 }
@@ -36,7 +38,7 @@ pub(crate) fn remove(drives: &Path) {
 fn parts(name: &str) -> Option<(&str, u32, &str)> {
     let (kind, rest) = name.strip_prefix('.')?.split_once('-')?;
     let (pid, drive) = rest.split_once('-')?;
-    (matches!(kind, "new" | "old" | "gone") && !drive.is_empty()).then_some((kind, pid.parse().ok()?, drive))
+    (!kind.is_empty() && !drive.is_empty()).then_some((kind, pid.parse().ok()?, drive))
 }
 
 fn is_quiet(path: &Path) -> bool {
@@ -52,6 +54,10 @@ mod tests {
     use std::path::PathBuf;
     use std::time::{Duration, SystemTime};
 
+    fn long_ago(minutes: u64) -> SystemTime {
+        SystemTime::now() - Duration::from_secs(60 * minutes)
+    }
+
     #[test]
     fn only_what_a_process_that_is_gone_left_long_ago_is_removed() {
         let dir = tempfile::tempdir().unwrap();
@@ -65,17 +71,26 @@ mod tests {
             let path = drives.join(name);
             fs::create_dir(&path).unwrap();
             fs::write(path.join("tracks.parquet"), "half").unwrap();
-            let then = SystemTime::now() - Duration::from_secs(60 * minutes);
-            File::open(&path).unwrap().set_modified(then).unwrap();
+            File::open(&path).unwrap().set_modified(long_ago(minutes)).unwrap();
             path
         };
         let kept = [
             make(format!(".new-{here}-a"), 60),
+            make(format!(".signals-{here}-a-drive"), 60),
+            make(format!(".signals-{gone}-recent"), 1),
             make(format!(".new-{gone}-recent"), 1),
             make("a-drive".into(), 60),
             make(".new-x-b".into(), 60),
         ];
-        let removed = [make(format!(".new-{gone}-b-c"), 60), make(format!(".old-{gone}-a-drive"), 60)];
+        let file = drives.join(format!(".found.json-{gone}-a-drive"));
+        fs::write(&file, "half").unwrap();
+        File::options().append(true).open(&file).unwrap().set_modified(long_ago(60)).unwrap();
+        let removed = [
+            make(format!(".new-{gone}-b-c"), 60),
+            make(format!(".old-{gone}-a-drive"), 60),
+            make(format!(".signals-{gone}-a-drive"), 60),
+            file,
+        ];
         let put_away = make(format!(".old-{gone}-lost"), 60);
         // Opening to read changes nothing.
         Lake::open(dir.path()).unwrap();

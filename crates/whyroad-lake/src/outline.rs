@@ -7,6 +7,7 @@ use crate::tables::{frames, states};
 use crate::{LakeError, clips};
 use std::fs;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
 use whyroad_model::messages::clip::{ClipMetadata, DataSources};
 use whyroad_model::scene::{ContextState, DriveMeta};
 use whyroad_model::{DriveId, Nanos, SignalTable};
@@ -88,30 +89,42 @@ impl Lake {
         })
     }
 
-    /// Stores the signals of a drive beside it, whole or not at all; what was stored before is replaced.
+    /// Stores the signals of a drive beside it, whole or not at all; what was stored before is replaced, also where
+    /// several threads or processes store them at once. What killed processes left is removed the first time.
     pub fn write_signals(&self, id: &DriveId, version: &str, table: &SignalTable) -> Result<(), LakeError> {
+        // Of this call: another thread may store the same drive's.
+        static CALLS: AtomicU64 = AtomicU64::new(0);
+        self.remove_leftovers();
         let hash = self.manifest(id)?.meta.content_hash;
-        let (target, fresh) = (self.signals_dir(id), self.aside(id, "signals"));
-        remove_dir(&fresh)?;
-        fs::create_dir_all(&fresh).map_err(LakeError::io(&fresh))?;
-        write_signals(&fresh, version, &[(hash, table)]).inspect_err(|_| {
+        let what = format!("signals.{}", CALLS.fetch_add(1, Ordering::Relaxed));
+        let (target, fresh) = (self.signals_dir(id), self.aside(id, &what));
+        let write = || {
+            remove_dir(&fresh)?;
+            fs::create_dir_all(&fresh).map_err(LakeError::io(&fresh))?;
+            write_signals(&fresh, version, &[(hash, table)])?;
+            // Alone: between removing and moving, another process would put its own there.
+            let _lock = packs::replacing(self.dir())?;
+            self.make_folder(id)?;
+            remove_dir(&target)?;
+            fs::rename(&fresh, &target).map_err(LakeError::io(&target))
+        };
+        write().inspect_err(|_| {
             // The error that made it fail is the one to report.
             let _ = fs::remove_dir_all(&fresh);
-        })?;
-        let _lock = self.lock_folder(id)?;
-        remove_dir(&target)?;
-        fs::rename(&fresh, &target).map_err(LakeError::io(&target))
+        })
     }
 
     /// Excludes that the drive's folder is moved away, and makes the folder of a drive that has none: its content
     /// overrides that of the pack.
     fn lock_folder(&self, id: &DriveId) -> Result<Option<fs::File>, LakeError> {
         let lock = packs::changing(self.dir())?;
-        let dir = self.drive_dir(id);
-        if !dir.is_dir() {
-            fs::create_dir_all(&dir).map_err(LakeError::io(&dir))?;
-        }
+        self.make_folder(id)?;
         Ok(lock)
+    }
+
+    fn make_folder(&self, id: &DriveId) -> Result<(), LakeError> {
+        let dir = self.drive_dir(id);
+        if dir.is_dir() { Ok(()) } else { fs::create_dir_all(&dir).map_err(LakeError::io(&dir)) }
     }
 
     /// A small file kept beside a drive by a command that works on it; `None` without one.
@@ -131,11 +144,17 @@ impl Lake {
 
     /// Keeps a small file beside a drive, whole or not at all.
     pub fn write_note(&self, id: &DriveId, name: &str, content: &[u8]) -> Result<(), LakeError> {
+        self.remove_leftovers();
         self.manifest(id)?;
         let (target, fresh) = (self.drive_dir(id).join(name), self.aside(id, name));
-        fs::write(&fresh, content).map_err(LakeError::io(&fresh))?;
-        let _lock = self.lock_folder(id)?;
-        fs::rename(&fresh, &target).map_err(LakeError::io(&target))
+        let write = || {
+            fs::write(&fresh, content).map_err(LakeError::io(&fresh))?;
+            let _lock = self.lock_folder(id)?;
+            fs::rename(&fresh, &target).map_err(LakeError::io(&target))
+        };
+        write().inspect_err(|_| {
+            let _ = fs::remove_file(&fresh);
+        })
     }
 
     /// A name that no reader treats as a drive, on the same file system.

@@ -87,6 +87,9 @@ fn derive_part(drive: &Drive, part: Part, wanted: &Wanted) -> SignalTable {
             on_road.write(&mut table);
             if !wanted::PLACED.iter().any(|family| table.asks(family)) {
                 on_road.write_ahead(&[], &mut table);
+                if table.asks(wanted::UNPLACED) {
+                    PlacedStage::new(&on_road, PlacedRows::None).write_unplaced(&mut table);
+                }
                 let mut table = table.finish(&missing);
                 estimated.complete(&mut table);
                 return table;
@@ -283,7 +286,7 @@ impl<'a> PlacedStage<'a> {
     /// Signals of the targets that depend only on their positions.
     fn write_places(&self, table: &mut TableBuilder<'_>) {
         let drive = self.on_road.ego.drive;
-        if table.asks(wanted::MOTION) {
+        if table.asks(wanted::MOTION) || table.asks(wanted::UNPLACED) {
             target::motion::write(drive, &self.targets, table);
         }
         if table.asks(wanted::RELATIONS) {
@@ -294,11 +297,18 @@ impl<'a> PlacedStage<'a> {
         }
     }
 
+    /// Signals of the targets that need no placement, of targets without one.
+    fn write_unplaced(&self, table: &mut TableBuilder<'_>) {
+        let drive = self.on_road.ego.drive;
+        target::motion::write_speeds(drive, &self.targets, table);
+        ttc::write_distance(drive, &self.around, &self.targets, table);
+    }
+
     fn write(&self, table: &mut TableBuilder<'_>) {
         let EgoStage { drive, times, motion, .. } = self.on_road.ego;
         self.on_road.write_ahead(&self.targets, table);
         self.write_places(table);
-        if table.asks(wanted::TTC) {
+        if table.asks(wanted::TTC) || table.asks(wanted::UNPLACED) {
             ttc::write(drive, &self.around, &self.targets, table);
         }
         if table.asks(wanted::TTC_LANE) {

@@ -31,10 +31,11 @@ pub(crate) struct ServiceModelArgs {
     #[arg(long, value_name = "URL")]
     model: Option<String>,
     /// Tasks that the model works on at once
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=64))]
+    #[arg(long, value_name = "N", default_value_t = 4, requires = "model",
+          value_parser = clap::value_parser!(u16).range(1..=64))]
     model_jobs: u16,
     /// Share of the judged labels for which people answer the same questions, 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, requires = "model", value_parser = share)]
     people_share: f64,
     #[command(flatten)]
     how: ModelArgs,

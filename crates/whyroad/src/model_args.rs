@@ -9,42 +9,46 @@ use whyroad_chat::client::Key;
 use whyroad_chat::{Budget, Client, Price, Settings};
 use whyroad_model::{Diagnostic, Lang, ModelSpent};
 
-/// Options of a model behind an OpenAI-compatible interface.
+/// Variable with the name of the model. It may be set for other commands, too, so that it does not ask for `--model`
+/// as an option does.
+const NAME_VARIABLE: &str = "WHYROAD_MODEL";
+
+/// Options of a model behind an OpenAI-compatible interface; each asks for `--model`, the address.
 #[derive(clap::Args, Clone, Debug)]
 pub(crate) struct ModelArgs {
-    /// Name of the model at the endpoint
-    #[arg(long, value_name = "NAME", env = "WHYROAD_MODEL", default_value = "default")]
-    model_name: String,
+    /// Name of the model at the endpoint [env: WHYROAD_MODEL] [default: default]
+    #[arg(long, value_name = "NAME", requires = "model")]
+    model_name: Option<String>,
     /// Environment variable with the endpoint's key; the key itself is never an argument, printed or stored
-    #[arg(long, value_name = "VARIABLE")]
+    #[arg(long, value_name = "VARIABLE", requires = "model")]
     key_env: Option<String>,
     /// Folder in which answers are kept by the content of their request, so that a run can be resumed and repeated
     /// without cost [default: beside the output]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", requires = "model")]
     cache: Option<PathBuf>,
     /// Time limit of one request, s
-    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..=3600))]
+    #[arg(long, value_name = "SECONDS", requires = "model", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..=3600))]
     timeout: u64,
     /// Further requests after a time-out, 429 or 5xx
-    #[arg(long, value_name = "N", default_value_t = 4)]
+    #[arg(long, value_name = "N", requires = "model", default_value_t = 4)]
     retries: u32,
     /// Maximum number of requests per minute [default: no limit]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", requires = "model", value_parser = clap::value_parser!(u32).range(1..))]
     requests_per_minute: Option<u32>,
     /// Maximum number of requests of this run, retries among them [default: no limit]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", requires = "model")]
     max_requests: Option<u64>,
     /// Maximum number of tokens of this run, questions and answers together [default: no limit]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", requires = "model")]
     max_tokens: Option<u64>,
     /// Maximum number of tokens of one answer
-    #[arg(long, value_name = "N", default_value_t = 2048)]
+    #[arg(long, value_name = "N", requires = "model", default_value_t = 2048)]
     max_answer_tokens: u32,
     /// Price of a million tokens of questions, for the cost report
-    #[arg(long, value_name = "PRICE", requires = "price_output", value_parser = price)]
+    #[arg(long, value_name = "PRICE", requires_all = ["price_output", "model"], value_parser = price)]
     price_input: Option<f64>,
     /// Price of a million tokens of answers
-    #[arg(long, value_name = "PRICE", requires = "price_input", value_parser = price)]
+    #[arg(long, value_name = "PRICE", requires_all = ["price_input", "model"], value_parser = price)]
     price_output: Option<f64>,
 }
 
@@ -61,6 +65,11 @@ impl ModelArgs {
             Ok(client) => Ok(client),
             Err(e) => bail!("{}", e.diagnostic().message(lang)),
         }
+    }
+
+    fn name(&self) -> String {
+        let of_environment = || std::env::var(NAME_VARIABLE).ok().filter(|name| !name.is_empty());
+        self.model_name.clone().or_else(of_environment).unwrap_or_else(|| "default".to_owned())
     }
 
     /// Settings of that client; an error where the key's variable is unset.
@@ -82,7 +91,7 @@ impl ModelArgs {
             }),
             cache: Some(self.cache.clone().unwrap_or(cache)),
             max_answer_tokens: self.max_answer_tokens,
-            ..Settings::new(url, &self.model_name)
+            ..Settings::new(url, &self.name())
         })
     }
 }

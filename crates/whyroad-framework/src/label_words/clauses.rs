@@ -63,10 +63,10 @@ impl Clauses {
     /// Byte at which the clause ends that holds `from`: its mark, the word that joins the next, or the end of the text.
     pub fn clause_end(&self, units: &Units, from: usize, text_end: usize) -> usize {
         let ends = |m: &&Mark| {
-            m.start >= from
-                && matches!(self.divides(**m), Some(Divider::Sentence | Divider::Clause | Divider::Aside))
+            matches!(self.divides(**m), Some(Divider::Sentence | Divider::Clause | Divider::Aside))
         };
-        let mark = units.marks().iter().find(ends).map_or(text_end, |m| m.start);
+        let after = units.marks().partition_point(|m| m.start < from);
+        let mark = units.marks()[after..].iter().find(ends).map_or(text_end, |m| m.start);
         let clause = units.part(from..mark);
         let joint = (0..clause.len()).find(|i| self.is_joint(&clause[*i..]));
         joint.map_or(mark, |i| clause[i].start)
@@ -82,8 +82,10 @@ impl Clauses {
         divides: &dyn Fn(Divider) -> bool,
     ) -> (usize, usize) {
         let divides = |m: &&Mark| self.divides(**m).is_some_and(divides);
-        let from = units.marks().iter().take_while(|m| m.start < inside.start).filter(divides).last();
-        let to = units.marks().iter().find(|m| m.start >= inside.end && divides(m));
+        let marks = units.marks();
+        let first = |at: usize| marks.partition_point(|m| m.start < at);
+        let from = marks[..first(inside.start)].iter().rev().find(divides);
+        let to = marks[first(inside.end)..].iter().find(divides);
         (from.map_or(0, |m| m.end()), to.map_or(text_end, |m| m.start))
     }
 

@@ -30,6 +30,13 @@ pub(super) struct Named {
     pub end: usize,
 }
 
+impl Named {
+    /// It is said to be present.
+    pub fn is_there(&self) -> bool {
+        !self.absent && !self.supposed
+    }
+}
+
 /// A text after reading.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct TextFacts {
@@ -293,6 +300,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
         }
     });
     clause.close(&mut out);
+    debug_assert!(out.named.is_sorted_by_key(|n| n.start) && out.acts.is_sorted_by_key(|a| a.start));
     out.does = out.acts.iter().filter(|a| !a.denied).fold(Doings::default(), |all, a| all.with(a.doing));
     words.bearing.hits(units, text.len(), |says, start, end| match says {
         Bears::Clear => out.clear.push((start, end)),
@@ -462,17 +470,35 @@ impl Clause {
             n.color = Some(color);
         }
         let Some(state) = self.state else { return };
-        match out.named.iter_mut().find(|n| n.clause == self.number && n.state.is_none()) {
+        let first = out.named.partition_point(|n| n.clause < self.number);
+        match out.named[first..].iter_mut().find(|n| n.state.is_none()) {
             Some(n) if self.names > 0 => n.state = Some(state),
             _ => out.states.push(state),
         }
     }
 }
 
+/// The part of `all`, which ascend by their first byte, that begins in these bytes.
+pub(super) fn starting_in<T>(all: &[T], start: impl Fn(&T) -> usize, from: usize, to: usize) -> &[T] {
+    let first = all.partition_point(|x| start(x) < from);
+    let end = first + all[first..].partition_point(|x| start(x) < to);
+    &all[first..end]
+}
+
 impl TextFacts {
     /// Things that are said to be present.
     pub fn there(&self) -> impl Iterator<Item = &Named> {
-        self.named.iter().filter(|n| !n.absent && !n.supposed)
+        self.named.iter().filter(|n| n.is_there())
+    }
+
+    /// Things whose names begin in these bytes.
+    pub fn named_in(&self, from: usize, to: usize) -> &[Named] {
+        starting_in(&self.named, |n| n.start, from, to)
+    }
+
+    /// Statements that begin in these bytes.
+    pub fn acts_in(&self, from: usize, to: usize) -> &[Act] {
+        starting_in(&self.acts, |a| a.start, from, to)
     }
 }
 

@@ -291,6 +291,58 @@ fn a_store_of_other_content_or_version_is_none() {
     assert!(lake.signals(&id, "v1").unwrap().is_none());
 }
 
+/// A lake with one drive, `d`.
+fn lake_of_one(dir: &std::path::Path) -> Lake {
+    let lake = Lake::create_or_open(dir.join("lake")).unwrap();
+    let meta = DriveMeta { drive_id: "d".into(), content_hash: "h".into(), ..DriveMeta::default() };
+    lake.write_drive(&Drive { meta, times: one().times, ..Drive::default() }).unwrap();
+    lake
+}
+
+/// Names among the drives that are not drives.
+fn aside(lake: &Lake) -> Vec<String> {
+    let entries = std::fs::read_dir(lake.dir().join("drives")).unwrap();
+    let names = entries.map(|e| e.unwrap().file_name().into_string().unwrap());
+    names.filter(|name| name.starts_with('.')).collect()
+}
+
+#[test]
+fn writers_of_the_same_signals_leave_nothing_behind() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = lake_of_one(dir.path());
+    // Each opens the lake by itself, as processes do.
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                let lake = Lake::open(lake.dir()).unwrap();
+                (0..50).for_each(|_| lake.write_signals(&"d".into(), "v1", &one()).unwrap());
+            });
+        }
+    });
+    assert_eq!(aside(&lake), Vec::<String>::new());
+    assert!(lake.signals(&"d".into(), "v1").unwrap().is_some());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn storing_signals_removes_those_that_killed_processes_left() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = lake_of_one(dir.path());
+    let mut child = std::process::Command::new("true").spawn().unwrap();
+    child.wait().unwrap();
+    let make = |pid: u32| {
+        let path = lake.dir().join(format!("drives/.signals-{pid}-d"));
+        std::fs::create_dir(&path).unwrap();
+        let an_hour_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
+        std::fs::File::open(&path).unwrap().set_modified(an_hour_ago).unwrap();
+    };
+    [child.id(), std::process::id()].into_iter().for_each(make);
+    let reader = Lake::open(lake.dir()).unwrap();
+    assert_eq!(aside(&lake).len(), 2, "reading changes nothing");
+    reader.write_signals(&"d".into(), "v1", &one()).unwrap();
+    assert_eq!(aside(&lake), [format!(".signals-{}-d", std::process::id())]);
+}
+
 #[test]
 fn rows_out_of_order_are_an_error() {
     use parquet::arrow::ArrowWriter;

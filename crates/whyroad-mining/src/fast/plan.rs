@@ -2,6 +2,7 @@
 
 use crate::language::program::{Moment, NodeId, Op, ValueScope};
 use crate::rule::{Rule, RuleSet};
+use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
 use whyroad_model::signal::deviation_name;
 
@@ -26,7 +27,7 @@ pub struct PlanNode {
 #[derive(Clone, Debug)]
 pub struct PlanRule<'r> {
     /// The rule.
-    pub rule: &'r Rule,
+    pub rule: Cow<'r, Rule>,
     /// Node of the plan for each node of the rule's program.
     nodes: Vec<NodeId>,
     /// The conditions of `when` on the target alone, or on the drive, as parts that must all hold: for rules that bind
@@ -67,6 +68,14 @@ pub struct Plan<'r> {
     by_op: HashMap<String, NodeId>,
 }
 
+impl Plan<'static> {
+    /// The plan of these rules, with its own copies of them: for callers that keep it. Making a plan of all bundled
+    /// rules takes longer than searching a drive with it.
+    pub fn owning(rules: &RuleSet) -> Self {
+        Self::made(rules.rules.iter().cloned().map(Cow::Owned))
+    }
+}
+
 impl<'r> Plan<'r> {
     /// The plan of these rules.
     pub fn of(rules: &'r RuleSet) -> Self {
@@ -75,6 +84,10 @@ impl<'r> Plan<'r> {
 
     /// The plan of these rules.
     pub fn of_rules(rules: impl IntoIterator<Item = &'r Rule>) -> Self {
+        Self::made(rules.into_iter().map(Cow::Borrowed))
+    }
+
+    fn made(rules: impl Iterator<Item = Cow<'r, Rule>>) -> Self {
         let mut plan = Self::default();
         for rule in rules {
             let mut nodes = Vec::with_capacity(rule.program.nodes.len());
@@ -83,7 +96,7 @@ impl<'r> Plan<'r> {
             }
             let when_signals = rule.program.signals(rule.when);
             let (signals, needs) = (rule.signals(), rule.needs());
-            let later = later_nodes(rule).into_iter().flat_map(|id| rule.program.signals(id));
+            let later = later_nodes(&rule).into_iter().flat_map(|id| rule.program.signals(id));
             let later_signals = later.filter(|s| !when_signals.contains(s)).collect();
             let mut alone = plan.conjuncts(nodes[rule.when.0]);
             let alone_second = alone.iter().filter_map(|id| plan.node(*id).as_target).collect();

@@ -98,7 +98,7 @@ fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTre
 
 /// Signals that the rule needs and the drive does not have; none where it can be decided without them.
 pub fn lacking(rule: &PlanRule<'_>, has: impl Fn(&str) -> bool) -> BTreeSet<String> {
-    lacking_signals(rule.rule, &rule.needs, has)
+    lacking_signals(&rule.rule, &rule.needs, has)
 }
 
 fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
@@ -110,7 +110,7 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let Some(subject) = of.rule.subject else {
         let truth = evaluation.truth(when, RowSet::Drive);
         let segment = evaluation.layout.segment(RowSet::Drive);
-        out.take(of.rule, RowSet::Drive, &truth, segment, &evaluation.layout.rows);
+        out.take(&of.rule, RowSet::Drive, &truth, segment, &evaluation.layout.rows);
         return out;
     };
     let admitted = |i: usize| subject.admits(evaluation.signals.targets[i].class);
@@ -139,7 +139,7 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
         if nowhere && (out.decided.known || blind) {
             break;
         }
-        out.take(of.rule, RowSet::Object(i), &truth, *object, rows);
+        out.take(&of.rule, RowSet::Object(i), &truth, *object, rows);
     }
     out
 }
@@ -168,7 +168,7 @@ impl Candidates {
                 continue;
             }
             let truth = evaluation.truth(of.node(of.rule.when), row_set);
-            self.take(of.rule, row_set, &truth, segment, &evaluation.layout.rows);
+            self.take(&of.rule, row_set, &truth, segment, &evaluation.layout.rows);
             if self.matches.last().is_none_or(|m| m.row_set != row_set) {
                 evaluation.forget_pairs();
             }

@@ -69,6 +69,17 @@ fn ttc_box(p: &Placement, class: ObjectClass, ego: &EgoMotion) -> f64 {
     own.time_to_contact(ego.velocity[p.frame], &p.footprint, theirs)
 }
 
+/// Writes `target.distance` alone, of targets that are not placed.
+pub fn write_distance(
+    drive: &Drive,
+    around: &Surroundings<'_>,
+    targets: &[Target<'_>],
+    table: &mut TableBuilder<'_>,
+) {
+    let [distance] = Rows::new(drive, table).columns(|k, r, _| [around.distance(targets[k].track, r)]);
+    table.number(id::TARGET_DISTANCE, distance);
+}
+
 /// Writes `target.distance`, `gap`, `ttc`, `ttc_box`, `thw`, `drac`.
 pub fn write(drive: &Drive, around: &Surroundings<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);

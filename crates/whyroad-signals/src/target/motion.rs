@@ -56,14 +56,20 @@ pub fn write_relative(drive: &Drive, ego: Option<&EgoMotion>, table: &mut TableB
     table.number(id::TARGET_HEADING_DIFFERENCE, turned);
 }
 
-/// Writes the targets' motion over ground and their positions along the ego's path.
-pub fn write(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
+/// Writes the targets' motion over ground, which needs no placement.
+pub fn write_speeds(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     let [speed, accel] = rows.columns(|k, r, _| [targets[k].speed[r], targets[k].accel[r]]);
     table.number(id::TARGET_SPEED, speed);
     table.number(id::TARGET_ACCEL, accel);
     let standstill = |k: usize, r: usize| targets[k].standstill[r];
     table.flag(id::TARGET_STANDSTILL, rows.spread(targets, Tri::Unknown, |k, r, _| standstill(k, r)));
+}
+
+/// Writes the targets' motion over ground and their positions along the ego's path.
+pub fn write(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
+    let rows = Rows::new(drive, table);
+    write_speeds(drive, targets, table);
     let [ahead, aside, crossing] = rows.placed_columns(targets, |_, _, p| {
         let moves = p.speed() >= DIRECTION_LEAST_SPEED_MPS;
         let crossing = if moves { angle_between_lines(p.direction(), p.path.heading) } else { f64::NAN };

@@ -206,6 +206,8 @@ pub enum PlacedRows {
     All,
     /// In the last one.
     Last,
+    /// In none: for signals that need no placement.
+    None,
 }
 
 /// Input of a placement.
@@ -220,6 +222,13 @@ pub struct Surroundings<'a> {
     pub road: Option<&'a Road>,
     /// By frame: the first of the frames up to it in which all of the ego's state has the same bits.
     still_since: Vec<usize>,
+}
+
+/// The box of a track in a row.
+fn footprint(track: &Track, row: usize) -> OrientedBox {
+    let m = &track.motion;
+    let center = p2(m.x[row], m.y[row]);
+    OrientedBox::new(center, wrap(m.heading[row]), track.length_m[row], track.width_m[row])
 }
 
 /// Velocity along the heading and speed of each row, m/s.
@@ -284,6 +293,7 @@ impl<'a> Surroundings<'a> {
         let places = match rows {
             PlacedRows::All => self.all_rows(track),
             PlacedRows::Last => self.last_row(track),
+            PlacedRows::None => vec![None; m.len()],
         };
         let accel = given_or_slope(&m.accel, &times, &forward_speed);
         let standstill = below_with_hysteresis(&speed, STANDSTILL_SET_MPS, STANDSTILL_RELEASE_MPS);
@@ -360,6 +370,22 @@ impl<'a> Surroundings<'a> {
             .is_some_and(|(near, far)| near <= front + 1.0 && far >= ego_s - self.ego.length / 2.0)
     }
 
+    /// [`Placement::distance`] of `track` in a row, without placing it; NaN where it has no placement.
+    pub fn distance(&self, track: &Track, row: usize) -> f64 {
+        let (frame, footprint) = (track.frames[row] as usize, footprint(track, row));
+        if self.ego.is_known(frame) && footprint.center.is_finite() {
+            self.distance_of(frame, &footprint)
+        } else {
+            f64::NAN
+        }
+    }
+
+    /// Distance of the ego's box and another one, m; NaN where the size of the other one is unknown.
+    fn distance_of(&self, frame: usize, footprint: &OrientedBox) -> f64 {
+        let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
+        if sizes_known { self.ego.footprint(frame).distance(footprint) } else { f64::NAN }
+    }
+
     /// `before` is the result for the row before, and then for this one.
     fn at(&self, track: &Track, row: usize, before: &mut Before<'a>) -> Option<Placement> {
         let frame = track.frames[row] as usize;
@@ -373,8 +399,7 @@ impl<'a> Surroundings<'a> {
         {
             return Some(Placement { frame, ..*place });
         }
-        let footprint =
-            OrientedBox::new(center, wrap(m.heading[row]), track.length_m[row], track.width_m[row]);
+        let footprint = footprint(track, row);
         let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
         let sized = sizes_known && footprint.heading.is_finite();
         let found = OnLines::new(self.path, self.lanes, (footprint, sized), frame, before.on.as_ref());
@@ -424,7 +449,7 @@ impl<'a> Surroundings<'a> {
             band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
             in_way: false,
             cuts_lane,
-            distance: if sizes_known { self.ego.footprint(frame).distance(&footprint) } else { f64::NAN },
+            distance: self.distance_of(frame, &footprint),
             approach: Approach { gap: f64::NAN, closing: f64::NAN },
             leaves_room,
             z,

@@ -129,17 +129,22 @@ fn shown(e: &Estimate, digits: usize) -> String {
 fn text(of: &Agreement, judged: &Judged, lang: Lang) -> String {
     let mut out = String::new();
     let (episodes, raters) = (of.episodes, of.raters.join(", "));
+    let raters = match (raters.is_empty(), lang) {
+        (true, _) => raters,
+        (false, Lang::Zh) => format!("（{raters}）"),
+        (false, Lang::En) => format!(" ({raters})"),
+    };
     let (unmatched, unreadable) = (judged.unmatched, judged.unreadable);
     let zh = lang == Lang::Zh;
     let _ = if zh {
         writeln!(
             out,
-            "{episodes} 个事件有两份以上标注（{raters}）；{unmatched} 份标注没有对应；{unreadable} 行无法读取\n"
+            "{episodes} 个事件有两份以上标注{raters}；{unmatched} 份标注没有对应；{unreadable} 行无法读取\n"
         )
     } else {
         writeln!(
             out,
-            "{episodes} episodes with two or more labels ({raters}); {unmatched} labels without a counterpart; {unreadable} lines not readable\n"
+            "{episodes} episodes with two or more labels{raters}; {unmatched} labels without a counterpart; {unreadable} lines not readable\n"
         )
     };
     let head = if zh {
@@ -165,14 +170,23 @@ fn text(of: &Agreement, judged: &Judged, lang: Lang) -> String {
     let _ = if zh {
         writeln!(
             out,
-            "\n关键帧：中位差 {median} s；相差不超过 0.5 s 的比例 {near}；α（区间尺度）{alpha}\n要素：F1 {f1}（{first} 与 {second} 个，共同 {common} 个）\n方括号内为 95 % 自助法区间"
+            "\n关键帧：中位差 {median} s；相差不超过 0.5 s 的比例 {near}；α（区间尺度）{alpha}\n要素：F1 {f1}（{first} 与 {second} 个，共同 {common} 个）"
         )
     } else {
         writeln!(
             out,
-            "\nkeyframe: median difference {median} s; within 0.5 s {near}; alpha (interval scale) {alpha}\ncomponents: F1 {f1} ({first} and {second}, {common} in common)\nin brackets: 95 % bootstrap interval over episodes"
+            "\nkeyframe: median difference {median} s; within 0.5 s {near}; alpha (interval scale) {alpha}\ncomponents: F1 {f1} ({first} and {second}, {common} in common)"
         )
     };
+    let parts = of.parts.iter().flat_map(|p| [&p.same, &p.kappa, &p.alpha]);
+    let mut all = parts.chain([&k.median_s, &k.within_half_second, &k.alpha, &c.f1]);
+    if all.any(|e| e.low.is_some()) {
+        out.push_str(if zh {
+            "方括号内为 95 % 自助法区间\n"
+        } else {
+            "in brackets: 95 % bootstrap interval over episodes\n"
+        });
+    }
     out
 }
 

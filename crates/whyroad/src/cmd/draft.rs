@@ -56,7 +56,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "URL")]
     model: Option<String>,
     /// Episodes drafted at once by a model
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=64))]
+    #[arg(long, value_name = "N", default_value_t = 4, requires = "model",
+          value_parser = clap::value_parser!(u16).range(1..=64))]
     jobs: u16,
     #[command(flatten)]
     how: ModelArgs,

@@ -1,11 +1,13 @@
 //! `whyroad validate`: reads files, folders and standard input piece by piece and prints the checker's findings.
 
+mod batch;
 mod input;
 mod printer;
 mod quality;
 
 use crate::output::PrintFindings;
 use crate::{Global, framework_folder, output};
+use batch::{Batch, Step};
 use input::{How, Source, Sources};
 use printer::Printer;
 use std::io;
@@ -13,7 +15,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use whyroad_engine::label_drives::LabelDrives;
-use whyroad_framework::check::{MessageKind, Piece, Verdict, problem};
+use whyroad_framework::check::{Document, MessageKind, Piece, Verdict, problem};
 use whyroad_label::check::{Checker, ClipIndex};
 use whyroad_lake::Lake;
 use whyroad_mining::rule::query::{compile_query, parse_query};
@@ -60,9 +62,15 @@ struct Run<'o> {
     framework: &'o whyroad_framework::Framework,
     printer: Printer<'o>,
     totals: Totals,
-    buffer: Vec<Diagnostic>,
+    /// The file that is read.
+    name: String,
+    /// Documents before it.
+    before: usize,
     foreign: Option<Foreign>,
 }
+
+/// Verdict and findings of a document.
+type Checked = (Verdict, Vec<Diagnostic>);
 
 /// A file from a folder without any known document so far: number of documents, and the first.
 struct Foreign {
@@ -78,8 +86,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let stdout = anstream::stdout().lock();
     let mut out = io::BufWriter::with_capacity(1 << 16, stdout);
     let printer = Printer::new(&mut out, args.print.format, global.lang);
-    let mut run =
-        Run { framework: &framework, printer, totals: Totals::default(), buffer: Vec::new(), foreign: None };
+    let mut run = Run {
+        framework: &framework,
+        printer,
+        totals: Totals::default(),
+        name: String::new(),
+        before: 0,
+        foreign: None,
+    };
     let denied = args.deny_warnings;
     match check_all(&mut run, &framework, &args, global.lang) {
         Ok(()) => {}
@@ -111,16 +125,29 @@ fn check_all(
     }
     // The clip list is not itself checked: its findings count, its documents do not.
     run.totals = Totals { documents: 0, valid: 0, ..run.totals };
+    let mut batch = Batch::new(if args.lake.is_some() { batch::WITH_DRIVES } else { batch::ALONE });
     for source in Sources::of(&args.paths) {
         match source {
-            Source::Nothing { name } => run.found(&name, empty_folder())?,
-            Source::Unreadable { name, error } => run.found(&name, unreadable(&error))?,
+            Source::Nothing { name } => batch.push(Step::Other { name, found: empty_folder() }),
+            Source::Unreadable { name, error } => {
+                batch.push(Step::Other { name, found: unreadable(&error) });
+            }
             Source::File { name, path, how } => {
-                run.foreign = (how == How::InFolder).then_some(Foreign { documents: 0, first: None });
-                check_source(run, &checker, &name, path.as_deref())?;
+                batch.push(Step::Begin { name, how });
+                let mut failed = Ok(());
+                let read = input::pieces(path.as_deref(), &mut |piece| {
+                    batch.piece(&piece);
+                    if batch.is_full() {
+                        failed = run.batch(batch.take(), &checker);
+                    }
+                    failed.is_ok()
+                });
+                failed?;
+                batch.push(Step::End(read));
             }
         }
     }
+    run.batch(batch, &checker)?;
     if run.totals.documents == 0 {
         let d = Diagnostic::error(
             "label.input.nothing",
@@ -135,43 +162,15 @@ fn check_all(
     run.printer.finish(t.documents, t.valid, t.errors, t.warnings, lang)
 }
 
-fn check_source(
-    run: &mut Run<'_>,
-    checker: &Checker<'_>,
-    name: &str,
-    path: Option<&std::path::Path>,
-) -> io::Result<()> {
-    let before = run.totals.documents;
-    let mut failed: io::Result<()> = Ok(());
-    let read = input::pieces(path, &mut |piece| {
-        if failed.is_ok() {
-            failed = run.piece(name, &piece, checker).map(|_| ());
-        }
-        failed.is_ok()
-    });
-    failed?;
-    if let Err(e) = read {
-        return run.found(name, unreadable(&e));
-    }
-    if run.close_foreign(name)? {
-        return Ok(());
-    }
-    if run.totals.documents == before {
-        let d = Diagnostic::warning(
-            "label.input.empty",
-            Bilingual::new("文件中没有文档", "the file holds no document"),
-        );
-        run.found(name, d)?;
-    }
-    Ok(())
-}
-
 fn read_clips(run: &mut Run<'_>, checker: &Checker<'_>, path: &std::path::Path) -> io::Result<ClipIndex> {
     let mut clips = ClipIndex::default();
     let name = path.display().to_string();
     let mut failed: io::Result<()> = Ok(());
     let read = input::pieces(Some(path), &mut |piece| {
-        let found = run.piece(&name, &piece, checker);
+        let found = match &piece {
+            Piece::Document(d) => run.document(&name, d.bytes, check(checker, d)),
+            Piece::Problem(p, origin) => run.found(&name, problem(*p, origin)).map(|()| None),
+        };
         failed = match (&piece, found) {
             (_, Err(e)) => Err(e),
             (Piece::Document(d), Ok(Some(v))) if !clips.add(d.bytes) && v.valid => {
@@ -205,33 +204,63 @@ fn refused_by_mining(text: &str, name: &str, framework: &whyroad_framework::Fram
 }
 
 impl Run<'_> {
-    /// Checks a document or reports a problem between two; the verdict of a document.
-    fn piece(&mut self, name: &str, piece: &Piece<'_>, checker: &Checker<'_>) -> io::Result<Option<Verdict>> {
-        match piece {
-            Piece::Document(document) => {
-                let mut found = std::mem::take(&mut self.buffer);
-                let verdict = checker.check(document, &mut found);
-                if self.is_foreign(name, verdict, &mut found)? {
-                    self.buffer = found;
-                    return Ok(None);
+    /// Checks some of the input.
+    fn batch(&mut self, batch: Batch, checker: &Checker<'_>) -> io::Result<()> {
+        for (step, checked) in batch.checked(&|d| check(checker, d), |(_, found)| found.len()) {
+            let name = self.name.clone();
+            match (step, checked) {
+                (Step::Begin { name, how }, _) => {
+                    self.foreign = (how == How::InFolder).then_some(Foreign { documents: 0, first: None });
+                    self.before = self.totals.documents;
+                    self.name = name;
                 }
-                let mut verdict = verdict;
-                // A query that mining would reject is not valid.
-                if verdict.valid && verdict.kind == Some(MessageKind::MiningQuery) {
-                    let text = String::from_utf8_lossy(document.bytes);
-                    found.extend(refused_by_mining(&text, name, self.framework));
-                    verdict.valid = found.iter().all(|d| d.severity != Severity::Error);
+                (Step::Document { bytes, .. }, Some(checked)) => {
+                    self.document(&name, &bytes, checked)?;
                 }
-                self.totals.documents += 1;
-                self.totals.valid += usize::from(verdict.valid);
-                for d in found.drain(..) {
-                    self.push(d.in_file(name))?;
-                }
-                self.buffer = found;
-                Ok(Some(verdict))
+                (Step::Document { .. }, None) => {}
+                (Step::Problem(p, origin), _) => self.found(&name, problem(p, &origin))?,
+                (Step::End(Err(e)), _) => self.found(&name, unreadable(&e))?,
+                (Step::End(Ok(())), _) => self.end(&name)?,
+                (Step::Other { name, found }, _) => self.found(&name, found)?,
             }
-            Piece::Problem(p, origin) => self.found(name, problem(*p, origin)).map(|()| None),
         }
+        Ok(())
+    }
+
+    /// The end of a file.
+    fn end(&mut self, name: &str) -> io::Result<()> {
+        if self.close_foreign(name)? || self.totals.documents != self.before {
+            return Ok(());
+        }
+        let d = Diagnostic::warning(
+            "label.input.empty",
+            Bilingual::new("文件中没有文档", "the file holds no document"),
+        );
+        self.found(name, d)
+    }
+
+    /// Reports a document; its verdict unless it is held back.
+    fn document(
+        &mut self,
+        name: &str,
+        bytes: &[u8],
+        (mut verdict, mut found): Checked,
+    ) -> io::Result<Option<Verdict>> {
+        if self.is_foreign(name, verdict, &mut found)? {
+            return Ok(None);
+        }
+        // A query that mining would reject is not valid.
+        if verdict.valid && verdict.kind == Some(MessageKind::MiningQuery) {
+            let text = String::from_utf8_lossy(bytes);
+            found.extend(refused_by_mining(&text, name, self.framework));
+            verdict.valid = found.iter().all(|d| d.severity != Severity::Error);
+        }
+        self.totals.documents += 1;
+        self.totals.valid += usize::from(verdict.valid);
+        for d in found {
+            self.push(d.in_file(name))?;
+        }
+        Ok(Some(verdict))
     }
 
     /// Holds back a document of no known kind while its file shows nothing else; releases it once it does.
@@ -279,6 +308,12 @@ impl Run<'_> {
         }
         self.printer.print(&d)
     }
+}
+
+fn check(checker: &Checker<'_>, document: &Document<'_>) -> Checked {
+    let mut found = Vec::new();
+    let verdict = checker.check(document, &mut found);
+    (verdict, found)
 }
 
 fn unreadable(e: &io::Error) -> Diagnostic {

@@ -264,3 +264,48 @@ fn the_quality_of_imported_texts_is_one_report_by_kind() {
     let zh = run(dir.path(), "validate drafts.jsonl --lake DEMO/lake --quality --lang zh");
     assert!(zh.out.contains("3 条因果文本") && zh.out.contains("与路线矛盾"), "{}", zh.out);
 }
+
+#[test]
+fn options_of_the_model_ask_for_the_model() {
+    let dir = tempfile::tempdir().unwrap();
+    for option in [
+        "--timeout 5",
+        "--retries 1",
+        "--jobs 2",
+        "--cache c",
+        "--key-env THE_KEY",
+        "--model-name m",
+        "--requests-per-minute 9",
+        "--max-requests 9",
+        "--max-tokens 9",
+        "--max-answer-tokens 9",
+        "--price-input 1 --price-output 1",
+    ] {
+        let line = format!("draft --lake DEMO/lake --from DEMO/mined --out d.jsonl {option}");
+        let refused = run(dir.path(), &line);
+        assert!(refused.code == 2 && refused.err.contains("--model <URL>"), "{option}: {}", refused.err);
+        let refused = run(dir.path(), &format!("{line} --lang zh"));
+        assert!(refused.err.contains("缺少必需的参数：\n  --model <URL>"), "{option}: {}", refused.err);
+    }
+    // The variable with the name of the model may be set for other commands.
+    let line = ["draft", "--lake", &format!("{}/lake", demo().display()), "--from"];
+    let mined = format!("{}/mined", demo().display());
+    let line: Vec<&str> = line.into_iter().chain([mined.as_str(), "--out", "d.jsonl"]).collect();
+    let drafted = whyroad_with(dir.path(), &line, &[("WHYROAD_MODEL", "m")]);
+    assert_eq!(drafted.code, 0, "{}", drafted.err);
+    let served = run(dir.path(), "serve --people-share 0.5");
+    assert!(served.code == 2 && served.err.contains("--model <URL>"), "{}", served.err);
+}
+
+#[test]
+fn agreement_of_nothing_has_no_empty_brackets() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("a.jsonl"), "").unwrap();
+    fs::write(dir.path().join("b.jsonl"), "").unwrap();
+    for lang in ["en", "zh"] {
+        let none = run(dir.path(), &format!("agreement a.jsonl b.jsonl --lang {lang}"));
+        for empty in ["()", "（）", "[]", "brackets", "方括号"] {
+            assert!(!none.out.contains(empty), "{}", none.out);
+        }
+    }
+}

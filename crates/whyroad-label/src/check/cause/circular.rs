@@ -5,9 +5,10 @@ use crate::check::consistency::trace::{Mention, Reading};
 use crate::check::consistency::trace_rules::{self, Said};
 use crate::check::overlap;
 use crate::check::reading::Named;
+use crate::check::spans::Spans;
 use crate::check::texts::{TextScope, Texts};
 use crate::check::view::View;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::{Clauses, Divider};
@@ -58,7 +59,7 @@ pub(in crate::check) fn circular(
 fn is_done_by_other(text: &str, from: usize, to: usize, texts: &Texts, words: &LabelWords) -> bool {
     /// Maximum bytes of "by" and of the words between it and the name.
     const NEAR: usize = 16;
-    texts.trace.there().filter(|n| (from..to).contains(&n.start)).any(|n| {
+    texts.trace.named_in(from, to).iter().filter(|n| n.is_there()).any(|n| {
         let acts = words.objects[n.group].own.meets(words.known.actor);
         // The part may begin inside a character.
         let from = (from..=n.start).find(|at| text.is_char_boundary(*at)).unwrap_or(n.start);
@@ -78,7 +79,9 @@ fn begins_with_cause(text: &str, texts: &Texts, words: &LabelWords, reading: &Re
     };
     let because = reading.because.is_some_and(|at| at < decided);
     // "In the blind spot one has to slow, so it slows in the blind spot".
-    let again = |n: &Named| texts.trace.there().any(|m| m.start >= decided && m.group == n.group);
+    let after = texts.trace.there().filter(|m| m.start >= decided).map(|m| m.group);
+    let after: BTreeSet<usize> = after.collect();
+    let again = |n: &Named| after.contains(&n.group);
     !because && texts.trace.there().any(|n| n.end <= decided && is_cause(n) && !again(n))
 }
 
@@ -90,15 +93,10 @@ fn gives_cause(
     decision_in: &dyn Fn(usize, usize) -> bool,
 ) -> bool {
     let part_gives = |from: usize, to: usize| {
-        let names = texts.trace.named.iter().any(|n| {
-            (from..to).contains(&n.start) && !words.objects[n.group].own.meets(words.known.no_cause)
-        });
+        let causes = |n: &Named| !words.objects[n.group].own.meets(words.known.no_cause);
+        let names = texts.trace.named_in(from, to).iter().any(causes);
         // "A collision blocks our lane": whatever the words for the thing.
-        let acts = texts
-            .trace
-            .acts
-            .iter()
-            .any(|a| !a.denied && (from..to).contains(&a.start) && a.doing.meets(words.reaching));
+        let acts = texts.trace.acts_in(from, to).iter().any(|a| !a.denied && a.doing.meets(words.reaching));
         (names || acts) && !decision_in(from, to) && !is_own_duty(&text[from..to], &words.clauses)
     };
     let ends = || words.clauses.ends(&texts.units, &[Divider::Sentence, Divider::Clause], text.len());
@@ -125,7 +123,8 @@ fn is_own_duty(part: &str, clauses: &Clauses) -> bool {
 /// A cause may be in words that are in no list: words that are also in a component, apart from those of the decision.
 fn has_other_words(text: &str, scope: &TextScope<'_>, decision_in: &dyn Fn(usize, usize) -> bool) -> bool {
     let TextScope { label, texts, words, .. } = *scope;
-    let is_name = |at: usize| texts.trace.named.iter().any(|n| (n.start..n.end).contains(&at));
+    let names = Spans::of(texts.trace.named.iter().map(|n| (n.start, n.end)));
+    let is_name = |at: usize| names.holds(at);
     let apart = |at: usize| !decision_in(at.saturating_sub(6), at + 6) && !is_name(at);
     overlap::shared(label, text, &words.compared, &apart) >= if text.is_ascii() { 1 } else { 2 }
         || overlap::says_more(text, &words.compared, &apart)
@@ -196,7 +195,11 @@ fn echoes(text: &str, texts: &Texts, words: &LabelWords) -> bool {
     // "Carries on" and "carrying on".
     let same =
         |a: &str, b: &str| a == b || a.is_ascii() && a.get(..4).is_some_and(|stem| b.starts_with(stem));
-    let new = second.iter().filter(|w| !first.iter().any(|f| same(f, w))).count();
+    let different: BTreeSet<&str> = first.iter().map(String::as_str).collect();
+    let known = |w: &str| different.contains(w) || different.iter().any(|f| same(f, w));
+    let said: BTreeSet<&str> = second.iter().map(String::as_str).collect();
+    let unknown: BTreeSet<&str> = said.into_iter().filter(|w| !known(w)).collect();
+    let new = second.iter().filter(|w| unknown.contains(w.as_str())).count();
     // A Chinese word has two characters.
     if text.is_ascii() { second.len() > new && new <= 1 } else { second.len() >= 2 + 2 * new && new <= 2 }
 }
@@ -245,6 +248,7 @@ fn empty_reason(text: &str, scope: &TextScope<'_>, reading: &Reading) -> bool {
     // A word that is also in a component belongs to the scene.
     let given = descriptions(label);
     let of_scene = |w: &String| given.iter().any(|text| text.contains(w.as_str()));
+    let [before, left] = [before, left].map(|all| all.into_iter().collect::<BTreeSet<String>>());
     decides && left.iter().all(|w| before.iter().any(|b| same(b, w)) && !of_scene(w))
 }
 
@@ -327,7 +331,8 @@ fn descriptions(label: &View<'_>) -> Vec<String> {
 
 /// Content words (Latin words and Chinese characters) of a part, without those in the ranges `spoken`.
 fn content(text: &str, from: usize, to: usize, spoken: &[(usize, usize)], words: &LabelWords) -> Vec<String> {
-    let hidden = |at: usize| spoken.iter().any(|(a, b)| (*a..*b).contains(&at));
+    let spoken = Spans::of(spoken.iter().copied());
+    let hidden = |at: usize| spoken.holds(at);
     let (compared, common) = (&words.compared, &words.subjects.common);
     let mut out = Vec::new();
     for (at, word) in latin_words(&text[from..to]) {

@@ -2,7 +2,7 @@
 //! queue, the officer ten cars ahead. Road users in them only say where that is, or are on other lanes (LABELING.md 6,
 //! proximate cause).
 
-use crate::check::reading::{Named, TextFacts};
+use crate::check::reading::{Named, TextFacts, starting_in};
 use crate::check::subject;
 use crate::check::texts::TextScope;
 use whyroad_framework::LabelWords;
@@ -82,10 +82,10 @@ fn is_place(text: &str, n: &Named, others: &[&Named], scope: &TextScope<'_>) -> 
     }
     // "前车的行驶路线" belongs to it, "货车后面的路口" does not.
     let end = text[n.end..].find(MARKS).map_or(text.len(), |i| n.end + i);
-    others.iter().any(|o| {
+    starting_in(others, |o| o.start, n.end, end).iter().any(|o| {
         // "有车" of "有车辆的".
         let part = text.get(n.end..o.start).unwrap_or_default().trim_start_matches(['辆', '台']);
-        (n.end..end).contains(&o.start) && !part.starts_with('的') && part.contains('的')
+        !part.starts_with('的') && part.contains('的')
     })
 }
 

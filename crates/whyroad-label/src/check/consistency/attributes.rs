@@ -1,6 +1,7 @@
 //! Compares distances, numbers and sides in a trace, also of parts (wheels, indicators), with those in the components.
 
 use crate::check::texts::TextScope;
+use std::collections::BTreeSet;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{Divider, Quantity};
 use whyroad_model::decision::LateralDirection;
@@ -85,13 +86,12 @@ pub(super) fn other_side(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     if said.is_empty() {
         return None;
     }
-    let given: Vec<SidedPart> =
-        label.parts.iter().filter_map(|c| c.description.get()).flat_map(|t| sided_parts(t, words)).collect();
-    let same = |a: &SidedPart, b: &SidedPart| a.part == b.part && a.is_left == b.is_left;
+    let sided = |p: &SidedPart| (p.part, p.is_left);
+    let given = label.parts.iter().filter_map(|c| c.description.get()).flat_map(|t| sided_parts(t, words));
+    let given: BTreeSet<(usize, bool)> = given.map(|p| sided(&p)).collect();
+    let same: BTreeSet<usize> = said.iter().filter(|s| given.contains(&sided(s))).map(|s| s.part).collect();
     let is_other = |s: &&SidedPart| {
-        given.iter().any(|g| g.part == s.part)
-            && !given.iter().any(|g| same(g, s))
-            && !said.iter().any(|o| given.iter().any(|g| same(g, o) && o.part == s.part))
+        given.contains(&(s.part, !s.is_left)) && !given.contains(&sided(s)) && !same.contains(&s.part)
     };
     said.iter().find(is_other).map(|s| (s.start, s.end))
 }

@@ -1,6 +1,8 @@
 //! Things in the trace that no component names, or that have another location or color there. A component in words that
 //! are in no list may name anything.
 
+mod given;
+
 use crate::check::consistency::attributes;
 use crate::check::consistency::trace_rules::Said;
 use crate::check::overlap;
@@ -8,6 +10,9 @@ use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
 use crate::check::texts::{TextScope, Texts};
 use crate::check::view::View;
+use given::Given;
+use std::collections::BTreeSet;
+use std::ops::Range;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::GroupSet;
@@ -158,101 +163,36 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
     let TextScope { label, texts, words, .. } = *scope;
     let Some(text) = label.trace.get() else { return };
     let general = |n: &Named| words.subjects.is_general(&text[n.start..n.end]);
-    let meant = |n: &Named| -> Vec<&Named> {
-        let group = &words.objects[n.group];
-        let all = || texts.components.iter().flat_map(|f| f.there()).filter(|c| words.objects[c.group].named);
-        // Things with the same name, otherwise all that may be meant.
-        let same: Vec<&Named> = all().filter(|c| words.objects[c.group].own == group.own).collect();
-        if same.is_empty() {
-            all().filter(|c| words.objects[c.group].own.meets(group.near)).collect()
-        } else {
-            same
-        }
-    };
+    let given = Given::of(scope, text);
     // "The blue car" for the white one: the color is part of the word.
-    let painted = |text: Option<&str>, n: &Named| {
-        let mut word = text?.get(n.start..n.end)?.chars();
-        let color = word.next().filter(|c| words.color_chars.iter().any(|(own, _)| own == c))?;
-        (word.as_str() == "车").then_some(color)
-    };
-    let given = || {
-        let parts = label.parts.iter().zip(&texts.components);
-        parts.flat_map(move |(c, f)| f.there().filter_map(move |n| painted(c.description.get(), n)))
-    };
     let other_car = |n: &Named| {
-        painted(Some(text), n).is_some_and(|c| given().next().is_some() && !given().any(|g| g == c))
-    };
-    // "From the right" of a road user that is oncoming in its component.
-    let says_opposite = |text: &str| {
-        let lower = text.to_ascii_lowercase();
-        words.subjects.opposite.iter().any(|w| lower.contains(w.as_str()))
-    };
-    let not_opposite = |n: &Named| {
-        let acts = words.objects[n.group].own.meets(words.known.actor);
-        n.side.is_some() && acts && !says_opposite(text) && {
-            let parts = || label.parts.iter().zip(&texts.components);
-            let same = |f: &TextFacts| {
-                f.there().any(|c| words.objects[c.group].own.meets(words.objects[n.group].near))
-            };
-            let sided = parts().any(|(_, f)| same(f) && f.there().any(|c| c.side.is_some()));
-            !sided && parts().any(|(c, f)| same(f) && c.description.get().is_some_and(says_opposite))
-        }
-    };
-    // "Behind us" of a road user that is ahead of the ego in its component, where no other can be meant.
-    let at_end = |text: &str, n: &Named| {
-        let marks = |c: char| "，。；！？,;!?".contains(c);
-        let from = text[..n.start].rfind(marks).map_or(0, |i| i + 1);
-        let to = text[n.end..].find(marks).map_or(text.len(), |i| n.end + i);
-        let clause =
-            text.get(from..to).or_else(|| text.get(n.start..to)).unwrap_or_default().to_ascii_lowercase();
-        let [before, behind] =
-            words.subjects.at.each_ref().map(|all| all.iter().any(|w| clause.contains(w.as_str())));
-        (before != behind).then_some(before)
+        painted(Some(text), n, words).is_some_and(|c| {
+            let painted = given.painted();
+            !painted.is_empty() && !painted.contains(&c)
+        })
     };
     let is_elsewhere = |n: &Named| {
         let own = words.objects[n.group].own;
         if !own.meets(words.known.vehicle) {
             return false;
         }
-        let parts = label.parts.iter().zip(&texts.components);
-        let mut same = parts.flat_map(|(c, f)| {
-            let near = words.objects[n.group].near;
-            f.there().filter(move |o| words.objects[o.group].own.meets(near)).map(move |o| (c, o))
-        });
-        let (Some((c, other)), None) = (same.next(), same.next()) else { return false };
-        let given = c.description.get().and_then(|t| at_end(t, other));
-        given.is_some_and(|g| at_end(text, n).is_some_and(|said| said != g))
-    };
-    // The components' names for the same thing, with their texts.
-    let same_in_parts = |n: &Named| {
-        let own = words.objects[n.group].own;
-        let parts = label.parts.iter().zip(&texts.components);
-        let texts = parts.filter_map(|(c, f)| Some((c.description.get()?, f)));
-        texts.flat_map(move |(t, f)| {
-            f.there().filter(move |m| words.objects[m.group].own == own).map(move |m| (t, m))
-        })
+        let Some((t, other)) = given.only_near(n) else { return false };
+        let there = t.and_then(|t| at_end(t, other, words));
+        there.is_some_and(|g| at_end(text, n, words).is_some_and(|said| said != g))
     };
     // "Three cows" where the component has two.
     let other_count = |n: &Named| {
         let count = |t: &str, n: &Named| words.quantities.count_before(t, n.start, &words.subjects.counters);
         let Some(said) = count(text, n) else { return false };
         let one = |t: &str, m: &Named| subject::is_single(t, m.start).then_some(1.0);
-        let given: Vec<f64> =
-            same_in_parts(n).filter_map(|(t, m)| count(t, m).or_else(|| one(t, m))).collect();
+        let counts = given.counts(n, &|t, m| count(t, m).or_else(|| one(t, m)));
         // "A car" and "a van" are two cars.
-        if said <= given.iter().sum() && given.len() > 1 {
+        if said <= counts.sum && counts.number > 1 {
             return false;
         }
-        words.objects[n.group].own.meets(words.known.actor) && !given.is_empty() && !given.contains(&said)
-    };
-    // A bend or a wall on the other side: as a word of its own, or as a part of its name.
-    let turned = |t: &str, n: &Named| {
-        let word = t.get(n.start..n.end).unwrap_or_default();
-        match word.chars().next() {
-            Some('左') => Some(true),
-            Some('右') => Some(false),
-            _ => n.side,
-        }
+        words.objects[n.group].own.meets(words.known.actor)
+            && counts.number > 0
+            && !counts.different.contains(&said)
     };
     let is_fixed = |n: &Named| {
         let own = words.objects[n.group].own;
@@ -260,32 +200,22 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
     };
     let other_bend = |n: &Named| {
         let Some(side) = turned(text, n).filter(|_| is_fixed(n)) else { return false };
-        let given: Vec<bool> = same_in_parts(n).filter_map(|(t, m)| turned(t, m)).collect();
-        !given.is_empty() && !given.contains(&side)
+        let turns = given.turns(n);
+        !turns.is_empty() && !turns.contains(&side)
     };
     // It stands, although its component states that it moves off.
     let other_doing = |n: &Named| {
-        let own = words.objects[n.group].own;
-        if !own.meets(words.known.actor) {
+        if !words.objects[n.group].own.meets(words.known.actor) {
             return false;
         }
-        let mut same =
-            texts.components.iter().filter(|f| f.there().any(|m| words.objects[m.group].own == own));
-        let (Some(given), None) = (same.next(), same.next()) else { return false };
-        let others = texts
-            .trace
-            .there()
-            .filter(|m| m.clause == n.clause && words.objects[m.group].own.meets(words.known.actor));
-        if given.does.is_empty()
-            || given.there().filter(|m| words.objects[m.group].own.meets(words.known.actor)).count() > 1
-            || others.count() > 1
-        {
+        let Some(does) = given.doing(n) else { return false };
+        if given.actors_in_clause(n.clause) > 1 {
             return false;
         }
-        let opposite = words.opposite_of(given.does).without(given.does);
+        let opposite = words.opposite_of(does).without(does);
         let (from, to) = words.clauses.around(&texts.units, n.start..n.end, text.len(), &|_| true);
-        let acts = || texts.trace.acts.iter().filter(|a| (from..to).contains(&a.start) && !a.denied);
-        acts().any(|a| a.doing.meets(opposite)) && !acts().any(|a| a.doing.meets(given.does))
+        let acts = || texts.trace.acts_in(from, to).iter().filter(|a| !a.denied);
+        acts().any(|a| a.doing.meets(opposite)) && !acts().any(|a| a.doing.meets(does))
     };
     let is_part = |n: &Named, text: Option<&str>| {
         text.and_then(|t| t.get(n.start..n.end)).is_some_and(|t| words.subjects.is_part(t))
@@ -295,17 +225,16 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
             return false;
         }
         // Most things are mentioned without either.
-        let same = if n.side.is_some() || n.color.is_some() { meant(n) } else { Vec::new() };
-        let side = n.side.is_some_and(|s| {
-            same.iter().any(|c| c.side == Some(!s)) && !same.iter().any(|c| c.side == Some(s))
-        });
-        let color = n.color.is_some_and(|k| {
-            same.iter().any(|c| c.color.is_some_and(|o| o != k)) && !same.iter().any(|c| c.color == Some(k))
-        });
-        side || color || other_car(n) || not_opposite(n) || is_elsewhere(n)
+        let marked = (n.side.is_some() || n.color.is_some()) && {
+            let same = given.meant(n);
+            let side = n.side.is_some_and(|s| same.sides.contains(&!s) && !same.sides.contains(&s));
+            side || n.color.is_some_and(|k| !same.colors.is_empty() && !same.colors.contains(&k))
+        };
+        marked || other_car(n) || n.side.is_some() && given.is_opposite(n) || is_elsewhere(n)
     };
-    let is_other =
-        |n: &&Named| differs(n) || other_count(n) || other_bend(n) || other_doing(n) || other_kind(n, scope);
+    let is_other = |n: &&Named| {
+        differs(n) || other_count(n) || other_bend(n) || other_doing(n) || given.is_other_kind(n)
+    };
     let other_thing = texts.trace.there().filter(|n| n.start < until).find(is_other);
     let other_thing = other_thing.or_else(|| other_light(scope, until)).map(|n| (n.start, n.end));
     let other_side = || attributes::other_side(scope).or_else(|| attributes::other_side_of_all(scope, until));
@@ -325,46 +254,33 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
     });
 }
 
-/// A pickup in the trace for the hatchback of the components: its kind is none of theirs, and each component that may
-/// be meant was read and has a kind.
-fn other_kind(n: &Named, scope: &TextScope<'_>) -> bool {
-    let TextScope { label, texts, words, .. } = *scope;
-    let Some(name) = label.trace.get().and_then(|t| t.get(n.start..n.end)) else { return false };
-    let name = name.to_ascii_lowercase();
-    let parts = || {
-        let parts = label.parts.iter().zip(&texts.components);
-        parts.filter_map(|(c, f)| Some((c.description.get()?, f)))
-    };
-    let all = || parts().flat_map(|(t, f)| f.named.iter().map(move |m| (t, m)));
-    let given_name = |t: &str, m: &Named| t.get(m.start..m.end).unwrap_or_default().to_ascii_lowercase();
-    // "The taxi" of a minibus taxi; "the tires" of the ego.
-    if words.subjects.is_part(&name) || all().any(|(t, m)| given_name(t, m).contains(&name)) {
-        return false;
+/// The color of a car that is part of its name: "蓝车".
+fn painted(text: Option<&str>, n: &Named, words: &LabelWords) -> Option<char> {
+    let mut word = text?.get(n.start..n.end)?.chars();
+    let color = word.next().filter(|c| words.color_chars.iter().any(|(own, _)| own == c))?;
+    (word.as_str() == "车").then_some(color)
+}
+
+/// A bend or a wall on the other side: as a word of its own, or as a part of its name.
+fn turned(text: &str, n: &Named) -> Option<bool> {
+    let word = text.get(n.start..n.end).unwrap_or_default();
+    match word.chars().next() {
+        Some('左') => Some(true),
+        Some('右') => Some(false),
+        _ => n.side,
     }
-    let own = words.objects[n.group].own;
-    words.apart.kinds(&name).into_iter().any(|(family, said)| {
-        let kinds = |t: &str, m: &Named| {
-            let all = words.apart.kinds(t.get(m.start..m.end).unwrap_or_default());
-            all.into_iter().find(|(f, _)| *f == family).map_or(0, |(_, kinds)| kinds)
-        };
-        let given = all().fold(0, |set, (t, m)| set | kinds(t, m));
-        let near = |m: &Named| words.objects[m.group].near.meets(own);
-        // "The trailer", behind a flatbed trailer: refers to it.
-        let refers = |t: &str, m: &Named| {
-            !subject::is_introduced(t, m.start, words)
-                && m.side.is_none()
-                && all().any(|(u, o)| kinds(u, o) != 0 && given_name(u, o).ends_with(&given_name(t, m)))
-        };
-        let general = |(t, m): (&str, &Named)| {
-            let there = !m.absent && !m.supposed && !words.subjects.is_of_many(&given_name(t, m));
-            there && near(m) && kinds(t, m) == 0 && !refers(t, m)
-        };
-        given != 0
-            && given & said == 0
-            && !all().any(general)
-            && !parts()
-                .any(|(t, f)| !f.named.iter().any(|m| kinds(t, m) != 0) && subject::is_unread(t, f, words))
-    })
+}
+
+/// "Behind us" of a road user that is ahead of the ego in its component, where no other can be meant.
+fn at_end(text: &str, n: &Named, words: &LabelWords) -> Option<bool> {
+    let marks = |c: char| "，。；！？,;!?".contains(c);
+    let from = text[..n.start].rfind(marks).map_or(0, |i| i + 1);
+    let to = text[n.end..].find(marks).map_or(text.len(), |i| n.end + i);
+    let clause =
+        text.get(from..to).or_else(|| text.get(n.start..to)).unwrap_or_default().to_ascii_lowercase();
+    let [before, behind] =
+        words.subjects.at.each_ref().map(|all| all.iter().any(|w| clause.contains(w.as_str())));
+    (before != behind).then_some(before)
 }
 
 /// The light in the trace, if its color is that of no light in the components.
@@ -374,32 +290,48 @@ fn other_light<'t>(scope: &TextScope<'t>, until: usize) -> Option<&'t Named> {
         return None;
     }
     // "The light has just dropped to red": after the name, in the same clause.
-    let color = |text: Option<&str>, n: &Named| {
-        let text = text?;
+    let color = |text: &str, n: &Named, clause: &mut ClauseColor| {
         let own = words.light_color(text.get(n.start..n.end)?);
-        let rest = text.get(n.end..)?;
-        let end = rest.find(|c| "，。；,;.".contains(c)).unwrap_or(rest.len());
-        own.or_else(|| words.light_color(&rest[..end]))
+        own.or_else(|| clause.after(text, n.end, words))
     };
     // A road user that runs a red light has a light of its own.
     let jumped = |t: Option<&str>, n: &Named| t.is_some_and(|t| t[..n.start].ends_with(['闯', '抢']));
     let is_light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
-    let given: Vec<usize> = label
-        .parts
-        .iter()
-        .zip(&texts.components)
-        .flat_map(|(c, f)| {
-            let text = c.description.get();
-            f.there().filter(is_light).filter(move |n| !jumped(text, n)).filter_map(move |n| color(text, n))
-        })
-        .collect();
-    let said: Vec<(&Named, usize)> = texts
-        .trace
-        .there()
-        .filter(|n| n.start < until)
-        .filter(is_light)
-        .filter_map(|n| Some((n, color(label.trace.get(), n)?)))
-        .collect();
-    let (n, _) = said.first()?;
-    (!given.is_empty() && !said.iter().any(|(_, c)| given.contains(c))).then_some(n)
+    let mut given: BTreeSet<usize> = BTreeSet::new();
+    for (c, f) in label.parts.iter().zip(&texts.components) {
+        let (text, mut clause) = (c.description.get(), ClauseColor::default());
+        let lights = f.there().filter(is_light).filter(|n| !jumped(text, n));
+        given.extend(lights.filter_map(|n| color(text?, n, &mut clause)));
+    }
+    let (trace, mut clause) = (label.trace.get()?, ClauseColor::default());
+    let lights = texts.trace.there().filter(|n| n.start < until).filter(is_light);
+    let mut said = lights.filter_map(|n| Some((n, color(trace, n, &mut clause)?)));
+    let (n, first) = said.next()?;
+    let is_given = given.contains(&first) || said.any(|(_, c)| given.contains(&c));
+    (!given.is_empty() && !is_given).then_some(n)
+}
+
+/// The last color of a light in a clause, kept for the names in it.
+#[derive(Default)]
+struct ClauseColor {
+    /// Bytes that were searched, to the end of the clause.
+    searched: Option<Range<usize>>,
+    /// First byte of the color's word, and the color.
+    found: Option<(usize, usize)>,
+}
+
+impl ClauseColor {
+    /// The last color between the byte `from` and the end of its clause.
+    fn after(&mut self, text: &str, from: usize, words: &LabelWords) -> Option<usize> {
+        let letter = |c: char| c.is_ascii_alphanumeric();
+        // A word that begins here is whole, although a letter precedes it.
+        let divides_a_word = text[..from].ends_with(letter) && text[from..].starts_with(letter);
+        if divides_a_word || !self.searched.as_ref().is_some_and(|s| s.start <= from && from <= s.end) {
+            let rest = &text[from..];
+            let end = rest.find(|c| "，。；,;.".contains(c)).unwrap_or(rest.len());
+            self.found = words.last_light_color(&rest[..end]).map(|(at, color)| (from + at, color));
+            self.searched = (!divides_a_word).then_some(from..from + end);
+        }
+        self.found.filter(|(at, _)| *at >= from).map(|(_, color)| color)
+    }
 }

@@ -425,8 +425,7 @@ pub(in crate::check) fn states_decision(
     from: usize,
     to: usize,
 ) -> bool {
-    let inside = |m: &&Mention| (from..to).contains(&m.start) && !m.by_other;
-    reading.mentions.iter().filter(inside).any(|m| says_label(m, lexicon, label))
+    reading.mentions_in(from, to).iter().any(|m| !m.by_other && says_label(m, lexicon, label))
 }
 
 /// The mention agrees with a decision of the label.

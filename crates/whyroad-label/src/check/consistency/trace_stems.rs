@@ -3,6 +3,7 @@
 
 use crate::check::consistency::trace::{Force, Reading};
 use crate::check::reading::Named;
+use crate::check::spans::Spans;
 use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{Divider, GroupSet};
@@ -51,8 +52,8 @@ pub(super) fn read(
         let clause = without(clause, from, &hidden);
         // After "therefore" a named road user is the object.
         let marked = reading.marked && from == begin;
-        let can_act = |n: &&Named| words.objects[n.group].named && (from..to).contains(&n.start);
-        let named = texts.trace.there().filter(can_act).map(|n| n.start).min();
+        let can_act = |n: &&Named| n.is_there() && words.objects[n.group].named;
+        let named = texts.trace.named_in(from, to).iter().find(can_act).map(|n| n.start);
         let acts = |at: usize| !marked && named.is_some_and(|n| n < from + at);
         // "Slower than us" is a comparison, not slowing.
         let compares = |at: usize| clause[..at].contains('比');
@@ -60,8 +61,7 @@ pub(super) fn read(
             .stems
             .find(&clause, along, across)
             .filter(|at| !describes(&clause[..*at], &clause[*at..], words) && !compares(*at));
-        let denied =
-            reading.mentions.iter().any(|m| (from..to).contains(&m.start) && m.force == Force::Negated);
+        let denied = reading.mentions_in(from, to).iter().any(|m| m.force == Force::Negated);
         if stem.is_some_and(|at| !acts(at)) && !denied {
             let contested = lexicon.stems.against(&clause, along, across).is_some();
             return ByStem::Stated { contested };
@@ -115,7 +115,7 @@ fn subjects(
         Role::Neutral => hidden.push((hit.start, hit.end)),
         _ => {}
     });
-    let things = texts.trace.named.iter().filter(|n| (from..to).contains(&n.start));
+    let things = texts.trace.named_in(from, to).iter();
     // "With a headway of a second": a measure is the ego's decision only where the ego acts, or in the last clause.
     let is_last = to >= texts.units.all().last().map_or(0, |u| u.start);
     let measure = if ego.is_some() || is_last { GroupSet::default() } else { words.known.gap };
@@ -127,10 +127,10 @@ fn subjects(
 
 /// `clause`, which starts at `from`, with the ranges `hidden` replaced by spaces.
 fn without(clause: &str, from: usize, hidden: &[(usize, usize)]) -> String {
-    let is_hidden = |at: usize| hidden.iter().any(|(a, b)| (*a..*b).contains(&(from + at)));
+    let hidden = Spans::of(hidden.iter().copied());
     let mut out = String::with_capacity(clause.len());
     for (at, c) in clause.char_indices() {
-        match is_hidden(at) {
+        match hidden.holds(from + at) {
             true => out.extend(std::iter::repeat_n(' ', c.len_utf8())),
             false => out.push(c),
         }

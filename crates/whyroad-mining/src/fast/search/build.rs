@@ -25,7 +25,7 @@ pub(super) fn episode(
     when: &Truth,
     (first, last): (usize, usize),
 ) -> Option<Episode> {
-    let rule = of.rule;
+    let rule = &of.rule;
     let clock = Clock { evaluation };
     evaluation.set_episode(None);
     let mut building = Building { evaluation, of, row_set, first, last, keyframe: None };

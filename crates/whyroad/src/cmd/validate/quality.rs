@@ -1,5 +1,6 @@
 //! `whyroad validate --quality`: one report of errors in the causal texts of a file, by kind.
 
+use super::batch::{self, Batch, Step};
 use super::input::{Source, Sources, pieces};
 use super::{Args, unreadable};
 use crate::output::FindingFormat;
@@ -13,8 +14,8 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use whyroad_engine::label_drives::LabelDrives;
 use whyroad_framework::Framework;
-use whyroad_framework::check::Piece;
-use whyroad_label::check::{Checker, QualityKind};
+use whyroad_framework::check::Document;
+use whyroad_label::check::{Checker, Quality, QualityKind};
 use whyroad_lake::Lake;
 use whyroad_model::messages::CocLabel;
 use whyroad_model::{Diagnostic, Lang};
@@ -31,6 +32,8 @@ struct OfKind {
 /// Findings in all texts.
 #[derive(Default)]
 struct Report {
+    /// The file that is read.
+    name: String,
     texts: usize,
     unreadable: usize,
     not_in_lake: usize,
@@ -62,25 +65,27 @@ pub(super) fn run(
     };
     let checker = Checker::new(framework).with_recordings(Arc::new(LabelDrives::new(lake, framework)));
     let mut report = Report::default();
+    let mut batch = Batch::new(batch::WITH_DRIVES);
     for source in Sources::of(&args.paths) {
-        let (name, path) = match source {
-            Source::File { name, path, .. } => (name, path),
+        let (name, path, how) = match source {
+            Source::File { name, path, how } => (name, path, how),
             Source::Nothing { .. } => continue,
             Source::Unreadable { name, error } => {
-                report.unreadable += 1;
-                tell!("{}", output::render_text(&unreadable(&error).in_file(name), global.lang));
+                batch.push(Step::Other { name, found: unreadable(&error) });
                 continue;
             }
         };
+        batch.push(Step::Begin { name, how });
         let read = pieces(path.as_deref(), &mut |piece| {
-            report.piece(&name, &piece, &checker);
+            batch.piece(&piece);
+            if batch.is_full() {
+                report.batch(batch.take(), &checker, global.lang);
+            }
             true
         });
-        if let Err(e) = read {
-            report.unreadable += 1;
-            tell!("{}", output::render_text(&unreadable(&e).in_file(name), global.lang));
-        }
+        batch.push(Step::End(read));
     }
+    report.batch(batch, &checker, global.lang);
     match args.print.format {
         FindingFormat::Json => output::put_json(&report.json(args.examples, global.lang))?,
         _ => output::put(&report.text(args.examples, global.lang)),
@@ -95,19 +100,42 @@ pub(super) fn run(
 }
 
 impl Report {
-    fn piece(&mut self, name: &str, piece: &Piece<'_>, checker: &Checker<'_>) {
-        let label = match piece {
-            Piece::Document(document) => serde_json::from_slice::<CocLabel>(document.bytes).ok(),
-            Piece::Problem(..) => None,
+    /// Adds the texts of a batch.
+    fn batch(&mut self, batch: Batch, checker: &Checker<'_>, lang: Lang) {
+        let check = |d: &Document<'_>| {
+            let label: Option<CocLabel> = serde_json::from_slice(d.bytes).ok();
+            label.map(|label| (checker.quality(&label), label))
         };
-        let Some(label) = label else {
+        for (step, checked) in batch.checked(&check, |c| c.as_ref().map_or(0, |(q, _)| q.findings.len())) {
+            let lost = match step {
+                Step::Begin { name, .. } => {
+                    self.name = name;
+                    continue;
+                }
+                Step::End(Ok(())) => continue,
+                Step::End(Err(e)) => Some(unreadable(&e).in_file(self.name.clone())),
+                Step::Other { name, found } => Some(found.in_file(name)),
+                Step::Problem(..) => None,
+                Step::Document { .. } => match checked.flatten() {
+                    Some((quality, label)) => {
+                        self.add(quality, label);
+                        continue;
+                    }
+                    None => None,
+                },
+            };
             self.unreadable += 1;
-            return;
-        };
+            if let Some(d) = lost {
+                tell!("{}", output::render_text(&d, lang));
+            }
+        }
+    }
+
+    /// Adds a text.
+    fn add(&mut self, quality: Quality, label: CocLabel) {
         let number = self.texts;
         self.texts += 1;
-        let place = format!("{name}: {} @ {}", label.clip_id, label.keyframe.timestamp);
-        let quality = checker.quality(&label);
+        let place = format!("{}: {} @ {}", self.name, label.clip_id, label.keyframe.timestamp);
         self.not_in_lake += usize::from(!quality.compared);
         self.without_action += usize::from(!quality.states_action);
         self.clean += usize::from(quality.findings.is_empty());

@@ -1,5 +1,6 @@
 //! Finds decisions that a trace names, and how certainly it attributes them to the ego.
 
+use crate::check::reading::starting_in;
 use whyroad_framework::lexicon::units::Units;
 use whyroad_framework::lexicon::{Hit, Lexicon, Role};
 use whyroad_model::decision::LateralDirection;
@@ -64,6 +65,19 @@ pub(in crate::check) struct Reading {
     pub refused: Option<(usize, usize, usize)>,
     /// Bytes of the first decision identifier.
     pub decision_id: Option<(usize, usize)>,
+}
+
+impl Reading {
+    /// Mentions that begin in these bytes.
+    pub fn mentions_in(&self, from: usize, to: usize) -> &[Mention] {
+        starting_in(&self.mentions, |m| m.start, from, to)
+    }
+}
+
+/// `text` ends with `word`, in upper or lower case.
+fn ends_with(text: &str, word: &str) -> bool {
+    let end = text.len().checked_sub(word.len()).and_then(|from| text.get(from..));
+    end.is_some_and(|end| end.eq_ignore_ascii_case(word))
 }
 
 /// The actor of a clause.
@@ -138,6 +152,7 @@ pub(in crate::check) fn read(text: &str, units: &Units, lexicon: &Lexicon) -> Re
     r.out.end = text_end;
     lexicon.hits(units, 0..text_end, |hit| r.take(hit));
     r.end_clause();
+    debug_assert!(r.out.mentions.is_sorted_by_key(|m| m.start));
     // The last clause states the decision (LABELING.md 7): if it has no subject of its own, its subject is the ego.
     let last = r.clause;
     r.out.last_clause = last;
@@ -271,7 +286,7 @@ impl Reader<'_> {
         self.back_negation = None;
         let (before, behind) = (&self.text[..hit.start], &self.text[hit.end..]);
         // "Only left turns", "it can be stopped": a noun, and a possible action.
-        let is_noun = behind.is_ascii() && before.ends_with("left ") || before.ends_with("right ");
+        let is_noun = before.ends_with("left ") && behind.is_ascii() || before.ends_with("right ");
         let is_noun = is_noun && self.text[hit.start..hit.end].eq_ignore_ascii_case("turns");
         if is_noun || self.lexicon.can.iter().any(|w| behind.starts_with(w.as_str())) {
             return;
@@ -281,7 +296,7 @@ impl Reader<'_> {
         let negated = match &mut self.negation {
             // "Without leaving the lane and brakes": a finite verb continues the clause before it.
             Some(n)
-                if self.text[..n.end].to_ascii_lowercase().ends_with("without")
+                if ends_with(&self.text[..n.end], "without")
                     && self.text[n.end..hit.start].contains(" and ")
                     && !self.text[hit.start..hit.end].contains("ing") =>
             {
