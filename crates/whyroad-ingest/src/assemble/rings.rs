@@ -268,7 +268,7 @@ mod tests {
         map
     }
 
-    /// Lanes drawn with a few points: INTERACTION's map of a roundabout of 16.5 m radius has straight stretches of 18 m.
+    /// Lanes drawn with a few points: INTERACTION's map of a roundabout of 16.5 m radius has straight pieces of 18 m.
     #[test]
     fn straight_sides_that_keep_their_distance_from_the_middle_are_a_roundabout() {
         for (corners, is_one) in [(4, false), (6, true), (8, true)] {

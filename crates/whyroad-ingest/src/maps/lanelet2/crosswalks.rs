@@ -1,5 +1,5 @@
-//! Crosswalks that are drawn as painted lines (`type=pedestrian_marking`) and not as lanelets: two lines beside each other
-//! bound one. INTERACTION's maps draw them so.
+//! Crosswalks that are drawn as painted lines (`type=pedestrian_marking`) and not as lanelets: two lines beside each
+//! other bound one. INTERACTION's maps draw them so.
 
 use super::document::{Document, MemberKind};
 use super::ground::Ground;
