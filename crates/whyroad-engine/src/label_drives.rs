@@ -20,7 +20,7 @@ use whyroad_model::{ClipCut, ClipId, Drive, DriveId, Lang, Nanos};
 use whyroad_signals::{Catalog, Wanted, derive_wanted, estimate};
 
 /// Memory for what is kept of the lake, about. A drive of 20 s takes 3 to 40 MB, by the number of its objects.
-const KEPT_BYTES: usize = 384 << 20;
+const KEPT_BYTES: usize = 192 << 20;
 
 /// Drives of one lake.
 pub struct LabelDrives {

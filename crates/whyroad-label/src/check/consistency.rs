@@ -2,6 +2,7 @@
 
 mod attributes;
 pub(super) mod duplicates;
+mod given;
 pub(super) mod last_action;
 mod meaning;
 pub(super) mod moment;

@@ -292,7 +292,7 @@ fn a_store_of_other_content_or_version_is_none() {
 }
 
 /// A lake with one drive, `d`.
-fn lake_of_one(dir: &std::path::Path) -> Lake {
+fn lake_of_one(dir: &Path) -> Lake {
     let lake = Lake::create_or_open(dir.join("lake")).unwrap();
     let meta = DriveMeta { drive_id: "d".into(), content_hash: "h".into(), ..DriveMeta::default() };
     lake.write_drive(&Drive { meta, times: one().times, ..Drive::default() }).unwrap();

@@ -1,16 +1,14 @@
 //! Things in the trace that no component names, or that have another location or color there. A component in words that
 //! are in no list may name anything.
 
-mod given;
-
 use crate::check::consistency::attributes;
+use crate::check::consistency::given::{Given, painted, turned};
 use crate::check::consistency::trace_rules::Said;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
 use crate::check::texts::{TextScope, Texts};
 use crate::check::view::View;
-use given::Given;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use whyroad_framework::LabelWords;
@@ -252,23 +250,6 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         )
         .hint("改正其中有误的一处", "correct the one that is wrong")
     });
-}
-
-/// The color of a car that is part of its name: "蓝车".
-fn painted(text: Option<&str>, n: &Named, words: &LabelWords) -> Option<char> {
-    let mut word = text?.get(n.start..n.end)?.chars();
-    let color = word.next().filter(|c| words.color_chars.iter().any(|(own, _)| own == c))?;
-    (word.as_str() == "车").then_some(color)
-}
-
-/// A bend or a wall on the other side: as a word of its own, or as a part of its name.
-fn turned(text: &str, n: &Named) -> Option<bool> {
-    let word = text.get(n.start..n.end).unwrap_or_default();
-    match word.chars().next() {
-        Some('左') => Some(true),
-        Some('右') => Some(false),
-        _ => n.side,
-    }
 }
 
 /// "Behind us" of a road user that is ahead of the ego in its component, where no other can be meant.

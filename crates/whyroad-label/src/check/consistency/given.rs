@@ -1,13 +1,13 @@
 //! What the components say of the things that the trace names: collected once for each group of things, so that long
 //! texts take time in proportion to their length.
 
-use super::{painted, turned};
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
 use crate::check::texts::TextScope;
 use std::cell::{OnceCell, RefCell};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::rc::Rc;
+use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{Doings, GroupSet};
 
 /// Sides and colors.
@@ -280,5 +280,22 @@ impl<'a> Given<'a> {
                     .filter_map(|(t, f)| Some((t?, f)))
                     .any(|(t, f)| !f.named.iter().any(|m| has_kind(t, m)) && subject::is_unread(t, f, words))
         })
+    }
+}
+
+/// The color of a car that is part of its name: "蓝车".
+pub(super) fn painted(text: Option<&str>, n: &Named, words: &LabelWords) -> Option<char> {
+    let mut word = text?.get(n.start..n.end)?.chars();
+    let color = word.next().filter(|c| words.color_chars.iter().any(|(own, _)| own == c))?;
+    (word.as_str() == "车").then_some(color)
+}
+
+/// A bend or a wall on the other side: as a word of its own, or as a part of its name.
+pub(super) fn turned(text: &str, n: &Named) -> Option<bool> {
+    let word = text.get(n.start..n.end).unwrap_or_default();
+    match word.chars().next() {
+        Some('左') => Some(true),
+        Some('右') => Some(false),
+        _ => n.side,
     }
 }
