@@ -10,9 +10,9 @@ use std::time::{Duration, SystemTime};
 /// container, whose processes cannot be seen from here.
 const QUIET: Duration = Duration::from_secs(600);
 
-/// Removes half-written drives, signals and files whose process is gone. A drive that was moved aside for a replacement that was never
-/// completed is restored. Where processes cannot be looked up (no `/proc`) nothing is done; what cannot be removed
-/// stays, as it harms no reader.
+/// Removes half-written drives, signals and files whose process is gone. A drive that was moved aside for a replacement
+/// that was never completed is restored. Where processes cannot be looked up (no `/proc`) nothing is done; what cannot
+/// be removed stays, as it harms no reader.
 pub(crate) fn remove(drives: &Path) {
     if !Path::new("/proc/self").exists() {
         return;
