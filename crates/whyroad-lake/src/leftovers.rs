@@ -1,18 +1,18 @@
-//! What a killed process left partly written (`.new-<pid>-<drive>`, `.signals-<pid>-<drive>`, files such as
-//! `.found.json-<pid>-<drive>`), moved aside (`.old-<pid>-<drive>`) or had not yet removed (`.gone-<pid>-<drive>`) among
-//! the drives.
+//! What a killed process left partly written (`.new-<pid>-<drive>`, `.signals.<n>-<pid>-<drive>`, files such as
+//! `.found.json-<pid>-<drive>`), moved aside (`.old-<pid>-<drive>`) or had not yet removed (`.gone-<pid>-<drive>`)
+//! among the drives.
 
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// What was touched more recently is left alone: a lake on shared storage may be written from another machine
-/// or container, whose processes cannot be seen from here.
+/// What was touched more recently is left alone: a lake on shared storage may be written from another machine or
+/// container, whose processes cannot be seen from here.
 const QUIET: Duration = Duration::from_secs(600);
 
-/// Removes half-written drives, signals and files whose process is gone. A drive that was moved aside for a replacement that was never
-/// completed is restored. Where processes cannot be looked up (no `/proc`) nothing is done; what cannot be removed
-/// stays, as it harms no reader.
+/// Removes half-written drives, signals and files whose process is gone. A drive that was moved aside for a replacement
+/// that was never completed is restored. Where processes cannot be looked up (no `/proc`) nothing is done; what cannot
+/// be removed stays, as it harms no reader.
 pub(crate) fn remove(drives: &Path) {
     if !Path::new("/proc/self").exists() {
         return;

@@ -91,7 +91,7 @@ impl ModelArgs {
             }),
             cache: Some(self.cache.clone().unwrap_or(cache)),
             max_answer_tokens: self.max_answer_tokens,
-            ..Settings::new(url, &self.name())
+            ..Settings::new(url, self.name())
         })
     }
 }
