@@ -223,7 +223,10 @@ impl Labels {
         // The episode that a label is about is no second label: the label is used, with the episode's facts.
         if is_episode != self.episodes.contains(&id) {
             if is_episode {
-                (held.episode, held.score) = (Some(at), first_known(held.score, item.score));
+                // Of several road users at one moment the first one read counts, for score and facts alike.
+                if held.episode.is_none() {
+                    (held.episode, held.score) = (Some(at), first_known(held.score, item.score));
+                }
             } else {
                 let score = first_known(item.score, held.score);
                 *held = Item { episode: Some(held.label), score, ..item };

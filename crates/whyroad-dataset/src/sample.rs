@@ -262,7 +262,8 @@ pub struct Object {
     pub x: Vec<Option<f32>>,
     /// m.
     pub y: Vec<Option<f32>>,
-    /// m; since 1.1.0.
+    /// m; since 1.1.0, empty in older samples.
+    #[serde(default)]
     pub z: Vec<Option<f32>>,
     /// rad.
     pub heading: Vec<Option<f32>>,

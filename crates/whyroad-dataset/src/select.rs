@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_lake::Lake;
 use whyroad_model::scene::DriveMeta;
 use whyroad_model::suggest::suggestion_or_known;
-use whyroad_model::{Bilingual, Diagnostic, DriveId, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, ScenarioId, Severity};
 
 /// The place of drives that state none, in the spec and in counts.
 const UNKNOWN: &str = "unknown";
@@ -66,7 +66,11 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
         };
     }
     labels.items = items;
-    out.refused.extend(unknown_names(&out.drives, spec, lake, &present));
+    let (refused, warned): (Vec<_>, Vec<_>) = unknown_names(&out.drives, spec, lake, &present)
+        .into_iter()
+        .partition(|d| d.severity == Severity::Error);
+    out.refused.extend(refused);
+    out.diagnostics.extend(warned);
     // The license of a drive without remaining candidates is not checked.
     let used: BTreeSet<u32> = labels.items.iter().filter(|i| i.kept()).map(|i| i.drive).collect();
     out.drives.retain(|d, _| used.contains(d));
@@ -123,17 +127,23 @@ fn unknown_names(
     for (field, wanted, of) in fields {
         let mut known: BTreeSet<String> = of_labels.values().map(|meta| of(meta).to_owned()).collect();
         if wanted.iter().any(|name| !known.contains(name)) {
-            // A name that no label has, but another drive.
-            let metas = present.iter().filter_map(|id| lake.outline(id).ok());
-            known.extend(metas.map(|outline| of(&outline.meta).to_owned()));
+            // A name that no label has, but another drive; of one that cannot be read it is not known.
+            let Ok(outlines) = present.iter().map(|id| lake.outline(id)).collect::<Result<Vec<_>, _>>()
+            else {
+                continue;
+            };
+            known.extend(outlines.iter().map(|outline| of(&outline.meta).to_owned()));
         }
+        // A spec may be for several lakes: names beside a known one select nothing here.
+        let any_known = wanted.iter().any(|name| known.contains(name));
         for name in wanted.iter().filter(|name| !known.contains(*name) && *name != UNKNOWN) {
             let message = Bilingual::new(
                 format!("spec 的 select.{field} 中的 '{name}' 未知：数据湖中没有这样的行程"),
                 format!("select.{field} in the spec names '{name}', which no drive of the lake has"),
             );
             let hint = suggestion_or_known(name, known.iter().map(String::as_str));
-            out.push(Diagnostic::error("dataset.select.unknown", message).with_hint(hint));
+            let severity = if any_known { Diagnostic::warning } else { Diagnostic::error };
+            out.push(severity("dataset.select.unknown", message).with_hint(hint));
         }
     }
     out

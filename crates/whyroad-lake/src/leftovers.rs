@@ -38,7 +38,15 @@ pub(crate) fn remove(drives: &Path) {
 fn parts(name: &str) -> Option<(&str, u32, &str)> {
     let (kind, rest) = name.strip_prefix('.')?.split_once('-')?;
     let (pid, drive) = rest.split_once('-')?;
-    (!kind.is_empty() && !drive.is_empty()).then_some((kind, pid.parse().ok()?, drive))
+    (is_ours(kind) && !drive.is_empty()).then_some((kind, pid.parse().ok()?, drive))
+}
+
+/// What [`Lake::aside`](crate::Lake) is called with: a folder of a drive or of its signals, or a file in it.
+fn is_ours(kind: &str) -> bool {
+    matches!(kind, "new" | "old" | "gone" | "signals")
+        || kind.starts_with("signals.")
+        || kind.ends_with(".json")
+        || kind.ends_with(".parquet")
 }
 
 fn is_quiet(path: &Path) -> bool {
@@ -81,6 +89,8 @@ mod tests {
             make(format!(".new-{gone}-recent"), 1),
             make("a-drive".into(), 60),
             make(".new-x-b".into(), 60),
+            // Somebody's own, although it has the form.
+            make(format!(".backup-{gone}-11-30"), 60),
         ];
         let file = drives.join(format!(".found.json-{gone}-a-drive"));
         fs::write(&file, "half").unwrap();

@@ -6,6 +6,7 @@ use whyroad_dataset::DatasetError;
 use whyroad_dataset::licence::{BUNDLED, LicenceTable};
 use whyroad_dataset::verify::verify;
 use whyroad_framework::Framework;
+use whyroad_model::Severity;
 
 fn codes(release: &Path) -> Vec<&'static str> {
     let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
@@ -259,9 +260,17 @@ fn a_spec_that_names_what_does_not_exist_is_refused_or_warned_of() {
     let Err(DatasetError::Refused(found)) = fleet.build(&fleet.out("refused")) else { panic!("not refused") };
     let said: Vec<_> = found.iter().map(|d| (d.code, d.hint.as_ref().unwrap().en.as_str())).collect();
     let code = "dataset.select.unknown";
-    assert_eq!(said, [(code, "did you mean 'fleet'?"), (code, "known: town")]);
-    fleet.spec_text = "select: {sources: [fleet], places: [town, unknown]}\n".into();
-    assert_eq!(fleet.build(&fleet.out("selected")).unwrap().manifest.counts.samples, 16);
+    assert_eq!(said, [(code, "did you mean 'fleet'?")]);
+    // Beside a name that is known: a spec for several lakes.
+    fleet.spec_text = "select: {sources: [fleet], places: [town, nowhere, unknown]}\n".into();
+    let built = fleet.build(&fleet.out("selected")).unwrap();
+    assert_eq!(built.manifest.counts.samples, 16);
+    let warned: Vec<_> = built.diagnostics.iter().filter(|d| d.code == code).collect();
+    assert_eq!(warned.len(), 1);
+    assert_eq!(
+        (warned[0].severity, warned[0].hint.as_ref().unwrap().en.as_str()),
+        (Severity::Warning, "known: town")
+    );
     let unused = |spec: &str| {
         let mut fleet = Fleet::town();
         fleet.spec_text = spec.into();

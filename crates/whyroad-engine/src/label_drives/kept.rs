@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Memory of an entry beside its value, about: what could not be made is kept, too.
+/// Memory of an entry beside its value, about.
 const ENTRY_BYTES: usize = 256;
 
 /// Kept values.
@@ -42,15 +42,20 @@ impl<K: Clone + Eq + Hash, V> Kept<K, V> {
     pub fn get(&self, key: &K, make: impl FnOnce() -> Option<(V, usize)>) -> Option<Arc<V>> {
         let slot = self.entries().slot(key);
         let mut made = None;
-        let value = slot.get_or_init(|| {
-            let (value, bytes) = make().map_or((None, 0), |(v, bytes)| (Some(Arc::new(v)), bytes));
-            made = Some(bytes + ENTRY_BYTES);
-            value
-        });
-        if let Some(bytes) = made {
-            self.entries().keep(key, bytes, self.bytes);
+        let value = slot
+            .get_or_init(|| {
+                let (value, bytes) = make().map_or((None, 0), |(v, bytes)| (Some(Arc::new(v)), bytes));
+                made = Some(bytes + ENTRY_BYTES);
+                value
+            })
+            .clone();
+        match (made, &value) {
+            // What cannot be read now may be readable later.
+            (Some(_), None) => self.entries().forget(key),
+            (Some(bytes), Some(_)) => self.entries().keep(key, bytes, self.bytes),
+            (None, _) => {}
         }
-        value.clone()
+        value
     }
 
     /// The entries. They stay consistent even when a thread that held the lock has panicked.
@@ -69,6 +74,11 @@ impl<K: Clone + Eq + Hash, V> Entries<K, V> {
         let value = Slot::default();
         self.all.insert(key.clone(), Entry { value: Arc::clone(&value), bytes: 0, used: self.now });
         value
+    }
+
+    /// Removes an entry of which nothing was made.
+    fn forget(&mut self, key: &K) {
+        self.all.remove(key);
     }
 
     /// Counts what was made, and removes others until all fit.
@@ -112,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_is_made_once_and_its_absence_is_kept() {
+    fn a_value_is_made_once_and_an_absent_one_is_asked_for_again() {
         let kept: Kept<u32, u32> = Kept::new(1 << 20);
         let made = AtomicUsize::new(0);
         let ask = |key: u32| {
@@ -124,9 +134,11 @@ mod tests {
         };
         std::thread::scope(|scope| {
             for _ in 0..8 {
-                scope.spawn(|| assert_eq!((ask(0), ask(1).as_deref()), (None, Some(&1))));
+                scope.spawn(|| assert_eq!(ask(1).as_deref(), Some(&1)));
             }
         });
-        assert_eq!(made.load(Ordering::Relaxed), 2);
+        assert_eq!(made.load(Ordering::Relaxed), 1);
+        assert_eq!([ask(0), ask(0)], [None, None]);
+        assert_eq!(made.load(Ordering::Relaxed), 3);
     }
 }

@@ -17,9 +17,11 @@ const STRAIGHT_RAD: f64 = PI / 18.0;
 /// The longest straight stretch, m, or as a share of the ring: on a circle 10 deg are 3 % of it.
 const STRAIGHT_M: f64 = 12.0;
 const STRAIGHT_SHARE: f64 = 0.12;
-/// A ring all of which is about as far from its middle is round, straight pieces or not: the least distance as a share
-/// of the greatest. A square has 0.71, a pentagon 0.81, a hexagon 0.87.
+/// A ring all of which is about as far from its middle is round although it is drawn with straight pieces up to a
+/// length, m: the least distance as a share of the greatest. A square has 0.71, a pentagon 0.81, a hexagon 0.87; a block
+/// with sides of 30 m and corners of 10 m radius 0.80.
 const ROUND_SHARE: f64 = 0.8;
+const PIECE_M: f64 = 20.0;
 /// Length by which the line of a ring is sampled, m.
 const STEP_M: f64 = 1.0;
 /// At least this many roads lead in: a turning loop at the end of a street has one.
@@ -164,7 +166,8 @@ fn circle(line: &[Point3]) -> Option<f64> {
             .count() as f64
             * STEP_M
     };
-    (is_round(&points) || (0..n).all(|i| straight(i) <= longest)).then_some(turned)
+    let at_most = if is_round(&points) { longest.max(PIECE_M) } else { longest };
+    (0..n).all(|i| straight(i) <= at_most).then_some(turned)
 }
 
 fn is_round(points: &[Point3]) -> bool {
@@ -280,27 +283,29 @@ mod tests {
 
     #[test]
     fn a_block_of_streets_is_none() {
-        // 30 m sides and corners of 8 m radius, entered from two streets.
-        let corner = |x: f64, y: f64, from: f64| {
-            arc(8.0, from, from + 90.0).into_iter().map(|(a, b)| (x + a, y + b)).collect::<Vec<_>>()
-        };
-        let mut points = corner(30.0, 0.0, -90.0);
-        points.extend(corner(30.0, 30.0, 0.0));
-        points.extend(corner(0.0, 30.0, 90.0));
-        points.extend(corner(0.0, 0.0, 180.0));
-        let (half, rest) = points.split_at(22);
-        let mut second = vec![half[21]];
-        second.extend(rest);
-        second.push(half[0]);
-        let mut map = map(vec![
-            lane("a", half.to_vec(), &["b", "in1"], &["b"]),
-            lane("b", second, &["a", "in2"], &["a"]),
-            lane("in1", vec![(-60.0, -8.0), (30.0, -8.0)], &[], &["a"]),
-            lane("in2", vec![(90.0, 38.0), (0.0, 38.0)], &[], &["b"]),
-        ]);
-        add(&mut map);
-        assert!(map.facilities.is_empty());
-        assert!(map.tells_all("roundabout"), "it is known that there is none");
+        // Sides and the radius of the corners, m; entered from two streets.
+        for (side, radius) in [(30.0, 8.0), (30.0, 10.0), (24.0, 8.0)] {
+            let corner = |x: f64, y: f64, from: f64| {
+                arc(radius, from, from + 90.0).into_iter().map(|(a, b)| (x + a, y + b)).collect::<Vec<_>>()
+            };
+            let mut points = corner(side, 0.0, -90.0);
+            points.extend(corner(side, side, 0.0));
+            points.extend(corner(0.0, side, 90.0));
+            points.extend(corner(0.0, 0.0, 180.0));
+            let (half, rest) = points.split_at(22);
+            let mut second = vec![half[21]];
+            second.extend(rest);
+            second.push(half[0]);
+            let mut map = map(vec![
+                lane("a", half.to_vec(), &["b", "in1"], &["b"]),
+                lane("b", second, &["a", "in2"], &["a"]),
+                lane("in1", vec![(-60.0, -radius), (side, -radius)], &[], &["a"]),
+                lane("in2", vec![(90.0, side + radius), (0.0, side + radius)], &[], &["b"]),
+            ]);
+            add(&mut map);
+            assert!(map.facilities.is_empty(), "{side} m, {radius} m");
+            assert!(map.tells_all("roundabout"), "it is known that there is none");
+        }
     }
 
     #[test]

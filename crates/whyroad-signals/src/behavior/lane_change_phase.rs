@@ -163,6 +163,11 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
         (0..ego.len()).map(|i| if known(i) { Tri::False } else { Tri::Unknown }).collect();
     for x in &excursions(scene, road) {
         let changing = |i: usize| changes.iter().any(|c| (c.start..c.end).contains(&i));
+        // Without the ego's size nothing says how near to the line it came.
+        if !ego.footprint(x.first).width.is_finite() {
+            aborted[x.first..x.end].fill(Tri::Unknown);
+            continue;
+        }
         let Some(back) = given_up(scene, road, x).filter(|range| !range.clone().any(changing)) else {
             continue;
         };

@@ -3,7 +3,7 @@
 use crate::scene::{Table, drive, lane, map, road};
 use std::f64::consts::PI;
 use whyroad_model::Drive;
-use whyroad_model::Tri::True;
+use whyroad_model::Tri::{True, Unknown};
 use whyroad_model::road_map::Lane;
 use whyroad_model::scene::TurnSignal;
 
@@ -92,6 +92,10 @@ fn a_lane_change_given_up() {
     // completed.
     assert_eq!(t.span("ego.lane_change_phase", "execute"), Some((47, first - 1)));
     assert_eq!(t.span("ego.lane_change_phase", "complete"), None);
+    // Nor is it known of a car of unknown width how near it came.
+    let mut unsized_car = d.clone();
+    unsized_car.ego.as_mut().unwrap().width_m = f64::NAN;
+    assert_eq!(Table::of(&unsized_car).ego_flag("ego.lane_change_aborted", 62), Unknown);
     // 0.53 m out its side is 0.33 m from the line of a lane of 3.5 m: wandering.
     let mut d = drive(120, move |t| (12.0 * t, 0.44 * out(t), 0.0));
     d.map = Some(road());

@@ -18,7 +18,7 @@ const PARALLEL_RAD: f64 = PI / 9.0;
 /// The lines lie beside each other along this share of the shorter one, at least.
 const BESIDE_SHARE: f64 = 0.6;
 /// More lines are not compared with each other.
-const MAX_LINES: usize = 4000;
+const MAX_LINES: usize = 2000;
 
 /// Adds the crosswalks between lines that no crosswalk lanelet has.
 pub(super) fn add(document: &Document, ground: &mut Ground, out: &mut MapReading) {

@@ -3,10 +3,10 @@
 //! one way by the format; editors split ways, and pieces that meet end to end are taken for one bound.
 
 use super::document::{Document, MemberKind, Relation, Tags};
-use super::ground::Ground;
+use super::ground::{Ground, MAX_POINTS};
 use crate::assemble::geometry::{between, center_line, edges_oppose};
 use crate::maps::{MapReading, signs};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, Point3, TurnKind};
 
 /// Most ways of a bound.
@@ -140,13 +140,21 @@ fn bounds(document: &Document, ground: &mut Ground, relation: &Relation) -> Resu
 fn chain(document: &Document, ids: &[i64], role: &str) -> Result<Chain, String> {
     let way = |id: i64| document.ways.get(&id).ok_or_else(|| format!("way {id} is not in the file"));
     let Some((&first, rest)) = ids.split_first() else { return Err(format!("it has no {role} bound")) };
-    if rest.len() > MAX_PIECES {
+    if rest.len() >= MAX_PIECES {
         return Err(format!("its {role} bound has more than {MAX_PIECES} ways"));
+    }
+    let distinct: HashSet<i64> = ids.iter().copied().collect();
+    if distinct.len() < ids.len() {
+        return Err(format!("its {role} bound names a way twice"));
     }
     let mut ways = vec![(first, false)];
     let mut nodes = way(first)?.nodes.clone();
     let mut rest: Vec<(i64, &[i64])> =
         rest.iter().map(|&id| Ok((id, way(id)?.nodes.as_slice()))).collect::<Result<_, String>>()?;
+    let points = rest.iter().map(|(_, piece)| piece.len()).fold(nodes.len(), usize::saturating_add);
+    if points > MAX_POINTS {
+        return Err(format!("its {role} bound has {points} points"));
+    }
     while !rest.is_empty() {
         let meets =
             |end: Option<&i64>, piece: &[i64]| end.is_some() && (piece.first() == end || piece.last() == end);

@@ -4,7 +4,7 @@ use super::document::{Document, MemberKind, Relation, Way};
 use super::ground::Ground;
 use super::lanelets::Lanelets;
 use crate::maps::{MapReading, signs};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Facility, Lane, Point3, Sign, StopLine};
 
@@ -218,7 +218,9 @@ impl Elements<'_> {
         // A board at a corner stands for several ways in.
         if let Some(at) = self.signs.get(&way) {
             let known = &mut out.map.signs[*at].lane_ids;
-            known.extend(lanes.iter().filter(|l| !known.contains(l)).cloned().collect::<Vec<_>>());
+            let named: HashSet<&str> = known.iter().map(String::as_str).collect();
+            let more: Vec<String> = lanes.iter().filter(|l| !named.contains(l.as_str())).cloned().collect();
+            known.extend(more);
             return;
         }
         let name = found.tag("subtype");

@@ -155,6 +155,7 @@ fn a_bound_in_several_ways_is_joined_where_they_meet() {
         pieced(50, &[1, 2, 3], &[4, 5]),
         pieced(51, &[6], &[1, 3, 2]),
         pieced(52, &[6], &[4, 2]),
+        pieced(53, &[6], &[1, 1]),
     ]
     .concat();
     let r = reading(&content, &Options::default());
@@ -166,7 +167,10 @@ fn a_bound_in_several_ways_is_joined_where_they_meet() {
     assert_eq!((lower.left_neighbor.as_deref(), upper.right_neighbor.as_deref()), (Some("51"), Some("50")));
     assert_eq!(
         r.invalid,
-        ["lanelet 52: the ways of its right bound do not meet end to end; join or reorder them"]
+        [
+            "lanelet 52: the ways of its right bound do not meet end to end; join or reorder them",
+            "lanelet 53: its right bound names a way twice"
+        ]
     );
 }
 
