@@ -18,8 +18,8 @@ const STRAIGHT_RAD: f64 = PI / 18.0;
 const STRAIGHT_M: f64 = 12.0;
 const STRAIGHT_SHARE: f64 = 0.12;
 /// A ring all of which is about as far from its middle is round although it is drawn with straight pieces up to a
-/// length, m: the least distance as a share of the greatest. A square has 0.71, a pentagon 0.81, a hexagon 0.87; a block
-/// with sides of 30 m and corners of 10 m radius 0.80.
+/// length, m: the least distance as a share of the greatest. A square has 0.71, a pentagon 0.81, a hexagon 0.87, a
+/// block with sides of 30 m and corners of 10 m radius 0.80.
 const ROUND_SHARE: f64 = 0.8;
 const PIECE_M: f64 = 20.0;
 /// Length by which the line of a ring is sampled, m.

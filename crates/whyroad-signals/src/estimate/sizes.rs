@@ -1,6 +1,6 @@
 //! Plausible box sizes. Derivation works along boxes, so its work grows with them: a box of a billion meters, which a
-//! damaged or malicious lake may contain, must not cost more than another. People and bicycles are of much the same size
-//! all, and head where they go: where a log has sizes and headings, but none of theirs (INTERACTION, drone data), they
+//! damaged or malicious lake may contain, must not cost more than another. People and bicycles are all of much the same
+//! size, and head where they go: where a log has sizes and headings, but none of theirs (INTERACTION, drone data), they
 //! have the usual ones.
 
 use std::borrow::Cow;

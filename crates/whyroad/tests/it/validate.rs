@@ -218,6 +218,7 @@ mod twins {
             "label.json.too_large",
             "lexicon.syntax",
             "lexicon.pattern",
+            "lexicon.class",
         ];
         // Faults of text are shown by the corpus of whyroad-label (`tests/it/corpus`), those against a recording by
         // `label_checks` of whyroad-engine, those of migration by its own tests.
