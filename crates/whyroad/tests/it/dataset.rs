@@ -126,7 +126,7 @@ fn drafts_of_a_file_are_traced_back_to_their_episodes() {
     good(at, &format!("{build} --labels DEMO/mined --out r1"));
     good(at, &format!("{build} --labels drafts.jsonl --labels DEMO/mined --out r2"));
     let lineage = |release: &str| {
-        let all = whyroad_dataset::Release::open(&at.join(release)).unwrap();
+        let all = whyroad_dataset::Release::open(at.join(release)).unwrap();
         let mut all: Vec<_> = all.samples(None).map(|s| s.unwrap()).collect();
         all.sort_by(|a, b| a.sample_id.cmp(&b.sample_id));
         all.into_iter()
