@@ -115,6 +115,11 @@ static PROMPTS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../prompts")
 static SCENARIOS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../scenarios");
 
 impl Framework {
+    /// The file with the specs and rules of an L2, relative to the framework's folder.
+    pub fn spec_path(l1: &str, l2: &str) -> String {
+        format!("scenarios/{l1}/{l2}.yaml")
+    }
+
     /// The framework that is built into this program. A test keeps it free of findings.
     pub fn bundled() -> &'static Framework {
         static BUNDLED: OnceLock<Framework> = OnceLock::new();

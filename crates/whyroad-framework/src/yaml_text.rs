@@ -248,7 +248,6 @@ fn translated(message: &str) -> (Bilingual, Option<Bilingual>) {
         ("found unprintable character", "有不可见的控制字符", None),
         ("a byte order mark", "文件中间有字节顺序标记（BOM）", None),
         ("recursion limit exceeded", "嵌套太深", None),
-        ("simple key expected", "此处应为“键: 值”", Some(indent)),
         ("unexpected end of plain scalar", "文本在此中断", None),
         ("unexpected eof", "文件在此中断", None),
         ("expected whitespace", "此处应有空格", None),

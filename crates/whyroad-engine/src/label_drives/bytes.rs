@@ -15,16 +15,20 @@ fn of<T>(values: &[T]) -> usize {
     size_of_val(values)
 }
 
+/// Rows with three texts each, about.
+fn with_texts<T>(rows: &[T]) -> usize {
+    of(rows) + rows.len() * 3 * TEXT
+}
+
 pub(super) fn of_drive(drive: &Drive) -> usize {
     let Drive { meta: _, times, ego, tracks, map, lights, context, media } = drive;
-    let texts = |n: usize, each: usize| n * (each + 3 * TEXT);
     of(times)
         + ego.as_ref().map_or(0, of_ego)
         + tracks.iter().map(of_track).sum::<usize>()
         + map.as_ref().map_or(0, of_map)
-        + lights.as_ref().map_or(0, |l| texts(l.len(), size_of_val(&l[..]) / l.len().max(1)))
-        + context.as_ref().map_or(0, |c| texts(c.len(), size_of_val(&c[..]) / c.len().max(1)))
-        + media.as_ref().map_or(0, |m| texts(m.len(), size_of_val(&m[..]) / m.len().max(1)))
+        + lights.as_deref().map_or(0, with_texts)
+        + context.as_deref().map_or(0, with_texts)
+        + media.as_deref().map_or(0, with_texts)
 }
 
 fn of_motion(motion: &Motion) -> usize {

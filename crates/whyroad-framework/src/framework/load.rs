@@ -156,7 +156,7 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
             framework.l1_specs.insert(l1_id, resolved);
         }
         for l2 in &l1.l2 {
-            let file = format!("scenarios/{}/{}.yaml", l1.id, l2.id);
+            let file = Framework::spec_path(&l1.id, &l2.id);
             let Some(spec) = read.get(&file) else {
                 // A file that exists but is unreadable has already been reported.
                 if !files.contains_key(&file) {

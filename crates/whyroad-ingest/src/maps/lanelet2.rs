@@ -15,7 +15,7 @@ use super::{MapFault, MapReading};
 use crate::assemble::{junctions, layers};
 use crate::encodings::input::Input;
 use crate::report::RowCount;
-use document::{Document, MemberKind, Relation};
+use document::{Document, MemberKind, Relation, append};
 use ground::{Ground, MAX_POINTS};
 use lanelets::Lanelets;
 use whyroad_model::RoadMap;
@@ -89,24 +89,13 @@ fn areas(document: &Document, ground: &mut Ground, out: &mut MapReading) {
 fn outer(document: &Document, relation: &Relation) -> Option<Vec<i64>> {
     let mut out: Vec<i64> = Vec::new();
     for id in relation.members(MemberKind::Way, "outer") {
-        let way = document.ways.get(&id)?;
-        let (first, last) = (way.nodes.first()?, way.nodes.last()?);
-        let end = out.last().copied();
-        match end {
-            None => out.extend(&way.nodes),
-            Some(end) if end == *first => out.extend(&way.nodes[1..]),
-            Some(end) if end == *last => out.extend(way.nodes.iter().rev().skip(1)),
+        let nodes = &document.ways.get(&id).filter(|way| !way.nodes.is_empty())?.nodes;
+        if out.is_empty() {
+            out.extend(nodes);
+        } else if append(&mut out, nodes).is_none() {
             // The first way may have been taken the wrong way round.
-            Some(_) if out.first() == Some(first) || out.first() == Some(last) => {
-                out.reverse();
-                let forward = out.last() == Some(first);
-                if forward {
-                    out.extend(&way.nodes[1..]);
-                } else {
-                    out.extend(way.nodes.iter().rev().skip(1));
-                }
-            }
-            Some(_) => return None,
+            out.reverse();
+            append(&mut out, nodes)?;
         }
         if out.len() > MAX_POINTS {
             return None;

@@ -70,8 +70,7 @@ impl RuleSet {
         let usable: BTreeSet<&ScenarioId> = self.rules.iter().map(|r| &r.scenario).collect();
         let written: BTreeSet<&ScenarioId> = framework.rules.iter().map(|r| &r.leaf).collect();
         let leaves = framework.taxonomy.leaves().map(|(l1, l2, l3)| {
-            let is_read =
-                framework.spec_versions.contains_key(&format!("scenarios/{}/{}.yaml", l1.id, l2.id));
+            let is_read = framework.spec_versions.contains_key(&Framework::spec_path(&l1.id, &l2.id));
             (ScenarioId::leaf(&l1.id, &l2.id, &l3.id), is_read)
         });
         let unusable =

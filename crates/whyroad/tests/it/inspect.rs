@@ -1,6 +1,7 @@
 //! `whyroad inspect` as a person runs it.
 #![allow(clippy::unwrap_used)]
 
+use crate::mine::number_before;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -92,15 +93,7 @@ fn the_groups_of_signals_are_all_signals() {
     ] {
         let shown = out(&whyroad(&["--lang", lang, "inspect", "--lake", path]));
         let line = shown.lines().find(|l| l.contains(without)).unwrap_or_else(|| panic!("{shown}"));
-        let last = |before: &str| -> usize {
-            before
-                .rsplit(|c: char| !c.is_ascii_digit())
-                .next()
-                .unwrap()
-                .parse()
-                .unwrap_or_else(|_| panic!("{line}"))
-        };
-        let number = |word: &str| last(line.split(word).next().unwrap());
+        let number = |word: &str| number_before(line, word) as usize;
         let numbers: Vec<usize> =
             line.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse().ok()).collect();
         assert!(line.contains(of) && numbers.len() == 4, "{line}");

@@ -520,7 +520,7 @@ fn faulty_framework() -> TempDir {
 }
 
 /// The number before `word` in a line of totals.
-fn number_before(line: &str, word: &str) -> u64 {
+pub(crate) fn number_before(line: &str, word: &str) -> u64 {
     let before = line.split(word).next().unwrap().trim_end();
     before
         .rsplit(|c: char| !c.is_ascii_digit())

@@ -55,14 +55,17 @@ pub(super) fn steps_back(drive: &mut Drive) -> Option<Diagnostic> {
 /// Rows right before or behind impossible ones whose stated velocity is none that the ego can have had: sources that
 /// compute it as the difference of two poses compute it from an impossible one.
 fn spoiled(rows: &[usize], seconds: &[f64], m: &Motion) -> Vec<usize> {
-    let is_possible = |i: usize| i < m.len().min(seconds.len()) && rows.binary_search(&i).is_err();
-    let beside = |i: usize| [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter(|&i| is_possible(i));
-    let has_spoiled = |i: &usize| {
-        let i = *i;
+    let n = m.len().min(seconds.len());
+    let is_impossible = |i: usize| rows.binary_search(&i).is_ok();
+    let is_possible = |i: usize| i < n && !is_impossible(i);
+    let before = |i: usize| i.checked_sub(1);
+    let is_beside =
+        |i: &usize| is_possible(*i) && (is_impossible(i + 1) || before(*i).is_some_and(is_impossible));
+    let has_spoiled = |&i: &usize| {
         // The speed between this row and the one on its other side.
-        let other =
-            if is_possible(i + 1) { Some(i + 1) } else { i.checked_sub(1).filter(|&j| is_possible(j)) };
-        let Some(other) = other else { return false };
+        let Some(other) = [Some(i + 1), before(i)].into_iter().flatten().find(|&j| is_possible(j)) else {
+            return false;
+        };
         let (from, to) = (i.min(other), i.max(other));
         let (sin, cos) = m.heading[i].sin_cos();
         let along = |x: f64, y: f64| x * cos + y * sin;
@@ -70,9 +73,7 @@ fn spoiled(rows: &[usize], seconds: &[f64], m: &Motion) -> Vec<usize> {
         let speed = along(m.x[to] - m.x[from], m.y[to] - m.y[from]) / dt;
         (along(m.vx[i], m.vy[i]) - speed).abs() > MAX_ACCEL_MPS2 * dt
     };
-    let mut out: Vec<usize> = rows.iter().flat_map(|&i| beside(i)).filter(has_spoiled).collect();
-    out.dedup();
-    out
+    (0..n).filter(is_beside).filter(has_spoiled).collect()
 }
 
 /// The rows, each decided from earlier ones only.

@@ -69,6 +69,21 @@ impl Way {
     }
 }
 
+/// Adds the nodes of a way that begins or ends where `nodes` end, and returns whether it was turned round for it.
+/// `None` where it does neither; then nothing is added.
+pub(super) fn append(nodes: &mut Vec<i64>, way: &[i64]) -> Option<bool> {
+    let end = nodes.last()?;
+    if way.first() == Some(end) {
+        nodes.extend(&way[1..]);
+        Some(false)
+    } else if way.last() == Some(end) {
+        nodes.extend(way.iter().rev().skip(1));
+        Some(true)
+    } else {
+        None
+    }
+}
+
 /// The element that tags belong to.
 enum Open {
     Nothing,

@@ -2,7 +2,7 @@
 //! those that share the end points of their bounds follow, those that share a bound lie beside each other. A bound is
 //! one way by the format; editors split ways, and pieces that meet end to end are taken for one bound.
 
-use super::document::{Document, MemberKind, Relation, Tags};
+use super::document::{Document, MemberKind, Relation, Tags, append};
 use super::ground::{Ground, MAX_POINTS};
 use crate::assemble::geometry::{between, center_line, edges_oppose};
 use crate::maps::{MapReading, signs};
@@ -160,13 +160,7 @@ fn chain(document: &Document, ids: &[i64], role: &str) -> Result<Chain, String> 
             |end: Option<&i64>, piece: &[i64]| end.is_some() && (piece.first() == end || piece.last() == end);
         if let Some(k) = rest.iter().position(|(_, piece)| meets(nodes.last(), piece)) {
             let (id, piece) = rest.swap_remove(k);
-            let turned = piece.first() != nodes.last();
-            ways.push((id, turned));
-            if turned {
-                nodes.extend(piece.iter().rev().skip(1));
-            } else {
-                nodes.extend(&piece[1..]);
-            }
+            ways.extend(append(&mut nodes, piece).map(|turned| (id, turned)));
         } else if let Some(k) = rest.iter().position(|(_, piece)| meets(nodes.first(), piece)) {
             let (id, piece) = rest.swap_remove(k);
             let turned = piece.last() != nodes.first();

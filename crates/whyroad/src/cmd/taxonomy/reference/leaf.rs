@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use whyroad_framework::docs::wrap::wrap;
 use whyroad_framework::spec::MomentSpec;
-use whyroad_framework::{L1, L2, L3, ResolvedSpec};
+use whyroad_framework::{Framework, L1, L2, L3, ResolvedSpec};
 use whyroad_mining::rule::sheet::RuleSheet;
 use whyroad_model::{Bilingual, Lang, Need, ScenarioId};
 
@@ -141,7 +141,7 @@ impl Page<'_> {
             let none = self.say("No rule is written yet.", "尚无规则。");
             return self.paragraph(none);
         };
-        let path = format!("scenarios/{}/{}.yaml", self.id.l1, l2.id);
+        let path = Framework::spec_path(&self.id.l1, &l2.id);
         let source = format!(
             "{} [{path}](../../../{path}){} [{}](../rules{}){}",
             self.say("From", "来自"),
