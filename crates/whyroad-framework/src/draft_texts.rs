@@ -389,7 +389,7 @@ impl DraftTexts {
             );
             let at = Location { pointer: Some(pointer.to_owned()), ..yaml_text::location(file, text, mark) };
             let hint = did_you_mean(id, known.iter().map(String::as_str)).map(suggestion);
-            Diagnostic { hint, ..Diagnostic::error("lexicon.class", message).at(at) }
+            Diagnostic { hint, ..Diagnostic::warning("lexicon.class", message).at(at) }
         });
         let found = found.collect();
         (texts, found)

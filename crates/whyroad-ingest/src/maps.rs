@@ -11,9 +11,10 @@ mod signs;
 
 pub(crate) use cache::MapBeside;
 pub(crate) use findings::CODES;
-pub use options::{MAP, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS};
+pub use options::{MAP, MAP_COMPLETE, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS};
 
 use crate::assemble::finish::finish;
+use crate::assemble::layers::Declared;
 use crate::encodings::compressed;
 use crate::encodings::input::Input;
 use crate::file_reader::{FileReader, drive_on};
@@ -106,7 +107,7 @@ fn load_input(file: &Path, input: &Input<'_>, options: &Options) -> Loaded {
         MapFormat::OpenDrive => opendrive::read(input.clone()).map_err(MapFault::Unreadable),
         MapFormat::Lanelet2 => lanelet2::read(input.clone(), &placement),
     });
-    let reading = match read {
+    let mut reading = match read {
         Ok(reading) => reading,
         Err(fault) => {
             out.diagnostics.push(match fault {
@@ -117,8 +118,14 @@ fn load_input(file: &Path, input: &Input<'_>, options: &Options) -> Loaded {
         }
     };
     out.diagnostics.extend(findings::of_map(&label, &reading));
+    let (declared, unknown) = options::declared(options);
+    out.diagnostics.extend(unknown.iter().map(|word| findings::unknown_part(&label, word)));
     let mut hash = ContentHash::new("map", REVISION);
     placement.add_to(&mut hash);
+    if declared != Declared::default() {
+        declared.apply(&mut reading.map);
+        hash.add("complete", format!("{declared:?}").as_bytes());
+    }
     hash.add("map", &input.bytes().unwrap_or_default());
     let stem = file_label(file);
     let name = reading.name.unwrap_or_else(|| stem.split('.').next().unwrap_or(&stem).to_owned());

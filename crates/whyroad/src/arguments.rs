@@ -21,5 +21,5 @@ pub(crate) fn time(text: &str) -> Result<Nanos, Reason> {
 
 /// A language of the user interface.
 pub(crate) fn lang(text: &str) -> Result<Lang, Reason> {
-    text.parse().map_err(|e: String| reason(format!("没有语言 '{text}'（zh 或 en）"), e))
+    text.to_ascii_lowercase().parse().map_err(|e: String| reason(format!("没有语言 '{text}'（zh 或 en）"), e))
 }

@@ -4,9 +4,11 @@
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::{Bounds, distance, length};
 use crate::assemble::{junctions, neighbors};
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Lane, LaneMark, LayerState, MapLayer, Point3, TurnKind};
+use whyroad_model::vocabulary::{FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
 
 /// A lane begins where another ends when they are this near, m, and point the same way within this, rad (30 deg).
 const JOINT_M: f64 = 1.0;
@@ -28,6 +30,55 @@ pub(crate) fn declare(map: &mut RoadMap, stated: &[(MapLayer, LayerState)]) {
         let found = || if has_any(map, layer) { LayerState::Partial } else { LayerState::Absent };
         let state = stated.iter().find(|(of, _)| *of == layer).map_or_else(found, |(_, state)| *state);
         map.layers.insert(layer, state);
+    }
+}
+
+/// What a map is declared to have in full: what it does not show is not on the road.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Declared {
+    /// Layers.
+    pub layers: Vec<MapLayer>,
+    /// Kinds of signs and facilities, tags of lanes.
+    pub kinds: BTreeSet<String>,
+}
+
+impl Declared {
+    /// Layers that may be complete and empty, with the kinds that they consist of. A map without connections, limits
+    /// or marks does not say that the road has none.
+    const LAYERS: [(&str, MapLayer, &[&str]); 5] = [
+        ("crosswalks", MapLayer::Crosswalks, &[]),
+        ("junctions", MapLayer::Junctions, &[]),
+        ("lights", MapLayer::Lights, &["traffic_light"]),
+        ("ramps", MapLayer::Ramps, &["acceleration", "deceleration", "ramp"]),
+        ("stop_lines", MapLayer::StopLines, &[]),
+    ];
+
+    /// Every word that [`Self::add`] knows.
+    pub fn words() -> Vec<&'static str> {
+        let layers = Self::LAYERS.iter().map(|(word, ..)| *word);
+        layers.chain(SIGN_KINDS.iter().chain(FACILITY_KINDS).chain(LANE_TAGS).copied()).collect()
+    }
+
+    /// Adds the layer or kind of a word of [`Self::words`].
+    pub fn add(&mut self, word: &str) {
+        if let Some((_, layer, kinds)) = Self::LAYERS.iter().find(|(of, ..)| *of == word) {
+            self.layers.push(*layer);
+            self.kinds.extend(kinds.iter().map(|&kind| kind.to_owned()));
+        } else {
+            self.kinds.insert(word.to_owned());
+        }
+    }
+
+    /// Declares it of a map.
+    pub fn apply(&self, map: &mut RoadMap) {
+        for kind in self.kinds.iter().filter(|kind| !map.tells_all(kind)).cloned().collect::<Vec<_>>() {
+            map.complete_for.push(kind);
+        }
+        map.complete_for.sort();
+        if map.layers.is_empty() {
+            declare(map, &[]);
+        }
+        map.layers.extend(self.layers.iter().map(|&layer| (layer, LayerState::Complete)));
     }
 }
 
@@ -114,7 +165,7 @@ fn connect(map: &mut RoadMap) -> bool {
             }
         }
     }
-    let leading = joints.iter().map(|(i, _)| i).collect::<std::collections::BTreeSet<_>>().len();
+    let leading = joints.iter().map(|(i, _)| i).collect::<BTreeSet<_>>().len();
     let all = ends.iter().flatten().count();
     if all == 0 || (leading as f64) < CONNECTED_SHARE * all as f64 {
         return false;

@@ -1,6 +1,8 @@
 //! What is reported about a map beside a log, one function per code. Texts only.
 
 use super::MapReading;
+use crate::assemble::layers::Declared;
+use whyroad_model::suggest::suggestion_or_known;
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Codes of maps beside logs; each has a page in `docs/diagnostics/`.
@@ -14,6 +16,7 @@ pub(crate) const CODES: &[&str] = &[
     "map.replaced",
     "map.lights",
     "map.vehicles.off",
+    "map.complete",
 ];
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
@@ -27,6 +30,16 @@ pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
             "--map takes OpenDRIVE (.xodr) and Lanelet2 (.osm) files",
         ))
         .in_file(file)
+}
+
+/// A word of `--map-complete` that names no part of a map.
+pub(super) fn unknown_part(file: &str, word: &str) -> Diagnostic {
+    let known = Declared::words();
+    let message = Bilingual::new(
+        format!("--map-complete 的 '{word}' 不是地图内容，不起作用"),
+        format!("'{word}' in --map-complete is no part of a map and has no effect"),
+    );
+    Diagnostic::error("map.complete", message).with_hint(suggestion_or_known(word, known)).in_file(file)
 }
 
 pub(super) fn placement(file: &str, reason: &str) -> Diagnostic {

@@ -17,7 +17,7 @@ use crate::encodings::input::Input;
 use crate::report::RowCount;
 use document::{Document, MemberKind, Relation, append};
 use ground::{Ground, MAX_POINTS};
-use lanelets::Lanelets;
+use lanelets::{Lanelets, MAX_PIECES};
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Facility, Lane, LaneKind, LayerState, MapLayer};
 
@@ -75,33 +75,56 @@ fn areas(document: &Document, ground: &mut Ground, out: &mut MapReading) {
     }
     for (id, relation) in document.relations.iter().filter(|(_, r)| r.tag("type") == "multipolygon") {
         let Some(kind) = kind(relation.tag("subtype")) else { continue };
-        let Some(nodes) = outer(document, relation) else {
+        let Some(rings) = outer(document, relation) else {
             out.invalid.push(format!("multipolygon {id}: its outer ways make no ring"));
             continue;
         };
-        if let Some(boundary) = ring(ground, &nodes) {
-            out.map.facilities.push(Facility { id: format!("area_{id}"), kind: kind.into(), boundary });
+        for (k, nodes) in rings.iter().enumerate() {
+            if let Some(boundary) = ring(ground, nodes) {
+                let id = if k == 0 { format!("area_{id}") } else { format!("area_{id}_{k}") };
+                out.map.facilities.push(Facility { id, kind: kind.into(), boundary });
+            }
         }
     }
 }
 
-/// The nodes of the outer ways of a multipolygon, in the order in which they follow each other.
-fn outer(document: &Document, relation: &Relation) -> Option<Vec<i64>> {
-    let mut out: Vec<i64> = Vec::new();
-    for id in relation.members(MemberKind::Way, "outer") {
-        let nodes = &document.ways.get(&id).filter(|way| !way.nodes.is_empty())?.nodes;
-        if out.is_empty() {
-            out.extend(nodes);
-        } else if append(&mut out, nodes).is_none() {
-            // The first way may have been taken the wrong way round.
-            out.reverse();
-            append(&mut out, nodes)?;
+/// The rings of the outer ways of a multipolygon, the nodes of each in order. The ways come in any order and run either
+/// way. `None` where one is missing, or where some meet no other.
+///
+/// Source: OpenStreetMap wiki, Relation:multipolygon.
+fn outer(document: &Document, relation: &Relation) -> Option<Vec<Vec<i64>>> {
+    let ways = relation.members(MemberKind::Way, "outer").map(|id| {
+        let nodes = document.ways.get(&id)?.nodes.as_slice();
+        (!nodes.is_empty()).then_some(nodes)
+    });
+    let mut ways: Vec<&[i64]> = ways.collect::<Option<_>>()?;
+    if ways.is_empty() || ways.len() > MAX_PIECES || ways.iter().map(|w| w.len()).sum::<usize>() > MAX_POINTS {
+        return None;
+    }
+    if let [only] = ways[..] {
+        // A file that leaves out the closing node means a ring nevertheless.
+        return (only.len() >= 3).then(|| vec![only.to_vec()]);
+    }
+    let mut rings = Vec::new();
+    while !ways.is_empty() {
+        let mut nodes = ways.remove(0).to_vec();
+        while nodes.first() != nodes.last() {
+            let end = nodes.last();
+            let Some(next) = ways.iter().position(|way| way.first() == end || way.last() == end) else {
+                // As of a single way: nothing is left that could close it.
+                if ways.is_empty() {
+                    break;
+                }
+                return None;
+            };
+            append(&mut nodes, ways.remove(next))?;
         }
-        if out.len() > MAX_POINTS {
+        if nodes.len() < 3 {
             return None;
         }
+        rings.push(nodes);
     }
-    (out.len() >= 3).then_some(out)
+    Some(rings)
 }
 
 fn declare(map: &mut RoadMap) {

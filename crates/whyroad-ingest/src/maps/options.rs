@@ -1,6 +1,7 @@
 //! Options of a map beside a log, and the location of the map that they state.
 
 use crate::assemble::datum::Datum;
+use crate::assemble::layers::Declared;
 use crate::assemble::projection::{Projection, ProjectionKind};
 use crate::options::{OptionSpec, OptionType, Options};
 use crate::source::ContentHash;
@@ -36,9 +37,34 @@ pub const MAP_DATUM: OptionSpec = OptionSpec::new(
     "datum of the map's degrees and of --map-origin: wgs84 (default) or gcj02",
 )
 .requires("map");
+/// What the map has in full.
+pub const MAP_COMPLETE: OptionSpec = OptionSpec::new(
+    "map-complete",
+    OptionType::Text,
+    "LIST",
+    "what the map shows in full, so that what it does not show is not there: crosswalks, junctions, lights, ramps, \
+     stop_lines, kinds of signs and facilities, tags of lanes; separated by commas",
+)
+.requires("map");
 
 /// All of them; every format has them.
-pub const OPTIONS: &[OptionSpec] = &[MAP, MAP_ORIGIN, MAP_PROJECTION, MAP_DATUM];
+pub const OPTIONS: &[OptionSpec] = &[MAP, MAP_ORIGIN, MAP_PROJECTION, MAP_DATUM, MAP_COMPLETE];
+
+/// What the user declares the map to have in full, and words that are not known.
+pub(super) fn declared(options: &Options) -> (Declared, Vec<String>) {
+    let (mut out, mut unknown) = (Declared::default(), Vec::new());
+    let known = Declared::words();
+    for text in options.texts(&MAP_COMPLETE) {
+        for word in text.split([',', ' ']).filter(|w| !w.is_empty()) {
+            if known.contains(&word) {
+                out.add(word);
+            } else {
+                unknown.push(word.to_owned());
+            }
+        }
+    }
+    (out, unknown)
+}
 
 /// Where a map in degrees lies in the log's frame.
 #[derive(Clone, Copy, Debug)]

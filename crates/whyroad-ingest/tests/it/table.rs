@@ -298,6 +298,27 @@ fn a_lake_is_not_taken_for_tables() {
     assert!(table::find_drives(dir.path()).unwrap().is_empty());
 }
 
+/// A road without crosswalks, stop lines and ramps: unknown, unless the map is declared to have all of them
+/// (`docs/reference/table-format.md`).
+#[test]
+fn a_layer_may_be_complete_and_empty() {
+    use whyroad_model::road_map::{LayerState, MapLayer};
+    let layers = |declared: &str| {
+        let (drive, report) = changed(|dir| {
+            if dir.join("areas.csv").exists() {
+                fs::remove_file(dir.join("areas.csv")).unwrap();
+            }
+            edit(dir, "drive.yaml", "licence:", &format!("{declared}licence:"));
+        });
+        assert!(codes(&report).is_empty(), "{:?}", report.diagnostics);
+        let map = drive.unwrap().map.unwrap();
+        ([MapLayer::Crosswalks, MapLayer::StopLines, MapLayer::Ramps].map(|l| map.layer(l)), map.complete_for)
+    };
+    let (found, kinds) = layers("map_complete_for: [crosswalks, ramps]\n");
+    assert_eq!(found, [LayerState::Complete, LayerState::Absent, LayerState::Complete]);
+    assert_eq!(kinds, ["acceleration", "deceleration", "ramp"]);
+}
+
 #[test]
 fn every_word_of_the_closed_lists_comes_through() {
     let words = |known: &[&str]| known.iter().map(|w| (*w).to_owned()).collect::<Vec<String>>();

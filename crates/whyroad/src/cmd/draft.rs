@@ -59,6 +59,9 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 4, requires = "model",
           value_parser = clap::value_parser!(u16).range(1..=64))]
     jobs: u16,
+    /// Replace FILE where it holds other drafts; without it, they are kept: a person may have corrected them
+    #[arg(long)]
+    force: bool,
     #[command(flatten)]
     how: ModelArgs,
     #[command(flatten)]
@@ -118,6 +121,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
                 tell_all(&found, global.lang);
             }
         }
+    }
+    let is_other = |found: Vec<u8>| !found.is_empty() && found != lines.as_bytes();
+    if !args.force && std::fs::read(&args.out).is_ok_and(is_other) {
+        let out = args.out.display();
+        return Err(stop(
+            format!("{out} 中是另外的草稿，未作改动；请用 --out 指定另一个文件，或用 --force 覆盖"),
+            format!("{out} holds other drafts and is left as it was; name another file with --out, or replace it with --force"),
+        ));
     }
     std::fs::write(&args.out, &lines).with_context(|| cannot_write(args.out.display()))?;
     let spent = client.as_ref().map(Client::spent);

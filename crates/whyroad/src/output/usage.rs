@@ -9,14 +9,14 @@ use whyroad_model::Lang;
 /// The language that these arguments ask for, before they are parsed: errors of parsing are shown in it, too.
 /// `variable` is the value of `WHYROAD_LANG`.
 pub(crate) fn lang_of(arguments: impl IntoIterator<Item = OsString>, variable: Option<&OsStr>) -> Lang {
-    let parse = |text: &OsStr| text.to_str().and_then(|t| t.parse().ok());
+    let parse = |text: &OsStr| text.to_str().and_then(|t| crate::arguments::lang(t).ok());
     let mut arguments = arguments.into_iter().take_while(|a| a != "--");
     let mut found = None;
     while let Some(argument) = arguments.next() {
         if argument == "--lang" {
             found = arguments.next().and_then(|value| parse(&value)).or(found);
         } else if let Some(value) = argument.to_str().and_then(|a| a.strip_prefix("--lang=")) {
-            found = value.parse().ok().or(found);
+            found = parse(OsStr::new(value)).or(found);
         }
     }
     found.or_else(|| variable.and_then(parse)).unwrap_or_default()

@@ -3,9 +3,8 @@
 use super::findings;
 use super::reader::Reader;
 use super::words::UnknownWords;
+use crate::assemble::layers::Declared;
 use crate::encodings::input::Folder;
-use std::collections::BTreeSet;
-use whyroad_model::vocabulary::{FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
 use whyroad_model::yaml::{self, Node, Value};
 use whyroad_model::{Diagnostic, Nanos};
 
@@ -24,7 +23,7 @@ pub(super) struct Meta {
     pub start_time: Option<Nanos>,
     pub ego: EgoBox,
     /// Kinds of signs and facilities, and tags of lanes, of which the map has all there are, ordered.
-    pub map_complete_for: Vec<String>,
+    pub map_complete_for: Declared,
 }
 
 /// The recording vehicle.
@@ -124,21 +123,22 @@ impl Meta {
     }
 }
 
-fn complete_for(list: Option<&Node>, file: &str, out: &mut Vec<Diagnostic>) -> Vec<String> {
-    let known: Vec<&'static str> =
-        SIGN_KINDS.iter().chain(FACILITY_KINDS).chain(LANE_TAGS).copied().collect();
+fn complete_for(list: Option<&Node>, file: &str, out: &mut Vec<Diagnostic>) -> Declared {
+    let known = Declared::words();
     let mut words = UnknownWords::default();
-    let mut kinds = BTreeSet::new();
+    let mut declared = Declared::default();
     let items = list.map_or(&[][..], |node| match &node.value {
         Value::List(items) => items,
         _ => std::slice::from_ref(node),
     });
     for item in items {
         let word = item.text().map_or_else(|| item.value.description().en, str::to_owned);
-        kinds.extend(words.check("map_complete_for", &word, &known));
+        if let Some(word) = words.check("map_complete_for", &word, &known) {
+            declared.add(&word);
+        }
     }
     out.extend(words.diagnostics(file));
-    kinds.into_iter().collect()
+    declared
 }
 
 fn fail<T>(out: &mut Vec<Diagnostic>, file: &str, zh: &str, en: &str) -> Option<T> {

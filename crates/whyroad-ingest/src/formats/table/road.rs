@@ -7,6 +7,7 @@ use super::signs;
 use super::words::UnknownWords;
 use crate::assemble::geometry::center_line;
 use crate::assemble::junctions;
+use crate::assemble::layers::Declared;
 use crate::report::RowCount;
 use std::collections::BTreeSet;
 use whyroad_model::RoadMap;
@@ -40,10 +41,10 @@ const MARKS: &str =
     "one of unknown, none, dashed, solid, double_dashed, double_solid, solid_dashed, dashed_solid";
 
 /// The map; `None` when there is none of its tables.
-pub(super) fn read(complete_for: &[String], reader: &mut Reader) -> Option<RoadMap> {
+pub(super) fn read(declared: &Declared, reader: &mut Reader) -> Option<RoadMap> {
     let lanes = reader.sheet("lanes", LANE_COLUMNS, &[&["lane_id"], &["centre_xyz_m", "left_xyz_m"]]);
     let areas = reader.sheet("areas", AREA_COLUMNS, &[&["area_id"], &["kind"], &["boundary_xyz_m"]]);
-    let mut map = RoadMap { complete_for: complete_for.to_vec(), ..RoadMap::default() };
+    let mut map = RoadMap::default();
     let signs = signs::read(&mut map, reader);
     if lanes.is_none() && areas.is_none() && !signs {
         return None;
@@ -56,6 +57,9 @@ pub(super) fn read(complete_for: &[String], reader: &mut Reader) -> Option<RoadM
     }
     if map.junctions.is_empty() {
         junctions::add(&mut map);
+    }
+    if *declared != Declared::default() {
+        declared.apply(&mut map);
     }
     Some(map)
 }

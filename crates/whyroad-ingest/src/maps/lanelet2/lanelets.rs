@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, Point3, TurnKind};
 
 /// Most ways of a bound.
-const MAX_PIECES: usize = 1000;
+pub(super) const MAX_PIECES: usize = 1000;
 
 /// A lanelet as it is driven: those for both directions occur twice.
 pub(super) struct Lanelet {

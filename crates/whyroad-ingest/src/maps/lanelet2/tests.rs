@@ -1,7 +1,7 @@
 //! A small map written by hand; expected places by hand.
 
 use super::*;
-use crate::maps::options::{MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION};
+use crate::maps::options::{MAP, MAP_COMPLETE, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION};
 use crate::options::Options;
 use whyroad_model::road_map::{LaneMark, Point3, TurnKind};
 
@@ -288,4 +288,61 @@ fn a_map_in_gcj02_lies_where_it_does_in_wgs84() {
     let wrong = reading(&at(39.913_345_455_360_69, 116.384_047_224_556_57), &wgs);
     let q = wrong.map.lanes[0].left[0];
     assert!((q.x.hypot(q.y) - 555.0).abs() < 30.0, "{q:?}");
+}
+
+/// The outer ways of a multipolygon come in any order and direction, and may make several rings (OpenStreetMap wiki,
+/// Relation:multipolygon). Corners on the grid of `nodes`: the first ring is 20 m by 8 m, the second 10 m by 4 m.
+#[test]
+fn ways_of_an_area_come_in_any_order() {
+    let content = nodes()
+        + &way(1, &[100, 110, 120], &[])
+        + &way(2, &[102, 112, 122], &[])
+        + &way(3, &[122, 121, 120], &[])
+        + &way(4, &[102, 101, 100], &[])
+        + &way(5, &[122, 132, 133, 123, 122], &[])
+        + &way(6, &[100, 110], &[])
+        + &way(7, &[102, 112], &[])
+        + &relation(
+            20,
+            &[("way", 1, "outer"), ("way", 2, "outer"), ("way", 5, "outer"), ("way", 4, "outer"), ("way", 3, "outer")],
+            &[("type", "multipolygon"), ("subtype", "parking")],
+        )
+        + &relation(
+            21,
+            &[("way", 6, "outer"), ("way", 7, "outer")],
+            &[("type", "multipolygon"), ("subtype", "parking")],
+        );
+    let out = reading(&content, &Options::default());
+    let size = |f: &Facility| {
+        let extent = |of: fn(&Point3) -> f64| {
+            let all = f.boundary.iter().map(of);
+            all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
+        };
+        (extent(|p| p.x).round(), extent(|p| p.y).round())
+    };
+    let found: Vec<_> = out.map.facilities.iter().map(|f| (f.id.as_str(), size(f))).collect();
+    assert_eq!(found, [("area_20", (20.0, 8.0)), ("area_20_1", (10.0, 4.0))]);
+    assert_eq!(out.invalid, ["multipolygon 21: its outer ways make no ring"]);
+}
+
+/// The user declares what a map shows in full; a word that is no part of a map is reported and changes nothing.
+#[test]
+fn parts_are_declared_complete() {
+    let content = nodes()
+        + &way(1, &[100, 110, 120], &[])
+        + &way(2, &[101, 111, 121], &[])
+        + &lanelet(10, 2, 1, &[], &[]);
+    let (_dir, path) = file(&content);
+    let with = |list: &str| {
+        let options = Options::default().with(&MAP, path.clone()).with(&MAP_COMPLETE, list.to_owned());
+        crate::maps::load(&path, &options)
+    };
+    let state = |list: &str| with(list).map.unwrap().map.layer(MapLayer::Crosswalks);
+    assert_eq!(state(""), LayerState::Absent);
+    assert_eq!(state("crosswalks, lights"), LayerState::Complete);
+    let wrong = with("crosswalk,lights");
+    assert_eq!(wrong.diagnostics.iter().map(|d| d.code).collect::<Vec<_>>(), ["map.complete"]);
+    assert_eq!(wrong.diagnostics[0].hint.as_ref().unwrap().en, "did you mean 'crosswalks'?");
+    let map = wrong.map.unwrap().map;
+    assert!(map.layer(MapLayer::Crosswalks) == LayerState::Absent && map.covers("traffic_light"));
 }

@@ -120,7 +120,20 @@ fn mined(dir: &Path, lang: Lang, wanted: impl Fn(&EpisodeRecord) -> bool) -> any
         Some(MiningQuestion::Rule { scenario, .. }) => Some(vec![scenario]),
         Some(MiningQuestion::Query { query }) => class_of(&query).map(|class| vec![class]),
         // A folder of an earlier version: what it found is all that is known.
-        None => None,
+        None => {
+            let dir = dir.display();
+            let note = match lang {
+                Lang::Zh => format!(
+                    "警告：{dir} 没有记录挖掘时查询的是哪些类别，按全部类别比较；若当时只查询了部分类别，请用 --scenario 限定，或重新挖掘"
+                ),
+                Lang::En => format!(
+                    "warning: {dir} does not record which classes were asked for and is compared in all; if only some \
+                     were, name them with --scenario, or mine again"
+                ),
+            };
+            tell!("{note}");
+            None
+        }
     };
     Ok(Side { drives: coverage.drives, episodes, classes, taxonomy: None, lost: false })
 }
