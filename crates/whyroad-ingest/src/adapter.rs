@@ -5,12 +5,12 @@
 use crate::assemble::finish::finish;
 use crate::maps::{self, MapBeside};
 use crate::options::{OptionSpec, Options};
-use crate::report::SourceReport;
+use crate::report::{SourceReport, reason_text};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
-use whyroad_model::{Diagnostic, Drive, DriveId};
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang, Need};
 
 /// What is fixed about a format.
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +72,7 @@ pub trait Adapter: Sync {
 pub type FilesInMemory = BTreeMap<String, Vec<u8>>;
 
 /// Why a file is not a source, in both languages.
-pub type SkipReason = whyroad_model::Bilingual;
+pub type SkipReason = Bilingual;
 
 /// Where a source is.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -169,8 +169,39 @@ impl<'a> DriveSink<'a> {
             if let Some(map) = self.map {
                 map.attach(drive, &mut report);
             }
+            report.diagnostics.extend(unused_objects(drive, &report));
             report.diagnostics.extend(finish(drive).into_iter().map(|d| d.in_file(report.source.clone())));
         }
         (self.each)(drive, report);
     }
+}
+
+/// Tables of other road users only.
+const OF_OBJECTS: [&str; 4] = ["annotations", "objects", "obstacles", "radar"];
+
+/// Rows of objects of which none could be used: the objects are unknown, the road is not empty.
+fn unused_objects(drive: &mut Drive, report: &SourceReport) -> Option<Diagnostic> {
+    let mut of_objects = report.tables.iter().filter(|t| OF_OBJECTS.contains(&t.table) && t.read > 0);
+    let table = of_objects.find(|_| drive.tracks.is_empty())?;
+    drive.meta.lacks(Need::Objects);
+    let reasons = table.set_aside.iter().chain(&table.dropped);
+    let reasons: Vec<(usize, Bilingual)> =
+        reasons.filter(|(_, n)| **n > 0).map(|(key, n)| (*n, reason_text(key))).collect();
+    let list = |lang: Lang| {
+        let all: Vec<String> = reasons.iter().map(|(n, text)| format!("{n} {}", text.get(lang))).collect();
+        all.join(", ")
+    };
+    let read = table.read;
+    let message = Bilingual::new(
+        format!("{read} 行目标中没有一行可用（{}）：该行程的目标为未知，并非没有", list(Lang::Zh)),
+        format!(
+            "none of {read} rows of objects could be used ({}): objects are unknown in this drive, not absent",
+            list(Lang::En)
+        ),
+    );
+    let hint = Bilingual::new(
+        "检查目标与自车的时间是否用同一时钟、同一单位",
+        "check that the times of objects and ego are of one clock and in one unit",
+    );
+    Some(Diagnostic::error("ingest.objects.unused", message).with_hint(hint).in_file(report.source.clone()))
 }

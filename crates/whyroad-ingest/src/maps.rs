@@ -47,6 +47,8 @@ struct MapReading {
     broken: Option<String>,
     /// Descriptions of what could not be used.
     invalid: Vec<String>,
+    /// Lanelets of unknown subtype that are taken for road.
+    untyped: Vec<String>,
     /// Links to elements missing from the file.
     dangling: Vec<String>,
 }

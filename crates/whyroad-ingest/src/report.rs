@@ -117,6 +117,7 @@ pub fn reason_text(key: &str) -> Bilingual {
         "no_list" => ("没有对象列表", "no list of objects"),
         "unknown_frame" => ("未知坐标系", "unknown frame"),
         "another_topic" => ("其他主题", "another topic"),
+        "no_such_lane" => ("地图中没有该车道", "of a lane that the map does not have"),
         "no_lane_ends_there" => ("没有车道止于此处", "no lane ends there"),
         "between_frames" => ("在两帧之间", "between frames"),
         "out_of_range" => ("超出感知范围", "out of the sensor's range"),

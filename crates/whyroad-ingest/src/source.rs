@@ -6,7 +6,7 @@ use std::{fs, io};
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
 /// Codes that several adapters use.
-pub(crate) const CODES: &[&str] = &["ingest.speed.impossible", "ingest.rate.resampled", "ingest.time.span"];
+pub(crate) const CODES: &[&str] = &["ingest.speed.impossible", "ingest.rate.resampled", "ingest.time.span", "ingest.time.step", "ingest.objects.unused"];
 
 /// Hash of everything that a drive is made from: adapter and its revision, options, names and contents of files.
 /// Equal hashes mean an equal drive, so a lake need not write it again.
@@ -120,11 +120,16 @@ pub(crate) fn impossible_speeds(file: &str, rows_by_track: &BTreeMap<String, usi
 /// Longest drive, s: one day. Frames are made for the whole span, so one wrong time would make millions.
 const MAX_DRIVE_S: f64 = 86_400.0;
 
-/// A diagnostic when times from `first` to `last` (s) cannot be those of one drive; then nothing can be kept.
-pub(crate) fn implausible_span(file: &str, first: f64, last: f64) -> Option<Diagnostic> {
+/// Mean steps between samples, s, that a recording of a drive can have: from 2.5 kHz to one in 10 s. Others are times
+/// in another unit than stated.
+const STEP_S: std::ops::RangeInclusive<f64> = 4e-4..=10.0;
+
+/// A diagnostic when `samples` times from `first` to `last` (s) cannot be those of one drive; then nothing can be kept.
+pub(crate) fn implausible_span(file: &str, first: f64, last: f64, samples: usize) -> Option<Diagnostic> {
     let span = last - first;
     if span <= MAX_DRIVE_S {
-        return None;
+        let step = span / samples.saturating_sub(1) as f64;
+        return (samples >= 3 && !STEP_S.contains(&step)).then(|| implausible_step(file, step, samples));
     }
     let days = span / 86_400.0;
     let message = Bilingual::new(
@@ -136,6 +141,18 @@ pub(crate) fn implausible_span(file: &str, first: f64, last: f64) -> Option<Diag
         "correct the times in the log, or cut it into drives",
     );
     Some(Diagnostic::error("ingest.time.span", message).with_hint(hint).in_file(file))
+}
+
+fn implausible_step(file: &str, step: f64, samples: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("{samples} 个时刻平均相隔 {step:.3e} s，不可能是行车记录：时间的单位有误"),
+        format!("its {samples} times are {step:.3e} s apart on average, which no recording of a drive is: their unit is wrong"),
+    );
+    let hint = Bilingual::new(
+        "检查时间的单位（s、ms、µs、ns）与列名或映射文件所写的是否一致",
+        "check that the unit of the times (s, ms, us, ns) is the one that the column or the mapping states",
+    );
+    Diagnostic::error("ingest.time.step", message).with_hint(hint).in_file(file)
 }
 
 /// The log's own rate was not 10 Hz.

@@ -22,6 +22,10 @@ pub fn missing(drive: &Drive) -> BTreeSet<Need> {
     if !drive.meta.can && ego.is_none_or(|e| !has_bus(&e.bus)) {
         missing.insert(Need::VehicleBus);
     }
+    // Objects that were not recorded, or could not be read, are no empty road; a radar is where some logs have them.
+    if [Need::Objects, Need::Radar].iter().any(|need| drive.meta.missing.contains(need)) {
+        missing.insert(Need::Objects);
+    }
     // In a log without tracks no size can be missing.
     let sized = |t: &whyroad_model::scene::Track| t.length_m.iter().any(|l| l.is_finite());
     let ego_sized = ego.is_none_or(|e| e.length_m.is_finite() && e.width_m.is_finite());

@@ -20,6 +20,9 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.position.far",
     "ingest.limit.connector",
     "ingest.date.implausible",
+    "ingest.speed.contradicts",
+    "ingest.heading.contradicts",
+    "ingest.heading.impossible",
 ];
 
 /// A vehicle that is wider than long by more than this factor has its sizes swapped or a bad box.
@@ -49,10 +52,12 @@ const PLAUSIBLE: std::ops::Range<i64> = 946_684_800_000_000_000..4_102_444_800_0
 pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     out.extend(far_positions(drive));
+    out.extend(headings::jumps(drive));
     out.extend(poses::steps_back(drive));
     out.extend(swapped_sizes(drive));
     out.extend(last_zero(drive));
     out.extend(accelerations(drive));
+    out.extend(agreement::check(drive));
     if let Some(map) = &mut drive.map {
         out.extend(headings_as_heights(map));
         out.extend(limits_on_connectors(map));
@@ -345,6 +350,8 @@ fn date(drive: &mut Drive) -> Option<Diagnostic> {
     ))
 }
 
+mod agreement;
+mod headings;
 mod poses;
 #[cfg(test)]
 mod tests;

@@ -188,6 +188,33 @@ impl Sampled {
     }
 }
 
+/// A track whose rows are at other frames, `seconds`, brought to `frames`; nothing is filled over more than
+/// `max_gap_s`. A class is stated from the first frame after the row that states it.
+pub(crate) fn resample_track(track: &Track, seconds: &[f64], frames: &[f64], max_gap_s: f64) -> Track {
+    let m = &track.motion;
+    let mut sampled = Sampled::default();
+    for (i, &frame) in track.frames.iter().enumerate() {
+        sampled.push(Sample {
+            time: seconds[frame as usize],
+            position: [m.x[i], m.y[i], m.z[i]],
+            heading: m.heading[i],
+            velocity: [m.vx[i], m.vy[i]],
+            size: [track.length_m[i], track.width_m[i], track.height_m[i]],
+            points: track.interior_points[i],
+            forward: m.forward.get(i).copied().unwrap_or(f64::NAN),
+        });
+    }
+    // Impossible speeds were found, and reported, at the log's own times.
+    let mut out = sampled.track_at(&track.id.0, track.class, &track.source_class, frames, max_gap_s).0;
+    if !track.class_changes.is_empty() {
+        let row_at = |t: f64| sampled.times.partition_point(|s| *s <= t + 1e-6).saturating_sub(1);
+        let stated: Vec<_> = out.frames.iter().map(|&f| track.class_at(row_at(frames[f as usize]))).collect();
+        out.state_classes(stated);
+        (out.class, out.source_class) = (track.class, track.source_class.clone());
+    }
+    out
+}
+
 /// The middle one of the known values; NaN when none is known.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut known: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();

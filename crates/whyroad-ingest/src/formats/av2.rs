@@ -2,7 +2,7 @@
 //! 170 Hz in a city frame, a vector map. Tracks are brought to the city frame and differentiated there.
 //!
 //! Times are AV2's nanoseconds unchanged (a GPS-like clock whose epoch reads as 1980). Frames are the times
-//! that have an annotation. Not read: lidar sweeps, and camera pictures beyond their names and times.
+//! that have an annotation; a log of another rate is brought to 10 Hz. Not read: lidar sweeps, and camera pictures beyond their names and times.
 
 mod annotations;
 mod classes;
@@ -13,13 +13,16 @@ pub(crate) mod map_file;
 mod pose;
 
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
+use crate::assemble::frames::{Frames, resample_track};
 use crate::assemble::plausibility::forget_impossible;
 use crate::assemble::se3::{self, Se3};
 use crate::encodings::feather;
 use crate::file_reader::{FileReader, finish_map};
 use crate::options::Options;
 use crate::report::SourceReport;
-use crate::source::{ContentHash, SEARCH_DEPTH, file_label, impossible_speeds};
+use crate::source::{
+    ContentHash, SEARCH_DEPTH, file_label, implausible_span, impossible_speeds, resampled,
+};
 use annotations::{Annotations, Cuboid};
 use ego_box::EgoBox;
 use map_file::{map_file, read_map};
@@ -31,7 +34,9 @@ use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, MediaFrame, Motion,
 use whyroad_model::{Drive, DriveId, Nanos, Need, TrackId};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
+/// A longer gap between two annotations of an object stays a gap, s, where the log is not at 10 Hz.
+const MAX_GAP_S: f64 = 0.6;
 const ANNOTATIONS: [&str; 2] = ["annotations_with_ego.feather", "annotations.feather"];
 const POSE: &str = "city_SE3_egovehicle.feather";
 
@@ -147,6 +152,15 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
         if with_pose { posed.keys().copied().collect() } else { times.into_iter().collect() };
     if !with_pose {
         missing.push(Need::EgoPose);
+        if let Some(file) = poses.as_ref().map(|_| dir.join(POSE).display().to_string()) {
+            report.diagnostics.push(findings::pose_elsewhere(&file, annotated));
+        }
+    }
+    let first = times.first().copied().unwrap_or_default();
+    let seconds: Vec<f64> = times.iter().map(|t| t.saturating_sub(first) as f64 / 1e9).collect();
+    if let Some(d) = implausible_span(&label, 0.0, seconds.last().copied().unwrap_or(0.0), seconds.len()) {
+        report.diagnostics.push(d);
+        return None;
     }
     if road.is_none() {
         missing.push(Need::Map);
@@ -170,11 +184,30 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
     if at_axle {
         report.diagnostics.push(findings::box_at_axle(&label));
     }
-    let posed: Vec<Se3> = posed.into_values().collect();
-    let mut ego = with_pose.then(|| ego(&posed, ego_box));
+    let mut posed: Vec<Se3> = posed.into_values().collect();
     let mut unknown_categories = BTreeMap::new();
     let mut tracks = tracks(&rows, &times, &posed, &mut unknown_categories, &label, report);
-    if let Some(poses) = &poses {
+    let frames = Frames::of(&seconds);
+    let is_resampled = frames.resampled() && seconds.len() >= 2;
+    let mut times = times;
+    if is_resampled {
+        report.diagnostics.push(resampled(&label, frames.native_step_s));
+        let gap = MAX_GAP_S.max(1.5 * frames.native_step_s);
+        let time = |s: &f64| first.saturating_add((s * 1e9).round() as i64);
+        let pose = |s: &f64| if with_pose { poses.as_ref()?.at(time(s)).map(Some) } else { Some(None) };
+        let (grid, of_grid): (Vec<f64>, Vec<Option<Se3>>) =
+            frames.seconds.iter().filter_map(|s| Some((*s, pose(s)?))).unzip();
+        tracks = tracks.iter().map(|t| resample_track(t, &seconds, &grid, gap)).collect();
+        tracks.retain(|t| !t.frames.is_empty());
+        times = grid.iter().map(time).collect();
+        posed = of_grid.into_iter().flatten().collect();
+    }
+    let mut ego = with_pose.then(|| ego(&posed, ego_box));
+    if is_resampled {
+        let lags: Vec<Nanos> =
+            times.iter().map(|&t| Nanos(poses.as_ref().map_or(0, |poses| poses.lag(t)))).collect();
+        state_lags(&lags, ego.as_mut(), &mut []);
+    } else if let Some(poses) = &poses {
         let lags: Vec<Nanos> = times.iter().map(|&t| Nanos(poses.lag(t))).collect();
         state_lags(&lags, ego.as_mut(), &mut tracks);
     }

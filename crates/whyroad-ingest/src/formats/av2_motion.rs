@@ -165,7 +165,7 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
 
 /// Times of the frames, s.
 fn frames(scenario: &Scenario, label: &str) -> Result<Vec<f64>, Box<Diagnostic>> {
-    match implausible_span(label, 0.0, scenario.steps as f64 / FRAME_RATE_HZ) {
+    match implausible_span(label, 0.0, scenario.steps as f64 / FRAME_RATE_HZ, scenario.steps + 1) {
         Some(problem) => Err(Box::new(problem)),
         None => Ok((0..scenario.steps).map(|i| i as f64 / FRAME_RATE_HZ).collect()),
     }

@@ -135,7 +135,7 @@ fn read_route(
     let recording = Recording::read(segments, &mut hash, report);
     let at = |time: Option<&f64>| time.copied().unwrap_or(0.0);
     let times = &recording.pose.times;
-    if let Some(d) = implausible_span(&report.source, at(times.first()), at(times.last())) {
+    if let Some(d) = implausible_span(&report.source, at(times.first()), at(times.last()), times.len()) {
         report.diagnostics.push(d);
         return None;
     }

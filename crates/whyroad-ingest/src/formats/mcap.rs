@@ -151,6 +151,11 @@ enum Decoder {
 }
 
 impl Topic {
+    /// At least one of its messages was decoded.
+    fn is_read(&self) -> bool {
+        self.messages > self.undecodable
+    }
+
     fn new(channel: &Channel, mapping: &Mapping) -> Self {
         let schema = &channel.schema;
         let rule = mapping.topics.get(&channel.topic).cloned().or_else(|| mapping::standard(&schema.name));
@@ -234,6 +239,7 @@ impl Recording {
         };
         let errors = (container.records)(input, &mut each);
         report.diagnostics.extend(errors.iter().map(|e| (container.broken)(label, e)));
+        out.report_unread(label, mapping, report);
         for (name, t) in out.topics.iter().filter(|(_, t)| t.undecodable > 0) {
             let what = match &t.decoder {
                 Decoder::None(reason) => reason.as_str(),
@@ -242,6 +248,22 @@ impl Recording {
             report.diagnostics.push(findings::undecodable(label, name, what, t.undecodable));
         }
         out
+    }
+
+    /// Topics of the mapping that the file does not have, and topics of the file that nothing reads.
+    fn report_unread(&self, label: &str, mapping: &Mapping, report: &mut SourceReport) {
+        let unread: Vec<(&String, &Topic)> =
+            self.topics.iter().filter(|(n, t)| t.rule.role == Role::Ignore && !mapping.topics.contains_key(*n)).collect();
+        let list = unread.iter().map(|(n, t)| format!("{n} ({})", t.schema)).collect::<Vec<_>>().join(", ");
+        let absent =
+            mapping.topics.iter().filter(|(n, rule)| rule.role != Role::Ignore && !self.topics.contains_key(*n));
+        for (name, _) in absent {
+            report.diagnostics.push(findings::topic_absent(label, name, &list));
+        }
+        if !unread.is_empty() {
+            let messages = unread.iter().map(|(_, t)| t.messages).sum();
+            report.diagnostics.push(findings::topics_unread(label, &list, messages));
+        }
     }
 
     /// The ego's poses by time. With several pose topics, odometry takes precedence over bare poses, then order by
@@ -308,7 +330,7 @@ fn read_recording(
     };
     let seconds = |ns: i64| ns.saturating_sub(first) as f64 / 1e9;
     let times: Vec<f64> = poses.iter().map(|r| seconds(r.time)).collect();
-    if let Some(d) = implausible_span(&label, times[0], times[times.len() - 1]) {
+    if let Some(d) = implausible_span(&label, times[0], times[times.len() - 1], times.len()) {
         report.diagnostics.push(d);
         return None;
     }
@@ -326,7 +348,9 @@ fn read_recording(
         report.tables.push(count);
     }
     let can = !recording.bus.is_empty();
+    let has_objects = recording.topics.values().any(|t| t.rule.role == Role::Objects && t.is_read());
     let missing = Need::absent([
+        (!has_objects, Need::Objects),
         (ego.length_m.is_nan(), Need::EgoSize),
         (true, Need::Map),
         (true, Need::TrafficLights),
@@ -400,6 +424,14 @@ fn pose_at(poses: &[EgoRow], time: i64) -> Option<Se3> {
     (span <= EGO_GAP_S * 1e9).then(|| a.pose.between(&b.pose, time.saturating_sub(a.time) as f64 / span))
 }
 
+/// A velocity over ground in the axes of the world; `axes` is the rotation of the axes in which it is stated.
+fn in_world([x, y]: [f64; 2], axes: Option<[f64; 4]>) -> [f64; 2] {
+    axes.map_or([x, y], |q| {
+        let v = se3::rotate(q, [x, y, 0.0]);
+        [v[0], v[1]]
+    })
+}
+
 fn tracks(
     recording: &mut Recording,
     poses: &[EgoRow],
@@ -419,22 +451,24 @@ fn tracks(
             let ego = (!own.is_empty() && id == own) || EGO_FRAMES.contains(&id);
             if id == world { Some(Frame::World) } else { ego.then_some(Frame::Ego) }
         });
-        let pose = match frame {
+        let (pose, axes) = match frame {
             None => {
                 *foreign.entry(row.frame_id.clone()).or_default() += 1;
                 count.drop_rows("unknown_frame", 1);
                 continue;
             }
-            Some(Frame::World) => row.pose,
+            Some(Frame::World) => (row.pose, None),
             Some(Frame::Ego) => match pose_at(poses, row.time) {
-                Some(at) => Se3 { q: se3::compose(at.q, row.pose.q), t: at.apply(row.pose.t) },
+                Some(at) => {
+                    (Se3 { q: se3::compose(at.q, row.pose.q), t: at.apply(row.pose.t) }, Some(at.q))
+                }
                 None => {
                     count.drop_rows("no_pose", 1);
                     continue;
                 }
             },
         };
-        let velocity = row.velocity.unwrap_or([f64::NAN; 2]);
+        let velocity = row.velocity.map_or([f64::NAN; 2], |v| in_world(v, axes));
         let (size, heading) = (row.size, se3::heading(pose.q));
         let sample =
             Sample { time: seconds(row.time), position: pose.t, heading, velocity, size, ..Sample::UNKNOWN };
@@ -468,6 +502,20 @@ fn tracks(
     }
     report.diagnostics.extend(impossible_speeds(label, &impossible));
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A car that heads north (a quarter turn about z) states 10 m/s ahead: that is 10 m/s along y.
+    #[test]
+    fn velocities_in_the_axes_of_the_car_are_turned_into_the_world() {
+        let north = [std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2];
+        let [x, y] = in_world([10.0, 0.0], Some(north));
+        assert!(x.abs() < 1e-9 && (y - 10.0).abs() < 1e-9);
+        assert_eq!(in_world([10.0, 1.0], None), [10.0, 1.0]);
+    }
 }
 
 /// For [`crate::readers`].

@@ -109,7 +109,8 @@ fn of_text(
     options.hash_start(&mut hash);
     let parsed = text.and_then(|text| {
         hash.add("document", text.as_bytes());
-        serde_json::from_str::<Value>(&text).map_err(|e| e.to_string())
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        serde_json::from_str::<Value>(text).map_err(|e| e.to_string())
     });
     let document = match parsed
         .and_then(|v| v.get("openlabel").cloned().ok_or_else(|| "it has no 'openlabel'".into()))
@@ -137,7 +138,7 @@ fn of_text(
     let mut times: Vec<f64> = timed.iter().map(|(t, _)| *t).collect();
     // Boxes of a second frame at a time are counted as duplicates.
     times.dedup();
-    if let Some(d) = implausible_span(&label, 0.0, times[times.len() - 1]) {
+    if let Some(d) = implausible_span(&label, 0.0, times[times.len() - 1], times.len()) {
         report.diagnostics.push(d);
         return None;
     }
@@ -154,12 +155,21 @@ fn of_text(
         report.diagnostics.push(findings::no_system(&label));
         return None;
     };
-    let mut rows = Rows { count: RowCount::new("objects"), ..Rows::default() };
-    for (time, frame) in &timed {
-        rows.add(*time, frame, &document, &systems, &target);
+    let read = |target: &str| {
+        let mut rows = Rows { count: RowCount::new("objects"), ..Rows::default() };
+        timed.iter().for_each(|(time, frame)| rows.add(*time, frame, &document, &systems, target));
+        rows
+    };
+    let mut rows = read(&target);
+    let mut moving = ego.is_none() && systems.world.is_none();
+    // A world that no frame leads to is named only: positions stay relative to the car.
+    if let (None, true, Some(own)) = (&ego, rows.objects.is_empty(), &systems.ego) {
+        let of_car = read(own);
+        if !of_car.objects.is_empty() {
+            (rows, moving) = (of_car, true);
+        }
     }
     let tracks = rows.tracks(&frames.seconds, gap, &label, report);
-    let moving = ego.is_none() && systems.world.is_none();
     let missing = Need::absent([
         (true, Need::EgoSize),
         (ego.is_none(), Need::EgoPose),

@@ -209,7 +209,7 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
 fn frames(poses: &PoseTrack, label: &str) -> Result<Vec<i64>, Box<Diagnostic>> {
     let seconds = |us: &i64| *us as f64 / 1e6;
     let ends = poses.times.first().zip(poses.times.last());
-    match ends.and_then(|(a, b)| implausible_span(label, seconds(a), seconds(b))) {
+    match ends.and_then(|(a, b)| implausible_span(label, seconds(a), seconds(b), poses.times.len())) {
         Some(problem) => Err(Box::new(problem)),
         None => Ok(poses.frames()),
     }

@@ -149,7 +149,7 @@ fn of_pickle(bytes: &[u8], path: &Path, options: &Options, report: &mut SourceRe
         }
     };
     let metadata = root.get("metadata");
-    if let Some(d) = implausible_span(&label, times[0], times[times.len() - 1]) {
+    if let Some(d) = implausible_span(&label, times[0], times[times.len() - 1], times.len()) {
         report.diagnostics.push(d);
         return None;
     }

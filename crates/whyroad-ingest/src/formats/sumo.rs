@@ -82,8 +82,9 @@ impl Adapter for Sumo {
         let plain = without_ending(&name);
         (plain.ends_with(".xml") || plain.ends_with(".csv")).then(|| {
             Bilingual::new(
-                "XML 或 CSV 文件，名称中没有 fcd，旁边也没有用到它的仿真日志",
-                "an XML or CSV file without 'fcd' in its name that belongs to no simulation log",
+                "XML 或 CSV 文件，名称中没有 fcd，旁边也没有用到它的仿真日志；自有轨迹可按 docs/reference/table-format.zh.md 写成表格",
+                "an XML or CSV file without 'fcd' in its name that belongs to no simulation log; tracks of your own are \
+                 read as tables (docs/reference/table-format.md)",
             )
         })
     }
@@ -240,7 +241,7 @@ impl Simulation {
             return None;
         };
         let seconds = |s: Option<&fcd::Sample>| s.map_or(0.0, |s| s.time as f64 / 1e9);
-        if let Some(d) = implausible_span(label, seconds(ego.samples.first()), seconds(ego.samples.last())) {
+        if let Some(d) = implausible_span(label, seconds(ego.samples.first()), seconds(ego.samples.last()), ego.samples.len()) {
             report.diagnostics.push(d);
             return None;
         }

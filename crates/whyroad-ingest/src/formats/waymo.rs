@@ -101,7 +101,7 @@ fn of_record(
         Ok(s) => Ok(s),
     };
     let s = scenario.map_err(|what| report.diagnostics.push(findings::schema(&label, &what))).ok()?;
-    if let Some(d) = implausible_span(&label, s.times[0], s.times[s.times.len() - 1]) {
+    if let Some(d) = implausible_span(&label, s.times[0], s.times[s.times.len() - 1], s.times.len()) {
         report.diagnostics.push(d);
         return None;
     }

@@ -39,7 +39,8 @@ impl MapBeside {
         let near = Surroundings::of(drive).cut(&self.map);
         // A map of another location is kept whole for the check that reports it.
         let map = if near.lanes.is_empty() { self.map.clone() } else { near };
-        report.diagnostics.extend(lights(drive, &map, &self.label));
+        let of_lights = lights(drive, &map, &self.label, report);
+        report.diagnostics.extend(of_lights);
         report.diagnostics.extend(vehicles_off(drive, &map, &self.label));
         drive.map = Some(map);
         drive.meta.map_ref = Some(self.name.clone());
@@ -48,11 +49,22 @@ impl MapBeside {
 }
 
 /// Light states name lanes; those of another map do not apply to this one.
-fn lights(drive: &mut Drive, map: &RoadMap, file: &str) -> Option<whyroad_model::Diagnostic> {
+fn lights(
+    drive: &mut Drive,
+    map: &RoadMap,
+    file: &str,
+    report: &mut SourceReport,
+) -> Option<whyroad_model::Diagnostic> {
     let states = drive.lights.as_mut()?;
     let before = states.len();
     states.retain(|s| map.lane(&s.lane_id).is_some());
     let lost = before - states.len();
+    if let Some(count) = report.tables.iter_mut().find(|t| t.table == "lights")
+        && let Some(kept) = count.kept.values_mut().find(|kept| **kept >= lost)
+    {
+        *kept -= lost;
+        count.set_aside("no_such_lane", lost);
+    }
     if before > 0 && states.is_empty() {
         drive.lights = None;
         drive.meta.lacks(Need::TrafficLights);

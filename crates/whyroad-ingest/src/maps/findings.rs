@@ -3,7 +3,7 @@
 use super::MapReading;
 use crate::assemble::layers::Declared;
 use whyroad_model::suggest::suggestion_or_known;
-use whyroad_model::{Bilingual, Diagnostic};
+use whyroad_model::{Bilingual, Diagnostic, counted};
 
 /// Codes of maps beside logs; each has a page in `docs/diagnostics/`.
 pub(crate) const CODES: &[&str] = &[
@@ -17,6 +17,7 @@ pub(crate) const CODES: &[&str] = &[
     "map.lights",
     "map.vehicles.off",
     "map.complete",
+    "map.lanelet.untyped",
 ];
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
@@ -72,6 +73,18 @@ pub(super) fn of_map(file: &str, reading: &MapReading) -> Vec<Diagnostic> {
             format!("{n} features cannot be used; for example {example}"),
         );
         out.push(Diagnostic::warning("map.feature.invalid", message).in_file(file));
+    }
+    if let Some(example) = reading.untyped.first() {
+        let n = reading.untyped.len();
+        let message = Bilingual::new(
+            format!("{n} 个 lanelet 没有 subtype，按机动车道处理；例如 {example}"),
+            format!("{} without a subtype are taken for road; for example {example}", counted(n, "lanelet")),
+        );
+        let hint = Bilingual::new(
+            "在地图中写明 subtype（road、crosswalk、walkway 等）",
+            "state their subtype in the map (road, crosswalk, walkway, ...)",
+        );
+        out.push(Diagnostic::warning("map.lanelet.untyped", message).with_hint(hint).in_file(file));
     }
     if let Some(example) = reading.dangling.first() {
         let n = reading.dangling.len();

@@ -350,3 +350,35 @@ fn what_is_no_feather_and_what_is_no_map_are_named() {
     assert!(drive.is_none());
     assert_eq!(codes(&report), ["av2.feather.unreadable"]);
 }
+
+/// Annotations at 2 Hz: frames every 0.1 s, the ego from its poses at 33 Hz, the object, which goes at constant speed,
+/// on the straight line between two annotations. A gap of 1 s stays one.
+#[test]
+fn annotations_of_another_rate_are_brought_to_tenths() {
+    let rows: Vec<Row> = (0..10).map(|i| row(5 * i, "a", 20.0)).collect();
+    let log = Log::new(&[annotations(&rows)]).with_poses(&steady_poses(46));
+    let (drive, report) = log.read();
+    assert!(codes(&report).contains(&"ingest.rate.resampled"), "{:?}", report.diagnostics);
+    let drive = crate::estimated(drive.unwrap());
+    let (ego, a) = (drive.ego.as_ref().unwrap(), &drive.tracks[0]);
+    assert_eq!((drive.times.len(), a.frames.len()), (46, 46));
+    for i in 0..46 {
+        let t = |v: f64, want: f64| assert!((v - want).abs() < 1e-5, "frame {i}: {v} for {want}");
+        t(a.motion.y[i], 220.0 + i as f64);
+        t(ego.motion.y[i], 201.339 + i as f64);
+        t(ego.motion.forward_speed(i), 10.0);
+    }
+    let gappy: Vec<Row> = rows.into_iter().filter(|r| r.frame != 20).collect();
+    let log = Log::new(&[annotations(&gappy)]).with_poses(&steady_poses(46));
+    let frames = log.read().0.unwrap().tracks[0].frames.clone();
+    assert!(frames.contains(&15) && !frames.contains(&20) && frames.contains(&25));
+}
+
+/// Annotations in microseconds beside poses in nanoseconds: no frame has a pose, and that is an error.
+#[test]
+fn poses_of_another_clock_are_reported() {
+    let late = poses(&(0..80).map(|i| (3_600_000_000_000 + i * 30_000_000, NORTH)).collect::<Vec<_>>());
+    let (drive, report) = Log::new(&[annotations(&following(20))]).with_poses(&late).read();
+    assert!(codes(&report).contains(&"av2.pose.uncovered") && report.lost_input());
+    assert!(drive.unwrap().meta.missing.contains(&whyroad_model::Need::EgoPose));
+}

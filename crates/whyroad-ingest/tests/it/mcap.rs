@@ -131,6 +131,22 @@ fn without_a_mapping_the_topics_are_named_and_a_wrong_mapping_says_where() {
     assert!(report.diagnostics[0].message.en.contains("postion"), "{:?}", report.diagnostics);
 }
 
+/// A misspelled topic of objects: they are unknown, and the message names the topic that the file has.
+#[test]
+fn a_topic_that_is_not_in_the_file_is_reported() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("m.yaml");
+    let text = fs::read_to_string(fixture("fleet.yaml")).unwrap().replace("/tracks:", "/trackz:");
+    fs::write(&file, text).unwrap();
+    let (drive, report) = mcap::read(&fixture("fleet.mcap"), &Options::default().with(&mcap::MAPPING, file));
+    assert_eq!(codes(&report), ["mcap.topic.absent", "mcap.topic.unread"]);
+    assert!(report.diagnostics[0].message.en.contains("/trackz"));
+    assert!(report.diagnostics[0].hint.as_ref().unwrap().en.contains("/tracks ("), "{:?}", report.diagnostics);
+    let missing = drive.unwrap().meta.missing;
+    assert!(missing.contains(&whyroad_model::Need::Objects));
+    assert!(!read("fleet.mcap", &with_mapping()).0.meta.missing.contains(&whyroad_model::Need::Objects));
+}
+
 #[test]
 fn what_a_cut_or_changed_file_still_has_is_kept() {
     let dir = tempfile::tempdir().unwrap();

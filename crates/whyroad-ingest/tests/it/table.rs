@@ -298,6 +298,39 @@ fn a_lake_is_not_taken_for_tables() {
     assert!(table::find_drives(dir.path()).unwrap().is_empty());
 }
 
+/// The first column of every row of a file.
+fn retime(dir: &Path, file: &str, to: impl Fn(f64) -> f64) {
+    let text = fs::read_to_string(dir.join(file)).unwrap();
+    let rows = text.lines().enumerate().map(|(i, line)| match line.split_once(',') {
+        Some((time, rest)) if i > 0 => format!("{},{rest}\n", to(time.parse().unwrap())),
+        _ => format!("{line}\n"),
+    });
+    fs::write(dir.join(file), rows.collect::<String>()).unwrap();
+}
+
+/// Objects an hour later than the ego: none can be placed, and they are unknown, not absent.
+#[test]
+fn objects_of_another_clock_are_unknown() {
+    let lake = tempfile::tempdir().unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(example()).unwrap().flatten() {
+        fs::copy(entry.path(), dir.path().join(entry.file_name())).unwrap();
+    }
+    retime(dir.path(), "objects.csv", |t| t + 3600.0);
+    let (sources, _) = find_sources(None, &[dir.path().to_owned()]);
+    let lake = whyroad_lake::Lake::create_or_open(lake.path()).unwrap();
+    let report = whyroad_ingest::ingest(&sources[0], &Options::default(), &lake);
+    assert!(codes(&report).contains(&"ingest.objects.unused"), "{:?}", report.diagnostics);
+    assert!(report.missing.contains(&Need::Objects) && report.lost_input());
+}
+
+/// Milliseconds in `time_s`: 0.05 s become 50 s; a drive of hours is not invented.
+#[test]
+fn times_in_another_unit_are_refused() {
+    let (drive, report) = changed(|dir| retime(dir, "ego.csv", |t| t * 1000.0));
+    assert!(drive.is_none() && codes(&report).contains(&"ingest.time.step"), "{:?}", report.diagnostics);
+}
+
 /// A road without crosswalks, stop lines and ramps: unknown, unless the map is declared to have all of them
 /// (`docs/reference/table-format.md`).
 #[test]

@@ -6,12 +6,19 @@ use crate::target::placement::Placement;
 
 /// Minimum lateral speed towards the lane's center of a target that enters the lane, m/s.
 const COMING_IN_MPS: f64 = 0.1;
+/// A target that drives along with the ego: at least this fast, m/s, within this of the path's direction, rad (45 deg).
+const ALONG_MPS: f64 = 0.5;
+const ALONG_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Arc length from the ego's center to the near end of a target ahead in its path, m; `None` if the target is not in
 /// path. In path are targets whose center is in the ego's lane; targets in the band that the ego sweeps along its driven
-/// path, of which the part in the band counts; and targets that are partly over the line into the lane and moving in. A
-/// car parked with one wheel in the lane, which the ego passes, is none of these.
-fn nearest_in_path(p: &Placement) -> Option<f64> {
+/// path; and targets that are partly over the line into the lane and moving in. A car parked with one wheel in the lane,
+/// which the ego passes, is none of these.
+///
+/// The near end is that of the whole target in the lane, or of one that drives along with the ego ahead of its front
+/// (else the gap to a bus that comes over at an angle would grow by its length at once); of others in the band, that of
+/// the part in it: a car across the way, a truck parked askew, a bus beside the ego whose front comes over.
+fn nearest_in_path(p: &Placement, ego_length: f64) -> Option<f64> {
     if !p.same_level || !p.within_reach() {
         return None;
     }
@@ -20,6 +27,8 @@ fn nearest_in_path(p: &Placement) -> Option<f64> {
         return Some(p.near);
     }
     if let Some((near, far)) = p.band {
+        let drives_along = p.speed() >= ALONG_MPS && wrap(p.direction() - p.path.heading).abs() <= ALONG_RAD;
+        let near = if drives_along && p.near > ego_length / 2.0 { p.near } else { near };
         return (near + far > 0.0).then_some(near);
     }
     let coming_in =
@@ -36,7 +45,7 @@ pub fn lane_lateral_speed(p: &Placement) -> Option<f64> {
 /// path, NaN if its size is unknown.
 pub fn gap(p: &Placement, ego_length: f64) -> f64 {
     if p.is_sized() {
-        nearest_in_path(p).map_or(f64::INFINITY, |near| near - ego_length / 2.0)
+        nearest_in_path(p, ego_length).map_or(f64::INFINITY, |near| near - ego_length / 2.0)
     } else {
         f64::NAN
     }

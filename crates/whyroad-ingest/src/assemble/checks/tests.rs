@@ -211,3 +211,73 @@ fn a_clock_that_begins_in_1980_states_no_date() {
     assert_eq!(codes(&mut d), ["ingest.date.implausible"]);
     assert_eq!(d.meta.missing, [Need::Date]);
 }
+
+/// The drive goes 10 m/s by its positions: 36 in the column of speeds is km/h, 22.37 is mph.
+#[test]
+fn speeds_in_another_unit_are_not_used() {
+    let mut d = drive();
+    d.ego.as_mut().unwrap().motion.vx.fill(36.0);
+    let found = check(&mut d);
+    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["ingest.speed.contradicts"]);
+    assert!(found[0].message.en.contains("3.60 times") && found[0].hint.as_ref().unwrap().en.contains("km/h"));
+    assert!(d.ego.as_ref().unwrap().motion.vx.iter().all(|v| v.is_nan()) && d.tracks[0].motion.vx[0] == 10.0);
+    let mut d = drive();
+    let m = &mut d.tracks[0].motion;
+    (m.forward, m.vx) = (vec![22.37; m.len()], vec![f64::NAN; m.len()]);
+    d.ego.as_mut().unwrap().bus.speed_mps = vec![36.0; 50];
+    assert_eq!(codes(&mut d), ["ingest.speed.contradicts"; 2]);
+    assert!(d.tracks[0].motion.forward.is_empty() && d.ego.unwrap().bus.speed_mps.is_empty());
+}
+
+/// A speedometer is a few percent off, and a car that turns or drives backwards heads elsewhere than it goes.
+#[test]
+fn speeds_and_headings_that_differ_a_little_are_used() {
+    let mut d = drive();
+    let ego = d.ego.as_mut().unwrap();
+    ego.bus.speed_mps = vec![10.6; 50];
+    ego.motion.heading.fill(std::f64::consts::PI);
+    d.tracks[0].motion.heading.fill(0.3);
+    assert!(codes(&mut d).is_empty());
+}
+
+/// 90 degrees stored as radians are 2.04 rad (90 - 28 pi), that is 117 or, backwards, 63 degrees from the way.
+#[test]
+fn headings_in_degrees_are_not_used() {
+    let mut d = drive();
+    let turn = 2.0 * std::f64::consts::PI;
+    d.tracks[0].motion.heading.fill(90.0 - 14.0 * turn);
+    let found = check(&mut d);
+    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["ingest.heading.contradicts"]);
+    assert!(found[0].message.en.contains("63 degrees"), "{}", found[0].message.en);
+    assert!(d.tracks[0].motion.heading.iter().all(|h| h.is_nan()));
+    assert!(d.ego.unwrap().motion.heading[0] == 0.0);
+}
+
+/// A car that heads west, its angles averaged linearly over 180 degrees: pi, -0.1, pi. Only the wrong heading is lost.
+#[test]
+fn a_heading_that_jumps_and_comes_back_is_lost_alone() {
+    let mut d = drive();
+    for m in [&mut d.ego.as_mut().unwrap().motion, &mut d.tracks[0].motion] {
+        m.x.iter_mut().for_each(|x| *x = -*x);
+        m.vx.fill(-10.0);
+        m.heading.fill(std::f64::consts::PI);
+        (m.heading[20], m.heading[21]) = (-0.1, 1.6);
+    }
+    let found = check(&mut d);
+    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["ingest.heading.impossible"]);
+    assert!(found[0].message.en.starts_with("4 headings of 2 objects"), "{}", found[0].message.en);
+    let m = &d.ego.unwrap().motion;
+    assert!(m.heading[20].is_nan() && m.heading[21].is_nan() && m.heading[22] == std::f64::consts::PI);
+    assert!(m.x.iter().all(|x| x.is_finite()));
+}
+
+/// A heading that is corrected for good is taken after a second; one of a standing car may be anything.
+#[test]
+fn a_new_heading_that_stays_is_taken() {
+    let mut d = drive();
+    d.tracks.clear();
+    d.ego.as_mut().unwrap().motion.heading[30..].fill(2.0);
+    check(&mut d);
+    let lost = d.ego.unwrap().motion.heading.iter().filter(|h| h.is_nan()).count();
+    assert!((9..=11).contains(&lost), "{lost}");
+}

@@ -200,6 +200,22 @@ pub(super) fn pose_uncovered(file: &str, frames: usize, rows: usize) -> Diagnost
     .in_file(file)
 }
 
+/// The poses are at other times than all annotations.
+pub(super) fn pose_elsewhere(file: &str, frames: usize) -> Diagnostic {
+    Diagnostic::error(
+        "av2.pose.uncovered",
+        text(
+            format!("位姿的时间不含标注的任何一帧（共 {frames} 帧）：自车位姿视为未知"),
+            format!("the poses cover none of the {frames} frames with annotations: the ego's pose is unknown"),
+        ),
+    )
+    .with_hint(text(
+        "检查两个文件的 timestamp_ns 是否用同一时钟、同一单位（ns）".to_owned(),
+        "check that timestamp_ns of both files is of one clock and in ns".to_owned(),
+    ))
+    .in_file(file)
+}
+
 pub(super) fn map_missing(dir: &str) -> Diagnostic {
     Diagnostic::warning(
         "av2.map.missing",

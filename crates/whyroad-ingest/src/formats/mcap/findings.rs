@@ -1,7 +1,7 @@
 //! What the MCAP adapter reports, one function per code. Texts only.
 
 use crate::report::RowCount;
-use whyroad_model::{Bilingual, Diagnostic};
+use whyroad_model::{Bilingual, Diagnostic, counted};
 
 /// Codes of the MCAP adapter; each has a page in `docs/diagnostics/`.
 pub(crate) const CODES: &[&str] = &[
@@ -10,6 +10,8 @@ pub(crate) const CODES: &[&str] = &[
     "mcap.ego.missing",
     "mcap.ego.ambiguous",
     "mcap.topic.undecodable",
+    "mcap.topic.absent",
+    "mcap.topic.unread",
     "mcap.frame",
     "mcap.rows.dropped",
     "mcap.class",
@@ -17,8 +19,8 @@ pub(crate) const CODES: &[&str] = &[
 
 fn look() -> Bilingual {
     Bilingual::new(
-        "docs/reference/formats.zh.md 的 mcap 一节说明映射文件",
-        "the section mcap of docs/reference/formats.md describes the mapping file",
+        "docs/formats/mcap.md 说明映射文件",
+        "docs/formats/mcap.md describes the mapping file",
     )
 }
 
@@ -84,6 +86,32 @@ pub(super) fn undecodable(file: &str, topic: &str, what: &str, messages: usize) 
         ),
     )
     .in_file(file)
+}
+
+/// A topic of the mapping that no message is on; `others`: topics that nothing reads.
+pub(super) fn topic_absent(file: &str, topic: &str, others: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("文件中没有映射文件所写的主题 {topic}，其内容视为未记录"),
+        format!("the mapping names {topic}, which is not in the file; what it would tell is unknown"),
+    );
+    let hint = if others.is_empty() {
+        Bilingual::new("改正映射文件中的主题名", "correct the name in the mapping file")
+    } else {
+        Bilingual::new(
+            format!("改正映射文件中的主题名；文件中未读取的主题：{others}"),
+            format!("correct the name in the mapping file; topics of the file that nothing reads: {others}"),
+        )
+    };
+    Diagnostic::warning("mcap.topic.absent", message).with_hint(hint).in_file(file)
+}
+
+/// Topics that no rule reads.
+pub(super) fn topics_unread(file: &str, topics: &str, messages: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("未读取的主题（共 {messages} 条消息）：{topics}"),
+        format!("topics that nothing reads ({}): {topics}", counted(messages, "message")),
+    );
+    Diagnostic::note("mcap.topic.unread", message).with_hint(look()).in_file(file)
 }
 
 pub(super) fn frame(file: &str, frame_id: &str, rows: usize) -> Diagnostic {

@@ -97,7 +97,7 @@ pub(super) struct Rule {
     /// rad, instead of a quaternion.
     pub heading: Option<String>,
     pub size: Option<String>,
-    /// Objects: over ground, in the axes of the world. Ego: in the axes of the car.
+    /// Over ground. Objects: in the axes of the frame of their position. Ego: in the axes of the car.
     pub velocity: Option<String>,
     pub speed_mps: Option<String>,
     /// rad, left positive.

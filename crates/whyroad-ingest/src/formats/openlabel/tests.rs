@@ -171,3 +171,22 @@ fn what_is_not_a_document_or_has_no_times_is_reported() {
         json!({ "openlabel": { "frames": { "0": { "frame_properties": { "timestamp": 0 } } } } });
     assert_eq!(codes(&read_json(&no_systems).1), ["openlabel.system.missing"]);
 }
+
+/// The usual document of camera and box logs: it names the world's system, and no frame leads to it.
+#[test]
+fn a_world_without_transforms_is_only_named() {
+    let mut v = document();
+    for frame in v["openlabel"]["frames"].as_object_mut().unwrap().values_mut() {
+        frame["frame_properties"].as_object_mut().unwrap().remove("transforms");
+        frame["objects"].as_object_mut().unwrap().retain(|id, _| id == "a");
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("scene.json");
+    // As editors on Windows save it: with a byte order mark.
+    fs::write(&path, format!("\u{feff}{v}")).unwrap();
+    let (drive, report) = read(&path, &Options::default());
+    let drive = drive.unwrap();
+    assert!(report.tables[0].dropped_total() == 0, "{:?}", report.tables);
+    assert_eq!(drive.meta.frame_of_reference, FrameOfReference::Ego);
+    assert!(near(drive.track(&"a".into()).unwrap().motion.x[3], 20.0) && drive.ego.is_none());
+}

@@ -43,10 +43,13 @@ impl Lanelets {
                         .crosswalks
                         .push(Area { id: id.to_string(), boundary: between(&b.left, &b.right) });
                 }
-                Ok(b) => match kind(relation) {
+                Ok(b) => match kind_or_road(relation) {
                     None => out.count.set_aside("not_a_road_user_lane", 1),
-                    Some(kind) => {
+                    Some((kind, is_stated)) => {
                         out.count.keep("lane", 1);
+                        if !is_stated {
+                            out.untyped.push(id.to_string());
+                        }
                         let both = relation.tag("one_way") == "no" && kind != LaneKind::Sidewalk;
                         let back = both.then(|| {
                             lanelet(*id, &format!("{id}:back"), relation, kind, b.reversed(), document)
@@ -248,6 +251,18 @@ fn kind(relation: &Relation) -> Option<LaneKind> {
         "rail" | "subway" => None,
         "" => by_users(),
         _ => by_users().or(Some(LaneKind::Other)),
+    }
+}
+
+/// What drives on a lanelet, and whether the file states it: one without a subtype and without participants is taken
+/// for road. Maps leave the subtype out of the ways over junctions (SinD's of Tianjin does).
+fn kind_or_road(relation: &Relation) -> Option<(LaneKind, bool)> {
+    let stated = kind(relation);
+    let is_silent = relation.tag("subtype").is_empty()
+        && !relation.tags.keys().any(|key| key.starts_with("participant:"));
+    match stated {
+        None if is_silent => Some((LaneKind::Vehicle, false)),
+        other => other.map(|kind| (kind, true)),
     }
 }
 

@@ -47,7 +47,8 @@ pub(super) fn add(document: &Document, lanelets: &Lanelets, ground: &mut Ground,
     let loose =
         document.ways.iter().filter(|(id, w)| w.tag("type") == "stop_line" && !all.stops.contains_key(id));
     let loose: Vec<i64> = loose.map(|(id, _)| *id).collect();
-    let compare = loose.len().saturating_mul(out.map.lanes.len()) <= MAX_PAIRS;
+    let unnamed = all.stops.values().filter(|lanes| lanes.is_empty()).count();
+    let compare = (loose.len() + unnamed).saturating_mul(out.map.lanes.len()) <= MAX_PAIRS;
     for (way, of_lanes) in
         loose.into_iter().map(|w| (w, None)).chain(all.stops.into_iter().map(|(w, l)| (w, Some(l))))
     {
@@ -59,9 +60,10 @@ pub(super) fn add(document: &Document, lanelets: &Lanelets, ground: &mut Ground,
         let crossed =
             || out.map.lanes.iter().filter(|l| crosses(&line, &l.center)).map(|l| l.id.clone()).collect();
         let lane_ids = match of_lanes {
-            Some(lanes) => lanes.into_iter().collect(),
-            None if compare => crossed(),
-            None => Vec::new(),
+            Some(lanes) if !lanes.is_empty() => lanes.into_iter().collect(),
+            // Also of an element that no lanelet names.
+            _ if compare => crossed(),
+            _ => Vec::new(),
         };
         out.map.stop_lines.push(StopLine { id: format!("stop_{way}"), line, lane_ids });
     }

@@ -346,3 +346,32 @@ fn parts_are_declared_complete() {
     let map = wrong.map.unwrap().map;
     assert!(map.layer(MapLayer::Crosswalks) == LayerState::Absent && map.covers("traffic_light"));
 }
+
+/// SinD's map of Tianjin leaves the subtype of the ways over the junction out, and has stop lines in elements that no
+/// lanelet names: both are told by the geometry. Lanes 4 m wide, in two pieces from x = 0 to 10 and 10 to 20.
+#[test]
+fn lanelets_without_a_subtype_are_road_and_stop_lines_find_their_lanes() {
+    let content = nodes()
+        + &way(1, &[100, 110], &[])
+        + &way(2, &[101, 111], &[])
+        + &way(3, &[110, 120], &[])
+        + &way(4, &[111, 121], &[])
+        + &way(5, &[110, 111], &[("type", "stop_line")])
+        + &lanelet(10, 2, 1, &[], &[])
+        + &lanelet(11, 4, 3, &[("subtype", "")], &[])
+        + &relation(
+            12,
+            &[("way", 4, "left"), ("way", 3, "right")],
+            &[("type", "lanelet"), ("participant:pedestrian", "yes")],
+        )
+        + &relation(
+            30,
+            &[("way", 5, "ref_line")],
+            &[("type", "regulatory_element"), ("subtype", "traffic_light")],
+        );
+    let out = reading(&content, &Options::default());
+    let kinds: Vec<_> = out.map.lanes.iter().map(|l| (l.id.as_str(), l.kind)).collect();
+    assert_eq!(kinds, [("10", LaneKind::Vehicle), ("11", LaneKind::Vehicle), ("12", LaneKind::Sidewalk)]);
+    assert_eq!((out.untyped, out.map.lane("10").unwrap().successors.clone()), (vec!["11".into()], vec!["11".into()]));
+    assert!(out.map.stop_lines[0].lane_ids.contains(&"10".to_owned()), "{:?}", out.map.stop_lines);
+}

@@ -1,0 +1,162 @@
+//! Stated velocities and headings against the positions: a speed in km/h, a heading in degrees, positions in other
+//! units than meters. Decided over the first seconds of a drive, for the ego and for all vehicles together.
+
+use super::{FIRST_FRAMES, warning};
+use crate::assemble::angles::wrap_angle;
+use crate::assemble::frames::median;
+use std::f64::consts::PI;
+use whyroad_model::scene::{Drive, Motion};
+use whyroad_model::{Bilingual, Diagnostic};
+
+/// Positions are compared over this time, s: noise of 0.3 m at both ends is 0.4 m/s.
+const SPAN_S: f64 = 1.0;
+/// Slower motion is mostly noise, m/s.
+const MOVING_MPS: f64 = 3.0;
+/// Fewer comparisons are no evidence.
+const LEAST: usize = 10;
+/// A median ratio of stated speed to that of the positions outside of this is another unit, or no speed.
+const RATIO: std::ops::RangeInclusive<f64> = 0.67..=1.5;
+/// A median angle between heading and direction of motion above this is another unit or convention, rad (30 deg);
+/// driving backwards counts as driving forwards.
+const APART_RAD: f64 = PI / 6.0;
+
+/// What the rows of a moving object say.
+#[derive(Default)]
+struct Comparison {
+    /// Stated speed, by that of the positions.
+    ratios: Vec<f64>,
+    /// The same of the speed of the bus.
+    of_bus: Vec<f64>,
+    /// Between heading and direction of motion, rad, 0 to 90 deg.
+    angles: Vec<f64>,
+}
+
+impl Comparison {
+    /// Adds the rows of `m`; `seconds` are their times.
+    fn add(&mut self, m: &Motion, seconds: &[f64], bus: &[f64]) {
+        let mut end = 0;
+        for i in 0..m.len().min(seconds.len()) {
+            while end < seconds.len() && seconds[end] < seconds[i] + SPAN_S - 1e-3 {
+                end += 1;
+            }
+            if end >= seconds.len().min(m.len()) {
+                break;
+            }
+            let (dx, dy) = (m.x[end] - m.x[i], m.y[end] - m.y[i]);
+            let speed = dx.hypot(dy) / (seconds[end] - seconds[i]);
+            if !(speed > MOVING_MPS) || seconds[end] - seconds[i] > 2.0 * SPAN_S {
+                continue;
+            }
+            let mean = |of: &dyn Fn(usize) -> f64| (of(i) + of((i + end) / 2) + of(end)) / 3.0;
+            let stated = mean(&|k| {
+                let vector = m.vx[k].hypot(m.vy[k]);
+                if vector.is_nan() { m.forward.get(k).map_or(f64::NAN, |v| v.abs()) } else { vector }
+            });
+            if stated.is_finite() {
+                self.ratios.push(stated / speed);
+            }
+            let bus = mean(&|k| bus.get(k).copied().unwrap_or(f64::NAN));
+            if bus.is_finite() {
+                self.of_bus.push(bus.abs() / speed);
+            }
+            let angle = wrap_angle(m.heading[i] - dy.atan2(dx)).abs();
+            if angle.is_finite() {
+                self.angles.push(angle.min(PI - angle));
+            }
+        }
+    }
+}
+
+/// The median where it is outside of what is plausible.
+fn implausible(ratios: &[f64]) -> Option<f64> {
+    (ratios.len() >= LEAST).then(|| median(ratios)).filter(|m| m.is_finite() && !RATIO.contains(m))
+}
+
+fn is_apart(angles: &[f64]) -> Option<f64> {
+    (angles.len() >= LEAST).then(|| median(angles)).filter(|m| *m > APART_RAD)
+}
+
+/// Sets velocities and headings that contradict the positions to unknown.
+pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    let Some(start) = drive.times.first().copied() else { return out };
+    let first = drive.times.len().min(FIRST_FRAMES);
+    let seconds: Vec<f64> = drive.times[..first].iter().map(|t| t.seconds_since(start)).collect();
+    if let Some(ego) = &mut drive.ego {
+        let mut of = Comparison::default();
+        of.add(&ego.motion, &seconds, &ego.bus.speed_mps);
+        if let Some(ratio) = implausible(&of.ratios) {
+            forget_velocity(&mut ego.motion);
+            out.push(speeds(("自车", "the ego"), ratio));
+        }
+        if let Some(ratio) = implausible(&of.of_bus) {
+            ego.bus.speed_mps = Vec::new();
+            out.push(speeds(("车辆总线", "the vehicle bus"), ratio));
+        }
+        if let Some(angle) = is_apart(&of.angles) {
+            ego.motion.heading.fill(f64::NAN);
+            out.push(headings(("自车", "the ego"), angle));
+        }
+    }
+    let mut of = Comparison::default();
+    for track in drive.tracks.iter().filter(|t| t.class.is_vehicle()) {
+        let rows = track.frames.partition_point(|&f| (f as usize) < first);
+        let times: Vec<f64> = track.frames[..rows].iter().map(|&f| seconds[f as usize]).collect();
+        of.add(&track.motion, &times, &[]);
+    }
+    if let Some(ratio) = implausible(&of.ratios) {
+        drive.tracks.iter_mut().for_each(|t| forget_velocity(&mut t.motion));
+        out.push(speeds(("其他目标", "the objects"), ratio));
+    }
+    if let Some(angle) = is_apart(&of.angles) {
+        drive.tracks.iter_mut().for_each(|t| t.motion.heading.fill(f64::NAN));
+        out.push(headings(("其他目标", "the objects"), angle));
+    }
+    out
+}
+
+fn forget_velocity(m: &mut Motion) {
+    m.vx.fill(f64::NAN);
+    m.vy.fill(f64::NAN);
+    m.accel.fill(f64::NAN);
+    m.forward = Vec::new();
+}
+
+fn speeds((zh, en): (&str, &str), ratio: f64) -> Diagnostic {
+    let d = warning(
+        "ingest.speed.contradicts",
+        format!("{zh}的速度与位置矛盾：行程开始时为位置变化的 {ratio:.2} 倍；速度记为未知，改由位置估计"),
+        format!(
+            "the speeds of {en} contradict the positions: at the start of the drive they are {ratio:.2} times what the \
+             positions show; they are set to unknown and estimated from the positions"
+        ),
+    );
+    let unit = [(3.6, "km/h"), (2.237, "mph"), (1.944, "kn")];
+    let unit = unit.iter().find(|(factor, _)| (ratio / factor - 1.0).abs() < 0.1);
+    d.with_hint(match unit {
+        Some((_, unit)) => Bilingual::new(
+            format!("速度的单位像是 {unit}：请换算为 m/s 后重新导入"),
+            format!("the speeds seem to be in {unit}: convert them to m/s and ingest again"),
+        ),
+        None => Bilingual::new(
+            "检查速度的单位（m/s）与位置的单位（m）",
+            "check the units of speeds (m/s) and of positions (m)",
+        ),
+    })
+}
+
+fn headings((zh, en): (&str, &str), angle: f64) -> Diagnostic {
+    let degrees = angle.to_degrees();
+    warning(
+        "ingest.heading.contradicts",
+        format!("{zh}的航向与行驶方向矛盾：行程开始时相差 {degrees:.0} 度（中位数）；航向记为未知，改由位置估计"),
+        format!(
+            "the headings of {en} contradict the direction of motion: at the start of the drive they are {degrees:.0} \
+             degrees apart (median); they are set to unknown and estimated from the positions"
+        ),
+    )
+    .with_hint(Bilingual::new(
+        "检查航向：弧度，自 x 轴逆时针",
+        "check the headings: radians, counter-clockwise from x",
+    ))
+}
