@@ -78,6 +78,7 @@ pub const CODES: &[&str] = &[
     "label.motion.no_change",
     "label.motion.outside",
     "label.motion.side",
+    "label.motion.stated",
     "label.motion.unlabelled",
     "label.object.class",
     "label.object.light",

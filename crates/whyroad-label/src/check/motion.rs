@@ -7,6 +7,7 @@ mod effect;
 mod lateral;
 mod moment;
 mod object;
+mod stated;
 
 pub(super) use decision::said_speed;
 
@@ -63,6 +64,7 @@ pub(super) fn check(
             None => object::check(label, &texts, words, &window, None, sink),
         }
     }
+    stated::check(label, &texts, words, &window, sink);
     effect::check(label, &texts, words, &window, sink);
     moment::check(label, recorded, classes, sink);
 }

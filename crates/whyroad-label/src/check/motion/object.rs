@@ -1,6 +1,7 @@
 //! The objects of the components against the tracks: they exist, could be seen at their evidence times, and have the
 //! position and motion that the text states.
 
+mod doing;
 mod place;
 
 use crate::check::reading::Named;
@@ -9,11 +10,11 @@ use crate::check::view::{ComponentView, View};
 use crate::driven::{Driven, HISTORY_FRAMES, kmh};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::{GroupSet, SaidState};
+use whyroad_framework::label_words::GroupSet;
 use whyroad_model::label_fields::pointer;
 use whyroad_model::names::class_name;
 use whyroad_model::time::frame_at;
-use whyroad_model::{Drive, Nanos, ObjectClass, TrackId};
+use whyroad_model::{Drive, Nanos, ObjectClass, TrackId, Tri};
 
 /// Maximum distance of an object that a text can mean, m.
 const NEAR_M: f64 = 80.0;
@@ -66,6 +67,18 @@ pub(super) fn check(
             continue;
         }
         let things: Vec<&Named> = facts.there().filter(|n| is_tracked(words, n)).collect();
+        let denied = || facts.named.iter().filter(|n| n.absent && !n.supposed && is_tracked(words, n));
+        if things.is_empty() && !linked.is_empty() && facts.named.len() == denied().count() && denied().next().is_some() {
+            let at = pointer::critical_components_item_description(c.index);
+            sink.report(Finding::warning("label.object.state", at), &|| {
+                Words::new(
+                    "描述说没有该目标，却关联了一个目标",
+                    "the text says that there is none, and an object is linked",
+                )
+                .hint("改正描述，或去掉关联", "correct the text, or remove the link")
+            });
+            continue;
+        }
         match (&linked[..], &things[..]) {
             ([id], [first, others @ ..]) => said(c, id, (first, others.is_empty()), words, w, sink),
             ([], things) => things.iter().for_each(|n| anybody(c, n, words, w, sink)),
@@ -79,7 +92,7 @@ fn kind(words: &LabelWords, name: &str) -> GroupSet {
     words.kinds.get(name).copied().unwrap_or_default()
 }
 
-fn is_tracked(words: &LabelWords, n: &Named) -> bool {
+pub(super) fn is_tracked(words: &LabelWords, n: &Named) -> bool {
     let own = words.objects[n.group].own;
     let tracked = kind(words, "vehicle").with(kind(words, "vru")).with(kind(words, "animal"));
     own.meets(tracked) && !own.meets(kind(words, "queue"))
@@ -156,7 +169,8 @@ fn said(
     let Some(span) = signals.target(&track) else { return };
     let at = pointer::critical_components_item_description(c.index);
     let class = w.drive.track(&track).map_or(ObjectClass::Unknown, |t| t.class);
-    if !class_fits(words, n, class) {
+    let fits = class_fits(words, n, class) && !walks_or_rides(c.description.get(), n, class, words);
+    if !fits {
         sink.report(Finding::error("label.object.class", at.clone()), &|| {
             let name = class_name(class);
             Words::new(
@@ -179,22 +193,18 @@ fn said(
     let speeds = values("target.speed");
     let Some(slowest) = speeds.iter().copied().min_by(f64::total_cmp) else { return };
     let fastest = speeds.iter().copied().fold(0.0, f64::max);
-    let accels = values("target.accel");
-    let moves_off = !accels.is_empty() && accels.iter().all(|a| *a > 0.7);
-    let wrong = match n.state {
-        Some(SaidState::Standing) => slowest > 1.5,
-        Some(SaidState::Crossing | SaidState::CuttingIn) => fastest < 0.2 && rows.len() > 1,
-        Some(SaidState::Slowing) => moves_off,
-        _ => false,
+    let reverses = signals.target_columns.get("target.reverses");
+    let seen = doing::Seen {
+        class,
+        rows: rows.len(),
+        slowest,
+        fastest,
+        accels: values("target.accel"),
+        forwards: reverses.is_some_and(|c| rows.iter().all(|(_, r)| c.flag(*r) == Tri::False)),
     };
-    if wrong {
-        sink.report(Finding::warning("label.object.state", at), &|| {
-            let v = kmh(slowest);
-            Words::new(
-                format!("该目标在证据时间的车速为 {v:.0} km/h，与描述的状态不符"),
-                format!("the object moves at {v:.0} km/h at the evidence times, which differs from the text"),
-            )
-        });
+    let text = c.description.get().unwrap_or_default();
+    if let Some(wrong) = doing::contradiction(text, n, words, &seen) {
+        sink.report(Finding::warning("label.object.state", at), &|| Words::new(wrong.zh.clone(), wrong.en.clone()));
         return;
     }
     if is_only {
@@ -219,6 +229,20 @@ fn class_fits(words: &LabelWords, n: &Named, class: ObjectClass) -> bool {
             own.meets(vehicle) && !own.meets(kind(words, "car")) && !own.meets(kind(words, "motorcycle"))
         }
         _ => own.meets(vehicle) && !own.meets(kind(words, "bus")),
+    }
+}
+
+/// The text says that somebody on foot rides, or that a cyclist is on foot.
+fn walks_or_rides(text: Option<&str>, n: &Named, class: ObjectClass, words: &LabelWords) -> bool {
+    let word = text.and_then(|t| t.get(n.start..n.end)).unwrap_or_default().to_ascii_lowercase();
+    // Scooters and the like are people on foot in some logs.
+    let rides = ["骑车", "骑行", "自行车", "单车", "cyclist", "bicycl"].iter().any(|w| word.contains(w));
+    let walks = ["行人", "路人", "pedestrian"].iter().any(|w| word.contains(w));
+    let own = words.objects[n.group].own;
+    match class {
+        ObjectClass::Pedestrian => rides && own.meets(kind(words, "rider")),
+        ObjectClass::Bicyclist => walks && own.meets(kind(words, "pedestrian")),
+        _ => false,
     }
 }
 

@@ -82,7 +82,7 @@ pub(super) fn check(
             format!("the object is {x:.0} m {} the ego, which differs from the text", place.1),
         );
     }
-    if words.objects[n.group].own.meets(kind(words, "oncoming")) {
+    if words.objects[n.group].own.meets(kind(words, "oncoming")) || said_oncoming(text, n) {
         let (turned, speeds) = (values("target.heading_difference"), values("target.speed"));
         if all(&turned, &|a| a.abs() < ONCOMING_RAD) && all(&speeds, &|v| v > MOVES_MPS) {
             let degrees = turned[0].to_degrees().abs();
@@ -145,6 +145,12 @@ pub(super) fn speed(
 
 fn names_speed(text: &str) -> bool {
     ["时速", "车速", "km/h", "kph", "公里/小时", "每小时"].iter().any(|w| text.contains(w))
+}
+
+/// The text calls the thing oncoming.
+fn said_oncoming(text: &str, n: &Named) -> bool {
+    let before = text[..n.start].to_ascii_lowercase();
+    ["对向的", "对向", "迎面而来的", "迎面驶来的", "oncoming "].iter().any(|w| before.ends_with(w))
 }
 
 /// The text places the thing behind the ego.

@@ -1,0 +1,150 @@
+//! Numbers and states that the trace gives the ego and the linked object, against the recording at the keyframe.
+
+use crate::check::texts::Texts;
+use crate::check::view::View;
+use crate::driven::{Driven, kmh};
+use whyroad_framework::LabelWords;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_model::TrackId;
+use whyroad_model::label_fields::pointer;
+
+/// A speed differs by at least this share of the larger one, and this, km/h.
+const SPEED_SHARE: f64 = 0.4;
+const SPEED_KMH: f64 = 12.0;
+/// The same for a distance, m; shorter lengths are widths and margins, longer ones no distance of a road user.
+const DISTANCE_SHARE: f64 = 0.4;
+const DISTANCE_M: f64 = 8.0;
+const DISTANCES_M: std::ops::RangeInclusive<f64> = 8.0..=300.0;
+/// An ego that is said to stand does not drive this fast, m/s.
+const DRIVES_MPS: f64 = 3.0;
+/// The ego, right before a number or a state.
+const EGO_ZH: [&str; 4] = ["自车", "本车", "我车", "我们"];
+const EGO_EN: [&str; 6] = ["the ego", "our car", "we are doing", "we're doing", "we are at", "we drive at"];
+/// What else a number in the same clause may be about.
+const OTHERS: [&str; 26] = [
+    "限速", "目标", "降到", "减到", "加到", "升到", "低于", "超过", "以内", "以下", "前车", "它", "对方", "行人",
+    "路口", "停止线", "斑马线", "limit", "down to", "up to", "below", "above", "under", "the lead", "junction",
+    "stop line",
+];
+/// The ego stands.
+const STANDS_ZH: [&str; 8] =
+    ["停在", "停着", "静止", "已停", "已经停", "正停", "处于停车", "一直停"];
+const STANDS_EN: [&str; 8] = [
+    "the ego is stationary",
+    "the ego is standing",
+    "the ego stands",
+    "we are stopped",
+    "we're stopped",
+    "we are standing still",
+    "we're standing still",
+    "we are stationary",
+];
+/// Words between the ego and its state.
+const FILLERS: [&str; 6] = ["", "正", "还", "已", "已经", "仍"];
+/// What begins the decision.
+const DECISION: [&str; 9] = ["因此", "所以", "于是", "故而", "从而", ", so ", " so we", "therefore", "hence"];
+
+pub(super) fn check(label: &View<'_>, texts: &Texts, words: &LabelWords, w: &Driven<'_>, sink: &mut dyn Sink) {
+    let Some(trace) = label.trace.get() else { return };
+    let lower = trace.to_ascii_lowercase();
+    // What follows is the decision and what the ego will do.
+    let end = DECISION.iter().filter_map(|d| lower.find(d)).min().unwrap_or(lower.len());
+    let told = &lower[..end];
+    if let Some((said, recorded)) = ego_speed(told, words, w) {
+        report(
+            sink,
+            format!("因果描述称自车车速为 {said:.0} km/h，关键帧时为 {recorded:.0} km/h"),
+            format!("the trace gives the ego {said:.0} km/h, at the keyframe it drives {recorded:.0} km/h"),
+        );
+    } else if let Some(v) = w.speed(w.keyframe).filter(|v| *v > DRIVES_MPS && says_standing(told)) {
+        let v = kmh(v);
+        report(
+            sink,
+            format!("因果描述称自车停着，关键帧时车速为 {v:.0} km/h"),
+            format!("the trace says that the ego stands, at the keyframe it drives {v:.0} km/h"),
+        );
+    }
+    if let Some((said, recorded)) = distance(label, texts, told, words, w) {
+        report(
+            sink,
+            format!("因果描述称目标在 {said:.0} m 处，关键帧时距自车 {recorded:.0} m"),
+            format!("the trace places the object at {said:.0} m, at the keyframe it is {recorded:.0} m from the ego"),
+        );
+    }
+}
+
+fn report(sink: &mut dyn Sink, zh: String, en: String) {
+    sink.report(Finding::warning("label.motion.stated", pointer::COC_TRACE), &|| {
+        Words::new(zh.clone(), en.clone()).hint("改正因果描述中的数值或状态", "correct the value or the state in the trace")
+    });
+}
+
+/// The clause that contains a place of a text.
+fn clause(text: &str, at: usize) -> (usize, &str) {
+    let marks = ['，', '。', '；', ',', ';', '.', '！', '？'];
+    let start = text[..at].rfind(marks).map_or(0, |i| i + text[i..].chars().next().map_or(1, char::len_utf8));
+    let end = text[at..].find(['，', '。', '；', ',', ';', '！', '？']).map_or(text.len(), |i| at + i);
+    (start, &text[start..end])
+}
+
+/// The speed that the text gives the ego, and its speed at the keyframe, km/h, where they differ.
+fn ego_speed(text: &str, words: &LabelWords, w: &Driven<'_>) -> Option<(f64, f64)> {
+    let found = words.quantities.find(text, "km/h");
+    let [said] = found.as_slice() else { return None };
+    let (start, of) = clause(text, said.start);
+    let before = &text[start..said.start];
+    let is_ego = EGO_ZH.iter().chain(&EGO_EN).any(|e| before.contains(e));
+    if !is_ego || OTHERS.iter().any(|o| of.contains(o)) {
+        return None;
+    }
+    let recorded = kmh(w.speed(w.keyframe)?);
+    let differs = (recorded - said.value).abs() > SPEED_KMH.max(SPEED_SHARE * recorded.max(said.value));
+    differs.then_some((said.value, recorded))
+}
+
+/// The text says that the ego stands.
+fn says_standing(text: &str) -> bool {
+    let is_zh = EGO_ZH.iter().any(|ego| {
+        text.match_indices(ego).any(|(at, _)| {
+            let rest = &text[at + ego.len()..];
+            FILLERS.iter().any(|f| {
+                rest.strip_prefix(f).is_some_and(|rest| STANDS_ZH.iter().any(|s| rest.starts_with(s)))
+            })
+        })
+    });
+    is_zh || STANDS_EN.iter().any(|s| text.contains(s))
+}
+
+/// The distance that the text gives its only road user, and that of the only linked object, m, where they differ.
+fn distance(
+    label: &View<'_>,
+    texts: &Texts,
+    text: &str,
+    words: &LabelWords,
+    w: &Driven<'_>,
+) -> Option<(f64, f64)> {
+    let lengths = words.quantities.lengths(text);
+    let [said] = lengths.as_slice() else { return None };
+    let (start, of) = clause(text, said.start);
+    let named: Vec<_> =
+        texts.trace.there().filter(|n| (start..start + of.len()).contains(&n.start)).collect();
+    let [thing] = named.as_slice() else { return None };
+    let linked: Vec<&str> = label.parts.iter().flat_map(|c| c.objects.iter().copied()).collect();
+    let [id] = linked.as_slice() else { return None };
+    // The thing is one of the component's kind.
+    let is_linked = |facts: &crate::check::reading::TextFacts| {
+        facts.there().any(|n| words.objects[n.group].near.meets(words.objects[thing.group].own))
+    };
+    if !super::object::is_tracked(words, thing)
+        || !texts.components.iter().any(is_linked)
+        || !DISTANCES_M.contains(&said.value)
+        || OTHERS.iter().filter(|o| !["前车", "它", "对方", "行人", "the lead"].contains(o)).any(|o| of.contains(o))
+    {
+        return None;
+    }
+    let track = TrackId::from(*id);
+    let row = w.signals.target(&track)?.row(w.keyframe)?;
+    let recorded = w.signals.target_columns.get("target.distance")?.number(row)?;
+    let differs = (recorded - said.value).abs() > DISTANCE_M.max(DISTANCE_SHARE * recorded.max(said.value));
+    differs.then_some((said.value, recorded))
+}
