@@ -12,6 +12,8 @@ use whyroad_model::{Bilingual, Diagnostic, Nanos, Need, RoadMap, counted};
 /// Codes of this module.
 pub(crate) const CODES: &[&str] = &[
     "ingest.size.swapped",
+    "ingest.size.impossible",
+    "ingest.ego.among_objects",
     "ingest.height.heading",
     "ingest.velocity.last_zero",
     "ingest.accel.impossible",
@@ -54,6 +56,8 @@ pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     out.extend(far_positions(drive));
     out.extend(headings::jumps(drive));
     out.extend(poses::steps_back(drive));
+    out.extend(own_box::drop(drive));
+    out.extend(impossible_sizes(drive));
     out.extend(swapped_sizes(drive));
     out.extend(last_zero(drive));
     out.extend(accelerations(drive));
@@ -98,6 +102,37 @@ fn far_positions(drive: &mut Drive) -> Option<Diagnostic> {
                 "{rows} rows have coordinates of 1000 km and more, unlike the start of the drive; they are set to unknown"
             ),
         )
+    })
+}
+
+/// Longest road vehicle, m: road trains of 53.5 m (Australian National Heavy Vehicle Regulator); and widest, m.
+const LONGEST_M: f64 = 60.0;
+const WIDEST_M: f64 = 8.0;
+
+/// Sizes in another unit: nothing on the road is that large.
+fn impossible_sizes(drive: &mut Drive) -> Option<Diagnostic> {
+    let mut rows = 0;
+    let mut check = |length: &mut f64, width: &mut f64| {
+        if length.max(*width) > LONGEST_M || length.min(*width) > WIDEST_M {
+            (*length, *width) = (f64::NAN, f64::NAN);
+            rows += 1;
+        }
+    };
+    if let Some(ego) = &mut drive.ego {
+        check(&mut ego.length_m, &mut ego.width_m);
+    }
+    for track in &mut drive.tracks {
+        track.length_m.iter_mut().zip(&mut track.width_m).for_each(|(l, w)| check(l, w));
+    }
+    (rows > 0).then(|| {
+        warning(
+            "ingest.size.impossible",
+            format!("{rows} 个框长于 {LONGEST_M:.0} m 或宽于 {WIDEST_M:.0} m；长宽记为未知"),
+            format!(
+                "{rows} boxes are longer than {LONGEST_M:.0} m or wider than {WIDEST_M:.0} m; their sizes are set to unknown"
+            ),
+        )
+        .with_hint(Bilingual::new("检查尺寸的单位（m）", "check the unit of sizes (m)"))
     })
 }
 
@@ -352,6 +387,7 @@ fn date(drive: &mut Drive) -> Option<Diagnostic> {
 
 mod agreement;
 mod headings;
+mod own_box;
 mod poses;
 #[cfg(test)]
 mod tests;

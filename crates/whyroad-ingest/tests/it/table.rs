@@ -324,6 +324,18 @@ fn objects_of_another_clock_are_unknown() {
     assert!(report.missing.contains(&Need::Objects) && report.lost_input());
 }
 
+/// A clock that is set back by 2 s in the middle: those rows are lost and counted, none is put between others.
+#[test]
+fn a_clock_that_is_set_back_is_reported() {
+    let (drive, report) = changed(|dir| retime(dir, "ego.csv", |t| if t > 3.0 { t - 2.0 } else { t }));
+    let count = report.tables.iter().find(|t| t.table == "ego").unwrap();
+    // 20 rows from 3.05 s on, of which the last ones do not come after 3 s again.
+    assert_eq!(count.dropped["out_of_order"], 20);
+    assert!(report.lost_input() && codes(&report).contains(&"table.rows.dropped"), "{:?}", report.diagnostics);
+    let x = drive.unwrap().ego.unwrap().motion.x;
+    assert!(x.windows(2).all(|w| w[1] > w[0]), "{x:?}");
+}
+
 /// Milliseconds in `time_s`: 0.05 s become 50 s; a drive of hours is not invented.
 #[test]
 fn times_in_another_unit_are_refused() {

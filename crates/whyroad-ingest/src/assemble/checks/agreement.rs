@@ -27,6 +27,8 @@ struct Comparison {
     ratios: Vec<f64>,
     /// The same of the speed of the bus.
     of_bus: Vec<f64>,
+    /// Between the stated velocity and the direction of motion, rad.
+    of_velocity: Vec<f64>,
     /// Between heading and direction of motion, rad, 0 to 90 deg.
     angles: Vec<f64>,
 }
@@ -59,6 +61,11 @@ impl Comparison {
             if bus.is_finite() {
                 self.of_bus.push(bus.abs() / speed);
             }
+            let middle = (i + end) / 2;
+            let turned = wrap_angle(m.vy[middle].atan2(m.vx[middle]) - dy.atan2(dx)).abs();
+            if turned.is_finite() && m.vx[middle].hypot(m.vy[middle]) > MOVING_MPS {
+                self.of_velocity.push(turned);
+            }
             let angle = wrap_angle(m.heading[i] - dy.atan2(dx)).abs();
             if angle.is_finite() {
                 self.angles.push(angle.min(PI - angle));
@@ -89,6 +96,10 @@ pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
             forget_velocity(&mut ego.motion);
             out.push(speeds(("自车", "the ego"), ratio));
         }
+        if let Some(angle) = is_apart(&of.of_velocity).filter(|_| implausible(&of.ratios).is_none()) {
+            forget_velocity(&mut ego.motion);
+            out.push(directions(("自车", "the ego"), angle));
+        }
         if let Some(ratio) = implausible(&of.of_bus) {
             ego.bus.speed_mps = Vec::new();
             out.push(speeds(("车辆总线", "the vehicle bus"), ratio));
@@ -107,6 +118,10 @@ pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     if let Some(ratio) = implausible(&of.ratios) {
         drive.tracks.iter_mut().for_each(|t| forget_velocity(&mut t.motion));
         out.push(speeds(("其他目标", "the objects"), ratio));
+    }
+    if let Some(angle) = is_apart(&of.of_velocity).filter(|_| implausible(&of.ratios).is_none()) {
+        drive.tracks.iter_mut().for_each(|t| forget_velocity(&mut t.motion));
+        out.push(directions(("其他目标", "the objects"), angle));
     }
     if let Some(angle) = is_apart(&of.angles) {
         drive.tracks.iter_mut().for_each(|t| t.motion.heading.fill(f64::NAN));
@@ -158,5 +173,21 @@ fn headings((zh, en): (&str, &str), angle: f64) -> Diagnostic {
     .with_hint(Bilingual::new(
         "检查航向：弧度，自 x 轴逆时针",
         "check the headings: radians, counter-clockwise from x",
+    ))
+}
+
+fn directions((zh, en): (&str, &str), angle: f64) -> Diagnostic {
+    let degrees = angle.to_degrees();
+    warning(
+        "ingest.speed.contradicts",
+        format!("{zh}的速度方向与位置变化的方向相差 {degrees:.0} 度（中位数）；速度记为未知，改由位置估计"),
+        format!(
+            "the velocities of {en} point {degrees:.0} degrees away from where the positions go (median); they are set to \
+             unknown and estimated from the positions"
+        ),
+    )
+    .with_hint(Bilingual::new(
+        "vx、vy 须在位置的坐标轴上，而不是车身坐标轴",
+        "vx and vy have to be in the axes of the positions, not in those of the car",
     ))
 }

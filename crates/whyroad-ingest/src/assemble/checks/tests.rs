@@ -78,7 +78,9 @@ fn swapped_sizes_are_repaired_and_a_bad_box_is_unknown() {
 fn a_last_velocity_of_zero_is_unknown_and_a_stop_is_not() {
     let mut d = drive();
     d.ego.as_mut().unwrap().motion.vx[49] = 0.0;
+    // From 10 m/s to a stop in 4.9 s: x = 10 t - 10 t^2 / 9.8.
     d.tracks[0].motion.vx = (0..50).map(|i| 10.0 - 10.0 * i as f64 / 49.0).collect();
+    d.tracks[0].motion.x = (0..50).map(|i| i as f64 / 10.0).map(|t| 20.0 + 10.0 * t - 10.0 * t * t / 9.8).collect();
     assert_eq!(codes(&mut d), ["ingest.velocity.last_zero"]);
     assert!(d.ego.unwrap().motion.vx[49].is_nan());
     assert_eq!(d.tracks[0].motion.vx[49], 0.0);
@@ -280,4 +282,34 @@ fn a_new_heading_that_stays_is_taken() {
     check(&mut d);
     let lost = d.ego.unwrap().motion.heading.iter().filter(|h| h.is_nan()).count();
     assert!((9..=11).contains(&lost), "{lost}");
+}
+
+/// A circle to the left (radius 20 m, 5 m/s): velocities in the axes of the car are (5, 0) all the way round.
+#[test]
+fn velocities_in_the_axes_of_the_car_are_not_used() {
+    let mut d = drive();
+    d.tracks.clear();
+    let m = &mut d.ego.as_mut().unwrap().motion;
+    for i in 0..50 {
+        let a = 0.25 * i as f64 / 10.0 + 1.0;
+        (m.x[i], m.y[i], m.heading[i]) = (20.0 * a.sin(), -20.0 * a.cos(), a);
+        (m.vx[i], m.vy[i]) = (5.0, 0.0);
+    }
+    let found = check(&mut d);
+    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["ingest.speed.contradicts"]);
+    assert!(found[0].hint.as_ref().unwrap().en.contains("axes"));
+    assert!(d.ego.unwrap().motion.vx.iter().all(|v| v.is_nan()));
+}
+
+/// Sizes in millimeters, and the ego's own box among the objects.
+#[test]
+fn sizes_in_another_unit_and_the_ego_among_the_objects() {
+    let mut d = drive();
+    d.tracks[0].length_m.fill(4500.0);
+    d.tracks[0].width_m.fill(1800.0);
+    let mut own = d.tracks[0].clone();
+    (own.id, own.motion) = ("me".into(), d.ego.as_ref().unwrap().motion.clone());
+    d.tracks.push(own);
+    assert_eq!(codes(&mut d), ["ingest.ego.among_objects", "ingest.size.impossible"]);
+    assert!(d.tracks.len() == 1 && d.tracks[0].length_m[0].is_nan() && d.ego.unwrap().length_m == 4.8);
 }

@@ -78,6 +78,27 @@ pub(super) fn velocities(sheet: &Sheet, problems: &mut Problems) -> Vec<Velocity
     vx.into_iter().zip(vy).map(|(x, y)| Velocity { vector: [x, y], forward: f64::NAN }).collect()
 }
 
+/// Rows whose time was recorded before: the clock was set back. A table whose rows are in no order at all is sorted
+/// instead: more than this share of its rows come before the one above.
+const UNSORTED_SHARE: f64 = 0.05;
+
+fn backward(order: &[(i64, usize)]) -> Vec<usize> {
+    let steps = order.windows(2).filter(|w| w[1].0 < w[0].0).count();
+    if steps as f64 > UNSORTED_SHARE * order.len() as f64 {
+        return Vec::new();
+    }
+    let mut latest = i64::MIN;
+    let mut out = Vec::new();
+    for &(time, row) in order {
+        // Equal times are duplicates.
+        if time < latest {
+            out.push(row);
+        }
+        latest = latest.max(time);
+    }
+    out
+}
+
 /// Reads the table; `None` when no row can be kept.
 pub(super) fn rows(sheet: Sheet, reader: &mut Reader) -> Option<EgoRows> {
     let mut problems = Problems::default();
@@ -111,6 +132,10 @@ pub(super) fn rows(sheet: Sheet, reader: &mut Reader) -> Option<EgoRows> {
             }
             Some(t) => order.push((*t, i)),
         }
+    }
+    for i in backward(&order) {
+        problems.row("out_of_order", sheet.first_row + i, &mut count);
+        order.retain(|(_, of)| *of != i);
     }
     order.sort_unstable();
     let mut kept: Vec<(i64, usize)> = Vec::with_capacity(order.len());

@@ -7,7 +7,7 @@ mod place;
 use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
-use crate::driven::{Driven, HISTORY_FRAMES, kmh};
+use crate::driven::{Driven, HISTORY_FRAMES};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::label_words::GroupSet;
