@@ -331,7 +331,7 @@ fn a_clock_that_is_set_back_is_reported() {
     let count = report.tables.iter().find(|t| t.table == "ego").unwrap();
     // 20 rows from 3.05 s on, of which the last ones do not come after 3 s again.
     assert_eq!(count.dropped["out_of_order"], 20);
-    assert!(report.lost_input() && codes(&report).contains(&"table.rows.dropped"), "{:?}", report.diagnostics);
+    assert!(report.lost_input() && codes(&report).contains(&"table.row.dropped"), "{:?}", report.diagnostics);
     let x = drive.unwrap().ego.unwrap().motion.x;
     assert!(x.windows(2).all(|w| w[1] > w[0]), "{x:?}");
 }

@@ -183,6 +183,8 @@ fn components_are_compared_with_the_history_before_anything_is_locked() {
         ),
         ("前方的轿车停着不动", "car", vec![("label.object.state", false)]),
         ("前方的轿车以时速 50 公里行驶", "car", vec![("label.object.state", false)]),
+        ("对向的轿车正在驶近", "car", vec![("label.object.position", false)]),
+        ("前方没有车", "car", vec![("label.object.state", false)]),
         // The bus comes from the left, at a right angle.
         ("对向来车正在驶近", "bus", vec![("label.object.position", false)]),
         ("右侧的公交车正在横穿", "bus", vec![("label.object.position", true)]),
@@ -194,6 +196,34 @@ fn components_are_compared_with_the_history_before_anything_is_locked() {
         ("左侧一辆公交车正在横穿前方路口", "bus", vec![]),
     ] {
         assert_eq!(of(text, id), codes, "{text}");
+    }
+}
+
+/// The ego drives 36 km/h at the keyframe, the linked car is 10 m ahead.
+#[test]
+fn what_the_trace_states_of_the_ego_and_the_object_is_compared() {
+    let of = |trace: &str| {
+        let mut l = label(CUT_IN, yields(), &[("前方的轿车正在慢行", "car")]);
+        l["coc_trace"] = trace.into();
+        found(&whole(0.0, 5.0), &l, "label.motion.stated")
+    };
+    let wrong = [("label.motion.stated", false)];
+    for trace in [
+        "自车以每小时 80 公里行驶，前方的轿车正在慢行，因此自车减速让行。",
+        "自车停在路口，前方的轿车正在慢行，因此自车减速让行。",
+        "前方 80 米处的轿车正在慢行，再开就会追上它，因此自车减速让行。",
+        "We are doing 80 km/h and the car ahead is rolling slowly, so we slow down.",
+    ] {
+        assert_eq!(of(trace), wrong, "{trace}");
+    }
+    for trace in [
+        "自车以每小时 40 公里行驶，前方的轿车正在慢行，因此自车减速让行。",
+        "前方的轿车正在慢行，再开就会追上它，因此自车停在路口。",
+        "本路限速每小时 80 公里，前方的轿车正在慢行，因此自车减速让行。",
+        "前方 12 米处的轿车正在慢行，因此自车减速让行。",
+        "We are doing 35 km/h and the car ahead is rolling slowly, so we slow down.",
+    ] {
+        assert!(of(trace).is_empty(), "{trace}");
     }
 }
 

@@ -82,3 +82,37 @@ fn says_faster(text: &str) -> bool {
     };
     stated(&FASTER_ZH, &NOT_ZH) || stated(&FASTER_EN, &NOT_EN)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::reading;
+    use whyroad_framework::Framework;
+    use whyroad_framework::lexicon::units::Units;
+
+    fn is_wrong(text: &str, class: ObjectClass, speed: f64, accel: f64) -> bool {
+        let words = Framework::bundled().label_words();
+        let mut units = Units::default();
+        units.cut(text);
+        let facts = reading::read(text, &units, words);
+        let n = facts.named.first().copied().unwrap_or_else(|| panic!("{text} names nothing"));
+        let seen =
+            Seen { class, rows: 2, slowest: speed, fastest: speed, accels: vec![accel; 2], forwards: true };
+        contradiction(text, &n, words, &seen).is_some()
+    }
+
+    /// A car at 5 m/s that brakes by 1 m/s2; somebody on foot who walks at 1.4 m/s (5 km/h).
+    #[test]
+    fn what_an_object_does_is_compared() {
+        let car = |text: &str| is_wrong(text, ObjectClass::Car, 5.0, -1.0);
+        assert!(car("前方的轿车正在加速") && car("the car ahead is accelerating"));
+        assert!(car("前方的轿车正在倒车") && car("前方的轿车停着不动"));
+        for text in ["前方的轿车正在减速", "前方的轿车没有加速", "前方的轿车不再加速", "the car ahead is not accelerating"] {
+            assert!(!car(text), "{text}");
+        }
+        assert!(!is_wrong("前方的轿车正在加速", ObjectClass::Car, 5.0, 0.2));
+        let walker = |text: &str, speed: f64| is_wrong(text, ObjectClass::Pedestrian, speed, 0.0);
+        assert!(walker("左前方的行人站在路边不动", 1.4) && !walker("左前方的行人站在路边不动", 0.4));
+        assert!(!walker("左前方的行人正在横穿", 1.4));
+    }
+}
