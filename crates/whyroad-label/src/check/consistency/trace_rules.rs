@@ -149,7 +149,10 @@ pub(in crate::check) fn trace(
     judge(reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
         // An unreadable decision is not a null decision: its channel is not judged.
         let unreadable = match &v {
-            TraceVerdict::Unlabelled { channel: name::LONGITUDINAL, .. } => longitudinal == Slot::Broken,
+            // "So it goes on standing where it is": what it did before is no new decision.
+            TraceVerdict::Unlabelled { channel: name::LONGITUDINAL, start, .. } => {
+                longitudinal == Slot::Broken || goes_on(&text[..*start])
+            }
             TraceVerdict::Unlabelled { .. } => lateral == Slot::Broken,
             _ => false,
         };
@@ -444,6 +447,22 @@ pub(in crate::check) fn direction_name(direction: LateralDirection) -> Bilingual
     }
 }
 
+/// The words right before an action say that it goes on.
+fn goes_on(before: &str) -> bool {
+    const ZH: [&str; 8] = ["继续", "仍", "仍然", "依旧", "依然", "一直", "保持", "接着"];
+    const EN: [&str; 8] = [
+        "continues", "continue", "continuing", "keeps on", "keep on", "goes on", "go on", "carries on",
+    ];
+    // "Goes on following and slowing": one action may stand between.
+    const BETWEEN_ZH: [&str; 7] = ["", "跟车", "跟着", "跟着前车", "原地", "在原地", "跟随前车"];
+    let lower = before.trim_end().to_ascii_lowercase();
+    let zh = BETWEEN_ZH
+        .iter()
+        .any(|b| lower.strip_suffix(b).is_some_and(|rest| ZH.iter().any(|w| rest.ends_with(w))));
+    let en = lower.strip_suffix(" to").unwrap_or(&lower);
+    zh || EN.iter().any(|w| en.ends_with(w))
+}
+
 /// `read`: no part of the trace can be a decision in words that are in no list.
 fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink: &mut dyn Sink) {
     let name = |id: &str| names.name(id);
@@ -550,5 +569,21 @@ fn excerpt(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::goes_on;
+
+    /// LABELING.md 2: what the ego did before is no new decision.
+    #[test]
+    fn an_action_that_goes_on_is_told_from_a_new_one() {
+        for before in ["因此自车继续", "因此自车仍然", "所以自车继续跟车", "so the ego continues to", "so we keep on"] {
+            assert!(goes_on(before), "{before}");
+        }
+        for before in ["因此自车", "前车继续行驶，因此自车", "so the ego", "we continue to follow it and"] {
+            assert!(!goes_on(before), "{before}");
+        }
     }
 }
