@@ -239,7 +239,7 @@ impl Recording {
         };
         let errors = (container.records)(input, &mut each);
         report.diagnostics.extend(errors.iter().map(|e| (container.broken)(label, e)));
-        out.report_unread(label, mapping, report);
+        report.diagnostics.extend(out.absent(label, mapping));
         for (name, t) in out.topics.iter().filter(|(_, t)| t.undecodable > 0) {
             let what = match &t.decoder {
                 Decoder::None(reason) => reason.as_str(),
@@ -250,20 +250,19 @@ impl Recording {
         out
     }
 
-    /// Topics of the mapping that the file does not have, and topics of the file that nothing reads.
-    fn report_unread(&self, label: &str, mapping: &Mapping, report: &mut SourceReport) {
-        let unread: Vec<(&String, &Topic)> =
-            self.topics.iter().filter(|(n, t)| t.rule.role == Role::Ignore && !mapping.topics.contains_key(*n)).collect();
-        let list = unread.iter().map(|(n, t)| format!("{n} ({})", t.schema)).collect::<Vec<_>>().join(", ");
-        let absent =
-            mapping.topics.iter().filter(|(n, rule)| rule.role != Role::Ignore && !self.topics.contains_key(*n));
-        for (name, _) in absent {
-            report.diagnostics.push(findings::topic_absent(label, name, &list));
-        }
-        if !unread.is_empty() {
-            let messages = unread.iter().map(|(_, t)| t.messages).sum();
-            report.diagnostics.push(findings::topics_unread(label, &list, messages));
-        }
+    /// Topics of the file that nothing reads, with their types.
+    fn unread(&self, mapping: &Mapping) -> Vec<(&String, &Topic)> {
+        let is_unread =
+            |(n, t): &(&String, &Topic)| t.rule.role == Role::Ignore && !mapping.topics.contains_key(*n);
+        self.topics.iter().filter(is_unread).collect()
+    }
+
+    /// Topics of the mapping that the file does not have.
+    fn absent(&self, label: &str, mapping: &Mapping) -> Vec<Diagnostic> {
+        let others = list(&self.unread(mapping));
+        let named = mapping.topics.iter().filter(|(_, rule)| rule.role != Role::Ignore);
+        let absent = named.filter(|(n, _)| !self.topics.contains_key(*n));
+        absent.map(|(n, _)| findings::topic_absent(label, n, &others)).collect()
     }
 
     /// The ego's poses by time. With several pose topics, odometry takes precedence over bare poses, then order by
@@ -293,6 +292,11 @@ impl Recording {
         self.ego_rows.keep("pose", rows.len());
         rows
     }
+}
+
+/// Topics with their types.
+fn list(topics: &[(&String, &Topic)]) -> String {
+    topics.iter().map(|(n, t)| format!("{n} ({})", t.schema)).collect::<Vec<_>>().join(", ")
 }
 
 fn read_mapping(
@@ -339,6 +343,11 @@ fn read_recording(
         report.diagnostics.push(resampled(&label, frames.native_step_s));
     }
     let ego = ego(&poses, &times, &frames.seconds, &mapping);
+    let unread = recording.unread(&mapping);
+    if !unread.is_empty() {
+        let messages = unread.iter().map(|(_, t)| t.messages).sum();
+        report.diagnostics.push(findings::topics_unread(&label, &list(&unread), messages));
+    }
     let bus = bus::at_frames(&recording.bus, seconds, &frames.seconds);
     let tracks = tracks(&mut recording, &poses, seconds, &frames.seconds, &mapping, &label, report);
     for count in [recording.ego_rows, recording.object_rows] {

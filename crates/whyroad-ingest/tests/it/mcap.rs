@@ -70,8 +70,8 @@ fn ros2_odometry_and_detections_in_the_cars_frame() {
     let drive = crate::estimated(drive);
     check_ego(&drive, 0.0);
     check_car(&drive, "1");
-    // 50 Hz to 10 Hz; one detection has no id.
-    assert_eq!(codes(&report), ["ingest.rate.resampled", "mcap.rows.dropped"]);
+    // 50 Hz to 10 Hz; a topic that nothing reads; one detection has no id.
+    assert_eq!(codes(&report), ["ingest.rate.resampled", "mcap.topic.unread", "mcap.rows.dropped"]);
     let objects = report.tables.iter().find(|t| t.table == "objects").unwrap();
     assert_eq!((objects.read, objects.kept["track"], objects.dropped["no_id"]), (22, 21, 1));
     assert!(drive.meta.missing.contains(&whyroad_model::Need::EgoSize));
