@@ -314,3 +314,33 @@ fn times_are_measured_where_frames_are_missing() {
     let json: serde_json::Value = serde_json::from_str(&json.out).unwrap();
     assert_eq!((&json["seconds"], &json["times_s"][100]), (&15.0.into(), &13.2.into()));
 }
+
+#[test]
+fn two_runs_do_not_write_into_one_folder() {
+    let (lake, dir) = (lake(), tempfile::tempdir().unwrap());
+    let out = dir.path().join("out");
+    let mine = || {
+        whyroad_in(
+            &root(),
+            &[
+                "mine",
+                "--lake",
+                text(lake.path()),
+                "--out",
+                text(&out),
+                "--force",
+                "--rule",
+                "ego.speed > 5 m/s",
+            ],
+        )
+    };
+    assert_eq!(mine().code, 0);
+    let before = std::fs::read(out.join("episodes.jsonl")).unwrap();
+    let held = whyroad_lake::mined::FolderLock::take(&out).unwrap();
+    let refused = mine();
+    assert!(refused.code == 1 && refused.err.contains("another process is writing"), "{}", refused.err);
+    assert_eq!(std::fs::read(out.join("episodes.jsonl")).unwrap(), before);
+    drop(held);
+    assert_eq!(mine().code, 0);
+    assert!(!out.join(".lock").exists());
+}
