@@ -2,6 +2,7 @@
 
 use crate::columns::Table;
 use crate::manifest::{DriveManifest, LakeMarker};
+use crate::packs::fingerprint::identity;
 use crate::packs::lock;
 use crate::packs::places::{Packs, Place};
 use crate::storage::{self, Intent, MediaStore, Mirror, StorageUrl};
@@ -175,8 +176,7 @@ impl Lake {
             Ok(_) => return Self::open_folder(dir),
             Err(e) => return Err(e),
         }
-        let marker = LakeMarker { format: "whyroad-lake".to_owned(), version: LAKE_VERSION };
-        write_json(&dir.join(MARKER), &marker)?;
+        write_marker(dir, LAKE_VERSION)?;
         Ok(Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None, tidied: Arc::new(Once::new()) })
     }
 
@@ -187,10 +187,7 @@ impl Lake {
         if Self::of_any_version(&self.dir)?.1 == PACKED_VERSION {
             return Ok(());
         }
-        let (path, fresh) =
-            (self.dir.join(MARKER), self.dir.join(format!(".{MARKER}-{}", std::process::id())));
-        write_json(&fresh, &LakeMarker { format: "whyroad-lake".to_owned(), version: PACKED_VERSION })?;
-        fs::rename(&fresh, &path).map_err(LakeError::io(&path))
+        write_marker(&self.dir, PACKED_VERSION)
     }
 
     /// Formats of the drives that this build does not read, sorted.
@@ -367,19 +364,15 @@ impl Lake {
             return Err(LakeError::DriveInvalid { drive: id.clone(), reason });
         }
         let target = self.drive_dir(id);
-        match self.manifest(id) {
-            // A drive that is broken or of another version is replaced like any other.
-            Ok(m)
-                if m.meta.content_hash == drive.meta.content_hash
-                    && !m.meta.content_hash.is_empty()
-                    && self.read_drive(id).is_ok() =>
-            {
-                return Ok(WriteOutcome::Unchanged);
-            }
-            _ => {}
+        let state = || identity(&target.join(MANIFEST));
+        let before = state();
+        let hash = &drive.meta.content_hash;
+        let is_same = || !hash.is_empty() && self.manifest(id).is_ok_and(|m| m.meta.content_hash == *hash);
+        // A drive that is broken or of another version is replaced like any other.
+        if is_same() && self.read_drive(id).is_ok() {
+            return Ok(WriteOutcome::Unchanged);
         }
-        let aside = |what: &str| self.dir.join("drives").join(format!(".{what}-{}-{id}", std::process::id()));
-        let (fresh, old) = (aside("new"), aside("old"));
+        let (fresh, old) = (self.aside(id, "new"), self.aside(id, "old"));
         for leftover in [&fresh, &old] {
             remove_dir(leftover)?;
         }
@@ -395,22 +388,38 @@ impl Lake {
             let path = fresh.join(name);
             fs::write(&path, content).map_err(LakeError::io(&path))
         };
-        notes.iter().try_for_each(keep).and_then(|()| write_tables(&fresh, drive, meta)).inspect_err(
-            |_| {
-                // The error that made it fail is the one to report.
-                let _ = fs::remove_dir_all(&fresh);
-            },
-        )?;
-        let _lock = lock::changing(&self.dir)?;
-        // Signals and small files that override those of a packed drive are removed with it.
-        let (aside, packed) = (target.exists(), self.last_catalog().find(id).is_some());
-        if aside {
-            fs::rename(&target, &old).map_err(LakeError::io(&target))?;
+        let put = || -> Result<WriteOutcome, LakeError> {
+            notes.iter().try_for_each(keep)?;
+            write_tables(&fresh, drive, meta)?;
+            // Alone: another process may write the same drive.
+            let _lock = lock::replacing(&self.dir)?;
+            if state() != before && is_same() {
+                return Ok(WriteOutcome::Unchanged);
+            }
+            // Signals and small files that override those of a packed drive are removed with it.
+            let (aside, packed) = (target.exists(), self.last_catalog().find(id).is_some());
+            if aside {
+                fs::rename(&target, &old).map_err(LakeError::io(&target))?;
+            }
+            fs::rename(&fresh, &target).map_err(LakeError::io(&target))?;
+            Ok(if aside || packed { WriteOutcome::Replaced } else { WriteOutcome::Written })
+        };
+        let outcome = put();
+        if !matches!(outcome, Ok(WriteOutcome::Written | WriteOutcome::Replaced)) {
+            // The error that made it fail is the one to report.
+            let _ = fs::remove_dir_all(&fresh);
         }
-        fs::rename(&fresh, &target).map_err(LakeError::io(&target))?;
+        let outcome = outcome?;
         remove_dir(&old)?;
-        Ok(if aside || packed { WriteOutcome::Replaced } else { WriteOutcome::Written })
+        Ok(outcome)
     }
+}
+
+/// Readers find the marker whole.
+fn write_marker(dir: &Path, version: u32) -> Result<(), LakeError> {
+    let (path, fresh) = (dir.join(MARKER), dir.join(format!(".{MARKER}-{}", std::process::id())));
+    write_json(&fresh, &LakeMarker { format: "whyroad-lake".to_owned(), version })?;
+    fs::rename(&fresh, &path).map_err(LakeError::io(&path))
 }
 
 pub(crate) fn write_tables(dir: &Path, drive: &Drive, meta: DriveMeta) -> Result<(), LakeError> {
