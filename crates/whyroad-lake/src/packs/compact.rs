@@ -99,6 +99,7 @@ impl Lake {
         if let Some(mirror) = &self.mirror {
             mirror.fetch_loose()?;
         }
+        self.remove_leftovers();
         self.mark_packed()?;
         let _lock = lock::packing(self.dir())?;
         let mut out = Compaction { removed: self.remove_unnamed()?, ..Compaction::default() };
