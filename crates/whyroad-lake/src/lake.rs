@@ -64,6 +64,12 @@ impl Lake {
 
     fn open_folder(dir: &Path) -> Result<Self, LakeError> {
         let (lake, version) = Self::of_any_version(dir)?;
+        // Otherwise it would seem to have no loose drives.
+        let drives = lake.dir.join("drives");
+        match fs::read_dir(&drives) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(LakeError::io(&drives)(e)),
+            _ => {}
+        }
         if !LAYOUTS.contains(&version) {
             let formats = lake.outdated_formats();
             return Err(LakeError::version(&lake.dir.join(MARKER), version, formats));
@@ -223,7 +229,7 @@ impl Lake {
 
     /// True for a drive with a folder of its own, which overrides its copy in a pack.
     pub(crate) fn is_loose(&self, id: &DriveId) -> bool {
-        self.drive_dir(id).join(MANIFEST).is_file()
+        is_drive(&self.drive_dir(id))
     }
 
     /// Ids of all drives, sorted: those of the catalog, and those with a folder of their own.
@@ -238,7 +244,7 @@ impl Lake {
             }
         }
         let catalog = self.last_catalog();
-        loose.retain(|id| catalog.find(id).is_none() && self.drive_dir(id).join(MANIFEST).is_file());
+        loose.retain(|id| catalog.find(id).is_none() && is_drive(&self.drive_dir(id)));
         let mut ids: Vec<DriveId> = catalog.ids().map(DriveId::from).collect();
         ids.append(&mut loose);
         ids.sort();
@@ -415,6 +421,19 @@ impl Lake {
     }
 }
 
+/// True for the folder of a loose drive: it has a `drive.json`. So does one that cannot be read, whose `drive.json` is
+/// missing beside its tables, or that is a link to nowhere: such a drive is reported, and does not just disappear.
+pub(crate) fn is_drive(dir: &Path) -> bool {
+    use std::io::ErrorKind::{NotADirectory, NotFound};
+    match fs::metadata(dir.join(MANIFEST)) {
+        Ok(data) => data.is_file(),
+        Err(e) if e.kind() == NotFound => {
+            dir.join("frames.parquet").exists() || (dir.is_symlink() && !dir.exists())
+        }
+        Err(e) => e.kind() != NotADirectory,
+    }
+}
+
 /// Readers find the marker whole.
 fn write_marker(dir: &Path, version: u32) -> Result<(), LakeError> {
     let (path, fresh) = (dir.join(MARKER), dir.join(format!(".{MARKER}-{}", std::process::id())));
@@ -462,5 +481,41 @@ pub(crate) fn remove_dir(path: &Path) -> Result<(), LakeError> {
     match fs::remove_dir_all(path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(LakeError::io(path)(e)),
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_that_cannot_be_read_does_not_disappear() {
+        let dir = tempfile::tempdir().unwrap();
+        let lake = Lake::create_or_open(dir.path()).unwrap();
+        let drives = dir.path().join("drives");
+        for id in ["overlay", "part"] {
+            fs::create_dir(drives.join(id)).unwrap();
+        }
+        fs::write(drives.join("overlay/found.json"), "{}").unwrap();
+        fs::write(drives.join("part/frames.parquet"), "").unwrap();
+        fs::write(drives.join("notes.txt"), "").unwrap();
+        // Links that lead to themselves or to nowhere: nobody can read them, not even root.
+        for (id, to) in [("loop", "loop"), ("lost", "nowhere")] {
+            std::os::unix::fs::symlink(to, drives.join(id)).unwrap();
+        }
+        let ids: Vec<String> = lake.drive_ids().iter().map(ToString::to_string).collect();
+        assert_eq!(ids, ["loop", "lost", "part"]);
+        let code = |id: &str| lake.read_drive(&id.into()).unwrap_err().code();
+        assert_eq!(
+            ["loop", "lost", "part", "overlay"].map(code),
+            ["lake.io", "lake.table_broken", "lake.table_broken", "lake.drive_missing"]
+        );
+        assert_eq!(lake.entries().filter(|(_, entry)| entry.is_err()).count(), 3);
+        let compacted = lake.compact(&crate::CompactionOptions::default(), |_, _| ()).unwrap();
+        assert_eq!(compacted.left.len(), 1, "of those, one is a folder: {:?}", compacted.left);
+        fs::rename(&drives, dir.path().join("other")).unwrap();
+        fs::write(&drives, "").unwrap();
+        assert_eq!(Lake::open(dir.path()).unwrap_err().code(), "lake.io");
     }
 }

@@ -10,7 +10,7 @@ use super::member::Member;
 use super::open_pack::{OpenPack, SIGNALS};
 use super::splice::Schemas;
 use super::{fingerprint, lock, write};
-use crate::lake::{MANIFEST, remove_dir};
+use crate::lake::{is_drive, remove_dir};
 use crate::storage::Intent;
 use crate::{Lake, LakeError};
 use std::collections::{BTreeMap, BTreeSet};
@@ -186,7 +186,7 @@ impl Lake {
         let found = on_all_cores(&ids, |id| {
             let dir = self.drive_dir(id);
             let (fingerprint, bytes) = fingerprint::folder(&dir);
-            Folder { whole: dir.join(MANIFEST).is_file(), fingerprint, bytes }
+            Folder { whole: is_drive(&dir), fingerprint, bytes }
         });
         Ok(ids.into_iter().zip(found).collect())
     }
