@@ -1,5 +1,6 @@
 //! What can go wrong with a lake, and the message for each.
 
+use parquet::errors::ParquetError;
 use std::path::{Path, PathBuf};
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
@@ -119,6 +120,17 @@ impl LakeError {
 
     pub(crate) fn broken(path: &Path, reason: impl std::fmt::Display) -> LakeError {
         LakeError::TableBroken { path: path.to_owned(), reason: reason.to_string() }
+    }
+
+    /// A table could not be written: the file system refused, or it could not be encoded.
+    pub(crate) fn unwritten(path: &Path) -> impl FnOnce(ParquetError) -> LakeError + '_ {
+        |e| match e {
+            ParquetError::External(cause) => match cause.downcast::<std::io::Error>() {
+                Ok(source) => LakeError::io(path)(*source),
+                Err(cause) => LakeError::broken(path, cause),
+            },
+            e => LakeError::broken(path, e),
+        }
     }
 
     /// Stable code.
