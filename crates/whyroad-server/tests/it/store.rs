@@ -353,5 +353,7 @@ fn a_backup_needs_its_key() {
     // A store whose key file was lost does not start with a new one.
     drop(first);
     std::fs::remove_file(dir.path().join("first.key")).unwrap();
-    assert_eq!(Store::open(&place).unwrap_err().code, "store.key");
+    let refused = Store::open(&place).unwrap_err();
+    assert!(refused.code == "store.key" && refused.text.en.contains("WHYROAD_KEY_FILE"), "{refused}");
+    assert!(!dir.path().join("first.key").exists(), "no key is made that opens nothing");
 }

@@ -41,6 +41,12 @@ pub(super) struct Args {
     /// Store of the labeling service: a SQLite file, its folder, or postgres://...; its caches are emptied
     #[arg(long, value_name = "URL", env = "WHYROAD_STORE", hide_env_values = true)]
     store: Option<String>,
+    /// Folder of the service's data: with a PostgreSQL store, its key file and caches
+    #[arg(long, value_name = "DIR", default_value = "whyroad-data", env = "WHYROAD_DATA_DIR")]
+    data: PathBuf,
+    /// Key file of the store [default: beside the SQLite file, or labels.db.key in --data]
+    #[arg(long, value_name = "FILE", env = "WHYROAD_KEY_FILE")]
+    key_file: Option<PathBuf>,
     /// Folder in which to look for releases that hold the drives; may be repeated
     #[arg(long, value_name = "DIR")]
     releases: Vec<PathBuf>,
@@ -72,8 +78,9 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     folders_only(args.mined.iter().chain(&args.media).chain(&args.releases).chain(&args.backups))?;
     let (drives, undated) = selected(&lake, &args);
     let folders = mined_folders(&args.mined)?;
-    let store = args.store.as_deref().map(|s| store_args::open_store(s, lang)).transpose()?;
-    let service = args.store.as_deref().and_then(service_folder);
+    let open = |s| store_args::open_store_with(s, &args.data, args.key_file.clone(), lang);
+    let store = args.store.as_deref().map(open).transpose()?;
+    let service = args.store.as_deref().and_then(|store| service_folder(store, &args.data));
 
     let mut counts = Deleted { drives: drives.len(), unsearched: undated, ..Deleted::default() };
     let mut backups = args.backups.clone();
@@ -205,13 +212,13 @@ fn mined_folders(dirs: &[PathBuf]) -> anyhow::Result<Vec<MinedFolder>> {
     Ok(out)
 }
 
-/// The folder in which a service with a SQLite store keeps its caches; of a server's it is named by WHYROAD_DATA_DIR.
-fn service_folder(store: &str) -> Option<PathBuf> {
+/// The folder in which a service keeps its caches: that of its SQLite file, or `data`.
+fn service_folder(store: &str, data: &Path) -> Option<PathBuf> {
     use whyroad_server::store::StoreLocation;
     match StoreLocation::parse(store) {
         StoreLocation::File(path) if path.is_dir() => Some(path),
         StoreLocation::File(path) => path.parent().map(Path::to_path_buf),
-        StoreLocation::Server(_) => std::env::var_os("WHYROAD_DATA_DIR").map(PathBuf::from),
+        StoreLocation::Server(_) => Some(data.to_owned()),
     }
 }
 
