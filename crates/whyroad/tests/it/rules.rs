@@ -344,3 +344,23 @@ fn two_runs_do_not_write_into_one_folder() {
     assert_eq!(mine().code, 0);
     assert!(!out.join(".lock").exists());
 }
+
+#[test]
+fn a_pause_of_the_log_is_not_counted_as_driving() {
+    let dir = tempfile::tempdir().unwrap();
+    drive_with_a_gap(dir.path());
+    // The last 100 frames, 10 s, begin an hour later.
+    let ego = dir.path().join("gapped/ego.csv");
+    let rows = std::fs::read_to_string(&ego).unwrap();
+    let later = |line: &str| match line.split_once(',') {
+        Some((time, rest)) if time.parse::<f64>().is_ok_and(|t| t >= 20.0) => {
+            format!("{},{rest}\n", time.parse::<f64>().unwrap() + 3600.0)
+        }
+        _ => format!("{line}\n"),
+    };
+    std::fs::write(&ego, rows.lines().map(later).collect::<String>()).unwrap();
+    let lake = dir.path().join("lake");
+    assert_eq!(whyroad_in(&root(), &["ingest", "table", text(dir.path()), "--lake", text(&lake)]).code, 0);
+    let run = whyroad_in(&root(), &["inspect", "--lake", text(&lake)]);
+    assert!(run.out.contains("1 drive, 2 clips, 0.01 h"), "{}", run.out);
+}
