@@ -18,7 +18,7 @@ use whyroad_model::messages::clip::ClipMetadata;
 use whyroad_model::scene::DriveMeta;
 use whyroad_model::{Drive, DriveId, Nanos};
 
-const MARKER: &str = "whyroad-lake.json";
+pub(crate) const MARKER: &str = "whyroad-lake.json";
 pub(crate) const MANIFEST: &str = "drive.json";
 
 /// An opened lake.
@@ -196,13 +196,16 @@ impl Lake {
         write_marker(&self.dir, PACKED_VERSION)
     }
 
-    /// Formats of the drives that this build does not read, sorted.
+    /// Formats of the drives that this build does not read, or of all where it reads them; sorted.
     fn outdated_formats(&self) -> Vec<String> {
-        let formats = self.drive_ids().into_iter().filter_map(|id| {
-            let manifest = self.manifest_of_any_version(&id).ok()?;
-            (manifest.lake_version != LAKE_VERSION).then_some(manifest.meta.format)
-        });
-        formats.collect::<BTreeSet<_>>().into_iter().collect()
+        let (mut outdated, mut all) = (BTreeSet::new(), BTreeSet::new());
+        for manifest in self.drive_ids().iter().filter_map(|id| self.manifest_of_any_version(id).ok()) {
+            if manifest.lake_version != LAKE_VERSION {
+                outdated.insert(manifest.meta.format.clone());
+            }
+            all.insert(manifest.meta.format);
+        }
+        if outdated.is_empty() { all } else { outdated }.into_iter().collect()
     }
 
     /// The lake's folder; of a lake in an object store, a folder of this process.
