@@ -193,15 +193,15 @@ pub(super) fn check_there(path: &Path, tx: &mut dyn Tx) -> Answer<()> {
     if path.exists() {
         return Ok(());
     }
-    let sealed = |text: String| text.starts_with(SEALED);
+    let sealed = |text: &str| text.starts_with(SEALED);
     for row in tx.rows("SELECT secret FROM webhooks", &[])? {
-        if sealed(row.text("secret")?) {
+        if sealed(&row.text("secret")?) {
             return Err(wrong_key(path));
         }
     }
     let csrf = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
     match csrf.map(|row| row.text("value")).transpose()? {
-        Some(text) if sealed(text) => Err(wrong_key(path)),
+        Some(text) if sealed(&text) => Err(wrong_key(path)),
         _ => Ok(()),
     }
 }
