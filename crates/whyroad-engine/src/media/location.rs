@@ -41,8 +41,8 @@ pub(super) fn located(
     Ok(out)
 }
 
-/// Removes the copies in the lake that the drive's media table named before and does not name now. A file that cannot be
-/// removed is found by nobody any more, and goes with the drive.
+/// Removes the copies in the lake that the drive's media table named before and does not name now. A file that cannot
+/// be removed is found by nobody any more, and goes with the drive.
 pub(super) fn remove_replaced(lake: &Lake, id: &DriveId, before: &[MediaFrame], now: &[MediaFrame]) {
     let named: BTreeSet<&str> = now.iter().map(|m| m.uri.as_str()).collect();
     let own = lake.media_dir().join(id.as_str());

@@ -24,8 +24,9 @@ pub fn backup_to(store: &Store, path: &Path) -> Answer<u64> {
     to_file(path, |out| backup(store, out))
 }
 
-/// Reads a backup into an empty store, completely or not at all; returns the number of rows. A truncated or
-/// changed backup is refused. `open` opens the backup from its beginning: the database may require that the whole restore is repeated.
+/// Reads a backup into an empty store, completely or not at all; returns the number of rows. A truncated or changed
+/// backup is refused. `open` opens the backup from its beginning: the database may require that the whole restore is
+/// repeated.
 pub fn restore<R: BufRead>(
     store: &Store,
     mut open: impl FnMut() -> std::io::Result<R> + Send + 'static,

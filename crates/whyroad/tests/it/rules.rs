@@ -245,8 +245,8 @@ fn a_rule_of_one_s_own_and_other_are_explained() {
     assert!(elsewhere.err.contains("begin with multilane-ego_000"), "{}", elsewhere.err);
 }
 
-/// A drive of 10 Hz of which 3.2 s are missing, from 6 s on: the ego is at 2 m/s from 15 s to 18 s and from 25 s on, and
-/// at 10 m/s otherwise.
+/// A drive of 10 Hz of which 3.2 s are missing, from 6 s on: the ego is at 2 m/s from 15 s to 18 s and from 25 s on,
+/// and at 10 m/s otherwise.
 fn drive_with_a_gap(folder: &Path) {
     let folder = folder.join("gapped");
     std::fs::create_dir_all(&folder).unwrap();

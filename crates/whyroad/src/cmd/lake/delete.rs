@@ -262,8 +262,8 @@ fn empty(cache: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Copies of a drive remain, or it is unknown whether they do, or a name was not found: exit code 1, so that scripts can
-/// detect it.
+/// Copies of a drive remain, or it is unknown whether they do, or a name was not found: exit code 1, so that scripts
+/// can detect it.
 fn outcome(counts: &Deleted, not_found: &[String]) -> ExitCode {
     let rest = [&counts.releases, &counts.backups, &counts.parts, &counts.unsearched];
     let is_all = rest.iter().all(|list| list.is_empty()) && not_found.is_empty();
