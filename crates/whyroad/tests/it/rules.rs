@@ -363,4 +363,6 @@ fn a_pause_of_the_log_is_not_counted_as_driving() {
     assert_eq!(whyroad_in(&root(), &["ingest", "table", text(dir.path()), "--lake", text(&lake)]).code, 0);
     let run = whyroad_in(&root(), &["inspect", "--lake", text(&lake)]);
     assert!(run.out.contains("1 drive, 2 clips, 0.01 h"), "{}", run.out);
+    let list = whyroad_in(&root(), &["lake", "list", "--lake", text(&lake)]);
+    assert!(list.out.contains("\t26.8 s\t"), "300 frames but 32: {}", list.out);
 }
