@@ -1,6 +1,7 @@
 //! Work on the drives of a lake: on all cores, results in the order of the ids, and only some of them in memory.
 
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 use whyroad_lake::{Lake, LakeError};
 use whyroad_model::{Bilingual, Diagnostic, DriveId, SignalTable};
 
@@ -51,18 +52,25 @@ pub(crate) fn derived_signals(lake: &Lake, id: &DriveId) -> Result<SignalTable, 
 }
 
 /// Derives and stores the signals of every drive that has none stored by this version, as `mine` does on the way.
-/// Returns the number of drives whose signals were derived, and an error for each drive that could not be.
+/// Returns the number of drives whose signals were derived, and an error for each drive that could not be read; where
+/// they cannot be stored, one error of the file system.
 pub fn derive_signals(
     lake: &Lake,
     jobs: Option<usize>,
     done: impl Fn(&DriveId) + Sync,
 ) -> (usize, Vec<Diagnostic>) {
+    let refused: Mutex<Option<LakeError>> = Mutex::default();
     let one = |id: &DriveId| -> Result<usize, Box<Diagnostic>> {
         let derive = || -> Result<usize, LakeError> {
             if lake.signals(id, whyroad_signals::VERSION)?.is_some() {
                 return Ok(0);
             }
-            lake.write_signals(id, whyroad_signals::VERSION, &derived_signals(lake, id)?)?;
+            let table = derived_signals(lake, id)?;
+            let stored = lake.write_signals(id, whyroad_signals::VERSION, &table);
+            if let Err(e) = stored {
+                refused.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(e);
+                return Ok(0);
+            }
             Ok(1)
         };
         let derived = derive().map_err(|e| unreadable(id, &e));
@@ -78,6 +86,8 @@ pub fn derive_signals(
         Ok(())
     });
     let Ok(()) = kept;
+    let refused = refused.into_inner().unwrap_or_else(PoisonError::into_inner);
+    errors.extend(refused.map(|e| e.diagnostic()));
     if let Err(e) = lake.publish() {
         errors.push(e.diagnostic());
     }

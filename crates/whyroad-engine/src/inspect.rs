@@ -185,7 +185,7 @@ pub struct LakeSummary {
     pub drives: usize,
     /// Number of clips.
     pub clips: usize,
-    /// Hours of driving.
+    /// Hours that were recorded.
     pub hours: f64,
     /// Drives by format.
     pub formats: BTreeMap<String, usize>,
@@ -200,7 +200,9 @@ impl LakeSummary {
     pub fn add(&mut self, drive: &DriveSummary) {
         self.drives += 1;
         self.clips += drive.clips.len();
-        self.hours += drive.clips.iter().map(|c| c.duration_sec).sum::<f64>() / 3600.0;
+        // Of frames: gaps of the log were not recorded.
+        self.hours +=
+            drive.clips.iter().map(|c| f64::from(c.total_frames) / c.frame_rate).sum::<f64>() / 3600.0;
         *self.formats.entry(drive.format.clone()).or_default() += 1;
         for (class, count) in &drive.objects {
             let all = self.objects.entry(class.clone()).or_default();

@@ -89,7 +89,9 @@ pub fn add_images(lake: &Lake, id: &DriveId, request: &AddImages) -> Result<Adde
         lake.media(id)?.into_iter().partition(|m| m.camera == request.camera);
     let (added, replaced) = (frames.len(), own.len());
     let is_outside = frames.iter().any(|f| Path::new(&f.uri).is_absolute());
-    lake.write_media(id, &others.into_iter().chain(frames).collect::<Vec<_>>())?;
+    let all: Vec<MediaFrame> = others.into_iter().chain(frames).collect();
+    lake.write_media(id, &all)?;
+    location::remove_replaced(lake, id, &own, &all);
     Ok(AddedImages { added, replaced, rejected, outside: is_outside.then(|| location::folder(&usable)) })
 }
 

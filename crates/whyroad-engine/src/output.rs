@@ -11,4 +11,4 @@ pub mod result;
 pub use coverage::Searched;
 pub use folder::{EpisodeExample, FolderWriter, KnownDrive, SameDrive, Summary, write_folder};
 pub use record::MinedEpisode;
-pub use result::Question;
+pub use result::{BestMatch, KeyframeSeconds, Question};

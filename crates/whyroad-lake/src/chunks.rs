@@ -78,9 +78,8 @@ pub(crate) struct ChunkWriter {
 impl ChunkWriter {
     /// A file with the columns of `schema`.
     pub fn create(path: &Path, schema: &Schema, mut properties: WriterProperties) -> Result<Self, LakeError> {
-        let broken = |e: ParquetError| LakeError::broken(path, e);
         add_encoded_arrow_schema_to_metadata(schema, &mut properties);
-        let columns = ArrowSchemaConverter::new().convert(schema).map_err(broken)?;
+        let columns = ArrowSchemaConverter::new().convert(schema).map_err(LakeError::unwritten(path))?;
         let file = File::create(path).map_err(LakeError::io(path))?;
         let mut to = TrackedWrite::new(file);
         to.write_all(MAGIC).map_err(LakeError::io(path))?;
@@ -101,7 +100,8 @@ impl ChunkWriter {
 
     /// Writes a row group with this number of rows: one source per column.
     pub fn row_group(&mut self, rows: usize, sources: &[Source<'_>]) -> Result<(), LakeError> {
-        let group = self.encoded(rows, sources).map_err(|e| LakeError::broken(&self.path, e))?;
+        let group = self.encoded(rows, sources);
+        let group = group.map_err(LakeError::unwritten(&self.path))?;
         self.groups.push(group);
         Ok(())
     }
@@ -165,8 +165,8 @@ impl ChunkWriter {
             None,
         );
         let metadata = ParquetMetaData::new(of_file, groups);
-        ParquetMetaDataWriter::new(&mut to, &metadata).finish().map_err(|e| LakeError::broken(&path, e))?;
-        let file = to.into_inner().map_err(|e| LakeError::broken(&path, e))?;
+        ParquetMetaDataWriter::new(&mut to, &metadata).finish().map_err(LakeError::unwritten(&path))?;
+        let file = to.into_inner().map_err(LakeError::unwritten(&path))?;
         file.sync_all().map_err(LakeError::io(&path))
     }
 }

@@ -1,5 +1,6 @@
 //! What can go wrong with a lake, and the message for each.
 
+use parquet::errors::ParquetError;
 use std::path::{Path, PathBuf};
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
@@ -27,7 +28,7 @@ pub enum LakeError {
     #[error("{} is not a lake: it has no whyroad-lake.json", .0.display())]
     NotALake(PathBuf),
     /// The lake or a drive was written in a layout that this build does not read.
-    #[error("{} has lake version {found}; this build reads {}", .path.display(), crate::LAKE_VERSION)]
+    #[error("{} has lake version {found}; this build reads {}", .path.display(), versions_read(.path).en)]
     Version {
         /// File that states the version.
         path: PathBuf,
@@ -121,6 +122,17 @@ impl LakeError {
         LakeError::TableBroken { path: path.to_owned(), reason: reason.to_string() }
     }
 
+    /// A table could not be written: the file system refused, or it could not be encoded.
+    pub(crate) fn unwritten(path: &Path) -> impl FnOnce(ParquetError) -> LakeError + '_ {
+        |e| match e {
+            ParquetError::External(cause) => match cause.downcast::<std::io::Error>() {
+                Ok(source) => LakeError::io(path)(*source),
+                Err(cause) => LakeError::broken(path, cause),
+            },
+            e => LakeError::broken(path, e),
+        }
+    }
+
     /// Stable code.
     pub fn code(&self) -> &'static str {
         match self {
@@ -144,8 +156,8 @@ impl LakeError {
     pub fn diagnostic(&self) -> Diagnostic {
         let zh = match self {
             LakeError::NotALake(p) => format!("{} 不是数据湖：缺少 whyroad-lake.json", p.display()),
-            LakeError::Version { found, .. } => {
-                format!("数据湖版本为 {found}，本程序只能读取版本 {}", crate::LAKE_VERSION)
+            LakeError::Version { path, found, .. } => {
+                format!("数据湖版本为 {found}，本程序只能读取版本 {}", versions_read(path).zh)
             }
             LakeError::DriveMissing(d) => format!("数据湖中没有行程“{d}”"),
             LakeError::DriveInvalid { drive, reason } => format!("行程“{drive}”不合法：{reason}"),
@@ -225,6 +237,15 @@ impl LakeError {
             | LakeError::NoS3(_) => d,
         }
     }
+}
+
+/// The versions of a file that this build reads: packs have a version of the lake's layout, but not of its tables.
+fn versions_read(path: &Path) -> Bilingual {
+    if path.file_name().is_some_and(|name| name == crate::lake::MARKER) {
+        let [loose, packed] = crate::LAYOUTS;
+        return Bilingual::new(format!("{loose} 与 {packed}"), format!("{loose} and {packed}"));
+    }
+    Bilingual::same(crate::LAKE_VERSION.to_string())
 }
 
 /// How to continue: by ingesting again into the same lake, or with a newer program.

@@ -145,13 +145,13 @@ pub(crate) fn write_batches<'a>(
     batches: impl IntoIterator<Item = &'a RecordBatch>,
     properties: WriterProperties,
 ) -> Result<(), LakeError> {
-    let broken = |e: &dyn std::fmt::Display| LakeError::broken(path, e);
     let file = File::create(path).map_err(LakeError::io(path))?;
-    let mut writer = ArrowWriter::try_new(file, schema.clone(), Some(properties)).map_err(|e| broken(&e))?;
+    let unwritten = || LakeError::unwritten(path);
+    let mut writer = ArrowWriter::try_new(file, schema.clone(), Some(properties)).map_err(unwritten())?;
     for batch in batches {
-        writer.write(batch).and_then(|()| writer.flush()).map_err(|e| broken(&e))?;
+        writer.write(batch).and_then(|()| writer.flush()).map_err(unwritten())?;
     }
-    let file = writer.into_inner().map_err(|e| broken(&e))?;
+    let file = writer.into_inner().map_err(unwritten())?;
     file.sync_all().map_err(LakeError::io(path))
 }
 
@@ -326,6 +326,19 @@ mod tests {
             write_table(file.path(), table(rows, texts), frames::ROW_ORDER).unwrap();
             let read = read_table(file.path(), frames::ROW_ORDER).unwrap().unwrap().batch;
             assert_eq!(read, written, "{rows} rows");
+        }
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_an_error_of_the_file_system() {
+        // `/dev/full` refuses every write as a full disk does.
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("frames.parquet");
+        std::os::unix::fs::symlink("/dev/full", &path).unwrap();
+        for texts in [false, true] {
+            let e = write_table(&path, table(100_000, texts), frames::ROW_ORDER).unwrap_err();
+            assert!(e.code() == "lake.io" && e.to_string().contains("No space left"), "{e}");
         }
     }
 

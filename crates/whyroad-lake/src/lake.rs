@@ -2,6 +2,7 @@
 
 use crate::columns::Table;
 use crate::manifest::{DriveManifest, LakeMarker};
+use crate::packs::fingerprint::identity;
 use crate::packs::lock;
 use crate::packs::places::{Packs, Place};
 use crate::storage::{self, Intent, MediaStore, Mirror, StorageUrl};
@@ -17,7 +18,7 @@ use whyroad_model::messages::clip::ClipMetadata;
 use whyroad_model::scene::DriveMeta;
 use whyroad_model::{Drive, DriveId, Nanos};
 
-const MARKER: &str = "whyroad-lake.json";
+pub(crate) const MARKER: &str = "whyroad-lake.json";
 pub(crate) const MANIFEST: &str = "drive.json";
 
 /// An opened lake.
@@ -63,6 +64,12 @@ impl Lake {
 
     fn open_folder(dir: &Path) -> Result<Self, LakeError> {
         let (lake, version) = Self::of_any_version(dir)?;
+        // Otherwise it would seem to have no loose drives.
+        let drives = lake.dir.join("drives");
+        match fs::read_dir(&drives) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(LakeError::io(&drives)(e)),
+            _ => {}
+        }
         if !LAYOUTS.contains(&version) {
             let formats = lake.outdated_formats();
             return Err(LakeError::version(&lake.dir.join(MARKER), version, formats));
@@ -175,8 +182,7 @@ impl Lake {
             Ok(_) => return Self::open_folder(dir),
             Err(e) => return Err(e),
         }
-        let marker = LakeMarker { format: "whyroad-lake".to_owned(), version: LAKE_VERSION };
-        write_json(&dir.join(MARKER), &marker)?;
+        write_marker(dir, LAKE_VERSION)?;
         Ok(Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None, tidied: Arc::new(Once::new()) })
     }
 
@@ -187,19 +193,19 @@ impl Lake {
         if Self::of_any_version(&self.dir)?.1 == PACKED_VERSION {
             return Ok(());
         }
-        let (path, fresh) =
-            (self.dir.join(MARKER), self.dir.join(format!(".{MARKER}-{}", std::process::id())));
-        write_json(&fresh, &LakeMarker { format: "whyroad-lake".to_owned(), version: PACKED_VERSION })?;
-        fs::rename(&fresh, &path).map_err(LakeError::io(&path))
+        write_marker(&self.dir, PACKED_VERSION)
     }
 
-    /// Formats of the drives that this build does not read, sorted.
+    /// Formats of the drives that this build does not read, or of all where it reads them; sorted.
     fn outdated_formats(&self) -> Vec<String> {
-        let formats = self.drive_ids().into_iter().filter_map(|id| {
-            let manifest = self.manifest_of_any_version(&id).ok()?;
-            (manifest.lake_version != LAKE_VERSION).then_some(manifest.meta.format)
-        });
-        formats.collect::<BTreeSet<_>>().into_iter().collect()
+        let (mut outdated, mut all) = (BTreeSet::new(), BTreeSet::new());
+        for manifest in self.drive_ids().iter().filter_map(|id| self.manifest_of_any_version(id).ok()) {
+            if manifest.lake_version != LAKE_VERSION {
+                outdated.insert(manifest.meta.format.clone());
+            }
+            all.insert(manifest.meta.format);
+        }
+        if outdated.is_empty() { all } else { outdated }.into_iter().collect()
     }
 
     /// The lake's folder; of a lake in an object store, a folder of this process.
@@ -226,7 +232,7 @@ impl Lake {
 
     /// True for a drive with a folder of its own, which overrides its copy in a pack.
     pub(crate) fn is_loose(&self, id: &DriveId) -> bool {
-        self.drive_dir(id).join(MANIFEST).is_file()
+        is_drive(&self.drive_dir(id))
     }
 
     /// Ids of all drives, sorted: those of the catalog, and those with a folder of their own.
@@ -241,7 +247,7 @@ impl Lake {
             }
         }
         let catalog = self.last_catalog();
-        loose.retain(|id| catalog.find(id).is_none() && self.drive_dir(id).join(MANIFEST).is_file());
+        loose.retain(|id| catalog.find(id).is_none() && is_drive(&self.drive_dir(id)));
         let mut ids: Vec<DriveId> = catalog.ids().map(DriveId::from).collect();
         ids.append(&mut loose);
         ids.sort();
@@ -367,19 +373,15 @@ impl Lake {
             return Err(LakeError::DriveInvalid { drive: id.clone(), reason });
         }
         let target = self.drive_dir(id);
-        match self.manifest(id) {
-            // A drive that is broken or of another version is replaced like any other.
-            Ok(m)
-                if m.meta.content_hash == drive.meta.content_hash
-                    && !m.meta.content_hash.is_empty()
-                    && self.read_drive(id).is_ok() =>
-            {
-                return Ok(WriteOutcome::Unchanged);
-            }
-            _ => {}
+        let state = || identity(&target.join(MANIFEST));
+        let before = state();
+        let hash = &drive.meta.content_hash;
+        let is_same = || !hash.is_empty() && self.manifest(id).is_ok_and(|m| m.meta.content_hash == *hash);
+        // A drive that is broken or of another version is replaced like any other.
+        if is_same() && self.read_drive(id).is_ok() {
+            return Ok(WriteOutcome::Unchanged);
         }
-        let aside = |what: &str| self.dir.join("drives").join(format!(".{what}-{}-{id}", std::process::id()));
-        let (fresh, old) = (aside("new"), aside("old"));
+        let (fresh, old) = (self.aside(id, "new"), self.aside(id, "old"));
         for leftover in [&fresh, &old] {
             remove_dir(leftover)?;
         }
@@ -395,22 +397,51 @@ impl Lake {
             let path = fresh.join(name);
             fs::write(&path, content).map_err(LakeError::io(&path))
         };
-        notes.iter().try_for_each(keep).and_then(|()| write_tables(&fresh, drive, meta)).inspect_err(
-            |_| {
-                // The error that made it fail is the one to report.
-                let _ = fs::remove_dir_all(&fresh);
-            },
-        )?;
-        let _lock = lock::changing(&self.dir)?;
-        // Signals and small files that override those of a packed drive are removed with it.
-        let (aside, packed) = (target.exists(), self.last_catalog().find(id).is_some());
-        if aside {
-            fs::rename(&target, &old).map_err(LakeError::io(&target))?;
+        let put = || -> Result<WriteOutcome, LakeError> {
+            notes.iter().try_for_each(keep)?;
+            write_tables(&fresh, drive, meta)?;
+            // Alone: another process may write the same drive.
+            let _lock = lock::replacing(&self.dir)?;
+            if state() != before && is_same() {
+                return Ok(WriteOutcome::Unchanged);
+            }
+            // Signals and small files that override those of a packed drive are removed with it.
+            let (aside, packed) = (target.exists(), self.last_catalog().find(id).is_some());
+            if aside {
+                fs::rename(&target, &old).map_err(LakeError::io(&target))?;
+            }
+            fs::rename(&fresh, &target).map_err(LakeError::io(&target))?;
+            Ok(if aside || packed { WriteOutcome::Replaced } else { WriteOutcome::Written })
+        };
+        let outcome = put();
+        if !matches!(outcome, Ok(WriteOutcome::Written | WriteOutcome::Replaced)) {
+            // The error that made it fail is the one to report.
+            let _ = fs::remove_dir_all(&fresh);
         }
-        fs::rename(&fresh, &target).map_err(LakeError::io(&target))?;
+        let outcome = outcome?;
         remove_dir(&old)?;
-        Ok(if aside || packed { WriteOutcome::Replaced } else { WriteOutcome::Written })
+        Ok(outcome)
     }
+}
+
+/// True for the folder of a loose drive: it has a `drive.json`. So does one that cannot be read, whose `drive.json` is
+/// missing beside its tables, or that is a link to nowhere: such a drive is reported, and does not just disappear.
+pub(crate) fn is_drive(dir: &Path) -> bool {
+    use std::io::ErrorKind::{NotADirectory, NotFound};
+    match fs::metadata(dir.join(MANIFEST)) {
+        Ok(data) => data.is_file(),
+        Err(e) if e.kind() == NotFound => {
+            dir.join("frames.parquet").exists() || (dir.is_symlink() && !dir.exists())
+        }
+        Err(e) => e.kind() != NotADirectory,
+    }
+}
+
+/// Readers find the marker whole.
+fn write_marker(dir: &Path, version: u32) -> Result<(), LakeError> {
+    let (path, fresh) = (dir.join(MARKER), dir.join(format!(".{MARKER}-{}", std::process::id())));
+    write_json(&fresh, &LakeMarker { format: "whyroad-lake".to_owned(), version })?;
+    fs::rename(&fresh, &path).map_err(LakeError::io(&path))
 }
 
 pub(crate) fn write_tables(dir: &Path, drive: &Drive, meta: DriveMeta) -> Result<(), LakeError> {
@@ -453,5 +484,41 @@ pub(crate) fn remove_dir(path: &Path) -> Result<(), LakeError> {
     match fs::remove_dir_all(path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(LakeError::io(path)(e)),
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_that_cannot_be_read_does_not_disappear() {
+        let dir = tempfile::tempdir().unwrap();
+        let lake = Lake::create_or_open(dir.path()).unwrap();
+        let drives = dir.path().join("drives");
+        for id in ["overlay", "part"] {
+            fs::create_dir(drives.join(id)).unwrap();
+        }
+        fs::write(drives.join("overlay/found.json"), "{}").unwrap();
+        fs::write(drives.join("part/frames.parquet"), "").unwrap();
+        fs::write(drives.join("notes.txt"), "").unwrap();
+        // Links that lead to themselves or to nowhere: nobody can read them, not even root.
+        for (id, to) in [("loop", "loop"), ("lost", "nowhere")] {
+            std::os::unix::fs::symlink(to, drives.join(id)).unwrap();
+        }
+        let ids: Vec<String> = lake.drive_ids().iter().map(ToString::to_string).collect();
+        assert_eq!(ids, ["loop", "lost", "part"]);
+        let code = |id: &str| lake.read_drive(&id.into()).unwrap_err().code();
+        assert_eq!(
+            ["loop", "lost", "part", "overlay"].map(code),
+            ["lake.io", "lake.table_broken", "lake.table_broken", "lake.drive_missing"]
+        );
+        assert_eq!(lake.entries().filter(|(_, entry)| entry.is_err()).count(), 3);
+        let compacted = lake.compact(&crate::CompactionOptions::default(), |_, _| ()).unwrap();
+        assert_eq!(compacted.left.len(), 1, "of those, one is a folder: {:?}", compacted.left);
+        fs::rename(&drives, dir.path().join("other")).unwrap();
+        fs::write(&drives, "").unwrap();
+        assert_eq!(Lake::open(dir.path()).unwrap_err().code(), "lake.io");
     }
 }

@@ -57,7 +57,7 @@ fn is_quiet(path: &Path) -> bool {
 #[cfg(test)]
 #[cfg(target_os = "linux")]
 mod tests {
-    use crate::Lake;
+    use crate::{CompactionOptions, Lake};
     use std::fs::{self, File};
     use std::path::PathBuf;
     use std::time::{Duration, SystemTime};
@@ -109,5 +109,9 @@ mod tests {
         assert!(kept.iter().all(|p| p.exists()));
         assert!(removed.iter().chain([&put_away]).all(|p| !p.exists()));
         assert!(drives.join("lost/tracks.parquet").exists(), "a drive put away comes back");
+        // So does compaction, which opens the lake as readers do.
+        let left = make(format!(".new-{gone}-b-c"), 60);
+        Lake::open(dir.path()).unwrap().compact(&CompactionOptions::default(), |_, _| ()).unwrap();
+        assert!(!left.exists());
     }
 }

@@ -1,5 +1,6 @@
 //! `drive.json`: what a drive states about itself that is not a table. Also the lake's own `whyroad-lake.json`.
 
+use crate::lake::is_drive;
 use crate::{DriveEntry, LakeError};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -54,7 +55,10 @@ impl DriveManifest {
         let text = match fs::read_to_string(path) {
             Ok(t) => t,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-                return Err(LakeError::DriveMissing(id.clone()));
+                return Err(match path.parent() {
+                    Some(dir) if is_drive(dir) => LakeError::broken(path, "the file is missing"),
+                    _ => LakeError::DriveMissing(id.clone()),
+                });
             }
             Err(e) => return Err(LakeError::io(path)(e)),
         };

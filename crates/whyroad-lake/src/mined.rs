@@ -19,7 +19,7 @@ pub use error::MinedWriteError;
 pub use index::EpisodeIndex;
 pub use ledger::{DriveLines, Gaps, Ledger, LedgerEntry};
 pub use lines::{EpisodeLines, LineSpan};
-pub use publish::{Publication, PublishError};
+pub use publish::{FolderLock, Publication, PublishError};
 pub use question::MiningQuestion;
 pub use summary::{DriveSummary, EpisodeSummary};
 pub use write::{Existing, FinishedEpisodes, MinedFolderWriter, WrittenDrive};

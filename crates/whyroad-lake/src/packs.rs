@@ -26,7 +26,7 @@ pub(crate) use lock::{changing, replacing};
 pub(crate) use open_pack::{DRIVES as DRIVES_FILE, OpenPack};
 pub(crate) use places::Place;
 
-use crate::lake::MANIFEST;
+use crate::lake::{MANIFEST, is_drive};
 use crate::manifest::DriveManifest;
 use crate::{Lake, LakeError};
 use catalog::Catalog;
@@ -97,7 +97,7 @@ impl Lake {
     /// [`Lake::place`] without fetching anything from an object store but packs.
     pub(crate) fn place_as_it_is(&self, id: &DriveId) -> Result<Place, LakeError> {
         let dir = self.checked_dir(id)?;
-        if dir.join(MANIFEST).is_file() {
+        if is_drive(&dir) {
             return Ok(Place::Loose(dir));
         }
         let catalog = self.catalog()?;

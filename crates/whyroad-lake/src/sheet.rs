@@ -119,10 +119,10 @@ impl Sheet {
             .set_created_by(format!("whyroad {}", env!("CARGO_PKG_VERSION")))
             .build();
         let file = File::create(&path).map_err(LakeError::io(&path))?;
-        let mut writer =
-            ArrowWriter::try_new(file, batch.schema(), Some(properties)).map_err(|e| broken(&e))?;
-        writer.write(&batch).map_err(|e| broken(&e))?;
-        writer.close().map_err(|e| broken(&e))?;
+        let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties))
+            .map_err(LakeError::unwritten(&path))?;
+        writer.write(&batch).map_err(LakeError::unwritten(&path))?;
+        writer.close().map_err(LakeError::unwritten(&path))?;
         Ok([csv, path])
     }
 }

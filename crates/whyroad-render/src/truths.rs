@@ -4,6 +4,7 @@
 
 use crate::markup::Markup;
 use whyroad_model::Tri;
+use whyroad_model::scene::FRAME_RATE_HZ;
 
 const LEFT: usize = 16;
 const PX_PER_FRAME: f64 = 3.0;
@@ -38,8 +39,8 @@ svg { --ground: #15181c; --ink: #e6e8ea; --yes: #6fdc8c; --no: #ff8f84; --unknow
 pub struct TruthChart {
     /// Above the rows, in one or more lines; the first one is the title of the document.
     pub title: String,
-    /// Number of frames, at 10 Hz.
-    pub frames: usize,
+    /// Seconds of each frame.
+    pub times_s: Vec<f64>,
     /// From top to bottom.
     pub rows: Vec<TruthRow>,
     /// The marked frame.
@@ -114,7 +115,7 @@ pub fn render(chart: &TruthChart) -> String {
 /// The same for the width of a phone: texts above their bars.
 pub fn render_narrow(chart: &TruthChart) -> String {
     let room = NARROW - 2 * LEFT;
-    let px_per_frame = (room as f64 / chart.frames.max(1) as f64).min(PX_PER_FRAME);
+    let px_per_frame = (room as f64 / chart.times_s.len().max(1) as f64).min(PX_PER_FRAME);
     arranged(chart, &Layout { px_per_frame, text_px: Some(room), hatch: "hatch-narrow" })
 }
 
@@ -122,7 +123,7 @@ fn arranged(chart: &TruthChart, layout: &Layout) -> String {
     let rows = &chart.rows;
     let title: Vec<String> = chart.title.lines().flat_map(|l| layout.lines(l, 0)).collect();
     let top = 30 + 18 * title.len();
-    let right = layout.x(chart.frames);
+    let right = layout.x(chart.times_s.len());
     let beside = right as usize + 12;
     let bottom = top + rows.iter().map(|r| layout.height(r)).sum::<usize>();
     let width = if layout.text_px.is_some() {
@@ -164,10 +165,10 @@ fn arranged(chart: &TruthChart, layout: &Layout) -> String {
         }
         y += layout.height(row);
     }
-    for frame in (0..=chart.frames).step_by(FRAMES_PER_TICK) {
+    for (frame, seconds) in ticks(&chart.times_s) {
         m.raw("<path d=\"M").num(layout.x(frame), 1).raw(" ").int(bottom).raw("v5\" class=\"tick\"/>\n");
         at(&mut m, layout.x(frame), bottom + 18).raw(" text-anchor=\"middle\" font-size=\"11\">");
-        m.int(frame / 10).raw(" s</text>\n");
+        m.num(seconds, 1).raw(" s</text>\n");
     }
     if let Some(frame) = chart.moment {
         m.raw("<path d=\"M").num(layout.x(frame), 1).raw(" ").int(top).raw("V").int(bottom);
@@ -181,6 +182,12 @@ fn arranged(chart: &TruthChart, layout: &Layout) -> String {
     }
     m.raw("</svg>\n");
     m.into_string()
+}
+
+/// Frames with a mark of the time axis, and their times; the end of the last frame may be one.
+fn ticks(times_s: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+    let end = times_s.last().map(|last| last + 1.0 / FRAME_RATE_HZ);
+    times_s.iter().copied().chain(end).enumerate().step_by(FRAMES_PER_TICK)
 }
 
 /// Begins a text; its tag is still open.
@@ -293,6 +300,21 @@ fn stretch(m: &mut Markup, (x, width): (f64, f64), y: usize, truth: Tri, layout:
 mod tests {
     use super::*;
 
+    fn times(frames: u32) -> Vec<f64> {
+        (0..frames).map(|f| f64::from(f) / 10.0).collect()
+    }
+
+    #[test]
+    fn the_axis_shows_the_times_of_frames_also_behind_a_gap() {
+        // 60 frames, then 3.2 s without any, then 40: the frame with index 50 is at 5 s, that with index 100 ends the
+        // chart 3.2 s later than 10 s.
+        let times_s =
+            times(100).into_iter().enumerate().map(|(f, t)| if f < 60 { t } else { t + 3.2 }).collect();
+        let svg = render(&TruthChart { times_s, ..TruthChart::default() });
+        let labels: Vec<&str> = svg.split(" s</text>").map(|t| t.rsplit('>').next().unwrap()).collect();
+        assert_eq!(labels[..3], ["0", "5", "13.2"], "{svg}");
+    }
+
     #[test]
     fn equal_cells_are_one_stretch_and_texts_are_escaped() {
         let cells = [Some(Tri::True); 3].into_iter().chain([None, Some(Tri::False)]).collect();
@@ -301,7 +323,7 @@ mod tests {
         let words = ["true", "false", "unknown"];
         let svg = render(&TruthChart {
             title: "x & y\nsecond line".into(),
-            frames: 5,
+            times_s: times(5),
             rows,
             moment: Some(2),
             truth_words: words,
@@ -329,7 +351,7 @@ mod tests {
             curve: None,
         };
         let svg = render_narrow(&TruthChart {
-            frames: 201,
+            times_s: times(201),
             rows: vec![row(text), row(zh)],
             ..TruthChart::default()
         });
@@ -362,7 +384,7 @@ mod tests {
         let curve = Curve { values: vec![0.0, 10.0, f64::NAN, 5.0], threshold: Some(5.0) };
         let cells = vec![Some(Tri::True); 4];
         let row = TruthRow { text: "x".into(), indent: 0, truth: Tri::True, cells, curve: Some(curve) };
-        let svg = render(&TruthChart { frames: 4, rows: vec![row], ..TruthChart::default() });
+        let svg = render(&TruthChart { times_s: times(4), rows: vec![row], ..TruthChart::default() });
         // 38 px from 10 at y = 52 down to 0 at y = 90, the threshold half way.
         assert!(svg.contains("points=\"17.5,90 20.5,52 \""), "{svg}");
         assert!(svg.contains("points=\"26.5,71 \"") && svg.contains("d=\"M16 71H28\""), "{svg}");

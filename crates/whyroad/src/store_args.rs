@@ -15,6 +15,22 @@ use whyroad_server::store::{Store, StoreLocation, key_file};
 /// The store that a `--labels` or `--store` argument names: a SQLite file, the folder with `labels.db`, or a PostgreSQL
 /// address. Related files are searched where the service keeps them: beside the file, or in the service's folder.
 pub(crate) fn open_store(source: &str, lang: Lang) -> anyhow::Result<Store> {
+    let named = |variable: &str| std::env::var_os(variable).map(PathBuf::from);
+    open_store_with(
+        source,
+        &named("WHYROAD_DATA_DIR").unwrap_or_else(|| "whyroad-data".into()),
+        named("WHYROAD_KEY_FILE"),
+        lang,
+    )
+}
+
+/// [`open_store`] of a service with this folder and, where it is not the default one, this key file.
+pub(crate) fn open_store_with(
+    source: &str,
+    data: &Path,
+    key: Option<PathBuf>,
+    lang: Lang,
+) -> anyhow::Result<Store> {
     let below = Path::new(source).join("labels.db");
     let location = match StoreLocation::parse(source) {
         StoreLocation::File(_) if below.is_file() => StoreLocation::File(below),
@@ -28,12 +44,9 @@ pub(crate) fn open_store(source: &str, lang: Lang) -> anyhow::Result<Store> {
             }));
         }
         StoreLocation::File(path) => path.parent().unwrap_or(Path::new(".")).to_path_buf(),
-        StoreLocation::Server(_) => {
-            std::env::var_os("WHYROAD_DATA_DIR").map_or_else(|| PathBuf::from("whyroad-data"), PathBuf::from)
-        }
+        StoreLocation::Server(_) => data.to_owned(),
     };
-    let key =
-        std::env::var_os("WHYROAD_KEY_FILE").map_or_else(|| key_file(&location, &folder), PathBuf::from);
+    let key = key.unwrap_or_else(|| key_file(&location, &folder));
     Store::open_with_key(&location, &folder, &key).map_err(|p| error(&p, lang))
 }
 

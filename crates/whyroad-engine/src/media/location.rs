@@ -1,8 +1,9 @@
 //! Where the labeling service finds the images of a drive: in the lake's own folder, or at their original path.
 
 use super::{AddImages, Image, MediaError};
+use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use whyroad_lake::Lake;
 use whyroad_model::DriveId;
 use whyroad_model::scene::MediaFrame;
@@ -38,6 +39,19 @@ pub(super) fn located(
         out.push(MediaFrame { camera: request.camera.clone(), time: image.time, uri, index: 0 });
     }
     Ok(out)
+}
+
+/// Removes the copies in the lake that the drive's media table named before and does not name now. A file that cannot
+/// be removed is found by nobody any more, and goes with the drive.
+pub(super) fn remove_replaced(lake: &Lake, id: &DriveId, before: &[MediaFrame], now: &[MediaFrame]) {
+    let named: BTreeSet<&str> = now.iter().map(|m| m.uri.as_str()).collect();
+    let own = lake.media_dir().join(id.as_str());
+    for frame in before.iter().filter(|m| !named.contains(m.uri.as_str())) {
+        let path = Path::new(&frame.uri);
+        if path.components().all(|part| matches!(part, Component::Normal(_))) {
+            let _ = fs::remove_file(own.join(path));
+        }
+    }
 }
 
 /// Copies under another name and renames, so that readers never see a partial image.

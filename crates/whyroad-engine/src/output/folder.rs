@@ -3,7 +3,7 @@
 
 use super::coverage::{Counts, Searched};
 use super::record::MinedEpisode;
-use super::result::{Answer, Question};
+use super::result::{Answer, BestMatch, KeyframeSeconds, Question};
 use crate::mine::{MinedDrive, MinedLake};
 use rayon::prelude::*;
 use std::cell::RefCell;
@@ -16,8 +16,8 @@ use whyroad_lake::mined::{
 };
 use whyroad_mining::rule::{OTHER, Precedence};
 use whyroad_model::messages::{
-    ClipMetadata, ClipMetadataMessage, Coverage, EpisodeRecord, KeyframeSuggestionMessage, MinedClip,
-    PreLabelScenario, PreLabels, ScenarioPreLabelMessage,
+    ClipMetadata, ClipMetadataMessage, Coverage, EpisodeRecord, KeyframeSuggestionMessage, PreLabelScenario,
+    PreLabels, ScenarioPreLabelMessage,
 };
 use whyroad_model::{ClipId, Nanos, ScenarioId};
 
@@ -33,7 +33,7 @@ pub struct Summary {
     /// All leaves.
     pub coverage: Coverage,
     /// For a single question: the best results.
-    pub best: Vec<MinedClip>,
+    pub best: Vec<BestMatch>,
     /// For a single question: the number of matches.
     pub matched: u64,
     /// For each class that was found, the episode to look at first: a primary one if possible, then the highest score.
@@ -45,8 +45,8 @@ pub struct Summary {
 pub struct EpisodeExample {
     /// Clip that the keyframe is in.
     pub clip_id: ClipId,
-    /// Seconds from the start of the drive to the keyframe.
-    pub keyframe_s: f64,
+    /// Its keyframe in seconds.
+    pub at: KeyframeSeconds,
     /// Whether it is primary.
     pub is_primary: bool,
     /// Its score, 0 to 1.
@@ -115,10 +115,28 @@ impl SameDrive {
     }
 }
 
-/// The earliest time of a drive's clips.
-fn start_of(lines: &DriveLines) -> Option<Nanos> {
-    let clips = lines.of(MinedFile::Clips).filter_map(|l| serde_json::from_slice(l).ok());
-    clips.map(|m: ClipMetadataMessage| m.clip_metadata.capture_time).min()
+/// When a drive's clips begin.
+struct ClipStarts(Vec<(String, Nanos)>);
+
+impl ClipStarts {
+    fn of<'a>(clips: impl IntoIterator<Item = &'a ClipMetadata>) -> Self {
+        Self(clips.into_iter().map(|c| (c.clip_id.clone(), c.capture_time)).collect())
+    }
+
+    fn of_lines(lines: &DriveLines) -> Self {
+        let clips = lines.of(MinedFile::Clips).filter_map(|l| serde_json::from_slice(l).ok());
+        let clips: Vec<ClipMetadata> = clips.map(|m: ClipMetadataMessage| m.clip_metadata).collect();
+        Self::of(&clips)
+    }
+
+    /// The times in between are measured, not counted in frames: a log can have gaps.
+    fn keyframe(&self, record: &EpisodeRecord) -> KeyframeSeconds {
+        let at = record.keyframe.timestamp;
+        let drive = self.0.iter().map(|(_, start)| *start).min();
+        let clip = self.0.iter().find(|(id, _)| id == record.clip_id.as_str()).map(|(_, start)| *start);
+        let since = |start: Option<Nanos>| at.seconds_since(start.unwrap_or(at));
+        KeyframeSeconds { keyframe_s: since(drive), clip_s: since(clip) }
+    }
 }
 
 impl FolderWriter {
@@ -179,12 +197,14 @@ impl FolderWriter {
         }
         let number = *self.numbers[entry.gaps].get_or_insert_with(|| self.counts.number(gaps));
         self.counts.add_counted(&entry.drive_id, number, &entry.counts);
-        let mut start = None;
+        let (mut starts, is_single) = (None, self.answers.len() == 1);
         for (record, line) in records.into_iter().zip(lines.of(MinedFile::Episodes)) {
             self.primary += usize::from(record.is_primary);
-            self.example(&record, &mut || *start.get_or_insert_with(|| start_of(&lines)));
+            let mut at = || starts.get_or_insert_with(|| ClipStarts::of_lines(&lines)).keyframe(&record);
+            self.example(&record, &mut at);
             let placed = self.files.same_episode(&record, line)?;
-            self.answers.iter_mut().for_each(|answer| answer.add(&record, placed));
+            let at = is_single.then(&mut at);
+            self.answers.iter_mut().for_each(|answer| answer.add(&record, placed, at));
         }
         self.files.same_lines(&lines)?;
         self.files.account(WrittenDrive {
@@ -202,12 +222,13 @@ impl FolderWriter {
             self.answers.iter().any(|a| class.is_within(&a.question().scenario))
         };
         let episodes: Vec<MinedEpisode> = drive.episodes.iter().filter(asked).cloned().collect();
-        let start = drive.clips.iter().map(|c| c.capture_time).min();
+        let starts = ClipStarts::of(&drive.clips);
         for e in &episodes {
             let span = self.files.episode(&e.record)?;
-            self.answers.iter_mut().for_each(|answer| answer.add(&e.record, span));
+            let at = starts.keyframe(&e.record);
+            self.answers.iter_mut().for_each(|answer| answer.add(&e.record, span, Some(at)));
             self.primary += usize::from(e.record.is_primary);
-            self.example(&e.record, &mut || start);
+            self.example(&e.record, &mut || at);
             let (episode_id, clip_id) =
                 (Some(e.record.episode_id.clone()), Some(e.record.clip_id.to_string()));
             // Only a class of the taxonomy can be proposed.
@@ -255,15 +276,14 @@ impl FolderWriter {
         ClipMetadata { pre_labels, ..clip.clone() }
     }
 
-    fn example(&mut self, record: &EpisodeRecord, start: &mut dyn FnMut() -> Option<Nanos>) {
+    fn example(&mut self, record: &EpisodeRecord, at: &mut dyn FnMut() -> KeyframeSeconds) {
         let known = self.examples.get(&record.scenario_id);
         if known.is_some_and(|e| (record.is_primary, record.score) <= (e.is_primary, e.score)) {
             return;
         }
-        let at = record.keyframe.timestamp;
         let example = EpisodeExample {
             clip_id: record.clip_id.clone(),
-            keyframe_s: at.seconds_since(start().unwrap_or(at)),
+            at: at(),
             is_primary: record.is_primary,
             score: record.score,
         };

@@ -93,7 +93,7 @@ pub fn remove(folder: &MinedFolder, drives: &BTreeSet<DriveId>) -> Result<HeldDr
             return Ok(());
         }
         let span = writer.episode_line(&record, line)?;
-        answers.iter_mut().for_each(|a| a.add(&record, span));
+        answers.iter_mut().for_each(|a| a.add(&record, span, None));
         Ok(())
     })?;
     let goes = |id: &Option<String>| id.as_ref().is_some_and(|id| gone.contains(id));

@@ -26,12 +26,33 @@ pub struct Question {
     pub limit: Option<u32>,
 }
 
+/// When a keyframe is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct KeyframeSeconds {
+    /// Seconds from the start of the drive to it.
+    pub keyframe_s: f64,
+    /// Seconds from the start of the clip to it, as `explain` counts.
+    pub clip_s: f64,
+}
+
+/// One of the best results.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BestMatch {
+    /// As in the result.
+    #[serde(flatten)]
+    pub clip: MinedClip,
+    /// Its keyframe in seconds.
+    #[serde(flatten)]
+    pub at: KeyframeSeconds,
+}
+
 struct Match {
     score: f64,
     margin_score: f64,
     calibrated: bool,
     episode_id: String,
     span: LineSpan,
+    at: KeyframeSeconds,
 }
 
 /// Results of one question so far.
@@ -52,8 +73,9 @@ impl Answer {
         &self.question
     }
 
-    /// Adds an episode of the requested class or below it; others are skipped.
-    pub fn add(&mut self, record: &EpisodeRecord, span: LineSpan) {
+    /// Adds an episode of the requested class or below it; others are skipped. `at` is only needed for
+    /// [`Answer::best`].
+    pub fn add(&mut self, record: &EpisodeRecord, span: LineSpan, at: Option<KeyframeSeconds>) {
         if !record.scenario_id.is_within(&self.question.scenario) {
             return;
         }
@@ -64,6 +86,7 @@ impl Answer {
             calibrated: record.calibrated.unwrap_or(false),
             episode_id: record.episode_id.clone(),
             span,
+            at: at.unwrap_or_default(),
         });
         // With a limit, at most twice that number is held.
         if let Some(limit) = self.limit()
@@ -95,8 +118,12 @@ impl Answer {
     }
 
     /// The best `n` of closed results, read from the episodes' file.
-    pub fn best(&self, n: usize, episodes: &mut File) -> std::io::Result<Vec<MinedClip>> {
-        self.matches.iter().take(n).map(|m| read(m.span, &self.question.scenario, episodes)).collect()
+    pub fn best(&self, n: usize, episodes: &mut File) -> std::io::Result<Vec<BestMatch>> {
+        let one = |m: &Match| {
+            let clip = read(m.span, &self.question.scenario, episodes)?;
+            Ok(BestMatch { clip, at: m.at })
+        };
+        self.matches.iter().take(n).map(one).collect()
     }
 
     /// The clips that are returned, by score (DATA_FORMAT.md 5.2: the counts add up to `returned`).

@@ -71,6 +71,21 @@ fn mined_again_it_says_the_same() {
 }
 
 #[test]
+fn signals_that_cannot_be_stored_are_one_error_of_the_file_system() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = lake(dir.path(), &["multilane", "back_street"]);
+    for drive in 0..2 {
+        // Where the folder of signals would be.
+        std::fs::write(file(&lake, drive, "signals"), "").unwrap();
+    }
+    let (derived, errors) = derive_signals(&lake, None, |_| ());
+    let codes: Vec<&str> = errors.iter().map(|d| d.code.as_ref()).collect();
+    assert_eq!((derived, codes), (0, vec!["lake.io"]));
+    let text = &errors[0].message.en;
+    assert!(text.contains("Not a directory") && !text.contains("cannot be read"), "{text}");
+}
+
+#[test]
 fn rules_asked_once_get_their_signals_alone() {
     let dir = tempfile::tempdir().unwrap();
     let lake = lake(dir.path(), &["multilane"]);

@@ -29,11 +29,56 @@ pub enum PublishError {
     Busy(PathBuf),
 }
 
+/// Name of the file in a mined folder that is locked while the folder is written.
+const LOCK: &str = ".lock";
+
+/// Held by the process that writes a mined folder, or replaces it.
+pub struct FolderLock {
+    path: PathBuf,
+    file: File,
+}
+
+impl FolderLock {
+    /// Locks a folder, which is made if it does not exist.
+    ///
+    /// # Errors
+    /// [`PublishError::Busy`] where another process writes it.
+    pub fn take(dir: &Path) -> Result<Self, PublishError> {
+        fs::create_dir_all(dir).map_err(io(dir))?;
+        Self::at(dir.join(LOCK), dir)
+    }
+
+    /// Locks a file; `of` is the folder that it stands for.
+    fn at(path: PathBuf, of: &Path) -> Result<Self, PublishError> {
+        let file = File::create(&path).map_err(io(&path))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(PublishError::Busy(of.to_owned())),
+            // A file system without locks: there, one process at a time must write.
+            Err(TryLockError::Error(_)) => {}
+        }
+        // The process that held it may have removed the file between opening and locking.
+        if is_at(&file, &path) { Ok(Self { path, file }) } else { Err(PublishError::Busy(of.to_owned())) }
+    }
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        // In a folder that was replaced meanwhile there may be that of another process.
+        if is_at(&self.file, &self.path) {
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
 /// A path for which a folder is being written. An unfinished folder is removed when this is dropped.
 pub struct Publication {
     out: PathBuf,
     fresh: PathBuf,
-    lock: (PathBuf, File),
+    /// Beside the path: excludes others that publish there.
+    _beside: FolderLock,
+    /// In the folder that is there already: excludes a run that writes into it.
+    _inside: Option<FolderLock>,
 }
 
 impl Publication {
@@ -69,23 +114,15 @@ impl Publication {
         let name = out.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let beside = |what: &str| parent.join(format!(".{name}.{what}"));
         let (locked, fresh, old) = (beside("lock"), beside("new"), beside("old"));
-        let lock = File::create(&locked).map_err(io(&locked))?;
-        match lock.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(PublishError::Busy(out.to_owned())),
-            Err(TryLockError::Error(e)) => return Err(io(&locked)(e).into()),
-        }
-        // The process that held it may have removed the file between opening and locking.
-        if !is_at(&lock, &locked) {
-            return Err(PublishError::Busy(out.to_owned()));
-        }
+        let beside_it = FolderLock::at(locked, out)?;
         // Moved aside for a folder that was never completed: it is the only copy.
         if old.exists() && !out.exists() {
             fs::rename(&old, out).map_err(io(out))?;
         }
+        let inside = out.is_dir().then(|| FolderLock::take(out)).transpose()?;
         remove(&fresh)?;
         remove(&old)?;
-        Ok(Self { out: out.to_owned(), fresh, lock: (locked, lock) })
+        Ok(Self { out: out.to_owned(), fresh, _beside: beside_it, _inside: inside })
     }
 
     /// The folder to write to.
@@ -111,7 +148,6 @@ impl Drop for Publication {
     fn drop(&mut self) {
         // After an exchange this is the folder that was replaced.
         let _ = fs::remove_dir_all(&self.fresh);
-        let _ = fs::remove_file(&self.lock.0);
     }
 }
 
@@ -153,7 +189,10 @@ fn other_file(dir: &Path) -> Option<String> {
         MinedFile::Ledger,
     ];
     let known = |name: &str| {
-        ALL.iter().any(|f| name == f.name() || name.strip_prefix('.') == Some(&format!("{}.part", f.name())))
+        name == LOCK
+            || ALL
+                .iter()
+                .any(|f| name == f.name() || name.strip_prefix('.') == Some(&format!("{}.part", f.name())))
     };
     let names = fs::read_dir(dir).into_iter().flatten().flatten();
     names.map(|e| e.file_name().to_string_lossy().into_owned()).filter(|n| !known(n)).min()
@@ -206,6 +245,31 @@ mod tests {
         assert_eq!(MinedFolder::find(dir.path()).unwrap().len(), 1);
         fs::rename(&out, dir.path().join(".mined.new")).unwrap();
         assert!(MinedFolder::find(dir.path()).unwrap().is_empty(), "what is being written is not there yet");
+    }
+
+    #[test]
+    fn a_folder_that_a_run_writes_is_neither_written_nor_replaced_by_another() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = dir.path().join("mined");
+        put(&out, "one");
+        let held = FolderLock::take(&out).unwrap();
+        assert!(matches!(FolderLock::take(&out), Err(PublishError::Busy(_))));
+        assert!(matches!(Publication::begin(&out, &question(), true), Err(PublishError::Busy(_))));
+        drop(held);
+        // What a killed process left does not lock.
+        fs::write(out.join(LOCK), "").unwrap();
+        let new = Publication::begin(&out, &question(), false).unwrap();
+        assert!(matches!(FolderLock::take(&out), Err(PublishError::Busy(_))));
+        new.publish().unwrap();
+        // The lock of a folder that was replaced is not that of the new one.
+        let held = FolderLock::take(&out).unwrap();
+        let other = dir.path().join("other");
+        fs::rename(&out, &other).unwrap();
+        let new = FolderLock::take(&out).unwrap();
+        drop(held);
+        assert!(matches!(FolderLock::take(&out), Err(PublishError::Busy(_))));
+        drop(new);
+        assert!(!out.join(LOCK).exists() && FolderLock::take(&out).is_ok());
     }
 
     #[test]

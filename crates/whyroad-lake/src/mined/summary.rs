@@ -17,7 +17,7 @@ use whyroad_model::{ClipId, DriveId, Nanos, ScenarioId};
 /// A drive that was searched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DriveSummary {
-    /// Length of the clips that it is divided into, together, s.
+    /// Recorded time of the clips that it is divided into, together, s.
     pub seconds: f64,
     /// City or road network.
     pub place: Option<String>,
@@ -65,7 +65,12 @@ impl MinedFolder {
             let named = id.drive().map(|drive| drive.0);
             let Some(drive) = clip.drive_id.or(named) else { continue };
             let known = out.entry(DriveId(drive)).or_default();
-            known.seconds += clip.duration_sec;
+            // Of frames: gaps of the log were not recorded.
+            known.seconds += if clip.frame_rate > 0.0 {
+                f64::from(clip.total_frames) / clip.frame_rate
+            } else {
+                clip.duration_sec
+            };
             known.place = known.place.take().or(clip.place);
             known.source = known.source.take().or(Some(clip.source).filter(|s| !s.is_empty()));
             known.start = Some(known.start.map_or(clip.capture_time, |t| t.min(clip.capture_time)));

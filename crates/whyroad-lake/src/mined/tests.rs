@@ -49,6 +49,22 @@ fn a_folder_is_found_by_its_episodes() {
 }
 
 #[test]
+fn a_pause_of_the_log_is_not_driving() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut writer = MinedFolderWriter::create(dir.path(), question(), Existing::default()).unwrap();
+    // 200 frames of 0.1 s, with ten minutes between the first half and the second.
+    let clip = serde_json::json!({ "clip_metadata": {
+        "clip_id": "d_000", "source": "van", "capture_time": "2026-03-01T08:00:00Z", "duration_sec": 620.0,
+        "frame_rate": 10.0, "total_frames": 200, "drive_id": "d",
+        "data_sources": { "video": [], "sensor": [], "can": false, "map": false },
+    } });
+    writer.clip(&serde_json::from_value(clip).unwrap()).unwrap();
+    writer.finish().unwrap();
+    let drives = MinedFolder::open(dir.path()).unwrap().drive_summaries().unwrap();
+    assert_eq!(drives[&"d".into()].seconds, 20.0);
+}
+
+#[test]
 fn what_is_read_is_what_was_written() {
     let all: Vec<EpisodeRecord> = FOLDER.1.episodes().unwrap().map(Result::unwrap).collect();
     assert_eq!(all, records());

@@ -10,7 +10,7 @@ use super::member::Member;
 use super::open_pack::{OpenPack, SIGNALS};
 use super::splice::Schemas;
 use super::{fingerprint, lock, write};
-use crate::lake::{MANIFEST, remove_dir};
+use crate::lake::{is_drive, remove_dir};
 use crate::storage::Intent;
 use crate::{Lake, LakeError};
 use std::collections::{BTreeMap, BTreeSet};
@@ -99,6 +99,7 @@ impl Lake {
         if let Some(mirror) = &self.mirror {
             mirror.fetch_loose()?;
         }
+        self.remove_leftovers();
         self.mark_packed()?;
         let _lock = lock::packing(self.dir())?;
         let mut out = Compaction { removed: self.remove_unnamed()?, ..Compaction::default() };
@@ -185,7 +186,7 @@ impl Lake {
         let found = on_all_cores(&ids, |id| {
             let dir = self.drive_dir(id);
             let (fingerprint, bytes) = fingerprint::folder(&dir);
-            Folder { whole: dir.join(MANIFEST).is_file(), fingerprint, bytes }
+            Folder { whole: is_drive(&dir), fingerprint, bytes }
         });
         Ok(ids.into_iter().zip(found).collect())
     }

@@ -5,12 +5,15 @@ use crate::LakeError;
 use std::fs::File;
 use std::path::Path;
 
+/// `EBADF`.
+const BAD_DESCRIPTOR: i32 = 9;
+
 /// Held while a folder or file of a drive is moved into place.
 pub(crate) fn changing(lake: &Path) -> Result<Option<File>, LakeError> {
     held(&lake.join("drives"), File::lock_shared)
 }
 
-/// Held while a drive's folder is compared and moved away.
+/// Held while a drive's folder is compared, and moved away or replaced.
 pub(crate) fn replacing(lake: &Path) -> Result<Option<File>, LakeError> {
     held(&lake.join("drives"), File::lock)
 }
@@ -29,7 +32,10 @@ fn held(folder: &Path, lock: fn(&File) -> std::io::Result<()>) -> Result<Option<
     let file = File::open(folder).map_err(LakeError::io(folder))?;
     match lock(&file) {
         Ok(()) => Ok(Some(file)),
-        Err(e) if e.kind() == std::io::ErrorKind::Unsupported => Ok(None),
+        // Some network file systems lock only files that are open for writing, which a folder cannot be.
+        Err(e) if e.kind() == std::io::ErrorKind::Unsupported || e.raw_os_error() == Some(BAD_DESCRIPTOR) => {
+            Ok(None)
+        }
         Err(e) => Err(LakeError::io(folder)(e)),
     }
 }

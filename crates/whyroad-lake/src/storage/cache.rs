@@ -4,17 +4,20 @@
 use super::Objects;
 use super::manifest::StoredFile;
 use crate::LakeError;
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Names the folder of the cache.
 const FOLDER_VARIABLE: &str = "WHYROAD_CACHE";
 /// Maximum size of the cache, in GB.
 const SIZE_VARIABLE: &str = "WHYROAD_CACHE_GB";
 const DEFAULT_GB: u64 = 50;
+/// A download that has not grown for so long belongs to a killed process.
+const ABANDONED: Duration = Duration::from_secs(3600);
 
 /// A cache.
 #[derive(Clone, Debug)]
@@ -90,6 +93,33 @@ impl Cache {
         });
         // A cache that cannot keep it costs time only.
         drop(kept);
+    }
+
+    /// Removes every object except those with these hashes, and what killed processes left of downloads. Earlier forms
+    /// of a drive are cached under hashes that no manifest names any more.
+    pub fn retain(&self, hashes: &BTreeSet<&str>) -> Result<(), LakeError> {
+        let objects = self.dir.join("objects");
+        let abandoned = |path: &Path| {
+            let modified = fs::metadata(path).and_then(|data| data.modified());
+            modified.is_ok_and(|at| at.elapsed().is_ok_and(|age| age > ABANDONED))
+        };
+        for sub in fs::read_dir(&objects).map_err(LakeError::io(&objects))?.flatten().map(|e| e.path()) {
+            let held = match fs::read_dir(&sub) {
+                Ok(held) => held.flatten().map(|e| e.path()).collect(),
+                Err(_) => vec![sub],
+            };
+            for path in held {
+                let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+                if hashes.contains(name) || (name.starts_with('.') && !abandoned(&path)) {
+                    continue;
+                }
+                match fs::remove_file(&path) {
+                    Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(LakeError::io(&path)(e)),
+                    _ => {}
+                }
+            }
+        }
+        Ok(())
     }
 
     /// An empty folder for this process.

@@ -39,6 +39,8 @@ impl Mirror {
         }
         if intent == Intent::Delete {
             self.remove_leftovers_of_removed()?;
+            let state = self.state();
+            self.cache.retain(&state.base.files.values().map(|file| file.blake3.as_str()).collect())?;
         }
         self.purge()?;
         if intent == Intent::Compact {

@@ -61,6 +61,13 @@ fn unnamed(store: &MemoryObjects) -> Vec<String> {
     store.keys().into_iter().filter(|k| k != "manifest.json" && !text.contains(k.as_str())).collect()
 }
 
+/// The objects in a cache: path and content.
+fn cached(cache: &TempDir) -> Vec<(std::path::PathBuf, Vec<u8>)> {
+    let folders = std::fs::read_dir(cache.path().join("objects")).unwrap();
+    let files = folders.flat_map(|folder| std::fs::read_dir(folder.unwrap().path()).unwrap());
+    files.map(|file| file.unwrap().path()).map(|path| (path.clone(), std::fs::read(path).unwrap())).collect()
+}
+
 #[test]
 fn two_writers_at_once_lose_nothing() {
     let (store, caches) = (MemoryObjects::new(), [(); 2].map(|()| folder()));
@@ -241,6 +248,10 @@ fn a_deleted_drive_leaves_no_object() {
             let names = |text: &[u8]| text.windows(4).any(|w| w == b"gone");
             assert!(!names(key.as_bytes()) && !names(&content), "{key}");
         }
+        // Nor does the cache of this machine hold one: what is left there is what the lake has.
+        let cached = cached(&cache);
+        assert!(cached.iter().all(|file| !file.1.windows(4).any(|w| w == b"gone")), "{cached:?}");
+        assert!(!cached.is_empty(), "the other drive stays");
         assert_eq!(read(&store), pairs(&[("kept", "1")]));
         assert!(!process(&store, &cache).unwrap().holds(&"gone".into()));
     }

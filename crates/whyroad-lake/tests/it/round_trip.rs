@@ -409,7 +409,10 @@ fn what_is_broken_is_named() {
 
     let marker = dir.path().join("whyroad-lake.json");
     fs::write(&marker, fs::read_to_string(&marker).unwrap().replace(": 2", ": 99")).unwrap();
-    assert_eq!(Lake::open(dir.path()).unwrap_err().code(), "lake.version");
+    let refused = Lake::open(dir.path()).unwrap_err();
+    // Layouts without packs (2) and with packs (3).
+    assert!(refused.code() == "lake.version" && refused.to_string().ends_with("reads 2 and 3"), "{refused}");
+    assert!(refused.diagnostic().message.zh.ends_with("2 与 3"), "{refused:?}");
 }
 
 #[test]
@@ -463,6 +466,18 @@ fn an_older_lake_is_refused_with_the_command_and_ingesting_into_it_again_keeps_w
     let facts = whyroad_lake::DriveFacts { session: Some("morning".into()), ..Default::default() };
     lake.state_facts(&"d".into(), facts).unwrap();
     age(dir.path());
+    let manifest = dir.path().join("drives/d/drive.json");
+    let aged = fs::read(&manifest).unwrap();
+
+    // The command is named also where only the marker is older.
+    fs::write(
+        &manifest,
+        String::from_utf8(aged.clone()).unwrap().replace(r#""lake_version": 1"#, r#""lake_version": 2"#),
+    )
+    .unwrap();
+    let hint = Lake::open(dir.path()).unwrap_err().diagnostic().hint.unwrap();
+    assert!(hint.en.contains("whyroad ingest sumo PATH"), "{hint:?}");
+    fs::write(&manifest, aged).unwrap();
 
     let refused = Lake::open(dir.path()).unwrap_err();
     assert_eq!(refused.code(), "lake.version");

@@ -5,6 +5,7 @@ use super::card::Card;
 use super::{ReportContext, summary, tree_map};
 use crate::coverage::{self, LeafRow, class_title};
 use std::collections::BTreeMap;
+use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Drive, DriveId, Lang, Need, ScenarioId};
 use whyroad_render::language::LANGUAGE_SCRIPT;
 use whyroad_render::markup::Markup;
@@ -31,10 +32,8 @@ pub(super) struct DriveLine {
 impl DriveLine {
     /// Of an estimated drive whose log has this many tracks.
     pub(super) fn new(drive: &Drive, tracks: usize, episodes: usize) -> Self {
-        let seconds = match (drive.times.first(), drive.times.last()) {
-            (Some(a), Some(b)) => b.seconds_since(*a),
-            _ => 0.0,
-        };
+        // Of frames: gaps of the log were not recorded.
+        let seconds = drive.times.len() as f64 / FRAME_RATE_HZ;
         Self {
             id: drive.meta.drive_id.clone(),
             format: drive.meta.format.clone(),

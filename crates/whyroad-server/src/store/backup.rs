@@ -24,15 +24,16 @@ pub fn backup_to(store: &Store, path: &Path) -> Answer<u64> {
     to_file(path, |out| backup(store, out))
 }
 
-/// Reads a backup into an empty store, completely or not at all; returns the number of rows. A truncated backup is
-/// refused. `open` opens the backup from its beginning: the database may require that the whole restore is repeated.
+/// Reads a backup into an empty store, completely or not at all; returns the number of rows. A truncated or changed
+/// backup is refused. `open` opens the backup from its beginning: the database may require that the whole restore is
+/// repeated.
 pub fn restore<R: BufRead>(
     store: &Store,
     mut open: impl FnMut() -> std::io::Result<R> + Send + 'static,
 ) -> Answer<u64> {
     let vault = std::sync::Arc::clone(&store.vault);
     store.write(move |tx| {
-        let mut lines = Lines(open().map_err(Problem::store)?);
+        let mut lines = Lines::new(open().map_err(Problem::store)?);
         let head = lines.next()?.ok_or_else(|| broken("empty"))?;
         let version = head["schema_version"].as_i64().unwrap_or(0);
         if head["whyroad_backup"] != 1 || version < 1 {

@@ -6,7 +6,9 @@
 use super::private;
 use super::sql::{Tx, Value};
 use crate::problem::{Answer, Problem};
+use crate::secret;
 use serde_json::{Value as Json, json};
+use sha2::{Digest as _, Sha256};
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufRead, BufWriter, Read, Write};
@@ -63,8 +65,10 @@ pub(super) fn to_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> Answer<
     Ok(rows)
 }
 
-/// All tables of a store of `version`.
+/// All tables of a store of `version`. The last line states the number of rows and the hash of the lines above it.
 pub(super) fn write_all(tx: &mut dyn Tx, version: i64, out: &mut dyn Write) -> Answer<u64> {
+    let mut out = Hashed { to: out, hash: Sha256::new() };
+    let out = &mut out;
     line(out, &json!({"whyroad_backup": 1, "schema_version": version}))?;
     let mut rows = 0;
     for table in TABLES {
@@ -88,7 +92,8 @@ pub(super) fn write_all(tx: &mut dyn Tx, version: i64, out: &mut dyn Write) -> A
             page = if full { tx.rows(&sql(&after), &last)? } else { vec![] };
         }
     }
-    line(out, &json!({"end": true, "rows": rows}))?;
+    let hash = secret::hex(&out.hash.clone().finalize());
+    line(out, &json!({"end": true, "rows": rows, "sha256": hash}))?;
     out.flush().map_err(Problem::store)?;
     Ok(rows)
 }
@@ -96,10 +101,20 @@ pub(super) fn write_all(tx: &mut dyn Tx, version: i64, out: &mut dyn Write) -> A
 pub(super) fn read_all(tx: &mut dyn Tx, lines: &mut Lines<impl BufRead>) -> Answer<u64> {
     let mut rows = 0;
     let mut columns: HashMap<&str, Vec<String>> = HashMap::new();
-    while let Some(entry) = lines.next()? {
+    loop {
+        let above = lines.hash.clone();
+        let Some(entry) = lines.next()? else { break };
         if entry["end"] == true {
-            let whole = entry["rows"] == rows && lines.next()?.is_none();
-            return if whole { Ok(rows) } else { Err(broken("rows are missing")) };
+            if entry["rows"] != rows || lines.next()?.is_some() {
+                return Err(broken("rows are missing"));
+            }
+            // Backups of earlier programs have none.
+            return match entry["sha256"].as_str() {
+                Some(stated) if stated != secret::hex(&above.finalize()) => {
+                    Err(broken("it was changed after it was made (its hash differs)"))
+                }
+                _ => Ok(rows),
+            };
         }
         let name = entry["table"].as_str().unwrap_or_default();
         let Some(table) = TABLES.iter().find(|t| **t == name) else {
@@ -126,24 +141,51 @@ fn put(tx: &mut dyn Tx, table: &str, columns: &[String], entry: &Json) -> Answer
     Ok(())
 }
 
+/// Hashes what is written.
+struct Hashed<'a> {
+    to: &'a mut dyn Write,
+    hash: Sha256,
+}
+
+impl Write for Hashed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let n = self.to.write(bytes)?;
+        self.hash.update(&bytes[..n]);
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.to.flush()
+    }
+}
+
 /// A backup line by line: it may be larger than the memory.
-pub(super) struct Lines<R>(pub(super) R);
+pub(super) struct Lines<R> {
+    from: R,
+    /// Of the lines read so far.
+    hash: Sha256,
+}
 
 impl<R: BufRead> Lines<R> {
+    pub(super) fn new(from: R) -> Self {
+        Self { from, hash: Sha256::new() }
+    }
+
     pub(super) fn next(&mut self) -> Answer<Option<Json>> {
         let mut text = String::new();
-        let n = (&mut self.0).take(MOST_BYTES).read_line(&mut text).map_err(broken)?;
+        let n = (&mut self.from).take(MOST_BYTES).read_line(&mut text).map_err(broken)?;
         if n == 0 {
             return Ok(None);
         }
         if n as u64 == MOST_BYTES {
             return Err(broken(format!("a line is longer than {MOST_BYTES} bytes")));
         }
+        self.hash.update(text.as_bytes());
         serde_json::from_str(&text).map(Some).map_err(broken)
     }
 }
 
-fn line(out: &mut dyn Write, value: &Json) -> Answer<()> {
+fn line(out: &mut impl Write, value: &Json) -> Answer<()> {
     writeln!(out, "{value}").map_err(Problem::store)
 }
 

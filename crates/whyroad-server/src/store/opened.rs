@@ -2,7 +2,7 @@
 
 use super::backend::{Backend, Purpose};
 use super::sql::Tx;
-use super::vault::Vault;
+use super::vault::{Vault, check_there};
 use super::{postgres, sqlite};
 use crate::problem::{Answer, Problem};
 use std::path::{Path, PathBuf};
@@ -70,6 +70,10 @@ impl Store {
     /// The same, with the key file at `key`. Unsealed secrets of older versions are sealed.
     pub fn open_with_key(place: &StoreLocation, aside: &Path, key: &Path) -> Answer<Self> {
         let opened = |(backend, kept): (Arc<dyn Backend>, Option<PathBuf>)| -> Answer<Store> {
+            if !key.exists() {
+                let path = key.to_owned();
+                backend.write(Box::new(move |tx| check_there(&path, tx)))?;
+            }
             let vault = Arc::new(Vault::open(key)?);
             Ok(Store { backend, vault, kept, is_shared: matches!(place, StoreLocation::Server(_)) })
         };

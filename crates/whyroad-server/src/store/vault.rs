@@ -103,17 +103,7 @@ impl Vault {
     /// unchanged.
     pub fn open_text(&self, place: &str, stored: &str) -> Answer<String> {
         let Some(sealed) = stored.strip_prefix(SEALED) else { return Ok(stored.to_owned()) };
-        let cannot = || {
-            Problem::new(
-                503,
-                "store.key",
-                format!("存储中的密文无法用密钥文件 {} 解开：请换回写入时的密钥文件", self.path.display()),
-                format!(
-                    "secrets of the store cannot be opened with the key file {}: restore the key file that sealed them",
-                    self.path.display()
-                ),
-            )
-        };
+        let cannot = || wrong_key(&self.path);
         let (name, body) = sealed.split_once(':').ok_or_else(cannot)?;
         let keys = self.keys.read().map_err(Problem::store)?;
         let key = keys.iter().find(|k| k.name == name).ok_or_else(cannot)?;
@@ -196,6 +186,50 @@ fn bytes(hex: &str) -> Option<Vec<u8>> {
         return None;
     }
     (0..hex.len()).step_by(2).map(|i| u8::from_str_radix(hex.get(i..i + 2)?, 16).ok()).collect()
+}
+
+/// Refuses to make a new key for a store with sealed secrets: it could not open them.
+pub(super) fn check_there(path: &Path, tx: &mut dyn Tx) -> Answer<()> {
+    if path.exists() {
+        return Ok(());
+    }
+    let sealed = |text: &str| text.starts_with(SEALED);
+    for row in tx.rows("SELECT secret FROM webhooks", &[])? {
+        if sealed(&row.text("secret")?) {
+            return Err(wrong_key(path));
+        }
+    }
+    let csrf = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
+    match csrf.map(|row| row.text("value")).transpose()? {
+        Some(text) if sealed(&text) => Err(wrong_key(path)),
+        _ => Ok(()),
+    }
+}
+
+fn wrong_key(path: &Path) -> Problem {
+    let (path, exists) = (path.display(), path.exists());
+    Problem::new(
+        503,
+        "store.key",
+        format!(
+            "{}：请用 --data 或 WHYROAD_DATA_DIR 指定服务的数据文件夹，或用 --key-file 或 WHYROAD_KEY_FILE \
+             指定其密钥文件；若密钥文件已丢失，请放回写入时的那个",
+            if exists {
+                format!("存储中的密文无法用密钥文件 {path} 解开")
+            } else {
+                format!("没有密钥文件 {path}，而存储中有密文")
+            },
+        ),
+        format!(
+            "{}: name the data folder of the service with --data or WHYROAD_DATA_DIR, or its key file with --key-file \
+             or WHYROAD_KEY_FILE; if the key file is lost, restore the one that sealed them",
+            if exists {
+                format!("secrets of the store cannot be opened with the key file {path}")
+            } else {
+                format!("there is no key file {path}, and the store has sealed secrets")
+            },
+        ),
+    )
 }
 
 fn unusable(path: &Path, why: impl std::fmt::Display) -> Problem {

@@ -177,7 +177,18 @@ fn a_backup_restores_into_either_store_and_back() {
     let cut = bytes.iter().rposition(|b| *b == b'{').unwrap();
     assert_eq!(restore(&third, of(&bytes[..cut])).unwrap_err().code, "restore.broken");
     assert_eq!(restore(&third, of(b"{}\n{}")).unwrap_err().code, "restore.broken");
+    // One changed letter of a name.
+    let at = bytes.windows(6).position(|w| w == b"\"town\"").unwrap();
+    let mut edited = bytes.clone();
+    edited[at + 1] = b'T';
+    let told = restore(&third, of(&edited)).unwrap_err();
+    assert!(told.code == "restore.broken" && told.text.en.contains("was changed"), "{told}");
     assert_eq!(names(&third), Vec::<String>::new(), "nothing of a broken backup is kept");
+    // A backup of an earlier program states no hash.
+    let text = String::from_utf8(bytes.clone()).unwrap();
+    let (lines, _) = text.split_once(",\"sha256\"").unwrap();
+    restore(&third, of(format!("{lines}}}\n").as_bytes())).unwrap();
+    assert_eq!(names(&third), names(&first));
 
     let Some(server) = Server::start() else { return };
     let far = Store::open_keeping(&StoreLocation::parse(&server.database()), dir.path()).unwrap();
@@ -353,5 +364,7 @@ fn a_backup_needs_its_key() {
     // A store whose key file was lost does not start with a new one.
     drop(first);
     std::fs::remove_file(dir.path().join("first.key")).unwrap();
-    assert_eq!(Store::open(&place).unwrap_err().code, "store.key");
+    let refused = Store::open(&place).unwrap_err();
+    assert!(refused.code == "store.key" && refused.text.en.contains("WHYROAD_KEY_FILE"), "{refused}");
+    assert!(!dir.path().join("first.key").exists(), "no key is made that opens nothing");
 }

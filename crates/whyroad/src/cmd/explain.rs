@@ -65,11 +65,25 @@ struct Shown<'a> {
     /// Displayed name of the class.
     title: Bilingual,
     clip: &'a str,
+    /// Seconds of each frame of the clip from its first one. The log can have gaps: they are measured, not counted.
+    times_s: &'a [f64],
     explanation: &'a Explanation,
     /// Displayed names of the missing signals because of which it cannot be decided.
     missing: Vec<Bilingual>,
     /// For `other`: the decision moments of the clip.
     moments: Option<moments::Moments>,
+}
+
+impl Shown<'_> {
+    /// Seconds from the start of the clip to this frame of it.
+    fn seconds(&self, frame: usize) -> f64 {
+        self.times_s.get(frame).copied().unwrap_or_default()
+    }
+
+    /// True where frames are missing within the clip.
+    fn has_gaps(&self) -> bool {
+        self.times_s.windows(2).any(|pair| pair[1] - pair[0] > 1.5 / FRAME_RATE_HZ)
+    }
 }
 
 /// Displayed name of a class; its id if the taxonomy does not have it.
@@ -150,10 +164,13 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
         _ => explanation,
     };
+    let times = &drive.times[clip.start..clip.end];
+    let times_s: Vec<f64> = times.iter().map(|t| t.seconds_since(times[0])).collect();
     let shown = Shown {
         class: &rule.scenario,
         title: named(&framework, &rule.scenario),
         clip: &args.clip,
+        times_s: &times_s,
         explanation: &explanation,
         missing: explanation.missing.iter().map(|name| catalog.title(name)).collect(),
         moments,
@@ -170,7 +187,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         let left = shown.moments.as_ref().map_or(&[][..], |m| &m.frames);
         let scenes: Vec<page::Scene<'_>> = match left {
             [] => explanation.moment.map(|m| scene(clip.start + m, String::new())).into_iter().collect(),
-            all => all.iter().map(|f| scene(*f, format!("{:.1} s", seconds(f - clip.start)))).collect(),
+            all => all.iter().map(|f| scene(*f, format!("{:.1} s", shown.seconds(f - clip.start)))).collect(),
         };
         let text = shown.moments.as_ref().map(|m| m.text(global.lang)).unwrap_or_default();
         let title = match global.lang {
@@ -224,9 +241,4 @@ fn no_clip(lake: &Lake, written: &str, lang: Lang) -> String {
             )
         }
     }
-}
-
-/// Seconds from the start of a clip.
-fn seconds(frame: usize) -> f64 {
-    frame as f64 / FRAME_RATE_HZ
 }

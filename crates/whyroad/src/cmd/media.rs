@@ -145,7 +145,14 @@ fn add(lang: Lang, a: &Add) -> anyhow::Result<ExitCode> {
             }
         }
     }
-    Ok(if rejected > 0 { output::lost_input() } else { output::FINE })
+    let complaint = extracted.as_ref().and_then(|frames| frames.complaint.as_deref());
+    if let Some(said) = complaint {
+        match lang {
+            Lang::Zh => say!("视频有损坏，可能缺少图片；ffmpeg：{said}"),
+            Lang::En => say!("the video is damaged, and images can be missing; ffmpeg: {said}"),
+        }
+    }
+    Ok(if rejected > 0 || complaint.is_some() { output::lost_input() } else { output::FINE })
 }
 
 /// Images per second that are taken from a video.
@@ -154,6 +161,8 @@ const VIDEO_RATE_HZ: f64 = 10.0;
 /// The frames of a video in a folder that is removed when this is dropped.
 struct Extracted {
     dir: PathBuf,
+    /// What ffmpeg reported as an error while it went on: the file breaks off, or a part cannot be decoded.
+    complaint: Option<String>,
 }
 
 impl Extracted {
@@ -167,7 +176,7 @@ impl Extracted {
         let nanos = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos());
         let dir = std::env::temp_dir().join(format!("whyroad-video-{}-{nanos}", std::process::id()));
         std::fs::create_dir(&dir).with_context(|| cannot_write(dir.display()))?;
-        let frames = Self { dir };
+        let mut frames = Self { dir, complaint: None };
         let run = Command::new("ffmpeg")
             .args(["-nostdin", "-v", "error", "-i"])
             .arg(video)
@@ -184,10 +193,12 @@ impl Extracted {
             }),
             other => other.context(reason("无法运行 ffmpeg", "cannot run ffmpeg"))?,
         };
+        let said = String::from_utf8_lossy(&out.stderr);
         if !out.status.success() {
-            let said = String::from_utf8_lossy(&out.stderr);
             return Err(stop(format!("ffmpeg 失败：{}", said.trim()), format!("ffmpeg: {}", said.trim())));
         }
+        frames.complaint =
+            said.lines().find(|line| !line.trim().is_empty()).map(|line| line.trim().to_owned());
         Ok(frames)
     }
 }

@@ -1,7 +1,7 @@
 //! `whyroad merge`: the parts that workers mined, as one mined folder.
 
 use super::mine::missing::MissingArgs;
-use super::mine::{other_question, table::Results};
+use super::mine::{busy, other_question, table::Results};
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use std::path::PathBuf;
@@ -53,6 +53,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let merged = match merged {
         Err(MergeError::Publish(PublishError::OtherQuestion(dir))) => {
             say!("{}", other_question(&dir, lang));
+            return Ok(output::FINDINGS);
+        }
+        Err(MergeError::Publish(PublishError::Busy(dir))) => {
+            say!("{}", busy(&dir, lang));
             return Ok(output::FINDINGS);
         }
         merged => match merged? {

@@ -22,7 +22,7 @@ use whyroad_engine::mine::{Evaluator, MineOptions, MinedDrive};
 use whyroad_engine::output::{FolderWriter, query};
 use whyroad_engine::parts::Request;
 use whyroad_lake::Lake;
-use whyroad_lake::mined::{Existing, MinedWriteError};
+use whyroad_lake::mined::{Existing, FolderLock, MinedWriteError, PublishError};
 use whyroad_mining::rule::Rule;
 use whyroad_model::{ClipCut, Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalog;
@@ -231,6 +231,14 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         let work = part::Work { list, out, lake: &lake, plan, classes, framework: &framework };
         return Ok(Mined { results: None, code: part::mine(global, &args, work)? });
     }
+    // Two runs would write the same files: also the results of the first one would be lost.
+    let _lock = match FolderLock::take(out) {
+        Err(PublishError::Busy(dir)) => {
+            say!("{}", busy(&dir, global.lang));
+            return Ok(Mined::failed());
+        }
+        lock => lock?,
+    };
     let request = Request {
         asked: plan.asked.clone(),
         questions: plan.questions.clone(),
@@ -332,6 +340,20 @@ fn written(out: &Path, lang: Lang) -> String {
     match lang {
         Lang::Zh => format!("结果写入 {}", out.display()),
         Lang::En => format!("results are in {}", out.display()),
+    }
+}
+
+/// The folder is written by another process.
+pub(super) fn busy(dir: &Path, lang: Lang) -> String {
+    let dir = dir.display();
+    match lang {
+        Lang::Zh => {
+            format!("错误：另一进程正在写入 {dir}，未作改动；请等它结束，或用 --out 指定其他文件夹")
+        }
+        Lang::En => format!(
+            "error: another process is writing {dir}, which was left unchanged; wait until it has finished, or choose \
+             another folder with --out"
+        ),
     }
 }
 

@@ -41,7 +41,14 @@ impl From<Bilingual> for Reason {
 /// of libraries stay English.
 pub(crate) fn told(error: &anyhow::Error, lang: Lang) -> String {
     if lang == Lang::En {
-        return format!("{error:#}");
+        let mut out = String::new();
+        for cause in error.chain().map(ToString::to_string) {
+            // Errors of libraries repeat their cause.
+            if !out.ends_with(&cause) {
+                out = if out.is_empty() { cause } else { format!("{out}: {cause}") };
+            }
+        }
+        return out;
     }
     let mut out: Vec<String> = Vec::new();
     for cause in error.chain() {
@@ -187,5 +194,6 @@ mod tests {
         let text = format!("cannot write x: {}", file.root_cause());
         let twice = file.context(text);
         assert_eq!(told(&twice, Lang::Zh), "cannot write x：没有这个文件或文件夹（os error 2）");
+        assert_eq!(told(&twice, Lang::En), "cannot write x: No such file or directory (os error 2)");
     }
 }

@@ -93,3 +93,38 @@ fn killed_in_the_middle_of_a_source_it_goes_on() {
     assert_eq!(outcomes(&lake)[&names[0]]["outcome"], "replaced");
     assert!(contents(&done[0]) == contents(&other.join("drives").join(&names[0])));
 }
+
+#[test]
+fn two_at_once_lose_no_drive_and_write_each_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let (logs, lake) = (dir.path().join("logs"), dir.path().join("lake"));
+    let meta = "source: van\nstart_time: 2026-03-01T08:00:00Z\nego: { length_m: 4.8, width_m: 1.9, height_m: 1.5, reference_to_centre_m: 0 }\n";
+    let rows: String = (0..20).map(|i| format!("{},{i},0,0,10\n", f64::from(i) / 10.0)).collect();
+    for drive in 0..80 {
+        let log = logs.join(format!("d{drive:02}"));
+        fs::create_dir_all(&log).unwrap();
+        fs::write(log.join("drive.yaml"), meta).unwrap();
+        fs::write(log.join("ego.csv"), format!("time_s,x_m,y_m,heading_rad,speed_mps\n{rows}")).unwrap();
+    }
+    let ingest = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_whyroad"));
+        command.args(["ingest", "table", logs.to_str().unwrap(), "--lake", lake.to_str().unwrap()]);
+        command.args(["--format", "json"]).env_remove("WHYROAD_LANG");
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let both = [ingest(), ingest()].map(|process| process.wait_with_output().unwrap());
+    let mut outcomes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for out in both {
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+        for drive in report.as_array().unwrap() {
+            let of = outcomes.entry(drive["drive_id"].as_str().unwrap().to_owned()).or_default();
+            of.push(drive["outcome"].as_str().unwrap().to_owned());
+        }
+    }
+    outcomes.values_mut().for_each(|of| of.sort());
+    assert_eq!(outcomes.len(), 80);
+    assert!(outcomes.values().all(|of| *of == ["unchanged", "written"]), "{outcomes:?}");
+    // Also nothing with a leading dot.
+    assert_eq!(fs::read_dir(lake.join("drives")).unwrap().count(), 80);
+}

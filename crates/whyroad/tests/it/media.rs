@@ -243,6 +243,23 @@ fn frames_of_a_video_are_attached_where_ffmpeg_is_installed() {
     assert!(((media[0].time - whole.times[0]).as_secs_f64() - 1.0).abs() < 1e-6);
     assert!(((media[9].time - media[0].time).as_secs_f64() - 1.8).abs() < 1e-6);
     assert!(at.join(format!("lake/media/{drive}/front")).read_dir().unwrap().count() == 10);
+    // At half the rate: the images that are replaced are removed from the lake.
+    let run = add(at, &format!("--drive {drive} --camera front --video v.mp4 --rate 2.5 --offset 1.01"));
+    assert_eq!((run.code, media_table(at, &drive).len()), (0, 5), "{}", run.err);
+    assert!(at.join(format!("lake/media/{drive}/front")).read_dir().unwrap().count() == 5);
+    // A file that breaks off: what can be decoded is attached, and the loss is reported.
+    let whole = std::process::Command::new("ffmpeg")
+        .args(
+            "-v error -f lavfi -i testsrc=duration=4:size=320x240:rate=25 -movflags +faststart f.mp4"
+                .split(' '),
+        )
+        .current_dir(at)
+        .status();
+    assert!(whole.unwrap().success());
+    let bytes = std::fs::read(at.join("f.mp4")).unwrap();
+    std::fs::write(at.join("cut.mp4"), &bytes[..bytes.len() * 3 / 5]).unwrap();
+    let cut = add(at, &format!("--drive {drive} --camera side --video cut.mp4 --rate 5"));
+    assert!(cut.code == 3 && cut.err.contains("the video is damaged"), "{}{}", cut.out, cut.err);
     // Text is no video, and nothing is attached.
     std::fs::write(at.join("text.mp4"), "text").unwrap();
     let broken = add(at, &format!("--drive {drive} --camera side --video text.mp4"));

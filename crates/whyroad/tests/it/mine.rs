@@ -281,6 +281,13 @@ fn ask(query: &str) -> (Output, Option<Value>) {
 }
 
 #[test]
+fn a_query_with_a_byte_order_mark_is_the_same_query() {
+    let (out, result) = ask(&format!("\u{feff}{PRINTED}"));
+    assert!(out.status.success(), "{}", text(&out.stderr));
+    assert_eq!(result, ask(PRINTED).1);
+}
+
+#[test]
 fn the_printed_query_answers_with_measured_values() {
     let (out, result) = ask(PRINTED);
     assert!(out.status.success(), "{}", text(&out.stderr));

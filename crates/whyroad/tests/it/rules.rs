@@ -171,7 +171,11 @@ fn a_rule_in_one_line_is_mined() {
     let episodes = std::fs::read_to_string(out.path().join("episodes.jsonl")).unwrap();
     assert!(episodes.contains("\"target_id\":\"cutter\""), "{episodes}");
     // Where to look is told at once: the clip, the moment in it, the target, the measured value.
-    assert!(run.out.contains("the best 1 of 1: clip, keyframe, target, score, values"), "{}", run.out);
+    assert!(
+        run.out.contains("the best 1 of 1: clip, keyframe (in clip), target, score, values"),
+        "{}",
+        run.out
+    );
     assert!(run.out.contains("multilane-ego_000  16.9 s  cutter"), "{}", run.out);
     // The value that the tutorial names, with its unit.
     assert!(run.out.contains("TTC to the target < 3 s (2.48 s)"), "{}", run.out);
@@ -239,4 +243,126 @@ fn a_rule_of_one_s_own_and_other_are_explained() {
     let args = ["explain", "cutin", "--lake", text(lake.path()), "--clip", "multilane-eg"];
     let elsewhere = whyroad_in(&root(), &args);
     assert!(elsewhere.err.contains("begin with multilane-ego_000"), "{}", elsewhere.err);
+}
+
+/// A drive of 10 Hz of which 3.2 s are missing, from 6 s on: the ego is at 2 m/s from 15 s to 18 s and from 25 s on,
+/// and at 10 m/s otherwise.
+fn drive_with_a_gap(folder: &Path) {
+    let folder = folder.join("gapped");
+    std::fs::create_dir_all(&folder).unwrap();
+    let meta = "source: van\nstart_time: 2026-03-01T08:00:00Z\nego: { length_m: 4.8, width_m: 1.9, height_m: 1.5, reference_to_centre_m: 0 }\n";
+    std::fs::write(folder.join("drive.yaml"), meta).unwrap();
+    let (mut rows, mut x) = ("time_s,x_m,y_m,heading_rad,speed_mps\n".to_owned(), 0.0);
+    for frame in 0..300 {
+        let speed = if matches!(frame, 150..180 | 250..) { 2.0 } else { 10.0 };
+        if !(60..92).contains(&frame) {
+            rows += &format!("{},{x},0,0,{speed}\n", f64::from(frame) / 10.0);
+        }
+        x += speed / 10.0;
+    }
+    std::fs::write(folder.join("ego.csv"), rows).unwrap();
+}
+
+#[test]
+fn times_are_measured_where_frames_are_missing() {
+    let dir = tempfile::tempdir().unwrap();
+    drive_with_a_gap(dir.path());
+    let lake = dir.path().join("lake");
+    let ingest = whyroad_in(&root(), &["ingest", "table", text(dir.path()), "--lake", text(&lake)]);
+    assert_eq!(ingest.code, 0, "{}", ingest.err);
+    let (rule, out) = (["--rule", "ego.speed < 5 m/s"], dir.path().join("out"));
+    let mine = [&["mine", "--lake", text(&lake), "--out", text(&out)], &rule[..]].concat();
+    // The second clip begins with frame 200, 140 frames after the end of the gap at 9.2 s: at 23.2 s.
+    let expected = ["gapped_000  15.0 s          ", "gapped_001  25.0 s (1.8 s)  "];
+    // Mined, and mined again with the lines of the first run.
+    for _ in 0..2 {
+        let run = whyroad_in(&root(), &mine);
+        assert!(expected.iter().all(|line| run.out.contains(line)), "{}", run.out);
+        let json = whyroad_in(&root(), &[&mine[..], &["--format", "json"]].concat());
+        let json: serde_json::Value = serde_json::from_str(&json.out).unwrap();
+        let best: Vec<(&str, f64, f64)> = json["best"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|b| {
+                (
+                    b["clip_id"].as_str().unwrap(),
+                    b["keyframe_s"].as_f64().unwrap(),
+                    b["clip_s"].as_f64().unwrap(),
+                )
+            })
+            .collect();
+        assert!(
+            best.contains(&("gapped_000", 15.0, 15.0)) && best.contains(&("gapped_001", 25.0, 1.8)),
+            "{best:?}"
+        );
+    }
+    let svg = dir.path().join("chart.svg");
+    let explain =
+        [&["explain", "--lake", text(&lake), "--clip", "gapped_000", "--svg", text(&svg)], &rule[..]]
+            .concat();
+    let run = whyroad_in(&root(), &explain);
+    // 60 frames before the gap, and 58 from 9.2 s to 15 s.
+    assert!(
+        run.out.contains("keyframe at 15.0 s (frame 118)") && run.out.contains("^ 15.0 s"),
+        "{}",
+        run.out
+    );
+    assert!(run.out.contains("|0.0 s      |4.8 s      |12.8 s"), "{}", run.out);
+    assert!(std::fs::read_to_string(&svg).unwrap().contains(">13.2 s</text>"), "frame 100");
+    let json = whyroad_in(&root(), &[&explain[..], &["--format", "json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json.out).unwrap();
+    assert_eq!((&json["seconds"], &json["times_s"][100]), (&15.0.into(), &13.2.into()));
+}
+
+#[test]
+fn two_runs_do_not_write_into_one_folder() {
+    let (lake, dir) = (lake(), tempfile::tempdir().unwrap());
+    let out = dir.path().join("out");
+    let mine = || {
+        whyroad_in(
+            &root(),
+            &[
+                "mine",
+                "--lake",
+                text(lake.path()),
+                "--out",
+                text(&out),
+                "--force",
+                "--rule",
+                "ego.speed > 5 m/s",
+            ],
+        )
+    };
+    assert_eq!(mine().code, 0);
+    let before = std::fs::read(out.join("episodes.jsonl")).unwrap();
+    let held = whyroad_lake::mined::FolderLock::take(&out).unwrap();
+    let refused = mine();
+    assert!(refused.code == 1 && refused.err.contains("another process is writing"), "{}", refused.err);
+    assert_eq!(std::fs::read(out.join("episodes.jsonl")).unwrap(), before);
+    drop(held);
+    assert_eq!(mine().code, 0);
+    assert!(!out.join(".lock").exists());
+}
+
+#[test]
+fn a_pause_of_the_log_is_not_counted_as_driving() {
+    let dir = tempfile::tempdir().unwrap();
+    drive_with_a_gap(dir.path());
+    // The last 100 frames, 10 s, begin an hour later.
+    let ego = dir.path().join("gapped/ego.csv");
+    let rows = std::fs::read_to_string(&ego).unwrap();
+    let later = |line: &str| match line.split_once(',') {
+        Some((time, rest)) if time.parse::<f64>().is_ok_and(|t| t >= 20.0) => {
+            format!("{},{rest}\n", time.parse::<f64>().unwrap() + 3600.0)
+        }
+        _ => format!("{line}\n"),
+    };
+    std::fs::write(&ego, rows.lines().map(later).collect::<String>()).unwrap();
+    let lake = dir.path().join("lake");
+    assert_eq!(whyroad_in(&root(), &["ingest", "table", text(dir.path()), "--lake", text(&lake)]).code, 0);
+    let run = whyroad_in(&root(), &["inspect", "--lake", text(&lake)]);
+    assert!(run.out.contains("1 drive, 2 clips, 0.01 h"), "{}", run.out);
+    let list = whyroad_in(&root(), &["lake", "list", "--lake", text(&lake)]);
+    assert!(list.out.contains("\t26.8 s\t"), "300 frames but 32: {}", list.out);
 }

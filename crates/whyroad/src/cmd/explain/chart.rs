@@ -18,7 +18,7 @@ pub(super) fn chart(shown: &Shown<'_>, lang: Lang) -> TruthChart {
     };
     TruthChart {
         title: verdict(shown, lang),
-        frames: e.when.cells.len(),
+        times_s: shown.times_s.to_vec(),
         rows: rows(shown, lang),
         moment: e.moment,
         truth_words,

@@ -1,7 +1,7 @@
 //! An explanation as JSON: the verdict, and every condition over time as spans of frames of the clip.
 
+use super::Shown;
 use super::moments::Moments;
-use super::{Shown, seconds};
 use serde_json::{Value, json};
 use whyroad_mining::explain::{Cell, ConditionCourse, Course, Duration, Outcome, PartCourse};
 use whyroad_mining::language::check::Join;
@@ -26,7 +26,8 @@ pub(super) fn document(shown: &Shown<'_>) -> Value {
         "frame_rate_hz": FRAME_RATE_HZ,
         "frames": e.when.cells.len(),
         "frame": e.moment,
-        "seconds": e.moment.map(seconds),
+        "seconds": e.moment.map(|frame| shown.seconds(frame)),
+        "times_s": shown.times_s,
         "duration": e.duration.map(duration),
         "missing_signals": e.missing,
         "when": course(&e.when),

@@ -1,6 +1,5 @@
 //! The decision moments of a clip: which class explains each, and for those that none explains, which come nearest.
 
-use super::seconds;
 use crate::cmd::other::moments;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -75,8 +74,9 @@ impl Moments {
         self.unexplained.is_empty() && !self.explained.is_empty()
     }
 
-    /// The outcome in a sentence; `shown` is the frame of the clip that is explained. None without decision moments.
-    pub fn outcome(&self, shown: Option<usize>, lang: Lang) -> Option<String> {
+    /// The outcome in a sentence; `shown` is the frame of the clip that is explained, and its time in seconds. None
+    /// without decision moments.
+    pub fn outcome(&self, shown: Option<(usize, f64)>, lang: Lang) -> Option<String> {
         let (left, explained) = (self.unexplained.len(), self.explained.len());
         if left == 0 {
             return (explained > 0).then(|| match lang {
@@ -86,9 +86,9 @@ impl Moments {
             });
         }
         let times: Vec<String> = self.unexplained.iter().map(|m| format!("{:.1} s", m.clip_s)).collect();
-        let shown = shown.filter(|_| left > 1).map(|frame| match lang {
-            Lang::Zh => format!("；以下为 {:.1} s（第 {frame} 帧）", seconds(frame)),
-            Lang::En => format!("; shown: {:.1} s (frame {frame})", seconds(frame)),
+        let shown = shown.filter(|_| left > 1).map(|(frame, seconds)| match lang {
+            Lang::Zh => format!("；以下为 {seconds:.1} s（第 {frame} 帧）"),
+            Lang::En => format!("; shown: {seconds:.1} s (frame {frame})"),
         });
         let shown = shown.unwrap_or_default();
         Some(match lang {

@@ -1,6 +1,6 @@
 //! An explanation as text: a verdict, then a bar over time for each condition.
 
-use super::{Shown, seconds};
+use super::Shown;
 use serde_json::Value;
 use std::fmt::Write as _;
 use whyroad_mining::explain::{Cell, ConditionCourse, Course, Duration, Explanation, Outcome};
@@ -23,16 +23,16 @@ pub(super) fn render(shown: &Shown<'_>, lang: Lang) -> String {
         }
         return out;
     }
-    let _ = writeln!(out, "\n{}", axis(e.when.cells.len()));
+    let _ = writeln!(out, "\n{}", axis(shown.times_s));
     line(&mut out, &e.when, 0, whole(lang), lang);
     for Line { depth, text, condition } in lines(e, lang) {
         line(&mut out, &condition.course, 2 * depth, &text, lang);
     }
     if let Some(frame) = e.moment {
         let at = frame / FRAMES_A_SIGN;
-        let _ = writeln!(out, "{:at$}^ {:.1} s", "", seconds(frame));
+        let _ = writeln!(out, "{:at$}^ {:.1} s", "", shown.seconds(frame));
     }
-    let _ = writeln!(out, "\n{}", legend(lang));
+    let _ = writeln!(out, "\n{}", legend(shown.has_gaps(), lang));
     if e.parts.iter().any(|p| any_kept(&p.condition)) {
         out.push_str(match lang {
             Lang::Zh => "噪声内：与阈值之差不超过噪声，沿用上一帧的结果\n",
@@ -59,15 +59,17 @@ pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
         (_, Lang::En) => format!(" ({})", roles.join(", ")),
     };
     let (class, clip) = (shown.title.get(lang), shown.clip);
-    if let Some(outcome) = shown.moments.as_ref().and_then(|m| m.outcome(e.moment, lang)) {
+    if let Some(outcome) =
+        shown.moments.as_ref().and_then(|m| m.outcome(e.moment.map(|f| (f, shown.seconds(f))), lang))
+    {
         return match lang {
             Lang::Zh => format!("{class}，片段 {clip}：{outcome}"),
             Lang::En => format!("{class} in {clip}: {outcome}"),
         };
     }
     let mut out = match lang {
-        Lang::Zh => format!("{class}，片段 {clip}{who}：{}", outcome_zh(e)),
-        Lang::En => format!("{class} in {clip}{who}: {}", outcome_en(e)),
+        Lang::Zh => format!("{class}，片段 {clip}{who}：{}", outcome_zh(shown)),
+        Lang::En => format!("{class} in {clip}{who}: {}", outcome_en(shown)),
     };
     if e.candidates > 1 {
         let _ = match lang {
@@ -86,9 +88,10 @@ pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
     out
 }
 
-fn outcome_en(e: &Explanation) -> String {
+fn outcome_en(shown: &Shown<'_>) -> String {
+    let e = shown.explanation;
     let at = match e.moment {
-        Some(f) => format!("{:.1} s (frame {f})", seconds(f)),
+        Some(f) => format!("{:.1} s (frame {f})", shown.seconds(f)),
         None => "a time outside the clip".to_owned(),
     };
     match e.outcome {
@@ -116,9 +119,10 @@ fn outcome_en(e: &Explanation) -> String {
     }
 }
 
-fn outcome_zh(e: &Explanation) -> String {
+fn outcome_zh(shown: &Shown<'_>) -> String {
+    let e = shown.explanation;
     let at = match e.moment {
-        Some(f) => format!("{:.1} s（第 {f} 帧）", seconds(f)),
+        Some(f) => format!("{:.1} s（第 {f} 帧）", shown.seconds(f)),
         None => "片段之外".to_owned(),
     };
     match e.outcome {
@@ -289,18 +293,25 @@ fn sign(frames: &[Cell]) -> char {
     }
 }
 
-fn axis(frames: usize) -> String {
+fn axis(times_s: &[f64]) -> String {
     let mut out = String::new();
-    for frame in (0..frames).step_by(48) {
+    for (frame, seconds) in times_s.iter().enumerate().step_by(48) {
         let at = frame / FRAMES_A_SIGN;
         let gap = at.saturating_sub(out.chars().count());
-        let _ = write!(out, "{:gap$}|{:.1} s", "", seconds(frame));
+        let _ = write!(out, "{:gap$}|{seconds:.1} s", "");
     }
     out
 }
 
-fn legend(lang: Lang) -> &'static str {
+fn legend(has_gaps: bool, lang: Lang) -> &'static str {
     match lang {
+        Lang::Zh if has_gaps => {
+            "一格 4 帧（0.4 s，日志缺帧处不占格）：# 成立，+ 部分成立，. 不成立，? 未知，空白为目标不可见；是、否与 [实际值] 均指 ^ 所示时刻"
+        }
+        Lang::En if has_gaps => {
+            "a sign is 4 frames (0.4 s; gaps of the log take no room): # true, + partly true, . false, ? unknown,\n\
+             blank where the target is not observed; yes, no and [values] are those at ^"
+        }
         Lang::Zh => {
             "一格 0.4 s：# 成立，+ 部分成立，. 不成立，? 未知，空白为目标不可见；是、否与 [实际值] 均指 ^ 所示时刻"
         }

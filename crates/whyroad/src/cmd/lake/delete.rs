@@ -7,6 +7,7 @@ use crate::output::reason::{Reason, cannot_read, folders_only, reason};
 use crate::output::{Print, render_text};
 use crate::{Global, output, store_args};
 use anyhow::{Context as _, bail};
+use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -40,6 +41,12 @@ pub(super) struct Args {
     /// Store of the labeling service: a SQLite file, its folder, or postgres://...; its caches are emptied
     #[arg(long, value_name = "URL", env = "WHYROAD_STORE", hide_env_values = true)]
     store: Option<String>,
+    /// Folder of the service's data: with a PostgreSQL store, its key file and caches
+    #[arg(long, value_name = "DIR", default_value = "whyroad-data", env = "WHYROAD_DATA_DIR")]
+    data: PathBuf,
+    /// Key file of the store [default: beside the SQLite file, or labels.db.key in --data]
+    #[arg(long, value_name = "FILE", env = "WHYROAD_KEY_FILE")]
+    key_file: Option<PathBuf>,
     /// Folder in which to look for releases that hold the drives; may be repeated
     #[arg(long, value_name = "DIR")]
     releases: Vec<PathBuf>,
@@ -71,8 +78,9 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     folders_only(args.mined.iter().chain(&args.media).chain(&args.releases).chain(&args.backups))?;
     let (drives, undated) = selected(&lake, &args);
     let folders = mined_folders(&args.mined)?;
-    let store = args.store.as_deref().map(|s| store_args::open_store(s, lang)).transpose()?;
-    let service = args.store.as_deref().and_then(service_folder);
+    let open = |s| store_args::open_store_with(s, &args.data, args.key_file.clone(), lang);
+    let store = args.store.as_deref().map(open).transpose()?;
+    let service = args.store.as_deref().and_then(|store| service_folder(store, &args.data));
 
     let mut counts = Deleted { drives: drives.len(), unsearched: undated, ..Deleted::default() };
     let mut backups = args.backups.clone();
@@ -113,18 +121,19 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     unknown.retain(|id| !mined.contains(*id));
     let file = args.audit.clone().unwrap_or_else(|| lake.dir().join("deletions.jsonl"));
-    // After a kill following the last step, only the report is left.
-    if !unknown.is_empty()
-        && !audit::unfinished(&file)
-        && args.older_than.is_none()
-        && unknown.len() == drives.len()
-    {
-        let names: Vec<String> = unknown.iter().map(ToString::to_string).collect();
-        bail!(not_found(&names.join(", "), lang));
+    // After a kill, those that it had deleted completely are not found any more.
+    if audit::unfinished(&file) {
+        unknown.clear();
+    }
+    let not_found: Vec<String> = unknown.iter().map(ToString::to_string).collect();
+    if !not_found.is_empty() && not_found.len() == drives.len() {
+        bail!(nothing_of(&not_found.join(", "), lang));
     }
     if args.dry_run {
-        args.print.put(&counts, || text(&counts, true, lang))?;
-        return Ok(outcome(&counts));
+        args.print.put(&Report { counts: &counts, not_found: &not_found }, || {
+            text(&counts, &not_found, true, lang)
+        })?;
+        return Ok(outcome(&counts, &not_found));
     }
 
     audit::put(&file, "begun", args.request.as_deref(), &counts)?;
@@ -159,8 +168,18 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         audit::put(&file, "done", args.request.as_deref(), &counts)?;
     }
     lake.publish()?;
-    args.print.put(&counts, || text(&counts, false, lang))?;
-    Ok(outcome(&counts))
+    args.print
+        .put(&Report { counts: &counts, not_found: &not_found }, || text(&counts, &not_found, false, lang))?;
+    Ok(outcome(&counts, &not_found))
+}
+
+/// What is printed; unlike the audit file it names drives.
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    counts: &'a Deleted,
+    /// Drives of which nothing was found in the places given.
+    not_found: &'a [String],
 }
 
 /// The named drives, and those that ended before a time; also the drives without a time.
@@ -193,13 +212,13 @@ fn mined_folders(dirs: &[PathBuf]) -> anyhow::Result<Vec<MinedFolder>> {
     Ok(out)
 }
 
-/// The folder in which a service with a SQLite store keeps its caches; of a server's it is named by WHYROAD_DATA_DIR.
-fn service_folder(store: &str) -> Option<PathBuf> {
+/// The folder in which a service keeps its caches: that of its SQLite file, or `data`.
+fn service_folder(store: &str, data: &Path) -> Option<PathBuf> {
     use whyroad_server::store::StoreLocation;
     match StoreLocation::parse(store) {
         StoreLocation::File(path) if path.is_dir() => Some(path),
         StoreLocation::File(path) => path.parent().map(Path::to_path_buf),
-        StoreLocation::Server(_) => std::env::var_os("WHYROAD_DATA_DIR").map(PathBuf::from),
+        StoreLocation::Server(_) => Some(data.to_owned()),
     }
 }
 
@@ -243,13 +262,15 @@ fn empty(cache: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Copies of a drive remain, or it is unknown whether they do: exit code 1, so that scripts can detect it.
-fn outcome(counts: &Deleted) -> ExitCode {
+/// Copies of a drive remain, or it is unknown whether they do, or a name was not found: exit code 1, so that scripts
+/// can detect it.
+fn outcome(counts: &Deleted, not_found: &[String]) -> ExitCode {
     let rest = [&counts.releases, &counts.backups, &counts.parts, &counts.unsearched];
-    if rest.iter().all(|list| list.is_empty()) { output::FINE } else { output::FINDINGS }
+    let is_all = rest.iter().all(|list| list.is_empty()) && not_found.is_empty();
+    if is_all { output::FINE } else { output::FINDINGS }
 }
 
-fn text(c: &Deleted, dry_run: bool, lang: Lang) -> String {
+fn text(c: &Deleted, not_found: &[String], dry_run: bool, lang: Lang) -> String {
     let mut out = match (lang, dry_run) {
         (Lang::Zh, true) => "将删除（未作改动）：\n".to_owned(),
         (Lang::Zh, false) => "已删除：\n".to_owned(),
@@ -274,15 +295,18 @@ fn text(c: &Deleted, dry_run: bool, lang: Lang) -> String {
             "仍包含的备份（未改动）",
             "仍包含的分片（未改动）",
             "无法检查",
+            "所给之处均没有的行程（请核对编号）",
         ],
         Lang::En => [
             "releases that hold them (not changed)",
             "backups that hold them (not changed)",
             "parts that hold them (not changed)",
             "could not be searched",
+            "drives of which nothing was found in the places given (check their ids)",
         ],
     };
-    for (head, list) in heads.iter().zip([&c.releases, &c.backups, &c.parts, &c.unsearched]) {
+    let lists: [&[String]; 5] = [&c.releases, &c.backups, &c.parts, &c.unsearched, not_found];
+    for (head, list) in heads.iter().zip(lists) {
         if !list.is_empty() {
             let _ = writeln!(out, "{head}:");
             list.iter().for_each(|line| {
@@ -304,7 +328,7 @@ fn store_in_use(lang: Lang) -> String {
     }
 }
 
-fn not_found(names: &str, lang: Lang) -> String {
+fn nothing_of(names: &str, lang: Lang) -> String {
     match lang {
         Lang::Zh => format!("所给之处均没有行程 {names}"),
         Lang::En => format!("nothing of {names} was found in the places given"),

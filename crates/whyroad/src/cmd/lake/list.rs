@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use whyroad_lake::DriveEntry;
+use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Lang, Nanos, counted};
 
 /// Arguments of `whyroad lake list`.
@@ -74,10 +75,11 @@ impl Args {
     }
 }
 
-/// Id, start (`-` without a date), seconds, rows of objects, format, place and pack, separated by tabs.
+/// Id, start (`-` without a date), recorded seconds, rows of objects, format, place and pack, separated by tabs.
 fn line(e: &DriveEntry) -> String {
     let start = if e.dated == Some(false) { "-".to_owned() } else { e.start.to_string() };
-    let seconds = e.end.seconds_since(e.start);
+    // Recorded: gaps of the log do not count.
+    let seconds = e.frames as f64 / FRAME_RATE_HZ;
     let (place, pack) = (e.place.as_deref().unwrap_or("-"), e.pack.as_deref().unwrap_or("-"));
     let mut line = String::new();
     let _ = writeln!(

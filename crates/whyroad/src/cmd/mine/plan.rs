@@ -158,12 +158,14 @@ pub(in crate::cmd) fn rule_name(text: &str) -> Result<String, Reason> {
 
 pub(super) fn of_query(file: &Path, framework: &Framework, catalog: &Catalog) -> anyhow::Result<Planned> {
     let text = std::fs::read_to_string(file).with_context(|| cannot_read(file.display()))?;
+    // `validate` accepts it too.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let name = file.display().to_string();
-    let query = match parse_query(&text, &name, framework) {
+    let query = match parse_query(text, &name, framework) {
         Ok(q) => q,
         Err(found) => return Ok(Err(found)),
     };
-    let conditions = match compile_query(&query, catalog, &text, &name) {
+    let conditions = match compile_query(&query, catalog, text, &name) {
         Ok(r) => r,
         Err(found) => return Ok(Err(found)),
     };
@@ -183,7 +185,7 @@ pub(super) fn of_query(file: &Path, framework: &Framework, catalog: &Catalog) ->
         scenario: query.scenario_id.clone(),
         limit: query.output_limit,
     };
-    let asked = MiningQuestion::Query { query: serde_json::from_str(&text)? };
+    let asked = MiningQuestion::Query { query: serde_json::from_str(text)? };
     let class = query.scenario_id.clone();
     let plan =
         Plan { rules, questions: vec![question], searched: Searched::Question, asked, query: Some(class) };

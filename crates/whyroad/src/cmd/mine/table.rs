@@ -5,12 +5,11 @@ use crate::text_table::{Align, aligned, wrapped};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use whyroad_engine::output::{EpisodeExample, Question, Searched, Summary};
+use whyroad_engine::output::{BestMatch, EpisodeExample, KeyframeSeconds, Question, Searched, Summary};
 use whyroad_framework::Taxonomy;
 use whyroad_framework::taxonomy::Resolution;
 use whyroad_lake::mined::MiningQuestion;
-use whyroad_model::messages::{CoverageState, LeafCoverage, MatchedCondition, MinedClip};
-use whyroad_model::scene::FRAME_RATE_HZ;
+use whyroad_model::messages::{CoverageState, LeafCoverage, MatchedCondition};
 use whyroad_model::{Lang, ScenarioId, counted};
 
 /// The results of a run.
@@ -62,7 +61,10 @@ impl Results<'_> {
                 "drives_searched": l.drives_searched,
                 "missing_signals": missing(l),
                 "example": example.map(|e| json!({
-                    "clip_id": e.clip_id, "keyframe_s": e.keyframe_s, "score": e.score,
+                    "clip_id": e.clip_id,
+                    "keyframe_s": e.at.keyframe_s,
+                    "clip_s": e.at.clip_s,
+                    "score": e.score,
                 })),
             })
         };
@@ -101,13 +103,13 @@ impl Results<'_> {
 
     fn found(&self, rows: &[&LeafCoverage]) -> String {
         let head = match self.lang {
-            Lang::Zh => ["类别", "事件", "主要", "示例片段", "关键帧"],
-            Lang::En => ["class", "episodes", "primary", "example clip", "keyframe"],
+            Lang::Zh => ["类别", "事件", "主要", "示例片段", "关键帧（片段内）"],
+            Lang::En => ["class", "episodes", "primary", "example clip", "keyframe (in clip)"],
         };
         let mut lines = vec![head.map(str::to_owned)];
         for l in rows {
             let example = self.summary.examples.get(&l.scenario_id);
-            let at = |e: &EpisodeExample| format!("{:.1} s", e.keyframe_s);
+            let at = |e: &EpisodeExample| seconds(e.at);
             lines.push([
                 self.short_id(&l.scenario_id),
                 l.episodes.to_string(),
@@ -116,7 +118,7 @@ impl Results<'_> {
                 example.map(at).unwrap_or_default(),
             ]);
         }
-        let columns = [Align::Left, Align::Right, Align::Right, Align::Left, Align::Right];
+        let columns = [Align::Left, Align::Right, Align::Right, Align::Left, Align::Left];
         aligned(columns, &lines)
     }
 
@@ -191,45 +193,50 @@ impl Results<'_> {
             (Lang::Zh, true) => {
                 writeln!(
                     out,
-                    "得分最高的 {shown} 个，共 {matched} 个：片段、关键帧、目标、得分、关键帧处的值"
+                    "得分最高的 {shown} 个，共 {matched} 个：片段、关键帧（片段内）、目标、得分、关键帧处的值"
                 )
             }
             (Lang::Zh, false) => {
-                writeln!(out, "得分最高的 {shown} 个，共 {matched} 个：片段、关键帧、目标、得分")
+                writeln!(out, "得分最高的 {shown} 个，共 {matched} 个：片段、关键帧（片段内）、目标、得分")
             }
             (Lang::En, true) => {
                 writeln!(
                     out,
-                    "the best {shown} of {matched}: clip, keyframe, target, score, values at the keyframe"
+                    "the best {shown} of {matched}: clip, keyframe (in clip), target, score, values at the keyframe"
                 )
             }
             (Lang::En, false) => {
-                writeln!(out, "the best {shown} of {matched}: clip, keyframe, target, score")
+                writeln!(out, "the best {shown} of {matched}: clip, keyframe (in clip), target, score")
             }
         };
-        let line = |c: &MinedClip| {
-            let seconds = f64::from(c.keyframe_suggestion.frame_idx) / FRAME_RATE_HZ;
+        let line = |BestMatch { clip: c, at }: &BestMatch| {
             [
                 c.clip_id.clone(),
-                format!("{seconds:.1} s"),
+                seconds(*at),
                 c.target_id.clone().unwrap_or_else(|| "-".to_owned()),
                 format!("{:.2}", c.match_score),
                 c.scenario_id.as_ref().map(|id| self.short_id(id)).unwrap_or_default(),
             ]
         };
         let lines: Vec<[String; 5]> = best.iter().map(line).collect();
-        let columns = [Align::Left, Align::Right, Align::Left, Align::Right, Align::Left];
+        let columns = [Align::Left, Align::Left, Align::Left, Align::Right, Align::Left];
         let table = aligned(columns, &lines);
-        for (line, clip) in table.lines().zip(best) {
+        for (line, best) in table.lines().zip(best) {
             let _ = writeln!(out, "{line}");
             if with_values {
                 let values: Vec<String> =
-                    clip.conditions_matched.iter().map(|m| value(m, self.lang)).collect();
+                    best.clip.conditions_matched.iter().map(|m| value(m, self.lang)).collect();
                 let separator = if self.lang == Lang::Zh { "； " } else { "; " };
                 out.push_str(&wrapped(&format!("    {}", values.join(separator)), 4));
             }
         }
     }
+}
+
+/// The time of a keyframe in its drive and, where that is another, in its clip.
+fn seconds(at: KeyframeSeconds) -> String {
+    let KeyframeSeconds { keyframe_s: drive, clip_s: clip } = at;
+    if (drive - clip).abs() < 0.05 { format!("{drive:.1} s") } else { format!("{drive:.1} s ({clip:.1} s)") }
 }
 
 /// A condition in words with the measured value.
