@@ -124,16 +124,18 @@ async function stageTwo(day) {
   await page.waitForFunction(() => document.activeElement?.closest("[data-section=safety]"));
   assert.ok(await page.locator("[data-choices=longitudinal] input").first().isDisabled());
   await page.keyboard.press("y");
-  // The focus goes to the decisions by itself.
-  await page.waitForFunction(() => document.activeElement?.closest("[data-section=decisions]"));
-  // In a group of choices digits choose; outside of it they lead to the sections.
-  await page.keyboard.press("Escape");
+  // The focus goes to the decisions by itself, and to no choice: a digit leads to a field.
+  await page.waitForFunction(() => document.activeElement?.matches("[data-field='/driving_decision/longitudinal']"));
+  const chosen = () => page.locator("[data-choices] input:checked").evaluateAll((all) => all.map((one) => one.value));
+  const drafted = await chosen();
   await page.keyboard.press("2");
+  const at = (group) => page.waitForFunction((g) => document.activeElement?.closest(`[data-choices=${g}]`), group);
+  await at("longitudinal");
+  assert.deepEqual(await chosen(), drafted);
   await choose(page, "longitudinal", "yield_to_agent");
   await page.keyboard.press("Alt+a");
   await page.keyboard.press("Escape");
   // The direction of a lateral decision has a key of its own; without a direction it leads to the decision.
-  const at = (group) => page.waitForFunction((g) => document.activeElement?.closest(`[data-choices=${g}]`), group);
   await page.keyboard.press("9");
   await at("lateral");
   await choose(page, "lateral", "lane_change");
@@ -142,9 +144,9 @@ async function stageTwo(day) {
   await at("direction");
   await page.keyboard.press("2");
   assert.ok(await page.locator('[data-choices=direction] input[value="right"]').isChecked());
-  // One key led on; the decision is corrected, and so its direction is gone.
-  await page.keyboard.press("Escape");
+  // After a choice by a digit the next one leads to a field; the decision is corrected, and so its direction is gone.
   await page.keyboard.press("3");
+  await at("lateral");
   await choose(page, "lateral", "null");
   assert.equal(await page.locator("[data-choices=direction]").count(), 0);
   await page.keyboard.press("Alt+a");

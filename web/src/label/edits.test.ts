@@ -1,57 +1,10 @@
 // What an edit of the label changes, and that a stage does not change the other's fields. Expected values by hand.
 import assert from "node:assert/strict";
-import { afterEach, test } from "vitest";
-import type { SceneView, Task, User } from "../api/types.ts";
+import { test } from "vitest";
+import type { SceneView } from "../api/types.ts";
+import { inClass, iso, opened, SAFE } from "../testing/opened_task.ts";
 import { addComponent, decide, dropLostCauses, evidenceNow, removeComponent, setKeyframe, setRange, stateUncertainty, toggleCause, toggleIn, toggleUncertainty } from "./edits.ts";
-import { readFramework } from "./framework.ts";
-import type { Json } from "./pointer.ts";
 import { clockOf } from "./times.ts";
-import { TaskEditor } from "./task_editor.svelte.ts";
-
-const all: TaskEditor[] = [];
-// An open draft tries to save for ever.
-afterEach(() => all.splice(0).forEach((editor) => editor.draft.close()));
-
-const iso = (n: number): string => `2026-01-15T10:30:0${n}.000Z`;
-const pair = (text: string): { zh: string; en: string } => ({ zh: text, en: text });
-
-/** Decisions wait for this. */
-const SAFE = { safety_filter: { answer: "safe" } };
-
-/** A task of ten frames a second apart, the keyframe at frame 4; two frames before the clip. */
-function opened(state: "stage1" | "stage2" | "rework", draft: Json): TaskEditor {
-  localStorage.clear();
-  const editor = new TaskEditor("t", { id: "anna" } as User);
-  all.push(editor);
-  const stage = state === "stage1" ? "stage1" : "stage2";
-  const answered = stage === "stage1" ? draft : { ...(draft as object), ...SAFE };
-  const task = { task: { id: "t", state }, stage, draft: answered, version: 1, fence: 1, findings: [], comments: [], permissions: ["edit"] };
-  editor.task = task as unknown as Task;
-  const frames = [...Array(10).keys()];
-  const scene = { times: frames.map(iso), t_s: frames.map((n) => n - 4), clip_frames: frames.map((n) => n - 2), keyframe_index: 4 };
-  editor.clip.scene = scene as unknown as SceneView;
-  editor.clip.clock = clockOf(editor.clip.scene);
-  editor.player.load(scene.t_s);
-  editor.framework = readFramework({
-    taxonomy: [],
-    decisions: {
-      longitudinal: [{ id: "resume", name: pair("resume") }],
-      lateral: [
-        { id: "turn", name: pair("turn"), directions: ["left", "right", "uturn"] },
-        { id: "lane_keeping", name: pair("keep") },
-      ],
-      null: { name: pair("none") },
-    },
-    categories: [{ id: "critical_objects", name: pair("objects") }],
-    choices: {},
-    impossible_pairs: [],
-    safety_reasons: [],
-    records: {},
-    versions: {},
-  });
-  editor.draft.load(editor.task);
-  return editor;
-}
 
 test("a decision taken back takes its causes and its direction along, and undo brings all of it back", () => {
   const before = {
@@ -66,6 +19,21 @@ test("a decision taken back takes its causes and its direction along, and undo b
   decide(editor, "lateral", "lane_keeping");
   assert.equal(editor.draft.at("/driving_decision/lateral_direction"), undefined, "keeping the lane has no direction");
   assert.deepEqual(editor.draft.at("/causes/lateral"), { components: ["c1"] }, "another decision keeps its causes");
+});
+
+test("the only direction that the class allows is set by itself", () => {
+  const editor = opened("stage2", { driving_decision: { lateral: null } });
+  inClass(editor, [{ id: "turn", direction: "left", usual: true }]);
+  decide(editor, "lateral", "turn");
+  assert.equal(editor.draft.at("/driving_decision/lateral_direction"), "left");
+  // Where there is a choice, nobody makes it but the annotator; what they chose stays.
+  const open = opened("stage2", { driving_decision: { lateral: null } });
+  inClass(open, [{ id: "turn", direction: "left", usual: true }, { id: "turn", direction: "right", usual: true }]);
+  decide(open, "lateral", "turn");
+  assert.equal(open.draft.at("/driving_decision/lateral_direction"), undefined);
+  open.draft.set("/driving_decision/lateral_direction", "uturn");
+  decide(open, "lateral", "turn");
+  assert.equal(open.draft.at("/driving_decision/lateral_direction"), "uturn");
 });
 
 test("a removed component is no cause any more", () => {

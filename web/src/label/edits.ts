@@ -1,6 +1,6 @@
 // Edits of the label, for keyboard and pointer alike. Each checks `isEditable` and goes through the draft, so that it
 // is saved and can be undone.
-import { type Channel, channels } from "./framework.ts";
+import { type Channel, channels, directionsOf } from "./framework.ts";
 import { type KeyframeName, pointers } from "./field_pointers.ts";
 import type { Json } from "./pointer.ts";
 import type { TaskEditor } from "./task_editor.svelte.ts";
@@ -143,17 +143,22 @@ export function toggleCause(editor: TaskEditor, channel: Channel, id: string): v
   editor.draft.set(pointers.causesOf(channel), { components: named.includes(id) ? named.filter((c) => c !== id) : [...named, id] });
 }
 
-/** Chooses a decision; causes and direction that belong only to the previous one are removed. */
+/**
+ * Chooses a decision; causes and direction that belong only to the previous one are removed. The only direction that the
+ * class allows is set.
+ */
 export function decide(editor: TaskEditor, channel: Channel, value: string | null): void {
   if (!editor.isEditable(pointers.decision)) return;
+  const before = editor.decision(channel);
   editor.draft.group(() => {
     editor.draft.set(pointers.decisionOf(channel), value);
     if (value === null) editor.draft.set(pointers.causesOf(channel), undefined);
     else linkOnly(editor, channel);
     if (channel !== "lateral") return;
-    const allowed = editor.framework?.lateral.find((d) => d.id === value)?.directions ?? [];
+    const possible = editor.framework?.lateral.find((d) => d.id === value)?.directions ?? [];
+    const allowed = directionsOf(editor.leaf?.choices ?? null, value ?? "", possible);
     const now = editor.draft.at(pointers.lateralDirection);
-    const fits = typeof now === "string" && allowed.includes(now);
+    const fits = typeof now === "string" && (before === value ? possible : allowed).includes(now);
     if (!fits) editor.draft.set(pointers.lateralDirection, allowed.length === 1 ? allowed[0] : undefined);
   });
 }

@@ -43,8 +43,7 @@ pub struct SceneView {
     #[serde(default)]
     pub deviations: BTreeMap<String, Numbers>,
     /// Where a rate of change is uncertain, because it was computed without what precedes or follows: intervals of the
-    /// first index into `times` and one past the last. By the same names; both stages have the same values up to the
-    /// keyframe.
+    /// first index into `times` and one past the last. By the same names. In Stage I the drive ends at the keyframe.
     #[serde(default)]
     pub uncertain: BTreeMap<String, Vec<[usize; 2]>>,
     /// Description of each of `signals`.

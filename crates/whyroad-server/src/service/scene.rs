@@ -1,5 +1,6 @@
 //! The part of a drive that is shown with a task. In Stage I everything is computed from the drive *cut at the
-//! keyframe*: data that is not in the cut drive cannot be in the result, whatever the code below does.
+//! keyframe*: data that is not in the cut drive cannot be in the result, whatever the code below does. In Stage II
+//! everything is computed from the whole drive, as the rules read it: a curve has one origin from its start to its end.
 
 pub mod cache;
 mod columns;
@@ -37,13 +38,8 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
         return Ok(scene);
     }
     let mut view = derived(app, t, stage)?;
-    match stage {
-        Stage::Stage1 => history::withhold_uncertain(&mut view),
-        Stage::Stage2 => {
-            let mut before = derived(app, t, Stage::Stage1)?;
-            history::withhold_uncertain(&mut before);
-            history::keep(&mut view, &before);
-        }
+    if stage == Stage::Stage1 {
+        history::withhold_uncertain(&mut view);
     }
     for (name, values) in &mut view.signals {
         if view.about.get(name).is_some_and(|a| a.unit.as_deref() == Some("rad")) {

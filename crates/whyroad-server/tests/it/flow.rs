@@ -22,6 +22,13 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
     assert_eq!(scene["hidden_until"], "stage2");
     assert_eq!(scene["times"].as_array().unwrap().last().unwrap(), "2026-01-15T10:30:09.400Z");
     assert_eq!(scene["clip_frames"].as_array().unwrap().last().unwrap(), 94);
+    // A mean over the drive as far as it is shown: the ego has 10 m/s up to the keyframe, then brakes.
+    let means = |scene: &Value| {
+        let mut all = scene["signals"]["ego.mean_speed"].as_array().unwrap().clone();
+        all.dedup();
+        all
+    };
+    assert_eq!(means(&scene), [json!(10.0)]);
 
     assert_eq!(work.act("submit", &json!({})).refusal(), (409, "task.wrong_state".into()));
     work.stage1();
@@ -33,6 +40,9 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
     // Six seconds after the end of the range, or the duration in the spec: here 3 s after 10:30:13, and at least 6 s.
     let last = scene["times"].as_array().unwrap().last().unwrap().as_str().unwrap();
     assert!(last >= "2026-01-15T10:30:15.400Z", "{last}");
+    // One curve, that which the rule measured: it has no jump at the keyframe.
+    let means = means(&scene);
+    assert!(means.len() == 1 && means[0].as_f64().unwrap() < 10.0, "{means:?}");
 
     work.safe();
     let refused = work.act("submit", &json!({}));

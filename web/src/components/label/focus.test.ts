@@ -1,7 +1,7 @@
 // Where keys lead: to what is written or chosen there.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { toComment, toComponent, toDirection, toField } from "./focus.ts";
+import { intoField, toComment, toComponent, toDirection, toField } from "./focus.ts";
 
 const group = (name: string, values: string[], checked: string): string =>
   `<div data-choices="${name}">${values.map((v) => `<input type="radio" name="${name}" value="${v}" ${v === checked ? "checked" : ""}>`).join("")}</div>`;
@@ -39,8 +39,20 @@ test("a finding about an input leads to the input, not to what stands before it"
   document.body.innerHTML = `<div data-field="/causes/lateral"><input type="checkbox" id="c1"><input type="text" id="why" data-input="/causes/lateral/unobserved"></div>`;
   toField("/causes/lateral/unobserved");
   assert.equal(document.activeElement?.id, "why");
-  toField("/causes/lateral");
+  intoField("/causes/lateral");
   assert.equal(document.activeElement?.id, "c1");
+});
+
+test("a field with choices that the focus comes to by itself has it as a whole: no digit chooses there", () => {
+  document.body.innerHTML = `<div data-field="/driving_decision/lateral" id="f"><div data-choices="lateral"><input type="radio" checked id="r"></div></div>`;
+  toField("/driving_decision/lateral");
+  assert.equal(document.activeElement?.id, "f");
+  // Out of the order of Tab again once it is left.
+  document.querySelector<HTMLElement>("#r")?.focus();
+  assert.equal(document.querySelector("#f")?.hasAttribute("tabindex"), false);
+  document.body.innerHTML = `<div data-field="/coc_trace"><textarea id="t"></textarea></div>`;
+  toField("/coc_trace");
+  assert.equal(document.activeElement?.id, "t");
 });
 
 test("where a label is only read, the key of a part opens its comment", () => {

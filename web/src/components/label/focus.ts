@@ -17,6 +17,33 @@ function enter(place: Element | null | undefined): boolean {
   return target !== null;
 }
 
+/**
+ * Focuses a field as a whole, not what is chosen in it: a digit then leads to a field. A group of choices takes digits
+ * only from somebody who went into it, never because the focus came by itself.
+ */
+export function rest(field: HTMLElement): void {
+  field.scrollIntoView({ block: "nearest" });
+  field.tabIndex = -1;
+  field.addEventListener("blur", () => field.removeAttribute("tabindex"), { once: true });
+  field.focus();
+}
+
+/** [`rest`] on the field at this JSON pointer. */
+export function restAt(pointer: string): void {
+  const field = all("field").find((one) => one.dataset["field"] === pointer);
+  if (field) rest(field);
+}
+
+/** Is something chosen in `field` by a key, and nothing written? */
+const isChosenIn = (field: Element): boolean =>
+  field.querySelector("textarea:not([readonly])") === null && field.querySelector("input:is([type=radio], [type=checkbox]):not(:disabled)") !== null;
+
+function reach(place: HTMLElement | null | undefined): boolean {
+  if (!place || !isChosenIn(place)) return enter(place);
+  rest(place);
+  return true;
+}
+
 /** Focuses the section with this id, or the part of it that the selector `within` matches. */
 export function toSection(id: string, within?: string): void {
   const section = document.querySelector(`[data-section="${id}"]`);
@@ -51,8 +78,13 @@ export function toComment(pointers: readonly string[]): boolean {
   return button != null;
 }
 
-/** Focuses the field at a JSON pointer, or the nearest field around it. */
-export function toField(pointer: string): void {
+/** Focuses the field at a JSON pointer, or the nearest field around it; where something is chosen, its first choice. */
+export function intoField(pointer: string): void {
+  toField(pointer, enter);
+}
+
+/** Focuses the field at a JSON pointer, or the nearest field around it: of choices the field, see [`rest`]. */
+export function toField(pointer: string, go: (place: HTMLElement | undefined) => boolean = reach): void {
   const input = all("input").find((one) => one.dataset["input"] === pointer);
   if (input) {
     input.scrollIntoView({ block: "nearest" });
@@ -60,7 +92,7 @@ export function toField(pointer: string): void {
     return;
   }
   for (let at = pointer; at !== ""; at = at.slice(0, at.lastIndexOf("/"))) {
-    if (enter(all("field").find((one) => one.dataset["field"] === at))) return;
+    if (go(all("field").find((one) => one.dataset["field"] === at))) return;
   }
   const id = SECTION_OF_FIELD[pointer.split("/")[1] ?? ""];
   if (id) toSection(id);

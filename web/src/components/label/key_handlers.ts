@@ -100,8 +100,6 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
       const wrong = editor.draft.findings.find((f) => f.severity === "error");
       if (wrong) toField(wrong.pointer);
       else toSection("findings");
-      // Text that has to be rewritten is selected: typing replaces it.
-      if (wrong && editor.mustRewrite(wrong.pointer) && document.activeElement instanceof HTMLTextAreaElement) document.activeElement.select();
     }
   }
 

@@ -1,5 +1,5 @@
-//! Values up to the keyframe are the same in both stages: those of the drive cut at the keyframe, by which the
-//! components were written. The whole drive has others, because its estimates use later measurements.
+//! Values near the end of the drive that a stage shows, which in Stage I is the keyframe: what later measurements would
+//! change is marked, or withheld.
 
 use crate::domain::scene::SceneView;
 use serde_json::Value;
@@ -73,47 +73,6 @@ fn wide_end(deviations: &[Option<f64>], from_start: bool) -> usize {
     }
 }
 
-/// Gives `view` the values that Stage I showed, `before`. What was unknown then keeps its value.
-pub(super) fn keep(view: &mut SceneView, before: &SceneView) {
-    let n = before.times.len();
-    if view.times.get(..n) != Some(before.times.as_slice()) {
-        return;
-    }
-    if let (Some(ego), Some(then)) = (&mut view.ego, &before.ego) {
-        known(&mut ego.speed, &then.speed);
-        known(&mut ego.accel, &then.accel);
-        known(&mut ego.yaw_rate, &then.yaw_rate);
-    }
-    for then in &before.tracks {
-        let Some(now) = view.tracks.iter_mut().find(|t| t.id == then.id) else { continue };
-        // Both begin at their first observation, which the end of the drive does not change.
-        if now.first == then.first {
-            known(&mut now.speed, &then.speed);
-        }
-    }
-    known(&mut view.meta.longitudinal, &before.meta.longitudinal);
-    known(&mut view.meta.lateral, &before.meta.lateral);
-    for (name, then) in &before.uncertain {
-        let now = view.uncertain.entry(name.clone()).or_default();
-        now.extend(then);
-        now.sort_unstable();
-        now.dedup();
-    }
-    for (name, then) in &before.deviations {
-        if let Some(now) = view.deviations.get_mut(name) {
-            known(now, then);
-        }
-    }
-    for (name, then) in &before.signals {
-        let Some(now) = view.signals.get_mut(name) else { continue };
-        now.iter_mut().zip(then).filter(|(_, v)| !v.is_null()).for_each(|(now, v)| now.clone_from(v));
-    }
-}
-
-fn known<T: Clone>(now: &mut [Option<T>], then: &[Option<T>]) {
-    now.iter_mut().zip(then).filter(|(_, v)| v.is_some()).for_each(|(now, v)| now.clone_from(v));
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,23 +113,12 @@ mod tests {
         }
     }
 
-    /// Frames 0 to 4 were shown before the lock, with 11 km/h, 5 and 6 only after it.
+    /// 0.2 s before the end and later, a window of 0.2 s to either side is one-sided.
     #[test]
-    fn the_second_stage_keeps_what_the_first_one_showed() {
+    fn the_jerk_at_the_end_is_withheld() {
         let mut before = view(Stage::Stage1, 5, 11.0, json!(0.25));
-        before.signals.insert("ego.passes".into(), vec![Value::Null; 5]);
         withhold_uncertain(&mut before);
-        // 0.2 s before the end and later, a window of 0.2 s to either side is one-sided.
         assert_eq!(before.signals[JERK], [json!(0.25), json!(0.25), json!(0.25), Value::Null, Value::Null]);
-        let mut after = view(Stage::Stage2, 7, 14.4, json!(-1.5));
-        keep(&mut after, &before);
-        assert_eq!(after.tracks[0].speed, [11.0, 11.0, 11.0, 14.4, 14.4].map(Some));
-        assert_eq!(after.tracks[0].x[0], Some(14.4), "positions stay");
-        assert_eq!(
-            after.signals[JERK][..5],
-            [json!(0.25), json!(0.25), json!(0.25), json!(-1.5), json!(-1.5)]
-        );
-        assert_eq!(after.signals["ego.passes"], vec![json!(-1.5); 7], "unknown before is not shown before");
     }
 
     /// Frames every 0.1 s: a window of 0.2 s to either side is one-sided in two frames. The deviations of a smoother
@@ -191,9 +139,7 @@ mod tests {
         let mut after = view(Stage::Stage2, 9, 14.4, json!(-1.5));
         after.deviations.insert("ego.accel".into(), vec![Some(0.3); 9]);
         mark_uncertain(&mut after, Ends { start: true, end: true }, &["ego.yaw_rate"]);
-        keep(&mut after, &before);
-        assert_eq!(after.uncertain["ego.accel"], [[0, 2], [3, 6], [7, 9]]);
-        assert_eq!(after.deviations["ego.accel"], [0.3, 0.3, 0.3, 0.5, 0.6, 0.9, 0.3, 0.3, 0.3].map(Some));
+        assert_eq!(after.uncertain["ego.accel"], [[0, 2], [7, 9]], "not at the keyframe, frame 4");
     }
 
     #[test]

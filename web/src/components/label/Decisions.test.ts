@@ -1,0 +1,52 @@
+// Which digits choose a decision, and which lead to a field. Expected values by the documentation of the page.
+import { fireEvent, render } from "@testing-library/svelte";
+import assert from "node:assert/strict";
+import { test } from "vitest";
+import { inClass, opened } from "../../testing/opened_task.ts";
+import Decisions from "./Decisions.svelte";
+import { restAt, toSection } from "./focus.ts";
+
+/** Presses a digit where the focus is; true when a group took it, so that it led to no field. */
+const press = async (key: string): Promise<boolean> => !(await fireEvent.keyDown(document.activeElement ?? document.body, { key }));
+const at = (): string | undefined => document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
+const inGroup = (): boolean => document.activeElement?.closest("[data-choices]") !== null;
+
+test("a digit chooses only in a group that its key led to, and once", async () => {
+  const editor = opened("stage2", { driving_decision: {} });
+  render(Decisions, { editor });
+  // As after the safety filter: nobody has gone into a group yet.
+  restAt("/driving_decision/longitudinal");
+  assert.ok(!(await press("1")));
+  assert.equal(editor.decision("longitudinal"), undefined);
+  toSection("decisions", "[data-choices=longitudinal]");
+  assert.ok(await press("1"));
+  assert.equal(editor.decision("longitudinal"), "resume");
+  await new Promise((done) => setTimeout(done));
+  assert.equal(at(), "/driving_decision/longitudinal");
+  // The key of the lateral decision, pressed now, chooses neither there nor here.
+  assert.ok(!inGroup() && !(await press("2")));
+  assert.deepEqual([editor.decision("longitudinal"), editor.decision("lateral")], ["resume", undefined]);
+});
+
+test("a direction that is still open follows its decision, one that the class gives does not", async () => {
+  const editor = opened("stage2", { driving_decision: {} });
+  render(Decisions, { editor });
+  toSection("decisions", "[data-choices=lateral]");
+  assert.ok(await press("1"));
+  await new Promise((done) => setTimeout(done));
+  assert.ok(inGroup() && (await press("3")));
+  await new Promise((done) => setTimeout(done));
+  assert.equal(editor.draft.at("/driving_decision/lateral_direction"), "uturn");
+  assert.ok(!inGroup() && at() === "/driving_decision/lateral");
+});
+
+test("the only direction of the class needs no key", async () => {
+  const editor = opened("stage2", { driving_decision: {} });
+  inClass(editor, [{ id: "turn", direction: "left", usual: true }]);
+  render(Decisions, { editor });
+  toSection("decisions", "[data-choices=lateral]");
+  assert.ok(await press("1"));
+  await new Promise((done) => setTimeout(done));
+  assert.equal(editor.draft.at("/driving_decision/lateral_direction"), "left");
+  assert.ok(!inGroup() && at() === "/driving_decision/lateral");
+});
