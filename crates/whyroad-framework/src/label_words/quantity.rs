@@ -126,6 +126,8 @@ impl Quantities {
                     let tenths = lower[end..].chars().next().filter(|c| !c.is_ascii());
                     let tenths = tenths.and_then(|c| self.numbers.get(c.encode_utf8(&mut [0; 4]) as &str));
                     let value = value + tenths.filter(|n| **n < 10.0).map_or(0.0, |n| n / 10.0);
+                    // "两秒半".
+                    let value = if lower[end..].starts_with('半') { value + 0.5 } else { value };
                     // "三十来米": some thirty meters.
                     let is_rough = lower[..at].ends_with(['多', '来', '余', '几', '把']);
                     out.push((Quantity { value: value * factor, start, end, is_rough }, end));

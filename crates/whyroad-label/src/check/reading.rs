@@ -196,7 +196,10 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             }
             WordRole::NoReason => {
                 // "The sedan brakes for no apparent reason": another road user has none.
-                let acts = |n: &Named| n.clause == clause.number && is_actor(n, words);
+                // So has he where it begins a clause: "it has slammed on its brakes, for no reason".
+                let begins = !text[clause.from..hit.start].contains(char::is_alphanumeric);
+                let own = |n: &Named| n.clause == clause.number || begins && n.clause + 1 == clause.number;
+                let acts = |n: &Named| own(n) && is_actor(n, words);
                 if !out.named.iter().any(acts) {
                     out.no_reason.get_or_insert((hit.start, hit.end));
                 }
@@ -317,15 +320,41 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
 fn is_imagined(text: &str, at: (usize, usize), units: &Units, words: &LabelWords) -> bool {
     let around = |ends| words.clauses.around(units, at.0..at.1, text.len(), ends);
     let (clause, clause_end) = around(&|d| d != Divider::Aside);
-    let (sentence, _) = around(&|d| d == Divider::Sentence);
-    let has = |part: &str, all: &[String]| {
-        let part = part.to_ascii_lowercase();
-        all.iter().any(|w| part.contains(w.as_str()))
-    };
+    let (sentence, sentence_end) = around(&|d| d == Divider::Sentence);
+    let word = &text[at.0..at.1];
+    // "Straight on, and we hit it": behind its condition in Chinese.
+    if text[clause..at.0].ends_with('就') {
+        return true;
+    }
+    // "It has stopped raining not long ago": since when something is, with nothing behind it.
+    const DURATIONS: [&str; 4] = ["多久", "会儿", "片刻", "会"];
+    let ends_clause = !text[at.1..clause_end].contains(char::is_alphanumeric);
+    if ends_clause && at.1 < text.len() && DURATIONS.iter().any(|d| word.ends_with(d)) {
+        return true;
+    }
+    // "A bollard sticks out a little further on": where something is, unless it is told in the past tense.
+    if word.is_ascii() && word.ends_with("ther on") && !has_past(&text[sentence..sentence_end], words) {
+        return true;
+    }
+    let imagined = text[clause..at.0].to_ascii_lowercase();
     // "At this speed, two seconds later": in the sentence before it, or in the clause after it.
-    has(&text[clause..at.0], &words.imagined)
-        || has(&text[sentence..at.0], &words.predicted)
-        || has(&text[at.1..clause_end], &words.predicted)
+    words.imagined.iter().any(|w| imagined.contains(w.as_str()))
+        || is_predicted(&text[sentence..at.0], words)
+        || is_predicted(&text[at.1..clause_end], words)
+}
+
+/// The part says what may come: "if", "would", "the predicted path".
+pub(super) fn is_predicted(part: &str, words: &LabelWords) -> bool {
+    let part = part.to_ascii_lowercase();
+    words.predicted.iter().any(|w| part.contains(w.as_str()))
+}
+
+/// The part has a past tense in English.
+fn has_past(part: &str, words: &LabelWords) -> bool {
+    part.split(|c: char| !c.is_ascii_alphabetic()).map(str::to_ascii_lowercase).any(|w| {
+        w.len() >= 5 && w.ends_with("ed") && !w.ends_with("eed")
+            || w != "left" && words.aftermath.told.contains(&w)
+    })
 }
 
 /// The named thing is a road user, which may act.

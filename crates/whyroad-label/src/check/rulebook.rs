@@ -91,12 +91,12 @@ impl Rulebook<'_> {
         if let Some((text, reading)) = label.trace.get().zip(reading.as_mut()) {
             trace_rules::leave_out_own_vehicle(text, scope, reading);
         }
-        cause_text::hindsight(scope, after, sink);
+        cause_text::hindsight(scope, reading.as_ref(), after, sink);
         cause_text::unobserved(label, words, sink);
         parts::against_decision(scope, sink);
         let another_class = class.is_some_and(|c| text::class(scope, c, sink));
         cause_text::proximate(scope, sink);
-        let far = remote::remote(scope, sink)
+        let far = remote::remote(scope, reading.as_ref(), sink)
             || cause_text::distant(scope, sink)
             || far_reason::far_reason(scope, sink)
             || nobody::nobody(scope, sink);

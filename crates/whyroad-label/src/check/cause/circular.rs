@@ -2,6 +2,7 @@
 //! road users that the decision is about, and words for deciding.
 
 use crate::check::consistency::trace::{Mention, Reading};
+use crate::check::consistency::text;
 use crate::check::consistency::trace_rules::{self, Said};
 use crate::check::overlap;
 use crate::check::reading::Named;
@@ -41,7 +42,8 @@ pub(in crate::check) fn circular(
         && (said == Said::Unread
             || begins_with_cause(text, texts, words, reading)
             || gives_cause(text, texts, words, &decision_in)
-            || has_other_words(text, scope, &decision_in))
+            || has_other_words(text, scope, &decision_in)
+            || restates_some(scope, text))
     {
         return false;
     }
@@ -53,6 +55,14 @@ pub(in crate::check) fn circular(
         .hint("写出看到了什么、它为什么要求这个决策", "write what was seen and why it calls for the decision")
     });
     true
+}
+
+/// The trace has some of the meanings of the components, in its own words, beside its decision.
+fn restates_some(scope: &TextScope<'_>, text: &str) -> bool {
+    const LEAST: u32 = 2;
+    const SHARE: f64 = 0.34;
+    let (shared, all) = text::coverage(scope, text.len());
+    shared >= LEAST && f64::from(shared) >= SHARE * f64::from(all)
 }
 
 /// "Braking by the car in front": the action in the part is by a road user named after it.

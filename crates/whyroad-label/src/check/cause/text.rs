@@ -3,6 +3,7 @@
 
 use super::{disowned, grounds};
 use crate::check::consistency::trace::Reading;
+use crate::check::consistency::trace_rules;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
@@ -19,7 +20,13 @@ use whyroad_model::label_fields::pointer;
 const MOST_WORDS_BEFORE: usize = 4;
 
 /// Facts that became known only after the keyframe. `after`: bytes of the trace's text after its decision.
-pub(in crate::check) fn hindsight(scope: &TextScope<'_>, after: Option<(usize, usize)>, sink: &mut dyn Sink) {
+/// `reading`: the decisions that the trace names.
+pub(in crate::check) fn hindsight(
+    scope: &TextScope<'_>,
+    reading: Option<&Reading>,
+    after: Option<(usize, usize)>,
+    sink: &mut dyn Sink,
+) {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
     let report = |sink: &mut dyn Sink, at: String, text: &str, (start, end): (usize, usize)| {
         sink.report(Finding::error("label.text.hindsight", at).part(start, end), &|| {
@@ -45,8 +52,17 @@ pub(in crate::check) fn hindsight(scope: &TextScope<'_>, after: Option<(usize, u
             return report(sink, pointer::critical_components_item_description(c.index), text, at);
         }
     }
-    let known =
-        texts.trace.hindsight.filter(|at| label.trace.get().is_some_and(|t| !is_ahead(t, *at, texts, words)));
+    // "The light has turned green at last, so we set off": what somebody waited for was there before the decision.
+    let awaited = |text: &str, (start, end): (usize, usize)| {
+        const RELIEF: [&str; 3] = ["总算", "终于", "at last"];
+        let word = text[start..end].to_ascii_lowercase();
+        let decides = |r: &Reading| trace_rules::states_decision(r, lexicon, label, end, text.len());
+        RELIEF.contains(&word.as_str()) && reading.is_some_and(decides)
+    };
+    let is_known = |at: &(usize, usize)| {
+        label.trace.get().is_some_and(|t| !is_ahead(t, *at, texts, words) && !awaited(t, *at))
+    };
+    let known = texts.trace.hindsight.filter(is_known);
     if let (Some(text), Some(at)) = (label.trace.get(), known.or(after)) {
         report(sink, pointer::COC_TRACE.to_owned(), text, at);
     }

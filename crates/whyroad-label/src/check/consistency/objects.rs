@@ -69,6 +69,7 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
             && !describes(n)
             && !is_beside(n)
             && !subject::is_no_noun(text, n.start, n.end, words)
+            && is_presented(text, n, texts, words)
     };
     let mut new = texts.trace.there().filter(|n| n.start < until).filter(is_new).peekable();
     // In other words, or in a component's words that are in no list: few labels reach this check.
@@ -87,6 +88,41 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
             .hint("补上该要素，或从因果描述中删去", "add it as a component, or remove it from the trace")
         },
     );
+}
+
+/// The trace says that the thing is there: it introduces it ("a cyclist", "有个骑手"), says on which side or where it is,
+/// or begins a clause with it in Chinese. A name behind a verb, a preposition or "the" may be of something said in
+/// general, long passed or known by another word: "past the toll station the fog came up", "as grandma used to say".
+fn is_presented(text: &str, n: &Named, texts: &Texts, words: &LabelWords) -> bool {
+    if n.side.is_some() || n.color.is_some() || n.ahead || subject::is_introduced(text, n.start, words) {
+        return true;
+    }
+    let (from, to) = words.clauses.around(&texts.units, n.start..n.end, text.len(), &|_| true);
+    if text[n.start..n.end].is_ascii() {
+        // Plurals, and what is said to be somewhere: "workers stand beside it", "the lorry behind".
+        let behind = text[n.end..to].to_ascii_lowercase();
+        let mut next = behind.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
+        const PLACES: [&str; 15] = [
+            "are", "behind", "beside", "next", "to", "on", "in", "at", "two", "ahead", "tucked", "coming", "crossing",
+            "over", "alongside",
+        ];
+        let placed = next.next().is_some_and(|w| PLACES.contains(&w));
+        let many = text[n.start..n.end].ends_with('s') && !text[from..n.start].trim_end().ends_with("the");
+        // "Has just gone amber".
+        let is_event = words.objects[n.group].own.meets(words.known.light) && text[n.start..n.end].contains(' ');
+        return placed || many || is_event;
+    }
+    // Its clause begins with it, or with where it is.
+    let before = text[from..n.start].chars().next_back();
+    // The ego responds to it: "let the school bus in".
+    let is_met = |c: char| "让等给跟".contains(c) && words.objects[n.group].own.meets(words.known.vehicle);
+    if before.is_some_and(|c| words.subjects.counters.contains(c) || is_met(c)) {
+        return true;
+    }
+    let is_place = |c: char| "方面边侧口旁头里上后前外内处间的色号了".contains(c);
+    let begins = before.is_none_or(|c| !c.is_alphanumeric() || is_place(c));
+    let acts = text[n.end..to].contains(char::is_alphanumeric) || text[n.start..n.end].chars().nth(2).is_some();
+    begins && acts
 }
 
 /// `text` ends with `word`, in upper or lower case.
@@ -169,15 +205,6 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
             !painted.is_empty() && !painted.contains(&c)
         })
     };
-    let is_elsewhere = |n: &Named| {
-        let own = words.objects[n.group].own;
-        if !own.meets(words.known.vehicle) {
-            return false;
-        }
-        let Some((t, other)) = given.only_near(n) else { return false };
-        let there = t.and_then(|t| at_end(t, other, words));
-        there.is_some_and(|g| at_end(text, n, words).is_some_and(|said| said != g))
-    };
     // "Three cows" where the component has two.
     let other_count = |n: &Named| {
         let count = |t: &str, n: &Named| words.quantities.count_before(t, n.start, &words.subjects.counters);
@@ -225,10 +252,15 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         // Most things are mentioned without either.
         let marked = (n.side.is_some() || n.color.is_some()) && {
             let same = given.meant(n);
-            let side = n.side.is_some_and(|s| same.sides.contains(&!s) && !same.sides.contains(&s));
+            let also = |s: bool| {
+                let all = texts.trace.there().filter(|m| m.start < until && m.group == n.group);
+                all.filter_map(|m| m.side).any(|m| m == s)
+            };
+            let side =
+                n.side.is_some_and(|s| same.sides.contains(&!s) && !same.sides.contains(&s) && !also(!s));
             side || n.color.is_some_and(|k| !same.colors.is_empty() && !same.colors.contains(&k))
         };
-        marked || other_car(n) || n.side.is_some() && given.is_opposite(n) || is_elsewhere(n)
+        marked || other_car(n) || n.side.is_some() && given.is_opposite(n)
     };
     let is_other = |n: &&Named| {
         differs(n) || other_count(n) || other_bend(n) || other_doing(n) || given.is_other_kind(n)
@@ -250,18 +282,6 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
         )
         .hint("改正其中有误的一处", "correct the one that is wrong")
     });
-}
-
-/// "Behind us" of a road user that is ahead of the ego in its component, where no other can be meant.
-fn at_end(text: &str, n: &Named, words: &LabelWords) -> Option<bool> {
-    let marks = |c: char| "，。；！？,;!?".contains(c);
-    let from = text[..n.start].rfind(marks).map_or(0, |i| i + 1);
-    let to = text[n.end..].find(marks).map_or(text.len(), |i| n.end + i);
-    let clause =
-        text.get(from..to).or_else(|| text.get(n.start..to)).unwrap_or_default().to_ascii_lowercase();
-    let [before, behind] =
-        words.subjects.at.each_ref().map(|all| all.iter().any(|w| clause.contains(w.as_str())));
-    (before != behind).then_some(before)
 }
 
 /// The light in the trace, if its color is that of no light in the components.
@@ -288,7 +308,10 @@ fn other_light<'t>(scope: &TextScope<'t>, until: usize) -> Option<&'t Named> {
     let lights = texts.trace.there().filter(|n| n.start < until).filter(is_light);
     let mut said = lights.filter_map(|n| Some((n, color(trace, n, &mut clause)?)));
     let (n, first) = said.next()?;
-    let is_given = given.contains(&first) || said.any(|(_, c)| given.contains(&c));
+    let by_clause = |clause: &str| words.last_light_color(clause).map(|(_, color)| color);
+    // "While it was yellow I was in two minds, now it is red".
+    let also = || trace.split(|c| "，。；,;.".contains(c)).filter_map(by_clause).any(|c| given.contains(&c));
+    let is_given = given.contains(&first) || said.any(|(_, c)| given.contains(&c)) || also();
     (!given.is_empty() && !is_given).then_some(n)
 }
 

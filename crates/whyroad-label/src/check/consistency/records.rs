@@ -67,10 +67,24 @@ fn all_texts<'a>(label: &View<'a>) -> impl Iterator<Item = &'a str> {
 fn other_number(label: &View<'_>, id: &str, value: f64, unit: &str, words: &LabelWords) -> Option<String> {
     let beside = words.quantities.beside.get(id)?;
     let value = value.abs();
-    let same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs()).max(1e-9);
+    let within = |share: f64, a: f64, b: f64| (a - b).abs() <= share * a.abs().max(b.abs()).max(1e-9);
+    let same = |a: f64, b: f64| within(SAME, a, b);
     let all: Vec<(&str, f64, usize)> = all_texts(label)
         .flat_map(|t| words.quantities.find(t, unit).into_iter().map(move |q| (t, q.value, q.start)))
         .collect();
+    // "Little more than two seconds": people round.
+    let rounds = |t: &str, at: usize| {
+        const ROUGH: [&str; 12] = [
+            "about ", "around ", "roughly ", "some ", "more than ", "less than ", "nearly ", "约", "大概", "不到", "差不多",
+            "来",
+        ];
+        let from = t[..at].char_indices().rev().nth(12).map_or(0, |(i, _)| i);
+        let before = t[from..at].to_ascii_lowercase();
+        ROUGH.iter().any(|w| before.contains(w))
+    };
+    if all.iter().any(|(t, n, at)| rounds(t, *at) && within(2.0 * SAME, *n, value)) {
+        return None;
+    }
     // A difference may be stated by its two operands.
     let differs_by = |(_, a, _): &(&str, f64, usize)| all.iter().any(|(_, b, _)| same((a - b).abs(), value));
     if all.iter().any(|q| same(q.1, value) || differs_by(q)) {
@@ -109,7 +123,9 @@ fn denied_light(scope: &TextScope<'_>) -> Option<String> {
 fn other_ordinal(label: &View<'_>, record: &str, words: &LabelWords) -> Option<String> {
     let ordinal = |text: &str| words.ordinal_of_exit(text);
     let own = words.ordinal(record)?;
-    let said: Vec<(usize, &str)> = all_texts(label).filter_map(|t| Some((ordinal(t)?, t))).collect();
+    // "I have passed the first exit, it is the second": every clause.
+    let clauses = all_texts(label).flat_map(|t| t.split(['，', '。', '；', ',', '.', ';']));
+    let said: Vec<(usize, &str)> = clauses.filter_map(|t| Some((ordinal(t)?, t))).collect();
     let (_, text) = said.first()?;
     (!said.iter().any(|(n, _)| *n == own)).then(|| (*text).to_owned())
 }
@@ -160,6 +176,9 @@ fn other_thing(scope: &TextScope<'_>, record: &str) -> Option<String> {
         .flat_map(|f| &f.named)
         .fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near));
     let says_where = words.known.no_cause.with(words.known.road).with(words.known.sight);
+    // The light of a place is seldom said where the class says it: "tunnel".
+    let lighting = words.kinds.get("lighting").copied().unwrap_or_default();
+    let says_where = says_where.with(lighting);
     let things = || facts.there().filter(|n| !own(n).without(says_where).is_empty());
     let unread = label
         .parts

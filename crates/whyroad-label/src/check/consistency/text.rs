@@ -10,7 +10,8 @@ use crate::check::texts::TextScope;
 use crate::check::view::View;
 use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::{Divider, GroupSet};
+use whyroad_framework::label_words::{ConceptSet, Divider, GroupSet};
+use whyroad_framework::lexicon::units::Units;
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::label_fields::pointer;
@@ -23,25 +24,28 @@ pub(in crate::check) struct TraceParts {
     pub because: Option<usize>,
     /// First byte of its decision.
     pub decides: usize,
+    /// First byte of the last action of the ego.
+    pub last: usize,
 }
 
 impl TraceParts {
     /// Without a trace all fields are empty.
     pub fn of(reading: Option<&Reading>) -> Self {
-        let Some(r) = reading else { return Self { acts: false, because: None, decides: 0 } };
-        let own = r.mentions.iter().filter(|m| !m.by_other && m.force == Force::Asserted);
-        let first = own.map(|m| m.start).find(|at| !r.marked || *at >= r.decision_from);
+        let Some(r) = reading else { return Self { acts: false, because: None, decides: 0, last: 0 } };
+        let all = || r.mentions.iter().filter(|m| !m.by_other && m.force == Force::Asserted);
+        let first = all().map(|m| m.start).find(|at| !r.marked || *at >= r.decision_from);
         Self {
             acts: !r.mentions.is_empty() || r.names_ego,
             because: r.because,
             decides: if r.marked { r.decision_from } else { first.unwrap_or(r.end) },
+            last: all().map(|m| m.start).last().unwrap_or(r.end),
         }
     }
 }
 
 /// The trace is about the subjects of the components. Returns true when it is unrelated to them.
 pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sink: &mut dyn Sink) -> bool {
-    let TraceParts { acts, because, decides } = *parts;
+    let TraceParts { acts, because, decides, last } = *parts;
     let TextScope { label, texts, words, background, .. } = *scope;
     if words.is_empty() || label.trace.get().is_none_or(|t| t.trim().is_empty()) {
         return false;
@@ -52,7 +56,9 @@ pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sin
         let other = || reason_of_others(scope, decides);
         own.or_else(other).or_else(|| reason_of_no_road(scope, decides)).map(|at| (at, false))
     };
-    if let Some((at, none)) = reasonless.or_else(elsewhere) {
+    let found = reasonless.or_else(elsewhere);
+    let covered = found.is_some() && restates(scope, last);
+    if let Some((at, none)) = found.filter(|(_, none)| *none || !covered) {
         without_reason(label, at, none, sink);
         return true;
     }
@@ -62,6 +68,10 @@ pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sin
         && !label.trace.get().is_some_and(|t| words.is_of_driving(t))
         || !acts && !texts.trace.groups.meets(components);
     let speaks_of = texts.trace.groups.without(background);
+    if says_nothing_of_them(scope) {
+        unrelated_to_all(sink);
+        return true;
+    }
     if !nothing && (components.is_empty() || speaks_of.is_empty() || texts.trace.groups.meets(components)) {
         return false;
     }
@@ -73,6 +83,18 @@ pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sin
     }) {
         return false;
     }
+    if restates(scope, text_length(label)) {
+        return false;
+    }
+    unrelated_to_all(sink);
+    true
+}
+
+fn text_length(label: &View<'_>) -> usize {
+    label.trace.get().map_or(0, str::len)
+}
+
+fn unrelated_to_all(sink: &mut dyn Sink) {
     sink.report(Finding::warning("label.text.unrelated", pointer::COC_TRACE), &|| {
         Words::new(
             "因果描述与关键要素无关：没有提到其中任何一个",
@@ -80,7 +102,44 @@ pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sin
         )
         .hint("按要素写出状态、原因、决策", "write state, reason and decision from the components")
     });
-    true
+}
+
+/// Meanings of all components, and how many of them the trace has, too, whatever its words. `to`: end of the part of
+/// the trace.
+pub(in crate::check) fn coverage(scope: &TextScope<'_>, to: usize) -> (u32, u32) {
+    let TextScope { label, words, .. } = *scope;
+    let of = |text: &str| words.concepts.of(text, &Units::of(text));
+    let all = label.parts.iter().filter_map(|c| c.description.get()).map(of);
+    let all = all.fold(ConceptSet::default(), ConceptSet::with);
+    let said = label.trace.get().and_then(|t| t.get(..to)).map_or(ConceptSet::default(), of);
+    (all.only(said).count(), all.count())
+}
+
+/// The trace says half of what the components say, in its own words: it is about them.
+pub(in crate::check) fn restates(scope: &TextScope<'_>, to: usize) -> bool {
+    const LEAST: u32 = 3;
+    let (shared, all) = coverage(scope, to);
+    shared >= LEAST && 2 * shared >= all
+}
+
+/// The trace says nothing of what the components say: it shares neither a thing nor a word with them, and next to no
+/// meaning.
+fn says_nothing_of_them(scope: &TextScope<'_>) -> bool {
+    /// Minimum number of meanings of the components.
+    const LEAST: u32 = 2;
+    const SHARE: f64 = 0.15;
+    let TextScope { label, texts, words, .. } = *scope;
+    let Some(text) = label.trace.get() else { return false };
+    if texts.trace.groups.meets(texts.all_components(words)) {
+        return false;
+    }
+    if overlap::shared(label, text, &words.compared, &|_| true) > 0
+        || overlap::shares_characters(label, text, words)
+    {
+        return false;
+    }
+    let (shared, all) = coverage(scope, text.len());
+    all >= LEAST && f64::from(shared) <= SHARE * f64::from(all)
 }
 
 /// Bytes of the reason in the trace, if it names nothing, has no word about driving, and shares none with the

@@ -205,6 +205,12 @@ pub(in crate::check) fn trace(
                     }
                 }
                 // Words that are in no phrase may still state it: "take some speed off".
+                // Pulling over is a movement to the side, too.
+                TraceVerdict::OtherDecision { label: decision, ref says, .. }
+                    if says.len() > 1 && decision == Lateral::PullOver.id() =>
+                {
+                    return;
+                }
                 TraceVerdict::OtherDecision { label: decision, ref says, start, end }
                     if says.len() > 1
                         && matches!(

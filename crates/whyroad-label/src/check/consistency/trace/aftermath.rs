@@ -4,10 +4,10 @@
 //! lists of `schema/label_words.yaml`.
 
 use super::{Force, Mention, Reading};
-use crate::check::reading::{Named, TextFacts};
+use crate::check::reading::{Named, TextFacts, is_predicted};
 use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::TellWord;
+use whyroad_framework::label_words::{Divider, TellWord};
 
 /// Maximum number of clauses after the decision that are read, and of bytes of one.
 const MOST_CLAUSES: usize = 24;
@@ -73,6 +73,9 @@ pub(in crate::check::consistency) fn find(
     // else ("the light lets us go, ... I let off the brake and move off").
     let tells = |m: &&Mention| m.by_ego && matches!(m.force, Force::Asserted | Force::Doubtful);
     let last = deciding().filter(tells).last().map_or(0, |m| m.start);
+    // Nor is what is told before the last statement of the decision: "a left turn gives way, that is an old rule; ... we
+    // brake and wait".
+    let at_last = deciding().filter(|m| !m.by_other && m.force == Force::Asserted).last().map_or(0, |m| m.start);
     // A trace in the past tense has its decision in the past tense, too.
     let in_past = stated.is_some_and(|m| is_past(&text[m.start..m.end], words));
     let stops = stated.is_some_and(|m| resumes(m) == Some(false));
@@ -91,8 +94,14 @@ pub(in crate::check::consistency) fn find(
         let own = reading.mentions.iter().filter(|m| (start..end).contains(&m.start) && !m.by_other);
         let own_decision = own.clone().any(decides);
         // Starting again comes after the stop.
+        let exempt = || {
+            let mut any = false;
+            words.aftermath.trace_hits(&texts.units, start..end, |tell, _, _| any |= tell == TellWord::Exempt);
+            any
+        };
         if let Some(m) = own.clone().find(|m| stops && m.force == Force::Asserted && resumes(m) == Some(true))
             && !because
+            && !exempt()
         {
             return Some((m.start, m.end));
         }
@@ -100,7 +109,7 @@ pub(in crate::check::consistency) fn find(
             break;
         }
         match told(clause, start, texts, words, own_decision, in_past) {
-            Told::Event(from, to, sure) if !because && (sure || last < end) => {
+            Told::Event(from, to, sure) if !because && (sure || last.max(at_last) < end) => {
                 return Some((start + from, start + to));
             }
             Told::Exempt => because |= words.clauses.reason.iter().any(|w| clause.contains(w.as_str())),
@@ -164,6 +173,11 @@ pub(in crate::check::consistency) fn done(
         words.aftermath.trace_hits(&texts.units, from..until, |tell, a, b| {
             exempt |= tell == TellWord::Exempt && !(a >= start && b <= to);
         });
+        // "It would be on top of us before we were up to speed", "if there is a car behind the crest, ...".
+        let (sentence, _) = words.clauses.around(&texts.units, start..to, end, &|d| d == Divider::Sentence);
+        if is_predicted(&text[sentence..start], words) {
+            return false;
+        }
         // "Moving over hinders nobody either".
         if text[to..].starts_with('不') {
             return false;
@@ -192,6 +206,8 @@ fn told(
     in_past: bool,
 ) -> Told {
     let mut out = Told::Nothing;
+    // A plan or a purpose, whatever else the clause tells: "past it, then back to our lane".
+    let mut exempt = false;
     let mut ends = Vec::new();
     let somebody_acts = |start: usize, end: usize| {
         has_subject(clause, start, offset, &texts.trace, words) || is_new_subject(clause, start, end, words)
@@ -207,6 +223,7 @@ fn told(
     words.aftermath.trace_hits(&texts.units, offset..offset + clause.len(), |tell, start, end| {
         let (start, end) = (start - offset, end - offset);
         ends.push((start, end));
+        exempt |= tell == TellWord::Exempt;
         if !matches!(out, Told::Nothing) {
             return;
         }
@@ -218,12 +235,21 @@ fn told(
             TellWord::Event if !own_decision && (!is_sequel(&clause[start..end]) || others_act(clause)) => {
                 Told::Event(start, end, false)
             }
+            // "Let it through first, then left": where to.
+            TellWord::PastOfSubject
+                if clause[start..end].eq_ignore_ascii_case("left") && !clause[end..].contains(char::is_alphanumeric) =>
+            {
+                Told::Nothing
+            }
             TellWord::PastOfSubject if !(own_decision && in_past) && somebody_acts(start, end) => {
                 Told::Event(start, end, false)
             }
             _ => Told::Nothing,
         };
     });
+    if exempt && matches!(out, Told::Event(_, _, false)) {
+        return Told::Exempt;
+    }
     if !matches!(out, Told::Nothing) || (own_decision && in_past) || !clause.is_ascii() {
         return out;
     }
