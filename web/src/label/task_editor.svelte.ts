@@ -85,6 +85,11 @@ export class TaskEditor {
     this.drafted && this.stage === "stage2" ? DRAFTED_FIELDS.filter((path) => this.isUnaccepted(path)) : [],
   );
 
+  /** Shows the moment of the label's keyframe, which an annotator may have moved. */
+  seekKeyframe(): void {
+    this.player.seek(this.second(this.draft.at(pointers.keyframeTime("keyframe"))) ?? 0);
+  }
+
   get player(): Player {
     return this.clip.player;
   }
@@ -161,8 +166,10 @@ export class TaskEditor {
     this.draft.load(task);
     this.#lease.keep(task.fence ?? null, Number(task.lease_until ?? 0));
     if (task.stage === "stage2" && this.initial === null) void this.#loadInitial();
-    if (!this.clip.scene) await this.clip.load();
-    else if (shown?.stage !== task.stage) await this.clip.loadUntilReached();
+    if (!this.clip.scene) {
+      await this.clip.load();
+      this.seekKeyframe();
+    } else if (shown?.stage !== task.stage) await this.clip.loadUntilReached();
   }
 
   /** Shows a mined episode, which nobody holds and nothing can be done with. */

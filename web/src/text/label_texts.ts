@@ -62,6 +62,7 @@ export const labelTexts = {
   "label.loop_short": ["循环", "Loop"],
   "label.frame": ["第 {n} 帧", "frame {n}"],
   "label.seconds": ["秒（关键帧为 0）", "s from the keyframe"],
+  "label.seconds.suggested": ["秒（建议的关键帧为 0）", "s from the suggested keyframe"],
   "label.keyframe": ["关键帧", "Keyframe"],
   "label.keyframe2": ["第二关键帧", "Second keyframe"],
   "label.range": ["时间范围", "Time range"],

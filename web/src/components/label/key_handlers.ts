@@ -117,7 +117,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     forward1: () => player.step(Math.round(editor.clip.scene?.frame_rate ?? 10)),
     first: () => player.seek(player.first),
     last: () => player.seek(player.end),
-    toKeyframe: () => player.seek(editor.second(editor.draft.at(pointers.keyframeTime("keyframe"))) ?? 0),
+    toKeyframe: () => editor.seekKeyframe(),
     slower: () => player.faster(-1),
     faster: () => player.faster(1),
     loop: () => (player.loop = !player.loop),
