@@ -13,7 +13,7 @@ import { within } from "./changes.ts";
 import { ClipData } from "./clip_data.svelte.ts";
 import { CommentList } from "./comment_list.svelte.ts";
 import { Draft } from "./draft.svelte.ts";
-import { AFTER_SAFETY, DRAFTED_FIELDS, pointers, STAGE_ONE_FIELDS } from "./field_pointers.ts";
+import { AFTER_SAFETY, DRAFTED_FIELDS, isFilled, pointers, STAGE_ONE_FIELDS } from "./field_pointers.ts";
 import type { Channel, Framework, Spec } from "./framework.ts";
 import { Lease } from "./lease.svelte.ts";
 import { type Json, read, same } from "./pointer.ts";
@@ -144,6 +144,14 @@ export class TaskEditor {
     return this.findingsAt(path).some((f) => f.severity === "error");
   }
 
+  /**
+   * Nothing was drafted, and the decision at `path` still to be chosen: the label's null is no "no change" of anybody.
+   */
+  isUnchosen(path: string): boolean {
+    const undrafted = this.initial !== null && (this.initialAt(pointers.trace) ?? "") === "";
+    return undrafted && this.initialAt(path) === null && this.unaccepted.includes(path);
+  }
+
   /** Accepts the drafted field at `path` as it is. */
   accept(path: string): void {
     if (!this.mustRewrite(path)) this.review.accept(path);
@@ -230,8 +238,8 @@ export class TaskEditor {
 
   private isUnaccepted(path: string): boolean {
     const before = this.initialAt(path);
-    const filled = before !== undefined && before !== null && before !== "";
-    return filled && !this.#isEvident(path) && this.#isAsDrafted(path, before) && !this.review.accepted.has(path) && !this.mustRewrite(path);
+    if (before === undefined || !isFilled(path, before)) return false;
+    return !this.#isEvident(path) && this.#isAsDrafted(path, before) && !this.review.accepted.has(path) && !this.mustRewrite(path);
   }
 
   /** The trace is as drafted while its state and its reason are: its decision follows the choice by itself. */

@@ -92,7 +92,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
     const before = editor.unaccepted;
     const at = before.indexOf(field ?? "");
-    if (field !== undefined) editor.accept(field);
+    if (field !== undefined && !editor.isUnchosen(field)) editor.accept(field);
     await tick();
     const next = editor.unaccepted.find((p) => before.indexOf(p) > at) ?? editor.unaccepted[0];
     if (next !== undefined) toField(next);
