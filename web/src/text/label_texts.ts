@@ -125,6 +125,7 @@ export const labelTexts = {
   "class.wrong.pick": ["输入名称选择", "Type a name to choose"],
   "class.wrong.unknown": ["没有这个场景：从列表中选择。", "No such class: choose one of the list."],
   "class.wrong.near": ["{n} 个场景含有这些字：按 ↓ 从列表中选择。", "{n} {n:class has|classes have} this in the name: press ↓ to choose one of the list."],
+  "class.wrong.only": ["按 Enter 选择“{name}”。", "Press Enter to choose “{name}”."],
   "class.wrong.note": ["说明（没有选场景时必填）", "What you see (needed where no class was chosen)"],
   "label.find_object": ["按编号选目标", "Select an object by its number"],
   "stage.early": ["任务还在加载，{key} 尚未生效。", "The task is still loading: {key} has no effect yet."],
