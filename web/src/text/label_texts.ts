@@ -139,6 +139,7 @@ export const labelTexts = {
     "此任务已被他人领取，或已超过领取时限。未保存的修改仍保留在本机。",
     "Another user has taken this task, or your lease has expired. Unsaved changes are kept in this browser.",
   ],
+  "stage.kept_here": ["本机保留的未保存修改（可复制）", "Unsaved changes kept in this browser (they can be copied)"],
   "stage.other_tab": ["此任务也在您的另一个标签页中打开。", "This task is also open in another of your tabs."],
   "stage.saved": ["已保存", "Saved"],
   "stage.saving": ["正在保存…", "Saving…"],
