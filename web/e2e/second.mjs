@@ -217,6 +217,12 @@ async function handedIn(day) {
   await page.reload();
   await page.locator('[data-action="submit"]').waitFor();
   await settled(page);
+  // "No change" is a decision that somebody takes: by its key, also where the label has null already.
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("3");
+  await page.waitForFunction(() => document.activeElement?.closest("[data-choices=lateral]"));
+  await page.keyboard.press("0");
+  await page.locator('[data-choices=lateral] input[value="null"]:checked').waitFor();
   // What the draft got right takes one key a field, which leads on to the next, and at last to the findings.
   const atTheEnd = () => page.evaluate(() => Boolean(document.activeElement?.closest("[data-section=findings]")));
   for (let n = 0; n < 6 && !(await atTheEnd()); n++) await page.keyboard.press("Alt+a");

@@ -1,6 +1,6 @@
 // The signed-in user. One value for the whole page; every screen reads it, only these functions change it.
 import * as api from "./api/calls.generated.ts";
-import { ApiError, clearCache, setCsrf } from "./api/client.ts";
+import { ApiError, clearCache, onStaleSession, setCsrf } from "./api/client.ts";
 import type { Returned, Session, User } from "./api/types.ts";
 import { CALLBACK, replace, replaceQuery } from "./route.svelte.ts";
 import { setLanguage } from "./text/text.svelte.ts";
@@ -102,6 +102,21 @@ export async function signOut(): Promise<void> {
   await open();
   session.providerSignOut = provider_sign_out ?? null;
 }
+
+// Another tab of this browser signed out, or in again.
+onStaleSession(async () => {
+  if (session.status !== "in") return false;
+  const now = await api.getSession();
+  if (now.user && now.user.id === session.user?.id) {
+    setCsrf(now.csrf);
+    return true;
+  }
+  // The sign-in is shown at the same address. What was not saved stays in this browser and is sent after it.
+  setCsrf(now.csrf);
+  session.user = null;
+  session.status = "out";
+  return false;
+});
 
 /** Handles a session that ended while the page was open: shows the sign-in, keeps the address. */
 export function sessionEnded(error: unknown): boolean {

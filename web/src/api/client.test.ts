@@ -1,7 +1,7 @@
 // HTTP with the service: what is sent, what is tried again, what a refusal becomes.
 import assert from "node:assert/strict";
 import { beforeEach, test } from "vitest";
-import { ApiError, call, clearCache, Offline, queryString, TextBody, setCsrf } from "./client.ts";
+import { ApiError, call, clearCache, Offline, onStaleSession, queryString, TextBody, setCsrf } from "./client.ts";
 
 interface Sent {
   url: string;
@@ -35,6 +35,22 @@ test("writes carry the CSRF value, reads do not", async () => {
   assert.equal(header(0, "x-csrf-token"), "token");
   assert.equal(header(0, "content-type"), "application/json");
   assert.equal(header(1, "x-csrf-token"), null);
+});
+
+test("a write whose token is out of date is sent once more with the new one, where the user is the same", async () => {
+  const stale = (): Response => json({ code: "session.csrf" }, 403);
+  setCsrf("old");
+  onStaleSession(async () => (setCsrf("new"), true));
+  serve(stale(), json({ done: 1 }));
+  assert.deepEqual(await call("PATCH", "/x", { a: 1 }), { done: 1 });
+  assert.deepEqual([header(0, "x-csrf-token"), header(1, "x-csrf-token")], ["old", "new"]);
+  serve(stale(), stale(), json({}));
+  await assert.rejects(call("PATCH", "/x"), { code: "session.csrf" });
+  assert.equal(sent.length, 4, "not again and again");
+  onStaleSession(async () => false);
+  serve(stale(), json({}));
+  await assert.rejects(call("PATCH", "/x"), { code: "session.csrf" });
+  assert.equal(sent.length, 5, "another user, or nobody");
 });
 
 test("a read is tried again after a failed network and a passing 503, a write never", async () => {

@@ -33,6 +33,14 @@ export function setCsrf(token: string): void {
   csrf = token;
 }
 
+/** Asks who is signed in now, in this browser; true when it is still the user of this page, with a token that is valid. */
+let renew: (() => Promise<boolean>) | null = null;
+
+/** Another tab may sign out, and in again: the token of this page is then out of date, its user perhaps another. */
+export function onStaleSession(ask: () => Promise<boolean>): void {
+  renew = ask;
+}
+
 type Method = "GET" | "POST" | "PATCH" | "PUT" | "DELETE";
 
 export interface CallOptions {
@@ -79,6 +87,8 @@ export async function call<T>(method: Method, path: string, body?: unknown, opti
       const response = await send(method, path, body, options.timeoutMs ?? TIMEOUT_MS);
       if (delay === undefined || !TRANSIENT_STATUS.includes(response.status)) return await receive<T>(method, path, response);
     } catch (error) {
+      // The service refused it before it did anything: it may be repeated.
+      if (error instanceof ApiError && error.code === "session.csrf" && attempt === 0 && renew && (await renew())) continue;
       if (!(error instanceof Offline) || delay === undefined) throw error;
     }
     await new Promise((done) => setTimeout(done, delay));

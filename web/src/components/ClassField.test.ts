@@ -23,7 +23,10 @@ test("a class is chosen by its name, and an unknown name is said to be one", asy
   await fireEvent.input(field, { target: { value: "让行" } });
   assert.ok(screen.getByText("没有这个场景：从列表中选择。"));
   await fireEvent.input(field, { target: { value: "切入" } });
-  assert.ok(screen.getByText("1 个场景含有这些字：按 ↓ 从列表中选择。"), "an L2 is no L3");
+  assert.ok(screen.getByText("按 Enter 选择“紧急切入”。"), "an L2 is no L3");
+  await fireEvent.keyDown(field, { key: "Enter" });
+  assert.equal(field.value, "紧急切入");
+  await fireEvent.input(field, { target: { value: "" } });
   await fireEvent.input(field, { target: { value: "紧急切入" } });
   assert.ok(screen.getByText("其他交通参与者 › 切入", { selector: "p" }));
 });

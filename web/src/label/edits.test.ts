@@ -4,6 +4,7 @@ import { test } from "vitest";
 import type { SceneView } from "../api/types.ts";
 import { inClass, iso, opened, SAFE } from "../testing/opened_task.ts";
 import { addComponent, decide, dropLostCauses, evidenceNow, removeComponent, setKeyframe, setRange, stateUncertainty, toggleCause, toggleIn, toggleUncertainty } from "./edits.ts";
+import type { Json } from "./pointer.ts";
 import { clockOf } from "./times.ts";
 
 test("a decision taken back takes its causes and its direction along, and undo brings all of it back", () => {
@@ -73,6 +74,22 @@ test("a range that would begin after the keyframe begins at it, and one undo bri
   assert.deepEqual(editor.draft.at("/time_range"), { start_timestamp: iso(3), start_frame_idx: 1, end_timestamp: iso(8), end_frame_idx: 6 });
   editor.draft.undo();
   assert.deepEqual(editor.draft.doc, { ...before, ...SAFE });
+});
+
+test("evidence at the keyframe goes with it, what was chosen stays", () => {
+  const editor = opened("stage1", {
+    critical_components: [{ id: "c1", evidence_times: [iso(2), iso(4)] }, { id: "c2", evidence_times: [iso(4)] }, { id: "c3" }],
+    keyframe: { timestamp: iso(4), frame_idx: 2, type: "reactive" },
+  });
+  const before = editor.draft.doc;
+  const evidence = (): unknown[] => editor.components.map((c) => c["evidence_times"]);
+  setKeyframe(editor, "keyframe", 3);
+  assert.deepEqual(evidence(), [[iso(2), iso(3)], [iso(3)], undefined]);
+  editor.draft.undo();
+  assert.deepEqual(editor.draft.doc, before, "one undo takes back both");
+  const locked = opened("stage2", before);
+  setKeyframe(locked, "keyframe", 3);
+  assert.deepEqual(locked.draft.at("/critical_components"), (before as { critical_components: Json }).critical_components);
 });
 
 test("Stage I fills its fields only, Stage II leaves the components alone", () => {

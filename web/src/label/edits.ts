@@ -2,10 +2,13 @@
 // is saved and can be undone.
 import { type Channel, channels, directionsOf } from "./framework.ts";
 import { type KeyframeName, pointers } from "./field_pointers.ts";
-import type { Json } from "./pointer.ts";
+import { type Json, read } from "./pointer.ts";
 import type { TaskEditor } from "./task_editor.svelte.ts";
 
-/** Sets a keyframe. A range that would begin after it begins at it: otherwise one move needs three. */
+/**
+ * Sets a keyframe. A range that would begin after it begins at it: otherwise one move needs three. Evidence at the
+ * keyframe, which nobody chose, stays at the keyframe.
+ */
 export function setKeyframe(editor: TaskEditor, name: KeyframeName, frame = editor.frame): void {
   const iso = editor.clip.clock?.iso[frame];
   const idx = editor.clip.clock?.frames[frame];
@@ -14,10 +17,33 @@ export function setKeyframe(editor: TaskEditor, name: KeyframeName, frame = edit
   const type = editor.spec?.[name]?.type ?? "reactive";
   const old = typeof before === "object" && before !== null && !Array.isArray(before) ? before : { type };
   const isLater = (path: string): boolean => (editor.second(editor.draft.at(path)) ?? -Infinity) > (editor.second(iso) ?? Infinity);
+  const was = editor.draft.at(pointers.keyframeTime(name));
   editor.draft.group(() => {
+    if (name === "keyframe" && typeof was === "string") moveEvidence(editor, was, iso);
     const range: Record<string, Json> = name === "keyframe" && isLater(pointers.keyframeRange("range_start")) ? { range_start: iso } : {};
     editor.draft.set(pointers.keyframeOf(name), { ...old, timestamp: iso, frame_idx: idx, ...range });
     if (name === "keyframe" && isLater(pointers.rangeTime("start"))) setRange(editor, "start", frame);
+  });
+}
+
+/** Uses the suggested keyframe again; evidence at the keyframe goes with it. */
+export function adoptKeyframe(editor: TaskEditor, name: KeyframeName, suggested: Json): void {
+  const [was, time] = [editor.draft.at(pointers.keyframeTime(name)), read(suggested, "/timestamp")];
+  editor.draft.group(() => {
+    if (name === "keyframe" && typeof was === "string" && typeof time === "string") moveEvidence(editor, was, time);
+    editor.draft.set(pointers.keyframeOf(name), suggested);
+  });
+}
+
+/** Moves the evidence at the moment `from` to the moment `to`. */
+function moveEvidence(editor: TaskEditor, from: string, to: string): void {
+  const at = editor.second(from);
+  editor.components.forEach((component, n) => {
+    const path = pointers.componentPart(n, "evidence_times");
+    const times = component["evidence_times"];
+    if (!Array.isArray(times) || at === null || !editor.isEditable(path)) return;
+    const moved = times.map((time) => (editor.second(time) === at ? to : String(time)));
+    if (moved.some((time, i) => time !== times[i])) editor.draft.set(path, [...new Set(moved)].sort());
   });
 }
 

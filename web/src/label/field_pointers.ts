@@ -3,7 +3,7 @@
 import type { TextPair } from "../text/screen_texts.ts";
 import type { Channel } from "./framework.ts";
 import * as fields from "./label_fields.generated.ts";
-import { pointer } from "./pointer.ts";
+import { type Json, pointer } from "./pointer.ts";
 
 export type KeyframeName = "keyframe" | "second_keyframe";
 export type ComponentPart = "id" | "description" | "category" | "uncertainty" | "evidence_times" | "linked_objects";
@@ -85,6 +85,12 @@ export const DRAFTED_FIELDS: readonly string[] = [
   pointers.causesOf("lateral"),
   pointers.trace,
 ];
+
+/** Did the draft say something in the field at `path`? "No change", which is null, is said of a decision. */
+export function isFilled(path: string, before: Json | undefined): boolean {
+  if (before === null) return path === pointers.decisionOf("longitudinal") || path === pointers.decisionOf("lateral");
+  return before !== undefined && before !== "" && !(Array.isArray(before) && before.length === 0);
+}
 
 /** Fields that an adjudication compares, in the order of the form. */
 export const COMPARED_FIELDS: readonly string[] = [

@@ -2,6 +2,7 @@
 // when the service has acknowledged it. Sends one request at a time; knows nothing of the label's content.
 import * as api from "../api/calls.generated.ts";
 import { ApiError, Offline } from "../api/client.ts";
+import { sessionEnded } from "../session.svelte.ts";
 import type { Conflicts, DraftSaved, Task } from "../api/types.ts";
 import { type Change, join, needed, within } from "./changes.ts";
 import { isHidden } from "./field_pointers.ts";
@@ -208,6 +209,8 @@ export class SaveQueue {
     } else if (error.code === "lease.lost" || error.code === "lease.not_yours" || error.status === 404) {
       // A Stage I task that was given to another annotator is not found by the one who had it.
       this.status = "lost";
+    } else if (sessionEnded(error)) {
+      this.status = "offline";
     } else {
       this.status = "refused";
       this.refused = error;

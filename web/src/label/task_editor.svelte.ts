@@ -13,7 +13,7 @@ import { within } from "./changes.ts";
 import { ClipData } from "./clip_data.svelte.ts";
 import { CommentList } from "./comment_list.svelte.ts";
 import { Draft } from "./draft.svelte.ts";
-import { AFTER_SAFETY, DRAFTED_FIELDS, pointers, STAGE_ONE_FIELDS } from "./field_pointers.ts";
+import { AFTER_SAFETY, DRAFTED_FIELDS, isFilled, pointers, STAGE_ONE_FIELDS } from "./field_pointers.ts";
 import type { Channel, Framework, Spec } from "./framework.ts";
 import { Lease } from "./lease.svelte.ts";
 import { type Json, read, same } from "./pointer.ts";
@@ -85,6 +85,11 @@ export class TaskEditor {
     this.drafted && this.stage === "stage2" ? DRAFTED_FIELDS.filter((path) => this.isUnaccepted(path)) : [],
   );
 
+  /** Shows the moment of the label's keyframe, which an annotator may have moved. */
+  seekKeyframe(): void {
+    this.player.seek(this.second(this.draft.at(pointers.keyframeTime("keyframe"))) ?? 0);
+  }
+
   get player(): Player {
     return this.clip.player;
   }
@@ -139,6 +144,14 @@ export class TaskEditor {
     return this.findingsAt(path).some((f) => f.severity === "error");
   }
 
+  /**
+   * Nothing was drafted, and the decision at `path` still to be chosen: the label's null is no "no change" of anybody.
+   */
+  isUnchosen(path: string): boolean {
+    const undrafted = this.initial !== null && (this.initialAt(pointers.trace) ?? "") === "";
+    return undrafted && this.initialAt(path) === null && this.unaccepted.includes(path);
+  }
+
   /** Accepts the drafted field at `path` as it is. */
   accept(path: string): void {
     if (!this.mustRewrite(path)) this.review.accept(path);
@@ -161,8 +174,10 @@ export class TaskEditor {
     this.draft.load(task);
     this.#lease.keep(task.fence ?? null, Number(task.lease_until ?? 0));
     if (task.stage === "stage2" && this.initial === null) void this.#loadInitial();
-    if (!this.clip.scene) await this.clip.load();
-    else if (shown?.stage !== task.stage) await this.clip.loadUntilReached();
+    if (!this.clip.scene) {
+      await this.clip.load();
+      this.seekKeyframe();
+    } else if (shown?.stage !== task.stage) await this.clip.loadUntilReached();
   }
 
   /** Shows a mined episode, which nobody holds and nothing can be done with. */
@@ -223,8 +238,8 @@ export class TaskEditor {
 
   private isUnaccepted(path: string): boolean {
     const before = this.initialAt(path);
-    const filled = before !== undefined && before !== null && before !== "";
-    return filled && !this.#isEvident(path) && this.#isAsDrafted(path, before) && !this.review.accepted.has(path) && !this.mustRewrite(path);
+    if (before === undefined || !isFilled(path, before)) return false;
+    return !this.#isEvident(path) && this.#isAsDrafted(path, before) && !this.review.accepted.has(path) && !this.mustRewrite(path);
   }
 
   /** The trace is as drafted while its state and its reason are: its decision follows the choice by itself. */

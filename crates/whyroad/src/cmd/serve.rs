@@ -128,6 +128,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     if args.lake.is_none() {
         first_run::offer_project(&app, global.lang)?;
+    } else {
+        first_run::say_how_to_begin(&app, &args.mined, global.lang)?;
     }
     let account = first_run::first_account(&mut app, at.ip(), global.lang)?;
     say!("{}", where_to_look(at, &account, drives, global.lang));
@@ -207,7 +209,8 @@ fn where_to_look(at: SocketAddr, account: &FirstAccount, drives: usize, lang: La
     match lang {
         Lang::Zh => format!("标注服务：http://{host}/{query}\n{first}{drives} 个行程；Ctrl-C 停止"),
         Lang::En => {
-            format!("labeling service: http://{host}/{query}\n{first}{drives} drives; stop with Ctrl-C")
+            let s = if drives == 1 { "" } else { "s" };
+            format!("labeling service: http://{host}/{query}\n{first}{drives} drive{s}; stop with Ctrl-C")
         }
     }
 }
@@ -224,6 +227,9 @@ mod tests {
         let by_token = FirstAccount::ByToken("abc".into());
         assert!(printed("10.1.2.3:80", by_token).contains("http://10.1.2.3:80/?setup=abc\nfirst run"));
         assert!(printed("127.0.0.1:80", FirstAccount::Open).contains("first run"));
+        assert!(printed("127.0.0.1:80", FirstAccount::Made).ends_with("\n3 drives; stop with Ctrl-C"));
+        let one = where_to_look("127.0.0.1:80".parse().unwrap(), &FirstAccount::Made, 1, Lang::En);
+        assert!(one.ends_with("\n1 drive; stop with Ctrl-C"), "{one}");
         assert!(!printed("127.0.0.1:80", FirstAccount::Made).contains("first run"));
     }
 }

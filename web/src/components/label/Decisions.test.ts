@@ -40,6 +40,28 @@ test("a direction that is still open follows its decision, one that the class gi
   assert.ok(!inGroup() && at() === "/driving_decision/lateral");
 });
 
+test("no change is chosen by somebody: drafted, it is to be accepted; undrafted, nothing is chosen", async () => {
+  const none = { driving_decision: { longitudinal: null, lateral: null } };
+  const chosen = (): string[] => [...document.querySelectorAll<HTMLInputElement>("input:checked")].map((one) => one.value);
+  const drafted = opened("stage2", { ...none, coc_trace: "前方的轿车正在行驶，因此自车照常行驶。" });
+  drafted.initial = { ...none, coc_trace: "前方的轿车正在行驶，因此自车照常行驶。" };
+  const shown = render(Decisions, { editor: drafted });
+  assert.deepEqual(chosen(), ["null", "null"]);
+  assert.deepEqual(drafted.unaccepted.slice(0, 2), ["/driving_decision/longitudinal", "/driving_decision/lateral"]);
+  drafted.accept("/driving_decision/lateral");
+  assert.ok(!drafted.unaccepted.includes("/driving_decision/lateral"));
+  shown.unmount();
+
+  const editor = opened("stage2", { ...none, coc_trace: "" });
+  editor.initial = { ...none, coc_trace: "" };
+  render(Decisions, { editor });
+  assert.deepEqual(chosen(), []);
+  toSection("decisions", "[data-choices=lateral]");
+  assert.ok(await press("0"));
+  await new Promise((done) => setTimeout(done));
+  assert.deepEqual([chosen(), editor.unaccepted], [["null"], ["/driving_decision/longitudinal"]]);
+});
+
 test("the only direction of the class needs no key", async () => {
   const editor = opened("stage2", { driving_decision: {} });
   inClass(editor, [{ id: "turn", direction: "left", usual: true }]);

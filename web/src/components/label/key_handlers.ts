@@ -92,7 +92,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
     const before = editor.unaccepted;
     const at = before.indexOf(field ?? "");
-    if (field !== undefined) editor.accept(field);
+    if (field !== undefined && !editor.isUnchosen(field)) editor.accept(field);
     await tick();
     const next = editor.unaccepted.find((p) => before.indexOf(p) > at) ?? editor.unaccepted[0];
     if (next !== undefined) toField(next);
@@ -117,7 +117,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     forward1: () => player.step(Math.round(editor.clip.scene?.frame_rate ?? 10)),
     first: () => player.seek(player.first),
     last: () => player.seek(player.end),
-    toKeyframe: () => player.seek(editor.second(editor.draft.at(pointers.keyframeTime("keyframe"))) ?? 0),
+    toKeyframe: () => editor.seekKeyframe(),
     slower: () => player.faster(-1),
     faster: () => player.faster(1),
     loop: () => (player.loop = !player.loop),

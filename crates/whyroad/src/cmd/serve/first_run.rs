@@ -90,6 +90,22 @@ pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Says how a store without any project gets one: users with a lake make their own.
+pub(super) fn say_how_to_begin(app: &App, mined: &[PathBuf], lang: Lang) -> anyhow::Result<()> {
+    let none = app.store.read(projects::all).map_err(|p| store_args::error(&p, lang))?.is_empty();
+    let Some(mined) = mined.first().filter(|_| none) else { return Ok(()) };
+    let from = mined.display();
+    match lang {
+        Lang::Zh => say!(
+            "还没有项目：在页面上新建项目并从挖掘结果创建任务，或用 `whyroad tasks create --from {from} --project 名称`"
+        ),
+        Lang::En => say!(
+            "no project yet: create one on the page, with tasks from mined episodes, or use `whyroad tasks create --from {from} --project NAME`"
+        ),
+    }
+    Ok(())
+}
+
 /// How the first account is created on a service that is reached at `ip`.
 pub(super) fn first_account(app: &mut App, ip: IpAddr, lang: Lang) -> anyhow::Result<FirstAccount> {
     let problem = |p| store_args::error(&p, lang);
