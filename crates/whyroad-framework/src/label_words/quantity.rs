@@ -158,10 +158,27 @@ impl Quantities {
         }
         let mut near = before.char_indices().rev().take(BETWEEN.1 + 1);
         let counter = near.find(|(_, c)| counters.contains(*c) || !c.is_alphanumeric() || *c == '的')?;
+        // "Four pupils in school uniform" is "四个穿校服的学生": the number is before the clause that ends with "的".
+        if counter.1 == '的' {
+            const CLAUSE: usize = 9;
+            let head = &before[..counter.0];
+            let mut all = head.char_indices().rev().take(CLAUSE).take_while(|(_, c)| c.is_alphanumeric());
+            let (at, _) = all.find(|(at, c)| counters.contains(*c) && self.ends_with_number(&head[..*at]))?;
+            let c = head[..at].chars().next_back()?;
+            return self.numbers.get(c.encode_utf8(&mut [0; 4]) as &str).copied();
+        }
         let before = before[..counter.0].trim_end();
         let c = before.chars().next_back().filter(|_| counters.contains(counter.1))?;
         let counts = before[..before.len() - c.len_utf8()].ends_with('第');
         (!counts).then(|| self.numbers.get(c.encode_utf8(&mut [0; 4]) as &str).copied()).flatten()
+    }
+
+    /// `text` ends with a Chinese numeral that counts: not "第二".
+    fn ends_with_number(&self, text: &str) -> bool {
+        let mut last = text.chars().rev();
+        let is_number =
+            last.next().is_some_and(|c| self.numbers.contains_key(c.encode_utf8(&mut [0; 4]) as &str));
+        is_number && last.next() != Some('第')
     }
 
     /// The number that ends at `at`, with its first byte.

@@ -85,6 +85,9 @@ pub(super) fn has_word_of(component: &str, name: &str, acts: bool, words: &Label
         let theirs = of(component);
         return of(name).iter().any(|w| theirs.iter().any(|t| same(w, t)));
     }
+    if name.chars().nth(1).is_some() && component.contains(name) {
+        return true;
+    }
     // The last character is the kind of the thing, unless it is in the names of many.
     let head = name.trim_end_matches(['子', '儿']).chars().next_back();
     let chars: Vec<char> = name.chars().collect();

@@ -1,8 +1,8 @@
 //! A trace that only repeats its decision (LABELING.md 6): checks what remains of its reason without the decision, the
 //! road users that the decision is about, and words for deciding.
 
-use crate::check::consistency::trace::{Mention, Reading};
 use crate::check::consistency::text;
+use crate::check::consistency::trace::{Mention, Reading};
 use crate::check::consistency::trace_rules::{self, Said};
 use crate::check::overlap;
 use crate::check::reading::Named;

@@ -21,18 +21,17 @@ pub(in crate::check) fn remote(
     // A lane change or a turn may be prepared because of a route far ahead.
     let by_route =
         label.lateral.get().is_some_and(|l| !matches!(l, Lateral::LaneKeeping | Lateral::InLaneNudge));
-    let parts = label
-        .parts
-        .iter()
-        .zip(&texts.components)
-        .map(|(c, f)| (pointer::critical_components_item_description(c.index), c.description.get(), f, false));
+    let parts = label.parts.iter().zip(&texts.components).map(|(c, f)| {
+        (pointer::critical_components_item_description(c.index), c.description.get(), f, false)
+    });
     let trace = std::iter::once((pointer::COC_TRACE.to_owned(), label.trace.get(), &texts.trace, true));
     let found = parts.chain(trace).find_map(|(at, text, facts, is_trace)| {
         let text = text?;
         let (start, end) = words.remote.find(text)?;
         // "Last night a gale blew, a tree is down across our lane": how what the components name came about.
         if is_trace && is_past(&text[start..]) {
-            let clause = |at: usize| words.clauses.around(&texts.units, at..at, text.len(), &|d| d != Divider::Aside);
+            let clause =
+                |at: usize| words.clauses.around(&texts.units, at..at, text.len(), &|d| d != Divider::Aside);
             let (from, to) = clause(start);
             let decides = |at: usize| {
                 let (from, to) = clause(at);

@@ -44,6 +44,37 @@ pub(super) fn other_number(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     (said.len() > 1 && ratio < MOST_RATIO).then_some((n.start, n.end))
 }
 
+/// Bytes of a limit of speed in the trace, if the components have another one: the number beside the word for it, "限速六十",
+/// "a limit of 60", "a 60 sign".
+pub(super) fn other_limit(scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, .. } = *scope;
+    let limits = |text: &str| -> Vec<Quantity> {
+        let lower = text.to_ascii_lowercase();
+        let all = words.quantities.all(text, &words.subjects.counters);
+        let is_limit = |q: &&Quantity| {
+            let from = lower[..q.start].rfind(['，', '。', '；', ',', '.', ';']).map_or(0, |i| i + 1);
+            let before = lower.get(from..q.start).unwrap_or_default().trim_end();
+            let behind = lower[q.end..].trim_start();
+            match text.is_ascii() {
+                true => {
+                    let near = [" limit of", " limit to", " limit is", "limit", "sign says", "sign reads"];
+                    near.iter().any(|w| before.ends_with(w))
+                        || ["sign", "limit"].iter().any(|w| behind.starts_with(w))
+                }
+                false => before.ends_with("限速") || before.ends_with("限速为"),
+            }
+        };
+        all.iter().filter(is_limit).copied().collect()
+    };
+    let said = limits(label.trace.get()?);
+    let first = said.first()?;
+    let given: Vec<Quantity> =
+        label.parts.iter().filter_map(|c| c.description.get()).flat_map(limits).collect();
+    let same = |a: &Quantity, b: &Quantity| (a.value - b.value).abs() < 1.0;
+    let known = said.iter().any(|q| given.iter().any(|g| same(q, g)));
+    (!given.is_empty() && !known).then_some((first.start, first.end))
+}
+
 /// Bytes of a side in the trace, before its last clause, that no component names, if they name the other side and the
 /// trace does not. The side of the ego's own maneuver is left out. `until`: end of the text that is read.
 pub(super) fn other_side_of_all(scope: &TextScope<'_>, until: usize) -> Option<(usize, usize)> {

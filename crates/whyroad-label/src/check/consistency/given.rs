@@ -61,7 +61,6 @@ pub(super) struct Given<'a> {
     /// By group.
     meant: Memo<usize, Rc<Marks>>,
     is_opposite: Memo<usize, bool>,
-    only_near: Memo<usize, Option<InText<'a>>>,
     counts: Memo<u64, Rc<Counts>>,
     turns: Memo<u64, BTreeSet<bool>>,
     doing: Memo<u64, Option<Doings>>,
@@ -94,7 +93,6 @@ impl<'a> Given<'a> {
             actors: OnceCell::new(),
             meant: Memo::default(),
             is_opposite: Memo::default(),
-            only_near: Memo::default(),
             counts: Memo::default(),
             turns: Memo::default(),
             doing: Memo::default(),
@@ -171,14 +169,6 @@ impl<'a> Given<'a> {
             let parts = || self.parts().map(|(_, f)| f).zip(of_parts);
             let sided = |f: &TextFacts| f.there().any(|c| c.side.is_some());
             !parts().any(|(f, _)| sided(f) && same(f)) && parts().any(|(f, says)| *says && same(f))
-        })
-    }
-
-    /// The thing that may be meant, where there is only one.
-    pub fn only_near(&self, n: &Named) -> Option<InText<'a>> {
-        self.only_near.get(n.group, || {
-            let mut same = self.there().filter(|(_, o)| self.own(o).meets(self.near(n)));
-            same.next().filter(|_| same.next().is_none())
         })
     }
 

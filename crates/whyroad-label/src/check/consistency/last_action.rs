@@ -184,7 +184,12 @@ pub(super) fn describes_at_last(text: &str, forms: &Forms) -> bool {
     let is_one = |list: &[String], w: &&str| list.iter().any(|l| l == w);
     all.len() >= LEAST
         && all.iter().take(FIRST).any(|w| is_one(&forms.is, w))
-        && !all.iter().any(|w| is_one(&forms.controls, w))
+        && !all.iter().enumerate().any(|(i, w)| {
+            // "We have the permission to go": what the ego has or is, rather than what it does.
+            let has =
+                ["we", "i", "ego"].contains(w) && ["have", "has"].contains(all.get(i + 1).unwrap_or(&""));
+            !has && is_one(&forms.controls, w)
+        })
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::GroupSet;
+use whyroad_framework::label_words::{Divider, GroupSet};
 use whyroad_model::label_fields::pointer;
 
 /// Each thing in the trace, up to `until`, is in a component.
@@ -61,6 +61,12 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
         let begins = before.is_empty() || before.ends_with(['.', '!', '?', ';']);
         text[n.start..n.end].is_ascii() && (begins || subject::is_owned(before, words))
     };
+    // Why the cause was not observed: "UNOBSERVED, because the officer's order cannot be heard".
+    let unobserved = texts
+        .trace
+        .unobserved
+        .map(|(a, b)| words.clauses.around(&texts.units, a..b, text.len(), &|d| d == Divider::Sentence));
+    let is_of_unobserved = |n: &Named| unobserved.is_some_and(|(a, b)| (a..b).contains(&n.start));
     let is_new = |n: &&Named| {
         is_new(n)
             && !may_be_ego(n)
@@ -68,6 +74,7 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
             && !either(n)
             && !describes(n)
             && !is_beside(n)
+            && !is_of_unobserved(n)
             && !subject::is_no_noun(text, n.start, n.end, words)
             && is_presented(text, n, texts, words)
     };
@@ -103,13 +110,27 @@ fn is_presented(text: &str, n: &Named, texts: &Texts, words: &LabelWords) -> boo
         let behind = text[n.end..to].to_ascii_lowercase();
         let mut next = behind.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
         const PLACES: [&str; 15] = [
-            "are", "behind", "beside", "next", "to", "on", "in", "at", "two", "ahead", "tucked", "coming", "crossing",
-            "over", "alongside",
+            "are",
+            "behind",
+            "beside",
+            "next",
+            "to",
+            "on",
+            "in",
+            "at",
+            "two",
+            "ahead",
+            "tucked",
+            "coming",
+            "crossing",
+            "over",
+            "alongside",
         ];
         let placed = next.next().is_some_and(|w| PLACES.contains(&w));
         let many = text[n.start..n.end].ends_with('s') && !text[from..n.start].trim_end().ends_with("the");
         // "Has just gone amber".
-        let is_event = words.objects[n.group].own.meets(words.known.light) && text[n.start..n.end].contains(' ');
+        let is_event =
+            words.objects[n.group].own.meets(words.known.light) && text[n.start..n.end].contains(' ');
         return placed || many || is_event;
     }
     // Its clause begins with it, or with where it is.
@@ -121,7 +142,8 @@ fn is_presented(text: &str, n: &Named, texts: &Texts, words: &LabelWords) -> boo
     }
     let is_place = |c: char| "方面边侧口旁头里上后前外内处间的色号了".contains(c);
     let begins = before.is_none_or(|c| !c.is_alphanumeric() || is_place(c));
-    let acts = text[n.end..to].contains(char::is_alphanumeric) || text[n.start..n.end].chars().nth(2).is_some();
+    let acts =
+        text[n.end..to].contains(char::is_alphanumeric) || text[n.start..n.end].chars().nth(2).is_some();
     begins && acts
 }
 
@@ -226,7 +248,9 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
     let other_bend = |n: &Named| {
         let Some(side) = turned(text, n).filter(|_| is_fixed(n)) else { return false };
         let turns = given.turns(n);
-        !turns.is_empty() && !turns.contains(&side)
+        let all = texts.trace.there().filter(|m| m.start < until && m.group == n.group);
+        let also = all.filter_map(|m| turned(text, m)).any(|s| turns.contains(&s));
+        !turns.is_empty() && !turns.contains(&side) && !also
     };
     // It stands, although its component states that it moves off.
     let other_doing = |n: &Named| {
@@ -268,7 +292,10 @@ fn differs(scope: &TextScope<'_>, until: usize, said: Said, sink: &mut dyn Sink)
     let other_thing = texts.trace.there().filter(|n| n.start < until).find(is_other);
     let other_thing = other_thing.or_else(|| other_light(scope, until)).map(|n| (n.start, n.end));
     let other_side = || attributes::other_side(scope).or_else(|| attributes::other_side_of_all(scope, until));
-    let other_number = || attributes::other_length(scope).or_else(|| attributes::other_number(scope));
+    let other_number = || {
+        let length = attributes::other_length(scope).or_else(|| attributes::other_limit(scope));
+        length.or_else(|| attributes::other_number(scope))
+    };
     let Some((start, end)) = other_thing.or_else(other_number).or_else(other_side) else {
         return;
     };

@@ -6,6 +6,7 @@ use crate::check::consistency::trace::{self, Force};
 use crate::check::consistency::trace_rules;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::TextScope;
+use crate::check::view::ComponentView;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::label_words::KnownKinds;
 use whyroad_framework::lexicon::units::Units;
@@ -29,7 +30,8 @@ pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn S
             .or_else(|| room_for_aborted(t, f, scope))
             .or_else(|| against_another(i, t, f, scope))
             .or_else(|| nothing_to_respond_to(t, scope))
-            .or_else(|| route_refuses(t, f, scope))?;
+            .or_else(|| route_refuses(t, f, scope))
+            .or_else(|| side_is_taken(i, t, f, scope))?;
         Some((i, t, at))
     });
     let Some((index, text, (start, end))) = found else { return false };
@@ -242,6 +244,58 @@ fn route_refuses(text: &str, facts: &TextFacts, scope: &TextScope<'_>) -> Option
     let from = route.end + at;
     let stem = lexicon.stems.find(&text[from + length..], None, Some(across))?;
     Some((from, from + length + stem))
+}
+
+/// Bytes of a road user on the side to which the ego goes, in a component that begins with the side (Chinese) or says
+/// that he is in that lane (English), where another component says that this side is free.
+fn side_is_taken(
+    index: usize,
+    text: &str,
+    facts: &TextFacts,
+    scope: &TextScope<'_>,
+) -> Option<(usize, usize)> {
+    let TextScope { label, texts, words, .. } = *scope;
+    let goes = matches!(
+        label.lateral.get(),
+        Some(Lateral::LaneChange | Lateral::OutOfLaneNudge | Lateral::MergeOrSplit)
+    );
+    let left = match label.direction.get().filter(|_| goes)? {
+        LateralDirection::Left => true,
+        LateralDirection::Right => false,
+        LateralDirection::Uturn => return None,
+    };
+    // Over the line, the ego meets who is oncoming.
+    let crosses = label.lateral.get() == Some(Lateral::OutOfLaneNudge);
+    let names = if left { ["左", "left lane"] } else { ["右", "right lane"] };
+    let has = |t: &str, all: &[String]| {
+        let lower = t.to_ascii_lowercase();
+        all.iter().any(|w| lower.contains(w.as_str()))
+    };
+    let there = |t: &str| {
+        let own =
+            if t.is_ascii() { t.to_ascii_lowercase().contains(names[1]) } else { t.starts_with(names[0]) };
+        own || crosses && has(t, &words.subjects.opposite)
+    };
+    let actor = |n: &&Named| words.objects[n.group].own.meets(words.known.vehicle);
+    let free = |f: &TextFacts, t: &str| {
+        f.named.iter().filter(actor).any(|n| n.absent)
+            || !f.there().any(|n| actor(&n)) && has(t, &words.subjects.free)
+    };
+    let is_open = has(text, &words.subjects.free) || facts.named.iter().any(|n| n.absent || n.supposed);
+    if is_open || !there(text) || words.remote.find(text).is_some() {
+        return None;
+    }
+    let other = |(c, f): (&ComponentView<'_>, &TextFacts)| {
+        c.index != index && c.description.get().is_some_and(|t| there(t) && free(f, t))
+    };
+    let denied = label.parts.iter().zip(&texts.components).any(other);
+    // "The nearest car is 50 m behind": far enough.
+    let far = words.quantities.lengths(text).iter().any(|q| q.value >= 50.0);
+    // "An officer waves traffic to the left lane": who acts is somebody else.
+    let first = facts.there().find(|n| words.objects[n.group].own.meets(words.known.actor));
+    let many = |n: &&Named| text.get(n.start..n.end).is_some_and(|name| words.subjects.is_of_many(name));
+    let n = first.filter(|n| actor(n) && !many(n) && denied && !far)?;
+    Some((n.start, n.end))
 }
 
 /// Bytes of the statement that there is no room on the side to which the ego goes.

@@ -75,7 +75,17 @@ fn other_number(label: &View<'_>, id: &str, value: f64, unit: &str, words: &Labe
     // "Little more than two seconds": people round.
     let rounds = |t: &str, at: usize| {
         const ROUGH: [&str; 12] = [
-            "about ", "around ", "roughly ", "some ", "more than ", "less than ", "nearly ", "约", "大概", "不到", "差不多",
+            "about ",
+            "around ",
+            "roughly ",
+            "some ",
+            "more than ",
+            "less than ",
+            "nearly ",
+            "约",
+            "大概",
+            "不到",
+            "差不多",
             "来",
         ];
         let from = t[..at].char_indices().rev().nth(12).map_or(0, |(i, _)| i);

@@ -8,7 +8,7 @@ use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::decision_table::{ClassDecisions, Fit};
 use whyroad_framework::label_words::Divider;
-use whyroad_model::decision::Lateral;
+use whyroad_model::decision::{Lateral, LateralDirection};
 use whyroad_model::label_fields::pointer;
 
 /// No further action of the ego follows the decision, unless it is part of the class: a maneuver of another kind.
@@ -41,7 +41,9 @@ pub(super) fn second_action(
         // "Swings left behind it": the turn of the class.
         let turns = class.is_some_and(|c| c.lateral_fit(Some(Lateral::Turn)) == Fit::Usual);
         let of_the_class = turns && m.side.is_some();
-        let of_a_lane = phrase.longitudinal.is_empty() && !phrase.lateral.iter().any(part);
+        // Pulling over is a movement to the side, too.
+        let pulls_over = own == Some(Lateral::PullOver) && phrase.lateral.len() > 1;
+        let of_a_lane = !pulls_over && phrase.longitudinal.is_empty() && !phrase.lateral.iter().any(part);
         of_a_lane && !of_the_class && !phrase.supports_only
     };
     let is_second = |m: &&Mention| m.later && m.start >= decided && !says(m) && is_other(m);
@@ -82,7 +84,21 @@ fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink)
         let before = &lower[from..*at];
         // "A van that has its hazards on".
         let is_kind = text[*at + w.len()..].starts_with('的');
-        *at >= begin && !other && !is_kind && !denied.iter().any(|d| before.contains(d))
+        // "In passing it also shifts a little to the left": the label's decision.
+        let to = words.clauses.clause_end(&texts.units, *at + w.len(), text.len());
+        let only_adds = ["顺", "捎", "on the side", "while "].iter().any(|a| w.starts_with(a));
+        let rest = &text[*at + w.len()..to];
+        let side = match label.direction.get() {
+            Some(LateralDirection::Left) => ["左", "left"],
+            Some(LateralDirection::Right) => ["右", "right"],
+            _ => ["掉头", "u-turn"],
+        };
+        let decided = |rest: &str| {
+            let stem = lexicon.stems.find(rest, label.longitudinal.get(), label.lateral.get());
+            stem.is_some() || label.lateral.get().is_some() && side.iter().any(|s| rest.contains(s))
+        };
+        let own = only_adds && decided(rest);
+        *at >= begin && !other && !is_kind && !own && !denied.iter().any(|d| before.contains(d))
     };
     let Some((start, word)) = all.into_iter().find(of_ego) else { return false };
     sink.report(

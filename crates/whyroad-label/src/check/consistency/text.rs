@@ -1,7 +1,7 @@
 //! Texts against each other and against the class: a trace that is unrelated to its components, a decision that
 //! continues as before, and words that belong to another class.
 
-use crate::check::consistency::trace::{Force, Reading};
+use crate::check::consistency::trace::{Force, Mention, Reading};
 use crate::check::consistency::trace_rules;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
@@ -32,13 +32,15 @@ impl TraceParts {
     /// Without a trace all fields are empty.
     pub fn of(reading: Option<&Reading>) -> Self {
         let Some(r) = reading else { return Self { acts: false, because: None, decides: 0, last: 0 } };
-        let all = || r.mentions.iter().filter(|m| !m.by_other && m.force == Force::Asserted);
-        let first = all().map(|m| m.start).find(|at| !r.marked || *at >= r.decision_from);
+        let all = r.mentions.iter().filter(|m| !m.by_other && m.force == Force::Asserted);
+        let own = |m: &&Mention| !m.by_other && matches!(m.force, Force::Asserted | Force::Doubtful);
+        let acts = r.mentions.iter().filter(own);
+        let first = all.map(|m| m.start).find(|at| !r.marked || *at >= r.decision_from);
         Self {
             acts: !r.mentions.is_empty() || r.names_ego,
             because: r.because,
             decides: if r.marked { r.decision_from } else { first.unwrap_or(r.end) },
-            last: all().map(|m| m.start).last().unwrap_or(r.end),
+            last: acts.map(|m| m.start).last().unwrap_or(r.end),
         }
     }
 }
@@ -68,7 +70,7 @@ pub(in crate::check) fn unrelated(scope: &TextScope<'_>, parts: &TraceParts, sin
         && !label.trace.get().is_some_and(|t| words.is_of_driving(t))
         || !acts && !texts.trace.groups.meets(components);
     let speaks_of = texts.trace.groups.without(background);
-    if says_nothing_of_them(scope) {
+    if says_nothing_of_them(scope, last) {
         unrelated_to_all(sink);
         return true;
     }
@@ -124,22 +126,52 @@ pub(in crate::check) fn restates(scope: &TextScope<'_>, to: usize) -> bool {
 
 /// The trace says nothing of what the components say: it shares neither a thing nor a word with them, and next to no
 /// meaning.
-fn says_nothing_of_them(scope: &TextScope<'_>) -> bool {
+///
+/// `last`: first byte of the last action of the ego. What the trace says before the clause with it is its reason.
+fn says_nothing_of_them(scope: &TextScope<'_>, last: usize) -> bool {
     /// Minimum number of meanings of the components.
     const LEAST: u32 = 2;
     const SHARE: f64 = 0.15;
-    let TextScope { label, texts, words, .. } = *scope;
+    /// Maximum share of the whole trace, which may be about the one to whom the ego gives way.
+    const MOST: f64 = 0.3;
+    /// Minimum number of letters of a reason.
+    const LEAST_REASON: usize = 12;
+    let TextScope { label, texts, words, background, .. } = *scope;
     let Some(text) = label.trace.get() else { return false };
-    if texts.trace.groups.meets(texts.all_components(words)) {
+    let end = last.min(text.len());
+    let (clause, _) = words.clauses.around(&texts.units, end..end, text.len(), &|d| d != Divider::Aside);
+    // Without anything before the decision, the reason may be in its clause.
+    let to = if text[..clause].chars().filter(|c| c.is_alphanumeric()).nth(LEAST_REASON).is_some() {
+        clause
+    } else {
+        text.len()
+    };
+    let components = texts.all_components(words);
+    let components = if to < text.len() { components.without(background) } else { components };
+    if texts.trace.named.iter().any(|n| n.start < to && words.objects[n.group].own.meets(components)) {
         return false;
     }
-    if overlap::shared(label, text, &words.compared, &|_| true) > 0
-        || overlap::shares_characters(label, text, words)
+    let is_common = |at: usize| to < text.len() && words.subjects.is_common(text, at);
+    if overlap::shared(label, text, &words.compared, &|at| at < to && !is_common(at)) > 0
+        || overlap::shares_characters(label, &text[..to], words)
     {
         return false;
     }
-    let (shared, all) = coverage(scope, text.len());
-    all >= LEAST && f64::from(shared) <= SHARE * f64::from(all)
+    // "58 in what is now a 40".
+    let numbers = |t: &str| -> Vec<String> {
+        let all = t.split(|c: char| !c.is_ascii_digit()).filter(|w| w.len() > 1);
+        all.map(str::to_owned).collect()
+    };
+    let said = numbers(text);
+    let mut given = label.parts.iter().filter_map(|c| c.description.get()).flat_map(numbers);
+    if given.any(|n| said.contains(&n)) {
+        return false;
+    }
+    let (shared, all) = coverage(scope, to);
+    let is_little = |shared: u32, share: f64| f64::from(shared) <= share * f64::from(all);
+    all >= LEAST
+        && is_little(shared, SHARE)
+        && (to == text.len() || is_little(coverage(scope, text.len()).0, MOST))
 }
 
 /// Bytes of the reason in the trace, if it names nothing, has no word about driving, and shares none with the

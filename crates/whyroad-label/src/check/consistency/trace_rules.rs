@@ -373,8 +373,14 @@ fn goes_to_other_side(text: &str, scope: &TextScope<'_>, reading: &Reading) -> O
     };
     let (at, length) = find(other)?;
     let range = from..end;
+    // "So we slow for the kid and shade over to the right": a movement between the name and the side.
+    const NEAR: usize = 12;
     let of_somebody = |n: &Named| {
-        range.contains(&n.start) && n.side.is_some() && words.objects[n.group].own.meets(words.known.actor)
+        let beside = n.end <= from + at && from + at - n.end <= NEAR || n.start >= from + at + length;
+        range.contains(&n.start)
+            && n.side.is_some()
+            && beside
+            && words.objects[n.group].own.meets(words.known.actor)
     };
     (find(own).is_none() && !texts.trace.named.iter().any(of_somebody)).then(|| TraceVerdict::OtherSide {
         label: direction,

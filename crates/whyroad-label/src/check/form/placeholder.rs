@@ -45,9 +45,9 @@ pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
             // "It is ten past eight now, within the hours": of what another component names.
             let shares = || {
                 let others = label.parts.iter().filter(|o| o.index != c.index);
-                others.filter_map(|o| o.description.get()).any(|o| {
-                    overlap::shared_with(o, text, &words.compared, &|_| true) > 0
-                })
+                others
+                    .filter_map(|o| o.description.get())
+                    .any(|o| overlap::shared_with(o, text, &words.compared, &|_| true) > 0)
             };
             // A text that refers to something named before, or counts, may use any words.
             let speaks_on = || {
@@ -60,10 +60,11 @@ pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
             let is_idle = facts.idle.is_some() || facts.apart.is_some();
             // "Nobody is herding them": of what another component names.
             let refers = || label.parts.len() > 1 && refers_back(text, words);
-            let finding = match is_short(text) && !refers() || !is_idle && !speaks_on() && !is_told() && !shares() {
-                true => Finding::warning("label.text.unrelated", at),
-                false => Finding::note("label.text.unrelated", at),
-            };
+            let finding =
+                match is_short(text) && !refers() || !is_idle && !speaks_on() && !is_told() && !shares() {
+                    true => Finding::warning("label.text.unrelated", at),
+                    false => Finding::note("label.text.unrelated", at),
+                };
             sink.report(finding, &|| {
                 Words::new(
                     format!("“{text}”没有提到任何与驾驶有关的事物"),

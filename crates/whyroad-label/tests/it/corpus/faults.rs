@@ -69,7 +69,8 @@ const KINDS: &[(&str, &[&str])] = &[
     ("record_missing", &["label.record.missing"]),
     ("duplicate", &["label.component.duplicate"]),
     ("draft", &["label.trace.draft", "label.text.placeholder"]),
-    ("cause_missing", &["label.cause.missing"]),
+    // By the causes, or by a trace without any reason.
+    ("cause_missing", &["label.cause.missing", "label.cause.circular", "label.text.unrelated"]),
     ("unobserved", &["label.cause.unobserved"]),
     // An additional action of the ego.
     ("unstated_action", &["label.trace.unlabelled", "label.trace.contradicts"]),

@@ -75,7 +75,8 @@ pub(in crate::check::consistency) fn find(
     let last = deciding().filter(tells).last().map_or(0, |m| m.start);
     // Nor is what is told before the last statement of the decision: "a left turn gives way, that is an old rule; ... we
     // brake and wait".
-    let at_last = deciding().filter(|m| !m.by_other && m.force == Force::Asserted).last().map_or(0, |m| m.start);
+    let at_last =
+        deciding().filter(|m| !m.by_other && m.force == Force::Asserted).last().map_or(0, |m| m.start);
     // A trace in the past tense has its decision in the past tense, too.
     let in_past = stated.is_some_and(|m| is_past(&text[m.start..m.end], words));
     let stops = stated.is_some_and(|m| resumes(m) == Some(false));
@@ -96,7 +97,9 @@ pub(in crate::check::consistency) fn find(
         // Starting again comes after the stop.
         let exempt = || {
             let mut any = false;
-            words.aftermath.trace_hits(&texts.units, start..end, |tell, _, _| any |= tell == TellWord::Exempt);
+            words
+                .aftermath
+                .trace_hits(&texts.units, start..end, |tell, _, _| any |= tell == TellWord::Exempt);
             any
         };
         if let Some(m) = own.clone().find(|m| stops && m.force == Force::Asserted && resumes(m) == Some(true))
@@ -237,7 +240,8 @@ fn told(
             }
             // "Let it through first, then left": where to.
             TellWord::PastOfSubject
-                if clause[start..end].eq_ignore_ascii_case("left") && !clause[end..].contains(char::is_alphanumeric) =>
+                if clause[start..end].eq_ignore_ascii_case("left")
+                    && !clause[end..].contains(char::is_alphanumeric) =>
             {
                 Told::Nothing
             }
@@ -259,7 +263,10 @@ fn told(
         let (start, end) = (at, at + word.len());
         at = end + 1;
         let past = word.len() >= 5 && word.ends_with("ed") && !word.ends_with("eed");
-        if past && !ends.contains(&(start, end)) && somebody_acts(start, end) {
+        // "Until we've sorted that out": a participle.
+        let before = clause[..start].trim_end().to_ascii_lowercase();
+        let perfect = ["'ve", "'s", "'d", "'re", "'m"].iter().any(|w| before.ends_with(w));
+        if past && !perfect && !ends.contains(&(start, end)) && somebody_acts(start, end) {
             return Told::Event(start, end, false);
         }
     }
