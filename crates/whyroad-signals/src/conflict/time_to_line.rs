@@ -11,7 +11,7 @@ use crate::target::rows::Rows;
 use whyroad_model::catalog::id;
 
 /// Minimum speed across the lane for approaching its edge, m/s.
-const LATERAL_LEAST_MPS: f64 = 0.05;
+pub const LATERAL_LEAST_MPS: f64 = 0.05;
 
 /// Seconds to cover `distance` at `speed`; infinite when not approaching, 0 when there.
 fn time_over(distance: f64, speed: f64) -> f64 {

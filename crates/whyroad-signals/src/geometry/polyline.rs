@@ -245,8 +245,21 @@ impl Polyline {
 
     /// Minimum distance of `p` from the line itself (without its extension), m.
     pub fn distance(&self, p: P2) -> f64 {
-        let d2 =
-            self.points.windows(2).map(|w| segment_distance2(p, w[0], w[1])).fold(f64::INFINITY, f64::min);
+        let blocks = &self.segments.blocks;
+        let in_block = |b: usize| {
+            let end = ((b + 1) * BLOCK).min(self.points.len() - 1);
+            let sides = self.points[b * BLOCK..=end].windows(2);
+            sides.map(|w| segment_distance2(p, w[0], w[1])).fold(f64::INFINITY, f64::min)
+        };
+        // The nearest block first: its result excludes most of the others.
+        let away = |b: &usize| blocks[*b].away2(p);
+        let begin = (0..blocks.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0);
+        let mut d2 = in_block(begin);
+        for b in (0..blocks.len()).filter(|b| *b != begin) {
+            if blocks[b].may_be_within(p, d2.sqrt()) {
+                d2 = d2.min(in_block(b));
+            }
+        }
         d2.sqrt()
     }
 

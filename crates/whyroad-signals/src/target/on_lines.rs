@@ -2,19 +2,23 @@
 //! in the row before: then only the parts of the lines that the ego has come near since are searched, and results for
 //! the same foot point are reused. The result equals a complete search.
 
+use crate::conflict::time_to_line::LATERAL_LEAST_MPS;
 use crate::geometry::{Foot, Nearby, OrientedBox, P2, Polyline, Projection, Window};
 use crate::road::corridor::Corridor;
-use crate::road::ego_lane::{EgoLane, lateral_extent};
+use crate::road::ego_lane::{EgoLane, OnCorridor, lateral_extent};
 use crate::road::path::DrivenPath;
+
+/// Where a box is farther than this beside the ego's lane and the ego, m, it has no part in them.
+const CLEAR_M: f64 = 2.0;
 
 /// A position beside a line: signed distances, left positive, m.
 #[derive(Clone, Copy, Debug)]
 pub struct Beside {
     /// Of the center.
     pub lateral: f64,
-    /// Of the rightmost corner.
+    /// Of the rightmost corner; a bound far beside the lane, see [`OnLane`].
     pub low: f64,
-    /// Of the leftmost corner.
+    /// Of the leftmost corner; likewise.
     pub high: f64,
     /// Direction of the line there, rad.
     pub heading: f64,
@@ -36,8 +40,33 @@ pub struct OnLane<'a> {
     corridor: &'a Corridor,
     /// Foot point of its center on the lane's line.
     pub foot: Foot,
-    /// Its position, and the distances from the lane's line to the left and right edge there, m.
+    /// Its position, and the distances from the lane's line to the left and right edge there, m. Of a box that is clear
+    /// of the lane and of the ego in it, and does not move towards the lane, the corners are bounds: those of the circle
+    /// around it. No signal depends on how far they are outside.
     pub beside: (Beside, f64, f64),
+    /// Velocity across the lane, towards its center line positive, m/s.
+    pub lateral_speed: f64,
+    has_corners: bool,
+}
+
+/// The ego on its lines in one frame, and where on them targets are sought: the same for all targets.
+pub struct EgoOnLines<'a> {
+    /// The part of the path.
+    path: Window,
+    /// Its place on its lane, and the part of the lane; `None` while it has none.
+    pub lane: Option<(OnCorridor<'a>, Window)>,
+    /// Maximum distance of its corners from its lane's line, m.
+    reach: f64,
+}
+
+impl<'a> EgoOnLines<'a> {
+    /// In a frame in which the ego's pose is known; `radius` is that of its box.
+    pub fn new(path: &DrivenPath, lanes: Option<&'a EgoLane>, frame: usize, radius: f64) -> Self {
+        let on = lanes.and_then(|l| l.at(frame));
+        let window = |on: OnCorridor<'a>| (on, on.corridor.line.window(on.s - 105.0, on.s + 155.0));
+        let reach = on.map_or(0.0, |on| on.lateral.abs() + radius);
+        Self { path: path.window_near(path.ego_s[frame]), lane: on.map(window), reach }
+    }
 }
 
 /// The foot point of `place`; `before` is that of an earlier position.
@@ -68,19 +97,18 @@ pub fn extents(path: &DrivenPath, footprint: &OrientedBox, at: &Projection) -> (
 }
 
 impl<'a> OnLines<'a> {
-    /// Position of a box in `frame`; the flag states whether it has a direction and an extent. `before` is the result
-    /// for the same object in another frame.
+    /// Position of a box with this velocity; the flag states whether it has a direction and an extent. `before` is the
+    /// result for the same object in another frame.
     pub fn new(
         path: &DrivenPath,
-        lanes: Option<&'a EgoLane>,
+        ego: &EgoOnLines<'a>,
         (footprint, sized): (OrientedBox, bool),
-        frame: usize,
+        velocity: P2,
         before: Option<&OnLines<'a>>,
     ) -> Self {
         let center = footprint.center;
         let same = before.filter(|b| b.footprint.has_bits_of(&footprint));
-        let window = path.window_near(path.ego_s[frame]);
-        let foot = foot_of(&path.line, center, window, before.map(|b| (b.footprint.center, &b.foot)));
+        let foot = foot_of(&path.line, center, ego.path, before.map(|b| (b.footprint.center, &b.foot)));
         let extents = match same.filter(|b| b.foot.at == foot.at) {
             Some(before) => before.extents,
             None if sized => extents(path, &footprint, &foot.at),
@@ -90,16 +118,21 @@ impl<'a> OnLines<'a> {
                 (s, s, Beside { lateral, low: lateral, high: lateral, heading })
             }
         };
-        let lane = lanes.and_then(|l| l.at(frame)).map(|on| {
+        let lane = ego.lane.as_ref().map(|&(OnCorridor { corridor, .. }, window)| {
             let last = before.and_then(|b| Some((b, b.lane.as_ref()?)));
-            let last = last.filter(|(_, lane)| std::ptr::eq(lane.corridor, on.corridor));
-            let line = &on.corridor.line;
-            let window = line.window(on.s - 105.0, on.s + 155.0);
+            let last = last.filter(|(_, lane)| std::ptr::eq(lane.corridor, corridor));
+            let line = &corridor.line;
             let foot = foot_of(line, center, window, last.map(|(b, lane)| (b.footprint.center, &lane.foot)));
             let known = last.filter(|(_, lane)| same.is_some() && lane.foot.at == foot.at);
-            let beside = known.map(|(_, lane)| lane.beside);
-            let beside = beside.unwrap_or_else(|| beside_lane(on.corridor, &footprint, sized, &foot));
-            OnLane { corridor: on.corridor, foot, beside }
+            let known = known.map(|(_, lane)| (lane.beside, lane.has_corners));
+            let (mut beside, mut has_corners) =
+                known.unwrap_or_else(|| (beside_lane(corridor, &footprint, sized, &foot), !sized));
+            let lateral_speed = speed_towards(&beside.0, velocity);
+            if !has_corners && !is_clear(&beside, &footprint, lateral_speed, ego.reach) {
+                (beside.0.low, beside.0.high) = lateral_extent(corridor, &footprint, foot.at.s);
+                has_corners = true;
+            }
+            OnLane { corridor, foot, beside, lateral_speed, has_corners }
         });
         OnLines { footprint, foot, extents, lane }
     }
@@ -110,12 +143,32 @@ impl<'a> OnLines<'a> {
     }
 }
 
+/// The position beside the lane with bounds of the corners.
 fn beside_lane(corridor: &Corridor, footprint: &OrientedBox, sized: bool, foot: &Foot) -> (Beside, f64, f64) {
     let (s, lateral) = (foot.at.s, foot.at.lateral);
-    let (low, high) = if sized { lateral_extent(corridor, footprint, s) } else { (lateral, lateral) };
+    let radius = if sized { footprint.radius() } else { 0.0 };
     let heading = corridor.line.smooth_heading_at(s, 2.0);
     let (left, right) = corridor.widths_at(s);
-    (Beside { lateral, low, high, heading }, left, right)
+    (Beside { lateral, low: lateral - radius, high: lateral + radius, heading }, left, right)
+}
+
+/// Velocity across the lane at a position, towards its center line positive, m/s.
+fn speed_towards(at: &Beside, velocity: P2) -> f64 {
+    let across = velocity.dot(P2::from_heading(at.heading).left());
+    if at.lateral > 0.0 { -across } else { across }
+}
+
+/// True for a box that is apart from the lane, and from the ego in it, and does not come nearer to the lane: it is not
+/// in the lane, not over its edge, and not in the ego's way along it, wherever its corners are.
+fn is_clear(
+    (at, left, right): &(Beside, f64, f64),
+    footprint: &OrientedBox,
+    lateral_speed: f64,
+    ego_reach: f64,
+) -> bool {
+    let nearest = at.lateral.abs() - footprint.radius() - CLEAR_M;
+    // Unknown values are not clear.
+    lateral_speed < LATERAL_LEAST_MPS && nearest > *left && nearest > *right && nearest > ego_reach
 }
 
 #[cfg(test)]
@@ -149,9 +202,10 @@ mod tests {
                 let heading = f64::from(k) + 0.01 * f64::from((frame - 100).clamp(0, 30));
                 let length = if frame == 250 { f64::NAN } else { 4.0 };
                 let footprint = OrientedBox::new(p2(x + away, y), heading, length, 2.0);
+                let own = EgoOnLines::new(&path, None, frame as usize, 2.5);
                 let all = |before| {
-                    let found =
-                        OnLines::new(&path, None, (footprint, length.is_finite()), frame as usize, before);
+                    let sized = length.is_finite();
+                    let found = OnLines::new(&path, &own, (footprint, sized), P2::default(), before);
                     (format!("{:?} {:?}", found.foot.at, found.extents), found)
                 };
                 let (expected, _) = all(None);

@@ -9,7 +9,7 @@ use crate::road::network::{DEFAULT_HALF_WIDTH_M, Road};
 use crate::road::path::DrivenPath;
 use crate::series::below_with_hysteresis;
 use crate::target::band::{Band, Outline, PATH_MARGIN_M};
-use crate::target::on_lines::{OnLines, extents};
+use crate::target::on_lines::{EgoOnLines, OnLines, extents};
 use std::cell::OnceCell;
 use whyroad_model::Tri;
 use whyroad_model::scene::{Motion, Track};
@@ -222,6 +222,8 @@ pub struct Surroundings<'a> {
     pub road: Option<&'a Road>,
     /// By frame: the first of the frames up to it in which all of the ego's state has the same bits.
     still_since: Vec<usize>,
+    /// By frame: the ego on its path and its lane; `None` while its pose is unknown.
+    own: Vec<Option<EgoOnLines<'a>>>,
 }
 
 /// The box of a track in a row.
@@ -281,7 +283,9 @@ impl<'a> Surroundings<'a> {
                 still_since[frame] = still_since[frame - 1];
             }
         }
-        Self { ego, path, lanes, road, still_since }
+        let on_lines = |frame| EgoOnLines::new(path, lanes, frame, ego.footprint(frame).radius());
+        let own = (0..ego.len()).map(|frame| ego.is_known(frame).then(|| on_lines(frame))).collect();
+        Self { ego, path, lanes, road, still_since, own }
     }
 
     /// Places `track` in these of its rows, without gaps and closing speeds, which [`crate::target::approach::place`]
@@ -391,9 +395,7 @@ impl<'a> Surroundings<'a> {
         let frame = track.frames[row] as usize;
         let m = &track.motion;
         let center = p2(m.x[row], m.y[row]);
-        if !self.ego.is_known(frame) || !center.is_finite() {
-            return None;
-        }
+        let own = self.own[frame].as_ref().filter(|_| center.is_finite())?;
         if let Some((same, place)) = &before.place
             && self.stand(track, (*same, place.frame), (row, frame))
         {
@@ -402,7 +404,8 @@ impl<'a> Surroundings<'a> {
         let footprint = footprint(track, row);
         let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
         let sized = sizes_known && footprint.heading.is_finite();
-        let found = OnLines::new(self.path, self.lanes, (footprint, sized), frame, before.on.as_ref());
+        let velocity = p2(m.vx[row], m.vy[row]);
+        let found = OnLines::new(self.path, own, (footprint, sized), velocity, before.on.as_ref());
         if !before.on.as_ref().is_some_and(|before| before.is_where(&found)) {
             before.outline.clear();
         }
@@ -412,8 +415,8 @@ impl<'a> Surroundings<'a> {
         let part = || self.band(ego_s).part_of(&footprint, &on_path, &beside, &mut before.outline);
         let band = sized.then(part).flatten();
         let lane = on.lane.as_ref().map(|lane| lane.beside);
-        let lane_ahead = match (&on.lane, self.lanes.and_then(|l| l.at(frame))) {
-            (Some(lane), Some(own)) => lane.foot.at.s - own.s,
+        let lane_ahead = match (&on.lane, &own.lane) {
+            (Some(lane), Some((own, _))) => lane.foot.at.s - own.s,
             _ => f64::NAN,
         };
         let (z, path_z) = (m.z[row], self.path.z_at(on_path.s));
@@ -429,11 +432,7 @@ impl<'a> Surroundings<'a> {
         let cuts_lane = beside_lane
             && on_path.lateral.abs() <= DEFAULT_HALF_WIDTH_M
             && self.road.is_some_and(|road| road.in_junction(center));
-        let velocity = p2(m.vx[row], m.vy[row]);
-        let lane_lateral_speed = lane.map_or(f64::NAN, |(at, ..)| {
-            let across = velocity.dot(P2::from_heading(at.heading).left());
-            if at.lateral > 0.0 { -across } else { across }
-        });
+        let lane_lateral_speed = on.lane.as_ref().map_or(f64::NAN, |lane| lane.lateral_speed);
         let place = Placement {
             frame,
             footprint,

@@ -182,14 +182,14 @@ impl Block {
     }
 
     /// Squared distance of `p` from its center.
-    fn away2(&self, p: P2) -> f64 {
+    pub fn away2(&self, p: P2) -> f64 {
         let away = p - self.center;
         away.dot(away)
     }
 
     /// True when one of its segments can be at most `distance` from `p`. May be true although none is: foot points are
     /// rounded, too, and the nearest one must not be skipped.
-    fn may_be_within(&self, p: P2, distance: f64) -> bool {
+    pub fn may_be_within(&self, p: P2, distance: f64) -> bool {
         let reach = (self.radius + distance) * (1.0 + 1e-8) + 1e-5;
         self.away2(p) <= reach * reach
     }

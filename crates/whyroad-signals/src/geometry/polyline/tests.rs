@@ -287,3 +287,17 @@ fn the_greatest_curvature_is_that_of_asking_each() {
         assert!(off.norm() < 1e-15, "{k}");
     }
 }
+
+#[test]
+fn the_distance_is_that_of_all_segments() {
+    // A spiral, the turns of which are near each other.
+    let line =
+        Polyline::new((0..300).map(|i| P2::from_heading(f64::from(i) * 0.1) * (1.0 + 0.1 * f64::from(i))));
+    let line = line.unwrap();
+    for k in 0..2000_i32 {
+        let p = p2(f64::from(k * 37 % 101) - 50.0, f64::from(k * 53 % 97) - 48.0);
+        let each = line.points.windows(2).map(|w| segment_distance2(p, w[0], w[1]));
+        let expected = each.fold(f64::INFINITY, f64::min).sqrt();
+        assert_eq!(line.distance(p).to_bits(), expected.to_bits(), "{k}");
+    }
+}
