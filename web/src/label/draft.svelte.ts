@@ -4,6 +4,7 @@ import * as api from "../api/calls.generated.ts";
 import type { Conflicts, DraftSaved, Finding, Task } from "../api/types.ts";
 import { apply, type Change, rooted } from "./changes.ts";
 import { ConflictList, type Side } from "./conflicts.svelte.ts";
+import { SERVICE_FIELDS } from "./field_pointers.ts";
 import { type Json, read, same } from "./pointer.ts";
 import { SaveQueue } from "./save_queue.svelte.ts";
 import { TabChannel } from "./tab_channel.svelte.ts";
@@ -68,6 +69,18 @@ export class Draft {
   /** Everything that `edit` sets is undone together. */
   group(edit: () => void): void {
     this.undoHistory.group(edit);
+  }
+
+  /** The service replaced `before` as a whole by what is shown now: one step to undo. */
+  replaced(before: Json): void {
+    const [then, now] = [before, this.doc] as [Record<string, Json>, Record<string, Json>];
+    this.undoHistory.group(() => {
+      for (const key of new Set([...Object.keys(then), ...Object.keys(now)])) {
+        const path = `/${key}`;
+        if (SERVICE_FIELDS.has(path) || same(then[key], now[key])) continue;
+        this.undoHistory.record({ path, value: now[key], before: then[key] });
+      }
+    });
   }
 
   /** Takes the last edit back. Returns the field that changed, null when there was nothing to undo. */

@@ -1,7 +1,7 @@
 // What an edit of the label changes, and that a stage does not change the other's fields. Expected values by hand.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import type { SceneView } from "../api/types.ts";
+import type { SceneView, Task } from "../api/types.ts";
 import { inClass, iso, opened, SAFE } from "../testing/opened_task.ts";
 import { addComponent, decide, dropLostCauses, evidenceNow, removeComponent, setKeyframe, setRange, stateUncertainty, toggleCause, toggleIn, toggleUncertainty } from "./edits.ts";
 import type { Json } from "./pointer.ts";
@@ -90,6 +90,20 @@ test("evidence at the keyframe goes with it, what was chosen stays", () => {
   const locked = opened("stage2", before);
   setKeyframe(locked, "keyframe", 3);
   assert.deepEqual(locked.draft.at("/critical_components"), (before as { critical_components: Json }).critical_components);
+});
+
+test("a restored draft is one step to undo, before the steps that made what it replaced", () => {
+  const editor = opened("rework", { coc_trace: "old", records: { gap: 3 } });
+  editor.draft.set("/coc_trace", "new");
+  const before = editor.draft.doc;
+  editor.draft.load({ ...editor.task, draft: { coc_trace: "old", ...SAFE } } as unknown as Task);
+  editor.draft.discard();
+  editor.draft.doc = { coc_trace: "old", ...SAFE };
+  editor.draft.replaced(before);
+  editor.draft.undo();
+  assert.deepEqual(editor.draft.doc, { coc_trace: "new", records: { gap: 3 }, ...SAFE });
+  editor.draft.undo();
+  assert.equal(editor.draft.at("/coc_trace"), "old");
 });
 
 test("Stage I fills its fields only, Stage II leaves the components alone", () => {

@@ -224,9 +224,13 @@ export class TaskEditor {
     await this.request.run(async () => this.show(await api.postTaskJudgement(this.id, { fence, answers })));
   }
 
-  /** Restores the draft of an earlier entry of the history. */
-  restore(seq: number): Promise<boolean> {
-    return this.#post({ fence: this.#lease.fence, action: "restore", seq });
+  /** Restores the draft of an earlier entry of the history; it can be undone like an edit. */
+  async restore(seq: number): Promise<boolean> {
+    if (this.holdsLease && !(await this.draft.flush())) return false;
+    const before = this.draft.doc;
+    const done = await this.#post({ fence: this.#lease.fence, action: "restore", seq });
+    if (done) this.draft.replaced(before);
+    return done;
   }
 
   close(): void {

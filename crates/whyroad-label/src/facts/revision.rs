@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 use whyroad_model::Nanos;
-use whyroad_model::label_fields::{LABEL_FIELDS, LabelField, pointer};
+use whyroad_model::label_fields::{LABEL_FIELDS, LabelField, name, pointer};
+use whyroad_model::messages::Uncertainty;
 
 /// Differences between a draft and the accepted label.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,10 +42,29 @@ pub fn revision(draft: &Value, label: &Value) -> Revision {
         Nanos::parse_iso(text).ok()
     };
     let changed = Revision::fields().map(|f| f.pointer);
+    let is_same = |p: &str| {
+        if p == pointer::CRITICAL_COMPONENTS {
+            same(stated(draft, p).as_ref(), stated(label, p).as_ref())
+        } else {
+            same(draft.pointer(p), label.pointer(p))
+        }
+    };
     Revision {
-        changed: changed.filter(|p| !same(draft.pointer(p), label.pointer(p))).collect(),
+        changed: changed.filter(|p| !is_same(p)).collect(),
         keyframe_shift_s: at(label).zip(at(draft)).map(|(now, then)| now.seconds_since(then)),
     }
+}
+
+/// The components with the uncertainty that they have where nobody states one: low. The page writes it into every label.
+fn stated(of: &Value, at: &str) -> Option<Value> {
+    let mut components = of.pointer(at)?.clone();
+    for fields in components.as_array_mut().into_iter().flatten().filter_map(Value::as_object_mut) {
+        let uncertainty = fields.entry(name::UNCERTAINTY).or_insert(Value::Null);
+        if uncertainty.is_null() {
+            *uncertainty = Value::from(Uncertainty::Low.id());
+        }
+    }
+    Some(components)
 }
 
 /// Null, an absent field and an empty list are equal; times are compared as moments.
@@ -92,6 +112,17 @@ mod tests {
         );
         assert!((found.keyframe_shift_s.unwrap() + 0.4).abs() < 1e-9);
         assert_eq!(revision(&draft, &draft).changed, Vec::<&str>::new());
+    }
+
+    #[test]
+    fn an_uncertainty_that_was_left_out_is_low() {
+        let of = |uncertainty: Value| {
+            json!({ "critical_components": [{ "description": "a car", "uncertainty": uncertainty }] })
+        };
+        let draft = json!({ "critical_components": [{ "description": "a car" }] });
+        assert!(revision(&draft, &of(json!("low"))).changed.is_empty());
+        assert!(revision(&of(Value::Null), &of(json!("low"))).changed.is_empty());
+        assert_eq!(revision(&draft, &of(json!("high"))).changed, ["/critical_components"]);
     }
 
     #[test]
