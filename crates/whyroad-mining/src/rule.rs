@@ -2,6 +2,7 @@
 //! `mining:` block and the leaf's labeling spec ([`source`]) or from a JSON query ([`query`]).
 
 mod block;
+mod content;
 pub mod file;
 pub mod lint;
 pub mod origin;
@@ -233,11 +234,7 @@ impl Rule {
 
     /// Names of the signals that decide whether there is a match.
     pub fn signals(&self) -> BTreeSet<String> {
-        let mut out = self.program.signals(self.when);
-        for id in &self.require {
-            out.extend(self.program.signals(*id));
-        }
-        out
+        self.program.signals_of(std::iter::once(&self.when).chain(&self.require).copied())
     }
 
     /// The signals that are derived only for rules that use them, and whether it uses pairs; `None` when it uses none

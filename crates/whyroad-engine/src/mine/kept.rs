@@ -69,9 +69,7 @@ enum KeptValue {
 
 /// The hash of a rule.
 pub fn key(rule: &Rule) -> String {
-    // The derived text of a rule contains every field; numbers have all their digits.
-    let hash = blake3::hash(format!("{rule:?}").as_bytes());
-    hash.to_hex()[..32].to_owned()
+    blake3::hash(&rule.content()).to_hex()[..32].to_owned()
 }
 
 /// Dependencies of results besides the rule.

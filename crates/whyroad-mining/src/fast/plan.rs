@@ -96,8 +96,8 @@ impl<'r> Plan<'r> {
             }
             let when_signals = rule.program.signals(rule.when);
             let (signals, needs) = (rule.signals(), rule.needs());
-            let later = later_nodes(&rule).into_iter().flat_map(|id| rule.program.signals(id));
-            let later_signals = later.filter(|s| !when_signals.contains(s)).collect();
+            let later = rule.program.signals_of(later_nodes(&rule));
+            let later_signals = &later - &when_signals;
             let mut alone = plan.conjuncts(nodes[rule.when.0]);
             let alone_second = alone.iter().filter_map(|id| plan.node(*id).as_target).collect();
             alone.retain(|id| matches!(plan.node(*id).scope, ValueScope::Frame | ValueScope::Target));

@@ -8,6 +8,7 @@ mod define;
 mod describe;
 mod displayed;
 mod every;
+mod memo;
 mod moments;
 mod names;
 mod pairs;
@@ -19,10 +20,11 @@ pub use atoms::PartText;
 pub use names::nearest;
 pub use structure::{Join, Structure};
 
+use memo::Memo;
 use words::{kind_en, kind_zh, mismatch};
 
 use super::Fault;
-use super::program::{NodeId, Op, Program, Subject, ValueKind, ValueScope};
+use super::program::{Atom, NodeId, Op, Program, Subject, ValueKind, ValueScope};
 use super::syntax::{ArithmeticOp, Expr, ExprKind, Extent, Quantity, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::units::Dimension;
@@ -53,6 +55,16 @@ pub struct Checker<'a> {
     meaning: Meaning,
     /// A definition is being read: it may be used inside `exists`, where there is a second object.
     defining: bool,
+    /// Words of definitions, as far as they have been asked for.
+    said: wording::Said,
+    /// Words of conditions.
+    worded: Memo<Bilingual>,
+    /// Texts of conditions with all names replaced; unset where they are long.
+    whole: Memo<Option<String>>,
+    /// Conditions with what is measured for them.
+    shown: Memo<Atom>,
+    /// Definitions as atoms.
+    named: BTreeMap<String, Atom>,
 }
 
 /// Names of the objects that a rule binds. `target.` always names the first one.
@@ -99,6 +111,11 @@ impl<'a> Checker<'a> {
             roles: RoleNames::default(),
             meaning: Meaning::Role,
             defining: false,
+            said: wording::Said::default(),
+            worded: Memo::default(),
+            whole: Memo::default(),
+            shown: Memo::default(),
+            named: BTreeMap::new(),
         }
     }
 

@@ -378,7 +378,12 @@ impl Program {
 
     /// Names of all signals that `root` reads.
     pub fn signals(&self, root: NodeId) -> BTreeSet<String> {
-        self.reached(root).into_iter().filter_map(|id| self.own_signal(id)).collect()
+        self.signals_of([root])
+    }
+
+    /// Names of all signals that any of `roots` reads.
+    pub fn signals_of(&self, roots: impl IntoIterator<Item = NodeId>) -> BTreeSet<String> {
+        self.reached_from(roots).into_iter().filter_map(|id| self.own_signal(id)).collect()
     }
 
     /// Names of the signals of the object in the first role that `root` reads.
@@ -480,16 +485,22 @@ impl Program {
         self.reached(root).into_iter().any(|id| matches!(self.node(id).op, Op::Compare { .. }))
     }
 
-    /// A node and all nodes that it reads, each once.
-    fn reached(&self, root: NodeId) -> BTreeSet<NodeId> {
-        let mut out = BTreeSet::new();
-        let mut todo = vec![root];
-        while let Some(id) = todo.pop() {
-            if out.insert(id) {
-                todo.extend(self.node(id).op.operands());
+    /// A node and all nodes that it reads, each once, ascending.
+    fn reached(&self, root: NodeId) -> Vec<NodeId> {
+        self.reached_from([root])
+    }
+
+    /// The same of several nodes together.
+    fn reached_from(&self, roots: impl IntoIterator<Item = NodeId>) -> Vec<NodeId> {
+        let mut reached = vec![false; self.nodes.len()];
+        roots.into_iter().for_each(|root| reached[root.0] = true);
+        // Operands come before their users.
+        for at in (0..self.nodes.len()).rev() {
+            if reached[at] {
+                self.nodes[at].op.each_operand(|of| reached[of.0] = true);
             }
         }
-        out
+        (0..reached.len()).filter(|at| reached[*at]).map(NodeId).collect()
     }
 }
 
@@ -513,10 +524,15 @@ impl Op {
 
     /// The nodes it reads.
     pub fn operands(&self) -> Vec<NodeId> {
+        let mut operands = Vec::new();
+        self.each_operand(|of| operands.push(of));
+        operands
+    }
+
+    /// Calls `visit` with each node that it reads, in order.
+    pub fn each_operand(&self, mut visit: impl FnMut(NodeId)) {
         match self {
-            Op::Constant(_) | Op::Truth(_) | Op::Signal(_) | Op::SecondSignal(_) | Op::PairSignal { .. } => {
-                vec![]
-            }
+            Op::Constant(_) | Op::Truth(_) | Op::Signal(_) | Op::SecondSignal(_) | Op::PairSignal { .. } => {}
             Op::Negate(a)
             | Op::Absolute(a)
             | Op::Least(a, _)
@@ -535,12 +551,16 @@ impl Op {
             | Op::AtKeyframe(a)
             | Op::InMatch(a)
             | Op::MatchLeast(a)
-            | Op::MatchGreatest(a) => vec![*a],
+            | Op::MatchGreatest(a) => visit(*a),
             Op::Add(a, b) | Op::Subtract(a, b) | Op::Multiply(a, b) | Op::Since(a, b) | Op::Until(a, b) => {
-                vec![*a, *b]
+                visit(*a);
+                visit(*b);
             }
-            Op::Compare { left, right, .. } => vec![*left, *right],
-            Op::And(all) | Op::Or(all) => all.clone(),
+            Op::Compare { left, right, .. } => {
+                visit(*left);
+                visit(*right);
+            }
+            Op::And(all) | Op::Or(all) => all.iter().copied().for_each(visit),
         }
     }
 }

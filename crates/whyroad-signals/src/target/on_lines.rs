@@ -40,9 +40,9 @@ pub struct OnLane<'a> {
     corridor: &'a Corridor,
     /// Foot point of its center on the lane's line.
     pub foot: Foot,
-    /// Its position, and the distances from the lane's line to the left and right edge there, m. Of a box that is clear
-    /// of the lane and of the ego in it, and does not move towards the lane, the corners are bounds: those of the circle
-    /// around it. No signal depends on how far they are outside.
+    /// Its position, and the distances from the lane's line to the left and right edge there, m. Of a box that is
+    /// clear of the lane and of the ego in it, and does not move towards the lane, the corners are bounds: those of the
+    /// circle around it. No signal depends on how far they are outside.
     pub beside: (Beside, f64, f64),
     /// Velocity across the lane, towards its center line positive, m/s.
     pub lateral_speed: f64,

@@ -102,23 +102,33 @@ impl Checker<'_> {
         // A condition on each object in turn has no single value to show.
         names.retain(|name| !self.speaks_of_nobody(self.definitions[name].node));
         for name in &names {
-            let definition = self.definitions[name].expr.clone();
-            let condition = self.condition(&definition)?;
-            let words = self.words_of(&definition, Some(name));
-            let atom = Atom {
-                text: format!("{name}: {}", self.text_by_names(&definition)),
-                words,
-                value_names: BTreeMap::new(),
-                condition,
-                measured: condition,
-                signals: self.program.signals(condition),
-                unit: &UNITS[0],
-                threshold: None,
-                is_denied: false,
-            };
+            let atom = self.atom_of_definition(name)?;
             push_once(atom, out);
         }
         Ok(names)
+    }
+
+    /// A definition as an atom: its name and meaning.
+    fn atom_of_definition(&mut self, name: &str) -> Result<Atom, Fault> {
+        if let Some(known) = self.named.get(name) {
+            return Ok(known.clone());
+        }
+        let definition = self.definitions[name].expr.clone();
+        let condition = self.condition(&definition)?;
+        let words = self.words_of(&definition, Some(name));
+        let atom = Atom {
+            text: format!("{name}: {}", self.text_by_names(&definition)),
+            words,
+            value_names: BTreeMap::new(),
+            condition,
+            measured: condition,
+            signals: self.program.signals(condition),
+            unit: &UNITS[0],
+            threshold: None,
+            is_denied: false,
+        };
+        self.named.insert(name.to_owned(), atom.clone());
+        Ok(atom)
     }
 
     /// Comparisons directly in a conjunction or disjunction, not those inside its parts.
@@ -138,6 +148,9 @@ impl Checker<'_> {
 
     /// A condition with what is measured for it: the number or category that it compares, else the condition itself.
     pub(super) fn atom(&mut self, expr: &Expr, words: Bilingual) -> Result<Atom, Fault> {
+        if let Some(known) = self.shown.get(expr) {
+            return Ok(Atom { words, ..known });
+        }
         let condition = self.condition(expr)?;
         let (measured, compared) = self.measured_in(expr);
         let is_denied = match &expr.kind {
@@ -155,7 +168,7 @@ impl Checker<'_> {
             ValueKind::Condition => (&UNITS[0], BTreeMap::new()),
         };
         let unit = compared.map_or(base, |q| q.unit);
-        Ok(Atom {
+        let atom = Atom {
             text: self.text_for_people(expr),
             words,
             value_names,
@@ -165,7 +178,8 @@ impl Checker<'_> {
             unit,
             threshold: self.threshold(condition).map(|base| base / unit.to_base),
             is_denied,
-        })
+        };
+        Ok(self.shown.put(expr, atom))
     }
 
     /// What a condition measures, and the fixed number that it compares that with.

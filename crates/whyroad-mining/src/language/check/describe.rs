@@ -59,11 +59,11 @@ impl Checker<'_> {
     }
 
     fn whole(&self, expr: &Expr) -> Option<String> {
-        if self.names_long(expr) {
-            return None;
+        if let Some(text) = self.whole.get(expr) {
+            return text;
         }
-        let text = self.words(expr, Names::Replaced);
-        (text.chars().count() <= SHORT).then_some(text)
+        let text = (!self.names_long(expr)).then(|| self.words(expr, Names::Replaced));
+        self.whole.put(expr, text.filter(|text| text.chars().count() <= SHORT))
     }
 
     fn names_long(&self, expr: &Expr) -> bool {

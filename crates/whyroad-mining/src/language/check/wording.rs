@@ -8,6 +8,8 @@ use idioms::{around, during, same, without_guards, without_repeats};
 
 use super::super::syntax::{ArithmeticOp, CompareOp, Expr, ExprKind, Quantity};
 use super::Checker;
+use std::cell::RefCell;
+use std::collections::HashMap;
 use whyroad_model::units::Dimension;
 use whyroad_model::{Bilingual, Lang};
 
@@ -22,7 +24,7 @@ pub(super) const EN_OR_UNKNOWN: &str = " (or unknown)";
 
 /// Precedence of a text: an embedded text is quoted where it could be misread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Bond {
+pub(super) enum Bond {
     /// A noun or a plain clause.
     Single,
     /// A comparison.
@@ -32,7 +34,8 @@ enum Bond {
 }
 
 /// A text and its precedence.
-struct Phrase {
+#[derive(Clone)]
+pub(super) struct Phrase {
     text: String,
     bond: Bond,
 }
@@ -53,7 +56,7 @@ impl Phrase {
 
 /// The object that "the target" means in the title of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Whose {
+pub(super) enum Whose {
     /// The rule's target.
     Target,
     /// Each object in turn, inside `exists`, `forall` and `count`.
@@ -63,9 +66,12 @@ enum Whose {
 impl Checker<'_> {
     /// Text of a condition or number.
     pub fn in_words(&self, expr: &Expr) -> Bilingual {
+        if let Some(words) = self.worded.get(expr) {
+            return words;
+        }
         let said =
             |lang| Words { checker: self, lang, guards: Guards::Dropped }.phrase(expr, Whose::Target).text;
-        Bilingual::new(said(Lang::Zh), capitalized(&said(Lang::En)))
+        self.worded.put(expr, Bilingual::new(said(Lang::Zh), capitalized(&said(Lang::En))))
     }
 
     /// The name that the rule gives a definition.
@@ -78,17 +84,24 @@ impl Checker<'_> {
 /// A sentence begins with a capital letter.
 fn capitalized(text: &str) -> String {
     let mut rest = text.chars();
-    rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
+    rest.next().map_or_else(String::new, |first| first.to_uppercase().to_string() + rest.as_str())
 }
 
 /// Tests that a value is known, beside a condition on that value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Guards {
+pub(super) enum Guards {
     /// They are left out: where the condition holds, the value is known.
     Dropped,
     /// They are kept, inside a negation: this holds where the value is unknown.
     Kept,
 }
+
+/// Words of the definitions that have no name, by definition. They are part of the words of all conditions above them,
+/// so that without this they would be put together hundreds of times.
+pub(super) type Said = RefCell<HashMap<String, Vec<(Manner, Phrase)>>>;
+
+/// What the words of a definition depend on, besides its expression.
+type Manner = (Lang, Guards, Whose);
 
 struct Words<'c, 'a> {
     checker: &'c Checker<'a>,
@@ -265,7 +278,7 @@ impl Words<'_, '_> {
             return Phrase::single(words.get(self.lang));
         }
         if let Some(definition) = self.checker.definitions.get(name) {
-            return self.phrase(&definition.expr, whose);
+            return self.definition(name, &definition.expr, whose);
         }
         match name {
             "true" => return Phrase::single(self.say("恒成立".into(), "always".into())),
@@ -273,6 +286,19 @@ impl Words<'_, '_> {
             _ => {}
         }
         Phrase::single(self.signal(name, whose))
+    }
+
+    /// The words of a definition without a name.
+    fn definition(&self, name: &str, expr: &Expr, whose: Whose) -> Phrase {
+        let manner = (self.lang, self.guards, whose);
+        if let Some(said) = self.checker.said.borrow().get(name)
+            && let Some((_, phrase)) = said.iter().find(|(m, _)| *m == manner)
+        {
+            return phrase.clone();
+        }
+        let phrase = self.phrase(expr, whose);
+        self.checker.said.borrow_mut().entry(name.to_owned()).or_default().push((manner, phrase.clone()));
+        phrase
     }
 
     /// The title of a signal; `target.`, "the target" in titles, is the current object here.
