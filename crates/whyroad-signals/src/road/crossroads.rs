@@ -120,8 +120,8 @@ fn crosswalk_lights(on: &OnRoad<'_>, crossings: &[Crossing], frame: usize) -> Tr
     near.map_or(Tri::False, |k| crossings[k].lights)
 }
 
-/// Writes `map.time_to_junction`, `time_to_crosswalk`, `junction_signalised`, `junction_arms`, `junction_irregular`,
-/// `junction_exits`, `opposing_arm`, `crosswalk_signalised`.
+/// Writes `map.time_to_junction`, `time_to_crosswalk`, `junction_signalised`, `junction_stated`, `junction_arms`,
+/// `junction_irregular`, `junction_exits`, `opposing_arm`, `crosswalk_signalised`.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let (found, front) = (on.encounters, on.ego.front());
     let crossings = crossings(on);
@@ -138,6 +138,8 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
         id::MAP_JUNCTION_SIGNALISED,
         on.flags(|i| within(i, LIGHTS_REACH_M).map_or(Tri::False, |c| c.lights)),
     );
+    let stated = |i: usize| found.here_or_next(s(i), front, HORIZON_M).is_some_and(|k| found.stated[k]);
+    table.flag(id::MAP_JUNCTION_STATED, on.flags(|i| Tri::from(stated(i))));
     let number = |value: &dyn Fn(usize, &Crossing) -> f64| -> Vec<f64> {
         let of = |i: usize| within(i, HORIZON_M).map_or(0.0, |c| value(i, c));
         frames().map(|i| if on.ego.is_known(i) { of(i) } else { f64::NAN }).collect()

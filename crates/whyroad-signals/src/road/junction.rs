@@ -216,6 +216,8 @@ pub struct Encounters {
     /// Junctions; those with less than 5 m between them are merged, and so are those that a turn touches. A turn
     /// outside of junctions counts as one.
     pub junctions: Vec<Stretch>,
+    /// By junction: the map itself states it; false where it is derived from the lanes, or only a turn of the ego.
+    pub stated: Vec<bool>,
     /// Crosswalks.
     pub crosswalks: Vec<Stretch>,
     /// Change of heading across each junction, rad, and the ego's movement, if the recording or the lanes show it.
@@ -233,10 +235,12 @@ impl Encounters {
             .into_iter()
             .filter(|turn| !(areas_are_stated && at_one(turn)))
             .collect();
-        let junctions = with_turns(with_turns(areas, turns_round(road, path)), turns);
+        let junctions = with_turns(with_turns(areas.clone(), turns_round(road, path)), turns);
+        let holds = |j: &Stretch| areas.iter().any(|area| area.from >= j.from && area.to <= j.to);
+        let stated = junctions.iter().map(|j| areas_are_stated && holds(j)).collect();
         let ways = junctions.iter().map(|&j| way(road, path, ego, j, &headings)).collect();
         let crosswalks = stretches(path, |p| road.crosswalks.iter().any(|c| c.contains(p)), 0.0);
-        Self { junctions, crosswalks, ways }
+        Self { junctions, stated, crosswalks, ways }
     }
 
     /// The junction that contains the ego's center at `ego_s`, else the next one whose distance from its front is

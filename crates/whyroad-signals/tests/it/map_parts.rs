@@ -4,7 +4,9 @@ use crate::scene::{Table, area, drive, lane, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::Need;
 use whyroad_model::Tri::{False, True, Unknown};
-use whyroad_model::road_map::{Facility, Lane, LaneMark, Point3, RoadMap, Sign, StopLine};
+use whyroad_model::road_map::{
+    Facility, Lane, LaneMark, LayerState, MapLayer, Point3, RoadMap, Sign, StopLine,
+};
 use whyroad_model::scene::{ContextState, Drive, LightColor, LightState};
 
 const INF: f64 = f64::INFINITY;
@@ -75,6 +77,21 @@ fn arms_and_exits_of_stars() {
         m.lanes.iter_mut().for_each(|l| l.junction_id = Some("j".into()).filter(|_| l.in_junction));
         assert_eq!(Table::of(&through(m)).ego_flag("map.junction_irregular", 95), irregular, "{bearings:?}");
     }
+}
+
+#[test]
+fn a_junction_that_the_map_states_and_one_that_only_its_lanes_show() {
+    // At 10 m/s from x = -100: the area from -15 m on is 83 m ahead of the front at frame 0; at frame 140 (x = 40) it
+    // is behind.
+    let stated = |state: LayerState| {
+        let mut m = star(&[0.0, 90.0, 180.0, 270.0]);
+        m.layers.insert(MapLayer::Junctions, state);
+        let t = Table::of(&through(m));
+        [0, 100, 140].map(|frame| t.ego_flag("map.junction_stated", frame))
+    };
+    assert_eq!(stated(LayerState::Complete), [True, True, False]);
+    assert_eq!(stated(LayerState::Partial), [True, True, False]);
+    assert_eq!(stated(LayerState::Derived), [False; 3]);
 }
 
 #[test]
