@@ -6,7 +6,13 @@ use std::{fs, io};
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
 /// Codes that several adapters use.
-pub(crate) const CODES: &[&str] = &["ingest.speed.impossible", "ingest.rate.resampled", "ingest.time.span", "ingest.time.step", "ingest.objects.unused"];
+pub(crate) const CODES: &[&str] = &[
+    "ingest.speed.impossible",
+    "ingest.rate.resampled",
+    "ingest.time.span",
+    "ingest.time.step",
+    "ingest.objects.unused",
+];
 
 /// Hash of everything that a drive is made from: adapter and its revision, options, names and contents of files.
 /// Equal hashes mean an equal drive, so a lake need not write it again.
@@ -146,7 +152,9 @@ pub(crate) fn implausible_span(file: &str, first: f64, last: f64, samples: usize
 fn implausible_step(file: &str, step: f64, samples: usize) -> Diagnostic {
     let message = Bilingual::new(
         format!("{samples} 个时刻平均相隔 {step:.3e} s，不可能是行车记录：时间的单位有误"),
-        format!("its {samples} times are {step:.3e} s apart on average, which no recording of a drive is: their unit is wrong"),
+        format!(
+            "its {samples} times are {step:.3e} s apart on average, which no recording of a drive is: their unit is wrong"
+        ),
     );
     let hint = Bilingual::new(
         "检查时间的单位（s、ms、µs、ns）与列名或映射文件所写的是否一致",

@@ -20,9 +20,7 @@ use crate::encodings::feather;
 use crate::file_reader::{FileReader, finish_map};
 use crate::options::Options;
 use crate::report::SourceReport;
-use crate::source::{
-    ContentHash, SEARCH_DEPTH, file_label, implausible_span, impossible_speeds, resampled,
-};
+use crate::source::{ContentHash, SEARCH_DEPTH, file_label, implausible_span, impossible_speeds, resampled};
 use annotations::{Annotations, Cuboid};
 use ego_box::EgoBox;
 use map_file::{map_file, read_map};

@@ -468,9 +468,7 @@ fn tracks(
             }
             Some(Frame::World) => (row.pose, None),
             Some(Frame::Ego) => match pose_at(poses, row.time) {
-                Some(at) => {
-                    (Se3 { q: se3::compose(at.q, row.pose.q), t: at.apply(row.pose.t) }, Some(at.q))
-                }
+                Some(at) => (Se3 { q: se3::compose(at.q, row.pose.q), t: at.apply(row.pose.t) }, Some(at.q)),
                 None => {
                     count.drop_rows("no_pose", 1);
                     continue;

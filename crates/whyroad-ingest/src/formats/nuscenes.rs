@@ -173,7 +173,8 @@ fn drive(set: &Set<'_>, t: &SceneTables, options: &Options, report: &mut SourceR
     let seconds = |us: i64| us.saturating_sub(zero) as f64 / 1e6;
     let mut keyframes: Vec<f64> = t.samples.values().map(|&us| seconds(us)).collect();
     keyframes.sort_by(f64::total_cmp);
-    if let Some(d) = implausible_span(&label, 0.0, keyframes.last().copied().unwrap_or(0.0), keyframes.len()) {
+    if let Some(d) = implausible_span(&label, 0.0, keyframes.last().copied().unwrap_or(0.0), keyframes.len())
+    {
         report.diagnostics.push(d);
         return None;
     }

@@ -241,7 +241,12 @@ impl Simulation {
             return None;
         };
         let seconds = |s: Option<&fcd::Sample>| s.map_or(0.0, |s| s.time as f64 / 1e9);
-        if let Some(d) = implausible_span(label, seconds(ego.samples.first()), seconds(ego.samples.last()), ego.samples.len()) {
+        if let Some(d) = implausible_span(
+            label,
+            seconds(ego.samples.first()),
+            seconds(ego.samples.last()),
+            ego.samples.len(),
+        ) {
             report.diagnostics.push(d);
             return None;
         }

@@ -106,7 +106,12 @@ fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut Sourc
         return None;
     };
     let seconds = |at: Option<&i64>| at.map_or(0.0, |&t| t as f64 / 1e9);
-    if let Some(d) = implausible_span(&rows.label, seconds(rows.times.first()), seconds(rows.times.last()), rows.times.len()) {
+    if let Some(d) = implausible_span(
+        &rows.label,
+        seconds(rows.times.first()),
+        seconds(rows.times.last()),
+        rows.times.len(),
+    ) {
         reader.report.diagnostics.push(d);
         return None;
     }

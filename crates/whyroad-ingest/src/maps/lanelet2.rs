@@ -98,7 +98,8 @@ fn outer(document: &Document, relation: &Relation) -> Option<Vec<Vec<i64>>> {
         (!nodes.is_empty()).then_some(nodes)
     });
     let mut ways: Vec<&[i64]> = ways.collect::<Option<_>>()?;
-    if ways.is_empty() || ways.len() > MAX_PIECES || ways.iter().map(|w| w.len()).sum::<usize>() > MAX_POINTS {
+    if ways.is_empty() || ways.len() > MAX_PIECES || ways.iter().map(|w| w.len()).sum::<usize>() > MAX_POINTS
+    {
         return None;
     }
     if let [only] = ways[..] {

@@ -141,7 +141,11 @@ fn a_topic_that_is_not_in_the_file_is_reported() {
     let (drive, report) = mcap::read(&fixture("fleet.mcap"), &Options::default().with(&mcap::MAPPING, file));
     assert_eq!(codes(&report), ["mcap.topic.absent", "mcap.topic.unread"]);
     assert!(report.diagnostics[0].message.en.contains("/trackz"));
-    assert!(report.diagnostics[0].hint.as_ref().unwrap().en.contains("/tracks ("), "{:?}", report.diagnostics);
+    assert!(
+        report.diagnostics[0].hint.as_ref().unwrap().en.contains("/tracks ("),
+        "{:?}",
+        report.diagnostics
+    );
     let missing = drive.unwrap().meta.missing;
     assert!(missing.contains(&whyroad_model::Need::Objects));
     assert!(!read("fleet.mcap", &with_mapping()).0.meta.missing.contains(&whyroad_model::Need::Objects));

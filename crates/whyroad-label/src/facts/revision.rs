@@ -116,9 +116,7 @@ mod tests {
 
     #[test]
     fn an_uncertainty_that_was_left_out_is_low() {
-        let of = |uncertainty: Value| {
-            json!({ "critical_components": [{ "description": "a car", "uncertainty": uncertainty }] })
-        };
+        let of = |uncertainty: Value| json!({ "critical_components": [{ "description": "a car", "uncertainty": uncertainty }] });
         let draft = json!({ "critical_components": [{ "description": "a car" }] });
         assert!(revision(&draft, &of(json!("low"))).changed.is_empty());
         assert!(revision(&of(Value::Null), &of(json!("low"))).changed.is_empty());

@@ -127,7 +127,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         let out = args.out.display();
         return Err(stop(
             format!("{out} 中是另外的草稿，未作改动；请用 --out 指定另一个文件，或用 --force 覆盖"),
-            format!("{out} holds other drafts and is left as it was; name another file with --out, or replace it with --force"),
+            format!(
+                "{out} holds other drafts and is left as it was; name another file with --out, or replace it with --force"
+            ),
         ));
     }
     std::fs::write(&args.out, &lines).with_context(|| cannot_write(args.out.display()))?;

@@ -80,7 +80,8 @@ fn a_last_velocity_of_zero_is_unknown_and_a_stop_is_not() {
     d.ego.as_mut().unwrap().motion.vx[49] = 0.0;
     // From 10 m/s to a stop in 4.9 s: x = 10 t - 10 t^2 / 9.8.
     d.tracks[0].motion.vx = (0..50).map(|i| 10.0 - 10.0 * i as f64 / 49.0).collect();
-    d.tracks[0].motion.x = (0..50).map(|i| i as f64 / 10.0).map(|t| 20.0 + 10.0 * t - 10.0 * t * t / 9.8).collect();
+    d.tracks[0].motion.x =
+        (0..50).map(|i| i as f64 / 10.0).map(|t| 20.0 + 10.0 * t - 10.0 * t * t / 9.8).collect();
     assert_eq!(codes(&mut d), ["ingest.velocity.last_zero"]);
     assert!(d.ego.unwrap().motion.vx[49].is_nan());
     assert_eq!(d.tracks[0].motion.vx[49], 0.0);
@@ -221,7 +222,9 @@ fn speeds_in_another_unit_are_not_used() {
     d.ego.as_mut().unwrap().motion.vx.fill(36.0);
     let found = check(&mut d);
     assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["ingest.speed.contradicts"]);
-    assert!(found[0].message.en.contains("3.60 times") && found[0].hint.as_ref().unwrap().en.contains("km/h"));
+    assert!(
+        found[0].message.en.contains("3.60 times") && found[0].hint.as_ref().unwrap().en.contains("km/h")
+    );
     assert!(d.ego.as_ref().unwrap().motion.vx.iter().all(|v| v.is_nan()) && d.tracks[0].motion.vx[0] == 10.0);
     let mut d = drive();
     let m = &mut d.tracks[0].motion;

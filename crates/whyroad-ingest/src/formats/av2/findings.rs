@@ -206,7 +206,9 @@ pub(super) fn pose_elsewhere(file: &str, frames: usize) -> Diagnostic {
         "av2.pose.uncovered",
         text(
             format!("位姿的时间不含标注的任何一帧（共 {frames} 帧）：自车位姿视为未知"),
-            format!("the poses cover none of the {frames} frames with annotations: the ego's pose is unknown"),
+            format!(
+                "the poses cover none of the {frames} frames with annotations: the ego's pose is unknown"
+            ),
         ),
     )
     .with_hint(text(

@@ -18,10 +18,7 @@ pub(crate) const CODES: &[&str] = &[
 ];
 
 fn look() -> Bilingual {
-    Bilingual::new(
-        "docs/formats/mcap.md 说明映射文件",
-        "docs/formats/mcap.md describes the mapping file",
-    )
+    Bilingual::new("docs/formats/mcap.md 说明映射文件", "docs/formats/mcap.md describes the mapping file")
 }
 
 pub(super) fn broken(file: &str, reason: &str) -> Diagnostic {

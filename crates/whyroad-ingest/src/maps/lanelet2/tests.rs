@@ -304,7 +304,13 @@ fn ways_of_an_area_come_in_any_order() {
         + &way(7, &[102, 112], &[])
         + &relation(
             20,
-            &[("way", 1, "outer"), ("way", 2, "outer"), ("way", 5, "outer"), ("way", 4, "outer"), ("way", 3, "outer")],
+            &[
+                ("way", 1, "outer"),
+                ("way", 2, "outer"),
+                ("way", 5, "outer"),
+                ("way", 4, "outer"),
+                ("way", 3, "outer"),
+            ],
             &[("type", "multipolygon"), ("subtype", "parking")],
         )
         + &relation(
@@ -372,6 +378,9 @@ fn lanelets_without_a_subtype_are_road_and_stop_lines_find_their_lanes() {
     let out = reading(&content, &Options::default());
     let kinds: Vec<_> = out.map.lanes.iter().map(|l| (l.id.as_str(), l.kind)).collect();
     assert_eq!(kinds, [("10", LaneKind::Vehicle), ("11", LaneKind::Vehicle), ("12", LaneKind::Sidewalk)]);
-    assert_eq!((out.untyped, out.map.lane("10").unwrap().successors.clone()), (vec!["11".into()], vec!["11".into()]));
+    assert_eq!(
+        (out.untyped, out.map.lane("10").unwrap().successors.clone()),
+        (vec!["11".into()], vec!["11".into()])
+    );
     assert!(out.map.stop_lines[0].lane_ids.contains(&"10".to_owned()), "{:?}", out.map.stop_lines);
 }

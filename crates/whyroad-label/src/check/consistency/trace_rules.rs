@@ -462,9 +462,8 @@ pub(in crate::check) fn direction_name(direction: LateralDirection) -> Bilingual
 /// The words right before an action say that it goes on.
 fn goes_on(before: &str) -> bool {
     const ZH: [&str; 8] = ["继续", "仍", "仍然", "依旧", "依然", "一直", "保持", "接着"];
-    const EN: [&str; 8] = [
-        "continues", "continue", "continuing", "keeps on", "keep on", "goes on", "go on", "carries on",
-    ];
+    const EN: [&str; 8] =
+        ["continues", "continue", "continuing", "keeps on", "keep on", "goes on", "go on", "carries on"];
     // "Goes on following and slowing": one action may stand between.
     const BETWEEN_ZH: [&str; 7] = ["", "跟车", "跟着", "跟着前车", "原地", "在原地", "跟随前车"];
     let lower = before.trim_end().to_ascii_lowercase();
@@ -591,10 +590,13 @@ mod tests {
     /// LABELING.md 2: what the ego did before is no new decision.
     #[test]
     fn an_action_that_goes_on_is_told_from_a_new_one() {
-        for before in ["因此自车继续", "因此自车仍然", "所以自车继续跟车", "so the ego continues to", "so we keep on"] {
+        for before in
+            ["因此自车继续", "因此自车仍然", "所以自车继续跟车", "so the ego continues to", "so we keep on"]
+        {
             assert!(goes_on(before), "{before}");
         }
-        for before in ["因此自车", "前车继续行驶，因此自车", "so the ego", "we continue to follow it and"] {
+        for before in ["因此自车", "前车继续行驶，因此自车", "so the ego", "we continue to follow it and"]
+        {
             assert!(!goes_on(before), "{before}");
         }
     }

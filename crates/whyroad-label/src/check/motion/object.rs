@@ -68,7 +68,11 @@ pub(super) fn check(
         }
         let things: Vec<&Named> = facts.there().filter(|n| is_tracked(words, n)).collect();
         let denied = || facts.named.iter().filter(|n| n.absent && !n.supposed && is_tracked(words, n));
-        if things.is_empty() && !linked.is_empty() && facts.named.len() == denied().count() && denied().next().is_some() {
+        if things.is_empty()
+            && !linked.is_empty()
+            && facts.named.len() == denied().count()
+            && denied().next().is_some()
+        {
             let at = pointer::critical_components_item_description(c.index);
             sink.report(Finding::warning("label.object.state", at), &|| {
                 Words::new(
@@ -204,7 +208,9 @@ fn said(
     };
     let text = c.description.get().unwrap_or_default();
     if let Some(wrong) = doing::contradiction(text, n, words, &seen) {
-        sink.report(Finding::warning("label.object.state", at), &|| Words::new(wrong.zh.clone(), wrong.en.clone()));
+        sink.report(Finding::warning("label.object.state", at), &|| {
+            Words::new(wrong.zh.clone(), wrong.en.clone())
+        });
         return;
     }
     if is_only {

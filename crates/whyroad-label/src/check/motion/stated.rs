@@ -22,13 +22,35 @@ const EGO_ZH: [&str; 4] = ["自车", "本车", "我车", "我们"];
 const EGO_EN: [&str; 6] = ["the ego", "our car", "we are doing", "we're doing", "we are at", "we drive at"];
 /// What else a number in the same clause may be about.
 const OTHERS: [&str; 26] = [
-    "限速", "目标", "降到", "减到", "加到", "升到", "低于", "超过", "以内", "以下", "前车", "它", "对方", "行人",
-    "路口", "停止线", "斑马线", "limit", "down to", "up to", "below", "above", "under", "the lead", "junction",
+    "限速",
+    "目标",
+    "降到",
+    "减到",
+    "加到",
+    "升到",
+    "低于",
+    "超过",
+    "以内",
+    "以下",
+    "前车",
+    "它",
+    "对方",
+    "行人",
+    "路口",
+    "停止线",
+    "斑马线",
+    "limit",
+    "down to",
+    "up to",
+    "below",
+    "above",
+    "under",
+    "the lead",
+    "junction",
     "stop line",
 ];
 /// The ego stands.
-const STANDS_ZH: [&str; 8] =
-    ["停在", "停着", "静止", "已停", "已经停", "正停", "处于停车", "一直停"];
+const STANDS_ZH: [&str; 8] = ["停在", "停着", "静止", "已停", "已经停", "正停", "处于停车", "一直停"];
 const STANDS_EN: [&str; 8] = [
     "the ego is stationary",
     "the ego is standing",
@@ -44,7 +66,13 @@ const FILLERS: [&str; 6] = ["", "正", "还", "已", "已经", "仍"];
 /// What begins the decision.
 const DECISION: [&str; 9] = ["因此", "所以", "于是", "故而", "从而", ", so ", " so we", "therefore", "hence"];
 
-pub(super) fn check(label: &View<'_>, texts: &Texts, words: &LabelWords, w: &Driven<'_>, sink: &mut dyn Sink) {
+pub(super) fn check(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    w: &Driven<'_>,
+    sink: &mut dyn Sink,
+) {
     let Some(trace) = label.trace.get() else { return };
     let lower = trace.to_ascii_lowercase();
     // What follows is the decision and what the ego will do.
@@ -68,14 +96,17 @@ pub(super) fn check(label: &View<'_>, texts: &Texts, words: &LabelWords, w: &Dri
         report(
             sink,
             format!("因果描述称目标在 {said:.0} m 处，关键帧时距自车 {recorded:.0} m"),
-            format!("the trace places the object at {said:.0} m, at the keyframe it is {recorded:.0} m from the ego"),
+            format!(
+                "the trace places the object at {said:.0} m, at the keyframe it is {recorded:.0} m from the ego"
+            ),
         );
     }
 }
 
 fn report(sink: &mut dyn Sink, zh: String, en: String) {
     sink.report(Finding::warning("label.motion.stated", pointer::COC_TRACE), &|| {
-        Words::new(zh.clone(), en.clone()).hint("改正因果描述中的数值或状态", "correct the value or the state in the trace")
+        Words::new(zh.clone(), en.clone())
+            .hint("改正因果描述中的数值或状态", "correct the value or the state in the trace")
     });
 }
 
@@ -138,7 +169,10 @@ fn distance(
     if !super::object::is_tracked(words, thing)
         || !texts.components.iter().any(is_linked)
         || !DISTANCES_M.contains(&said.value)
-        || OTHERS.iter().filter(|o| !["前车", "它", "对方", "行人", "the lead"].contains(o)).any(|o| of.contains(o))
+        || OTHERS
+            .iter()
+            .filter(|o| !["前车", "它", "对方", "行人", "the lead"].contains(o))
+            .any(|o| of.contains(o))
     {
         return None;
     }

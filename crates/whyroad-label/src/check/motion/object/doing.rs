@@ -49,7 +49,9 @@ pub(super) fn contradiction(text: &str, n: &Named, words: &LabelWords, seen: &Se
         let a = seen.accels.last().copied().unwrap_or(f64::NAN);
         Bilingual::new(
             format!("该目标在证据时间的加速度为 {a:.1} m/s2，与描述的状态不符"),
-            format!("the object's acceleration is {a:.1} m/s2 at the evidence times, which differs from the text"),
+            format!(
+                "the object's acceleration is {a:.1} m/s2 at the evidence times, which differs from the text"
+            ),
         )
     };
     let vru = words.objects[n.group].own.meets(kind(words, "vru")) && seen.class.is_vru();
@@ -107,7 +109,12 @@ mod tests {
         let car = |text: &str| is_wrong(text, ObjectClass::Car, 5.0, -1.0);
         assert!(car("前方的轿车正在加速") && car("the car ahead is accelerating"));
         assert!(car("前方的轿车正在倒车") && car("前方的轿车停着不动"));
-        for text in ["前方的轿车正在减速", "前方的轿车没有加速", "前方的轿车不再加速", "the car ahead is not accelerating"] {
+        for text in [
+            "前方的轿车正在减速",
+            "前方的轿车没有加速",
+            "前方的轿车不再加速",
+            "the car ahead is not accelerating",
+        ] {
             assert!(!car(text), "{text}");
         }
         assert!(!is_wrong("前方的轿车正在加速", ObjectClass::Car, 5.0, 0.2));
