@@ -33,7 +33,7 @@ export function setCsrf(token: string): void {
   csrf = token;
 }
 
-/** Asks who is signed in now, in this browser; true when it is still the user of this page, with a token that is valid. */
+/** Asks who is signed in now, in this browser; true when it is still the user of this page, with a valid token. */
 let renew: (() => Promise<boolean>) | null = null;
 
 /** Another tab may sign out, and in again: the token of this page is then out of date, its user perhaps another. */

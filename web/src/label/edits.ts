@@ -170,8 +170,8 @@ export function toggleCause(editor: TaskEditor, channel: Channel, id: string): v
 }
 
 /**
- * Chooses a decision; causes and direction that belong only to the previous one are removed. The only direction that the
- * class allows is set.
+ * Chooses a decision; causes and direction that belong only to the previous one are removed. The only direction that
+ * the class allows is set.
  */
 export function decide(editor: TaskEditor, channel: Channel, value: string | null): void {
   if (!editor.isEditable(pointers.decision)) return;

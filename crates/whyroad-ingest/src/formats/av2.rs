@@ -1,8 +1,9 @@
 //! AV2 sensor logs (Argoverse 2, Wilson et al. 2021): cuboid tracks at 10 Hz in the ego frame, ego poses at about
 //! 170 Hz in a city frame, a vector map. Tracks are brought to the city frame and differentiated there.
 //!
-//! Times are AV2's nanoseconds unchanged (a GPS-like clock whose epoch reads as 1980). Frames are the times
-//! that have an annotation; a log of another rate is brought to 10 Hz. Not read: lidar sweeps, and camera pictures beyond their names and times.
+//! Times are AV2's nanoseconds unchanged (a GPS-like clock whose epoch reads as 1980). Frames are the times that have
+//! an annotation; a log of another rate is brought to 10 Hz. Not read: lidar sweeps, and camera pictures beyond their
+//! names and times.
 
 mod annotations;
 mod classes;

@@ -78,7 +78,8 @@ pub(crate) fn conflict(w: &Driven<'_>, decision: Option<Longitudinal>) -> Option
     let (v0, all) = known_speeds(w)?;
     let Some(decision) = decision else { return undecided(w, v0) };
     let stands = v0 < STANDSTILL_MPS;
-    // A stop that goes on is no new decision; one that has just ended in the keyframe may be the decision, a little late.
+    // A stop that goes on is no new decision; one that has just ended in the keyframe may be the decision, a little
+    // late.
     let has_stood = stands
         && w.keyframe.checked_sub(BEFORE_FRAMES).and_then(|f| w.speed(f)).is_some_and(|v| v < STANDSTILL_MPS);
     let stays = w.lasts(6.0) && has_stood && all.max < STEADY_MPS;

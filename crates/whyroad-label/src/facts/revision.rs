@@ -55,7 +55,8 @@ pub fn revision(draft: &Value, label: &Value) -> Revision {
     }
 }
 
-/// The components with the uncertainty that they have where nobody states one: low. The page writes it into every label.
+/// The components with the uncertainty that they have where nobody states one: low. The page writes it into every
+/// label.
 fn stated(of: &Value, at: &str) -> Option<Value> {
     let mut components = of.pointer(at)?.clone();
     for fields in components.as_array_mut().into_iter().flatten().filter_map(Value::as_object_mut) {

@@ -11,9 +11,9 @@ const ALONG_MPS: f64 = 0.5;
 const ALONG_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Arc length from the ego's center to the near end of a target ahead in its path, m; `None` if the target is not in
-/// path. In path are targets whose center is in the ego's lane; targets in the band that the ego sweeps along its driven
-/// path; and targets that are partly over the line into the lane and moving in. A car parked with one wheel in the lane,
-/// which the ego passes, is none of these.
+/// path. In path are targets whose center is in the ego's lane; targets in the band that the ego sweeps along its
+/// driven path; and targets that are partly over the line into the lane and moving in. A car parked with one wheel in
+/// the lane, which the ego passes, is none of these.
 ///
 /// The near end is that of the whole target in the lane, or of one that drives along with the ego ahead of its front
 /// (else the gap to a bus that comes over at an angle would grow by its length at once); of others in the band, that of

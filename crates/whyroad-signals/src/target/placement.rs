@@ -80,8 +80,8 @@ pub struct Placement {
     /// Nearest and farthest arc length (from the ego's center) of the part of the footprint inside the band that the
     /// ego sweeps along its path, m; `None` if no part is.
     pub band: Option<(f64, f64)>,
-    /// In the ego's lane or way, see [`Placement::center_in_way`]; inside junctions, where no lines are drawn, a target that
-    /// was in the lane stays in it until its whole footprint has left.
+    /// In the ego's lane or way, see [`Placement::center_in_way`]; inside junctions, where no lines are drawn, a target
+    /// that was in the lane stays in it until its whole footprint has left.
     pub in_way: bool,
     /// In a junction, where drivers cut the bends of the lanes: on the way that the ego drives, beside its lane.
     pub cuts_lane: bool,

@@ -100,9 +100,9 @@ fn overlap_is_a_negative_gap_and_a_time_of_zero() {
     assert_eq!(t.num("hit", "target.distance", 0), 0.0);
 }
 
-/// A bus of 12 m by 2.5 m comes over from the left lane at 0.35 rad, both at 5 m/s. Its center is 12 m ahead and 3.2 m to
-/// the left, its rear right corner 6 cos 0.35 + 1.25 sin 0.35 = 6.065 m behind its center: 12 - 6.065 - 2 = 3.935 m from
-/// the ego's front. The part in the ego's band begins 7.6 m farther on.
+/// A bus of 12 m by 2.5 m comes over from the left lane at 0.35 rad, both at 5 m/s. Its center is 12 m ahead and 3.2 m
+/// to the left, its rear right corner 6 cos 0.35 + 1.25 sin 0.35 = 6.065 m behind its center: 12 - 6.065 - 2 = 3.935 m
+/// from the ego's front. The part in the ego's band begins 7.6 m farther on.
 #[test]
 fn the_gap_to_a_bus_that_comes_over_is_to_its_rear() {
     let bus = |x: f64| {

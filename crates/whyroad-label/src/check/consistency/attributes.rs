@@ -44,8 +44,8 @@ pub(super) fn other_number(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     (said.len() > 1 && ratio < MOST_RATIO).then_some((n.start, n.end))
 }
 
-/// Bytes of a limit of speed in the trace, if the components have another one: the number beside the word for it, "限速六十",
-/// "a limit of 60", "a 60 sign".
+/// Bytes of a limit of speed in the trace, if the components have another one: the number beside the word for it, "限速
+/// 六十", "a limit of 60", "a 60 sign".
 pub(super) fn other_limit(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let TextScope { label, words, .. } = *scope;
     let limits = |text: &str| -> Vec<Quantity> {

@@ -97,8 +97,8 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
     );
 }
 
-/// The trace says that the thing is there: it introduces it ("a cyclist", "有个骑手"), says on which side or where it is,
-/// or begins a clause with it in Chinese. A name behind a verb, a preposition or "the" may be of something said in
+/// The trace says that the thing is there: it introduces it ("a cyclist", "有个骑手"), says on which side or where it
+/// is, or begins a clause with it in Chinese. A name behind a verb, a preposition or "the" may be of something said in
 /// general, long passed or known by another word: "past the toll station the fog came up", "as grandma used to say".
 fn is_presented(text: &str, n: &Named, texts: &Texts, words: &LabelWords) -> bool {
     if n.side.is_some() || n.color.is_some() || n.ahead || subject::is_introduced(text, n.start, words) {

@@ -136,8 +136,8 @@ pub(super) fn thirteenth() -> Vec<(&'static str, Vec<Base>)> {
     vec![("zh", read(include_str!("dev13_zh.yaml"))), ("en", read(include_str!("dev13_en.yaml")))]
 }
 
-/// True labels with three traces each, in different voices, and faults of the kinds that are found worst, written before
-/// the checks were made to ask for evidence, by the author of that change.
+/// True labels with three traces each, in different voices, and faults of the kinds that are found worst, written
+/// before the checks were made to ask for evidence, by the author of that change.
 pub(super) fn evidence() -> Vec<(&'static str, Vec<Base>)> {
     let read = |text: &str| yaml::from_str::<Vec<Base>>(text).unwrap();
     vec![("zh", read(include_str!("dev27_zh.yaml"))), ("en", read(include_str!("dev27_en.yaml")))]

@@ -73,8 +73,8 @@ pub(in crate::check::consistency) fn find(
     // else ("the light lets us go, ... I let off the brake and move off").
     let tells = |m: &&Mention| m.by_ego && matches!(m.force, Force::Asserted | Force::Doubtful);
     let last = deciding().filter(tells).last().map_or(0, |m| m.start);
-    // Nor is what is told before the last statement of the decision: "a left turn gives way, that is an old rule; ... we
-    // brake and wait".
+    // Nor is what is told before the last statement of the decision: "a left turn gives way, that is an old rule; ...
+    // we brake and wait".
     let at_last =
         deciding().filter(|m| !m.by_other && m.force == Force::Asserted).last().map_or(0, |m| m.start);
     // A trace in the past tense has its decision in the past tense, too.
