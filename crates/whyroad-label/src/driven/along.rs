@@ -27,7 +27,8 @@ const HELD_SHARE: f64 = 0.1;
 const HELD_MPS: f64 = 0.8;
 /// Frames over which a speed must be held: 3 s.
 const HELD_FRAMES: usize = 30;
-/// Frames before the keyframe over which a change of speed is under way, and its minimum, m/s.
+/// Frames before the keyframe over which a change of speed is under way, or a standstill ends, and the minimum of the
+/// change, m/s.
 const BEFORE_FRAMES: usize = 10;
 const UNDERWAY_MPS: f64 = 0.6;
 /// The same minimum, for separating it from a response to what is seen at the keyframe.
@@ -81,9 +82,12 @@ pub(crate) fn conflict(w: &Driven<'_>, decision: Option<Longitudinal>) -> Option
     let stands = v0 < STANDSTILL_MPS;
     let only_faster = all.min > v0 - STEADY_MPS && all.max > v0 + PLAIN_MPS;
     let faster = only_faster.then_some(Conflict::SpeedsUp { to: all.max, frame: all.max_at });
-    let steady = w.lasts(6.0) && all.max - all.min < STEADY_MPS && !stands;
+    // An ego that stands goes on standing: no decision (LABELING.md 2, null).
+    let steady = w.lasts(6.0) && all.max - all.min < STEADY_MPS;
     let unchanged = steady.then_some(Conflict::Unchanged { min: all.min, max: all.max });
+    let stood = stands && w.speed(w.keyframe.saturating_sub(BEFORE_FRAMES)).is_some_and(|v| v < STANDSTILL_MPS);
     match decision {
+        Longitudinal::StopForRegulation | Longitudinal::StopForObstacle if stood && steady => unchanged,
         Longitudinal::StopForRegulation | Longitudinal::StopForObstacle => faster.or_else(|| {
             let range = w.speeds(w.keyframe..w.range_end)?;
             let slows_still = range.last < NEARLY_STOPPED * v0 && range.last <= range.min + STEADY_MPS;
@@ -142,12 +146,13 @@ pub(crate) fn shows(w: &Driven<'_>, decision: Longitudinal) -> bool {
 /// Nothing is decided, although the ego clearly changes its speed at once.
 fn undecided(w: &Driven<'_>, v0: f64) -> Option<Conflict> {
     let soon = w.speeds(w.keyframe..(w.keyframe + 31).min(w.end))?;
-    // A change that was under way at the keyframe is not a new decision.
-    let before = w.speed(w.keyframe.saturating_sub(BEFORE_FRAMES)).unwrap_or(v0);
-    let underway = (v0 - before).abs() > UNDERWAY_MPS;
-    // Gaining speed after a turn or a stop is ordinary; starting from standstill is not.
-    let starts = v0 < STANDSTILL_MPS;
+    // Gaining speed after a turn or a stop is ordinary; starting from standstill, a moment ago or now, is not.
+    let begin = w.keyframe.saturating_sub(BEFORE_FRAMES);
+    let starts = w.speeds(begin..w.keyframe + 1).is_some_and(|s| s.min < STANDSTILL_MPS);
     let (to, frame) = if starts { (soon.max, soon.max_at) } else { (soon.min, soon.min_at) };
+    // A change that was under way at the keyframe is not a new decision; one in the other direction was another action.
+    let sign = (to - v0).signum();
+    let underway = w.speed(begin).is_some_and(|before| sign * (v0 - before) > UNDERWAY_MPS);
     (!underway && (to - v0).abs() >= LARGE_MPS).then_some(Conflict::Changes { to, frame })
 }
 
