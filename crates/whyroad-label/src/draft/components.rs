@@ -225,12 +225,21 @@ impl Scene<'_> {
         let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
         // Its standstill ends only with the hysteresis of the signal.
         let speed = number("target.speed");
+        let stands = signals.target_columns.get("target.standstill").map_or(Tri::Unknown, |c| c.flag(row));
+        // Seen for the first time, nobody can tell how it moves: that it does is known later.
+        let has_speeds = signals.target_columns.contains_key("target.speed");
+        if !is_fixed && has_speeds && speed.is_none() && stands == Tri::Unknown {
+            return Some(Bilingual::new(
+                format!("{}有{}", place.zh, name.zh),
+                format!("the {} is {}", name.en, place.en),
+            ));
+        }
         let moves_off = speed.is_some_and(|v| v > MOVING_MPS)
             || (speed.is_some_and(|v| v > MOVING_OFF_MPS)
                 && number("target.accel").is_some_and(|a| a > MOVING_OFF_MPS2));
         let doing = if let Some((zh, en)) = doing {
             Bilingual::new(zh, en)
-        } else if is_fixed || (holds("target.standstill") && !moves_off) {
+        } else if is_fixed || (stands.is_true() && !moves_off) {
             Bilingual::new("静止不动", "is standing still")
         } else if class.is_vru() && holds("target.on_crosswalk") {
             Bilingual::new("正在斑马线上通行", "is on the crosswalk")

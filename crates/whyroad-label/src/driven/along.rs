@@ -27,8 +27,8 @@ const HELD_SHARE: f64 = 0.1;
 const HELD_MPS: f64 = 0.8;
 /// Frames over which a speed must be held: 3 s.
 const HELD_FRAMES: usize = 30;
-/// Frames before the keyframe over which a change of speed is under way, and its minimum, m/s, for separating it from a
-/// response to what is seen at the keyframe.
+/// Frames before the keyframe over which a change of speed is under way, or a standstill ends, and the minimum of the
+/// change, m/s, for separating it from a response to what is seen at the keyframe.
 const BEFORE_FRAMES: usize = 10;
 const ANSWER_MPS: f64 = 0.45;
 /// A change that continues after the keyframe and gets stronger by this is a response to it, m/s2.
@@ -78,28 +78,26 @@ pub(crate) fn conflict(w: &Driven<'_>, decision: Option<Longitudinal>) -> Option
     let (v0, all) = known_speeds(w)?;
     let Some(decision) = decision else { return undecided(w, v0) };
     let stands = v0 < STANDSTILL_MPS;
-    // A stop that goes on is no new decision; one that has just ended in the keyframe may be the decision, a little
-    // late.
-    let has_stood = stands
-        && w.keyframe.checked_sub(BEFORE_FRAMES).and_then(|f| w.speed(f)).is_some_and(|v| v < STANDSTILL_MPS);
-    let stays = w.lasts(6.0) && has_stood && all.max < STEADY_MPS;
-    let stays = stays.then_some(Conflict::Unchanged { min: all.min, max: all.max });
     let only_faster = all.min > v0 - STEADY_MPS && all.max > v0 + PLAIN_MPS;
     let faster = only_faster.then_some(Conflict::SpeedsUp { to: all.max, frame: all.max_at });
-    let steady = w.lasts(6.0) && all.max - all.min < STEADY_MPS && !stands;
+    // An ego that stands goes on standing: no decision (LABELING.md 2, null).
+    let steady = w.lasts(6.0) && all.max - all.min < STEADY_MPS;
     let unchanged = steady.then_some(Conflict::Unchanged { min: all.min, max: all.max });
+    let stood =
+        stands && w.speed(w.keyframe.saturating_sub(BEFORE_FRAMES)).is_some_and(|v| v < STANDSTILL_MPS);
     match decision {
+        Longitudinal::StopForRegulation | Longitudinal::StopForObstacle if stood && steady => unchanged,
         Longitudinal::StopForRegulation | Longitudinal::StopForObstacle => faster.or_else(|| {
             let range = w.speeds(w.keyframe..w.range_end)?;
             let slows_still = range.last < NEARLY_STOPPED * v0 && range.last <= range.min + STEADY_MPS;
             let no_stop = range.min >= STANDSTILL_MPS && !slows_still && w.lasts(6.0);
-            no_stop.then_some(Conflict::NoStop { lowest: range.min, frame: range.min_at }).or(stays)
+            no_stop.then_some(Conflict::NoStop { lowest: range.min, frame: range.min_at })
         }),
         // An ego that has stopped to give way before the keyframe can only move off.
         Longitudinal::YieldToAgent if only_faster && v0 < STEADY_MPS => {
             Some(Conflict::MovesOff { to: all.max, frame: all.max_at })
         }
-        Longitudinal::YieldToAgent | Longitudinal::RoadSpeedAdaptation => faster.or(unchanged).or(stays),
+        Longitudinal::YieldToAgent | Longitudinal::RoadSpeedAdaptation => faster.or(unchanged),
         Longitudinal::LeadFollowing => {
             let known = |f: &usize| w.flag("lead.exists", *f) != Tri::Unknown;
             let frames = w.keyframe.saturating_sub(10)..w.end;
@@ -147,11 +145,13 @@ pub(crate) fn shows(w: &Driven<'_>, decision: Longitudinal) -> bool {
 /// Nothing is decided, although the ego clearly changes its speed at once.
 fn undecided(w: &Driven<'_>, v0: f64) -> Option<Conflict> {
     let soon = w.speeds(w.keyframe..(w.keyframe + 31).min(w.end))?;
-    // Gaining speed after a turn or a stop is ordinary; starting from standstill, or nearly, is not.
-    let starts = v0 < NEARLY_STANDS_MPS;
+    // Gaining speed after a turn or a stop is ordinary; starting from standstill, or nearly, a moment ago or now, is not.
+    let begin = w.keyframe.saturating_sub(BEFORE_FRAMES);
+    let stood = w.speeds(begin..w.keyframe + 1).is_some_and(|s| s.min < STANDSTILL_MPS);
+    let starts = stood || v0 < NEARLY_STANDS_MPS;
     let (to, frame) = if starts { (soon.max, soon.max_at) } else { (soon.min, soon.min_at) };
     // A change that was under way at the keyframe, and gets no stronger, is not a new decision.
-    let underway = !starts && is_underway(w, Trend::Falls);
+    let underway = is_underway(w, if starts { Trend::Rises } else { Trend::Falls });
     (!underway && (to - v0).abs() >= LARGE_MPS).then_some(Conflict::Changes { to, frame })
 }
 

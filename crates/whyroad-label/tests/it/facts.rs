@@ -528,3 +528,22 @@ fn what_is_driving_past_the_junction_can_be_seen() {
         assert!(hindsight(text), "{text}");
     }
 }
+
+/// SPEC 2.3: an ego that goes on standing has taken no decision, and says so by "继续停在"; "停在" alone is a stop.
+#[test]
+fn who_goes_on_standing_has_decided_nothing() {
+    let unlabelled = |action: &str| {
+        let trace = format!(
+            "一群行人正从左前方横穿自车前方的道路；行人还没有走过自车前方，此时起步会与行人冲突，因此自车{action}。"
+        );
+        let decision = json!({ "longitudinal": null, "lateral": null });
+        let parts = ["一群行人正从左前方横穿自车前方的道路"];
+        codes(["reactive_agent", "vru_crossing", "horizontal"], decision, &parts, &trace)
+            .contains(&"label.trace.unlabelled")
+    };
+    for action in ["继续停在原地等待", "继续停在原地", "保持停在斑马线前", "继续停在路口前让行人先过"]
+    {
+        assert!(!unlabelled(action), "{action}");
+    }
+    assert!(unlabelled("停在斑马线前") && unlabelled("减速停在原地"));
+}

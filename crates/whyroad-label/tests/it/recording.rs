@@ -311,32 +311,63 @@ fn a_decision_that_the_recording_shows_is_a_doubt_about_the_class() {
     assert_eq!(of(turn("left"), -44.0), [("label.decision.impossible", true)]);
 }
 
-/// The ego drives this fast, m/s, until 0.7 s after the keyframe, then speeds up at 1.5 m/s2.
-struct SpeedsUp(f64);
+/// The ego drives this fast, m/s, by the time from the keyframe, s.
+struct Drives<F>(F);
 
-impl Recordings for SpeedsUp {
+impl<F: Fn(f64) -> f64 + Send + Sync> Recordings for Drives<F> {
     fn of_clip(&self, _: &str) -> Option<Arc<Recorded>> {
         let mut whole = recorded(FRAMES, 0.0);
         let signals = Arc::get_mut(&mut whole.signals).unwrap();
-        let gained = |f: usize| 0.15 * f.saturating_sub(KEYFRAME + 7) as f64;
-        let speeds = Column::Number((0..FRAMES).map(|f| self.0 + gained(f)).collect());
+        let at = |f: usize| self.0((f as f64 - KEYFRAME as f64) / 10.0);
+        let speeds = Column::Number((0..FRAMES).map(at).collect());
         signals.frame_columns.insert("ego.speed".to_owned(), speeds);
         Some(Arc::new(whole))
     }
+}
+
+/// What is said of a decision about an ego that drives this fast, m/s, by the time from the keyframe, s.
+fn of_motion(
+    speed: impl Fn(f64) -> f64 + Send + Sync + 'static,
+    decision: Value,
+) -> Vec<(&'static str, bool)> {
+    let l = label(CUT_IN, decision, &[("前方的轿车正在慢行", "car")]);
+    found(&Checker::new(Framework::bundled()).with_recordings(Arc::new(Drives(speed))), &l, "label.motion.")
+}
+
+/// LABELING.md 2: no change of decision is null. An ego that stands at 0.0 km/h over the whole drive decides nothing.
+#[test]
+fn who_goes_on_standing_neither_yields_nor_stops() {
+    for decision in ["yield_to_agent", "road_speed_adaptation", "stop_for_regulation", "stop_for_obstacle"] {
+        let said = of_motion(|_| 0.0, json!({ "longitudinal": decision, "lateral": null }));
+        assert_eq!(said, [("label.motion.no_change", false)], "{decision}");
+    }
+    assert!(of_motion(|_| 0.0, json!({ "longitudinal": null, "lateral": null })).is_empty());
+    // It comes to a stop 0.2 s after the keyframe, from 2 m/s2.
+    let stops = json!({ "longitudinal": "stop_for_obstacle", "lateral": null });
+    assert!(of_motion(|s| (0.4 - 2.0 * s).max(0.0), stops).is_empty());
+}
+
+/// LABELING.md 2: the decision is the first action after the keyframe. Speeds as in Argoverse 2 logs 3bffdcff (8.1 s)
+/// and 7fab2350 (11.6 s), in straight lines.
+#[test]
+fn a_change_of_three_meters_per_second_is_a_decision_whatever_came_before() {
+    let null = || json!({ "longitudinal": null, "lateral": null });
+    let unlabelled = [("label.motion.unlabelled", false)];
+    let gains_then_brakes = |s: f64| if s < 0.0 { 9.0 + 1.2 * s } else { (9.0 - 2.4 * s).max(2.0) };
+    assert_eq!(of_motion(gains_then_brakes, null()), unlabelled);
+    let moves_off = |s: f64| if s < -0.3 { 0.0 } else { (0.4 + 1.3 * s).clamp(0.0, 4.7) };
+    assert_eq!(of_motion(moves_off, null()), unlabelled);
+    // Braking, or gaining speed after a start, that was under way a second before goes on.
+    assert!(of_motion(|s| (9.0 - 1.5 * s).clamp(2.0, 12.0), null()).is_empty());
+    assert!(of_motion(|s| (2.0 + 1.5 * s).clamp(0.0, 9.0), null()).is_empty());
 }
 
 /// LABELING.md 2: yielding is to slow or stop to give way. An ego that stands at the keyframe has done so before; the
 /// recording only makes it doubtful that this is the first action after the keyframe.
 #[test]
 fn who_stopped_before_the_keyframe_may_have_yielded() {
-    let of = |speed: f64, decision: Value| {
-        let l = label(CUT_IN, decision, &[("前方的轿车正在慢行", "car")]);
-        found(
-            &Checker::new(Framework::bundled()).with_recordings(Arc::new(SpeedsUp(speed))),
-            &l,
-            "label.motion.",
-        )
-    };
+    // Steady until 0.7 s after the keyframe, then gaining 1.5 m/s2.
+    let of = |speed: f64, decision: Value| of_motion(move |s| speed + 1.5 * (s - 0.7).max(0.0), decision);
     assert_eq!(of(0.1, yields()), [("label.motion.no_change", false)]);
     assert_eq!(of(5.0, yields()), [("label.motion.contradicts", true)]);
     let stops = json!({ "longitudinal": "stop_for_regulation", "lateral": null });

@@ -4,7 +4,7 @@ use super::driven;
 use crate::check::recording::Recorded;
 use crate::check::view::View;
 use crate::driven::along::{self, Conflict, LARGE_MPS, NEARLY_STOPPED, PLAIN_MPS, STEADY_MPS};
-use crate::driven::{Driven, kmh};
+use crate::driven::{Driven, STANDSTILL_MPS, kmh};
 use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::lexicon::SaidSpeed;
@@ -55,14 +55,19 @@ fn report(
     if let Conflict::Unchanged { min, max } = conflict {
         sink.report(Finding::warning("label.motion.no_change", at), &|| {
             let (from, to) = (kmh(min), kmh(max));
-            Words::new(
-                format!("关键帧后 6 s 自车车速不变（{from:.0} 至 {to:.0} km/h）：没有“{}”", name.zh),
-                format!(
-                    "the ego keeps its speed for 6 s after the keyframe ({from:.0} to {to:.0} km/h): no '{}'",
-                    name.en.to_lowercase()
-                ),
-            )
-            .hint(
+            let en = name.en.to_lowercase();
+            let said = if max < STANDSTILL_MPS {
+                Words::new(
+                    format!("关键帧后 6 s 自车一直停着：没有“{}”", name.zh),
+                    format!("the ego goes on standing for 6 s after the keyframe: no '{en}'"),
+                )
+            } else {
+                Words::new(
+                    format!("关键帧后 6 s 自车车速不变（{from:.0} 至 {to:.0} km/h）：没有“{}”", name.zh),
+                    format!("the ego keeps its speed for 6 s after the keyframe ({from:.0} to {to:.0} km/h): no '{en}'"),
+                )
+            };
+            said.hint(
                 "没有新的动作时选“无决策变化”；否则检查关键帧",
                 "if nothing changes choose 'no change of decision'; otherwise check the keyframe",
             )

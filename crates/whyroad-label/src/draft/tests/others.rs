@@ -69,6 +69,30 @@ fn stage_one_lists_a_near_lead_in_both_languages() {
     }
 }
 
+/// LABELING.md 3: only what could be observed at or before the keyframe. Of a car that is seen for the first time in the
+/// keyframe's frame nobody knows whether it moves, nor where to.
+#[test]
+fn nothing_is_said_of_the_motion_of_somebody_just_seen() {
+    let said = |leaf: &str, speed: f64, lang: Lang| {
+        let drive = fixture::drive("d");
+        let mut signals = fixture::signals(&drive);
+        signals.target_columns.remove("target.standstill");
+        of_target(&mut signals, "target.longitudinal", 20.0);
+        of_target(&mut signals, "target.lateral", -8.0);
+        of_target(&mut signals, "target.speed", speed);
+        let mut episode = fixture::episode(&drive);
+        episode.scenario_id = leaf.parse().unwrap();
+        components(Framework::bundled(), &drive, &signals, &episode, lang)[0].description.clone()
+    };
+    for leaf in ["reactive_agent.intersection_interaction.cross_conflict", "reactive_agent.following.steady"]
+    {
+        let [zh, en] = [Lang::Zh, Lang::En].map(|lang| said(leaf, f64::NAN, lang));
+        assert!(zh.ends_with("前方有轿车") && !zh.contains('正'), "{zh}");
+        assert!(en.starts_with("the car is ahead"), "{en}");
+        assert!(!said(leaf, 5.0, Lang::Zh).ends_with("有轿车"));
+    }
+}
+
 /// Stage I reads the last frame of a drive that ends at the keyframe; distances of boxes are not known there.
 #[test]
 fn who_comes_from_the_opposite_direction_is_seen_in_the_last_frame_too() {
