@@ -145,7 +145,8 @@ pub(crate) fn shows(w: &Driven<'_>, decision: Longitudinal) -> bool {
 /// Nothing is decided, although the ego clearly changes its speed at once.
 fn undecided(w: &Driven<'_>, v0: f64) -> Option<Conflict> {
     let soon = w.speeds(w.keyframe..(w.keyframe + 31).min(w.end))?;
-    // Gaining speed after a turn or a stop is ordinary; starting from standstill, or nearly, a moment ago or now, is not.
+    // Gaining speed after a turn or a stop is ordinary; starting from standstill, or nearly, now or a moment ago, is
+    // not.
     let begin = w.keyframe.saturating_sub(BEFORE_FRAMES);
     let stood = w.speeds(begin..w.keyframe + 1).is_some_and(|s| s.min < STANDSTILL_MPS);
     let starts = stood || v0 < NEARLY_STANDS_MPS;
