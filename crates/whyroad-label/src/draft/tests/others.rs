@@ -69,8 +69,8 @@ fn stage_one_lists_a_near_lead_in_both_languages() {
     }
 }
 
-/// LABELING.md 3: only what could be observed at or before the keyframe. Of a car that is seen for the first time in the
-/// keyframe's frame nobody knows whether it moves, nor where to.
+/// LABELING.md 3: only what could be observed at or before the keyframe. Of a car that is seen for the first time in
+/// the keyframe's frame nobody knows whether it moves, nor where to.
 #[test]
 fn nothing_is_said_of_the_motion_of_somebody_just_seen() {
     let said = |leaf: &str, speed: f64, lang: Lang| {
