@@ -126,16 +126,17 @@ pub(crate) fn impossible_speeds(file: &str, rows_by_track: &BTreeMap<String, usi
 /// Longest drive, s: one day. Frames are made for the whole span, so one wrong time would make millions.
 const MAX_DRIVE_S: f64 = 86_400.0;
 
-/// Mean steps between samples, s, that a recording of a drive can have: from 2.5 kHz to one in 10 s. Others are times
-/// in another unit than stated.
-const STEP_S: std::ops::RangeInclusive<f64> = 4e-4..=10.0;
+/// A recording of a drive has no shorter mean step, s (2.5 kHz), and no longer median step, s (pauses do not count).
+/// Others are times in another unit than stated.
+const LEAST_STEP_S: f64 = 4e-4;
+const GREATEST_STEP_S: f64 = 10.0;
 
 /// A diagnostic when `samples` times from `first` to `last` (s) cannot be those of one drive; then nothing can be kept.
 pub(crate) fn implausible_span(file: &str, first: f64, last: f64, samples: usize) -> Option<Diagnostic> {
     let span = last - first;
     if span <= MAX_DRIVE_S {
         let step = span / samples.saturating_sub(1) as f64;
-        return (samples >= 3 && !STEP_S.contains(&step)).then(|| implausible_step(file, step, samples));
+        return (samples >= 3 && step < LEAST_STEP_S).then(|| wrong_unit(file, step));
     }
     let days = span / 86_400.0;
     let message = Bilingual::new(
@@ -149,12 +150,15 @@ pub(crate) fn implausible_span(file: &str, first: f64, last: f64, samples: usize
     Some(Diagnostic::error("ingest.time.span", message).with_hint(hint).in_file(file))
 }
 
-fn implausible_step(file: &str, step: f64, samples: usize) -> Diagnostic {
+/// A diagnostic when the median step of a log, s, is none of a recording of a drive; then nothing can be kept.
+pub(crate) fn implausible_step(file: &str, step: f64) -> Option<Diagnostic> {
+    (step > GREATEST_STEP_S).then(|| wrong_unit(file, step))
+}
+
+fn wrong_unit(file: &str, step: f64) -> Diagnostic {
     let message = Bilingual::new(
-        format!("{samples} 个时刻平均相隔 {step:.3e} s，不可能是行车记录：时间的单位有误"),
-        format!(
-            "its {samples} times are {step:.3e} s apart on average, which no recording of a drive is: their unit is wrong"
-        ),
+        format!("相邻时刻相隔 {step:.3e} s，不可能是行车记录：时间的单位有误"),
+        format!("its times are {step:.3e} s apart, which no recording of a drive is: their unit is wrong"),
     );
     let hint = Bilingual::new(
         "检查时间的单位（s、ms、µs、ns）与列名或映射文件所写的是否一致",

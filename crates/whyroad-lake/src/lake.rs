@@ -1,7 +1,8 @@
 //! A lake folder: which drives it holds, reading one, writing one atomically.
 
 use crate::columns::Table;
-use crate::manifest::{DriveManifest, LakeMarker};
+pub(crate) use crate::manifest::MANIFEST;
+use crate::manifest::{DriveManifest, LakeMarker, is_drive};
 use crate::packs::fingerprint::identity;
 use crate::packs::lock;
 use crate::packs::places::{Packs, Place};
@@ -19,7 +20,6 @@ use whyroad_model::scene::DriveMeta;
 use whyroad_model::{Drive, DriveId, Nanos};
 
 pub(crate) const MARKER: &str = "whyroad-lake.json";
-pub(crate) const MANIFEST: &str = "drive.json";
 
 /// An opened lake.
 #[derive(Clone, Debug)]
@@ -421,19 +421,6 @@ impl Lake {
         let outcome = outcome?;
         remove_dir(&old)?;
         Ok(outcome)
-    }
-}
-
-/// True for the folder of a loose drive: it has a `drive.json`. So does one that cannot be read, whose `drive.json` is
-/// missing beside its tables, or that is a link to nowhere: such a drive is reported, and does not just disappear.
-pub(crate) fn is_drive(dir: &Path) -> bool {
-    use std::io::ErrorKind::{NotADirectory, NotFound};
-    match fs::metadata(dir.join(MANIFEST)) {
-        Ok(data) => data.is_file(),
-        Err(e) if e.kind() == NotFound => {
-            dir.join("frames.parquet").exists() || (dir.is_symlink() && !dir.exists())
-        }
-        Err(e) => e.kind() != NotADirectory,
     }
 }
 

@@ -1,6 +1,5 @@
 //! `drive.json`: what a drive states about itself that is not a table. Also the lake's own `whyroad-lake.json`.
 
-use crate::lake::is_drive;
 use crate::{DriveEntry, LakeError};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -8,6 +7,22 @@ use std::fs;
 use std::path::Path;
 use whyroad_model::scene::DriveMeta;
 use whyroad_model::{DriveId, Nanos};
+
+/// Its name.
+pub(crate) const MANIFEST: &str = "drive.json";
+
+/// True for the folder of a loose drive: it has a `drive.json`. So does one that cannot be read, whose `drive.json` is
+/// missing beside its tables, or that is a link to nowhere: such a drive is reported, and does not just disappear.
+pub(crate) fn is_drive(dir: &Path) -> bool {
+    use std::io::ErrorKind::{NotADirectory, NotFound};
+    match fs::metadata(dir.join(MANIFEST)) {
+        Ok(data) => data.is_file(),
+        Err(e) if e.kind() == NotFound => {
+            dir.join("frames.parquet").exists() || (dir.is_symlink() && !dir.exists())
+        }
+        Err(e) => e.kind() != NotADirectory,
+    }
+}
 
 /// `whyroad-lake.json`.
 #[derive(Serialize, Deserialize)]

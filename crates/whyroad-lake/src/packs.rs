@@ -26,8 +26,8 @@ pub(crate) use lock::{changing, replacing};
 pub(crate) use open_pack::{DRIVES as DRIVES_FILE, OpenPack};
 pub(crate) use places::Place;
 
-use crate::lake::{MANIFEST, is_drive};
 use crate::manifest::DriveManifest;
+use crate::manifest::{MANIFEST, is_drive};
 use crate::{Lake, LakeError};
 use catalog::Catalog;
 use std::path::PathBuf;

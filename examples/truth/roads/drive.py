@@ -193,9 +193,13 @@ class Drive:
             others += [(t, f"thing{i}", kind, x, y, 0.0, heading, 0.0, l, w, h) for t, (ex, ey) in place.items() if math.hypot(ex - x, ey - y) < 90]
         names = "time_s x_m y_m z_m heading_rad speed_mps turn_signal route_command".split()
         store(to / "ego.parquet", names if self.route_command else names[:-1], ego)
+        columns = "time_s track_id class x_m y_m z_m heading_rad speed_mps length_m width_m height_m".split()
         if others:
             others.sort(key=lambda r: (r[0], r[1]))
-            store(to / "objects.parquet", "time_s track_id class x_m y_m z_m heading_rad speed_mps length_m width_m height_m".split(), others)
+            store(to / "objects.parquet", columns, others)
+        else:
+            # An empty table says that there is nobody; without one that would be unknown.
+            table(to / "objects.csv", columns, [])
         net = Net(self.folder)
         rows = list(net.rows(self.kinds, self.inner, self.guided))
         gone = {r["lane_id"] for r in rows if r["lane_id"].rsplit("_", 1)[0] in self.undrawn}

@@ -21,7 +21,8 @@ use crate::file_reader::FileReader;
 use crate::options::{LICENCE, OptionSpec, OptionType, Options};
 use crate::report::{RowCount, SourceReport};
 use crate::source::{
-    ContentHash, drive_id, file_label, find_files, implausible_span, impossible_speeds, resampled,
+    ContentHash, drive_id, file_label, find_files, implausible_span, implausible_step, impossible_speeds,
+    resampled,
 };
 use mapping::{Frame, Mapping, Role, Rule};
 use rows::{BusRow, EgoRow, ObjectRow, Rows};
@@ -259,6 +260,10 @@ impl Recording {
 
     /// Topics of the mapping that the file does not have.
     fn absent(&self, label: &str, mapping: &Mapping) -> Vec<Diagnostic> {
+        // Of a file without any message that is said already.
+        if self.topics.is_empty() {
+            return Vec::new();
+        }
         let others = list(&self.unread(mapping));
         let named = mapping.topics.iter().filter(|(_, rule)| rule.role != Role::Ignore);
         let absent = named.filter(|(n, _)| !self.topics.contains_key(*n));
@@ -339,6 +344,10 @@ fn read_recording(
         return None;
     }
     let frames = Frames::of(&times);
+    if let Some(d) = implausible_step(&label, frames.native_step_s) {
+        report.diagnostics.push(d);
+        return None;
+    }
     if frames.resampled() {
         report.diagnostics.push(resampled(&label, frames.native_step_s));
     }

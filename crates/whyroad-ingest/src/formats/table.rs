@@ -23,7 +23,9 @@ use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, So
 use crate::encodings::input::Folder;
 use crate::options::{LICENCE, Options, START};
 use crate::report::SourceReport;
-use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible_span, resampled};
+use crate::source::{
+    ContentHash, drive_id, file_label, find_folders, implausible_span, implausible_step, resampled,
+};
 pub(crate) use findings::CODES;
 use meta::Meta;
 use reader::{Clock, Reader};
@@ -116,6 +118,10 @@ fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut Sourc
         return None;
     }
     let (mut clock, native) = Clock::of(&rows.times);
+    if let Some(d) = implausible_step(&rows.label, native.native_step_s) {
+        reader.report.diagnostics.push(d);
+        return None;
+    }
     if native.resampled() {
         reader.report.diagnostics.push(resampled(&rows.label, native.native_step_s));
     }

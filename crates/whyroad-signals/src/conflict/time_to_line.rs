@@ -6,12 +6,10 @@ use crate::road::ego_lane::{OVER_LINE_M, lateral_extent};
 use crate::table::TableBuilder;
 use crate::target::gaps::lane_lateral_speed;
 use crate::target::interaction::Interaction;
+use crate::target::on_lines::LATERAL_LEAST_MPS;
 use crate::target::placement::Placement;
 use crate::target::rows::Rows;
 use whyroad_model::catalog::id;
-
-/// Minimum speed across the lane for approaching its edge, m/s.
-pub const LATERAL_LEAST_MPS: f64 = 0.05;
 
 /// Seconds to cover `distance` at `speed`; infinite when not approaching, 0 when there.
 fn time_over(distance: f64, speed: f64) -> f64 {

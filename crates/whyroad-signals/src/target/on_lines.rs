@@ -2,12 +2,13 @@
 //! in the row before: then only the parts of the lines that the ego has come near since are searched, and results for
 //! the same foot point are reused. The result equals a complete search.
 
-use crate::conflict::time_to_line::LATERAL_LEAST_MPS;
 use crate::geometry::{Foot, Nearby, OrientedBox, P2, Polyline, Projection, Window};
 use crate::road::corridor::Corridor;
 use crate::road::ego_lane::{EgoLane, OnCorridor, lateral_extent};
 use crate::road::path::DrivenPath;
 
+/// Minimum speed across the lane for approaching its edge, m/s.
+pub const LATERAL_LEAST_MPS: f64 = 0.05;
 /// Where a box is farther than this beside the ego's lane and the ego, m, it has no part in them.
 const CLEAR_M: f64 = 2.0;
 

@@ -154,5 +154,7 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         (Need::ObjectHeadings, none(|t| &t.motion.heading)),
         (Need::LidarPointsInBoxes, none(|t| &t.interior_points)),
     ];
-    (tracks, lacking.into_iter().filter(|(_, absent)| *absent).map(|(name, _)| name).collect())
+    // An empty table says that there is nobody: nothing is lacking.
+    let any = !tracks.is_empty();
+    (tracks, lacking.into_iter().filter(|(_, absent)| any && *absent).map(|(name, _)| name).collect())
 }

@@ -138,6 +138,10 @@ fn says_nothing_of_them(scope: &TextScope<'_>, last: usize) -> bool {
     const LEAST_REASON: usize = 12;
     let TextScope { label, texts, words, background, .. } = *scope;
     let Some(text) = label.trace.get() else { return false };
+    // Too short for a reason, which is reported as such.
+    if text.chars().filter(|c| c.is_alphanumeric()).nth(LEAST_REASON).is_none() {
+        return false;
+    }
     let end = last.min(text.len());
     let (clause, _) = words.clauses.around(&texts.units, end..end, text.len(), &|d| d != Divider::Aside);
     // Without anything before the decision, the reason may be in its clause.
