@@ -46,7 +46,7 @@ impl Comparison {
             }
             let (dx, dy) = (m.x[end] - m.x[i], m.y[end] - m.y[i]);
             let speed = dx.hypot(dy) / (seconds[end] - seconds[i]);
-            if !(speed > MOVING_MPS) || seconds[end] - seconds[i] > 2.0 * SPAN_S {
+            if speed.is_nan() || speed <= MOVING_MPS || seconds[end] - seconds[i] > 2.0 * SPAN_S {
                 continue;
             }
             let mean = |of: &dyn Fn(usize) -> f64| (of(i) + of((i + end) / 2) + of(end)) / 3.0;

@@ -40,7 +40,7 @@ impl TraceParts {
             acts: !r.mentions.is_empty() || r.names_ego,
             because: r.because,
             decides: if r.marked { r.decision_from } else { first.unwrap_or(r.end) },
-            last: acts.map(|m| m.start).last().unwrap_or(r.end),
+            last: acts.map(|m| m.start).next_back().unwrap_or(r.end),
         }
     }
 }

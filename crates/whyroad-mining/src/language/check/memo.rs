@@ -8,7 +8,10 @@ use std::collections::HashMap;
 /// By the position of an expression in its text: expressions there, and the result for each. Definitions have texts of
 /// their own, so that there may be several.
 #[derive(Debug)]
-pub(super) struct Memo<T>(RefCell<HashMap<(usize, usize), Vec<(Expr, T)>>>);
+pub(super) struct Memo<T>(RefCell<HashMap<(usize, usize), Made<T>>>);
+
+/// What was made of each expression.
+type Made<T> = Vec<(Expr, T)>;
 
 impl<T> Default for Memo<T> {
     fn default() -> Self {
