@@ -79,7 +79,7 @@ fn signals_that_cannot_be_stored_are_one_error_of_the_file_system() {
         std::fs::write(file(&lake, drive, "signals"), "").unwrap();
     }
     let (derived, errors) = derive_signals(&lake, None, |_| ());
-    let codes: Vec<&str> = errors.iter().map(|d| d.code.as_ref()).collect();
+    let codes: Vec<&str> = errors.iter().map(|d| d.code).collect();
     assert_eq!((derived, codes), (0, vec!["lake.io"]));
     let text = &errors[0].message.en;
     assert!(text.contains("Not a directory") && !text.contains("cannot be read"), "{text}");

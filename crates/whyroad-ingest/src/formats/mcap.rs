@@ -520,20 +520,6 @@ fn tracks(
     out
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A car that heads north (a quarter turn about z) states 10 m/s ahead: that is 10 m/s along y.
-    #[test]
-    fn velocities_in_the_axes_of_the_car_are_turned_into_the_world() {
-        let north = [std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2];
-        let [x, y] = in_world([10.0, 0.0], Some(north));
-        assert!(x.abs() < 1e-9 && (y - 10.0).abs() < 1e-9);
-        assert_eq!(in_world([10.0, 1.0], None), [10.0, 1.0]);
-    }
-}
-
 /// For [`crate::readers`].
 pub(crate) const READERS: &[FileReader] = &[FileReader {
     name: "mcap-mapping",
@@ -552,4 +538,18 @@ pub(super) fn read_in_memory(
     let mapping = ending(".yaml").map(|(name, text)| (name.clone(), Input::Memory(text)));
     let (path, input) = (Path::new(name), Input::Memory(recording));
     drives.put(read_input(path, &input, mapping, container, options));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A car that heads north (a quarter turn about z) states 10 m/s ahead: that is 10 m/s along y.
+    #[test]
+    fn velocities_in_the_axes_of_the_car_are_turned_into_the_world() {
+        let north = [std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2];
+        let [x, y] = in_world([10.0, 0.0], Some(north));
+        assert!(x.abs() < 1e-9 && (y - 10.0).abs() < 1e-9);
+        assert_eq!(in_world([10.0, 1.0], None), [10.0, 1.0]);
+    }
 }

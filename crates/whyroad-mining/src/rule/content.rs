@@ -156,7 +156,8 @@ mod tests {
     fn every_text_counts() {
         let rules = RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0.rules;
         let rule = rules.iter().find(|r| r.atoms.iter().any(|a| !a.value_names.is_empty())).unwrap();
-        let changes: [(&str, fn(&mut Rule)); 9] = [
+        type Change = (&'static str, fn(&mut Rule));
+        let changes: [Change; 9] = [
             ("words of an atom", |r| r.atoms[0].words.zh.push('。')),
             ("text moved to the words", |r| {
                 let last = r.atoms[0].text.pop().unwrap();
