@@ -154,9 +154,9 @@ mod tests {
 
     #[test]
     fn every_text_counts() {
+        type Change = (&'static str, fn(&mut Rule));
         let rules = RuleSet::of_framework(Framework::bundled(), Catalog::bundled()).0.rules;
         let rule = rules.iter().find(|r| r.atoms.iter().any(|a| !a.value_names.is_empty())).unwrap();
-        type Change = (&'static str, fn(&mut Rule));
         let changes: [Change; 9] = [
             ("words of an atom", |r| r.atoms[0].words.zh.push('。')),
             ("text moved to the words", |r| {
