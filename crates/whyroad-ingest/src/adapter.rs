@@ -5,7 +5,7 @@
 use crate::assemble::finish::finish;
 use crate::maps::{self, MapBeside};
 use crate::options::{OptionSpec, Options};
-use crate::report::{SourceReport, reason_text};
+use crate::report::{SourceReport, counts_text};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
@@ -181,15 +181,14 @@ const OF_OBJECTS: [&str; 4] = ["annotations", "objects", "obstacles", "radar"];
 
 /// Rows of objects of which none could be used: the objects are unknown, the road is not empty.
 fn unused_objects(drive: &mut Drive, report: &SourceReport) -> Option<Diagnostic> {
-    let mut of_objects = report.tables.iter().filter(|t| OF_OBJECTS.contains(&t.table) && t.read > 0);
-    let table = of_objects.find(|_| drive.tracks.is_empty())?;
+    if !drive.tracks.is_empty() {
+        return None;
+    }
+    let table = report.tables.iter().find(|t| OF_OBJECTS.contains(&t.table) && t.read > 0)?;
     drive.meta.lacks(Need::Objects);
-    let reasons = table.set_aside.iter().chain(&table.dropped);
-    let reasons: Vec<(usize, Bilingual)> =
-        reasons.filter(|(_, n)| **n > 0).map(|(key, n)| (*n, reason_text(key))).collect();
     let list = |lang: Lang| {
-        let all: Vec<String> = reasons.iter().map(|(n, text)| format!("{n} {}", text.get(lang))).collect();
-        all.join(", ")
+        let all = [&table.set_aside, &table.dropped].into_iter().filter(|counts| !counts.is_empty());
+        all.map(|counts| counts_text(counts, lang)).collect::<Vec<_>>().join(", ")
     };
     let read = table.read;
     let message = Bilingual::new(

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use whyroad_lake::WriteOutcome;
-use whyroad_model::{Bilingual, Diagnostic, DriveId, Need, Severity};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Need, Severity};
 
 /// Why rows are not in the lake, or the types under which they are stored.
 pub type Counts = BTreeMap<&'static str, usize>;
@@ -95,6 +95,13 @@ impl SourceReport {
         self.tables.iter().any(|t| t.dropped_total() > 0)
             || self.diagnostics.iter().any(|d| d.severity == Severity::Error)
     }
+}
+
+/// Counts with their displayed names, as in `invalid values 3, duplicate 1`.
+pub fn counts_text(counts: &Counts, lang: Lang) -> String {
+    let parts: Vec<String> =
+        counts.iter().map(|(key, n)| format!("{} {n}", reason_text(key).get(lang))).collect();
+    parts.join(", ")
 }
 
 /// The displayed name of a reason or a kind of row.

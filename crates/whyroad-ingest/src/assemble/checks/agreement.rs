@@ -49,9 +49,10 @@ impl Comparison {
             if speed.is_nan() || speed <= MOVING_MPS || seconds[end] - seconds[i] > 2.0 * SPAN_S {
                 continue;
             }
-            let mean = |of: &dyn Fn(usize) -> f64| (of(i) + of((i + end) / 2) + of(end)) / 3.0;
+            let middle = (i + end) / 2;
+            let mean = |of: &dyn Fn(usize) -> f64| (of(i) + of(middle) + of(end)) / 3.0;
             let stated = mean(&|k| {
-                let vector = m.vx[k].hypot(m.vy[k]);
+                let vector = m.speed(k);
                 if vector.is_nan() { m.forward.get(k).map_or(f64::NAN, |v| v.abs()) } else { vector }
             });
             if stated.is_finite() {
@@ -61,12 +62,12 @@ impl Comparison {
             if bus.is_finite() {
                 self.of_bus.push(bus.abs() / speed);
             }
-            let middle = (i + end) / 2;
-            let turned = wrap_angle(m.vy[middle].atan2(m.vx[middle]) - dy.atan2(dx)).abs();
-            if turned.is_finite() && m.vx[middle].hypot(m.vy[middle]) > MOVING_MPS {
+            let course = dy.atan2(dx);
+            let turned = wrap_angle(m.vy[middle].atan2(m.vx[middle]) - course).abs();
+            if turned.is_finite() && m.speed(middle) > MOVING_MPS {
                 self.of_velocity.push(turned);
             }
-            let angle = wrap_angle(m.heading[i] - dy.atan2(dx)).abs();
+            let angle = wrap_angle(m.heading[i] - course).abs();
             if angle.is_finite() {
                 self.angles.push(angle.min(PI - angle));
             }
@@ -74,13 +75,56 @@ impl Comparison {
     }
 }
 
-/// The median where it is outside of what is plausible.
-fn implausible(ratios: &[f64]) -> Option<f64> {
-    (ratios.len() >= LEAST).then(|| median(ratios)).filter(|m| m.is_finite() && !RATIO.contains(m))
+/// The median of enough values, where `is_wrong`.
+fn wrong_median(values: &[f64], is_wrong: impl Fn(f64) -> bool) -> Option<f64> {
+    (values.len() >= LEAST).then(|| median(values)).filter(|m| m.is_finite() && is_wrong(*m))
 }
 
-fn is_apart(angles: &[f64]) -> Option<f64> {
-    (angles.len() >= LEAST).then(|| median(angles)).filter(|m| *m > APART_RAD)
+fn is_other_unit(ratio: f64) -> bool {
+    !RATIO.contains(&ratio)
+}
+
+/// Whose values are compared. Chinese and English.
+type Who = (&'static str, &'static str);
+
+/// What is not to be used, and why.
+#[derive(Default)]
+struct Verdict {
+    velocity: bool,
+    heading: bool,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Verdict {
+    fn of(c: &Comparison, who: Who) -> Self {
+        let is_apart = |angle: f64| angle > APART_RAD;
+        let ratio = wrong_median(&c.ratios, is_other_unit);
+        let turned = wrong_median(&c.of_velocity, is_apart).filter(|_| ratio.is_none());
+        let headed = wrong_median(&c.angles, is_apart);
+        let diagnostics = [
+            ratio.map(|ratio| speeds(who, ratio)),
+            turned.map(|angle| directions(who, angle)),
+            headed.map(|angle| headings(who, angle)),
+        ];
+        Self {
+            velocity: ratio.or(turned).is_some(),
+            heading: headed.is_some(),
+            diagnostics: diagnostics.into_iter().flatten().collect(),
+        }
+    }
+
+    /// Sets what is not to be used to unknown.
+    fn forget(&self, m: &mut Motion) {
+        if self.velocity {
+            m.vx.fill(f64::NAN);
+            m.vy.fill(f64::NAN);
+            m.accel.fill(f64::NAN);
+            m.forward = Vec::new();
+        }
+        if self.heading {
+            m.heading.fill(f64::NAN);
+        }
+    }
 }
 
 /// Sets velocities and headings that contradict the positions to unknown.
@@ -92,21 +136,12 @@ pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     if let Some(ego) = &mut drive.ego {
         let mut of = Comparison::default();
         of.add(&ego.motion, &seconds, &ego.bus.speed_mps);
-        if let Some(ratio) = implausible(&of.ratios) {
-            forget_velocity(&mut ego.motion);
-            out.push(speeds(("自车", "the ego"), ratio));
-        }
-        if let Some(angle) = is_apart(&of.of_velocity).filter(|_| implausible(&of.ratios).is_none()) {
-            forget_velocity(&mut ego.motion);
-            out.push(directions(("自车", "the ego"), angle));
-        }
-        if let Some(ratio) = implausible(&of.of_bus) {
+        let verdict = Verdict::of(&of, ("自车", "the ego"));
+        verdict.forget(&mut ego.motion);
+        out.extend(verdict.diagnostics);
+        if let Some(ratio) = wrong_median(&of.of_bus, is_other_unit) {
             ego.bus.speed_mps = Vec::new();
             out.push(speeds(("车辆总线", "the vehicle bus"), ratio));
-        }
-        if let Some(angle) = is_apart(&of.angles) {
-            ego.motion.heading.fill(f64::NAN);
-            out.push(headings(("自车", "the ego"), angle));
         }
     }
     let mut of = Comparison::default();
@@ -115,29 +150,13 @@ pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
         let times: Vec<f64> = track.frames[..rows].iter().map(|&f| seconds[f as usize]).collect();
         of.add(&track.motion, &times, &[]);
     }
-    if let Some(ratio) = implausible(&of.ratios) {
-        drive.tracks.iter_mut().for_each(|t| forget_velocity(&mut t.motion));
-        out.push(speeds(("其他目标", "the objects"), ratio));
-    }
-    if let Some(angle) = is_apart(&of.of_velocity).filter(|_| implausible(&of.ratios).is_none()) {
-        drive.tracks.iter_mut().for_each(|t| forget_velocity(&mut t.motion));
-        out.push(directions(("其他目标", "the objects"), angle));
-    }
-    if let Some(angle) = is_apart(&of.angles) {
-        drive.tracks.iter_mut().for_each(|t| t.motion.heading.fill(f64::NAN));
-        out.push(headings(("其他目标", "the objects"), angle));
-    }
+    let verdict = Verdict::of(&of, ("其他目标", "the objects"));
+    drive.tracks.iter_mut().for_each(|t| verdict.forget(&mut t.motion));
+    out.extend(verdict.diagnostics);
     out
 }
 
-fn forget_velocity(m: &mut Motion) {
-    m.vx.fill(f64::NAN);
-    m.vy.fill(f64::NAN);
-    m.accel.fill(f64::NAN);
-    m.forward = Vec::new();
-}
-
-fn speeds((zh, en): (&str, &str), ratio: f64) -> Diagnostic {
+fn speeds((zh, en): Who, ratio: f64) -> Diagnostic {
     let d = warning(
         "ingest.speed.contradicts",
         format!("{zh}的速度与位置矛盾：行程开始时为位置变化的 {ratio:.2} 倍；速度记为未知，改由位置估计"),
@@ -160,7 +179,7 @@ fn speeds((zh, en): (&str, &str), ratio: f64) -> Diagnostic {
     })
 }
 
-fn headings((zh, en): (&str, &str), angle: f64) -> Diagnostic {
+fn headings((zh, en): Who, angle: f64) -> Diagnostic {
     let degrees = angle.to_degrees();
     warning(
         "ingest.heading.contradicts",
@@ -176,7 +195,7 @@ fn headings((zh, en): (&str, &str), angle: f64) -> Diagnostic {
     ))
 }
 
-fn directions((zh, en): (&str, &str), angle: f64) -> Diagnostic {
+fn directions((zh, en): Who, angle: f64) -> Diagnostic {
     let degrees = angle.to_degrees();
     warning(
         "ingest.speed.contradicts",

@@ -1,6 +1,6 @@
 //! The report of an ingest, as text and as JSON.
 
-use whyroad_ingest::report::{Counts, reason_text};
+use whyroad_ingest::report::{Counts, counts_text};
 use whyroad_ingest::{RowCount, SourceReport};
 use whyroad_lake::WriteOutcome;
 use whyroad_model::diagnostic::render_json;
@@ -47,11 +47,7 @@ pub(super) fn text_report(reports: &[SourceReport], lang: Lang) -> String {
 }
 
 fn table_line(t: &RowCount, lang: Lang) -> String {
-    let list = |counts: &Counts| {
-        let parts: Vec<String> =
-            counts.iter().map(|(k, n)| format!("{} {n}", reason_text(k).get(lang))).collect();
-        parts.join(", ")
-    };
+    let list = |counts: &Counts| counts_text(counts, lang);
     let (read, kept, aside, dropped) = match lang {
         Lang::Zh => ("读取", "保留", "不采用", "丢弃"),
         Lang::En => ("read", "kept", "left out", "dropped"),
