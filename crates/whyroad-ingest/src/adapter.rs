@@ -5,7 +5,7 @@
 use crate::assemble::finish::finish;
 use crate::maps::{self, MapBeside};
 use crate::options::{OptionSpec, Options};
-use crate::report::{SourceReport, counts_text};
+use crate::report::{RowCount, SourceReport, counts_text};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
@@ -184,7 +184,9 @@ fn unused_objects(drive: &mut Drive, report: &SourceReport) -> Option<Diagnostic
     if !drive.tracks.is_empty() {
         return None;
     }
-    let table = report.tables.iter().find(|t| OF_OBJECTS.contains(&t.table) && t.read > 0)?;
+    // Annotations of the ego alone are used: then there was nobody else.
+    let is_unused = |t: &&RowCount| OF_OBJECTS.contains(&t.table) && t.read > 0 && t.kept_total() == 0;
+    let table = report.tables.iter().find(is_unused)?;
     drive.meta.lacks(Need::Objects);
     let list = |lang: Lang| {
         let all = [&table.set_aside, &table.dropped].into_iter().filter(|counts| !counts.is_empty());
