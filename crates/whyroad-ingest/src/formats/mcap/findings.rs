@@ -1,7 +1,7 @@
 //! What the MCAP adapter reports, one function per code. Texts only.
 
-use crate::report::RowCount;
-use whyroad_model::{Bilingual, Diagnostic, counted};
+use crate::report::{RowCount, counts_text};
+use whyroad_model::{Bilingual, Diagnostic, Lang, counted};
 
 /// Codes of the MCAP adapter; each has a page in `docs/diagnostics/`.
 pub(crate) const CODES: &[&str] = &[
@@ -127,13 +127,12 @@ pub(super) fn frame(file: &str, frame_id: &str, rows: usize) -> Diagnostic {
 }
 
 pub(super) fn dropped(file: &str, count: &RowCount) -> Diagnostic {
-    let list: Vec<String> = count.dropped.iter().map(|(k, n)| format!("{k} {n}")).collect();
-    let (table, n, list) = (count.table, count.dropped_total(), list.join(", "));
+    let (table, n, list) = (count.table, count.dropped_total(), |lang| counts_text(&count.dropped, lang));
     Diagnostic::warning(
         "mcap.rows.dropped",
         Bilingual::new(
-            format!("{table}：丢弃 {n} 行（{list}）"),
-            format!("{table}: {n} rows dropped ({list})"),
+            format!("{table}：丢弃 {n} 行（{}）", list(Lang::Zh)),
+            format!("{table}: {n} rows dropped ({})", list(Lang::En)),
         ),
     )
     .in_file(file)
