@@ -2,7 +2,7 @@
 //! position and motion that the text states.
 
 mod doing;
-mod place;
+pub(super) mod place;
 
 use crate::check::reading::Named;
 use crate::check::texts::Texts;

@@ -1,27 +1,25 @@
 //! Numbers and states that the trace gives the ego and the linked object, against the recording at the keyframe.
 
+use super::object::place::{DISTANCE, DISTANCES_M, SPEED};
+use crate::check::reading::TextFacts;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use crate::driven::{Driven, kmh};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::label_words::{Divider, Quantity};
 use whyroad_model::TrackId;
 use whyroad_model::label_fields::pointer;
 
-/// A speed differs by at least this share of the larger one, and this, km/h.
-const SPEED_SHARE: f64 = 0.4;
-const SPEED_KMH: f64 = 12.0;
-/// The same for a distance, m; shorter lengths are widths and margins, longer ones no distance of a road user.
-const DISTANCE_SHARE: f64 = 0.4;
-const DISTANCE_M: f64 = 8.0;
-const DISTANCES_M: std::ops::RangeInclusive<f64> = 8.0..=300.0;
 /// An ego that is said to stand does not drive this fast, m/s.
 const DRIVES_MPS: f64 = 3.0;
 /// The ego, right before a number or a state.
 const EGO_ZH: [&str; 4] = ["自车", "本车", "我车", "我们"];
 const EGO_EN: [&str; 6] = ["the ego", "our car", "we are doing", "we're doing", "we are at", "we drive at"];
+/// Other road users to whom a speed in the same clause may belong.
+const ACTORS: [&str; 5] = ["前车", "它", "对方", "行人", "the lead"];
 /// What else a number in the same clause may be about.
-const OTHERS: [&str; 26] = [
+const OTHERS: [&str; 21] = [
     "限速",
     "目标",
     "降到",
@@ -32,10 +30,6 @@ const OTHERS: [&str; 26] = [
     "超过",
     "以内",
     "以下",
-    "前车",
-    "它",
-    "对方",
-    "行人",
     "路口",
     "停止线",
     "斑马线",
@@ -45,7 +39,6 @@ const OTHERS: [&str; 26] = [
     "below",
     "above",
     "under",
-    "the lead",
     "junction",
     "stop line",
 ];
@@ -78,7 +71,7 @@ pub(super) fn check(
     // What follows is the decision and what the ego will do.
     let end = DECISION.iter().filter_map(|d| lower.find(d)).min().unwrap_or(lower.len());
     let told = &lower[..end];
-    if let Some((said, recorded)) = ego_speed(told, words, w) {
+    if let Some((said, recorded)) = ego_speed(told, texts, words, w) {
         report(
             sink,
             format!("因果描述称自车车速为 {said:.0} km/h，关键帧时为 {recorded:.0} km/h"),
@@ -110,27 +103,25 @@ fn report(sink: &mut dyn Sink, zh: String, en: String) {
     });
 }
 
-/// The clause that contains a place of a text.
-fn clause(text: &str, at: usize) -> (usize, &str) {
-    let marks = ['，', '。', '；', ',', ';', '.', '！', '？'];
-    let start = text[..at].rfind(marks).map_or(0, |i| i + text[i..].chars().next().map_or(1, char::len_utf8));
-    let end = text[at..].find(['，', '。', '；', ',', ';', '！', '？']).map_or(text.len(), |i| at + i);
+/// The clause around a number, and where it begins.
+fn clause<'t>(text: &'t str, said: &Quantity, texts: &Texts, words: &LabelWords) -> (usize, &'t str) {
+    let divides = |d| matches!(d, Divider::Sentence | Divider::Clause);
+    let (start, end) = words.clauses.around(&texts.units, said.start..said.end, text.len(), &divides);
     (start, &text[start..end])
 }
 
 /// The speed that the text gives the ego, and its speed at the keyframe, km/h, where they differ.
-fn ego_speed(text: &str, words: &LabelWords, w: &Driven<'_>) -> Option<(f64, f64)> {
+fn ego_speed(text: &str, texts: &Texts, words: &LabelWords, w: &Driven<'_>) -> Option<(f64, f64)> {
     let found = words.quantities.find(text, "km/h");
     let [said] = found.as_slice() else { return None };
-    let (start, of) = clause(text, said.start);
+    let (start, of) = clause(text, said, texts, words);
     let before = &text[start..said.start];
     let is_ego = EGO_ZH.iter().chain(&EGO_EN).any(|e| before.contains(e));
-    if !is_ego || OTHERS.iter().any(|o| of.contains(o)) {
+    if !is_ego || ACTORS.iter().chain(&OTHERS).any(|o| of.contains(o)) {
         return None;
     }
     let recorded = kmh(w.speed(w.keyframe)?);
-    let differs = (recorded - said.value).abs() > SPEED_KMH.max(SPEED_SHARE * recorded.max(said.value));
-    differs.then_some((said.value, recorded))
+    SPEED.is_exceeded(recorded, said.value).then_some((said.value, recorded))
 }
 
 /// The text says that the ego stands.
@@ -156,29 +147,25 @@ fn distance(
 ) -> Option<(f64, f64)> {
     let lengths = words.quantities.lengths(text);
     let [said] = lengths.as_slice() else { return None };
-    let (start, of) = clause(text, said.start);
+    let (start, of) = clause(text, said, texts, words);
     let named: Vec<_> =
         texts.trace.there().filter(|n| (start..start + of.len()).contains(&n.start)).collect();
     let [thing] = named.as_slice() else { return None };
     let linked: Vec<&str> = label.parts.iter().flat_map(|c| c.objects.iter().copied()).collect();
     let [id] = linked.as_slice() else { return None };
     // The thing is one of the component's kind.
-    let is_linked = |facts: &crate::check::reading::TextFacts| {
+    let is_linked = |facts: &TextFacts| {
         facts.there().any(|n| words.objects[n.group].near.meets(words.objects[thing.group].own))
     };
     if !super::object::is_tracked(words, thing)
         || !texts.components.iter().any(is_linked)
         || !DISTANCES_M.contains(&said.value)
-        || OTHERS
-            .iter()
-            .filter(|o| !["前车", "它", "对方", "行人", "the lead"].contains(o))
-            .any(|o| of.contains(o))
+        || OTHERS.iter().any(|o| of.contains(o))
     {
         return None;
     }
     let track = TrackId::from(*id);
     let row = w.signals.target(&track)?.row(w.keyframe)?;
     let recorded = w.signals.target_columns.get("target.distance")?.number(row)?;
-    let differs = (recorded - said.value).abs() > DISTANCE_M.max(DISTANCE_SHARE * recorded.max(said.value));
-    differs.then_some((said.value, recorded))
+    DISTANCE.is_exceeded(recorded, said.value).then_some((said.value, recorded))
 }

@@ -10,14 +10,11 @@ use whyroad_framework::check::{Finding, Sink, Words};
 /// Minimum distance along the ego's axis at which ahead and behind are certain, m.
 const ALONG_M: f64 = 6.0;
 /// Lengths in a text that may be distances; shorter ones are widths and margins, m.
-const DISTANCES_M: std::ops::RangeInclusive<f64> = 8.0..=300.0;
-/// A distance differs by at least this share of the larger one, and this, m: people estimate, and measure from bumper
-/// to bumper or from center to center.
-const DISTANCE_SHARE: f64 = 0.4;
-const DISTANCE_M: f64 = 8.0;
-/// The same for a speed, km/h.
-const SPEED_SHARE: f64 = 0.4;
-const SPEED_KMH: f64 = 12.0;
+pub(in crate::check::motion) const DISTANCES_M: std::ops::RangeInclusive<f64> = 8.0..=300.0;
+/// Distances, m: people estimate, and measure from bumper to bumper or from center to center.
+pub(in crate::check::motion) const DISTANCE: Tolerance = Tolerance { share: 0.4, least: 8.0 };
+/// Speeds, km/h.
+pub(in crate::check::motion) const SPEED: Tolerance = Tolerance { share: 0.4, least: 12.0 };
 /// Headings that differ by less are not those of oncoming traffic, rad (100 deg), where the object moves, m/s.
 const ONCOMING_RAD: f64 = 1.75;
 const MOVES_MPS: f64 = 1.5;
@@ -26,6 +23,21 @@ const BEHIND_ZH: [&str; 4] = ["后方的", "后面的", "身后的", "后方"];
 const BEHIND_EN: [&str; 3] = [" behind the ego", " behind us", " behind our"];
 /// What stands before them where they are about the ego.
 const OF_EGO_ZH: [&str; 7] = ["自车", "本车", "我车", "我", "左", "右", "，"];
+
+/// By how much a stated value and a recorded one may differ.
+pub(in crate::check::motion) struct Tolerance {
+    /// Share of the larger one.
+    share: f64,
+    /// At least, in the unit of the values.
+    least: f64,
+}
+
+impl Tolerance {
+    /// The two differ by more.
+    pub(in crate::check::motion) fn is_exceeded(&self, a: f64, b: f64) -> bool {
+        (a - b).abs() > self.least.max(self.share * a.max(b))
+    }
+}
 
 /// Reports the first contradiction in side, direction or distance. `is_only`: the text names no other road user;
 /// `values`: a signal's at the evidence times and at the keyframe.
@@ -101,7 +113,7 @@ pub(super) fn check(
     let distances = values("target.distance");
     if let ([said], false) = (lengths.as_slice(), distances.is_empty()) {
         let is = said.value;
-        let differs = |d: f64| (d - is).abs() > DISTANCE_M.max(DISTANCE_SHARE * d.max(is));
+        let differs = |d: f64| DISTANCE.is_exceeded(d, is);
         let of_it = is_only && !names_speed(text) && !names_place(text);
         if of_it && DISTANCES_M.contains(&is) && all(&distances, &differs) {
             let d = distances[distances.len() - 1];
@@ -130,7 +142,7 @@ pub(super) fn speed(
         return;
     };
     let is = said.value;
-    let differs = |v: f64| (v - is).abs() > SPEED_KMH.max(SPEED_SHARE * v.max(is));
+    let differs = |v: f64| SPEED.is_exceeded(v, is);
     let (low, high) = (kmh(slowest), kmh(fastest));
     if !differs(low) || !differs(high) || (low..=high).contains(&is) {
         return;
