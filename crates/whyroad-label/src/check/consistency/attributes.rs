@@ -52,8 +52,7 @@ pub(super) fn other_limit(scope: &TextScope<'_>) -> Option<(usize, usize)> {
         let lower = text.to_ascii_lowercase();
         let all = words.quantities.all(text, &words.subjects.counters);
         let is_limit = |q: &&Quantity| {
-            let from = lower[..q.start].rfind(['，', '。', '；', ',', '.', ';']).map_or(0, |i| i + 1);
-            let before = lower.get(from..q.start).unwrap_or_default().trim_end();
+            let before = lower[..q.start].trim_end();
             let behind = lower[q.end..].trim_start();
             match text.is_ascii() {
                 true => {
