@@ -117,6 +117,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         "inspect",
         &[
             ("The whole lake", "whyroad inspect --lake lake"),
+            ("One drive, and the signals that it lacks", "whyroad inspect --lake lake --drive drive"),
             ("One clip, every signal", "whyroad inspect --lake lake --clip drive_000"),
             ("As JSON", "whyroad inspect --lake lake --format json"),
         ],

@@ -18,6 +18,9 @@ pub(crate) struct Args {
     /// Lake to inspect
     #[arg(long, value_name = "DIR")]
     lake: PathBuf,
+    /// Only this drive, with the names of the signals that it does not support
+    #[arg(long, value_name = "ID", conflicts_with = "clip")]
+    drive: Option<String>,
     /// Only this clip, with the known share of every signal
     #[arg(long, value_name = "ID")]
     clip: Option<String>,
@@ -33,20 +36,18 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             return Ok(output::FINDINGS);
         }
     };
-    let drives = match &args.clip {
-        None => lake.drive_ids(),
-        Some(clip) => match drive_of(&lake, clip) {
-            Some(id) => vec![id],
-            None => {
-                return Err(stop(
-                    format!("数据湖中没有片段“{clip}”；`whyroad inspect --lake DIR` 列出所有片段"),
-                    format!(
-                        "clip '{clip}' not found in the lake; `whyroad inspect --lake DIR` lists the clips"
-                    ),
-                ));
-            }
-        },
+    let drives = match (&args.drive, &args.clip) {
+        (None, None) => lake.drive_ids(),
+        (Some(id), _) => lake.drive_ids().into_iter().filter(|drive| drive.as_str() == id).collect(),
+        (None, Some(clip)) => drive_of(&lake, clip).into_iter().collect(),
     };
+    if let (true, Some(id)) = (drives.is_empty(), args.drive.as_ref().or(args.clip.as_ref())) {
+        let (zh, en) = if args.drive.is_some() { ("行程", "drive") } else { ("片段", "clip") };
+        return Err(stop(
+            format!("数据湖中没有{zh}“{id}”；`whyroad inspect --lake DIR` 列出所有{zh}"),
+            format!("{en} '{id}' not found in the lake; `whyroad inspect --lake DIR` lists the {en}s"),
+        ));
+    }
     let (mut lake_summary, mut summaries, mut broken) = (LakeSummary::default(), Vec::new(), false);
     let clip = args.clip.as_deref();
     map_drives(
@@ -70,12 +71,21 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     keep(&lake, global);
     args.print.put(&summaries, || {
         let mut text = String::new();
-        if clip.is_none() {
+        // The lists of signals are much the same for all drives: those of several are printed once.
+        let detail = match (clip, &summaries[..]) {
+            (Some(_), _) => Detail::Shares,
+            (None, [_]) => Detail::Names,
+            (None, _) => Detail::Counts,
+        };
+        if args.drive.is_none() && clip.is_none() {
             text += &lake_text(&lake_summary, &summaries, global.lang);
+        }
+        if detail == Detail::Counts {
+            text += &unobservable_text(&summaries, global.lang);
         }
         for s in &summaries {
             text.push('\n');
-            text += &drive_text(s, clip.is_some(), global.lang);
+            text += &drive_text(s, detail, global.lang);
         }
         text
     })?;
@@ -99,6 +109,56 @@ pub(crate) fn drive_of(lake: &Lake, clip: &str) -> Option<DriveId> {
     let drive = clip.drive()?;
     let frames = lake.outline(&drive).ok()?.times.len();
     clip.frames(&drive, frames).map(|_| drive)
+}
+
+/// How much is said of the signals of one drive.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Detail {
+    /// How many are known.
+    Counts,
+    /// And the names of those that are not.
+    Names,
+    /// And the known share of each.
+    Shares,
+}
+
+/// The signals that drives do not support, once for all drives that lack the same.
+fn unobservable_text(drives: &[DriveSummary], lang: Lang) -> String {
+    let mut without: BTreeMap<(&[Need], &str), Vec<usize>> = BTreeMap::new();
+    for (i, drive) in drives.iter().enumerate() {
+        for (name, needs) in &drive.unavailable {
+            without.entry((needs, name)).or_default().push(i);
+        }
+    }
+    let mut groups: BTreeMap<(&[Need], Vec<usize>), Vec<&str>> = BTreeMap::new();
+    for ((needs, name), of) in without {
+        groups.entry((needs, of)).or_default().push(name);
+    }
+    let mut groups: Vec<_> = groups.into_iter().collect();
+    groups.sort_by_key(|((_, of), _)| std::cmp::Reverse(of.len()));
+    let all = drives.len();
+    let lines = groups.into_iter().map(|((needs, of), names)| {
+        let (n, why, names) = (of.len(), why(needs, lang), names.join(", "));
+        let line = match lang {
+            Lang::Zh => format!("    {all} 个行程中的 {n} 个（{why}）：{names}"),
+            Lang::En => format!("    {n} of {all} drives ({why}): {names}"),
+        };
+        wrapped(&line, 6)
+    });
+    let lines: String = lines.collect();
+    let head = Bilingual::new(
+        "  不可观测的信号（单个行程的：`--drive ID`）：\n",
+        "  signals that are not observable (those of one drive: `--drive ID`):\n",
+    );
+    if lines.is_empty() { lines } else { format!("{}{lines}", head.get(lang)) }
+}
+
+/// Why signals are not observable.
+fn why(needs: &[Need], lang: Lang) -> String {
+    match needs {
+        [] => label("too little", lang),
+        _ => Bilingual::new("缺少", "needs ").get(lang).to_owned() + &Need::list(needs, lang),
+    }
 }
 
 /// The lake as a whole, in a few lines.
@@ -156,7 +216,6 @@ fn label(key: &str, lang: Lang) -> String {
         "tables" => ("数据表", "tables"),
         "missing" => ("日志中没有", "not in the log"),
         "signals" => ("信号", "signals"),
-        "needs" => ("缺少", "needs"),
         "too little" => {
             ("日志中各项都有一部分，但不足以得出", "the log has a part of what it needs, but too little")
         }
@@ -201,7 +260,7 @@ fn counts_text(counts: &BTreeMap<String, usize>, lang: Lang) -> String {
     parts.collect::<Vec<_>>().join(", ")
 }
 
-fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
+fn drive_text(s: &DriveSummary, detail: Detail, lang: Lang) -> String {
     let l = |key| label(key, lang);
     let facts: Vec<&str> =
         [Some(s.format.as_str()), s.place.as_deref(), s.licence.as_deref()].into_iter().flatten().collect();
@@ -262,7 +321,7 @@ fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
     if !s.missing.is_empty() {
         out += &format!("  {}: {}\n", l("missing"), Need::list(&s.missing, lang));
     }
-    out + &signals_text(s, in_detail, lang)
+    out + &signals_text(s, detail, lang)
 }
 
 /// Noise of one kind of object: independent, and correlated over a second where there is some.
@@ -277,7 +336,7 @@ fn noise_text(kind: &str, of: &NoiseOf, lang: Lang) -> String {
     format!("  {} {}: {}{exact}\n", label("noise", lang), label(kind, lang), figures.join(", "))
 }
 
-fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
+fn signals_text(s: &DriveSummary, detail: Detail, lang: Lang) -> String {
     let total = s.signals.len() + s.unavailable.len();
     let known = s.signals.values().filter(|v| v.known > 0).count();
     let without_value: Vec<&str> =
@@ -293,11 +352,14 @@ fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
             label("signals", lang),
         ),
     };
-    if in_detail {
+    if detail == Detail::Shares {
         for (name, SignalShare { known, rows }) in &s.signals {
             let percent = if *rows == 0 { 0.0 } else { *known as f64 / *rows as f64 * 100.0 };
             out += &format!("    {name:<32} {percent:>5.1} %  {known} / {rows}\n");
         }
+    }
+    if detail == Detail::Counts {
+        return out;
     }
     // Signals are grouped by the reason why they are unavailable: the reason is what can be fixed.
     let mut by_need: BTreeMap<&[Need], Vec<&str>> = BTreeMap::new();
@@ -305,10 +367,7 @@ fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
         by_need.entry(needs).or_default().push(name);
     }
     for (needs, names) in by_need {
-        let why = match needs {
-            [] => label("too little", lang),
-            _ => format!("{} {}", label("needs", lang), Need::list(needs, lang)),
-        };
+        let why = why(needs, lang);
         out += &format!("    {} ({why}): {}\n", label("unobservable", lang), names.join(", "));
     }
     if !without_value.is_empty() {

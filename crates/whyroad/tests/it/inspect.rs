@@ -103,3 +103,31 @@ fn the_groups_of_signals_are_all_signals() {
         assert_eq!(named, c, "{shown}");
     }
 }
+
+/// What several drives lack is listed once; the lists of one drive are asked for.
+#[test]
+fn lists_of_signals_are_not_repeated_for_every_drive() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = dir.path().to_str().unwrap();
+    for fixture in ["crates/whyroad-ingest/tests/fixtures/crossroads.fcd.xml", "examples/drives/multilane"] {
+        assert!(whyroad(&["ingest", "sumo", fixture, "--lake", lake]).status.success());
+    }
+    let several = out(&whyroad(&["inspect", "--lake", lake]));
+    // Neither log has states of traffic lights; the motorway has no stop lines (the network has no junction).
+    assert_eq!(several.matches("light.countdown").count(), 1, "{several}");
+    assert!(several.contains("    2 of 2 drives (needs traffic lights): "), "{several}");
+    assert!(
+        several.contains("    1 of 2 drives (needs stop lines): map.distance_to_stop_line,"),
+        "{several}"
+    );
+    assert_eq!(several.matches(" without a value\n").count(), 2, "{several}");
+    let one = out(&whyroad(&["inspect", "--lake", lake, "--drive", "crossroads-ego"]));
+    assert!(one.contains("    not observable (needs traffic lights): light.countdown,"), "{one}");
+    assert!(!one.contains("multilane"), "{one}");
+    let none = whyroad(&["inspect", "--lake", lake, "--drive", "nothing"]);
+    let said = String::from_utf8_lossy(&none.stderr).into_owned();
+    assert!(
+        none.status.code() == Some(1) && said.contains("drive 'nothing' not found in the lake"),
+        "{said}"
+    );
+}
