@@ -121,7 +121,8 @@ fn frequent(text: &str, mark: Mark) -> Option<YamlFault> {
     let before = (0..at).rev().find(has_content);
     let next = |n: usize| (n + 1..lines.len()).find(has_content).map(|n| lines[n]);
     let of_line = |n: usize| key_fault(lines[n], next(n)).map(|f| f.in_line(n + 1));
-    tab(lines[at]).map(|f| f.in_line(at + 1)).or_else(|| of_line(at)).or_else(|| before.and_then(of_line))
+    let here = tab(lines[at]).or_else(|| full_width_comma(lines[at]));
+    here.map(|f| f.in_line(at + 1)).or_else(|| of_line(at)).or_else(|| before.and_then(of_line))
 }
 
 /// A fault in a line: column and length in characters, from 1.
@@ -151,6 +152,35 @@ fn tab(line: &str) -> Option<LineFault> {
         message: Bilingual::new("行首用制表符缩进", "a tab in the indentation"),
         hint: Bilingual::new("YAML 只能用空格缩进", "YAML is indented with spaces only"),
     })
+}
+
+/// A full-width comma behind a quoted item of a list in brackets.
+fn full_width_comma(line: &str) -> Option<LineFault> {
+    let mut quote = None;
+    let mut last = ' ';
+    for (column, c) in line.chars().enumerate() {
+        match (quote, c) {
+            (None, '#') => return None,
+            (None, '，') if matches!(last, '"' | '\'' | ']' | '}') => {
+                return Some(LineFault {
+                    column: column + 1,
+                    span: 1,
+                    message: Bilingual::new(
+                        "列表各项之间是全角逗号 '，'",
+                        "a full-width comma '，' between items",
+                    ),
+                    hint: Bilingual::new("改为半角逗号和空格：', '", "write a plain comma and a space: ', '"),
+                });
+            }
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(open), c) if c == open => quote = None,
+            _ => {}
+        }
+        if !c.is_whitespace() {
+            last = c;
+        }
+    }
+    None
 }
 
 /// A line that begins with a key: what follows the key is wrong. `next` is the next line with content.
@@ -287,6 +317,7 @@ mod tests {
             ),
             ("a:\n  when：x\n  min: 2\n", 2, 7, "全角冒号", "full-width colon", "when: "),
             ("a:\n  - when：x\n    min: 2\n", 2, 9, "全角冒号", "full-width colon", "when: "),
+            ("a:\n  b: [\"x\"， \"y\"]\n", 2, 10, "全角逗号", "full-width comma", "plain comma"),
             ("a: 1\nlateral\n  usual: [x]\nb: 2\n", 2, 8, "缺少冒号", "no colon after 'lateral'", "lateral:"),
             ("a:\n\tb: 1\n", 2, 1, "制表符", "a tab", "spaces"),
             (

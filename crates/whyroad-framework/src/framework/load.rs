@@ -218,7 +218,7 @@ fn missing_file(path: &str) -> Diagnostic {
 fn incomplete(leaf: &ScenarioId, missing: &[&str], file: &str, at: Option<(usize, usize)>) -> Diagnostic {
     let fields = missing.join(", ");
     let message = Bilingual::new(
-        format!("叶子 '{leaf}' 及其上级都没有规定：{fields}"),
+        format!("L3 场景 '{leaf}' 及其上级都没有规定：{fields}"),
         format!("neither leaf '{leaf}' nor its L2 or L1 states: {fields}"),
     );
     Diagnostic::error("spec.incomplete", message).at(Location {

@@ -187,7 +187,7 @@ fn check_leaves(
         let order = ordered.join(", ");
         let d = Diagnostic::warning(
             "spec.order",
-            Bilingual::new("叶子的顺序与分类体系不同", "the leaves are not in the order of the taxonomy"),
+            Bilingual::new("L3 场景的顺序与分类体系不同", "the leaves are not in the order of the taxonomy"),
         );
         r.push(d.with_hint(Bilingual::same(order)), node.mark, &node.pointer);
     }

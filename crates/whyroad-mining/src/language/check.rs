@@ -38,6 +38,8 @@ pub struct Checker<'a> {
     pub parameters: BTreeMap<String, Quantity>,
     /// Named conditions or numbers of the rule that others may use.
     pub(crate) definitions: BTreeMap<String, Definition>,
+    /// Names of definitions that come after the one that is being read.
+    pub(crate) later: BTreeSet<String>,
     /// Displayed texts of definitions.
     pub names: BTreeMap<String, Bilingual>,
     /// Conditions that are displayed at length because nothing in them has a name, by the definition that could
@@ -103,6 +105,7 @@ impl<'a> Checker<'a> {
             catalog,
             parameters: BTreeMap::new(),
             definitions: BTreeMap::new(),
+            later: BTreeSet::new(),
             names: BTreeMap::new(),
             lengthy: BTreeMap::new(),
             values: BTreeSet::new(),
@@ -284,6 +287,9 @@ impl<'a> Checker<'a> {
             }
         }
         let (def, restriction) = self.catalog.resolve(name).ok_or_else(|| {
+            if self.later.contains(name) {
+                return names::defined_later(name, span);
+            }
             let own = self.parameters.keys().chain(self.definitions.keys()).map(String::as_str);
             names::unknown(self.catalog, name, span, own)
         })?;

@@ -108,10 +108,14 @@ impl Lexer<'_> {
                 "规则中没有除法；比较 x < 2 * y，或乘以小数",
                 "division is not supported: compare x < 2 * y, or multiply by a fraction",
             ),
-            '（' | '）' | '｛' | '｝' | '，' | '＜' | '＞' | '＝' | '＋' | '－' | '＊' | '％' => {
-                fault.hint("请用半角符号", "write the half-width sign")
-            }
-            _ => fault,
+            '“' | '”' | '‘' | '’' | '"' | '\'' | '「' | '」' => fault
+                .hint("规则中不用引号，名称直接写", "a rule has no quotation marks: write names as they are"),
+            '、' | '；' | ';' => fault.hint("并列用逗号 ,", "items are separated by a comma ,"),
+            c => match half_width(c) {
+                Some(plain) => fault
+                    .hint(format!("请用半角字符 {plain}"), format!("write the half-width character {plain}")),
+                None => fault,
+            },
         })
     }
 
@@ -136,6 +140,16 @@ impl Lexer<'_> {
                 format!("'{text}' is not a number"),
             )
         })?;
+        if !value.is_finite() {
+            let span = Span { start, end: self.at };
+            let fault = Fault::new(
+                "rule.syntax",
+                span,
+                format!("数 {text} 太大"),
+                format!("the number {text} is too large"),
+            );
+            return Err(fault.hint("最大约为 1.8e308", "the largest is about 1.8e308"));
+        }
         Ok(Token::Number(Quantity { value, unit: self.unit()? }))
     }
 
@@ -163,6 +177,13 @@ impl Lexer<'_> {
         let plain = written.replace('^', "").replace('²', "2").replace('³', "3");
         Unit::parse(&plain).ok_or_else(|| unknown_unit(written, Span { start, end: self.at }))
     }
+}
+
+/// The ASCII character of a full-width one (Unicode, Halfwidth and Fullwidth Forms: U+FF01 to U+FF5E, in the order of
+/// ASCII).
+fn half_width(c: char) -> Option<char> {
+    let offset = u32::from(c).checked_sub(u32::from('！'))?;
+    (c <= '～').then(|| char::from_u32(u32::from('!') + offset)).flatten()
 }
 
 /// The fault for a unit that is not in the table.

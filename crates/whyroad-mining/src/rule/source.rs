@@ -105,6 +105,18 @@ pub fn compile(
     let min_duration = time(block.min_duration).unwrap_or_default();
     let max_duration = time(block.max_duration);
     let merge_gap = time(block.merge_gap).unwrap_or(DEFAULT_MERGE_GAP);
+    if let Some((most, node)) = max_duration.zip(block.max_duration)
+        && most < min_duration
+    {
+        let span = Span { start: 0, end: node.text().unwrap_or_default().len() };
+        let fault = Fault::new(
+            "rule.block",
+            span,
+            "max_duration 小于 min_duration，规则永远不会成立",
+            "max_duration is less than min_duration: the rule can never match",
+        );
+        c.report(node, fault.hint("请改正其中之一", "correct one of them"));
+    }
     let of_target = when.iter().chain(&require).any(|id| c.checker.is_of_target(*id));
     let subject = subject.or(c.checker.subject);
     if of_target && subject.is_none() {
@@ -253,7 +265,10 @@ impl Compiler<'_> {
     }
 
     fn define(&mut self, definitions: &[&Entry]) {
+        self.checker.later = definitions.iter().map(|entry| entry.key.clone()).collect();
         for entry in definitions {
+            // What uses itself is reported as such.
+            self.checker.later.remove(&entry.key);
             if !self.claim(entry) {
                 continue;
             }

@@ -40,6 +40,8 @@ fn a_wrong_rule_is_shown_where_it_stands() {
         (CUTIN, "value: 50 m,", "value: 50 metres,", "rule.unit.unknown"),
         (CUTIN, "reason: \"TAXONOMY.md, cutin.urgent\"", "reason: \"\"", "rule.block"),
         (CUTIN, "  merge_gap: 2 s\n", "  merge_gap: 2 m\n", "rule.unit.mismatch"),
+        (CUTIN, "  min_duration: 0.2 s\n", "  min_duration: 2 s\n  max_duration: 1 s\n", "rule.block"),
+        (CUTIN, "is_near: \"target", "is_near: \"concerns or target", "rule.name"),
         (CUTIN, "  merge_gap: 2 s\n", "  mergegap: 2 s\n", "rule.block"),
         (CUTIN, "      target: large_vehicle", "      target: lorry", "rule.target"),
         (

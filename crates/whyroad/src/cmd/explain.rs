@@ -215,10 +215,18 @@ fn rule_of(class: &str, framework: &Framework, catalog: &Catalog) -> Result<Rule
     };
     rules.rules.into_iter().find(|r| r.scenario == class).ok_or_else(|| {
         let message = Bilingual::new(format!("{class} 没有挖掘规则"), format!("{class} has no mining rule"));
-        let mut found = vec![Diagnostic::error("mine.scenario.no_rule", message).with_hint(Bilingual::new(
-            "请指明其下的某个叶子；`whyroad taxonomy list` 列出全部",
-            "name one of the leaves below it; `whyroad taxonomy list` lists them",
-        ))];
+        let hint = if class.l3.is_some() {
+            Bilingual::new(
+                "为它编写 `mining:` 块（docs/reference/rules.md），或用 `mine --rule` 查找",
+                "write a `mining:` block for it (docs/reference/rules.md), or search by `mine --rule`",
+            )
+        } else {
+            Bilingual::new(
+                "请指明其下的某个 L3 场景；`whyroad taxonomy list` 列出全部",
+                "name one of the leaves below it; `whyroad taxonomy list` lists them",
+            )
+        };
+        let mut found = vec![Diagnostic::error("mine.scenario.no_rule", message).with_hint(hint)];
         // A rule with an error is left out: that is why it is missing.
         found.extend(faults);
         found

@@ -48,6 +48,20 @@ pub(super) fn unknown<'n>(
     }
 }
 
+/// The fault for a definition that is written below the one that uses it.
+pub(super) fn defined_later(name: &str, span: Span) -> Fault {
+    Fault::new(
+        "rule.name",
+        span,
+        format!("定义 '{name}' 写在用到它的定义之后"),
+        format!("'{name}' is defined below the definition that uses it"),
+    )
+    .hint(
+        "定义只能用到写在它前面的名称：把它移到前面；两个定义不能互相引用",
+        "a definition can use only earlier ones: move it up; two definitions cannot use each other",
+    )
+}
+
 /// `speed` may have been meant as `ego.speed`; `left` is what a category is compared with.
 fn of_a_word(catalog: &Catalog, word: &str, fault: Fault) -> Fault {
     let names = || catalog.iter().map(|d| d.name.as_str());

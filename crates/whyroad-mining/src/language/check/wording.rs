@@ -501,6 +501,7 @@ impl Words<'_, '_> {
         // What is measured comes first.
         if let [(op, right)] = rest
             && self.checker.quantity(first).is_some()
+            && self.checker.quantity(right).is_none()
         {
             return self.compare(right, &[(op.mirrored(), first.clone())], whose);
         }
