@@ -4,9 +4,19 @@ use crate::Global;
 use crate::output::reason::{cannot_read, no_framework, stop};
 use anyhow::Context as _;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use whyroad_framework::{Framework, FrameworkFiles};
-use whyroad_model::Diagnostic;
+use whyroad_model::{Diagnostic, Severity};
 use whyroad_signals::Catalog;
+
+/// Whether the framework that was loaded has errors.
+static IS_FAULTY: AtomicBool = AtomicBool::new(false);
+
+/// True where a file of the framework was left out: what the command did or found is then incomplete, and "no findings"
+/// is not to be relied on.
+pub(crate) fn is_faulty() -> bool {
+    IS_FAULTY.load(Ordering::Relaxed)
+}
 
 /// The current framework; its errors, including those of its signal catalog, are reported on stderr. An error when it
 /// has no usable taxonomy.
@@ -18,6 +28,9 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
     }
     for d in &found {
         tell!("{}", crate::output::render_text(d, global.lang));
+    }
+    if found.iter().any(|d| d.severity == Severity::Error) {
+        IS_FAULTY.store(true, Ordering::Relaxed);
     }
     match framework {
         Some(framework) => Ok((framework, found)),

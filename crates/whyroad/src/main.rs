@@ -178,12 +178,13 @@ fn main() -> ExitCode {
         Command::Completions(a) => cmd::shell::completions(a),
         Command::Man(a) => cmd::shell::man(a),
     };
-    result.unwrap_or_else(|e| {
+    let code = result.unwrap_or_else(|e| {
         let told = output::reason::told(&e, lang);
         match lang {
             whyroad_model::Lang::Zh => say!("错误：{told}"),
             whyroad_model::Lang::En => say!("error: {told}"),
         }
         output::FINDINGS
-    })
+    });
+    if code == output::FINE && framework_folder::is_faulty() { output::lost_input() } else { code }
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 use whyroad_model::Nanos;
 
-/// Counts of deleted data, and the remaining copies.
+/// Counts of deleted data, and the remaining copies. A count is null where no place to search was named.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Deleted {
     /// Requested drives.
@@ -17,15 +17,15 @@ pub(super) struct Deleted {
     /// Of these, drives that were in the lake.
     pub lake_drives: usize,
     /// Mined folders that were written again.
-    pub mined_folders: usize,
+    pub mined_folders: Option<usize>,
     /// Episodes in them.
-    pub episodes: usize,
+    pub episodes: Option<usize>,
     /// Tasks in the store.
-    pub tasks: u64,
+    pub tasks: Option<u64>,
     /// Other rows in the store.
-    pub store_rows: u64,
+    pub store_rows: Option<u64>,
     /// Camera images outside the lake's own folder.
-    pub images: usize,
+    pub images: Option<usize>,
     /// Releases that hold a drive, by folder.
     pub releases: Vec<String>,
     /// Backups that hold a drive, by file.
