@@ -134,12 +134,13 @@ pub fn diff(a: &Taxonomy, b: &Taxonomy) -> TaxonomyDiff {
     for (from, to) in moved(&mut gone, &mut come, &old, &new) {
         changes.push(Change { from_id: Some(from), ..Change::of(ChangeKind::Moved, to, Step::Major) });
     }
+    let moves = Moves::of(&changes);
     changes.extend(gone.into_iter().map(|id| Change::of(ChangeKind::Removed, id, Step::Major)));
     changes.extend(come.into_iter().map(|id| Change::of(ChangeKind::Added, id, Step::Minor)));
     let scope = if states_rules(a) && states_rules(b) { Scope::Everything } else { Scope::Page };
     for id in b.ids() {
-        if let (Some(x), Some(y)) = (old.get(&id), new.get(&id)) {
-            fields(&id, x, y, scope, &mut changes);
+        if let (Some(x), Some(y)) = (old.get(moves.before(&id)), new.get(&id)) {
+            fields(&id, x, y, scope, &moves, &mut changes);
         }
     }
     order(a, b, &mut changes);
@@ -249,7 +250,7 @@ fn same_name(x: &Bilingual, y: &Bilingual) -> bool {
     one(&x.zh, &y.zh) && (x.en.is_empty() || y.en.is_empty() || x.en == y.en)
 }
 
-fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, out: &mut Vec<Change>) {
+fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, moves: &Moves, out: &mut Vec<Change>) {
     let mut push = |kind, field, before: Bilingual, after: Bilingual, step| {
         out.push(Change::of(kind, id.clone(), step).texts(field, before, after));
     };
@@ -260,7 +261,7 @@ fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, out: &mut
         [("definition", Some(x.definition), Some(y.definition)), ("condition", x.condition, y.condition)];
     for (field, before, after) in texts {
         let (Some(before), Some(after)) = (before, after) else { continue };
-        match compare_text(before, after) {
+        match compare_text(&moves.applied(before), after) {
             Wording::Same => {}
             Wording::Reworded => {
                 push(ChangeKind::Reworded, field, before.clone(), after.clone(), Step::Patch)
@@ -274,8 +275,8 @@ fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, out: &mut
         return;
     }
     for d in y.decides {
-        let old = x.decides.iter().find(|o| o.against == d.against).map(|o| &o.rule);
-        let (kind, step) = match old.map(|rule| compare_text(rule, &d.rule)) {
+        let old = x.decides.iter().find(|o| o.against == *moves.before(&d.against)).map(|o| &o.rule);
+        let (kind, step) = match old.map(|rule| compare_text(&moves.applied(rule), &d.rule)) {
             None => (ChangeKind::MeaningChanged, Step::Minor),
             Some(Wording::Same) => continue,
             Some(Wording::Reworded) => (ChangeKind::Reworded, Step::Patch),
@@ -283,7 +284,7 @@ fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, out: &mut
         };
         push(kind, "decides", about(&d.against, old), about(&d.against, Some(&d.rule)), step);
     }
-    for o in x.decides.iter().filter(|o| !y.decides.iter().any(|d| d.against == o.against)) {
+    for o in x.decides.iter().filter(|o| !y.decides.iter().any(|d| *moves.before(&d.against) == o.against)) {
         let (before, after) = (about(&o.against, Some(&o.rule)), about(&o.against, None));
         push(ChangeKind::MeaningChanged, "decides", before, after, Step::Major);
     }
@@ -321,6 +322,54 @@ fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, out: &mut
             Step::Patch,
         );
     }
+}
+
+/// Classes that were moved or given another id, so that what refers to them is compared under one name.
+#[derive(Debug, Default)]
+struct Moves(Vec<(ScenarioId, ScenarioId)>);
+
+impl Moves {
+    fn of(changes: &[Change]) -> Self {
+        Self(changes.iter().filter_map(|c| Some((c.from_id.clone()?, c.id.clone()))).collect())
+    }
+
+    /// The id in A of a class of B.
+    fn before<'i>(&'i self, id: &'i ScenarioId) -> &'i ScenarioId {
+        self.0.iter().find(|(_, to)| to == id).map_or(id, |(from, _)| from)
+    }
+
+    /// A text of A with the ids of B: in full, without the L1, and the last part alone where it is no plain word.
+    fn applied(&self, text: &Bilingual) -> Bilingual {
+        let mut out = text.clone();
+        for (from, to) in &self.0 {
+            let (from, to) = (from.to_string(), to.to_string());
+            let mut names = vec![(from.as_str(), to.as_str())];
+            while let Some((x, y)) = names.last().and_then(|(x, y)| x.split_once('.').zip(y.split_once('.')))
+            {
+                names.push((x.1, y.1));
+            }
+            for (x, y) in names.into_iter().filter(|(x, _)| x.contains(['.', '_'])) {
+                out = Bilingual::new(replaced(&out.zh, x, y), replaced(&out.en, x, y));
+            }
+        }
+        out
+    }
+}
+
+/// `text` with the name `from`, where it stands alone, replaced.
+fn replaced(text: &str, from: &str, to: &str) -> String {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find(from) {
+        let (before, after) = (&rest[..at], &rest[at + from.len()..]);
+        let stands_alone =
+            !before.ends_with(is_part) && !before.ends_with('.') && !after.starts_with(is_part);
+        out += before;
+        out += if stands_alone { to } else { from };
+        rest = after;
+    }
+    out + rest
 }
 
 fn about(against: &ScenarioId, rule: Option<&Bilingual>) -> Bilingual {

@@ -1,7 +1,7 @@
 //! Two whole frameworks: their classes, labeling specs and mining rules, and for each file that states a version
 //! whether that version is high enough.
 
-use super::{Change, TaxonomyDiff, VersionCheck, diff, labelling, mining};
+use super::{Change, Moves, TaxonomyDiff, VersionCheck, diff, labelling, mining};
 use crate::Framework;
 use crate::version::{Step, Version};
 use serde::Serialize;
@@ -42,7 +42,9 @@ impl FileVersion {
 /// Compares B with A in everything that affects labels and mining: classes, labeling specs, mining rules.
 pub fn diff_frameworks(a: &Framework, b: &Framework) -> TaxonomyDiff {
     let mut out = diff(&a.taxonomy, &b.taxonomy);
-    let specs: Vec<Change> = labelling::changes(a, b).into_iter().chain(mining::changes(a, b)).collect();
+    let moves = Moves::of(&out.changes);
+    let labelling = labelling::changes(a, b, &moves);
+    let specs: Vec<Change> = labelling.into_iter().chain(mining::changes(a, b, &moves)).collect();
     out.files.extend(files(a, b, &specs));
     out.step = specs.iter().map(|c| c.step).chain([out.step]).max().unwrap_or_default();
     out.version_check = out.files.iter().map(|f| f.version_check).max().unwrap_or(VersionCheck::Unknown);

@@ -3,7 +3,7 @@
 //! second keyframe), **minor** where something optional is added or a requirement is removed, **patch** for wording.
 
 use super::wording::{Wording, compare_text};
-use super::{Change, ChangeKind};
+use super::{Change, ChangeKind, Moves};
 use crate::spec::{BoundSpec, KeyframeSpec, MomentSpec, RecordSpec};
 use crate::version::Step;
 use crate::{Framework, ResolvedSpec};
@@ -21,10 +21,10 @@ struct Difference {
 
 /// All changes, leaf by leaf in tree order; changes common to all leaves of an L2 or L1 are reported once for that
 /// class.
-pub(super) fn changes(a: &Framework, b: &Framework) -> Vec<Change> {
+pub(super) fn changes(a: &Framework, b: &Framework, moves: &Moves) -> Vec<Change> {
     let mut found: BTreeMap<ScenarioId, Vec<Difference>> = BTreeMap::new();
     for (leaf, after) in &b.specs {
-        if let Some(before) = a.specs.get(leaf) {
+        if let Some(before) = a.specs.get(moves.before(leaf)) {
             found.insert(leaf.clone(), differences(before, after));
         }
     }

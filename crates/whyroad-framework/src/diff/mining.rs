@@ -1,19 +1,19 @@
 //! Changes of `mining:` blocks as written. They affect what is found, never the validity of a label: a rule that is
 //! added or removed is **minor**, a changed one **patch**.
 
-use super::{Change, ChangeKind};
+use super::{Change, ChangeKind, Moves};
 use crate::Framework;
 use crate::version::Step;
 use whyroad_model::yaml::{Entry, Node, Value};
 use whyroad_model::{Bilingual, ScenarioId};
 
 /// All changes in tree order of B, removed rules last.
-pub(super) fn changes(a: &Framework, b: &Framework) -> Vec<Change> {
+pub(super) fn changes(a: &Framework, b: &Framework, moves: &Moves) -> Vec<Change> {
     let mut out = Vec::new();
     let change = |id: &ScenarioId, step| Change::of(ChangeKind::Mining, id.clone(), step);
     for rule in &b.rules {
         let id = &rule.leaf;
-        match a.rule(id) {
+        match a.rule(moves.before(id)) {
             None => out.push(change(id, Step::Minor).texts("mining", none(), present())),
             Some(old) => {
                 let differences = blocks(&old.rule, &rule.rule);

@@ -114,3 +114,19 @@ fn the_version_that_counts_is_that_of_the_file() {
         assert_eq!((d.version_check, d.files[1].file.as_str()), (expected, RULE));
     }
 }
+
+/// A leaf with another id in every file: that is the one change; what refers to it has not changed.
+#[test]
+fn what_refers_to_a_class_with_another_id_has_not_changed() {
+    let mut files = Framework::bundled_files();
+    for text in files.values_mut() {
+        *text = text.replace("from_stationary", "pulls_out");
+    }
+    // Entries of the calibration are in the order of ids.
+    files.remove("schema/calibration.yaml");
+    let (framework, _) = Framework::from_files(&files);
+    let d = diff_frameworks(Framework::bundled(), &framework.unwrap());
+    assert_eq!(short(&d), ["reactive_agent.cutin.pulls_out - major"], "{:?}", d.changes);
+    let from = d.changes[0].from_id.as_ref().map(ToString::to_string);
+    assert_eq!(from.as_deref(), Some("reactive_agent.cutin.from_stationary"));
+}
