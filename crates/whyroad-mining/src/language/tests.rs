@@ -219,21 +219,6 @@ fn a_shown_value_is_on_the_side_of_the_threshold_where_the_measured_one_is() {
     assert_eq!(flag.value_in_words(&true.into()).unwrap().en, "does not hold");
 }
 
-/// A chain with two fixed numbers side by side; displayed texts of it once recursed without end.
-#[test]
-fn two_fixed_numbers_can_be_compared() {
-    for text in ["ego.speed > 10 m/s > 5 m/s", "1 m < 2 m < 3 m", "ego.speed > 10 m/s > band_speed"] {
-        let mut checker = Checker::new(Catalog::bundled());
-        let band = Quantity { value: 5.0, unit: Unit::parse("m/s").unwrap() };
-        checker.parameters.insert("band_speed".to_owned(), band);
-        let expr = parse::parse(text).unwrap();
-        checker.condition(&expr).unwrap();
-        let mut atoms = Vec::new();
-        checker.atoms(&expr, &mut atoms).unwrap();
-        assert!(atoms.iter().any(|a| a.words.en.contains("> 5") || a.words.en.contains("< 3")), "{atoms:?}");
-    }
-}
-
 /// Characters of Chinese keyboards, by their Unicode names.
 #[test]
 fn characters_of_another_keyboard_have_a_remedy() {

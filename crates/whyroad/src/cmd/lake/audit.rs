@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 use whyroad_model::Nanos;
 
-/// Counts of deleted data, and the remaining copies. A count is null where no place to search was named.
+/// Counts of deleted data, and the remaining copies.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Deleted {
     /// Requested drives.
@@ -17,15 +17,15 @@ pub(super) struct Deleted {
     /// Of these, drives that were in the lake.
     pub lake_drives: usize,
     /// Mined folders that were written again.
-    pub mined_folders: Option<usize>,
+    pub mined_folders: usize,
     /// Episodes in them.
-    pub episodes: Option<usize>,
+    pub episodes: usize,
     /// Tasks in the store.
-    pub tasks: Option<u64>,
+    pub tasks: u64,
     /// Other rows in the store.
-    pub store_rows: Option<u64>,
+    pub store_rows: u64,
     /// Camera images outside the lake's own folder.
-    pub images: Option<usize>,
+    pub images: usize,
     /// Releases that hold a drive, by folder.
     pub releases: Vec<String>,
     /// Backups that hold a drive, by file.

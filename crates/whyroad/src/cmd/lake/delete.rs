@@ -17,7 +17,7 @@ use whyroad_engine::output::removal;
 use whyroad_engine::recordings::LakeRecordings;
 use whyroad_lake::mined::Publication;
 use whyroad_lake::{Lake, MinedFolder};
-use whyroad_model::{DriveId, Lang, Nanos, counted};
+use whyroad_model::{DriveId, Lang, Nanos};
 use whyroad_server::service::deletion;
 
 /// Arguments of `whyroad lake delete`.
@@ -95,8 +95,7 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     (counts.releases, counts.backups, counts.parts) = (releases, backups, parts);
 
     let images = outside_images(&lake, &args.media, &drives)?;
-    counts.images = (!args.media.is_empty()).then_some(images.len());
-    let mut stored = deletion::DriveRows::default();
+    counts.images = images.len();
     let mut unknown = Vec::new();
     for id in &drives {
         let in_lake = lake.holds(id);
@@ -105,23 +104,21 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             None => deletion::DriveRows::default(),
         };
         counts.lake_drives += usize::from(in_lake);
-        stored.tasks += rows.tasks;
-        stored.other += rows.other;
+        counts.tasks += rows.tasks;
+        counts.store_rows += rows.other;
         if !in_lake && rows == deletion::DriveRows::default() {
             unknown.push(id);
         }
     }
-    (counts.tasks, counts.store_rows) = store.as_ref().map(|_| (stored.tasks, stored.other)).unzip();
-    let (mut mined, mut mined_folders, mut episodes) = (BTreeSet::new(), 0, 0);
+    let mut mined = BTreeSet::new();
     for folder in &folders {
         let held = removal::held(folder, &drives)?;
         if held.drives > 0 {
-            mined_folders += 1;
-            episodes += held.episodes;
+            counts.mined_folders += 1;
+            counts.episodes += held.episodes;
             mined.extend(folder.coverage().map(|c| c.drives).unwrap_or_default());
         }
     }
-    (counts.mined_folders, counts.episodes) = folders.first().map(|_| (mined_folders, episodes)).unzip();
     unknown.retain(|id| !mined.contains(*id));
     let file = args.audit.clone().unwrap_or_else(|| lake.dir().join("deletions.jsonl"));
     // After a kill, those that it had deleted completely are not found any more.
@@ -280,32 +277,17 @@ fn text(c: &Deleted, not_found: &[String], dry_run: bool, lang: Lang) -> String 
         (Lang::En, true) => "would be deleted (nothing was changed):\n".to_owned(),
         (Lang::En, false) => "deleted:\n".to_owned(),
     };
-    let (drives, lake) = (c.drives, c.lake_drives);
+    let (drives, lake, folders, episodes) = (c.drives, c.lake_drives, c.mined_folders, c.episodes);
+    let (tasks, rows, images) = (c.tasks, c.store_rows, c.images);
     out += &match lang {
-        Lang::Zh => format!("  {drives} 个行程，其中数据湖中 {lake} 个\n"),
-        Lang::En => format!("  {}, {lake} of them in the lake\n", counted(drives, "drive")),
-    };
-    out += &match (c.mined_folders.zip(c.episodes), lang) {
-        (Some((folders, episodes)), Lang::Zh) => {
-            format!("  {folders} 个挖掘结果文件夹中的 {episodes} 个事件\n")
-        }
-        (Some((folders, episodes)), Lang::En) => {
-            format!("  {} in {}\n", counted(episodes, "episode"), counted(folders, "mined folder"))
-        }
-        (None, Lang::Zh) => "  挖掘结果：未检查（没有给出 --mined）\n".to_owned(),
-        (None, Lang::En) => "  mined results: not searched (no --mined)\n".to_owned(),
-    };
-    out += &match (c.tasks.zip(c.store_rows), lang) {
-        (Some((tasks, rows)), Lang::Zh) => format!("  {tasks} 个任务，存储中其他 {rows} 行\n"),
-        (Some((tasks, rows)), Lang::En) => format!("  {tasks} tasks and {rows} other rows of the store\n"),
-        (None, Lang::Zh) => "  任务与标注的存储：未检查（没有给出 --store）\n".to_owned(),
-        (None, Lang::En) => "  store of tasks and labels: not searched (no --store)\n".to_owned(),
-    };
-    out += &match (c.images, lang) {
-        (Some(images), Lang::Zh) => format!("  数据湖以外的 {images} 张图片\n"),
-        (Some(images), Lang::En) => format!("  {} outside the lake\n", counted(images, "image")),
-        (None, Lang::Zh) => "  数据湖以外的图片：未检查（没有给出 --media）\n".to_owned(),
-        (None, Lang::En) => "  images outside the lake: not searched (no --media)\n".to_owned(),
+        Lang::Zh => format!(
+            "  {drives} 个行程，其中数据湖中 {lake} 个\n  {folders} 个挖掘结果文件夹中的 {episodes} 个事件\n  \
+             {tasks} 个任务，存储中其他 {rows} 行\n  数据湖以外的 {images} 张图片\n"
+        ),
+        Lang::En => format!(
+            "  {drives} drives, {lake} of them in the lake\n  {episodes} episodes in {folders} mined folders\n  \
+             {tasks} tasks and {rows} other rows of the store\n  {images} images outside the lake\n"
+        ),
     };
     let heads = match lang {
         Lang::Zh => [
