@@ -64,8 +64,9 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
         let span = || call.app.recordings.span(&item.drive_id.as_str().into()).ok();
         let span = *spans.entry(item.drive_id.clone()).or_insert_with(span);
         item.keyframe_s = span.map(|(start, _)| keyframe.seconds_since(start));
-        item.short_window =
-            span.and_then(|span| Window::of(keyframe, span).short(item.stage == Stage::Stage2));
+        // How long the drive goes on is for leads, who decide what is labeled, and after Stage I.
+        let with_future = leads || item.stage == Stage::Stage2;
+        item.short_window = span.and_then(|span| Window::of(keyframe, span).short(with_future));
     }
     Reply::json(&page)
 }

@@ -12,6 +12,7 @@ const JERK: &str = "ego.jerk";
 
 /// Actions of the ego: a run that is shorter joins the one before, s (`schema/signals.yaml`, `ego.meta_longitudinal`).
 const LEAST_RUN_S: f64 = 0.5;
+const SPEEDS: [&str; 2] = ["ego.forward_speed", "ego.speed"];
 const ACTIONS: [&str; 2] = ["ego.meta_longitudinal", "ego.meta_lateral"];
 
 /// Removes values at the end of what Stage I shows that later measurements would change beyond use.
@@ -51,7 +52,10 @@ pub(super) fn mark_uncertain(view: &mut SceneView, ends: Ends, measured: &[&str]
     let is_rate = |unit: Option<&str>| unit.is_some_and(|unit| RATES.contains(&unit));
     let read = view.about.iter().filter(|(_, a)| is_rate(a.unit.as_deref())).map(|(name, _)| name.clone());
     let of_ego = ["ego.accel", "ego.yaw_rate"].map(str::to_owned);
-    let rates: BTreeSet<String> = read.chain(of_ego).collect();
+    // A speed that is computed from positions alone is a rate of change, too.
+    let has_no_spread = |name: &&str| !view.deviations.contains_key(*name);
+    let speeds = SPEEDS.into_iter().filter(has_no_spread).map(str::to_owned);
+    let rates: BTreeSet<String> = read.chain(of_ego).chain(speeds).collect();
     // An estimate of anything else is uncertain where its deviations say so: a speed that is still changing.
     let names: BTreeSet<String> = view.deviations.keys().cloned().chain(rates.iter().cloned()).collect();
     for name in names.into_iter().filter(|name| !measured.contains(&name.as_str())) {
@@ -149,6 +153,10 @@ mod tests {
             "seconds before the end"
         );
         assert!(!before.uncertain.contains_key("ego.yaw_rate"), "the log has it");
+        assert_eq!(before.uncertain["ego.forward_speed"], [[4, 6]], "from positions");
+        before.uncertain.clear();
+        mark_uncertain(&mut before, at_end, &["ego.yaw_rate", "ego.forward_speed"]);
+        assert!(!before.uncertain.contains_key("ego.forward_speed"));
         // 0.5 s and less from the end, frames 1 to 5 of 6: a run is known after 0.5 s.
         assert_eq!(before.uncertain["ego.meta_longitudinal"], [[1, 6]]);
         before.deviations.insert("ego.accel".into(), [0.3, 0.3, 0.3, 0.5, 0.6, 0.9].map(Some).into());
