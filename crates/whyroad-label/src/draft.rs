@@ -524,7 +524,7 @@ fn causes(
         Some(Cause { components: vec![id], unobserved: None })
     };
     let unobserved = Bilingual::new(
-        "记录中没有说明这一横向动作原因的导航路线或转向灯",
+        "记录中没有导航路线或转向灯能说明这一横向动作",
         "neither the route nor the indicator in the log shows why the ego does this",
     );
     let not_seen = || Cause { components: Vec::new(), unobserved: Some(unobserved.get(lang).to_owned()) };

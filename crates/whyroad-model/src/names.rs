@@ -18,7 +18,7 @@ pub fn class_name(class: ObjectClass) -> Bilingual {
         ObjectClass::Bicyclist => ("骑行者", "cyclist"),
         ObjectClass::Motorcyclist => ("摩托车骑手", "motorcyclist"),
         ObjectClass::Pedestrian => ("行人", "pedestrian"),
-        ObjectClass::WheeledPedestrian => ("轮椅或婴儿车行人", "wheeled pedestrian"),
+        ObjectClass::WheeledPedestrian => ("轮椅或婴儿车", "wheeled pedestrian"),
         ObjectClass::Animal => ("动物", "animal"),
         ObjectClass::Cone => ("锥桶", "cone"),
         ObjectClass::Barrier => ("水马或隔离墩", "barrier"),

@@ -42,6 +42,7 @@ pub mod recognized;
 pub mod retention;
 pub mod review;
 pub mod safety;
+pub mod sample_window;
 pub mod scene;
 pub mod seen;
 pub mod shared;

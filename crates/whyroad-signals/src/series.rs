@@ -78,8 +78,14 @@ pub fn below_with_hysteresis(values: &[f64], set: f64, release: f64) -> Vec<Tri>
 }
 
 /// Merges runs shorter than `least` seconds into the run before them (the first run into the one after). `None` rows
-/// are borders and are kept.
-pub fn absorb_short_runs<T: Copy + PartialEq>(times: &[f64], values: &mut [Option<T>], least: f64) {
+/// are borders and are kept. The last run before a border or the end may go on where nothing is known: it is merged
+/// only with one that is `alike`.
+pub fn absorb_short_runs<T: Copy + PartialEq>(
+    times: &[f64],
+    values: &mut [Option<T>],
+    least: f64,
+    alike: impl Fn(T, T) -> bool,
+) {
     let n = values.len();
     let mut start = 0;
     while start < n {
@@ -92,7 +98,9 @@ pub fn absorb_short_runs<T: Copy + PartialEq>(times: &[f64], values: &mut [Optio
         if values[start].is_some() && until - times[start] < least - 1e-6 {
             let before = start.checked_sub(1).and_then(|i| values[i]);
             let after = values.get(end).copied().flatten();
-            if let Some(fill) = before.or(after) {
+            let differs = |before: T| values[start].is_some_and(|own| !alike(before, own));
+            let is_cut_off = after.is_none() && before.is_some_and(differs);
+            if let Some(fill) = before.or(after).filter(|_| !is_cut_off) {
                 values[start..end].fill(Some(fill));
                 // Merged forward, the run may have joined the next one: the joined run is checked.
                 if before.is_none() {
@@ -145,7 +153,17 @@ mod tests {
     fn short_runs_join_their_neighbor() {
         let times: Vec<f64> = (0..12).map(|i| f64::from(i) * 0.1).collect();
         let mut v: Vec<Option<u8>> = [1, 1, 2, 2, 2, 2, 2, 2, 3, 2, 2, 2].map(Some).to_vec();
-        absorb_short_runs(&times, &mut v, 0.3);
+        absorb_short_runs(&times, &mut v, 0.3, |_, _| false);
         assert_eq!(v, vec![Some(2); 12]);
+    }
+
+    #[test]
+    fn a_run_that_the_end_cuts_off_joins_only_one_that_is_alike() {
+        let times: Vec<f64> = (0..8).map(|i| f64::from(i) * 0.1).collect();
+        let runs = [Some(1), Some(1), Some(1), Some(9), None, Some(1), Some(1), Some(3)];
+        let alike = |a: i32, b: i32| (a - b).abs() <= 2;
+        let mut v = runs;
+        absorb_short_runs(&times, &mut v, 0.3, alike);
+        assert_eq!(v, [Some(1), Some(1), Some(1), Some(9), None, Some(1), Some(1), Some(1)]);
     }
 }

@@ -142,6 +142,8 @@ export interface components {
             priority?: number;
             /** @default false */
             secondary?: boolean;
+            /** @default false */
+            without_history?: boolean;
         };
         Created: {
             /** Format: uint32 */
@@ -154,9 +156,13 @@ export interface components {
             /** Format: uint32 */
             no_class: number;
             /** Format: uint32 */
+            no_history: number;
+            /** Format: uint32 */
             over_limit: number;
             /** Format: uint32 */
             secondary: number;
+            /** Format: uint32 */
+            short_window: number;
             tasks: string[];
         };
         Dashboard: {
@@ -883,6 +889,12 @@ export interface components {
             kind?: string | null;
             points: number[][];
         };
+        ShortWindow: {
+            /** Format: double */
+            after_s?: number | null;
+            /** Format: double */
+            before_s?: number | null;
+        };
         SignIn: {
             name: string;
             password: string;
@@ -990,6 +1002,7 @@ export interface components {
             replaces?: string | null;
             right_class?: string | null;
             scenario_id: string;
+            short_window?: components["schemas"]["ShortWindow"] | null;
             stage: components["schemas"]["Stage"];
             state: components["schemas"]["State"];
             target_id?: string | null;
@@ -1128,6 +1141,10 @@ export interface components {
             /** Format: int64 */
             pending: number;
             /** Format: int64 */
+            to_audit: number;
+            /** Format: int64 */
+            to_check: number;
+            /** Format: int64 */
             to_choose: number;
             /** Format: int64 */
             total: number;
@@ -1250,6 +1267,7 @@ export type Session = components["schemas"]["Session"];
 export type Settings = components["schemas"]["Settings"];
 export type Setup = components["schemas"]["Setup"];
 export type Shape = components["schemas"]["Shape"];
+export type ShortWindow = components["schemas"]["ShortWindow"];
 export type SignIn = components["schemas"]["SignIn"];
 export type SignalAbout = components["schemas"]["SignalAbout"];
 export type SignalKind = components["schemas"]["SignalKind"];

@@ -34,6 +34,8 @@ export interface Framework {
   none: Decision;
   categories: readonly Named[];
   leaves: ReadonlyMap<string, Leaf>;
+  /** The L2 classes by their full ids, for tasks whose L3 is not known. */
+  groups: ReadonlyMap<string, Leaf>;
   /** Longitudinal and lateral decisions that no class has together. */
   impossiblePairs: readonly (readonly string[])[];
   safetyReasons: readonly Named[];
@@ -99,11 +101,24 @@ export function categoryOf(categories: readonly Named[], text: string): Named | 
 export function readFramework(view: FrameworkView): Framework {
   const decisions = dict(view.decisions);
   const leaves = new Map<string, Leaf>();
+  const groups = new Map<string, Leaf>();
+  const decidesOf = (o: Dict): Leaf["decides"] =>
+    list(o["decides"]).map((d) => ({ against: word(dict(d)["against"]), rule: both(dict(d), "rule") ?? { zh: "", en: "" } }));
   for (const l1 of list(Array.isArray(view.taxonomy) ? view.taxonomy : dict(view.taxonomy)["l1"])) {
     const a = named(l1);
     for (const l2 of list(dict(l1)["l2"])) {
       const b = named(l2);
       const bo = dict(l2);
+      const group = `${a.id}.${b.id}`;
+      groups.set(group, {
+        id: group,
+        name: b.name,
+        path: [a.name, b.name],
+        definition: both(bo, "definition"),
+        condition: both(bo, "condition"),
+        decides: decidesOf(bo),
+        choices: view.choices[group] ?? null,
+      });
       for (const l3 of list(bo["l3"] ?? bo["leaves"])) {
         const c = named(l3);
         const co = dict(l3);
@@ -114,10 +129,7 @@ export function readFramework(view: FrameworkView): Framework {
           path: [a.name, b.name, c.name],
           definition: both(co, "definition") ?? both(bo, "definition"),
           condition: both(co, "condition"),
-          decides: [...list(co["decides"]), ...list(bo["decides"])].map((d) => ({
-            against: word(dict(d)["against"]),
-            rule: both(dict(d), "rule") ?? { zh: "", en: "" },
-          })),
+          decides: [...decidesOf(co), ...decidesOf(bo)],
           choices: view.choices[id] ?? null,
         });
       }
@@ -130,6 +142,7 @@ export function readFramework(view: FrameworkView): Framework {
     none: { ...none, id: "null" },
     categories: list(view.categories).map(named),
     leaves,
+    groups,
     impossiblePairs: view.impossible_pairs,
     safetyReasons: view.safety_reasons.map(named),
   };

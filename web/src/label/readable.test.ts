@@ -10,6 +10,7 @@ const words: LabelContext = {
     none: { id: "null", name: { zh: "无", en: "none" }, meaning: null, not: null, directions: [] },
     categories: [{ id: "critical_objects", name: { zh: "关键目标", en: "critical objects" } }],
     leaves: new Map(),
+    groups: new Map(),
     impossiblePairs: [],
     safetyReasons: [],
   },

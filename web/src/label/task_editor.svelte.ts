@@ -60,11 +60,14 @@ export class TaskEditor {
   spec = $derived((this.task as { spec?: Spec | null } | null)?.spec ?? null);
   stage = $derived(this.task?.stage ?? "stage1");
   state = $derived(this.task?.task.state ?? "open");
-  leaf = $derived(this.framework?.leaves.get(this.task?.task.scenario_id ?? "") ?? null);
+  leaf = $derived.by(() => {
+    const id = this.task?.task.scenario_id ?? "";
+    return this.framework?.leaves.get(id) ?? this.framework?.groups.get(id) ?? null;
+  });
   /** The safety filter was answered: the driving is legal and safe. */
   safe = $derived.by(() => this.draft.at(pointers.safetyAnswer) === "safe");
-  /** Stage I of this project names only the L2. */
-  hidesLeaf = $derived.by(() => this.stage === "stage1" && this.task?.task.scenario_id.split(".").length === 2);
+  /** Only the L2 is shown, and no specification comes with it: the L3, if there is one, is withheld. */
+  hidesLeaf = $derived.by(() => this.stage === "stage1" && this.task?.task.scenario_id.split(".").length === 2 && !this.spec);
   target = $derived(this.task?.suggestion.target_id ?? null);
   isWaiting = $derived.by(() => WAITING_STATES.includes(this.state));
   holdsLease = $derived.by(() => this.task?.fence != null && this.draft.queue.status !== "lost");

@@ -70,3 +70,11 @@ test("deviations are in the shown unit; where a rate is uncertain is told of the
   assert.deepEqual(of("target.speed")?.uncertain, []);
   assert.deepEqual(of("target.heading_change")?.uncertain, [[1, 2]]);
 });
+
+test("the yaw rate has one row: the plot of the turn, where the log has no steering", () => {
+  const turn = { signals: { "ego.yaw_rate": [0.1] }, about: { "ego.yaw_rate": about("rad/s", "自车横摆角速度") } };
+  const ids = (steering: (number | null)[]): string[] =>
+    signalRows({ ...turn, ego: { steering } } as unknown as SceneView, [], [], { speeds: "km/h", lang: "zh" }).map((r) => r.id);
+  assert.deepEqual(ids([null]), []);
+  assert.deepEqual(ids([0.2]), ["ego.yaw_rate"]);
+});

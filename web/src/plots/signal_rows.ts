@@ -69,13 +69,15 @@ export function signalRows(
     const about = scene.about[id];
     return conditions.length > 0 || !read.includes(id) ? 0 : isTimeToEvent(id, about?.unit) ? 0 : about?.kind !== "number" ? 3 : id.startsWith("target.") ? 1 : 2;
   };
+  // Where the log has no steering, the plot of the turn is the yaw rate.
+  const isPlotted = (id: string): boolean => SHOWN.has(id) || (id === "ego.yaw_rate" && !(scene.ego?.steering.some((v) => v !== null) ?? false));
   const position = (id: string): number => (read.includes(id) ? read.indexOf(id) : Infinity);
   return Object.keys(scene.signals)
     .sort(
       (a, b) =>
         rank(a) - rank(b) || isEmpty(a) - isEmpty(b) || before(compared(a), compared(b)) || kind(a) - kind(b) || before(position(a), position(b)),
     )
-    .filter((id) => !SHOWN.has(id))
+    .filter((id) => !isPlotted(id))
     .map((id) => {
       const about = scene.about[id];
       // Lateral speeds are tenths of a meter per second, and rules state them in m/s.

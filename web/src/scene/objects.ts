@@ -7,7 +7,21 @@ import { sizeOf } from "./tracks.ts";
 
 export type Bearing = "ahead" | "ahead_left" | "left" | "behind_left" | "behind" | "behind_right" | "right" | "ahead_right";
 
-const BEARINGS: readonly Bearing[] = ["ahead", "ahead_left", "left", "behind_left", "behind", "behind_right", "right", "ahead_right"];
+/** On a side of the ego from this far on, and beside it up to this at least, m: as drafts of components say it. */
+const ASIDE_M = 1.8;
+const BESIDE_M = 3;
+
+/**
+ * Where an object is, `along` and `left` of the ego in m, as drafts of components say it: beside the ego where the boxes
+ * overlap along its way, whose half lengths add up to `reach`.
+ */
+export function bearingOf(along: number, left: number, reach: number): Bearing {
+  const side = left > ASIDE_M ? "left" : left < -ASIDE_M ? "right" : null;
+  const beside = Math.max(reach, BESIDE_M);
+  if (side && Math.abs(along) <= beside) return side;
+  const way = along >= 0 ? "ahead" : "behind";
+  return side ? `${way}_${side}` : way;
+}
 
 export interface ListedObject {
   id: string;
@@ -52,13 +66,14 @@ export function objectsAt(scene: SceneView, i: number, target: string | null): L
     if (ego) {
       const dx = pose.x - ego.x;
       const dy = pose.y - ego.y;
-      const raw = Math.atan2(dy, dx) - ego.heading;
-      const eighth = Math.round(Math.atan2(Math.sin(raw), Math.cos(raw)) / (Math.PI / 4));
+      const [cos, sin] = [Math.cos(ego.heading), Math.sin(ego.heading)];
       seen.distance = Math.hypot(dx, dy);
       const [length, width] = sizeOf(track);
       const [egoLength, egoWidth] = scene.ego?.size ?? [];
+      const turned = pose.heading - ego.heading;
       seen.gap = gapBetween({ pose: ego, length: egoLength ?? 4.5, width: egoWidth ?? 1.9 }, { pose, length, width });
-      seen.bearing = BEARINGS[(eighth + 8) % 8] ?? null;
+      const reach = ((egoLength ?? 4.5) + length * Math.abs(Math.cos(turned)) + width * Math.abs(Math.sin(turned))) / 2;
+      seen.bearing = bearingOf(dx * cos + dy * sin, dy * cos - dx * sin, reach);
     }
     out.push(seen);
   }

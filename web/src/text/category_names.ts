@@ -16,7 +16,7 @@ export const classNames: Record<string, TextPair> = {
   bicyclist: ["骑行者", "cyclist"],
   motorcyclist: ["摩托车骑手", "motorcyclist"],
   pedestrian: ["行人", "pedestrian"],
-  wheeled_pedestrian: ["轮椅或婴儿车行人", "wheeled pedestrian"],
+  wheeled_pedestrian: ["轮椅或婴儿车", "wheeled pedestrian"],
   animal: ["动物", "animal"],
   cone: ["锥桶", "cone"],
   barrier: ["水马或隔离墩", "barrier"],

@@ -19,6 +19,7 @@ const NAMES: Readonly<Record<string, readonly [zh: string, en: string]>> = {
   "label.object.state": ["目标的运动与描述不符", "motion of the object differs"],
   "label.decision.unchanged": ["一直停着却决策停车", "decides to stop while standing"],
   "label.motion.no_change": ["决策后车速没有变化", "no change of speed after the decision"],
+  "label.motion.stated": ["所述车速或距离与录制不符", "stated speed or distance differs"],
   "label.motion.unlabelled": ["车速变化没有决策", "change of speed without a decision"],
   "label.cause.missing": ["要素都不会引起决策", "no component that causes the decision"],
   "label.cause.without_decision": ["没有决策却有原因", "cause without a decision"],

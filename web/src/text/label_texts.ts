@@ -94,6 +94,10 @@ export const labelTexts = {
     "≈：关键帧前最后约 0.2 s（及行程两端）只由一侧的数据求得，另一侧的数据会改变它；阴影为一个标准差",
     "≈: in about the last 0.2 s before the keyframe (and at the ends of the drive) computed from one side only; data of the other side would change it. Shaded: one standard deviation",
   ],
+  "plot.uncertain_action": [
+    "≈：末尾 0.5 s 内的动作可能因后续数据而改变",
+    "≈: later data may change the action of the last 0.5 s",
+  ],
   "plot.unavailable": ["日志中没有", "not in the log"],
 
   "stage.1": ["阶段一：只看历史，列出关键要素", "Stage I: critical components, from history only"],
@@ -247,6 +251,7 @@ export const labelTexts = {
   "safety.why": ["为什么？（按数字键选择）", "Why? (digits choose)"],
   "safety.note": ["说明", "Note"],
   "safety.reject": ["剔除", "Reject"],
+  "class.variant_unknown": ["{name}（变体未知）", "{name} (variant unknown)"],
   "stage.l2_only": ["阶段一只显示 L2 场景；有 L3 场景时，锁定后显示它和标注规范。", "Stage I names only the L2 scenario. An L3 scenario, where there is one, and its specification follow when it is locked."],
   "dec.others": ["其他（{n}）", "{n} {n:other|others}"],
   "dec.few": ["收起", "Fewer"],

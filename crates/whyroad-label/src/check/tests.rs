@@ -309,6 +309,24 @@ proptest! {
     }
 }
 
+/// DATA_FORMAT.md: documents of 2.0 lack what 2.1 added and stay valid. A label that passes is written as 2.0.
+#[test]
+fn a_label_written_as_2_0_is_not_asked_for_what_2_0_lacks() {
+    let codes = |label: &typed::CocLabel, version: &str| -> Vec<String> {
+        let mut value = serde_json::to_value(label.clone().to_2_0()).unwrap();
+        value["version"] = version.into();
+        let found = checker().check_text(&value.to_string());
+        found.into_iter().map(|d| d.code.to_string()).collect()
+    };
+    let mut asked = 0;
+    for text in EXAMPLES {
+        let label: typed::CocLabel = serde_json::from_str(text).unwrap();
+        assert_eq!(codes(&label, "2.0.0"), Vec::<String>::new(), "{text}");
+        asked += codes(&label, "2.1.0").iter().filter(|code| *code == "label.record.missing").count();
+    }
+    assert!(asked > 0, "a document that states 2.1 is asked for the records of its class");
+}
+
 #[test]
 fn other_is_a_class_everywhere() {
     // LABELING.md 1: an episode that fits no class gets `other` under its L2 or L1.

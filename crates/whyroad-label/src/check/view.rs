@@ -38,6 +38,11 @@ pub(super) struct View<'a> {
 }
 
 impl View<'_> {
+    /// States format 2.0, which has no place for records, causes and what else later versions added.
+    pub fn states_2_0(&self) -> bool {
+        self.version.get().is_some_and(|v| v == "2.0" || v.starts_with("2.0."))
+    }
+
     /// The class, if it can be read.
     pub fn class_id(&self) -> Option<ScenarioId> {
         let s = &self.scenario;

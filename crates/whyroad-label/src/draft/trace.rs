@@ -300,17 +300,19 @@ fn openings(
         let n = p.all(facts.lang).len() as u64;
         (0..n).map(|i| p.pick(facts.lang, (seed % n.max(1)) + i).to_owned()).collect()
     };
+    let of_ego = if facts.lang == Lang::Zh { "自车" } else { OF_EGO };
+    let state = || facts.components.iter().take(MOST_IN_STATE).map(|c| c.description.as_str());
     if speed < STANDING_MPS {
-        // If nothing is decided, the rest of the text states it.
-        return if facts.decides() { of(&all.standing) } else { Vec::new() };
+        // If nothing is decided, the rest of the text states it; so does a component that says where the ego stands.
+        let stands = if facts.lang == Lang::Zh { "停" } else { "stands" };
+        let said = state().any(|text| text.starts_with(of_ego) && text.contains(stands));
+        return if facts.decides() && !said { of(&all.standing) } else { Vec::new() };
     }
     // The speed of an ego that still rolls at the keyframe and then moves off is not worth mentioning.
     if facts.decision.longitudinal == Some(Longitudinal::Resume) {
         return Vec::new();
     }
     // An opening does not fit before a text that already states where the ego drives.
-    let of_ego = if facts.lang == Lang::Zh { "自车" } else { OF_EGO };
-    let state = || facts.components.iter().take(MOST_IN_STATE).map(|c| c.description.as_str());
     if state().any(|text| text.starts_with(of_ego)) {
         return Vec::new();
     }

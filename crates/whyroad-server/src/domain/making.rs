@@ -25,6 +25,8 @@ pub struct CreateTasks {
     pub priority: i64,
     /// Secondary episodes too.
     pub secondary: bool,
+    /// Episodes whose keyframe is the first frame of their drive too: there is no history to label from.
+    pub without_history: bool,
     /// `zh` or `en`: the queue gives these tasks only to annotators of this language. Default: the project's language,
     /// and all annotators.
     pub lang: Option<String>,
@@ -40,7 +42,7 @@ pub struct EpisodeTask {
     pub scenario: String,
     /// Id of the episode.
     pub episode: String,
-    /// The L3 class of the task, if it is not that of the episode; required where no class explains the episode.
+    /// The class of the task (an L3, or an L2 of unknown variant), if it is not that of the episode; required where no class explains the episode.
     #[serde(default)]
     pub as_class: Option<String>,
     /// Higher values come first.
@@ -55,7 +57,7 @@ pub struct Created {
     pub tasks: Vec<String>,
     /// Episodes that already had a task.
     pub known: u32,
-    /// Episodes that were not used: the sum of the next three.
+    /// Episodes that were not used: the sum of the next four.
     pub left_out: u32,
     /// Of these, beyond a limit. Once the limit of tasks is reached, also episodes that have a task already.
     pub over_limit: u32,
@@ -63,6 +65,11 @@ pub struct Created {
     pub secondary: u32,
     /// Of these, of no class of the taxonomy.
     pub no_class: u32,
+    /// Of these, with the first frame of their drive as keyframe, where such episodes were not requested.
+    pub no_history: u32,
+    /// Episodes with new tasks whose window (2 s before the keyframe, 6 s after it) reaches beyond their drive: their
+    /// labels cannot become samples of the default spec of a data set.
+    pub short_window: u32,
     /// Episodes without a usable drive, with the reason: the first hundred.
     pub lost: Vec<LostEpisode>,
     /// Further episodes without a usable drive.

@@ -108,10 +108,14 @@ impl Default for Settings {
 /// Pending work in a project.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Work {
-    /// Tasks by state; empty for users who are not staff.
+    /// Tasks by state, without labels of which the lead chose another one; empty for users who are not staff.
     pub by_state: BTreeMap<String, i64>,
-    /// All tasks; 0 for users who are not staff.
+    /// The sum of these; 0 for users who are not staff.
     pub total: i64,
+    /// Tasks that the queue has for the caller to check; 0 for users who do not check.
+    pub to_check: i64,
+    /// Tasks that the queue has for the caller to audit; 0 for users who do not audit.
+    pub to_audit: i64,
     /// Tasks with an open question to the lead; 0 for users who are not staff.
     pub asked: i64,
     /// Tasks of overlap groups that are still to be adjudicated; 0 for users who are not leads.

@@ -52,6 +52,10 @@ pub struct TaskSummary {
     /// Seconds from the start of the drive to the keyframe; in lists, where the lake has the drive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keyframe_s: Option<f64>,
+    /// Where the window of a sample around the keyframe reaches beyond the drive; in Stage I only its history, but all of it in
+    /// lists of leads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub short_window: Option<ShortWindow>,
     /// The class that fits instead, as its annotator says; empty for one that they do not know.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub right_class: Option<String>,
@@ -73,6 +77,18 @@ pub struct TaskSummary {
     /// Address of a thumbnail of its keyframe, if the caller may see one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thumbnail: Option<String>,
+}
+
+/// What a drive has of the window of a training sample, where that is too little for the default spec of a data set
+/// (2 s before the keyframe, 6 s after it).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ShortWindow {
+    /// Seconds before the keyframe, if they are too few.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub before_s: Option<f64>,
+    /// Seconds after it, if they are too few.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub after_s: Option<f64>,
 }
 
 /// A page of tasks.

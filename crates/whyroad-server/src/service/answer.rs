@@ -1,12 +1,13 @@
 //! The complete answer about one task: the parts that may be shown, the permitted actions, the findings of the checker.
 
 use crate::app::App;
-use crate::domain::task::{Finding, Suggestion, Task, TaskSummary};
+use crate::domain::task::{Finding, ShortWindow, Suggestion, Task, TaskSummary};
 use crate::domain::workflow::{self, Actor, Role, Stage, State};
 use crate::problem::Answer;
+use crate::service::sample_window::Window;
 use crate::service::tasks::{self, LabelView, TaskRow};
 use crate::service::visible::{comments, label};
-use crate::service::{judgements, leases, permissions, projects};
+use crate::service::{create, judgements, leases, permissions, projects};
 use crate::store::Tx;
 use crate::values;
 use serde_json::{Map, Value};
@@ -42,7 +43,7 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         stage,
         fence: mine.then_some(t.fence),
         lease_until: t.lease_until.filter(|_| mine),
-        spec: app.framework.specs.get(&t.episode.scenario_id).filter(|_| !t.hides_leaf()).cloned(),
+        spec: create::spec_of(app.framework, &t.episode.scenario_id).filter(|_| !t.hides_leaf()).cloned(),
         suggestion: suggestion(t),
         drafted_by: drafted_by(t),
         imported: imported(t),
@@ -54,12 +55,21 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         permissions: permissions::of(tx, t, actor)?,
         changed_from_suggestion: changed(t),
         task: TaskSummary {
+            short_window: short_window(app, t),
             disagrees: actor.is(Role::Lead) && t.disagrees,
             to_choose: actor.is(Role::Lead) && t.to_choose,
             ..tasks::summary(t, &names)
         },
         draft: shown,
     })
+}
+
+/// What the drive lacks of a sample's window around the keyframe as it is set now.
+fn short_window(app: &App, t: &TaskRow) -> Option<ShortWindow> {
+    let span = app.recordings.span(&t.drive_id.as_str().into()).ok()?;
+    let set = t.draft.get(name::KEYFRAME).and_then(|k| k.get(name::TIMESTAMP)?.as_str());
+    let keyframe = set.and_then(|text| Nanos::parse_iso(text).ok()).unwrap_or(Nanos(t.keyframe_ns));
+    Window::of(keyframe, span).short(t.at.state.stage() == Stage::Stage2)
 }
 
 /// What Stage I hides of an imported draft.

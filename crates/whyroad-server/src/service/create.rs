@@ -8,6 +8,7 @@ use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
 use crate::recordings::span_of;
 use crate::service::tasks::{self, Entry, TaskRow};
+use crate::service::sample_window::{self, FUTURE_S, HISTORY_S, Window};
 use crate::service::{history, imported, projects, thumbnail, veil};
 use crate::store::Tx;
 use crate::{secret, values};
@@ -15,14 +16,14 @@ use serde_json::Value;
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
-use whyroad_framework::Taxonomy;
-use whyroad_framework::spec::PackSpec;
+use whyroad_framework::spec::{PackSpec, ResolvedSpec};
+use whyroad_framework::{Framework, Taxonomy};
 use whyroad_label::draft::is_same;
 use whyroad_model::label_fields::name;
 use whyroad_model::messages::{
     Cause, Causes, CocLabel, CriticalComponent, DrivingDecision, EpisodeCursor, EpisodeFilter, EpisodeRecord,
 };
-use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, ScenarioId, SignalTable};
 
 /// Maximum number of people per episode.
 const MOST_OVERLAP: u32 = 10;
@@ -34,9 +35,6 @@ const EPISODES_PER_PAGE: usize = 500;
 const MOST_REASONS: usize = 100;
 /// Number of tasks stored in one transaction: small enough that nobody's autosave waits long.
 const AT_ONCE: usize = 50;
-/// Minimum seconds of history that Stage I shows, and of future that Stage II shows (LABELING.md 4 and 6).
-const HISTORY_S: f64 = 2.0;
-const FUTURE_S: f64 = 6.0;
 
 /// When the drafts of new tasks are created.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,11 +102,14 @@ pub fn create(
         }
         // The drive is read for the draft and the thumbnail; if these are created later, it only needs to exist.
         let source = match drafting {
-            Drafting::Now => last.of(app, episode).map(Some),
-            Drafting::Later => last_span.holds(app, episode).map(|()| None),
+            Drafting::Now => last.of(app, episode).map(|s| (span_of(&s.drive.times).ok(), Some(s))),
+            Drafting::Later => last_span.of(app, episode).map(|span| (Some(span), None)),
         };
         match source {
-            Ok(source) => {
+            Ok((span, _)) if !request.without_history && sample_window::is_first(episode, span) => {
+                out.no_history += 1;
+            }
+            Ok((span, source)) => {
                 let lang = request.lang.clone().unwrap_or_default();
                 let given = match source {
                     Some(source) => Start::derived(app, &project, source, episode, &lang)?,
@@ -125,6 +126,9 @@ pub fn create(
                         ..first.clone()
                     });
                 }
+                if span.is_some_and(|span| !Window::of(episode.keyframe.timestamp, span).is_whole()) {
+                    out.short_window += 1;
+                }
                 *leaf += 1;
                 chosen += 1;
             }
@@ -137,7 +141,7 @@ pub fn create(
         }
     }
     out.tasks.extend(put(app, rows, actor)?);
-    out.left_out = out.over_limit.saturating_add(out.secondary).saturating_add(out.no_class);
+    out.left_out = [out.secondary, out.no_class, out.no_history].iter().fold(out.over_limit, |a, b| a.saturating_add(*b));
     Ok(out)
 }
 
@@ -277,8 +281,8 @@ fn is_known(app: &App, project: &str, episode: &str) -> Answer<bool> {
 struct LastSpan(Option<(DriveId, (Nanos, Nanos))>);
 
 impl LastSpan {
-    /// An error text when the drive of `episode` is unavailable, or when the episode is outside it.
-    fn holds(&mut self, app: &App, episode: &EpisodeRecord) -> Result<(), Bilingual> {
+    /// The time range of the drive of `episode`; an error text when it is unavailable, or the episode is outside it.
+    fn of(&mut self, app: &App, episode: &EpisodeRecord) -> Result<(Nanos, Nanos), Bilingual> {
         let known = self.0.take().filter(|(id, _)| *id == episode.drive_id);
         let (_, span) = match known {
             Some(known) => self.0.insert(known),
@@ -287,7 +291,7 @@ impl LastSpan {
                 self.0.insert((episode.drive_id.clone(), span))
             }
         };
-        within(episode, Some(*span))
+        within(episode, Some(*span)).map(|()| *span)
     }
 }
 
@@ -412,6 +416,11 @@ pub fn start_of(
     Start::derived(app, project, source, episode, lang)
 }
 
+/// The labeling spec of an L3 class, or of an L2 for its tasks of unknown variant.
+pub fn spec_of<'f>(framework: &'f Framework, class: &ScenarioId) -> Option<&'f ResolvedSpec> {
+    framework.specs.get(class).or_else(|| framework.l2_specs.get(class))
+}
+
 /// True if Stage I of `project` does not show the L3 class of `episode`.
 fn hides_leaf(app: &App, project: &Project, episode: &EpisodeRecord) -> bool {
     veil::classes(app.framework, &project.settings).contains(veil::l2(&episode.scenario_id.to_string()))
@@ -455,7 +464,7 @@ fn row(app: &App, project: &Project, episode: &EpisodeRecord, lang: String, star
     let veiled = hides_leaf(app, project, episode);
     let Start { draft: initial, thumbnail, pending } = start;
     let keyframe = episode.keyframe.timestamp;
-    let pack = app.framework.specs.get(&episode.scenario_id).map(|s| s.pack.clone());
+    let pack = spec_of(app.framework, &episode.scenario_id).map(|s| s.pack.clone());
     let PackSpec { before_s, after_s, .. } = pack.unwrap_or_default();
     let range = &episode.time_range;
     let from = range.start_timestamp.plus_secs(-before_s).min(keyframe.plus_secs(-HISTORY_S));

@@ -27,13 +27,13 @@ pub fn class(framework: &Framework, id: &str) -> Answer<ScenarioId> {
     })
 }
 
-/// `episode` as one of the L3 class `id`. What the rule of another class found in it is left out.
+/// `episode` as one of the class `id`: an L3, or an L2 whose variant is not known. What the rule of another class found in it is left out.
 pub fn episode_as(framework: &Framework, episode: &EpisodeRecord, id: &str) -> Answer<EpisodeRecord> {
     let scenario_id = class(framework, id)?;
-    let Some(spec) = framework.specs.get(&scenario_id) else {
+    let Some(spec) = create::spec_of(framework, &scenario_id) else {
         return Err(Problem::request(
-            format!("'{id}' 不是可标注的 L3 场景"),
-            format!("'{id}' is not an L3 class that can be labeled"),
+            format!("'{id}' 不是可标注的 L2 或 L3 场景"),
+            format!("'{id}' is not an L2 or L3 class that can be labeled"),
         ));
     };
     let mut keyframe = episode.keyframe.clone();

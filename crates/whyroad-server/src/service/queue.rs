@@ -46,6 +46,11 @@ impl<'a> Worker<'a> {
         self.skills.is_empty() || self.skills.iter().any(within)
     }
 
+    /// The parameters of the searches of [`queue`].
+    fn values(&self, project: &Project, now: i64) -> [Cell; 4] {
+        [(&project.id).into(), (&self.user.id).into(), now.into(), self.languages.join(",").into()]
+    }
+
     fn writes(&self, lang: &str) -> bool {
         lang.is_empty() || self.languages.iter().any(|l| l == lang)
     }
@@ -63,20 +68,12 @@ pub fn next(
 ) -> Answer<Option<TaskRow>> {
     let worker = Worker::of(tx, project, user, roles)?;
     let hidden = Hidden::of(tx, &project.id, &user.id, roles)?.ids;
-    // A remaining time longer than any lease is from before a clock was set back.
-    let lease = leases::longest_ms(&project.settings);
-    let expired = format!("(lease_until < $3 OR lease_until - $3 > {lease})");
-    for condition in queue(kind) {
-        let condition = condition
-            .replace("EXPIRED", &expired)
-            .replace("FOR_ME", FOR_ME)
-            .replace("STANDS", disagreement::STANDS);
+    for condition in conditions(kind, project) {
         let mut from = 0;
         loop {
-            let found = candidates(tx, &condition, &project.id, &worker, now, from)?;
+            let found = candidates(tx, &condition, project, &worker, now, from)?;
             for (id, scenario) in &found {
-                let own = condition.contains("holder = $2") || condition.contains("assigned = $2");
-                if (!own && !worker.labels(scenario)) || hidden.contains(id) {
+                if (!is_own(&condition) && !worker.labels(scenario)) || hidden.contains(id) {
                     continue;
                 }
                 let mut t = tasks::get_for_change(tx, id)?;
@@ -94,6 +91,34 @@ pub fn next(
         }
     }
     Ok(None)
+}
+
+/// Number of tasks of this kind that [`next`] has for `user`, of the first thousand.
+pub fn takeable(
+    tx: &mut dyn Tx,
+    project: &Project,
+    user: &User,
+    roles: &[Role],
+    kind: WorkKind,
+    now: i64,
+) -> Answer<i64> {
+    let worker = Worker::of(tx, project, user, roles)?;
+    let hidden = Hidden::of(tx, &project.id, &user.id, roles)?.ids;
+    let mut n = 0;
+    for condition in conditions(kind, project) {
+        // Only what the decision needs is read: drafts are long.
+        let sql = format!(
+            "SELECT id, scenario_id, authors FROM tasks WHERE project_id = $1 AND {condition} AND {} LIMIT {MOST_ASKED}",
+            seen::hidden_in_stage1(project.settings.history).replace('$', "$2")
+        );
+        let is_own = is_own(&condition);
+        for row in tx.rows(&sql, &worker.values(project, now))? {
+            let wrote = row.text("authors")?.contains(&format!("\"{}\"", user.id));
+            let fits = is_own || (worker.labels(&row.text("scenario_id")?) && !wrote);
+            n += i64::from(fits && !hidden.contains(&row.text("id")?));
+        }
+    }
+    Ok(n)
 }
 
 /// Why the queue has nothing for `user`: each reason that applies to some task, without numbers of tasks, which might
@@ -202,10 +227,26 @@ fn queue(kind: WorkKind) -> &'static [&'static str] {
     }
 }
 
+/// The searches of [`queue`] as SQL.
+fn conditions(kind: WorkKind, project: &Project) -> Vec<String> {
+    // A remaining time longer than any lease is from before a clock was set back.
+    let lease = leases::longest_ms(&project.settings);
+    let expired = format!("(lease_until < $3 OR lease_until - $3 > {lease})");
+    let condition = |c: &&str| {
+        c.replace("EXPIRED", &expired).replace("FOR_ME", FOR_ME).replace("STANDS", disagreement::STANDS)
+    };
+    queue(kind).iter().map(condition).collect()
+}
+
+/// A search for tasks that the worker holds or was assigned: of any class.
+fn is_own(condition: &str) -> bool {
+    condition.contains("holder = $2") || condition.contains("assigned = $2")
+}
+
 fn candidates(
     tx: &mut dyn Tx,
     condition: &str,
-    project: &str,
+    project: &Project,
     worker: &Worker<'_>,
     now: i64,
     from: usize,
@@ -214,7 +255,5 @@ fn candidates(
         "SELECT id, scenario_id FROM tasks WHERE project_id = $1 AND {condition}
          ORDER BY priority DESC, created, overlap_index, keyframe_ns, id LIMIT {PAGE} OFFSET {from}"
     );
-    let values: [Cell; 4] =
-        [project.into(), (&worker.user.id).into(), now.into(), worker.languages.join(",").into()];
-    tx.rows(&sql, &values)?.iter().map(|r| Ok((r.text("id")?, r.text("scenario_id")?))).collect()
+    tx.rows(&sql, &worker.values(project, now))?.iter().map(|r| Ok((r.text("id")?, r.text("scenario_id")?))).collect()
 }

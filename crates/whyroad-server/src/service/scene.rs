@@ -78,7 +78,13 @@ fn derived(app: &App, t: &TaskRow, stage: Stage) -> Answer<SceneView> {
 /// Rates of change of the ego that the log has: they are not computed from other values.
 fn measured(drive: &Drive, frames: FrameRange) -> Vec<&'static str> {
     let Some((ego, last)) = drive.ego.as_ref().zip(frames.end.checked_sub(1)) else { return vec![] };
-    let rates = [("ego.accel", &ego.motion.accel), ("ego.yaw_rate", &ego.motion.yaw_rate)];
+    let m = &ego.motion;
+    let rates = [
+        ("ego.accel", &m.accel),
+        ("ego.yaw_rate", &m.yaw_rate),
+        ("ego.forward_speed", &m.vx),
+        ("ego.speed", &m.vx),
+    ];
     let is_measured = |values: &[f64]| values.get(last).is_some_and(|v| v.is_finite());
     rates.into_iter().filter(|(_, values)| is_measured(values)).map(|(name, _)| name).collect()
 }

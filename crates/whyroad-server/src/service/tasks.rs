@@ -361,6 +361,7 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         adjudication: t.adjudication.clone(),
         updated: t.updated,
         keyframe_s: None,
+        short_window: None,
         right_class: t.right_class.clone(),
         replaced_by: t.replaced_by.clone(),
         replaces: t.replaces.clone(),

@@ -168,6 +168,16 @@ pub fn report_not_chosen(episodes: i64) -> Diagnostic {
     Diagnostic::warning(NOT_CHOSEN, message).with_hint(hint)
 }
 
+/// What is said with an export in format 2.0.
+pub fn left_out_of_2_0() -> Bilingual {
+    Bilingual::new(
+        "格式 2.0 没有这些字段，导出时略去：records、causes、second_keyframe、secondary_scenarios、provenance，\
+         以及关键要素的编号、证据时间和关联目标；要保留它们，导出格式 2.1",
+        "format 2.0 has no records, causes, second_keyframe, secondary_scenarios and provenance, nor ids, evidence times \
+         and linked objects of components: they are left out; export format 2.1 to keep them",
+    )
+}
+
 /// The tasks of an export in its order, without gold tasks; only ids, because a project may have a hundred thousand
 /// tasks, each with drafts.
 fn exported_ids(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer<Vec<String>> {

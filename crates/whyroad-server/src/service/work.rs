@@ -1,10 +1,11 @@
 //! The pending work in a project, for cards and the annotator's home page: tasks by state, and the caller's own.
 
 use crate::domain::project::{MyWork, Work};
+use crate::domain::task::WorkKind;
 use crate::domain::workflow::Role;
 use crate::problem::Answer;
 use crate::service::recognized::Hidden;
-use crate::service::{disagreement, drafting, other_class, projects};
+use crate::service::{disagreement, drafting, other_class, people, projects, queue};
 use crate::store::{Tx, Value as Cell};
 use crate::values;
 
@@ -16,7 +17,8 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
     let mut by_state = std::collections::BTreeMap::new();
     if staff {
         let rows = tx.rows(
-            "SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 GROUP BY state",
+            "SELECT state, count(*) AS n FROM tasks
+             WHERE project_id = $1 AND (adjudication IS NULL OR adjudication <> 'superseded') GROUP BY state",
             values![project],
         )?;
         for r in rows {
@@ -53,6 +55,16 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
     } else {
         0
     };
+    let waiting_for = |tx: &mut dyn Tx, role: Role, kind: WorkKind| {
+        if !roles.contains(&role) {
+            return Ok(0);
+        }
+        let project = projects::get(tx, project)?;
+        let Some(user) = people::find(tx, user)? else { return Ok(0) };
+        queue::takeable(tx, &project, &user, roles, kind, now)
+    };
+    let to_check = waiting_for(tx, Role::Checker, WorkKind::Check)?;
+    let to_audit = waiting_for(tx, Role::Auditor, WorkKind::Audit)?;
     let pending = if staff { drafting::pending(tx, project)? } else { 0 };
     let (mut disagreeing, mut to_choose, mut wrong_class) = (0, 0, 0);
     if roles.contains(&Role::Lead) {
@@ -62,5 +74,5 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
     }
     let total = by_state.values().sum();
     let mine = MyWork { returned, begun, assigned, waiting, accepted, submitted_today };
-    Ok(Work { by_state, total, asked, disagreeing, wrong_class, to_choose, pending, mine })
+    Ok(Work { by_state, total, to_check, to_audit, asked, disagreeing, wrong_class, to_choose, pending, mine })
 }

@@ -75,6 +75,7 @@ pub fn a_group_without_a_choice_is_neither_checked_nor_exported(world: &World) {
     let filtered = format!("/projects/{}/tasks?overlap=to_choose", pair.project);
     assert_eq!(pair.chen.get(&filtered).status, 403);
     assert!(Work::next(&pair.chen, &pair.project, "check").is_none());
+    assert_eq!(pair.work(&pair.chen)["to_check"], 0, "what the queue has, not what is submitted");
     let take = json!({ "action": "take" });
     for id in &pair.ids {
         let taken = pair.chen.post(&format!("/tasks/{id}/lease"), &take);
@@ -100,6 +101,21 @@ pub fn a_group_without_a_choice_is_neither_checked_nor_exported(world: &World) {
         (&pair.dashboard()["agreement"]["pairs"], &pair.dashboard()["to_choose"]),
         (&json!(1), &json!(0))
     );
+}
+
+pub fn only_the_chosen_label_waits_for_a_check(world: &World) {
+    let pair = Pair::on(world);
+    Work::label(&pair.ann, &pair.ids[0]);
+    Work::label(&pair.bob, &pair.ids[1]);
+    pair.act(&pair.ids[0], "adjudicate");
+    assert_eq!((&pair.work(&pair.chen)["to_check"], &pair.work(&pair.ann)["to_check"]), (&json!(1), &json!(0)));
+    let submitted = || pair.admin.get(&format!("/projects/{}/tasks?state=submitted", pair.project)).fine();
+    assert_eq!((&submitted()["total"], &submitted()["items"][0]["id"]), (&json!(1), &json!(pair.ids[0])));
+    let states = &pair.work(&pair.chen)["by_state"];
+    assert_eq!(states["submitted"], 1, "the copy that was not chosen waits for nothing: {states}");
+    // Taken, it is still what the button gives.
+    assert!(Work::next(&pair.chen, &pair.project, "check").is_some());
+    assert_eq!(pair.work(&pair.chen)["to_check"], 1);
 }
 
 pub fn a_choice_is_open_again_when_the_chosen_label_is_gone(world: &World) {

@@ -46,7 +46,7 @@ pub fn a_lead_makes_the_task_of_the_class_that_fits(world: &World) {
 
     assert_eq!(reclass(&ann, &task, SLOW).status, 403);
     assert_eq!(reclass(&lead, &task, URGENT).refusal(), (422, "class.same".into()));
-    assert_eq!(reclass(&lead, &task, "reactive_agent.cutin").status, 400, "no L3");
+    assert_eq!(reclass(&lead, &task, "reactive_agent").status, 400, "neither an L2 nor an L3");
     let new = reclass(&lead, &task, SLOW).fine()["tasks"][0].as_str().unwrap().to_owned();
     let old = lead.get(&format!("/tasks/{task}")).fine();
     assert_eq!((&old["task"]["state"], &old["task"]["replaced_by"]), (&json!("skipped"), &json!(new)));
@@ -71,6 +71,27 @@ pub fn a_lead_makes_the_task_of_the_class_that_fits(world: &World) {
     assert_eq!(locked["draft"]["scenario"]["l3"], "slow");
     let history = lead.get(&format!("/tasks/{task}/history")).fine();
     assert!(history["items"].as_array().unwrap().iter().any(|e| e["action"] == "replace"), "{history}");
+}
+
+pub fn an_l2_is_a_class_whose_variant_is_unknown(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({ "stage1_class": "leaf" }));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let bob = world.person(&admin, &project, "bob", &["annotator"]);
+    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let l2 = "reactive_agent.following";
+    let mut work = Work::take(&ann, &task);
+    say_wrong(&mut work, l2).fine();
+    assert_eq!(list(&admin, &project, "asks=class")[0]["right_class"], l2);
+    let new = reclass(&admin, &task, l2).fine()["tasks"][0].as_str().unwrap().to_owned();
+    // Stage I shows the specification: nothing is withheld, there is no L3. In a project that withholds the L3 of this
+    // L2 it comes with the lock, as for every task of the L2.
+    let view = Work::take(&bob, &new).view();
+    assert_eq!((&view["task"]["scenario_id"], &view["stage"]), (&json!(l2), &json!("stage1")));
+    assert_eq!(view["spec"]["leaf"], json!(l2), "{}", view["spec"]);
+    let veiled = json!({ "settings": { "stage1_class": "l2" } });
+    admin.patch(&format!("/projects/{project}"), &veiled).fine();
+    assert_eq!(bob.get(&format!("/tasks/{new}")).fine()["spec"], Value::Null);
 }
 
 pub fn who_saw_no_future_may_do_the_task_again_with_another_class(world: &World) {

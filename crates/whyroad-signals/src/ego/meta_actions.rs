@@ -22,8 +22,41 @@ const STRAIGHT_RADPS: f64 = 2.0 * std::f64::consts::PI / 180.0;
 const SHARP_RADPS: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Half width of the mean of acceleration and yaw rate, s.
 const MEAN_REACH_S: f64 = 0.3;
-/// Shorter runs are merged with the run before, s.
+/// Shorter runs are merged with the run before, s; one that the end of the record cuts off only with one of its side.
 const LEAST_RUN_S: f64 = 0.5;
+
+/// Which way an action changes the motion: speed up, slow down, to the left, to the right, or neither.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Neither,
+    Plus,
+    Minus,
+    /// Standing or reversing.
+    Own,
+}
+
+fn along_side(action: EgoMetaLongitudinal) -> Side {
+    match action {
+        EgoMetaLongitudinal::Stop | EgoMetaLongitudinal::Reverse => Side::Own,
+        EgoMetaLongitudinal::StrongDecelerate | EgoMetaLongitudinal::GentleDecelerate => Side::Minus,
+        EgoMetaLongitudinal::MaintainSpeed => Side::Neither,
+        EgoMetaLongitudinal::GentleAccelerate | EgoMetaLongitudinal::StrongAccelerate => Side::Plus,
+    }
+}
+
+fn across_side(action: EgoMetaLateral) -> Side {
+    match action {
+        EgoMetaLateral::GoStraight => Side::Neither,
+        EgoMetaLateral::SteerLeft | EgoMetaLateral::SharpSteerLeft => Side::Plus,
+        EgoMetaLateral::SteerRight | EgoMetaLateral::SharpSteerRight => Side::Minus,
+        EgoMetaLateral::ReverseLeft | EgoMetaLateral::ReverseRight => Side::Own,
+    }
+}
+
+/// True for two actions of one side; standing and reversing are alike only to themselves.
+fn alike<T: Copy + PartialEq>(side: impl Fn(T) -> Side) -> impl Fn(T, T) -> bool {
+    move |a, b| a == b || (side(a) == side(b) && side(a) != Side::Own)
+}
 
 fn longitudinal(standstill: Tri, forward_speed: f64, accel: f64) -> Option<EgoMetaLongitudinal> {
     if standstill.known()? {
@@ -64,6 +97,22 @@ fn lateral(standstill: Tri, forward_speed: f64, yaw_rate: f64) -> Option<EgoMeta
     })
 }
 
+/// Makes the actions at the end unknown whose frame's own acceleration is of the opposite side: the mean over the time
+/// before lags behind it.
+fn forget_contradicted(along: &mut [Option<EgoMetaLongitudinal>], accel: &[f64]) {
+    let own = |a: f64| match a {
+        a if a <= -MAINTAIN_MPS2 => Side::Minus,
+        a if a >= MAINTAIN_MPS2 => Side::Plus,
+        _ => Side::Neither,
+    };
+    for (action, a) in along.iter_mut().zip(accel).rev() {
+        match (action.map(along_side), own(*a)) {
+            (Some(Side::Plus), Side::Minus) | (Some(Side::Minus), Side::Plus) => *action = None,
+            _ => break,
+        }
+    }
+}
+
 /// The ego's meta actions (LABELING.md 5), one value per frame of the drive; `None` in a frame is unknown.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MetaActions {
@@ -83,8 +132,9 @@ impl MetaActions {
             frames.clone().map(|i| longitudinal(ego.standstill[i], ego.forward_speed[i], accel[i])).collect();
         let mut across: Vec<_> =
             frames.map(|i| lateral(ego.standstill[i], ego.forward_speed[i], yaw_rate[i])).collect();
-        absorb_short_runs(times, &mut along, LEAST_RUN_S);
-        absorb_short_runs(times, &mut across, LEAST_RUN_S);
+        absorb_short_runs(times, &mut along, LEAST_RUN_S, alike(along_side));
+        absorb_short_runs(times, &mut across, LEAST_RUN_S, alike(across_side));
+        forget_contradicted(&mut along, &ego.accel);
         Self { longitudinal: along, lateral: across }
     }
 

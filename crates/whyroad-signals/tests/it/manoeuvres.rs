@@ -74,6 +74,34 @@ fn kinematics_meta_actions_and_standstill() {
     assert_eq!(back.ego_category("ego.meta_longitudinal", 20), Some("reverse"));
 }
 
+#[test]
+fn at_the_end_of_the_record_braking_is_no_acceleration() {
+    // 5 m/s, 1.2 m/s2 from 1 s on, braking at 2.6 m/s2 from 3 s on. The record ends 0.3 s later, as Stage I at a
+    // keyframe: the run is shorter than 0.5 s, and nothing is known of how it goes on.
+    let pose = |t: f64| {
+        let (up, down) = ((t - 1.0).clamp(0.0, 2.0), (t - 3.0).max(0.0));
+        (5.0 * t + 0.6 * up * up + 2.4 * down - 1.3 * down * down, 0.0, 0.0)
+    };
+    let t = Table::of(&drive(34, pose));
+    assert_eq!(t.ego_category("ego.meta_longitudinal", 20), Some("gentle_accelerate"));
+    let last = t.ego_category("ego.meta_longitudinal", 33);
+    assert!(matches!(last, None | Some("gentle_decelerate" | "strong_decelerate")), "{last:?}");
+    // A longer run is known as before: strong from 2 m/s2 on.
+    let later = Table::of(&drive(45, pose));
+    assert_eq!(later.ego_category("ego.meta_longitudinal", 44), Some("strong_decelerate"));
+    // One frame after the change the mean is still that of the time before.
+    let one = Table::of(&drive(32, pose));
+    let last = one.ego_category("ego.meta_longitudinal", 31);
+    assert!(one.ego("ego.accel", 31) > -0.4 || !matches!(last, Some("gentle_accelerate")), "{last:?}");
+    // Weak and strong braking are one side: the last 0.3 s of strong braking join the weak braking before.
+    let harder = |t: f64| {
+        let (weak, strong) = ((t - 1.0).clamp(0.0, 2.0), (t - 3.0).max(0.0));
+        (15.0 * t - 0.5 * weak * weak - 2.0 * strong - 2.0 * strong * strong, 0.0, 0.0)
+    };
+    let t = Table::of(&drive(34, harder));
+    assert_eq!(t.ego_category("ego.meta_longitudinal", 33), Some("gentle_decelerate"));
+}
+
 /// 3.5 m to the left between 4 and 8 s, as a cosine.
 fn shift(t: f64) -> f64 {
     1.75 * (1.0 - (PI * ((t - 4.0).clamp(0.0, 4.0)) / 4.0).cos())

@@ -14,12 +14,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use whyroad_lake::Lake;
-use whyroad_model::Lang;
+use whyroad_model::{Bilingual, Lang};
 use whyroad_server::App;
 use whyroad_server::domain::task::{CreateTasks, Imported};
 use whyroad_server::service::create::Drafting;
 use whyroad_server::service::transfer::{self, ExportFormat};
-use whyroad_server::service::{create, projects, tasks};
+use whyroad_server::service::{create, projects, sample_window, tasks};
 use whyroad_server::store::Store;
 
 /// Arguments of `whyroad tasks`.
@@ -67,6 +67,9 @@ struct Create {
     /// Include secondary episodes
     #[arg(long)]
     secondary: bool,
+    /// Include episodes whose keyframe is the first frame of their drive: without any history
+    #[arg(long)]
+    without_history: bool,
     /// Language of the labels: the queue gives these tasks only to annotators of this language
     #[arg(long, value_name = "LANG", value_parser = ["zh", "en"])]
     label_lang: Option<String>,
@@ -183,6 +186,7 @@ fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
         overlap: a.overlap,
         priority: a.priority,
         secondary: a.secondary,
+        without_history: a.without_history,
         lang: a.label_lang.clone(),
         ..CreateTasks::default()
     };
@@ -191,21 +195,38 @@ fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
     made.lost.iter().for_each(|l| say!("{}: {}", l.episode, l.text.get(global.lang)));
     let (new, known, left_out) = (made.tasks.len(), made.known, made.left_out);
     let (limit, secondary, no_class) = (made.over_limit, made.secondary, made.no_class);
+    let (no_history, short) = (made.no_history, made.short_window);
     let lost = made.lost.len() + made.more as usize;
     let counts = json!({
         "created": new, "already_present": known, "not_selected": left_out, "without_drive": lost,
-        "over_limit": limit, "secondary": secondary, "no_class": no_class,
+        "over_limit": limit, "secondary": secondary, "no_class": no_class, "no_history": no_history,
+        "short_window": short,
     });
     a.print.put(&counts, || match global.lang {
         Lang::Zh => format!(
             "新建 {new} 个任务；已有 {known}，未选 {left_out}（超出上限 {limit}，次场景 {secondary}，\
-             无场景或场景不在分类中 {no_class}），行程缺失 {lost}\n"
+             无场景或场景不在分类中 {no_class}，关键帧为行程首帧 {no_history}），行程缺失 {lost}\n"
         ),
         Lang::En => format!(
             "{new} tasks created; {known} already present, {left_out} not selected ({limit} over a limit, \
-             {secondary} secondary, {no_class} of no or an unknown class), {lost} without a drive\n"
+             {secondary} secondary, {no_class} of no or an unknown class, {no_history} with the first frame of the \
+             drive as keyframe), {lost} without a drive\n"
         ),
     })?;
+    if short > 0 {
+        let (before, after) = (sample_window::HISTORY_S, sample_window::FUTURE_S);
+        let text = Bilingual::new(
+            format!(
+                "其中 {short} 个事件的样本窗口（关键帧前 {before} s、后 {after} s）超出行程：按默认规格（dataset init），\
+                 其标注不能成为样本"
+            ),
+            format!(
+                "{short} of these episodes have a sample window ({before} s before the keyframe, {after} s after it) \
+                 that reaches beyond the drive: with the default spec (dataset init) their labels cannot become samples"
+            ),
+        );
+        say!("{}", text.get(global.lang));
+    }
     Ok(if lost > 0 { output::lost_input() } else { output::FINE })
 }
 
@@ -255,6 +276,9 @@ fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     transfer::export_to(&store, &project, &format, &mut out).map_err(problem)?;
     std::io::Write::flush(&mut out)?;
+    if let ExportFormat::Labels(_, transfer::LabelVersion::V2_0) = format {
+        say!("{}", transfer::left_out_of_2_0().get(global.lang));
+    }
     let episodes = store.report(|tx| transfer::not_chosen(tx, &project, &format)).map_err(problem)?;
     if episodes > 0 {
         tell!("{}", output::render_text(&transfer::report_not_chosen(episodes), global.lang));
@@ -287,4 +311,17 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
         Lang::En => format!("{new} tasks created; {known} already present; {lost} lines not readable\n"),
     })?;
     Ok(if lost > 0 { output::lost_input() } else { output::FINE })
+}
+
+#[cfg(test)]
+mod tests {
+    use whyroad_dataset::spec::Spec;
+    use whyroad_server::service::sample_window::{FUTURE_S, HISTORY_S};
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "the same literals")]
+    fn the_window_of_tasks_is_that_of_the_default_spec() {
+        let cut = Spec::default().sample;
+        assert_eq!((HISTORY_S, FUTURE_S), (cut.history_s, cut.future_s));
+    }
 }

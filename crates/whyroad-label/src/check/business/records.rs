@@ -7,10 +7,11 @@ use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::record_types::RecordVerdict;
 use whyroad_model::label_fields::pointer;
 
-/// Records that the class requires.
+/// Records that the class requires; a document of 2.0 has no place for them.
 pub(in crate::check) fn missing(label: &View<'_>, class: &Prescribed, sink: &mut dyn Sink) {
     let filled: &[_] = match &label.records {
         Slot::Is(filled) => filled,
+        Slot::Absent if label.states_2_0() => return,
         Slot::Absent => &[],
         Slot::Broken => return,
     };

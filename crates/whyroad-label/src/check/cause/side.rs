@@ -52,10 +52,14 @@ pub(crate) fn to_mention(decision: &DrivingDecision, about: GroupSet, words: &La
     Side::of(decision.lateral_direction?)
 }
 
-/// Some component mentions the side of the lane change or turn, if there is another decision besides it.
+/// Some component mentions the side of the lane change or turn, if there is another decision besides it. Not asked of a
+/// document of 2.0, which cannot say that the cause was not observed.
 pub(in crate::check) fn of_maneuver(scope: &TextScope<'_>, framework: &Framework, sink: &mut dyn Sink) {
     let TextScope { label, words, .. } = *scope;
     let Some(lateral) = label.lateral.get() else { return };
+    if label.states_2_0() && matches!(label.causes, Slot::Absent) {
+        return;
+    }
     let decision = DrivingDecision {
         longitudinal: label.longitudinal.get(),
         lateral: Some(lateral),

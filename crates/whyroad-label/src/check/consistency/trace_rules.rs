@@ -474,6 +474,14 @@ fn goes_on(before: &str) -> bool {
     zh || EN.iter().any(|w| en.ends_with(w))
 }
 
+/// `A, B or C`.
+fn either(names: &[&str], comma: &str, or: &str) -> String {
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{}{or}{last}", rest.join(comma)),
+        _ => names.concat(),
+    }
+}
+
 /// `read`: no part of the trace can be a decision in words that are in no list.
 fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink: &mut dyn Sink) {
     let name = |id: &str| names.name(id);
@@ -490,11 +498,11 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
                 let zh: Vec<&str> = says.iter().map(|b| b.zh.as_str()).collect();
                 let en: Vec<&str> = says.iter().map(|b| b.en.as_str()).collect();
                 check_end(Words::new(
-                    format!("决策是“{}”，因果描述却说“{phrase}”（{}）", label.zh, zh.join("或")),
+                    format!("决策是“{}”，因果描述却说“{phrase}”（{}）", label.zh, either(&zh, "、", "或")),
                     format!(
                         "the decision is '{}', but the trace says '{phrase}' ({})",
                         label.en,
-                        en.join(" or ")
+                        either(&en, ", ", " or ")
                     ),
                 ))
             });
@@ -503,9 +511,12 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
             let finding = Finding::error("label.trace.contradicts", pointer::COC_TRACE);
             sink.report(at(finding, start, end), &|| {
                 let (phrase, label) = (&text[*start..*end], name(label));
+                // A phrase like "不变" is a negation itself.
+                let negates = !["不", "没", "未", "无"].iter().any(|no| phrase.starts_with(no));
+                let (zh, en) = if negates { ("否定了", "negates") } else { ("说", "says") };
                 check_end(Words::new(
-                    format!("决策是“{}”，因果描述却否定了“{phrase}”", label.zh),
-                    format!("the decision is '{}', but the trace negates '{phrase}'", label.en),
+                    format!("决策是“{}”，因果描述却{zh}“{phrase}”", label.zh),
+                    format!("the decision is '{}', but the trace {en} '{phrase}'", label.en),
                 ))
             });
         }

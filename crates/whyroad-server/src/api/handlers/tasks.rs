@@ -8,11 +8,12 @@ use crate::domain::task::{
     Assign, BulkChange, CreateTasks, EpisodeTask, LeaseAction, LeaseRequest, MinedFolder, MinedFolders,
     NextTask, OtherClass, QueueState, WorkKind,
 };
-use crate::domain::workflow::{Actor, Role};
+use crate::domain::workflow::{Actor, Role, Stage};
 use crate::problem::{Answer, Problem};
 use crate::service::create::Drafting;
 use crate::service::mined::EpisodeName;
 use crate::service::recognized::Hidden;
+use crate::service::sample_window::Window;
 use crate::service::tasks::TaskRow;
 use crate::service::{
     answer, bulk, create, drafting, findings, leases, list as listing, mined as episodes, other_class,
@@ -58,11 +59,14 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
         let filter = listing::Filter { hidden: Some(&hidden.ids), ..filter };
         listing::page(tx, project, &filter, viewer)
     })?;
-    let mut starts: HashMap<String, Option<Nanos>> = HashMap::new();
+    let mut spans: HashMap<String, Option<(Nanos, Nanos)>> = HashMap::new();
     for (item, keyframe) in page.items.iter_mut().zip(keyframes) {
-        let start = || call.app.recordings.span(&item.drive_id.as_str().into()).ok().map(|(first, _)| first);
-        let start = *starts.entry(item.drive_id.clone()).or_insert_with(start);
-        item.keyframe_s = start.map(|start| keyframe.seconds_since(start));
+        let span = || call.app.recordings.span(&item.drive_id.as_str().into()).ok();
+        let span = *spans.entry(item.drive_id.clone()).or_insert_with(span);
+        item.keyframe_s = span.map(|(start, _)| keyframe.seconds_since(start));
+        // How long the drive goes on is for leads, who decide what is labeled, and after Stage I.
+        let with_future = leads || item.stage == Stage::Stage2;
+        item.short_window = span.and_then(|span| Window::of(keyframe, span).short(with_future));
     }
     Reply::json(&page)
 }

@@ -113,3 +113,27 @@ fn causes_name_the_components_of_stage_one() {
     whole.causes = Some(Causes { longitudinal: cause("c3"), lateral: None });
     assert_eq!(causes(&join(whole, listed, keyframe)), (Some(vec!["c2".to_owned()]), None));
 }
+
+/// The drive lasts from 0 to 9 s; LABELING.md 4 asks for 2 s of history, the default spec of a data set for 6 s after.
+#[test]
+fn episodes_without_history_are_left_out_and_short_windows_counted() {
+    let (app, _recordings, _dir) = fixtures::counted();
+    let at = |name: &str, moment: &str| {
+        let mut e = fixtures::episode(name);
+        e["scenario_id"] = json!("reactive_agent.cutin.urgent");
+        e["drive_id"] = json!("d0");
+        e["keyframe"]["timestamp"] = json!(format!("2026-01-01T00:00:{moment}Z"));
+        e
+    };
+    let episodes = [at("first", "00"), at("early", "01"), at("whole", "02.5"), at("late", "05")];
+    let made = |more: Value| {
+        let mut request = json!({ "episodes": episodes });
+        request.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        create(&app, "p", &serde_json::from_value(request).unwrap(), None, Drafting::Later).unwrap()
+    };
+    let usual = made(json!({}));
+    let counts = (usual.tasks.len(), usual.no_history, usual.left_out, usual.short_window);
+    assert_eq!(counts, (3, 1, 1, 2), "early and late");
+    let asked = made(json!({ "without_history": true }));
+    assert_eq!((asked.tasks.len(), asked.no_history, asked.short_window, asked.known), (1, 0, 1, 3));
+}

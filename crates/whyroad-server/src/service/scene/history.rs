@@ -3,11 +3,17 @@
 
 use crate::domain::scene::SceneView;
 use serde_json::Value;
+use std::collections::BTreeSet;
 
 /// Half of the window of a derivative, s (`schema/signals.yaml`, `ego.jerk`): nearer to the end it is one-sided.
 const REACH_S: f64 = 0.2;
 /// The signal that is a derivative of a derivative: one-sided it is mostly noise.
 const JERK: &str = "ego.jerk";
+
+/// Actions of the ego: a run that is shorter joins the one before, s (`schema/signals.yaml`, `ego.meta_longitudinal`).
+const LEAST_RUN_S: f64 = 0.5;
+const SPEEDS: [&str; 2] = ["ego.forward_speed", "ego.speed"];
+const ACTIONS: [&str; 2] = ["ego.meta_longitudinal", "ego.meta_lateral"];
 
 /// Removes values at the end of what Stage I shows that later measurements would change beyond use.
 pub(super) fn withhold_uncertain(view: &mut SceneView) {
@@ -32,18 +38,30 @@ pub(super) struct Ends {
 }
 
 /// Marks the rates of change at the ends of the drive, where measurements beyond would change them, except those that
-/// the log has (`measured`).
+/// the log has (`measured`), other estimates whose deviations rise there, and the ego's actions at its end.
 pub(super) fn mark_uncertain(view: &mut SceneView, ends: Ends, measured: &[&str]) {
     let n = view.t_s.len();
     let (Some(first), Some(last)) = (view.t_s.first().copied(), view.t_s.last().copied()) else { return };
     let start = view.t_s.partition_point(|t| *t < first + REACH_S - 1e-3);
     let end = view.t_s.partition_point(|t| *t <= last - REACH_S + 1e-3);
+    // Within the shortest run of the end what follows may change an action.
+    let last_run = view.t_s.partition_point(|t| *t <= last - LEAST_RUN_S + 1e-3);
+    if ends.end && last_run < n {
+        view.uncertain.extend(ACTIONS.map(|name| (name.to_owned(), vec![[last_run, n]])));
+    }
     let is_rate = |unit: Option<&str>| unit.is_some_and(|unit| RATES.contains(&unit));
     let read = view.about.iter().filter(|(_, a)| is_rate(a.unit.as_deref())).map(|(name, _)| name.clone());
     let of_ego = ["ego.accel", "ego.yaw_rate"].map(str::to_owned);
-    for name in read.chain(of_ego).filter(|name| !measured.contains(&name.as_str())) {
+    // A speed that is computed from positions alone is a rate of change, too.
+    let has_no_spread = |name: &&str| !view.deviations.contains_key(*name);
+    let speeds = SPEEDS.into_iter().filter(has_no_spread).map(str::to_owned);
+    let rates: BTreeSet<String> = read.chain(of_ego).chain(speeds).collect();
+    // An estimate of anything else is uncertain where its deviations say so: a speed that is still changing.
+    let names: BTreeSet<String> = view.deviations.keys().cloned().chain(rates.iter().cloned()).collect();
+    for name in names.into_iter().filter(|name| !measured.contains(&name.as_str())) {
         let known = view.deviations.get(&name);
         let wide = |from_start| known.map_or(0, |deviations| wide_end(deviations, from_start));
+        let (start, end) = if rates.contains(&name) { (start, end) } else { (0, n) };
         let mut ranges = Vec::new();
         if ends.start {
             ranges.push([0, start.max(wide(true)).min(n)]);
@@ -51,6 +69,7 @@ pub(super) fn mark_uncertain(view: &mut SceneView, ends: Ends, measured: &[&str]
         if ends.end {
             ranges.push([end.min(n - wide(false)), n]);
         }
+        ranges.retain(|[from, to]| from < to);
         if !ranges.is_empty() {
             view.uncertain.insert(name, ranges);
         }
@@ -129,13 +148,25 @@ mod tests {
         let mut before = view(Stage::Stage1, 6, 11.0, json!(0.25));
         mark_uncertain(&mut before, at_end, &["ego.yaw_rate"]);
         assert_eq!(
-            before.uncertain,
-            [("ego.accel".to_owned(), vec![[4, 6]])].into(),
-            "the log has the yaw rate"
+            before.uncertain.remove("ego.accel"),
+            Some(vec![[4, 6]]),
+            "seconds before the end"
         );
+        assert!(!before.uncertain.contains_key("ego.yaw_rate"), "the log has it");
+        assert_eq!(before.uncertain["ego.forward_speed"], [[4, 6]], "from positions");
+        before.uncertain.clear();
+        mark_uncertain(&mut before, at_end, &["ego.yaw_rate", "ego.forward_speed"]);
+        assert!(!before.uncertain.contains_key("ego.forward_speed"));
+        // 0.5 s and less from the end, frames 1 to 5 of 6: a run is known after 0.5 s.
+        assert_eq!(before.uncertain["ego.meta_longitudinal"], [[1, 6]]);
         before.deviations.insert("ego.accel".into(), [0.3, 0.3, 0.3, 0.5, 0.6, 0.9].map(Some).into());
         mark_uncertain(&mut before, at_end, &["ego.yaw_rate"]);
         assert_eq!(before.uncertain["ego.accel"], [[3, 6]], "by what the estimator says");
+        before.deviations.insert("ego.forward_speed".into(), [0.1, 0.1, 0.1, 0.1, 0.2, 0.3].map(Some).into());
+        before.deviations.insert("target.speed".into(), vec![Some(0.1); 6]);
+        mark_uncertain(&mut before, at_end, &["ego.yaw_rate"]);
+        assert_eq!(before.uncertain["ego.forward_speed"], [[4, 6]], "more than half as much again as usual");
+        assert!(!before.uncertain.contains_key("target.speed"));
         let mut after = view(Stage::Stage2, 9, 14.4, json!(-1.5));
         after.deviations.insert("ego.accel".into(), vec![Some(0.3); 9]);
         mark_uncertain(&mut after, Ends { start: true, end: true }, &["ego.yaw_rate"]);
