@@ -136,7 +136,7 @@ impl DriveSummary {
         let mut clips = clip_metadata(&drive);
         let mut frames = FrameRange::new(0, drive.frame_count());
         let id_of_clip = clip.map(|id| ClipId(id.to_owned()));
-        let of_clip = id_of_clip.and_then(|c| Some((c.frames(id, drive.frame_count())?, c)));
+        let of_clip = id_of_clip.and_then(|c| Some((c.frames(id, &drive.times)?, c)));
         if let Some((range, clip)) = &of_clip {
             frames = *range;
             clips = clips.first().map(|any| cut_clip(any, &drive.times, clip, *range)).into_iter().collect();

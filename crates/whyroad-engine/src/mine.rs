@@ -351,7 +351,7 @@ fn around_keyframes(
     drive: &DriveId,
 ) -> Vec<ClipMetadata> {
     let ids: BTreeSet<&ClipId> = episodes.iter().map(|e| &e.record.clip_id).collect();
-    let one = |id: &&ClipId| Some(cut_clip(clips.first()?, times, id, id.frames(drive, times.len())?));
+    let one = |id: &&ClipId| Some(cut_clip(clips.first()?, times, id, id.frames(drive, times)?));
     let mut out: Vec<ClipMetadata> = ids.iter().filter_map(one).collect();
     out.sort_by_key(|c| c.capture_time);
     out

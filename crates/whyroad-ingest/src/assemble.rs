@@ -1,6 +1,7 @@
 //! What several adapters need to turn rows into scene tables: frames, maps, plausibility.
 
 pub mod angles;
+pub(crate) mod arms;
 pub(crate) mod checks;
 pub(crate) mod datum;
 pub(crate) mod feature_map;

@@ -16,6 +16,7 @@ pub(crate) mod mcap_records;
 pub(crate) mod npy;
 pub(crate) mod pickle;
 pub(crate) mod protobuf;
+pub(crate) mod text;
 pub(crate) mod tfrecord;
 pub(crate) mod xml;
 pub(crate) mod zip_members;

@@ -11,6 +11,7 @@ mod leftover;
 mod maps;
 mod options;
 mod origin;
+mod phrases;
 #[doc(hidden)]
 pub mod readers;
 pub mod report;

@@ -1,8 +1,8 @@
 //! Clip metadata (DATA_FORMAT.md 3.1) of a drive's clips. Pure: all of it follows from the drive.
 
 use whyroad_model::messages::clip::{ClipMetadata, DataSources};
-use whyroad_model::scene::{CLIP_FRAMES, DriveMeta, FRAME_RATE_HZ};
-use whyroad_model::{ClipId, Drive, FrameRange, Nanos};
+use whyroad_model::scene::{DriveMeta, FRAME_RATE_HZ};
+use whyroad_model::{ClipId, Drive, FrameRange, Nanos, division};
 
 /// One entry per clip, in the order of time, without pre-labels (those are mining's).
 ///
@@ -21,7 +21,7 @@ pub fn clip_metadata(drive: &Drive) -> Vec<ClipMetadata> {
 
 /// The same from what is known of a drive without its tables.
 pub(crate) fn metadata(meta: &DriveMeta, times: &[Nanos], sources: &DataSources) -> Vec<ClipMetadata> {
-    clip_ranges(times.len())
+    division(times)
         .into_iter()
         .enumerate()
         .map(|(index, frames)| {
@@ -56,10 +56,4 @@ pub fn cut_clip(any: &ClipMetadata, times: &[Nanos], id: &ClipId, frames: FrameR
         pre_labels: None,
         ..any.clone()
     }
-}
-
-/// Frames of each clip of a drive with this number of frames; as [`Drive::clips`] has it.
-fn clip_ranges(frames: usize) -> Vec<FrameRange> {
-    let starts = (0..frames).step_by(CLIP_FRAMES);
-    starts.map(|start| FrameRange::new(start, (start + CLIP_FRAMES).min(frames))).collect()
 }

@@ -409,12 +409,9 @@ impl Drive {
         self.times.len()
     }
 
-    /// Frame ranges of the clips: [`CLIP_FRAMES`] each, the last one shorter.
+    /// Frame ranges of the clips: [`CLIP_FRAMES`] each, the last one and those before a gap shorter.
     pub fn clips(&self) -> Vec<FrameRange> {
-        (0..self.times.len())
-            .step_by(CLIP_FRAMES)
-            .map(|start| FrameRange::new(start, (start + CLIP_FRAMES).min(self.times.len())))
-            .collect()
+        crate::clip::division(&self.times)
     }
 
     /// The track with this id.

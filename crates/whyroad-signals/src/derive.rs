@@ -29,7 +29,6 @@ use crate::{behavior, refav, sight};
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::catalog::id;
-use whyroad_model::road_map::{LayerState, MapLayer};
 use whyroad_model::{Drive, Need, SignalTable};
 
 /// All signals that `drive` supports; the others are in `unavailable` with the data that the log lacks. Takes the drive
@@ -221,8 +220,7 @@ impl RoadStage<'_> {
         let (drive, times, motion) = (ego.drive, &ego.times[..], &ego.motion);
         let asked = table.asks(wanted::ROAD_AHEAD) || table.asks(wanted::FREE_WIDTH);
         if let (Some(map), Some(road), Some(lanes), true) = (&drive.map, *road, lanes, asked) {
-            let areas_are_stated = map.layer(MapLayer::Junctions) != LayerState::Derived;
-            let encounters = junction::Encounters::new(road, path, motion, areas_are_stated);
+            let encounters = junction::Encounters::new(road, map, path, motion);
             junction::write(&encounters, path, motion, table);
             let ways = Ways::new(road, lanes);
             let entries = road.lanes.iter().map(|lane| map.lane(&lane.id)).collect();

@@ -6,6 +6,7 @@ pub mod corridor;
 pub mod crossroads;
 pub mod curvature;
 pub mod cut_traversal;
+pub mod doubtful;
 pub mod ego_lane;
 pub mod facilities;
 pub mod junction;

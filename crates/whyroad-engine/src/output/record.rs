@@ -8,7 +8,7 @@ use whyroad_mining::interpret::STEP;
 use whyroad_model::messages::{
     EpisodeRecord, Keyframe, KeyframeSuggestion, KeyframeType, MatchedCondition, ScenarioPreLabel, TimeRange,
 };
-use whyroad_model::{ClipCut, ClipId, DriveId, FrameRange, Lang, Nanos};
+use whyroad_model::{CLIP_GAP_S, ClipCut, ClipId, DriveId, FrameRange, Lang, Nanos};
 
 /// An episode with all its messages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,11 +33,9 @@ pub fn write_down(
     let clips: Vec<(ClipId, FrameRange)> = episodes
         .iter()
         .map(|e| match (cut, e.rank) {
-            (ClipCut::Fixed, _) => ClipId::holding(drive, e.keyframe, times.len()),
-            (ClipCut::Keyframe, Rank::Primary) => ClipId::around(drive, e.keyframe, times.len()),
-            (ClipCut::Keyframe, Rank::SecondaryTo(p)) => {
-                ClipId::around(drive, episodes[p].keyframe, times.len())
-            }
+            (ClipCut::Fixed, _) => ClipId::holding(drive, e.keyframe, times),
+            (ClipCut::Keyframe, Rank::Primary) => ClipId::around(drive, e.keyframe, times),
+            (ClipCut::Keyframe, Rank::SecondaryTo(p)) => ClipId::around(drive, episodes[p].keyframe, times),
         })
         .collect();
     let ids: Vec<String> = ids(episodes, &clips);
@@ -139,11 +137,13 @@ fn frame_in(clip: FrameRange, frame: usize) -> u32 {
     u32::try_from(frame.clamp(clip.start, clip.end) - clip.start).unwrap_or(u32::MAX)
 }
 
-/// Time at which the frame before `end` is over.
+/// Time at which the frame before `end` is over; before a gap, a nominal period after it.
 fn end_time(times: &[Nanos], end: usize) -> Nanos {
-    match times.get(end) {
-        Some(t) => *t,
-        None => times.last().map_or(Nanos::default(), |t| *t + STEP),
+    let last = end.checked_sub(1).and_then(|i| times.get(i)).or(times.last()).copied();
+    let goes_on = |t: &Nanos| last.is_none_or(|last| t.seconds_since(last) <= CLIP_GAP_S);
+    match times.get(end).copied().filter(goes_on) {
+        Some(t) => t,
+        None => last.map_or(Nanos::default(), |t| t + STEP),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::{Bounds, distance, length};
-use crate::assemble::{junctions, neighbors};
+use crate::assemble::{arms, junctions, neighbors};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use whyroad_model::RoadMap;
@@ -206,7 +206,8 @@ pub(crate) fn crossing(a: &[Point3], b: &[Point3]) -> Option<f64> {
     None
 }
 
-/// Marks lanes that cross others, with those that begin or end together with them, as inside junctions.
+/// Marks lanes that cross others, with those that begin or end together with them, as inside junctions, and those where
+/// arms meet without a crossing.
 fn mark_junctions(map: &mut RoadMap) {
     let n = map.lanes.len();
     let bounds: Vec<Bounds> = map.lanes.iter().map(|l| Bounds::of(&l.center)).collect();
@@ -241,6 +242,7 @@ fn mark_junctions(map: &mut RoadMap) {
         };
         inside[i] |= crossing.iter().any(together);
     }
+    arms::inside(map, &may).into_iter().for_each(|i| inside[i] = true);
     for (lane, inside) in map.lanes.iter_mut().zip(inside) {
         lane.in_junction = inside;
     }

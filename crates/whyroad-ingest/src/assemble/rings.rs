@@ -41,6 +41,12 @@ pub(crate) fn add(map: &mut RoadMap) {
     map.complete_for.sort();
 }
 
+/// Outlines of all roundabouts, stated or shown by the lanes.
+pub(crate) fn outlines(map: &RoadMap) -> Vec<Vec<Point3>> {
+    let stated = map.facilities.iter().filter(|f| f.kind == "roundabout").cloned();
+    stated.chain(rings(&map.lanes)).map(|f| f.boundary).collect()
+}
+
 /// Areas of the roundabouts: the island and the ring's lanes. With several circulating lanes, the outermost is used.
 fn rings(lanes: &[Lane]) -> Vec<Facility> {
     let index: BTreeMap<&str, usize> = lanes.iter().enumerate().map(|(i, l)| (l.id.as_str(), i)).collect();

@@ -13,6 +13,7 @@ mod rows;
 
 use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source, whole};
 use crate::assemble::frames::{Frames, Sample, Sampled};
+use crate::assemble::resample::{MAX_GAP_S, linear};
 use crate::assemble::se3::{self, Se3};
 use crate::encodings::input::Input;
 use crate::encodings::mcap_records::{self, Channel};
@@ -34,12 +35,13 @@ use whyroad_model::scene::{DriveMeta, Ego, Track};
 use whyroad_model::{Diagnostic, Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// The file that says which topics are what.
 pub const MAPPING: OptionSpec =
     OptionSpec::new("mapping", OptionType::File, "FILE", "mapping file: which topics are what");
-/// Poses further apart do not belong to one motion, s.
-const EGO_GAP_S: f64 = 0.25;
+/// Poses further apart do not belong to one motion, s; in logs slower than 10 Hz, as many of their steps.
+const EGO_GAP_S: f64 = MAX_GAP_S;
+const EGO_GAP_STEPS: f64 = 1.5;
 /// Objects are interpolated over gaps up to this, s: detectors run at 2 to 20 Hz.
 const OBJECT_GAP_S: f64 = 0.6;
 /// Names that the vehicle's own frame has by convention (ROS REP 105 and common use).
@@ -343,7 +345,7 @@ fn read_recording(
         report.diagnostics.push(d);
         return None;
     }
-    let frames = Frames::of(&times);
+    let mut frames = Frames::of(&times);
     if let Some(d) = implausible_step(&label, frames.native_step_s) {
         report.diagnostics.push(d);
         return None;
@@ -351,6 +353,11 @@ fn read_recording(
     if frames.resampled() {
         report.diagnostics.push(resampled(&label, frames.native_step_s));
     }
+    // `max` passes over NaN.
+    let poses = Poses { rows: &poses, gap_s: (EGO_GAP_STEPS * frames.native_step_s).max(EGO_GAP_S) };
+    // A gap in the log is a gap in the drive.
+    let mut there = linear(&times, &times, &frames.seconds, poses.gap_s).into_iter();
+    frames.seconds.retain(|_| there.next().is_some_and(f64::is_finite));
     let ego = ego(&poses, &times, &frames.seconds, &mapping);
     let unread = recording.unread(&mapping);
     if !unread.is_empty() {
@@ -398,10 +405,16 @@ fn read_recording(
     })
 }
 
-fn ego(poses: &[EgoRow], times: &[f64], frames: &[f64], mapping: &Mapping) -> Ego {
+/// Poses of the ego, and how far two of them may be apart, s.
+struct Poses<'a> {
+    rows: &'a [EgoRow],
+    gap_s: f64,
+}
+
+fn ego(poses: &Poses<'_>, times: &[f64], frames: &[f64], mapping: &Mapping) -> Ego {
     let reference = mapping.ego.reference_to_centre_m;
     let mut sampled = Sampled::default();
-    for (row, &time) in poses.iter().zip(times) {
+    for (row, &time) in poses.rows.iter().zip(times) {
         // The velocity is that of the pose's point: away from it the middle of the car swings sideways in turns, but
         // goes as fast along the heading.
         let at_center = row.velocity.filter(|_| reference == 0.0);
@@ -424,22 +437,24 @@ fn ego(poses: &[EgoRow], times: &[f64], frames: &[f64], mapping: &Mapping) -> Eg
         width_m: mapping.ego.width_m.unwrap_or(f64::NAN),
         height_m: mapping.ego.height_m.unwrap_or(f64::NAN),
         reference_to_centre_m: reference,
-        motion: sampled.motion_at(frames, EGO_GAP_S),
+        motion: sampled.motion_at(frames, poses.gap_s),
         known_at: sampled.lags(frames),
         ..Ego::default()
     }
 }
 
-/// Where the ego was at a time between two of its poses.
-fn pose_at(poses: &[EgoRow], time: i64) -> Option<Se3> {
-    let next = poses.partition_point(|r| r.time < time);
-    let b = poses.get(next)?;
-    if b.time == time {
-        return Some(b.pose);
+impl Poses<'_> {
+    /// Where the ego was at a time between two of its poses.
+    fn at(&self, time: i64) -> Option<Se3> {
+        let next = self.rows.partition_point(|r| r.time < time);
+        let b = self.rows.get(next)?;
+        if b.time == time {
+            return Some(b.pose);
+        }
+        let a = &self.rows[next.checked_sub(1)?];
+        let span = b.time.saturating_sub(a.time) as f64;
+        (span <= self.gap_s * 1e9).then(|| a.pose.between(&b.pose, time.saturating_sub(a.time) as f64 / span))
     }
-    let a = &poses[next.checked_sub(1)?];
-    let span = b.time.saturating_sub(a.time) as f64;
-    (span <= EGO_GAP_S * 1e9).then(|| a.pose.between(&b.pose, time.saturating_sub(a.time) as f64 / span))
 }
 
 /// A velocity over ground in the axes of the world; `axes` is the rotation of the axes in which it is stated.
@@ -452,7 +467,7 @@ fn in_world([x, y]: [f64; 2], axes: Option<[f64; 4]>) -> [f64; 2] {
 
 fn tracks(
     recording: &mut Recording,
-    poses: &[EgoRow],
+    poses: &Poses<'_>,
     seconds: impl Fn(i64) -> f64,
     frames: &[f64],
     mapping: &Mapping,
@@ -460,7 +475,7 @@ fn tracks(
     report: &mut SourceReport,
 ) -> Vec<Track> {
     let count = &mut recording.object_rows;
-    let (world, own) = poses.first().map_or(("", ""), |p| (p.frame_id.as_str(), p.child_frame_id.as_str()));
+    let (world, own) = poses.rows.first().map_or(("", ""), |p| (p.frame_id.as_str(), p.child_frame_id.as_str()));
     let mut foreign: BTreeMap<String, usize> = BTreeMap::new();
     let mut objects: BTreeMap<String, (String, BTreeMap<i64, Sample>)> = BTreeMap::new();
     for row in std::mem::take(&mut recording.objects) {
@@ -476,7 +491,7 @@ fn tracks(
                 continue;
             }
             Some(Frame::World) => (row.pose, None),
-            Some(Frame::Ego) => match pose_at(poses, row.time) {
+            Some(Frame::Ego) => match poses.at(row.time) {
                 Some(at) => (Se3 { q: se3::compose(at.q, row.pose.q), t: at.apply(row.pose.t) }, Some(at.q)),
                 None => {
                     count.drop_rows("no_pose", 1);

@@ -11,12 +11,14 @@ mod systems;
 use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, SkipReason, Source, whole};
 use crate::assemble::frames::{Frames, Sample, Sampled};
 use crate::assemble::se3::{self, Se3};
+use crate::encodings::input::Input;
 use crate::options::{LICENCE, Options, START};
 use crate::report::{RowCount, SourceReport};
 use crate::source::{
     ContentHash, drive_id, file_label, find_files, implausible_span, impossible_speeds, resampled,
 };
 use serde_json::Value;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -94,7 +96,7 @@ fn text_of(path: &Path) -> Result<String, String> {
     if size > MAX_FILE_BYTES {
         return Err(format!("it has {size} bytes"));
     }
-    fs::read_to_string(path).map_err(|e| e.to_string())
+    Input::from(path).text().map(Cow::into_owned).map_err(|e| e.to_string())
 }
 
 /// The drive of a document's text, whose name is that of its file.

@@ -30,7 +30,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, LightState};
 use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 7;
+const REVISION: u32 = 8;
 /// Nothing is interpolated over more than this, s: two steps of the slowest sets (2 Hz) with room for jitter.
 const MAX_GAP_S: f64 = 0.6;
 /// Bytes of a pickle that are searched for the parts of a scenario.

@@ -36,7 +36,7 @@ use whyroad_model::scene::{DriveMeta, FrameOfReference};
 use whyroad_model::{Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 5;
+const REVISION: u32 = 6;
 
 /// Our own table layout.
 pub struct Table;

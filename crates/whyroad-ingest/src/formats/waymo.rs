@@ -29,7 +29,7 @@ use whyroad_model::scene::{DriveMeta, Ego, LightColor, LightState};
 use whyroad_model::{Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 3;
+const REVISION: u32 = 4;
 /// Nothing is interpolated over more than this, s.
 const MAX_GAP_S: f64 = 0.25;
 

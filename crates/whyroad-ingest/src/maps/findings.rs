@@ -1,6 +1,7 @@
 //! What is reported about a map beside a log, one function per code. Texts only.
 
 use super::MapReading;
+use crate::phrases::zh;
 use crate::assemble::layers::Declared;
 use whyroad_model::suggest::suggestion_or_known;
 use whyroad_model::{Bilingual, Diagnostic, counted};
@@ -22,7 +23,7 @@ pub(crate) const CODES: &[&str] = &[
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
     let message = Bilingual::new(
-        format!("地图无法读取，行程不带此地图：{reason}"),
+        format!("地图无法读取，行程不带此地图：{reason_zh}", reason_zh = zh(reason)),
         format!("the map cannot be read; drives are kept without it: {reason}"),
     );
     Diagnostic::error("map.file.unreadable", message)
@@ -45,7 +46,7 @@ pub(super) fn unknown_part(file: &str, word: &str) -> Diagnostic {
 
 pub(super) fn placement(file: &str, reason: &str) -> Diagnostic {
     let message = Bilingual::new(
-        format!("无法确定地图的位置，不使用此地图：{reason}"),
+        format!("无法确定地图的位置，不使用此地图：{reason_zh}", reason_zh = zh(reason)),
         format!("the location of the map is unknown; it is not used: {reason}"),
     );
     Diagnostic::error("map.placement", message)
@@ -61,7 +62,7 @@ pub(super) fn of_map(file: &str, reading: &MapReading) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     if let Some(reason) = &reading.broken {
         let message = Bilingual::new(
-            format!("地图不完整，其余丢失：{reason}"),
+            format!("地图不完整，其余丢失：{reason_zh}", reason_zh = zh(reason)),
             format!("the map breaks off, the rest is lost: {reason}"),
         );
         out.push(Diagnostic::error("map.file.broken", message).in_file(file));
@@ -69,7 +70,7 @@ pub(super) fn of_map(file: &str, reading: &MapReading) -> Vec<Diagnostic> {
     if let Some(example) = reading.invalid.first() {
         let n = reading.invalid.len();
         let message = Bilingual::new(
-            format!("{n} 个要素无法使用；例如 {example}"),
+            format!("{n} 个要素无法使用；例如 {example_zh}", example_zh = zh(example)),
             format!("{n} features cannot be used; for example {example}"),
         );
         out.push(Diagnostic::warning("map.feature.invalid", message).in_file(file));
@@ -77,7 +78,7 @@ pub(super) fn of_map(file: &str, reading: &MapReading) -> Vec<Diagnostic> {
     if let Some(example) = reading.untyped.first() {
         let n = reading.untyped.len();
         let message = Bilingual::new(
-            format!("{n} 个 lanelet 没有 subtype，按机动车道处理；例如 {example}"),
+            format!("{n} 个 lanelet 没有 subtype，按机动车道处理；例如 {example_zh}", example_zh = zh(example)),
             format!("{} without a subtype are taken for road; for example {example}", counted(n, "lanelet")),
         );
         let hint = Bilingual::new(
@@ -89,7 +90,7 @@ pub(super) fn of_map(file: &str, reading: &MapReading) -> Vec<Diagnostic> {
     if let Some(example) = reading.dangling.first() {
         let n = reading.dangling.len();
         let message = Bilingual::new(
-            format!("{n} 个引用指向地图中没有的要素，已忽略；例如 {example}"),
+            format!("{n} 个引用指向地图中没有的要素，已忽略；例如 {example_zh}", example_zh = zh(example)),
             format!(
                 "{n} references name elements that the map does not have; they are left out; for example {example}"
             ),

@@ -151,6 +151,38 @@ fn a_topic_that_is_not_in_the_file_is_reported() {
     assert!(!read("fleet.mcap", &with_mapping()).0.meta.missing.contains(&whyroad_model::Need::Objects));
 }
 
+/// The MCAP specification: after 8 bytes of magic each record is an opcode, a length of 8 bytes and its body; a message
+/// (5) has its time after a channel and a number, 2 + 4 bytes.
+fn without_messages(bytes: &[u8], dropped: impl Fn(u64) -> bool) -> Vec<u8> {
+    let number = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
+    let (mut out, mut at) = (bytes[..8].to_vec(), 8);
+    while at + 9 <= bytes.len() {
+        let end = (at + 9 + number(at + 1) as usize).min(bytes.len());
+        if bytes[at] != 5 || !dropped(number(at + 15)) {
+            out.extend_from_slice(&bytes[at..end]);
+        }
+        at = end;
+    }
+    out.extend_from_slice(&bytes[at..]);
+    out
+}
+
+/// docs/reference/formats.md: where the ego is missing there are no frames. At 5 Hz, without 0.9 s to 1.3 s.
+#[test]
+fn a_gap_of_the_ego_has_no_frames() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("gap.mcap");
+    let bytes = fs::read(fixture("fleet.mcap")).unwrap();
+    let tenths = |time: u64| (time - 1_700_000_000_000_000_000 + 50_000_000) / 100_000_000;
+    let gap = |time: u64| tenths(time) % 2 == 1 || (9..=13).contains(&tenths(time));
+    fs::write(&path, without_messages(&bytes, gap)).unwrap();
+    let (drive, _) = mcap::read(&path, &with_mapping());
+    let drive = drive.unwrap();
+    let frames: Vec<u64> = drive.times.iter().map(|t| tenths(t.0 as u64)).collect();
+    assert_eq!(frames, [0, 1, 2, 3, 4, 5, 6, 7, 8, 14, 15, 16, 17, 18, 19, 20]);
+    assert!(drive.ego.unwrap().motion.x.iter().all(|x| x.is_finite()));
+}
+
 #[test]
 fn what_a_cut_or_changed_file_still_has_is_kept() {
     let dir = tempfile::tempdir().unwrap();

@@ -11,7 +11,7 @@ pub(super) fn inside(
     notes: &mut Vec<Bilingual>,
 ) -> (TimeRange, Keyframe) {
     let (mut range, mut keyframe) = (episode.time_range.clone(), episode.keyframe.clone());
-    let own = episode.clip_id.frames(&drive.meta.drive_id, drive.frame_count());
+    let own = episode.clip_id.frames(&drive.meta.drive_id, &drive.times);
     let Some(frames) = own else { return (range, keyframe) };
     let first = drive.times[frames.start];
     // The last frame lasts one nominal frame period (as in clip_metadata's duration).

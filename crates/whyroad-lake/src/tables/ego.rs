@@ -3,18 +3,18 @@
 use crate::LakeError;
 use crate::columns::{Table, TableBuilder, empty_if_unknown, member_name};
 use crate::tables::frames;
-use whyroad_model::scene::{CLIP_FRAMES, Ego, EgoBus, Motion};
+use whyroad_model::scene::{Ego, EgoBus, Motion};
 use whyroad_model::{Drive, Nanos};
 
 pub(crate) const ROW_ORDER: &str = "frame";
 
 pub(crate) fn to_table(drive: &Drive, ego: &Ego) -> TableBuilder {
     let n = drive.times.len();
-    let clips = frames::clip_ids(drive);
+    let (clips, of_frames) = frames::clip_ids(drive);
     let bus = &ego.bus;
     let constant = |v: f64| std::iter::repeat_n(v, n);
     let table = TableBuilder::default()
-        .texts("clip_id", (0..n).map(|f| clips[f / CLIP_FRAMES].as_str()))
+        .texts("clip_id", of_frames.iter().map(|&clip| clips[clip].as_str()))
         .indices("frame", (0..).take(n))
         .integers("time_ns", drive.times.iter().map(|t| t.0));
     let known_at = (0..n).map(|i| (drive.times[i], ego.known_at.get(i)));

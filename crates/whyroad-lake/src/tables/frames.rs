@@ -2,21 +2,21 @@
 
 use crate::LakeError;
 use crate::columns::{Table, TableBuilder};
-use whyroad_model::scene::CLIP_FRAMES;
-use whyroad_model::{ClipId, Drive, Nanos};
+use whyroad_model::{ClipId, Drive, Nanos, clip_of_frames};
 
 pub(crate) const ROW_ORDER: &str = "frame";
 
-/// Clip id of each frame.
-pub(crate) fn clip_ids(drive: &Drive) -> Vec<ClipId> {
-    let clips = drive.times.len().div_ceil(CLIP_FRAMES);
-    (0..clips).map(|i| ClipId::of(&drive.meta.drive_id, i)).collect()
+/// Clips of a drive: their ids, and the clip of each frame.
+pub(crate) fn clip_ids(drive: &Drive) -> (Vec<ClipId>, Vec<usize>) {
+    let of_frames = clip_of_frames(&drive.times);
+    let clips = of_frames.last().map_or(0, |last| last + 1);
+    ((0..clips).map(|i| ClipId::of(&drive.meta.drive_id, i)).collect(), of_frames)
 }
 
 pub(crate) fn to_table(drive: &Drive) -> TableBuilder {
-    let clips = clip_ids(drive);
+    let (clips, of_frames) = clip_ids(drive);
     TableBuilder::default()
-        .texts("clip_id", (0..drive.times.len()).map(|f| clips[f / CLIP_FRAMES].as_str()))
+        .texts("clip_id", of_frames.iter().map(|&clip| clips[clip].as_str()))
         .indices("frame", (0..).take(drive.times.len()))
         .integers("time_ns", drive.times.iter().map(|t| t.0))
 }

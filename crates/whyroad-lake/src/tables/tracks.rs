@@ -9,20 +9,20 @@ use crate::tables::frames;
 use arrow_array::Array;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use whyroad_model::scene::{CLIP_FRAMES, Motion, Track, TurnSignal};
+use whyroad_model::scene::{Motion, Track, TurnSignal};
 use whyroad_model::{Drive, Nanos, ObjectClass, TrackId};
 
 pub(crate) const ROW_ORDER: &str = "clip,track_id,frame";
 
 pub(crate) fn to_table(drive: &Drive) -> TableBuilder {
-    let clips = frames::clip_ids(drive);
+    let (clips, of_frames) = frames::clip_ids(drive);
     // (clip, track, rows) in the promised order: tracks are ordered by id and rows by frame.
     let mut order: Vec<(usize, &Track, Range<usize>)> = Vec::new();
     let mut next_rows = vec![0; drive.tracks.len()];
     for clip in 0..clips.len() {
         for (track, next) in drive.tracks.iter().zip(&mut next_rows) {
             let of_clip =
-                track.frames[*next..].iter().take_while(|f| **f as usize / CLIP_FRAMES == clip).count();
+                track.frames[*next..].iter().take_while(|f| of_frames[**f as usize] == clip).count();
             order.push((clip, track, *next..*next + of_clip));
             *next += of_clip;
         }
@@ -104,7 +104,11 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
     let occluders = t.texts_or_null("occluder")?;
     let (known_at, times) = (read_known_at(t)?, t.integers("time_ns")?);
 
-    let clip = |i: usize| frames[i] as usize / CLIP_FRAMES;
+    // The number of each row's clip, which its id ends in.
+    let number = |id: Option<&str>| id.and_then(|id| id.rsplit('_').next()?.parse::<usize>().ok());
+    let clips: Vec<Option<usize>> =
+        runs_of(t.texts("clip_id")?).flat_map(|(id, rows)| std::iter::repeat_n(number(id), rows)).collect();
+    let clip = |i: usize| clips[i];
     // Rows one after another of the same object.
     let mut runs: Vec<(&str, Range<usize>)> = Vec::new();
     for (id, rows) in runs_of(ids) {

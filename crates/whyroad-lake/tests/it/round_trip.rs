@@ -376,6 +376,23 @@ fn clip_metadata_counts_200_frames_as_twenty_seconds() {
     assert_eq!(clips[1].capture_time, Nanos(20_000_000_000));
 }
 
+/// A logger pauses for 600 s behind frame 120: 250 frames were recorded, 25 s, and no clip is of both sides.
+#[test]
+fn no_clip_counts_a_pause() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = Lake::create_or_open(dir.path()).unwrap();
+    let mut drive = small_drive("1");
+    drive.times[120..].iter_mut().for_each(|t| t.0 += 600_000_000_000);
+    let clips = lake.clips(&drive);
+    let shown: Vec<_> = clips.iter().map(|c| (c.clip_id.as_str(), c.duration_sec, c.total_frames)).collect();
+    assert_eq!(shown, [("d_000", 12.0, 120), ("d_001", 13.0, 130)]);
+    assert_eq!(clips[1].capture_time, Nanos(612_000_000_000));
+    lake.write_drive(&drive).unwrap();
+    let back = lake.read_drive(&"d".into()).unwrap();
+    let frames = |d: &Drive| d.tracks.iter().map(|t| t.frames.clone()).collect::<Vec<_>>();
+    assert_eq!((&back.times, frames(&back)), (&drive.times, frames(&drive)));
+}
+
 #[test]
 fn what_is_broken_is_named() {
     let dir = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 //! may assume a side.
 
 use super::Drive;
-use crate::road_map::{Lane, Point3, RoadMap};
+use crate::road_map::{Lane, LaneKind, LayerState, MapLayer, Point3, RoadMap};
 
 /// Side of the road on which traffic drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,9 +57,10 @@ const RIGHT: [&str; 18] = [
     "san francisco",
     "germany",
 ];
-/// This many pairs of lanes that run against each other decide, when at least this share of them agrees.
-const PAIRS: usize = 3;
+/// Lanes whose neighbor runs against them decide, when at least this share of them agrees; this many where the map
+/// does not state neighbors, so that they are derived from the geometry.
 const SHARE: f64 = 0.9;
+const DERIVED: usize = 3;
 
 impl Drive {
     /// On which side traffic drives; `None` when neither the place nor the map says.
@@ -75,18 +76,21 @@ impl Drive {
 }
 
 impl RoadMap {
-    /// By lanes whose neighbor runs the other way: on the left of the lane in right-hand traffic.
+    /// By lanes for vehicles whose neighbor runs the other way: on the left of the lane in right-hand traffic. Cycle
+    /// paths of both directions run on either side of a road.
     pub fn driving_side(&self) -> Option<DrivingSide> {
+        let rolls = |lane: &&Lane| matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus) && !lane.in_junction;
         let against = |lane: &Lane, id: &Option<String>| {
-            let other = id.as_deref().and_then(|id| self.lane(id));
+            let other = id.as_deref().and_then(|id| self.lane(id)).filter(rolls);
             other.is_some_and(|o| direction(lane).zip(direction(o)).is_some_and(|(a, b)| dot(a, b) < -0.5))
         };
         let count = |of: fn(&Lane) -> &Option<String>| {
-            self.lanes.iter().filter(|l| !l.in_junction && against(l, of(l))).count()
+            self.lanes.iter().filter(|l| rolls(l) && against(l, of(l))).count()
         };
         let (left, right) = (count(|l| &l.left_neighbor), count(|l| &l.right_neighbor));
         let agree = left.max(right) as f64 >= SHARE * (left + right) as f64;
-        if left + right < PAIRS || !agree {
+        let least = if self.layer(MapLayer::Neighbors) == LayerState::Derived { DERIVED } else { 1 };
+        if left + right < least || !agree {
             return None;
         }
         Some(if left > right { DrivingSide::Right } else { DrivingSide::Left })
@@ -132,6 +136,16 @@ mod tests {
             drive.driving_side()
         };
         assert_eq!(drive(None, map(true)), Some(DrivingSide::Right));
+        // One road is enough where the map states which lanes are beside each other, not where that is derived.
+        let mut one_road = map(false);
+        one_road.lanes.truncate(2);
+        assert_eq!(drive(Some("Berlin"), one_road.clone()), Some(DrivingSide::Left));
+        one_road.layers.insert(MapLayer::Neighbors, LayerState::Derived);
+        assert_eq!(drive(Some("Berlin"), one_road), None);
+        // A cycle path of both directions to the right of the road.
+        let mut beside = map(false);
+        beside.lanes.iter_mut().filter(|l| l.id.ends_with('b')).for_each(|l| l.kind = LaneKind::Bike);
+        assert_eq!(drive(None, beside), None);
         assert_eq!(drive(Some("net_7"), map(false)), Some(DrivingSide::Left));
         assert_eq!(drive(Some("singapore-onenorth"), map(true)), Some(DrivingSide::Left));
         assert_eq!(drive(Some("Pittsburgh"), RoadMap::default()), Some(DrivingSide::Right));

@@ -92,8 +92,7 @@ fn measured(drive: &Drive, frames: FrameRange) -> Vec<&'static str> {
 fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &SignalTable) -> SceneView {
     let keyframe = Nanos(t.keyframe_ns);
     let times = &drive.times[frames.start..frames.end];
-    let clip =
-        ClipId(t.clip_id.clone()).frames(&drive.meta.drive_id, drive.frame_count()).map_or(0, |c| c.start);
+    let clip = ClipId(t.clip_id.clone()).frames(&drive.meta.drive_id, &drive.times).map_or(0, |c| c.start);
     SceneView {
         stage,
         frame_rate: FRAME_RATE_HZ,

@@ -127,22 +127,23 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let crossings = crossings(on);
     let frames = || 0..on.frames();
     let s = |i: usize| on.path.ego_s[i];
-    for (id, stretches) in
-        [(id::MAP_TIME_TO_JUNCTION, &found.junctions), (id::MAP_TIME_TO_CROSSWALK, &found.crosswalks)]
-    {
-        let time = |i: usize| time_to(distance_to_next(stretches, s(i), front), on.ego.forward_speed[i]);
-        table.number(id, frames().map(time).collect());
-    }
+    let time = |i: usize, distance: f64| time_to(distance, on.ego.forward_speed[i]);
+    let to_junction = |i: usize| time(i, found.distance_to_junction(s(i), front));
+    let to_crosswalk = |i: usize| time(i, distance_to_next(&found.crosswalks, s(i), front));
+    table.number(id::MAP_TIME_TO_JUNCTION, frames().map(to_junction).collect());
+    table.number(id::MAP_TIME_TO_CROSSWALK, frames().map(to_crosswalk).collect());
     let within = |i: usize, reach: f64| found.here_or_next(s(i), front, reach).map(|k| &crossings[k]);
-    table.flag(
-        id::MAP_JUNCTION_SIGNALISED,
-        on.flags(|i| within(i, LIGHTS_REACH_M).map_or(Tri::False, |c| c.lights)),
-    );
+    let flags = |reach: f64, value: &dyn Fn(usize) -> Tri| {
+        on.flags(|i| if found.is_in_doubt(s(i), front, reach) { Tri::Unknown } else { value(i) })
+    };
+    let lights = |i: usize| within(i, LIGHTS_REACH_M).map_or(Tri::False, |c| c.lights);
+    table.flag(id::MAP_JUNCTION_SIGNALISED, flags(LIGHTS_REACH_M, &lights));
     let stated = |i: usize| found.here_or_next(s(i), front, HORIZON_M).is_some_and(|k| found.stated[k]);
-    table.flag(id::MAP_JUNCTION_STATED, on.flags(|i| Tri::from(stated(i))));
+    table.flag(id::MAP_JUNCTION_STATED, flags(HORIZON_M, &|i| Tri::from(stated(i))));
     let number = |value: &dyn Fn(usize, &Crossing) -> f64| -> Vec<f64> {
+        let is_known = |i: usize| on.ego.is_known(i) && !found.is_in_doubt(s(i), front, HORIZON_M);
         let of = |i: usize| within(i, HORIZON_M).map_or(0.0, |c| value(i, c));
-        frames().map(|i| if on.ego.is_known(i) { of(i) } else { f64::NAN }).collect()
+        frames().map(|i| if is_known(i) { of(i) } else { f64::NAN }).collect()
     };
     // The arms of a junction area without lanes inside are unknown.
     let known = |c: &Crossing, value: usize| if c.arms.inside.is_empty() { f64::NAN } else { value as f64 };
@@ -154,14 +155,15 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let irregular = |c: &Crossing| {
         if c.arms.inside.is_empty() { Tri::Unknown } else { Tri::from(c.arms.is_irregular()) }
     };
-    table.flag(id::MAP_JUNCTION_IRREGULAR, on.flags(|i| within(i, HORIZON_M).map_or(Tri::False, irregular)));
+    let irregular = |i: usize| within(i, HORIZON_M).map_or(Tri::False, irregular);
+    table.flag(id::MAP_JUNCTION_IRREGULAR, flags(HORIZON_M, &irregular));
     let opposed = |i: usize, c: &Crossing| match approach(on, c, i).and_then(|lanes| lanes.first().copied()) {
         Some(lane) if !c.arms.inside.is_empty() => {
             Tri::from(c.arms.is_opposed(on.road, lane, exit(on, c, i)))
         }
         _ => Tri::Unknown,
     };
-    table
-        .flag(id::MAP_OPPOSING_ARM, on.flags(|i| within(i, HORIZON_M).map_or(Tri::False, |c| opposed(i, c))));
+    let opposed = |i: usize| within(i, HORIZON_M).map_or(Tri::False, |c| opposed(i, c));
+    table.flag(id::MAP_OPPOSING_ARM, flags(HORIZON_M, &opposed));
     table.flag(id::MAP_CROSSWALK_SIGNALISED, on.flags(|i| crosswalk_lights(on, &crossings, i)));
 }

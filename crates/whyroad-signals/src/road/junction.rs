@@ -4,14 +4,16 @@
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{unwrap, wrap};
 use crate::road::cut_traversal::rest_by_lanes;
+use crate::road::doubtful::doubtful;
 use crate::road::network::Road;
 use crate::road::own_turns::{TURN_RAD, own_turns, steers_round, unseen_part};
 use crate::road::path::DrivenPath;
 use crate::road::stretch::{STEP_M, Stretch};
 use crate::table::TableBuilder;
 use std::f64::consts::PI;
-use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::EgoMovement};
+use whyroad_model::road_map::{LayerState, MapLayer};
+use whyroad_model::{RoadMap, Tri};
 
 /// Ranges of one kind with a smaller distance are merged, m.
 pub const MERGE_M: f64 = 5.0;
@@ -22,7 +24,7 @@ pub const TURN_MARGIN_M: f64 = 3.0;
 /// A turn farther from the area does not belong to the junction, m.
 const TURN_REACH_M: f64 = 15.0;
 /// Maximum radius of a continuing turn, m.
-const TURN_RADIUS_M: f64 = 40.0;
+pub const TURN_RADIUS_M: f64 = 40.0;
 /// Minimum angle at which a turn has begun: 10 deg.
 const BEGUN_RAD: f64 = PI / 18.0;
 /// Maximum path length of a U-turn, m: half a circle of 13 m radius.
@@ -218,6 +220,8 @@ pub struct Encounters {
     pub junctions: Vec<Stretch>,
     /// By junction: the map itself states it; false where it is derived from the lanes, or only a turn of the ego.
     pub stated: Vec<bool>,
+    /// Where there may be one that the map does not show; see [`doubtful`].
+    doubtful: Vec<Stretch>,
     /// Crosswalks.
     pub crosswalks: Vec<Stretch>,
     /// Change of heading across each junction, rad, and the ego's movement, if the recording or the lanes show it.
@@ -225,9 +229,10 @@ pub struct Encounters {
 }
 
 impl Encounters {
-    /// Along the whole path, including its continuations. Where the map states the areas of junctions
-    /// (`areas_are_stated`), a turn at one does not extend it: derived ones do not reach the corners.
-    pub fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion, areas_are_stated: bool) -> Self {
+    /// Along the whole path, including its continuations. Where the map states the areas of junctions, a turn at one
+    /// does not extend it: derived ones do not reach the corners.
+    pub fn new(road: &Road, map: &RoadMap, path: &DrivenPath, ego: &EgoMotion) -> Self {
+        let areas_are_stated = map.layer(MapLayer::Junctions) != LayerState::Derived;
         let areas = stretches(path, |p| road.in_junction(p), MERGE_M);
         let headings = unwrap(&ego.heading);
         let at_one = |turn: &Stretch| areas.iter().any(|area| touches(area, turn));
@@ -240,7 +245,22 @@ impl Encounters {
         let stated = junctions.iter().map(|j| areas_are_stated && holds(j)).collect();
         let ways = junctions.iter().map(|&j| way(road, path, ego, j, &headings)).collect();
         let crosswalks = stretches(path, |p| road.crosswalks.iter().any(|c| c.contains(p)), 0.0);
-        Self { junctions, stated, crosswalks, ways }
+        let doubtful =
+            if areas_are_stated { Vec::new() } else { doubtful(road, map, path, &junctions) };
+        Self { junctions, stated, doubtful, crosswalks, ways }
+    }
+
+    /// True if the ego's center at `ego_s` is in a bend that may be a junction.
+    fn may_be_in_one(&self, ego_s: f64) -> bool {
+        self.doubtful.iter().any(|bend| bend.from <= ego_s && ego_s <= bend.to)
+    }
+
+    /// True if what is here, or next within `reach`, may be a junction that the map does not show.
+    pub fn is_in_doubt(&self, ego_s: f64, front: f64, reach: f64) -> bool {
+        let from = |next: Option<&Stretch>| next.map_or(f64::INFINITY, |j| j.from);
+        let bend = from(self.doubtful.iter().find(|bend| bend.to >= ego_s));
+        let junction = from(self.junctions.iter().find(|j| j.to >= ego_s));
+        bend < junction && bend - ego_s - front <= reach
     }
 
     /// The junction that contains the ego's center at `ego_s`, else the next one whose distance from its front is
@@ -248,6 +268,14 @@ impl Encounters {
     pub fn here_or_next(&self, ego_s: f64, front: f64, reach: f64) -> Option<usize> {
         let next = self.junctions.iter().position(|j| j.to >= ego_s)?;
         (self.junctions[next].from - ego_s - front <= reach).then_some(next)
+    }
+
+    /// Distance to the junction here or next; NaN where the map leaves it in doubt.
+    pub fn distance_to_junction(&self, ego_s: f64, front: f64) -> f64 {
+        match self.is_in_doubt(ego_s, front, HORIZON_M) {
+            true => f64::NAN,
+            false => distance_to_next(&self.junctions, ego_s, front),
+        }
     }
 
     /// The ego's movement through junction `k`, if the recording or the lanes show it.
@@ -264,12 +292,20 @@ pub fn write(found: &Encounters, path: &DrivenPath, ego: &EgoMotion, table: &mut
     let known = |i: usize| path.ego_s[i].is_finite();
     table.flag(
         id::EGO_IN_JUNCTION,
-        (0..n).map(|i| if known(i) { Tri::from(at(i).is_some()) } else { Tri::Unknown }).collect(),
+        (0..n)
+            .map(|i| match known(i) && !found.may_be_in_one(path.ego_s[i]) {
+                true => Tri::from(at(i).is_some()),
+                false => Tri::Unknown,
+            })
+            .collect(),
     );
     table.number(id::EGO_TURN_ANGLE, (0..n).map(angle).collect());
     table.category(id::EGO_MOVEMENT, (0..n).map(|i| at(i).and_then(|j| found.movement(j))));
     let front = ego.front();
-    let ahead = |x: &[Stretch]| (0..n).map(|i| distance_to_next(x, path.ego_s[i], front)).collect();
-    table.number(id::MAP_DISTANCE_TO_JUNCTION, ahead(&found.junctions));
-    table.number(id::MAP_DISTANCE_TO_CROSSWALK, ahead(&found.crosswalks));
+    table.number(
+        id::MAP_DISTANCE_TO_JUNCTION,
+        path.ego_s.iter().map(|&s| found.distance_to_junction(s, front)).collect(),
+    );
+    let to_crosswalk = |&s: &f64| distance_to_next(&found.crosswalks, s, front);
+    table.number(id::MAP_DISTANCE_TO_CROSSWALK, path.ego_s.iter().map(to_crosswalk).collect());
 }

@@ -155,7 +155,7 @@ fn runs(places: &[Place]) -> Vec<(usize, usize)> {
 }
 
 /// True if a lane outside of junctions leads where the ego goes at `s`.
-fn follows_a_lane(road: &Road, path: &DrivenPath, s: f64, course: f64) -> bool {
+pub fn follows_a_lane(road: &Road, path: &DrivenPath, s: f64, course: f64) -> bool {
     let place = path.line.point_at(s);
     road.lanes_near(place, ON_LANE_M).into_iter().filter(|&l| !road.lanes[l].in_junction).any(|l| {
         let line = &road.lanes[l].center;

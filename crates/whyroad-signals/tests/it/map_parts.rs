@@ -94,6 +94,48 @@ fn a_junction_that_the_map_states_and_one_that_only_its_lanes_show() {
     assert_eq!(stated(LayerState::Derived), [False; 3]);
 }
 
+/// From the west along y = 0 to (0, 0), a quarter of a circle of this radius to the left round (0, 15), then north: at
+/// arc length `s` from (0, 0).
+fn corner(radius: f64, s: f64) -> (f64, f64, f64) {
+    let turned = (s / radius).clamp(0.0, FRAC_PI_2);
+    let beyond = s - turned * radius;
+    let (x, y) = (radius * turned.sin(), 15.0 - radius * turned.cos());
+    if s < 0.0 { (s, 15.0 - radius, 0.0) } else { (x, y + beyond, turned) }
+}
+
+#[test]
+fn a_bend_that_may_be_a_junction_is_none_only_where_the_road_bends() {
+    let points = |radius: f64, from: i32, to: i32| -> Vec<(f64, f64)> {
+        (from..=to).map(|s| corner(radius, f64::from(s))).map(|(x, y, _)| (x, y)).collect()
+    };
+    // At 10 m/s, 100 m before the corner at frame 0; the bend of 15 m radius is 23.6 m long.
+    let signals = |with_oncoming: bool, state: LayerState| {
+        let mut own = lane("own", &points(15.0, -110, 200), 3.5);
+        own.successors = vec!["beyond:own".into()];
+        let mut lanes = vec![own];
+        if with_oncoming {
+            // 3.5 m to the left, the other way.
+            let mut back = points(11.5, -110, 200);
+            back.reverse();
+            lanes.insert(0, lane("back", &back, 3.5));
+        }
+        let mut m = map(lanes);
+        m.layers.insert(MapLayer::Junctions, state);
+        let mut d = drive(160, |t| corner(15.0, 10.0 * t - 100.0));
+        d.map = Some(m);
+        let t = Table::of(&d);
+        let distance = |frame| t.ego("map.distance_to_junction", frame);
+        let doubt = [50, 112].map(|frame| distance(frame).is_nan());
+        assert!(distance(150) == INF, "behind it there is none");
+        assert_eq!(t.ego_flag("ego.in_junction", 150), False);
+        (doubt, t.ego_flag("ego.in_junction", 112), t.ego("map.junction_arms", 50).is_nan())
+    };
+    assert_eq!(signals(false, LayerState::Derived), ([true; 2], Unknown, true));
+    assert_eq!(signals(true, LayerState::Derived), ([false; 2], False, false));
+    // A map that states its junctions has none here.
+    assert_eq!(signals(false, LayerState::Complete), ([false; 2], False, false));
+}
+
 #[test]
 fn traffic_from_opposite() {
     // The ego comes from the west: an arm to the east sends traffic against it, also one at 130 deg (DESIGN.md,

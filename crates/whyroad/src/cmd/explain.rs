@@ -132,8 +132,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             return Ok(output::FINDINGS);
         }
     };
-    let clip =
-        ClipId(args.clip.clone()).frames(&drive.meta.drive_id, drive.frame_count()).unwrap_or_default();
+    let clip = ClipId(args.clip.clone()).frames(&drive.meta.drive_id, &drive.times).unwrap_or_default();
     let wanted = args.target.as_deref().map(TrackId::from);
     if let Some(id) =
         wanted.as_ref().filter(|id| id.as_str() != EGO_ID && !drive.tracks.iter().any(|t| t.id == **id))

@@ -107,8 +107,8 @@ pub(crate) fn keep(lake: &Lake, global: &Global) {
 pub(crate) fn drive_of(lake: &Lake, clip: &str) -> Option<DriveId> {
     let clip = ClipId(clip.to_owned());
     let drive = clip.drive()?;
-    let frames = lake.outline(&drive).ok()?.times.len();
-    clip.frames(&drive, frames).map(|_| drive)
+    let outline = lake.outline(&drive).ok()?;
+    clip.frames(&drive, &outline.times).map(|_| drive)
 }
 
 /// How much is said of the signals of one drive.

@@ -1,5 +1,6 @@
 //! What the AV2 adapter reports, one function per code. Texts only.
 
+use crate::phrases::zh;
 use super::annotations::Annotations;
 use super::map::{Dangling, MapReading};
 use std::collections::BTreeMap;
@@ -66,7 +67,7 @@ pub(super) fn truncated(file: &str, rows: usize, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "av2.feather.truncated",
         text(
-            format!("文件不完整：只读出 {rows} 行，其余丢失（{reason}）"),
+            format!("文件不完整：只读出 {rows} 行，其余丢失（{reason_zh}）", reason_zh = zh(reason)),
             format!("the file is cut short: {rows} rows could be read, the rest is lost ({reason})"),
         ),
     )
@@ -80,7 +81,7 @@ pub(super) fn truncated(file: &str, rows: usize, reason: &str) -> Diagnostic {
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "av2.feather.unreadable",
-        text(format!("文件无法读取：{reason}"), format!("the file cannot be read: {reason}")),
+        text(format!("文件无法读取：{reason_zh}", reason_zh = zh(reason)), format!("the file cannot be read: {reason}")),
     )
     .with_hint(Bilingual::new(
         "检查它是否为 AV2 的 feather 文件",
@@ -102,7 +103,7 @@ pub(super) fn of_rows(
         out.push(Diagnostic::warning(
             "av2.annotations.invalid",
             text(
-                format!("丢弃 {n} 行：位置、旋转、时间或编号无效；例如 {example}"),
+                format!("丢弃 {n} 行：位置、旋转、时间或编号无效；例如 {example_zh}", example_zh = zh(example)),
                 format!(
                     "{n} rows dropped: position, rotation, time or id is not valid; for example {example}"
                 ),
@@ -114,7 +115,7 @@ pub(super) fn of_rows(
         out.push(Diagnostic::warning(
             "av2.annotations.duplicate",
             text(
-                format!("丢弃 {n} 行：同一轨迹同一时刻重复（保留第一行）；例如 {example}"),
+                format!("丢弃 {n} 行：同一轨迹同一时刻重复（保留第一行）；例如 {example_zh}", example_zh = zh(example)),
                 format!("{n} rows dropped: a second row of a track at one time (the first is kept); for example {example}"),
             ),
         ));
@@ -233,7 +234,7 @@ pub(super) fn map_unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "av2.map.unreadable",
         text(
-            format!("地图无法读取，行程不带地图保留：{reason}"),
+            format!("地图无法读取，行程不带地图保留：{reason_zh}", reason_zh = zh(reason)),
             format!("the map cannot be read; the drive is kept without it: {reason}"),
         ),
     )
@@ -252,7 +253,7 @@ pub(super) fn of_map(file: &str, r: &MapReading) -> Vec<Diagnostic> {
         out.push(Diagnostic::warning(
             "av2.map.invalid",
             text(
-                format!("丢弃 {n} 个无效的地图要素；例如 {example}"),
+                format!("丢弃 {n} 个无效的地图要素；例如 {example_zh}", example_zh = zh(example)),
                 format!("{n} map features dropped; for example {example}"),
             ),
         ));

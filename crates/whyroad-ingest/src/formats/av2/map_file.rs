@@ -1,6 +1,7 @@
 //! The vector map of a log folder: its file, and reading it with a report.
 
 use super::{findings, map};
+use crate::encodings::input::Input;
 use crate::report::SourceReport;
 use crate::source::{ContentHash, file_label};
 use std::fs;
@@ -33,7 +34,7 @@ pub(crate) fn read_map(
     // The name ends in `____<city>_city_<number>`, which states its location; its beginning repeats the log's id.
     let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let map_ref = stem.split("____").last().unwrap_or(&stem).to_owned();
-    let read = fs::read_to_string(&file).map_err(|e| e.to_string()).and_then(|text| {
+    let read = Input::from(&file).text().map_err(|e| e.to_string()).and_then(|text| {
         hash.add(&file_label(&file), text.as_bytes());
         map::read(&text)
     });

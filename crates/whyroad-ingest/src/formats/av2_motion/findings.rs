@@ -1,5 +1,6 @@
 //! What can be wrong with a motion forecasting scenario. Texts only; the map's findings are those of the sensor logs.
 
+use crate::phrases::zh;
 use super::scenario::{EGO, Scenario};
 use whyroad_model::{Bilingual, Diagnostic};
 
@@ -14,7 +15,7 @@ pub(crate) const CODES: &[&str] = &[
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
     let message =
-        Bilingual::new(format!("场景无法读取：{reason}"), format!("the scenario cannot be read: {reason}"));
+        Bilingual::new(format!("场景无法读取：{reason_zh}", reason_zh = zh(reason)), format!("the scenario cannot be read: {reason}"));
     let hint = Bilingual::new("重新下载该场景文件夹", "download the scenario's folder again");
     Diagnostic::error("av2.motion.unreadable", message).in_file(file).with_hint(hint)
 }
@@ -37,7 +38,7 @@ pub(super) fn of_rows(file: &str, s: &Scenario) -> Vec<Diagnostic> {
         out.push(Diagnostic::warning(
             "av2.motion.invalid",
             Bilingual::new(
-                format!("丢弃 {lost} 行：编号、时间步、位置或航向无效，或同一时间步重复；第一个无效行：{example}"),
+                format!("丢弃 {lost} 行：编号、时间步、位置或航向无效，或同一时间步重复；第一个无效行：{example_zh}", example_zh = zh(example)),
                 format!("{lost} rows dropped: id, time step, position or heading is not valid, or a time step occurs twice; first that is not valid: {example}"),
             ),
         ));

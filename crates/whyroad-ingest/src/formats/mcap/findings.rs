@@ -1,5 +1,6 @@
 //! What the MCAP adapter reports, one function per code. Texts only.
 
+use crate::phrases::zh;
 use crate::report::{RowCount, counts_text};
 use whyroad_model::{Bilingual, Diagnostic, Lang, counted};
 
@@ -24,7 +25,7 @@ fn look() -> Bilingual {
 pub(super) fn broken(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "mcap.file.broken",
-        Bilingual::new(format!("部分内容丢失：{reason}"), format!("a part is lost: {reason}")),
+        Bilingual::new(format!("部分内容丢失：{reason_zh}", reason_zh = zh(reason)), format!("a part is lost: {reason}")),
     )
     .with_hint(Bilingual::new(
         "用 `mcap recover` 修复该文件，或重新复制",
@@ -37,7 +38,7 @@ pub(super) fn mapping(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "mcap.mapping",
         Bilingual::new(
-            format!("映射文件无法使用：{reason}"),
+            format!("映射文件无法使用：{reason_zh}", reason_zh = zh(reason)),
             format!("the mapping file cannot be used: {reason}"),
         ),
     )
@@ -78,7 +79,7 @@ pub(super) fn undecodable(file: &str, topic: &str, what: &str, messages: usize) 
     Diagnostic::warning(
         "mcap.topic.undecodable",
         Bilingual::new(
-            format!("{topic}：{messages} 条消息无法解码（{what}）"),
+            format!("{topic}：{messages} 条消息无法解码（{what_zh}）", what_zh = zh(what)),
             format!("{topic}: {messages} messages cannot be decoded ({what})"),
         ),
     )

@@ -1,6 +1,7 @@
 //! What the nuScenes adapter reports, one function per code. Texts only.
 
 use super::tables::TableError;
+use crate::phrases::zh;
 use crate::report::RowCount;
 use whyroad_model::{Bilingual, Diagnostic};
 
@@ -20,7 +21,7 @@ pub(super) fn table(dir: &str, e: &TableError) -> Diagnostic {
     Diagnostic::error(
         "nuscenes.table.unreadable",
         Bilingual::new(
-            format!("无法读取表 {table}：{reason}"),
+            format!("无法读取表 {table}：{reason_zh}", reason_zh = zh(reason)),
             format!("table {table} cannot be read: {reason}"),
         ),
     )
@@ -45,7 +46,7 @@ pub(super) fn annotations(place: &str, count: &RowCount, example: &str) -> Diagn
     Diagnostic::warning(
         "nuscenes.annotations.invalid",
         Bilingual::new(
-            format!("丢弃 {n} 行标注；例如 {example}"),
+            format!("丢弃 {n} 行标注；例如 {example_zh}", example_zh = zh(example)),
             format!("{n} annotation rows dropped; for example {example}"),
         ),
     )
@@ -79,7 +80,7 @@ pub(super) fn map_unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "nuscenes.map.unreadable",
         Bilingual::new(
-            format!("地图无法读取，行程不带地图保留：{reason}"),
+            format!("地图无法读取，行程不带地图保留：{reason_zh}", reason_zh = zh(reason)),
             format!("the map cannot be read; the drive is kept without it: {reason}"),
         ),
     )
@@ -92,7 +93,7 @@ pub(super) fn map_invalid(file: &str, count: &RowCount, example: &str) -> Diagno
     Diagnostic::warning(
         "nuscenes.map.invalid",
         Bilingual::new(
-            format!("丢弃 {n} 个无效的地图要素；例如 {example}"),
+            format!("丢弃 {n} 个无效的地图要素；例如 {example_zh}", example_zh = zh(example)),
             format!("{n} map features dropped; for example {example}"),
         ),
     )

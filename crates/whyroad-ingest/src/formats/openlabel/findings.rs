@@ -1,5 +1,6 @@
 //! What the OpenLABEL adapter reports, one function per code. Texts only.
 
+use crate::phrases::zh;
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Codes of this adapter; each has a page in `docs/diagnostics/`.
@@ -14,7 +15,7 @@ pub(crate) const CODES: &[&str] = &[
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
     let message = Bilingual::new(
-        format!("不是可读取的 OpenLABEL 文件：{reason}"),
+        format!("不是可读取的 OpenLABEL 文件：{reason_zh}", reason_zh = zh(reason)),
         format!("not a readable OpenLABEL document: {reason}"),
     );
     Diagnostic::error("openlabel.file.unreadable", message).in_file(file)

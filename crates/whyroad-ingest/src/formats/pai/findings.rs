@@ -1,5 +1,6 @@
 //! What the PhysicalAI-AV adapter reports, one function per code. Texts only.
 
+use crate::phrases::zh;
 use super::obstacles::Obstacles;
 use whyroad_model::{Bilingual, Diagnostic};
 
@@ -27,7 +28,7 @@ fn again() -> Bilingual {
 pub(super) fn tree(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "pai.tree.unreadable",
-        Bilingual::new(format!("表无法读取：{reason}"), format!("the table cannot be read: {reason}")),
+        Bilingual::new(format!("表无法读取：{reason_zh}", reason_zh = zh(reason)), format!("the table cannot be read: {reason}")),
     )
     .with_hint(again())
     .in_file(file)
@@ -62,7 +63,7 @@ pub(super) fn egomotion_missing(clip: &str) -> Diagnostic {
 pub(super) fn egomotion_unreadable(clip: &str, file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "pai.egomotion.unreadable",
-        Bilingual::new(format!("{file} 无法读取：{reason}"), format!("{file} cannot be read: {reason}")),
+        Bilingual::new(format!("{file} 无法读取：{reason_zh}", reason_zh = zh(reason)), format!("{file} cannot be read: {reason}")),
     )
     .with_hint(again())
     .in_file(clip)
@@ -94,7 +95,7 @@ pub(super) fn velocity(clip: &str) -> Diagnostic {
 pub(super) fn dimensions(clip: &str, reason: Option<&str>) -> Diagnostic {
     let (zh, en) = match reason {
         Some(reason) => {
-            (format!("车辆尺寸无法读取（{reason}）"), format!("vehicle dimensions cannot be read ({reason})"))
+            (format!("车辆尺寸无法读取（{reason_zh}）", reason_zh = zh(reason)), format!("vehicle dimensions cannot be read ({reason})"))
         }
         None => ("没有车辆尺寸".to_owned(), "vehicle dimensions are missing".to_owned()),
     };
@@ -130,7 +131,7 @@ pub(super) fn obstacles_unreadable(clip: &str, file: &str, reason: &str) -> Diag
     Diagnostic::error(
         "pai.obstacles.unreadable",
         Bilingual::new(
-            format!("{file} 无法读取，行程不带目标保留：{reason}"),
+            format!("{file} 无法读取，行程不带目标保留：{reason_zh}", reason_zh = zh(reason)),
             format!("{file} cannot be read; the drive is kept without objects: {reason}"),
         ),
     )
@@ -159,7 +160,7 @@ pub(super) fn of_obstacles(clip: &str, o: &Obstacles) -> Vec<Diagnostic> {
         out.push(Diagnostic::warning(
             "pai.obstacles.invalid",
             Bilingual::new(
-                format!("丢弃 {lost} 行目标：数值无效、同一时刻重复、坐标系不是 rig，或该时刻没有位姿；第一个无效行：{example}"),
+                format!("丢弃 {lost} 行目标：数值无效、同一时刻重复、坐标系不是 rig，或该时刻没有位姿；第一个无效行：{example_zh}", example_zh = zh(example)),
                 format!(
                     "{lost} obstacle rows dropped: invalid, a second one at the same time, a frame other than rig, or no \
                      pose at that time; first that is not valid: {example}"
@@ -184,7 +185,7 @@ pub(super) fn camera(clip: &str, file: &str, reason: &str) -> Diagnostic {
     Diagnostic::warning(
         "pai.camera.unreadable",
         Bilingual::new(
-            format!("{file} 的帧时间无法使用，行程不带该相机保留：{reason}"),
+            format!("{file} 的帧时间无法使用，行程不带该相机保留：{reason_zh}", reason_zh = zh(reason)),
             format!("frame times of {file} cannot be used; the drive is kept without this camera: {reason}"),
         ),
     )

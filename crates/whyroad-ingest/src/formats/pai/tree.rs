@@ -2,6 +2,7 @@
 //! which clip is in which chunk. Only what has been downloaded is there.
 
 use crate::encodings::columns::{Columns, read_parquet, read_parquet_bytes};
+use crate::encodings::text::utf8;
 use crate::encodings::zip_members::ZipMembers;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -144,6 +145,7 @@ impl Tree {
 
 /// The table of features.
 pub(super) fn features(content: &[u8]) -> Result<BTreeMap<String, Feature>, String> {
+    utf8(content)?;
     let mut reader = csv::Reader::from_reader(content);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
     let column = |name: &str| {

@@ -1,6 +1,7 @@
 //! What the ScenarioNet adapter reports, one function per code. Texts only.
 
 use super::tracks::Tracks;
+use crate::phrases::zh;
 use crate::encodings::pickle::PickleError;
 use crate::report::RowCount;
 use whyroad_model::diagnostic::Location;
@@ -42,7 +43,7 @@ fn unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "scenarionet.pickle.unreadable",
         Bilingual::new(
-            format!("无法读取该 pickle：{reason}"),
+            format!("无法读取该 pickle：{reason_zh}", reason_zh = zh(reason)),
             format!("the pickle cannot be read: {reason}"),
         ),
     )
@@ -57,7 +58,7 @@ pub(super) fn schema(file: &str, pointer: &str, what: &str) -> Diagnostic {
     Diagnostic::error(
         "scenarionet.schema",
         Bilingual::new(
-            format!("不是 ScenarioNet 场景：{key} {what}"),
+            format!("不是 ScenarioNet 场景：{key} {what_zh}", what_zh = zh(what)),
             format!("not a ScenarioNet scenario: {key} {what}"),
         ),
     )
@@ -87,7 +88,7 @@ pub(super) fn of_tracks(file: &str, t: &Tracks) -> Vec<Diagnostic> {
         out.push(Diagnostic::warning(
             "scenarionet.tracks.invalid",
             Bilingual::new(
-                format!("丢弃 {n} 行；例如 {example}"),
+                format!("丢弃 {n} 行；例如 {example_zh}", example_zh = zh(example)),
                 format!("{n} rows dropped; for example {example}"),
             ),
         ));
@@ -119,7 +120,7 @@ pub(super) fn map(file: &str, count: &RowCount, example: &str) -> Diagnostic {
     Diagnostic::warning(
         "scenarionet.map.invalid",
         Bilingual::new(
-            format!("丢弃 {n} 个无效的地图要素；例如 {example}"),
+            format!("丢弃 {n} 个无效的地图要素；例如 {example_zh}", example_zh = zh(example)),
             format!("{n} map features dropped; for example {example}"),
         ),
     )

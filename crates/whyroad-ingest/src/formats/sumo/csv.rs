@@ -2,6 +2,7 @@
 //! the tag (`time;id;...`). The separator is the first of `;`, `,` and tab that the header has. SUMO quotes no values.
 
 use crate::encodings::input::Input;
+use crate::encodings::text::not_utf8;
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader};
 
@@ -40,6 +41,13 @@ fn columns(header: &str, separator: char) -> HashMap<(&'static str, String), usi
         .collect()
 }
 
+fn reason(e: &std::io::Error, line: usize) -> String {
+    match e.kind() {
+        std::io::ErrorKind::InvalidData => not_utf8(line),
+        _ => format!("at line {line}: {e}"),
+    }
+}
+
 /// Hands every row to `visit`. `Err` says why reading stopped.
 pub(super) fn for_each_row(input: Input<'_>, mut visit: impl FnMut(Row)) -> Result<(), String> {
     let mut input = BufReader::with_capacity(
@@ -47,7 +55,7 @@ pub(super) fn for_each_row(input: Input<'_>, mut visit: impl FnMut(Row)) -> Resu
         crate::encodings::compressed::open(input).map_err(|e| e.to_string())?,
     );
     let mut line = String::new();
-    input.read_line(&mut line).map_err(|e| e.to_string())?;
+    input.read_line(&mut line).map_err(|e| reason(&e, 1))?;
     let header = line.trim_end().to_owned();
     let separator = [';', ',', '\t'].into_iter().find(|s| header.contains(*s)).unwrap_or(';');
     let columns = columns(&header, separator);
@@ -60,7 +68,7 @@ pub(super) fn for_each_row(input: Input<'_>, mut visit: impl FnMut(Row)) -> Resu
     loop {
         line.clear();
         number += 1;
-        if input.read_line(&mut line).map_err(|e| format!("at line {number}: {e}"))? == 0 {
+        if input.read_line(&mut line).map_err(|e| reason(&e, number))? == 0 {
             return Ok(());
         }
         let cells: Vec<&str> = line.trim_end_matches(['\r', '\n']).split(separator).collect();

@@ -1,5 +1,6 @@
 //! What the SUMO adapter reports, one function per code. Texts only.
 
+use crate::phrases::zh;
 use super::net::Net;
 use super::on_net::OnNet;
 use std::collections::BTreeMap;
@@ -35,7 +36,7 @@ fn text(zh: String, en: String) -> Bilingual {
 pub(super) fn fcd_unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "sumo.fcd.unreadable",
-        text(format!("不是可读取的 FCD 文件：{reason}"), format!("not a readable FCD file: {reason}")),
+        text(format!("不是可读取的 FCD 文件：{reason_zh}", reason_zh = zh(reason)), format!("not a readable FCD file: {reason}")),
     )
     .with_hint(Bilingual::new(
         "用 `sumo --fcd-output fcd.xml.gz` 生成",
@@ -48,7 +49,7 @@ pub(super) fn fcd_broken(file: &str, reason: &str, rows: usize) -> Diagnostic {
     Diagnostic::error(
         "sumo.fcd.broken",
         text(
-            format!("文件不完整：读出 {rows} 行，其余丢失（{reason}）"),
+            format!("文件不完整：读出 {rows} 行，其余丢失（{reason_zh}）", reason_zh = zh(reason)),
             format!("the file breaks off: {rows} rows could be read, the rest is lost ({reason})"),
         ),
     )
@@ -63,7 +64,7 @@ pub(super) fn fcd_invalid(file: &str, rows: usize, example: &str) -> Diagnostic 
     Diagnostic::warning(
         "sumo.fcd.invalid",
         text(
-            format!("丢弃 {rows} 行：缺少编号、位置或角度，或时间倒退、重复；例如 {example}"),
+            format!("丢弃 {rows} 行：缺少编号、位置或角度，或时间倒退、重复；例如 {example_zh}", example_zh = zh(example)),
             format!("{rows} rows dropped: no id, position or angle, backward time, or a second one at a time; for example {example}"),
         ),
     )
@@ -74,7 +75,7 @@ pub(super) fn lane_jump(file: &str, jumps: usize, example: &str) -> Diagnostic {
     Diagnostic::warning(
         "sumo.fcd.lane_jump",
         text(
-            format!("{jumps} 次横向瞬移（无过程的换道或传送）；跳变处不推导横向速度；例如 {example}"),
+            format!("{jumps} 次横向瞬移（无过程的换道或传送）；跳变处不推导横向速度；例如 {example_zh}", example_zh = zh(example)),
             format!("{jumps} sideways jumps (lane changes that take no time, or teleports); no sideways speed is derived across them; for example {example}"),
         ),
     )
@@ -146,7 +147,7 @@ pub(super) fn type_unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "sumo.type.unreadable",
         text(
-            format!("车辆类型文件无法完整读取：{reason}"),
+            format!("车辆类型文件无法完整读取：{reason_zh}", reason_zh = zh(reason)),
             format!("the file of vehicle types cannot be read to its end: {reason}"),
         ),
     )
@@ -192,7 +193,7 @@ pub(super) fn net_unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "sumo.net.unreadable",
         text(
-            format!("路网无法完整读取：{reason}"),
+            format!("路网无法完整读取：{reason_zh}", reason_zh = zh(reason)),
             format!("the network cannot be read to its end: {reason}"),
         ),
     )
@@ -212,7 +213,7 @@ pub(super) fn of_net(file: &str, net: &Net) -> Vec<Diagnostic> {
             Diagnostic::warning(
                 "sumo.net.invalid",
                 text(
-                    format!("丢弃 {n} 条无效车道；例如 {example}"),
+                    format!("丢弃 {n} 条无效车道；例如 {example_zh}", example_zh = zh(example)),
                     format!("{n} lanes dropped; for example {example}"),
                 ),
             )
@@ -225,7 +226,7 @@ pub(super) fn of_net(file: &str, net: &Net) -> Vec<Diagnostic> {
             Diagnostic::warning(
                 "sumo.net.dangling",
                 text(
-                    format!("{n} 个连接指向不存在的车道，已忽略；例如 {first}"),
+                    format!("{n} 个连接指向不存在的车道，已忽略；例如 {first_zh}", first_zh = zh(first)),
                     format!("{n} connections name lanes that the network does not have, and are left out; for example {first}"),
                 ),
             )
@@ -246,9 +247,7 @@ pub(super) fn off_net(file: &str, net: &str, found: &OnNet) -> Option<Diagnostic
             Diagnostic::error(
                 "sumo.net.foreign",
                 text(
-                    format!(
-                        "路网“{net}”不属于此日志：抽查 {probes} 个车辆位置，{off} 个不在其车道上，例如 {example}；不使用该路网及信号灯状态"
-                    ),
+                    format!("路网“{net}”不属于此日志：抽查 {probes} 个车辆位置，{off} 个不在其车道上，例如 {example_zh}；不使用该路网及信号灯状态", example_zh = zh(example)),
                     format!(
                         "network '{net}' is not that of this log: of {probes} positions of vehicles {off} are not on its \
                          lanes, for example {example}; the network and the light states are not used"
@@ -266,7 +265,7 @@ pub(super) fn off_net(file: &str, net: &str, found: &OnNet) -> Option<Diagnostic
         Diagnostic::warning(
             "sumo.net.off",
             text(
-                format!("抽查 {probes} 个车辆位置，{off} 个不在路网“{net}”的车道上，例如 {example}"),
+                format!("抽查 {probes} 个车辆位置，{off} 个不在路网“{net}”的车道上，例如 {example_zh}", example_zh = zh(example)),
                 format!(
                     "of {probes} positions of vehicles {off} are not on lanes of network '{net}', for example {example}"
                 ),
@@ -284,7 +283,7 @@ pub(super) fn lights_unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "sumo.lights.unreadable",
         text(
-            format!("信号灯状态无法读取，行程不带信号灯保留：{reason}"),
+            format!("信号灯状态无法读取，行程不带信号灯保留：{reason_zh}", reason_zh = zh(reason)),
             format!("the light states cannot be read; the drive is kept without them: {reason}"),
         ),
     )
@@ -296,7 +295,7 @@ pub(super) fn shapes_unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "sumo.shapes.unreadable",
         text(
-            format!("附加文件无法完整读取，其余的多边形和标志丢失：{reason}"),
+            format!("附加文件无法完整读取，其余的多边形和标志丢失：{reason_zh}", reason_zh = zh(reason)),
             format!(
                 "the additional file cannot be read to its end, further polygons and signs are lost: {reason}"
             ),

@@ -3,6 +3,7 @@
 use super::problems::Problems;
 use crate::encodings::columns::{Columns, read_parquet_bytes};
 use crate::encodings::input::Folder;
+use crate::encodings::text::utf8;
 use whyroad_model::Nanos;
 
 /// `ego.parquet` or `ego.csv` in the folder; the former when both are there.
@@ -131,6 +132,7 @@ impl Sheet {
 }
 
 fn read_csv(content: &[u8]) -> Result<Vec<Column>, String> {
+    utf8(content)?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(content);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
     // Spreadsheets begin UTF-8 files with a byte order mark.

@@ -1,5 +1,6 @@
 //! What the Waymo adapter reports, one function per code. Texts only.
 
+use crate::phrases::zh;
 use crate::encodings::tfrecord::RecordError;
 use crate::report::RowCount;
 use whyroad_model::{Bilingual, Diagnostic};
@@ -37,7 +38,7 @@ pub(super) fn schema(file: &str, what: &str) -> Diagnostic {
     Diagnostic::error(
         "waymo.schema",
         Bilingual::new(
-            format!("记录不是 Scenario 消息：{what}"),
+            format!("记录不是 Scenario 消息：{what_zh}", what_zh = zh(what)),
             format!("the record is not a Scenario message: {what}"),
         ),
     )
@@ -65,7 +66,7 @@ pub(super) fn tracks(file: &str, count: &RowCount, example: &str) -> Diagnostic 
     Diagnostic::warning(
         "waymo.tracks.invalid",
         Bilingual::new(
-            format!("丢弃 {n} 行；例如 {example}"),
+            format!("丢弃 {n} 行；例如 {example_zh}", example_zh = zh(example)),
             format!("{n} rows dropped; for example {example}"),
         ),
     )
@@ -77,7 +78,7 @@ pub(super) fn map(file: &str, count: &RowCount, example: &str) -> Diagnostic {
     Diagnostic::warning(
         "waymo.map.invalid",
         Bilingual::new(
-            format!("丢弃 {n} 个无效的地图要素；例如 {example}"),
+            format!("丢弃 {n} 个无效的地图要素；例如 {example_zh}", example_zh = zh(example)),
             format!("{n} map features dropped; for example {example}"),
         ),
     )

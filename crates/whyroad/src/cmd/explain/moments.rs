@@ -43,7 +43,7 @@ impl Moments {
         let classes = rules.rules.clone();
         let near = rules.precedence.neighbourhood.0;
         let found = mine_drive(&rules.with_decision_moments(catalog), table).episodes;
-        let of_clip = clip.frames(&table.drive_id, table.times.len()).unwrap_or_default();
+        let of_clip = clip.frames(&table.drive_id, &table.times).unwrap_or_default();
         let records = write_down(&found, &table.drive_id, &table.times, ClipCut::Fixed, Lang::En);
         let is_left = |e: &Episode| e.scenario.l1 == OTHER;
         let unexplained: Vec<UnexplainedMoment> = found

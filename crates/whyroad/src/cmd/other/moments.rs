@@ -28,7 +28,7 @@ pub(in crate::cmd) fn of_record(
     let word = |name: &str| column(name).and_then(|c| c.category(frame)).map(str::to_owned);
     let ego_actions: Vec<String> =
         ["ego.meta_longitudinal", "ego.meta_lateral"].into_iter().filter_map(word).collect();
-    let of_clip = clip.frames(&record.drive_id, table.times.len()).unwrap_or_default();
+    let of_clip = clip.frames(&record.drive_id, &table.times).unwrap_or_default();
     let since = |start: usize| table.times.get(start).map_or(0.0, |start| keyframe.seconds_since(*start));
     UnexplainedMoment {
         episode_id: record.episode_id.clone(),
