@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
 use whyroad_model::ScenarioId;
+use whyroad_model::scene::DriveMeta;
 
 /// Results of the stage; part of the manifest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,28 +34,36 @@ pub struct Shortfall {
     pub query: Option<String>,
 }
 
-type Cell = (u32, Option<u8>, Option<u8>, u32);
+/// Leaf, decisions, place.
+type Cell<'a> = (u32, Option<u8>, Option<u8>, Option<&'a str>);
 
-fn cell(item: &Item) -> Cell {
+/// Facts about the drives, by index.
+type Drives = BTreeMap<u32, DriveMeta>;
+
+/// The cell of a sample. Its place is that of its drive (`groups.place`), not the cell of the grid that the split cuts,
+/// in which a car that moves is alone. Samples without a known place are one place.
+fn cell<'a>(item: &Item, drives: &'a Drives) -> Cell<'a> {
     let cut = item.cut.as_deref();
-    (item.class, cut.and_then(|c| c.longitudinal), cut.and_then(|c| c.lateral), item.place_cell)
+    let place = drives.get(&item.drive).and_then(|meta| meta.place.as_deref());
+    (item.class, cut.and_then(|c| c.longitudinal), cut.and_then(|c| c.lateral), place)
 }
 
 /// Drops samples over a cap, sets the weights, and lists the shortfalls.
 pub(crate) fn balance(
     items: &mut [Item],
-    classes: &Names,
+    (classes, drives): (&Names, &Drives),
     framework: &Framework,
     spec: &Balance,
     seed: u64,
 ) -> BalanceReport {
-    let mut report = BalanceReport { capped: cap(items, classes, spec, seed), ..BalanceReport::default() };
-    let mut cells: BTreeMap<Cell, usize> = BTreeMap::new();
+    let mut report =
+        BalanceReport { capped: cap(items, (classes, drives), spec, seed), ..BalanceReport::default() };
+    let mut cells: BTreeMap<Cell<'_>, usize> = BTreeMap::new();
     for item in training(items) {
-        *cells.entry(cell(item)).or_default() += 1;
+        *cells.entry(cell(item, drives)).or_default() += 1;
     }
     report.cells = cells.len();
-    weigh(items, &cells, spec);
+    weigh(items, drives, &cells, spec);
     report.shortfalls = shortfalls(items, classes, framework, spec);
     report
 }
@@ -63,7 +72,7 @@ fn training(items: &[Item]) -> impl Iterator<Item = &Item> {
     items.iter().filter(|i| i.kept() && i.split == Some(SplitName::Train))
 }
 
-fn cap(items: &mut [Item], classes: &Names, spec: &Balance, seed: u64) -> usize {
+fn cap(items: &mut [Item], (classes, drives): (&Names, &Drives), spec: &Balance, seed: u64) -> usize {
     let mut by_class: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     let mut by_l2: BTreeMap<String, usize> = BTreeMap::new();
     for (i, item) in items.iter().enumerate() {
@@ -83,11 +92,11 @@ fn cap(items: &mut [Item], classes: &Names, spec: &Balance, seed: u64) -> usize 
             *hash.finalize().as_bytes()
         });
         // Cells take turns, so that a cap thins the full cells first.
-        let mut of_cell: BTreeMap<Cell, usize> = BTreeMap::new();
+        let mut of_cell: BTreeMap<Cell<'_>, usize> = BTreeMap::new();
         let mut turns: Vec<(usize, usize)> = members
             .iter()
             .map(|&i| {
-                let turn = of_cell.entry(cell(&items[i])).or_default();
+                let turn = of_cell.entry(cell(&items[i], drives)).or_default();
                 *turn += 1;
                 (*turn, i)
             })
@@ -115,7 +124,7 @@ fn l2(class: &str) -> String {
 }
 
 /// The weight of a cell falls with its size to the power of the exponent; limited, with mean 1.
-fn weigh(items: &mut [Item], cells: &BTreeMap<Cell, usize>, spec: &Balance) {
+fn weigh(items: &mut [Item], drives: &Drives, cells: &BTreeMap<Cell<'_>, usize>, spec: &Balance) {
     let n: usize = cells.values().sum();
     if n == 0 {
         return;
@@ -125,7 +134,7 @@ fn weigh(items: &mut [Item], cells: &BTreeMap<Cell, usize>, spec: &Balance) {
     let limited = |size: usize| (raw(size) / mean).min(spec.max_weight);
     let scale = cells.values().map(|&size| size as f64 * limited(size)).sum::<f64>() / n as f64;
     for item in items.iter_mut().filter(|i| i.kept()) {
-        item.weight = match (item.split, cells.get(&cell(item))) {
+        item.weight = match (item.split, cells.get(&cell(item, drives))) {
             (Some(SplitName::Train), Some(&size)) => limited(size) / scale,
             _ => 1.0,
         };

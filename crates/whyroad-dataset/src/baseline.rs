@@ -24,6 +24,7 @@ use learner::{Boosted, Learner, Majority, Problem, RepeatLast};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use whyroad_model::Bilingual;
 
 /// Value of `format` in a model file.
 const FORMAT: &str = "whyroad-baseline";
@@ -83,6 +84,16 @@ impl Method {
             Self::Majority => "majority",
             Self::RepeatLast => "repeat_last",
         }
+    }
+
+    /// Its name in a text for people.
+    pub fn title(self) -> Bilingual {
+        let zh = match self {
+            Self::Boosted => "提升树",
+            Self::Majority => "多数类",
+            Self::RepeatLast => "重复上一动作",
+        };
+        Bilingual::new(zh, self.name())
     }
 }
 

@@ -12,7 +12,7 @@ use crate::labels::{self, LabelStream, Labels, Names};
 use crate::licence::LicenceTable;
 use crate::select::{Selected, select};
 use crate::spec::{GroupKey, Spec};
-use crate::split::{self, split};
+use crate::split::{self, Keep, split};
 use crate::{DatasetError, Media, balance};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -39,6 +39,8 @@ pub struct Inputs<'a> {
     pub lake: &'a Lake,
     /// Folders with camera images.
     pub media: Media,
+    /// Folder that paths in the spec are relative to.
+    pub spec_dir: &'a Path,
     /// Folder of the release; must not exist.
     pub out: &'a Path,
     /// Queries for the shortfalls.
@@ -90,6 +92,15 @@ pub fn build(
     if inputs.out.exists() {
         return Err(DatasetError::Exists(inputs.out.to_owned()));
     }
+    let keep = match &inputs.spec.split.keep {
+        Some(path) => {
+            let dir = inputs.spec_dir.join(path);
+            let read = Keep::read(&dir, &inputs.spec.split)?;
+            Some((dir, read))
+        }
+        None => None,
+    };
+    let keep = keep.as_ref().map(|(dir, keep)| (dir.as_path(), keep));
     let mut work = Work::open(inputs.out)?;
     let names: Vec<String> = streams.iter().map(|s| s.name.clone()).collect();
     let mut labels = labels::read(streams, inputs.framework, &work.labels())?;
@@ -103,7 +114,11 @@ pub fn build(
         diagnostics.push(nothing(&labels));
         return Err(DatasetError::Refused(diagnostics));
     }
-    work.claim(&key(inputs, &labels, &selected), inputs.restart)?;
+    let mut key = key(inputs, &labels, &selected);
+    if let Some((_, keep)) = keep {
+        key += &keep.about.manifest_sha256;
+    }
+    work.claim(&key, inputs.restart)?;
     let mut state = State { inputs, labels, selected, cells: Names::default(), work, diagnostics };
 
     let resumed = cutting::cut(&mut state, progress)?;
@@ -113,12 +128,18 @@ pub fn build(
         return Err(DatasetError::Refused(found));
     }
     let spec = &state.inputs.spec;
-    let mut split_report =
-        split(&mut state.labels.items, &state.selected.drives, &spec.split, spec.seed, &mut state.cells);
+    let mut split_report = split(
+        &mut state.labels.items,
+        (&state.labels.drives, &state.selected.drives),
+        &spec.split,
+        spec.seed,
+        &mut state.cells,
+        keep,
+    )?;
     let dedup = deduplicate(&mut state.labels.items, &state.labels.classes, &spec.deduplicate);
     let balanced = balance::balance(
         &mut state.labels.items,
-        &state.labels.classes,
+        (&state.labels.classes, &state.selected.drives),
         state.inputs.framework,
         &spec.balance,
         spec.seed,
@@ -128,6 +149,7 @@ pub fn build(
     split_report.count(split::counted(&state.labels.items, &state.selected.drives, &spec.split.by));
     split_report.distances = split::distances(&state.labels.items);
     report_groups(&mut state, &split_report, &assigned);
+    report_kept(&mut state, &split_report);
     let manifest = freezing::freeze(&mut state, &names, (split_report, dedup, balanced), progress)?;
     let State { work, diagnostics, .. } = state;
     work.publish(inputs.out)?;
@@ -220,6 +242,21 @@ fn nothing_left(labels: &Labels) -> Diagnostic {
         "对照 docs/reference/release.md 中的原因修改 spec 的 sample 部分，或改正输入",
         "change `sample` in the spec or the inputs; docs/reference/release.md explains the reasons",
     ))
+}
+
+/// Samples that would join splits of the earlier release.
+fn report_kept(state: &mut State<'_>, report: &split::SplitReport) {
+    let Some(n) = report.kept.as_ref().map(|k| k.between).filter(|n| *n > 0) else { return };
+    let message = Bilingual::new(
+        format!("{n} 个新样本与旧数据集的两个划分有共同的分组或地点，未收入"),
+        format!(
+            "{n} new samples share a group or a place with two splits of the earlier release and are left out"
+        ),
+    );
+    state.diagnostics.push(Diagnostic::warning("dataset.split.keep", message).with_hint(Bilingual::new(
+        "stages/3-split.parquet 列出这些样本；若不再需要旧的划分，去掉 split.keep",
+        "stages/3-split.parquet lists them; unset split.keep once the earlier splits are no longer needed",
+    )));
 }
 
 /// Samples that could not be grouped, and empty splits. `assigned` counts the samples before duplicates were dropped.

@@ -1,6 +1,7 @@
 //! What differs between two releases: samples added, removed, moved between splits, relabeled, and the counts by
 //! class.
 
+use crate::sample::Lineage;
 use crate::sample::schema::from_batch;
 use crate::{DatasetError, Release};
 use serde::Serialize;
@@ -8,7 +9,8 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Columns that are compared.
-const COLUMNS: &[&str] = &["sample_id", "split", "scenario_id", "weight", "lineage", "label_json"];
+const COLUMNS: &[&str] =
+    &["sample_id", "split", "scenario_id", "weight", "lineage", "label_json", "rejected"];
 
 /// The difference; ids sorted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -23,6 +25,11 @@ pub struct Difference {
     pub relabelled: Vec<String>,
     /// Samples whose drive has other content.
     pub changed_drives: Vec<String>,
+    /// Samples whose label has another state: id, from, to.
+    pub restated: Vec<(String, String, String)>,
+    /// Other facts about the labels, each with the number of samples where it differs: columns of `lineage`, and
+    /// `rejected`.
+    pub facts: BTreeMap<String, usize>,
     /// Per class the samples of the first and the second, where they differ.
     pub by_class: BTreeMap<String, (usize, usize)>,
     /// Fields of the spec that differ: path, first, second.
@@ -35,7 +42,28 @@ struct Row {
     split: String,
     /// Hash of the label as a value.
     label: blake3::Hash,
-    drive: String,
+    lineage: Lineage,
+    /// Hash of the versions that were returned.
+    rejected: blake3::Hash,
+}
+
+/// Columns of `lineage` that have a field of their own in [`Difference`], or follow from the label and the sample's id.
+const OWN: &[&str] =
+    &["drive_id", "drive_hash", "label_status", "label_sha256", "keyframe_time_ns", "keyframe_frame"];
+
+impl Row {
+    /// Names of the facts that differ.
+    fn facts(&self, other: &Self) -> Vec<String> {
+        let json = |row: &Self| serde_json::to_value(&row.lineage).unwrap_or_default();
+        let (a, b) = (json(self), json(other));
+        let differs = |name: &&String| a.get(*name) != b.get(*name) && !OWN.contains(&name.as_str());
+        let mut out: Vec<String> =
+            a.as_object().into_iter().flatten().map(|(name, _)| name).filter(differs).cloned().collect();
+        if self.rejected != other.rejected {
+            out.push("rejected".to_owned());
+        }
+        out
+    }
 }
 
 /// Compares two releases.
@@ -55,7 +83,14 @@ pub fn diff(a: &Release, b: &Release) -> Result<Difference, DatasetError> {
                 if before.label != row.label {
                     out.relabelled.push(id.clone());
                 }
-                if before.drive != row.drive {
+                let state = |row: &Row| row.lineage.label_status.clone();
+                if state(before) != state(row) {
+                    out.restated.push((id.clone(), state(before), state(row)));
+                }
+                for fact in before.facts(row) {
+                    *out.facts.entry(fact).or_default() += 1;
+                }
+                if before.lineage.drive_hash != row.lineage.drive_hash {
                     out.changed_drives.push(id.clone());
                 }
             }
@@ -89,7 +124,11 @@ fn rows(release: &Release) -> Result<BTreeMap<String, Row>, DatasetError> {
     for batch in release.batches(None, Some(COLUMNS)) {
         for s in from_batch(&batch?).map_err(|e| DatasetError::broken(release.dir(), e))? {
             let label = content_hash(&s.label_json);
-            let row = Row { split: s.split, label, drive: s.lineage.drive_hash };
+            let mut rejected = blake3::Hasher::new();
+            for r in &s.rejected {
+                rejected.update(format!("{:?}", (&r.label_json, &r.trace, &r.reason)).as_bytes());
+            }
+            let row = Row { split: s.split, label, lineage: s.lineage, rejected: rejected.finalize() };
             out.insert(s.sample_id, row);
         }
     }
@@ -97,7 +136,7 @@ fn rows(release: &Release) -> Result<BTreeMap<String, Row>, DatasetError> {
 }
 
 /// A hash that is equal for equal JSON values, however they are written; of a text that is not JSON, of the text.
-fn content_hash(json: &str) -> blake3::Hash {
+pub fn content_hash(json: &str) -> blake3::Hash {
     let mut hash = blake3::Hasher::new();
     match serde_json::from_str(json) {
         Ok(value) => put(&value, &mut hash),

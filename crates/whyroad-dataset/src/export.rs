@@ -19,6 +19,7 @@ use crate::aside::empty_partial;
 use crate::item::SplitName;
 use crate::release::is_inside;
 use crate::sample::Sample;
+use crate::spec::Reference;
 use crate::{DatasetError, Release};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -210,8 +211,13 @@ fn write(
 ) -> Result<Exported, DatasetError> {
     fs::create_dir_all(out).map_err(DatasetError::io(out))?;
     let report = Exported::default();
-    let mut output =
-        Output { root: out.to_owned(), lines: BTreeMap::new(), options: options.clone(), report };
+    let mut output = Output {
+        root: out.to_owned(),
+        lines: BTreeMap::new(),
+        options: options.clone(),
+        reference: release.manifest.spec.sample.reference,
+        report,
+    };
     let mut writer: Box<dyn SampleWriter> = match format {
         ExportFormat::Jsonl => Box::new(jsonl::Writer),
         ExportFormat::MsSwift => Box::new(chat::ChatWriter(ms_swift::MsSwift::default())),
@@ -287,6 +293,8 @@ struct Output {
     root: PathBuf,
     lines: BTreeMap<String, BufWriter<File>>,
     options: ExportOptions,
+    /// The reference point that the spec asks for.
+    reference: Reference,
     /// The report, which every format completes.
     report: Exported,
 }
@@ -368,6 +376,7 @@ mod tests {
             root: root.to_owned(),
             lines: BTreeMap::new(),
             options: ExportOptions::default(),
+            reference: Reference::RearAxle,
             report: Exported::default(),
         }
     }

@@ -107,6 +107,7 @@ const REASONS: &[(&str, &str, &str)] = &[
     ("image_in_video", "图片在视频中", "image inside a video"),
     ("image_file_missing", "缺少图片文件", "image file missing"),
     ("image_not_blurred", "图片未能模糊处理", "image could not be blurred"),
+    ("between_kept", "介于旧数据集的两个划分之间", "between two splits of the earlier release"),
     ("duplicate_exact", "完全重复", "exact duplicate"),
     ("duplicate_near", "近似重复", "near-duplicate"),
     ("duplicate_across", "与其他划分近似重复", "near-duplicate of another split"),

@@ -14,6 +14,7 @@ use std::io::BufRead;
 use std::path::Path;
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
+use whyroad_label::episode_of;
 use whyroad_model::messages::{CocLabel, EpisodeRecord, ProvenanceSource};
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, Severity};
 
@@ -140,6 +141,7 @@ pub(crate) fn read(
     let mut writer = RecordWriter::create(records)?;
     let mut hash = blake3::Hasher::new();
     let mut known: HashMap<SampleId, usize> = HashMap::new();
+    let mut invalid: Vec<(String, Bilingual)> = Vec::new();
     for mut stream in streams {
         let (mut number, mut line) = (0, Vec::new());
         loop {
@@ -161,6 +163,9 @@ pub(crate) fn read(
                     out.put(read, at_record, &mut known, at);
                 }
                 Err(Fault { reason, message, clip_id, scenario_id }) => {
+                    if reason == "invalid_label" {
+                        invalid.push((at.clone(), message.clone()));
+                    }
                     if reason == "unreadable" {
                         let d =
                             Diagnostic::warning("dataset.labels.line", message.clone()).in_file(at.clone());
@@ -173,9 +178,37 @@ pub(crate) fn read(
         }
     }
     writer.finish()?;
+    report_invalid(&invalid, &mut out.diagnostics);
     out.hash = hash.finalize().to_hex().to_string();
     out.items.sort_by_key(|a| a.id);
     Ok(out)
+}
+
+/// Invalid labels that are named; the rest is counted.
+const NAMED: usize = 10;
+
+/// Labels that do not pass the checks, so that there is no sample of them.
+fn report_invalid(invalid: &[(String, Bilingual)], out: &mut Vec<Diagnostic>) {
+    let code = "dataset.labels.invalid";
+    for (at, why) in invalid.iter().take(NAMED) {
+        let message = Bilingual::new(
+            format!("标签未通过校验，未收入：{}", why.zh),
+            format!("the label does not validate and is left out: {}", why.en),
+        );
+        let hint = Bilingual::new(
+            "用 `whyroad validate` 检查标签文件，它给出每个错误的位置",
+            "run `whyroad validate` on the labels: it shows where each error is",
+        );
+        out.push(Diagnostic::warning(code, message).in_file(at.clone()).with_hint(hint));
+    }
+    let more = invalid.len().saturating_sub(NAMED);
+    if more > 0 {
+        let message = Bilingual::new(
+            format!("另有 {more} 个标签未通过校验"),
+            format!("{more} more labels do not validate"),
+        );
+        out.push(Diagnostic::warning(code, message));
+    }
 }
 
 impl Labels {
@@ -346,14 +379,15 @@ fn of_episode(value: Value) -> Result<Read, Fault> {
 }
 
 fn of_task(task: &Value, checker: &Checker<'_>) -> Result<Read, Fault> {
-    let episode: Option<EpisodeRecord> = serde_json::from_value(task["episode"].clone()).ok();
+    let episode = episode_of::of_task(&task["episode"]).ok();
     let text = |v: &Value| v.as_str().map(str::to_owned);
     let record = LabelRecord {
         task_id: text(&task["id"]),
-        episode_id: episode.as_ref().map(|e| e.episode_id.clone()),
+        // One made from the label says nothing about it: facts come from the mined episode, where it is read, too.
+        episode_id: episode.as_ref().map(|e| e.episode_id.clone()).filter(|id| !episode_of::is_made(id)),
         target_id: episode.as_ref().and_then(|e| e.target_id.as_ref()).map(ToString::to_string),
         rule_version: episode.as_ref().and_then(|e| e.rule_version.clone()),
-        score: episode.as_ref().map(|e| e.score),
+        score: episode.as_ref().and_then(episode_of::score),
         rejected: rejected(task),
         ..LabelRecord::default()
     };

@@ -46,4 +46,4 @@ pub use labels::{DRAFT, IMPORTED, LabelStream};
 pub use release::Release;
 pub use sample::Sample;
 pub use spec::Spec;
-pub use split::{Distance, SplitReport};
+pub use split::{Distance, KeptSplits, SplitReport};

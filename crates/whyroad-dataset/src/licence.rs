@@ -14,6 +14,9 @@ pub const BUNDLED: &str = include_str!("../../../schema/licences.yaml");
 const INTERNAL: &str = "LicenseRef-Internal";
 
 const TABLE: &str = "dataset.licence.table";
+/// Shorter names of sources could be the beginning of anything.
+const SHORTEST_SOURCE: usize = 4;
+
 static FORM: FormCodes =
     FormCodes { syntax: TABLE, missing: TABLE, unknown: TABLE, kind: TABLE, duplicate: TABLE, empty: TABLE };
 
@@ -72,6 +75,17 @@ impl LicenceTable {
     pub fn find(&self, stated: &str) -> Option<&Licence> {
         let same = |name: &String| name.eq_ignore_ascii_case(stated.trim());
         self.licences.iter().find(|l| same(&l.id) || l.names.iter().any(same))
+    }
+
+    /// The license of the public data set that a drive comes from, by the name of its source: `nuscenes`, or the
+    /// beginning of a name, `waymo`.
+    pub fn of_source(&self, source: &str) -> Option<&Licence> {
+        let plain = |name: &str| -> String {
+            name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+        };
+        let source = plain(source);
+        let is_it = |name: &String| source.len() >= SHORTEST_SOURCE && plain(name).starts_with(&source);
+        self.licences.iter().find(|l| l.data_sets.iter().any(is_it))
     }
 
     /// Why data under `licence` may not be in a release of this purpose; `None` when it may.
@@ -201,6 +215,17 @@ mod tests {
         assert_eq!(declared(&["MIT", "CC-BY-NC-SA-4.0"], Use::Research).unwrap(), "CC-BY-NC-SA-4.0");
         assert_eq!(declared(&["MIT", "CC-BY-NC-4.0"], Use::Research).unwrap(), "CC-BY-NC-4.0");
         assert_eq!(declared(&["MIT", "CC-BY-4.0"], Use::Commercial).unwrap(), "CC-BY-4.0");
+    }
+
+    /// `data_sets` of schema/licences.yaml; ScenarioNet calls its sources `nuscenes`, `waymo`, `nuplan`, `pg`.
+    #[test]
+    fn a_source_that_is_a_public_data_set_is_under_its_license() {
+        let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
+        let of = |source: &str| table.of_source(source).map(|l| l.id.as_str());
+        assert_eq!(of("nuscenes"), Some("CC-BY-NC-SA-4.0"));
+        assert_eq!(of("waymo"), Some("LicenseRef-Waymo-Open-Dataset"));
+        assert_eq!(of("argoverse2"), Some("CC-BY-NC-SA-4.0"));
+        assert_eq!((of("pg"), of("fleet"), of("sumo"), of("")), (None, None, None, None));
     }
 
     #[test]

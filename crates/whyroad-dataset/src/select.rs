@@ -21,6 +21,8 @@ pub(crate) struct Selected {
     pub drives: BTreeMap<u32, DriveMeta>,
     /// License id by drive index.
     pub licences: BTreeMap<u32, String>,
+    /// Drives whose license the spec assumes.
+    pub assumed: BTreeSet<u32>,
     pub diagnostics: Vec<Diagnostic>,
     /// Reasons to refuse the build.
     pub refused: Vec<Diagnostic>,
@@ -46,7 +48,13 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
                 let meta = out.drives.entry(item.drive).or_insert_with(|| {
                     lake.outline(&DriveId::from(name)).map(|o| o.meta).unwrap_or_default()
                 });
-                let stated = meta.licence.clone().or_else(|| spec.licences.assume.clone());
+                // What a public data set is under is not a matter of assumption.
+                let of_source = || table.of_source(&meta.source).map(|l| l.id.clone());
+                let own = meta.licence.clone().or_else(of_source);
+                if own.is_none() && spec.licences.assume.is_some() {
+                    out.assumed.insert(item.drive);
+                }
+                let stated = own.or_else(|| spec.licences.assume.clone());
                 let licence = stated.as_deref().and_then(|s| table.find(s));
                 match (by_drive(meta, spec), licence) {
                     (Some(dropped), _) => Some(dropped),
@@ -184,8 +192,10 @@ fn unknown_licence(stated: &str, drives: &BTreeSet<String>) -> Diagnostic {
         )
     };
     Diagnostic::error("dataset.licence.unknown", message).with_hint(Bilingual::new(
-        "用 `ingest --meta` 写明许可，在 schema/licences.yaml 中登记，或在 spec 中设 licences.assume",
-        "state it with `ingest --meta`, list it in schema/licences.yaml, or set licences.assume in the spec",
+        "用 `ingest --licence` 或 `--meta` 写明许可，在 schema/licences.yaml 中登记；全部行程确属某一许可时，在 spec 中设 \
+         licences.assume",
+        "state it with `ingest --licence` or `--meta`, list it in schema/licences.yaml, or, where all such drives are \
+         under one license, set licences.assume in the spec",
     ))
 }
 

@@ -202,6 +202,9 @@ pub struct Split {
     pub min_distance_m: f64,
     /// Areas that replace grid cells inside them.
     pub polygons: Vec<Polygon>,
+    /// Folder of an earlier release whose splits are kept, relative to the spec.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keep: Option<String>,
 }
 
 /// What counts as a duplicate.
@@ -255,6 +258,7 @@ impl Default for Spec {
                 place_cell_m: 50.0,
                 min_distance_m: 5.0,
                 polygons: vec![],
+                keep: None,
             },
             deduplicate: Deduplicate { exact: true, near: Some(0.9), traces: 0.9 },
             balance: Balance {

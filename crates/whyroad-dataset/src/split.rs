@@ -3,18 +3,22 @@
 
 mod components;
 mod distance;
+mod keep;
 
 pub use distance::Distance;
 pub(crate) use distance::distances;
+pub use keep::KeptSplits;
+pub(crate) use keep::{Facts, Keep};
 
-use crate::item::{Item, SplitName};
+use crate::DatasetError;
+use crate::item::{Item, SplitName, id_text};
 use crate::labels::Names;
 use crate::place;
 use crate::sample::Sample;
 use crate::spec::{GroupKey, Split};
 use components::Components;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use whyroad_model::scene::DriveMeta;
 
 /// The split of the release; part of the manifest.
@@ -34,6 +38,9 @@ pub struct SplitReport {
     pub shares: BTreeMap<String, f64>,
     /// How near the splits are to each other.
     pub distances: Vec<Distance>,
+    /// The earlier release whose splits were kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kept: Option<KeptSplits>,
 }
 
 /// A sample as the report counts it: its split, its component, the requested keys that are unknown.
@@ -96,22 +103,85 @@ pub(crate) fn value_of_sample(sample: &Sample, key: GroupKey) -> Option<String> 
     }
 }
 
-/// Assigns every kept item to a split; `cells` gets the names of the place cells. The report counts these items.
+/// Assigns every kept item to a split; `cells` gets the names of the place cells. The report counts these items. With
+/// `keep`, what an earlier release has stays where it is there.
+///
+/// # Errors
+/// When the groups of the spec join splits of the earlier release.
 pub(crate) fn split(
     items: &mut [Item],
-    drives: &BTreeMap<u32, DriveMeta>,
+    (names, drives): (&Names, &BTreeMap<u32, DriveMeta>),
     spec: &Split,
     seed: u64,
     cells: &mut Names,
-) -> SplitReport {
-    let kept: Vec<usize> = (0..items.len()).filter(|i| items[*i].kept()).collect();
+    keep: Option<(&std::path::Path, &Keep)>,
+) -> Result<SplitReport, DatasetError> {
+    for item in items.iter_mut().filter(|i| i.kept()) {
+        if let Some(position) = item.cut.as_ref().and_then(|c| c.position.as_ref()) {
+            item.place_cell = cells.put(&place::cell(position, spec));
+        }
+    }
+    let mut between = 0;
+    let (kept, groups, held) = loop {
+        let kept: Vec<usize> = (0..items.len()).filter(|i| items[*i].kept()).collect();
+        let groups = grouped(items, &kept, drives, spec);
+        let Some((dir, keep)) = keep else {
+            let free = vec![None; groups.len()];
+            break (kept, groups, free);
+        };
+        let ties = keep.ties(items, &kept, &spec.by, &Facts { drives: names, cells, meta: drives });
+        let of_group = |members: &Vec<usize>| -> BTreeSet<SplitName> {
+            members.iter().flat_map(|&k| ties[k].iter().copied()).collect()
+        };
+        let torn: Vec<&Vec<usize>> = groups.iter().filter(|g| of_group(g).len() > 1).collect();
+        if torn.is_empty() {
+            let held = groups.iter().map(|g| of_group(g).into_iter().next()).collect();
+            break (kept, groups, held);
+        }
+        // First the samples that are tied to two splits themselves; where the splits are joined by a chain of new
+        // samples, all new ones of the chain.
+        let new = |k: &&usize| !keep.has(&items[kept[**k]]);
+        let bridges: Vec<usize> =
+            torn.iter().flat_map(|g| g.iter().filter(new)).filter(|k| ties[**k].len() > 1).copied().collect();
+        let out: Vec<usize> = match bridges.is_empty() {
+            false => bridges,
+            true => torn.iter().flat_map(|g| g.iter().filter(new)).copied().collect(),
+        };
+        if out.is_empty() {
+            let first = torn.first().and_then(|g| g.first()).map(|&k| id_text(items[kept[k]].id));
+            return Err(keep::torn(dir, torn.len(), &first.unwrap_or_default()));
+        }
+        between += out.len();
+        out.iter().for_each(|&k| keep::leave_out(&mut items[kept[k]]));
+    };
+    let chosen = assign(&groups, &held, &kept, items, spec, seed);
+    for (component, (members, split)) in groups.iter().zip(&chosen).enumerate() {
+        for &k in members {
+            let item = &mut items[kept[k]];
+            item.component = component as u32;
+            item.split = Some(*split);
+        }
+    }
+    let samples = groups.iter().zip(&held).filter(|(_, h)| h.is_some()).map(|(g, _)| g.len()).sum();
+    let mut report = SplitReport {
+        by: spec.by.clone(),
+        kept: keep.map(|(_, keep)| KeptSplits { samples, between, ..keep.about.clone() }),
+        ..SplitReport::default()
+    };
+    report.count(counted(items, drives, &spec.by));
+    Ok(report)
+}
+
+/// The connected components of `kept`.
+fn grouped(
+    items: &[Item],
+    kept: &[usize],
+    drives: &BTreeMap<u32, DriveMeta>,
+    spec: &Split,
+) -> Vec<Vec<usize>> {
     let mut components = Components::new(kept.len());
     let mut first: HashMap<(GroupKey, String), usize> = HashMap::new();
-    let with_place = spec.by.contains(&GroupKey::Place);
     for (k, &i) in kept.iter().enumerate() {
-        if let Some(position) = items[i].cut.as_ref().and_then(|c| c.position.as_ref()) {
-            items[i].place_cell = cells.put(&place::cell(position, spec));
-        }
         let item = &items[i];
         let meta = drives.get(&item.drive);
         for key in spec.by.iter().chain([&GroupKey::Drive]) {
@@ -121,7 +191,7 @@ pub(crate) fn split(
             }
         }
     }
-    if with_place {
+    if spec.by.contains(&GroupKey::Place) {
         let points = kept.iter().map(|&i| items[i].cut.as_ref().and_then(|c| c.position.as_ref())).collect();
         let grid = place::Grid::new(points, spec.min_distance_m);
         for (k, &i) in kept.iter().enumerate() {
@@ -133,18 +203,7 @@ pub(crate) fn split(
             }
         }
     }
-    let groups = components.groups();
-    let chosen = assign(&groups, &kept, items, spec, seed);
-    for (component, (members, split)) in groups.iter().zip(&chosen).enumerate() {
-        for &k in members {
-            let item = &mut items[kept[k]];
-            item.component = component as u32;
-            item.split = Some(*split);
-        }
-    }
-    let mut report = SplitReport { by: spec.by.clone(), ..SplitReport::default() };
-    report.count(counted(items, drives, &spec.by));
-    report
+    components.groups()
 }
 
 pub(crate) fn key_name(key: GroupKey) -> &'static str {
@@ -157,8 +216,16 @@ pub(crate) fn key_name(key: GroupKey) -> &'static str {
     }
 }
 
-/// Largest components first; each goes to the split that needs its classes most and overshoots least.
-fn assign(groups: &[Vec<usize>], kept: &[usize], items: &[Item], spec: &Split, seed: u64) -> Vec<SplitName> {
+/// Largest components first; each goes to the split that needs its classes most and overshoots least. Those that are
+/// `held` in a split are in it before.
+fn assign(
+    groups: &[Vec<usize>],
+    held: &[Option<SplitName>],
+    kept: &[usize],
+    items: &[Item],
+    spec: &Split,
+    seed: u64,
+) -> Vec<SplitName> {
     let shares = [spec.train, spec.val, spec.test];
     let mut of_class: HashMap<u32, f64> = HashMap::new();
     for &i in kept {
@@ -175,7 +242,7 @@ fn assign(groups: &[Vec<usize>], kept: &[usize], items: &[Item], spec: &Split, s
         *hash.finalize().as_bytes()
     };
     let mut order: Vec<usize> = (0..groups.len()).collect();
-    order.sort_by_cached_key(|&g| (std::cmp::Reverse(groups[g].len()), key(g)));
+    order.sort_by_cached_key(|&g| (held[g].is_none(), std::cmp::Reverse(groups[g].len()), key(g)));
     let mut out = vec![SplitName::Train; groups.len()];
     for g in order {
         let size = groups[g].len() as f64;
@@ -206,6 +273,9 @@ fn assign(groups: &[Vec<usize>], kept: &[usize], items: &[Item], spec: &Split, s
             if score(s) > score(best) + 1e-9 {
                 best = s;
             }
+        }
+        if let Some(split) = held[g] {
+            best = split as usize;
         }
         filled[best] += size;
         for (class, n) in classes {

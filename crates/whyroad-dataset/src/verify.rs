@@ -57,6 +57,13 @@ pub struct Verified {
     pub labels: usize,
     /// Drafts, of which only the class was checked: they need not be complete.
     pub drafts: usize,
+    /// Labels that were compared with the recording of their drive, and labels that could not be, because the drive is
+    /// not available; `None` where no recordings were given.
+    pub compared: Option<[usize; 2]>,
+    /// Near-duplicates across splits were sought: not in a release whose spec keeps them.
+    pub near_duplicates: bool,
+    /// Samples that the manifest states.
+    pub stated: usize,
     /// Findings.
     pub diagnostics: Vec<Diagnostic>,
 }
@@ -94,21 +101,30 @@ pub fn verify_with(
     let release = Release::open(dir)?;
     let mut out = Verified::default();
     files(&release, &mut out)?;
-    if out.diagnostics.iter().any(|d| d.code == "dataset.file.missing") {
-        return Ok(out);
-    }
+    out.stated = release.manifest.counts.samples;
+    out.near_duplicates = release.manifest.spec.deduplicate.near.is_some();
+    // What is missing is told already; the rest is checked.
+    let missing: BTreeSet<String> = out
+        .diagnostics
+        .iter()
+        .filter(|d| d.code == "dataset.file.missing")
+        .filter_map(|d| d.location.file.clone())
+        .collect();
+    let mut present = release.clone();
+    present.manifest.files.retain(|f| !missing.contains(&f.path));
     let mut groups: BTreeMap<(GroupKey, String), BTreeSet<SplitName>> = BTreeMap::new();
     let mut ids: HashMap<String, SplitName> = HashMap::new();
     let mut seen = Vec::new();
     let mut found = Findings::default();
     let mut checker = Checker::new(framework);
-    if let Some(recordings) = recordings {
-        checker = checker.with_recordings(recordings);
+    if let Some(recordings) = &recordings {
+        checker = checker.with_recordings(Arc::clone(recordings));
     }
+    let mut unavailable: BTreeSet<String> = BTreeSet::new();
     let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
     let mut stated: BTreeSet<String> = BTreeSet::new();
     for split in SplitName::ALL {
-        for batch in release.batches(Some(split), Some(COLUMNS)) {
+        for batch in present.batches(Some(split), Some(COLUMNS)) {
             let batch = match batch {
                 Ok(batch) => batch,
                 Err(e) => {
@@ -123,12 +139,21 @@ pub fn verify_with(
                     continue;
                 }
             };
-            let stale: Vec<Option<String>> = samples.par_iter().map(|s| stale(s, &checker)).collect();
-            for (sample, stale) in samples.into_iter().zip(stale) {
+            // While the drive is at hand: one after the other, the samples of a drive are seldom together.
+            let recorded = |s: &Sample| Some(recordings.as_ref()?.of_clip(&s.lineage.clip_id).is_some());
+            let checked: Vec<(Option<String>, Option<bool>)> =
+                samples.par_iter().map(|s| (stale(s, &checker), recorded(s))).collect();
+            for (sample, (stale, recorded)) in samples.into_iter().zip(checked) {
                 *counts.entry(split.name()).or_default() += 1;
                 out.samples += 1;
                 let is_draft = sample.lineage.label_status == DRAFT;
                 *(if is_draft { &mut out.drafts } else { &mut out.labels }) += 1;
+                if let Some(recorded) = recorded.filter(|_| !is_draft) {
+                    out.compared.get_or_insert_default()[usize::from(!recorded)] += 1;
+                    if !recorded {
+                        unavailable.insert(sample.lineage.drive_id.clone());
+                    }
+                }
                 stated.insert(sample.groups.licence.clone());
                 if let Some(codes) = stale {
                     found.label(&sample.sample_id, &codes);
@@ -152,7 +177,7 @@ pub fn verify_with(
     }
     for (split, n) in &release.manifest.counts.by_split {
         let has = counts.get(split.as_str()).copied().unwrap_or(0);
-        if has != *n {
+        if has != *n && missing.is_empty() {
             found.count(split, *n, has);
         }
     }
@@ -160,7 +185,30 @@ pub fn verify_with(
     alike(&release, &seen, &mut found);
     out.diagnostics.extend(found.finish());
     licence(&release, licences, &stated, &mut out.diagnostics);
+    if let Some([_, n]) = out.compared.filter(|[_, n]| *n > 0) {
+        out.diagnostics.push(uncompared(n, &unavailable));
+    }
     Ok(out)
+}
+
+/// Code of the warning that labels could not be compared with a recording.
+pub const UNCOMPARED: &str = "dataset.label.uncompared";
+
+/// `n` labels of drives that are not available.
+fn uncompared(n: usize, drives: &BTreeSet<String>) -> Diagnostic {
+    let first = drives.iter().take(3).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let all = drives.len();
+    let message = Bilingual::new(
+        format!("{n} 个标签未能与录制数据比对：{all} 个行程不在数据湖中或无法读取，例如 {first}"),
+        format!(
+            "{n} labels could not be compared with a recording: {all} drives are not in the lake or cannot be read, \
+             for example {first}"
+        ),
+    );
+    Diagnostic::warning(UNCOMPARED, message).with_hint(Bilingual::new(
+        "用 --lake 指定含有这些行程的数据湖",
+        "name the lake that has the drives with --lake",
+    ))
 }
 
 /// Hashes and the list of files.
@@ -171,7 +219,12 @@ fn files(release: &Release, out: &mut Verified) -> Result<(), DatasetError> {
     for path in present.iter().filter(|p| !listed.contains(*p) && *p != MANIFEST && *p != CHECKSUMS) {
         let message =
             Bilingual::new(format!("{path} 不在清单中"), format!("{path} is not listed in the manifest"));
-        out.diagnostics.push(Diagnostic::error("dataset.file.extra", message).in_file(path.clone()));
+        let hint = Bilingual::new(
+            "移到别处：读取 data/*.parquet 的程序也会读到它",
+            "move it elsewhere: a loader that reads data/*.parquet would read it, too",
+        );
+        out.diagnostics
+            .push(Diagnostic::error("dataset.file.extra", message).in_file(path.clone()).with_hint(hint));
     }
     let sums: Vec<(&FileEntry, Option<(u64, String)>)> =
         release.manifest.files.par_iter().map(|f| (f, sum(&dir.join(&f.path)).ok())).collect();
@@ -194,7 +247,7 @@ fn files(release: &Release, out: &mut Verified) -> Result<(), DatasetError> {
                 ),
             ),
         };
-        out.diagnostics.push(d.in_file(entry.path.clone()));
+        out.diagnostics.push(d.in_file(entry.path.clone()).with_hint(again()));
     }
     // The manifest itself: the checksums list it.
     let mut all = release.manifest.files.clone();
@@ -206,9 +259,18 @@ fn files(release: &Release, out: &mut Verified) -> Result<(), DatasetError> {
             format!("{CHECKSUMS} 与清单不符：清单或校验文件被改动"),
             format!("{CHECKSUMS} does not match the manifest: one of them was changed"),
         );
-        out.diagnostics.push(Diagnostic::error("dataset.file.hash", message).in_file(CHECKSUMS));
+        out.diagnostics
+            .push(Diagnostic::error("dataset.file.hash", message).in_file(CHECKSUMS).with_hint(again()));
     }
     Ok(())
+}
+
+/// What to do about a damaged file.
+fn again() -> Bilingual {
+    Bilingual::new(
+        "从完整的副本重新复制该文件，或重新构建数据集",
+        "copy the file again from an intact copy of the release, or build the release again",
+    )
 }
 
 /// The errors of a label that was valid once; `None` when it still is. A draft was never complete: only its class must

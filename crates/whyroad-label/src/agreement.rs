@@ -76,6 +76,19 @@ mod tests {
         cells.iter().flat_map(|(pair, n)| std::iter::repeat_n(*pair, *n)).collect()
     }
 
+    /// docs/reference/service.md, *Workflow*: a label is submitted at the end of Stage II; before, and where the task was
+    /// skipped, there is none. Such a task is no broken line.
+    #[test]
+    fn tasks_without_a_submission_are_counted_apart() {
+        let task = |state: &str| serde_json::json!({ "task": { "id": "t", "state": state, "draft": {}, "history": [] } });
+        let mut lines: Vec<serde_json::Value> =
+            ["open", "stage1", "stage1_locked", "stage2", "skipped", "rejected"].map(task).into();
+        let judged = pair_tasks(&lines);
+        assert_eq!((judged.waiting, judged.unreadable, judged.unmatched), (6, 0, 0));
+        lines.push(task("submitted"));
+        assert_eq!(pair_tasks(&lines).unreadable, 1, "a submitted task without a label");
+    }
+
     #[test]
     fn cohen_is_that_of_the_textbook_tables() {
         // Wikipedia, "Cohen's kappa", simple example (20, 5, 10, 15: 0.4) and the two tables of "same percentage but

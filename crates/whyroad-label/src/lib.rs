@@ -8,6 +8,7 @@ pub mod check;
 pub mod counterfactual;
 pub mod draft;
 mod driven;
+pub mod episode_of;
 pub mod facts;
 pub mod import;
 pub mod judged;

@@ -36,11 +36,14 @@ pub enum Change {
     Moved,
     /// The same moment and class, primary in one folder and secondary in the other.
     Primary,
+    /// The same moment and class, another label: only of two releases.
+    Relabelled,
 }
 
 impl Change {
     /// All changes, in the order of their columns.
-    pub const ALL: [Self; 5] = [Self::Gained, Self::Lost, Self::Reclassified, Self::Moved, Self::Primary];
+    pub const ALL: [Self; 6] =
+        [Self::Gained, Self::Lost, Self::Reclassified, Self::Moved, Self::Primary, Self::Relabelled];
 }
 
 /// One changed episode.
@@ -105,6 +108,8 @@ pub struct Searched<'a> {
     pub classes: Option<&'a [ScenarioId]>,
     /// The episodes.
     pub episodes: &'a [EpisodeRecord],
+    /// Hashes of the labels by the id of the episode, of a release.
+    pub labels: Option<&'a BTreeMap<String, String>>,
 }
 
 impl Searched<'_> {
@@ -143,6 +148,9 @@ pub struct Comparison {
     /// The classes that are compared; absent where both sides asked for the same.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub classes_of_both: Option<SharedClasses>,
+    /// Labels were compared, too: both sides are releases.
+    #[serde(skip)]
+    pub with_labels: bool,
     /// Drives that both searched.
     pub drives: usize,
     /// Drives that only the first searched; their episodes are not compared.
@@ -198,7 +206,15 @@ pub fn compare(before: Searched<'_>, after: Searched<'_>, accepted: Option<&[Acc
         drives: first.intersection(&second).count(),
         only_before: first.difference(&second).map(|d| (*d).clone()).collect(),
         only_after: second.difference(&first).map(|d| (*d).clone()).collect(),
+        with_labels: before.labels.is_some() && after.labels.is_some(),
         ..Comparison::default()
+    };
+    let labels = (before.labels, after.labels);
+    let is_relabelled = |a: &EpisodeRecord, b: &EpisodeRecord| {
+        let of = |labels: Option<&BTreeMap<String, String>>, e: &EpisodeRecord| {
+            labels.and_then(|all| all.get(&e.episode_id)).cloned()
+        };
+        of(labels.0, a).zip(of(labels.1, b)).is_some_and(|(a, b)| a != b)
     };
     let (before, after) = [before, after].map(|s| by_subject(s.episodes.iter().filter(is_shared))).into();
     let none = Vec::new();
@@ -209,7 +225,7 @@ pub fn compare(before: Searched<'_>, after: Searched<'_>, accepted: Option<&[Acc
         }
         let a = before.get(subject).unwrap_or(&none);
         let b = after.get(subject).unwrap_or(&none);
-        out.add(a, b, accepted);
+        out.add((a, b), accepted, &is_relabelled);
     }
     out
 }
@@ -228,12 +244,18 @@ fn by_subject<'e>(
 }
 
 impl Comparison {
+    /// The changes that can be seen between these two sides.
+    pub fn changes(&self) -> impl Iterator<Item = Change> + use<> {
+        let with_labels = self.with_labels;
+        Change::ALL.into_iter().filter(move |c| with_labels || *c != Change::Relabelled)
+    }
+
     /// Compares the episodes of one drive and target.
     fn add(
         &mut self,
-        before: &[&EpisodeRecord],
-        after: &[&EpisodeRecord],
+        (before, after): (&[&EpisodeRecord], &[&EpisodeRecord]),
         accepted: Option<&[AcceptedMoment]>,
+        is_relabelled: &dyn Fn(&EpisodeRecord, &EpisodeRecord) -> bool,
     ) {
         for e in before {
             self.class(&e.scenario_id, accepted).before += 1;
@@ -251,7 +273,7 @@ impl Comparison {
         for (i, j) in same_class {
             paired_a.insert(i);
             paired_b.insert(j);
-            self.same(before[i], after[j], accepted);
+            self.same(before[i], after[j], accepted, is_relabelled);
         }
         let left: Vec<usize> = (0..before.len()).filter(|i| !paired_a.contains(i)).collect();
         let right: Vec<usize> = (0..after.len()).filter(|j| !paired_b.contains(j)).collect();
@@ -270,7 +292,13 @@ impl Comparison {
     }
 
     /// A moment that has one class in both folders.
-    fn same(&mut self, a: &EpisodeRecord, b: &EpisodeRecord, accepted: Option<&[AcceptedMoment]>) {
+    fn same(
+        &mut self,
+        a: &EpisodeRecord,
+        b: &EpisodeRecord,
+        accepted: Option<&[AcceptedMoment]>,
+        is_relabelled: &dyn Fn(&EpisodeRecord, &EpisodeRecord) -> bool,
+    ) {
         let moved = Moment::of_episode(a).lateness(&Moment::of_episode(b)).abs() > MOVED_S;
         if moved {
             self.change(a, Some(a), Some(b), Change::Moved, accepted);
@@ -278,7 +306,12 @@ impl Comparison {
         if a.is_primary != b.is_primary {
             self.change(a, Some(a), Some(b), Change::Primary, accepted);
         }
-        if !moved && a.is_primary == b.is_primary {
+        // Another keyframe is another label, too: it counts as moved.
+        let relabelled = !moved && is_relabelled(a, b);
+        if relabelled {
+            self.change(a, Some(a), Some(b), Change::Relabelled, accepted);
+        }
+        if !moved && !relabelled && a.is_primary == b.is_primary {
             self.unchanged += 1;
         }
     }

@@ -24,6 +24,7 @@ pub mod history;
 pub mod identities;
 pub mod imported;
 pub mod judgements;
+mod known;
 pub mod leases;
 pub mod list;
 pub mod migration;

@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use whyroad_framework::{Framework, FrameworkFiles};
-use whyroad_model::{Diagnostic, Severity};
+use whyroad_model::{Diagnostic, Lang, Severity};
 use whyroad_signals::Catalog;
 
 /// Whether the framework that was loaded has errors.
@@ -36,6 +36,25 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
         Some(framework) => Ok((framework, found)),
         None => Err(anyhow::anyhow!(no_framework(dir.display()))),
     }
+}
+
+/// Says that labels cannot be checked completely against a framework with errors, where `found` has any: what its
+/// unreadable files require is not known.
+pub(crate) fn is_incomplete(global: &Global, found: &[Diagnostic]) -> bool {
+    let broken = found.iter().any(|d| d.severity == Severity::Error);
+    if broken {
+        say!(
+            "{}",
+            match global.lang {
+                Lang::Zh =>
+                    "框架有错误：其中的要求未知，标签未能按它完整校验；先改正框架（whyroad taxonomy lint）",
+                Lang::En =>
+                    "the framework has errors: what it requires there is unknown, and labels are not checked against \
+                     it; correct the framework first (whyroad taxonomy lint)",
+            }
+        );
+    }
+    broken
 }
 
 /// The framework of a folder and its errors. Every file is named by the user's path, including `dir`.

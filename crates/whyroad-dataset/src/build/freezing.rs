@@ -384,6 +384,7 @@ fn licences(state: &State<'_>) -> Vec<LicenceCount> {
             id: id.to_owned(),
             url: known.and_then(|l| l.url.clone()),
             attribution: known.and_then(|l| l.attribution.clone()),
+            assumed: drives.intersection(&state.selected.assumed).count(),
             drives: drives.len(),
             samples,
         }

@@ -8,6 +8,7 @@ use super::{NO_TRACE, Output, SampleWriter, route_text, traces};
 use crate::DatasetError;
 use crate::item::SplitName;
 use crate::sample::{Sample, Trajectory};
+use crate::spec::Reference;
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, StringArray};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -44,6 +45,8 @@ pub(super) struct Writer {
     clips: Vec<Clip>,
     chunk: Option<Chunk>,
     preflight: BTreeMap<String, Vec<String>>,
+    /// Clips that the loader takes, whose poses are of another point than its own data.
+    box_centre: Vec<String>,
 }
 
 /// The data of a clip for the indexes.
@@ -89,6 +92,9 @@ impl SampleWriter for Writer {
             for reason in faults(sample, &cameras) {
                 self.preflight.entry(reason).or_default().push(id.clone());
             }
+            if sample.ego.reference != "rear_axle" {
+                self.box_centre.push(id.clone());
+            }
             out.write(&format!("meta_actions/{id}.txt"), meta_actions(sample).as_bytes())?;
             self.clips.push(Clip {
                 id,
@@ -120,9 +126,16 @@ impl SampleWriter for Writer {
                 self.clips.len()
             ));
         }
+        if !self.box_centre.is_empty() {
+            let (n, all) = (self.box_centre.len(), self.clips.len());
+            out.report.notes.push(format!("{n} of {all} clips: {} (preflight.json)", box_centre(out)));
+        }
         out.json(
             "preflight.json",
-            &json!({ "clips": self.clips.len(), "dropped_by_the_loader": self.preflight }),
+            &json!({
+                "clips": self.clips.len(), "dropped_by_the_loader": self.preflight,
+                "poses_of_the_box_centre": self.box_centre,
+            }),
         )
     }
 }
@@ -239,7 +252,20 @@ impl Writer {
     }
 }
 
-/// Why the loader drops a clip, or reads unsuitable data.
+/// Why poses are of the box center, and what to do about it: the loader takes such clips.
+fn box_centre(out: &Output) -> &'static str {
+    match out.reference {
+        Reference::RearAxle => {
+            "taken by the loader, but poses are of the box center: the log does not state where the rear axle is"
+        }
+        Reference::BoxCentre => {
+            "taken by the loader, but poses are of the box center, as sample.reference in the spec says; rear_axle is \
+             what the loader's own data has"
+        }
+    }
+}
+
+/// Why the loader drops a clip.
 fn faults(sample: &Sample, cameras: &[String]) -> Vec<String> {
     let mut out = Vec::new();
     if sample.history.t_s.first().is_none_or(|t| *t > -HISTORY_S + 0.01) {
@@ -251,11 +277,6 @@ fn faults(sample: &Sample, cameras: &[String]) -> Vec<String> {
     let missing: Vec<&str> = CAMERAS.into_iter().filter(|c| !cameras.iter().any(|have| have == c)).collect();
     if !missing.is_empty() {
         out.push(format!("cameras are missing: {}", missing.join(", ")));
-    }
-    if sample.ego.reference != "rear_axle" {
-        out.push(
-            "poses are of the box center, not of the rear axle (sample.reference in the spec)".to_owned(),
-        );
     }
     out
 }

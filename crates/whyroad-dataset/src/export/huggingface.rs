@@ -2,6 +2,7 @@
 //! metadata. The columns are those of the release; an image's camera and time are in `image_cameras` and `image_t_s`.
 
 use super::Output;
+use crate::freeze::card::{hub_license, labels};
 use crate::freeze::croissant::croissant;
 use crate::freeze::manifest::{FileEntry, Manifest};
 use crate::freeze::shards::{ROWS, ROWS_WITH_IMAGES};
@@ -176,7 +177,11 @@ fn card(m: &Manifest) -> String {
     let mut out = String::from("---\n");
     let title = m.title.as_deref().unwrap_or(&m.name);
     let _ = writeln!(out, "pretty_name: {}", json!(title));
-    let _ = writeln!(out, "license: other\nlicense_name: {}", json!(m.licence));
+    let _ = writeln!(out, "license: {}", hub_license(&m.licence));
+    if m.licence.starts_with("LicenseRef-") {
+        // The hub requires both beside `other`; the file is the card itself, which names the licenses of the drives.
+        let _ = writeln!(out, "license_name: {}\nlicense_link: README.md", m.licence.to_lowercase());
+    }
     out += "language:\n- zh\n- en\ntask_categories:\n- image-text-to-text\ntags:\n- autonomous-driving\n- chain-of-causation\n";
     out += "configs:\n- config_name: default\n  data_files:\n";
     for (split, name) in [("train", "train"), ("val", "validation"), ("test", "test")] {
@@ -185,6 +190,7 @@ fn card(m: &Manifest) -> String {
         }
     }
     let _ = writeln!(out, "---\n\n# {title}\n\nVersion {}, {} samples.\n", m.version, m.counts.samples);
+    labels(&mut out, m);
     out += "| license of the drives | drives | samples | attribution |\n|---|---|---|---|\n";
     for l in &m.licences {
         let _ = writeln!(

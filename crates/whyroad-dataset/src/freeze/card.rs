@@ -45,7 +45,7 @@ fn largest(mut rows: Vec<(String, f64)>) -> Vec<(String, f64)> {
 }
 
 /// The license as the hub's front matter writes it.
-fn hub_license(id: &str) -> String {
+pub(crate) fn hub_license(id: &str) -> String {
     if id.starts_with("LicenseRef-") { "other".to_owned() } else { id.to_lowercase() }
 }
 
@@ -87,6 +87,19 @@ pub(crate) fn card(m: &Manifest) -> String {
         "Dropped: {} exact, {} near inside a split, {} near across splits.\n\n![similarity]({CHARTS}/similarity.svg)\n",
         d.exact, d.near_within, d.near_across
     );
+    let spec = &m.spec.deduplicate;
+    for (kept, en, zh) in [
+        (!spec.exact, "Exact duplicates were kept (`deduplicate.exact: false`).", "完全重复的样本未去除。"),
+        (
+            spec.near.is_none(),
+            "Near-duplicates were kept, within and across splits (`deduplicate.near: null`).",
+            "近似重复的样本未去除，划分之间也是。",
+        ),
+    ] {
+        if kept {
+            let _ = writeln!(t, "**{en}** {zh}\n");
+        }
+    }
     let [groups, traces] = m.counts.alike_traces;
     let _ =
         writeln!(t, "Near-identical traces: {traces} in {groups} groups (`stages/traces.parquet`); kept.\n");
@@ -140,7 +153,7 @@ fn samples(t: &mut String, m: &Manifest) {
     }
 }
 
-fn labels(t: &mut String, m: &Manifest) {
+pub(crate) fn labels(t: &mut String, m: &Manifest) {
     let _ = writeln!(t, "## Labels · 标签\n\n| state | samples |\n|---|---|");
     for (status, n) in &m.counts.by_status {
         let _ = writeln!(t, "| {status} | {n} |");
@@ -164,6 +177,13 @@ fn splits(t: &mut String, m: &Manifest) {
         s.components,
         s.largest_component
     );
+    if let Some(k) = &s.kept {
+        let _ = writeln!(
+            t,
+            "Splits kept from the release {} {} (SHA-256 of its manifest: `{}`): {} samples are in the split of their sample, drive or place there; {} between two of its splits were left out.\n",
+            k.name, k.version, k.manifest_sha256, k.samples, k.between
+        );
+    }
     for (key, n) in &s.unknown {
         let _ = writeln!(t, "- {n} samples have no known {key} and are grouped by drive.");
     }
@@ -192,6 +212,13 @@ fn licences(t: &mut String, m: &Manifest) {
             l.drives,
             l.samples,
             l.attribution.as_deref().unwrap_or("–")
+        );
+    }
+    for l in m.licences.iter().filter(|l| l.assumed > 0) {
+        let _ = writeln!(
+            t,
+            "\n**Of {} drives under {} the license is assumed** (`licences.assume` in the spec): they state none.\n其中 {} 个行程没有写明许可，{} 是 spec 的假定。",
+            l.assumed, l.id, l.assumed, l.id
         );
     }
     t.push('\n');

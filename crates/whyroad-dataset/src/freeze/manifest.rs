@@ -64,8 +64,15 @@ pub struct LicenceCount {
     pub attribution: Option<String>,
     /// Drives in the release.
     pub drives: usize,
+    /// Of these, drives that state no license: the spec assumes it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub assumed: usize,
     /// Samples in the release.
     pub samples: usize,
+}
+
+fn is_zero(n: &usize) -> bool {
+    *n == 0
 }
 
 /// Inputs of a release.

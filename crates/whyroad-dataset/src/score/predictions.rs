@@ -116,10 +116,10 @@ impl Predictions {
             }
             for target in Target::ALL {
                 if let Some(class) = prediction.class(target).filter(|c| !vocabulary.contains(target, c)) {
-                    let target = target.name();
+                    let target = target.title();
                     let text = Bilingual::new(
-                        format!("{target} 没有类别 '{class}'；按错误计"),
-                        format!("'{class}' is not a class of {target}; it counts as wrong"),
+                        format!("{}没有类别 '{class}'；按错误计", target.zh),
+                        format!("'{class}' is not a class of {}; it counts as wrong", target.en),
                     );
                     found.push(Diagnostic::warning("score.class.unknown", text).at(at.clone()));
                 }

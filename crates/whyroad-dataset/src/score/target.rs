@@ -2,6 +2,7 @@
 
 use crate::SplitName;
 use serde::Serialize;
+use whyroad_model::Bilingual;
 
 /// Name of a null decision where a class needs a name: "no change of decision".
 pub const NO_CHANGE: &str = "no_change";
@@ -45,6 +46,15 @@ impl Target {
             Self::Longitudinal => "longitudinal",
             Self::Lateral => "lateral",
             Self::Leaf => "leaf",
+        }
+    }
+
+    /// Its name in a text for people.
+    pub fn title(self) -> Bilingual {
+        match self {
+            Self::Longitudinal => Bilingual::new("纵向决策", "longitudinal"),
+            Self::Lateral => Bilingual::new("横向决策", "lateral"),
+            Self::Leaf => Bilingual::new("L3 场景", "leaf"),
         }
     }
 }

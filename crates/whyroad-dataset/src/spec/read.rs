@@ -200,6 +200,7 @@ fn split(s: &mut Fields<'_>, split: &mut Split, r: &mut FileReport<'_>) {
             *to = within(n, 0.1, 1e6, r).unwrap_or(*to);
         }
     }
+    split.keep = s.text_opt("keep", r);
     split.polygons = s.list("polygons", r).iter().filter_map(|n| polygon(n, r)).collect();
 }
 

@@ -268,6 +268,104 @@ fn caps_thin_the_training_split_but_not_below_a_floor() {
     assert!((mean - 1.0).abs() < 1e-9);
 }
 
+/// docs/reference/release.md, stage 5: a cell is leaf x decisions x place; all drives are in the place `town`, at samples
+/// of two leaves with one decision, 8 and 4 of them in training.
+#[test]
+fn cells_are_of_the_place_and_not_of_the_grid_of_the_split() {
+    let mut fleet = Fleet::town();
+    let lines: Vec<String> = fleet.labels.lines().map(str::to_owned).collect();
+    // 8 urgent, 4 slow.
+    let kept = lines.iter().enumerate().filter(|(i, _)| i % 2 == 0 || *i < 8).map(|(_, l)| format!("{l}\n"));
+    fleet.labels = kept.collect();
+    fleet.spec_text = "split: {train: 1, val: 0, test: 0}\ndeduplicate: {near: null}\n\
+        balance: {weight_exponent: 1, max_weight: 10}\n"
+        .into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    assert_eq!(built.manifest.balance.cells, 2);
+    for s in samples(&Release::open(fleet.out("r")).unwrap()) {
+        // By hand: every cell weighs the same, 6 of 12 in sum.
+        let expected = if s.l3.as_deref() == Some("urgent") { 0.75 } else { 1.5 };
+        assert!((s.weight - expected).abs() < 1e-9, "{:?} {}", s.l3, s.weight);
+    }
+    fleet.spec_text =
+        "split: {train: 1, val: 0, test: 0}\ndeduplicate: {near: null}\nbalance: {cap_cell: 3}\n".into();
+    let built = fleet.build(&fleet.out("capped")).unwrap();
+    let by = |class: &str| built.manifest.counts.by_class[&format!("reactive_agent.cutin.{class}")]["train"];
+    assert_eq!((by("urgent"), by("slow")), (3, 3));
+}
+
+/// docs/reference/release.md, *Spec*: with `split.keep` nothing of the earlier release changes its split, and what is
+/// at a place of it is in the split of that place.
+#[test]
+fn the_splits_of_an_earlier_release_are_kept() {
+    let shares = "split: {train: 0.5, val: 0.25, test: 0.25";
+    let plans: Vec<_> =
+        (0..12).map(|i| plan(&format!("d{i}"), f64::from(i) * 200.0, 5.0 + 2.0 * f64::from(i))).collect();
+    let mut fleet = Fleet::new(&plans[..6]);
+    fleet.spec_text = format!("{shares}}}\n");
+    fleet.build(&fleet.out("first")).unwrap();
+    let split_of = |name: &str| -> BTreeMap<String, String> {
+        let all = samples(&Release::open(fleet.out(name)).unwrap());
+        all.into_iter().map(|s| (s.sample_id, s.split)).collect()
+    };
+    let drive_of = |name: &str| -> BTreeMap<String, String> {
+        let all = samples(&Release::open(fleet.out(name)).unwrap());
+        all.into_iter().map(|s| (s.lineage.drive_id, s.split)).collect()
+    };
+    let (first, drives) = (split_of("first"), drive_of("first"));
+    // Six drives more; `near` drives 2 m beside d0, and `between` is in the session of a drive of one split and beside
+    // a drive of another.
+    let mut more = Fleet::new(&plans);
+    let mut near = plan("near", plans[0].street_m + 2.0, plans[0].speed_mps);
+    near.session = Some("new".into());
+    more.lake.write_drive(&crate::fleet::drive(&near)).unwrap();
+    more.labels += &format!("{}\n", label(&near, 5.0, "slow"));
+    more.spec_text =
+        format!("{shares}, keep: {}}}\ndeduplicate: {{near: null}}\n", fleet.out("first").display());
+    let built = more.build(&more.out("second")).unwrap();
+    let second: BTreeMap<String, String> = samples(&Release::open(more.out("second")).unwrap())
+        .into_iter()
+        .map(|s| (s.sample_id, s.split))
+        .collect();
+    assert!(second.len() > first.len() + 8, "{}", second.len());
+    for (id, split) in &first {
+        assert_eq!(second.get(id), Some(split), "{id}");
+    }
+    let all = samples(&Release::open(more.out("second")).unwrap());
+    let near = all.iter().find(|s| s.lineage.drive_id == "near").unwrap();
+    assert_eq!(near.split, drives["d0"]);
+    let kept = built.manifest.split.kept.unwrap();
+    assert_eq!((kept.name.as_str(), kept.samples, kept.between), ("test", first.len() + 1, 0));
+    let card = std::fs::read_to_string(more.out("second/README.md")).unwrap();
+    assert!(card.contains(&kept.manifest_sha256), "the card states which release");
+
+    // A drive 2 m beside one of training whose session is that of one of another split cannot be in either.
+    let train = drives.iter().find(|(_, s)| *s == "train").map(|(d, _)| d.clone()).unwrap();
+    let beside = plans.iter().find(|p| p.id == train).unwrap();
+    let other = drives.iter().find(|(_, s)| *s != "train").map(|(d, _)| d.clone()).unwrap();
+    let other = plans.iter().find(|p| p.id == other).unwrap();
+    let bridge = plan("bridge", (beside.street_m + other.street_m) / 2.0, 9.0);
+    let mut joined = Fleet::new(&plans[..6]);
+    joined.lake.write_drive(&crate::fleet::drive(&bridge)).unwrap();
+    joined.labels += &format!("{}\n", label(&bridge, 5.0, "slow"));
+    joined.spec_text = format!(
+        "split: {{train: 0.5, val: 0.25, test: 0.25, min_distance_m: 150, by: [drive, place], keep: {}}}\n\
+         deduplicate: {{near: null}}\n",
+        fleet.out("first").display()
+    );
+    let distance = (beside.street_m - other.street_m).abs() / 2.0;
+    if distance < 140.0 {
+        let built = joined.build(&joined.out("r")).unwrap();
+        let kept = built.manifest.split.kept.unwrap();
+        assert_eq!((kept.between, built.manifest.counts.dropped["3-split"]["between_kept"]), (1, 1));
+        assert!(built.diagnostics.iter().any(|d| d.code == "dataset.split.keep"));
+    }
+    // Groups that join splits of the earlier release are an error: nothing can hold them.
+    joined.spec_text = format!("split: {{by: [date], keep: {}}}\n", fleet.out("first").display());
+    let refused = joined.build(&joined.out("torn")).unwrap_err();
+    assert_eq!(refused.diagnostics().iter().map(|d| d.code).collect::<Vec<_>>(), ["dataset.split.keep"]);
+}
+
 #[test]
 fn shards_are_equal_and_bev_images_are_in_them() {
     let mut fleet = Fleet::town();

@@ -185,6 +185,70 @@ fn invalid_lines_are_dropped_with_their_reason() {
     let dropped = &built.manifest.counts.dropped["1-select"];
     assert_eq!((dropped["unreadable"], dropped["invalid_label"]), (2, 1));
     assert_eq!(built.diagnostics.iter().filter(|d| d.code == "dataset.labels.line").count(), 2);
+    // As for other losses, with place and remedy (docs/diagnostics/dataset.labels.invalid.md).
+    let invalid: Vec<_> = built.diagnostics.iter().filter(|d| d.code == "dataset.labels.invalid").collect();
+    let [d] = invalid[..] else { panic!("{invalid:?}") };
+    assert_eq!(d.location.file.as_deref(), Some("labels.jsonl:1"));
+    assert!(d.hint.as_ref().unwrap().en.contains("whyroad validate"));
+}
+
+/// Unknown is not fine: a lake without the drives says nothing about the labels.
+#[test]
+fn labels_without_a_recording_are_counted_as_not_compared() {
+    struct None1;
+    impl whyroad_label::check::Recordings for None1 {
+        fn of_clip(&self, _: &str) -> Option<std::sync::Arc<whyroad_label::check::Recorded>> {
+            None
+        }
+    }
+    let fleet = Fleet::town();
+    fleet.build(&fleet.out("r")).unwrap();
+    let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
+    let none = std::sync::Arc::new(None1);
+    let checked = whyroad_dataset::verify::verify_with;
+    let found = checked(&fleet.out("r"), Framework::bundled(), &table, Some(none)).unwrap();
+    assert_eq!((found.labels, found.compared), (16, Some([0, 16])));
+    let codes: Vec<&str> = found.diagnostics.iter().map(|d| d.code).collect();
+    assert_eq!(codes, ["dataset.label.uncompared"]);
+    assert!(found.diagnostics[0].message.en.contains("8 drives"), "{:?}", found.diagnostics);
+    let found = checked(&fleet.out("r"), Framework::bundled(), &table, None).unwrap();
+    assert_eq!((found.compared, found.diagnostics.len()), (None, 0));
+}
+
+/// Of a release with a missing file the rest is checked, and nothing is said to be zero.
+#[test]
+fn a_release_with_a_missing_file_is_read_as_far_as_it_is_there() {
+    let mut fleet = Fleet::town();
+    fleet.spec_text = "samples_per_shard: 4\nsplit: {train: 1, val: 0, test: 0}\n".into();
+    let out = fleet.out("r");
+    fleet.build(&out).unwrap();
+    let data = content(&out).into_keys().find(|name| name.starts_with("data/train")).unwrap();
+    std::fs::remove_file(out.join(&data)).unwrap();
+    let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
+    let found = verify(&out, Framework::bundled(), &table).unwrap();
+    assert_eq!((found.samples, found.stated, found.labels), (12, 16, 12));
+    let codes: Vec<&str> = found.diagnostics.iter().map(|d| d.code).collect();
+    assert_eq!(codes, ["dataset.file.missing"]);
+    assert!(found.diagnostics[0].hint.is_some());
+}
+
+/// `diff` names what `lineage` says of a label, not only its content: a release from an export lost its checks.
+#[test]
+fn releases_with_other_facts_about_their_labels_differ() {
+    let mut fleet = Fleet::town();
+    fleet.build(&fleet.out("plain")).unwrap();
+    let task = |(i, label): (usize, &str)| {
+        let label: serde_json::Value = serde_json::from_str(label).unwrap();
+        let task = serde_json::json!({ "id": format!("t{i}"), "state": "accepted", "draft": label });
+        format!("{}\n", serde_json::json!({ "task": task }))
+    };
+    fleet.labels = fleet.labels.lines().enumerate().map(task).collect();
+    fleet.build(&fleet.out("tasks")).unwrap();
+    let open = |name: &str| whyroad_dataset::Release::open(fleet.out(name)).unwrap();
+    let d = whyroad_dataset::diff::diff(&open("tasks"), &open("plain")).unwrap();
+    assert_eq!((d.relabelled.len(), d.restated.len()), (0, 16));
+    assert!(d.restated.iter().all(|(_, a, b)| (a.as_str(), b.as_str()) == ("accepted", "imported")));
+    assert_eq!((d.facts["checked"], d.facts["task_id"], d.facts.get("score")), (16, 16, None));
 }
 
 /// Reading a pipe or a device does not end, and a link to a folder may lead out of the release or in a circle.

@@ -203,6 +203,7 @@ impl Fleet {
             licences: &table,
             lake: &self.lake,
             media: Media::default(),
+            spec_dir: self.dir.path(),
             out,
             queries: &|_, _| None,
             restart: false,

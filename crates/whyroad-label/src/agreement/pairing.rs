@@ -36,6 +36,8 @@ pub struct Judged {
     pub items: Vec<Item>,
     /// Labels of episodes that only one rater has.
     pub unmatched: usize,
+    /// Tasks whose label nobody has submitted.
+    pub waiting: usize,
     /// Lines without a readable label.
     pub unreadable: usize,
 }
@@ -96,6 +98,10 @@ pub fn pair_tasks(lines: &[Value]) -> Judged {
     let mut by_episode: BTreeMap<String, BTreeMap<String, CocLabel>> = BTreeMap::new();
     for line in lines {
         let task = line.get("task").unwrap_or(line);
+        if is_waiting(task) {
+            out.waiting += 1;
+            continue;
+        }
         let Some(label) = first_label(task) else {
             out.unreadable += 1;
             continue;
@@ -119,17 +125,27 @@ pub fn pair_tasks(lines: &[Value]) -> Judged {
     out
 }
 
-/// The label as first submitted, if the history has it; else the current label.
-fn first_label(task: &Value) -> Option<CocLabel> {
-    let submitted = task.get("history").and_then(Value::as_array).into_iter().flatten().find(|e| {
+/// States of tasks whose label was never submitted, where the history has no submission.
+const NOT_SUBMITTED: [&str; 6] = ["open", "stage1", "stage1_locked", "stage2", "skipped", "rejected"];
+
+/// The entry of the history that has the label as first submitted.
+fn submission(task: &Value) -> Option<&Value> {
+    task.get("history").and_then(Value::as_array).into_iter().flatten().find(|e| {
         e.get("action").and_then(Value::as_str) == Some("submit")
             && e.get("draft").is_some_and(Value::is_object)
-    });
-    let open = ["open", "stage1", "stage2", "skipped"];
+    })
+}
+
+/// True for a task of which nobody has submitted a label.
+fn is_waiting(task: &Value) -> bool {
     let state = task.get("state").and_then(Value::as_str).unwrap_or_default();
-    match submitted {
+    NOT_SUBMITTED.contains(&state) && submission(task).is_none()
+}
+
+/// The label as first submitted, if the history has it; else the current label.
+fn first_label(task: &Value) -> Option<CocLabel> {
+    match submission(task) {
         Some(entry) => label_of(entry.get("draft")?),
-        None if open.contains(&state) => None,
         None => label_of(task.get("draft").or_else(|| task.get("label"))?),
     }
 }

@@ -131,6 +131,10 @@ fn every_kind_of_fault_has_its_code_and_place() {
         ("ego.speed = 5 m/s", "rule.syntax", "="),
         ("", "rule.syntax", ""),
         ("ego.speed > 1..2 m/s", "rule.syntax", "1..2"),
+        // A chain with a fixed value in the middle: its second pair compares two of them.
+        ("ego.speed > 10 m/s > 5 m/s", "rule.type", "10 m/s > 5 m/s"),
+        ("2 m > 1 m", "rule.type", "2 m > 1 m"),
+        ("1 m < 2 s", "rule.unit.mismatch", "1 m < 2 s"),
     ];
     for (text, code, part) in cases {
         let f = fault(text);

@@ -5,10 +5,11 @@ use super::input::AnalyticsInputs;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
+use whyroad_label::episode_of::is_made;
 use whyroad_label::facts::{LabelStage, TaskFacts};
 use whyroad_model::ids::OTHER;
 use whyroad_model::messages::{Coverage, CoverageState};
-use whyroad_model::{Bilingual, ScenarioId};
+use whyroad_model::{Bilingual, DriveId, Nanos, ScenarioId};
 
 /// Counts of a class; `None` where the input of a stage was not given, or the drives cannot show the class.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -241,11 +242,29 @@ fn tally(inputs: &AnalyticsInputs<'_>) -> Tally {
     out
 }
 
+/// An episode of each moment and class that has a task: a mined one, else the first of those made from a label.
+fn known(tasks: &[TaskFacts]) -> BTreeMap<(&DriveId, &ScenarioId, Nanos), &str> {
+    let mut out: BTreeMap<_, &str> = BTreeMap::new();
+    for t in tasks {
+        let held = out.entry((&t.drive, &t.scenario, t.keyframe)).or_insert(&t.episode);
+        if (is_made(&t.episode), t.episode.as_str()) < (is_made(held), *held) {
+            *held = &t.episode;
+        }
+    }
+    out
+}
+
 fn tasks(out: &mut Tally, tasks: &[TaskFacts]) {
     // Episodes by stage and class: a set, since several people may label one.
     let mut seen: BTreeMap<LabelStage, BTreeSet<(&ScenarioId, &str)>> = BTreeMap::new();
+    let known = known(tasks);
     for t in tasks {
-        seen.entry(LabelStage::Waiting).or_default().insert((&t.scenario, &t.episode));
+        // A task of a label that was imported without its episode is of the known episode of its moment and class.
+        let episode = match is_made(&t.episode) {
+            true => known.get(&(&t.drive, &t.scenario, t.keyframe)).copied().unwrap_or(&t.episode),
+            false => &t.episode,
+        };
+        seen.entry(LabelStage::Waiting).or_default().insert((&t.scenario, episode));
         if t.stage == LabelStage::LeftOut {
             *out.left_out.entry(t.scenario.clone()).or_default() += 1;
             continue;
@@ -255,9 +274,9 @@ fn tasks(out: &mut Tally, tasks: &[TaskFacts]) {
         }
         // People may have given it another class.
         let class = t.label.as_ref().and_then(|l| l.scenario.as_ref()).unwrap_or(&t.scenario);
-        seen.entry(LabelStage::Labelled).or_default().insert((class, &t.episode));
+        seen.entry(LabelStage::Labelled).or_default().insert((class, episode));
         if t.stage == LabelStage::Accepted {
-            seen.entry(LabelStage::Accepted).or_default().insert((class, &t.episode));
+            seen.entry(LabelStage::Accepted).or_default().insert((class, episode));
         }
     }
     for (stage, episodes) in seen {

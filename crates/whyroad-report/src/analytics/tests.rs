@@ -171,6 +171,34 @@ fn stages_count_episodes_by_the_class_that_they_have_there() {
     assert_eq!(l2.wanted, Some(6));
 }
 
+/// docs/how-to/analytics.md: an episode counts once. Labels that were imported without their episode (`label-...`), one
+/// per language, are of the mined episode of their moment and class.
+#[test]
+fn an_imported_label_counts_with_the_episode_of_its_moment() {
+    let count = |tasks: &[TaskFacts]| {
+        let framework = Framework::bundled();
+        let wanted = BTreeMap::new();
+        let inputs = AnalyticsInputs {
+            mined: None,
+            tasks: Some(tasks),
+            releases: None,
+            wanted: &wanted,
+            rate: None,
+            as_of: None,
+            utc_offset_h: 8,
+            query: &|_, _| None,
+        };
+        row(&Analytics::new(framework, &inputs), URGENT).counts.tasked
+    };
+    let of = |name: &str, episode: &str| task(name, episode, LabelStage::Waiting);
+    let elsewhere = TaskFacts { keyframe: at("2026-01-01T10:00:00Z"), ..of("t4", "label-3") };
+    assert_eq!(
+        count(&[of("t1", "label-1"), of("t2", "label-2"), of("t3", "e1"), elsewhere.clone()]),
+        Some(2)
+    );
+    assert_eq!(count(&[of("t1", "label-1"), of("t2", "label-2"), elsewhere]), Some(2));
+}
+
 /// Of the leaves of the third class's L2, mining knows only the one that no drive can show.
 #[test]
 fn every_class_has_a_state_and_its_mark() {

@@ -46,7 +46,7 @@ pub fn render_page(c: &Comparison, head: &PageHead<'_>) -> String {
         .raw(CHART_STYLE)
         .raw("</style></head><body><header><div><h1>Whyroad</h1><p class=\"faint\">");
     m.say("比较", "Comparison").raw("</p></div><dl class=\"figures\">");
-    for change in Change::ALL {
+    for change in c.changes() {
         m.raw("<div><dd>").int(c.total(change)).raw("</dd><dt>").both(&both(change)).raw("</dt></div>");
     }
     m.raw("<div><dd>").int(c.unchanged).raw("</dd><dt>").say("未变", "unchanged").raw("</dt></div></dl>");

@@ -22,7 +22,7 @@ const SLOW: &str = "reactive_agent.cutin.slow";
 
 /// A side that asked for all classes.
 fn all<'a>(drives: &'a [DriveId], episodes: &'a [EpisodeRecord]) -> Searched<'a> {
-    Searched { drives, classes: None, episodes }
+    Searched { drives, classes: None, episodes, labels: None }
 }
 
 fn compared(before: &[EpisodeRecord], after: &[EpisodeRecord]) -> Comparison {
@@ -45,12 +45,31 @@ fn each_kind_of_change_is_counted_once() {
     let before = [episode(URGENT, 10.0), episode(URGENT, 30.0), episode(SLOW, 50.0), episode(SLOW, 70.0)];
     let after = [episode(SLOW, 10.1), episode(URGENT, 30.4), secondary, episode(URGENT, 90.0)];
     let c = compared(&before, &after);
-    let counts: Vec<usize> = Change::ALL.iter().map(|ch| c.total(*ch)).collect();
+    let counts: Vec<usize> = c.changes().map(|ch| c.total(ch)).collect();
     // Gained at 90 s, lost at 50 s, reclassified at 10 s, moved at 30 s, another primary at 70 s.
     assert_eq!(counts, [1, 1, 1, 1, 1]);
     let moved = &c.classes[&URGENT.parse().unwrap()].examples;
     let shift = moved.iter().find(|e| e.change == Change::Moved).and_then(|e| e.keyframe_shift_s).unwrap();
     assert!((shift - 0.4).abs() < 1e-9);
+}
+
+/// The same moment and class with another decision (what `dataset diff` calls relabelled) is not unchanged.
+#[test]
+fn a_moment_with_another_label_is_not_unchanged() {
+    let episodes = [episode(URGENT, 10.0), episode(SLOW, 30.0)];
+    let drives: Vec<DriveId> = vec!["d".into()];
+    let labels = |second: &str| -> BTreeMap<String, String> {
+        let id = |i: usize| episodes[i].episode_id.clone();
+        [(id(0), "same".to_owned()), (id(1), second.to_owned())].into()
+    };
+    let (a, b) = (labels("slow_down"), labels("stop"));
+    let side = |labels| Searched { labels: Some(labels), ..all(&drives, &episodes) };
+    let c = compare(side(&a), side(&b), None);
+    assert_eq!((c.unchanged, c.total(Change::Relabelled)), (1, 1));
+    assert!(render(&c, Lang::En, false).contains("relabelled 1"));
+    let c = compare(side(&a), side(&a), None);
+    assert_eq!((c.unchanged, c.total(Change::Relabelled)), (2, 0));
+    assert!(!render(&compared(&episodes, &episodes), Lang::En, false).contains("relabelled"));
 }
 
 #[test]

@@ -9,8 +9,7 @@ use whyroad_model::{Bilingual, Lang};
 pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
     let t = |zh: &'static str, en: &'static str| if lang == Lang::Zh { zh } else { en };
     let mut out = String::new();
-    let totals: Vec<String> =
-        Change::ALL.iter().map(|ch| format!("{} {}", name(*ch, lang), c.total(*ch))).collect();
+    let totals: Vec<String> = c.changes().map(|ch| format!("{} {}", name(ch, lang), c.total(ch))).collect();
     let _ = match lang {
         Lang::Zh => writeln!(out, "{} 个行程，未变 {}，{}", c.drives, c.unchanged, totals.join("，")),
         Lang::En => writeln!(out, "{} drives, {} unchanged, {}", c.drives, c.unchanged, totals.join(", ")),
@@ -48,12 +47,12 @@ pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
     for (title, columns) in [(t("前", "before"), 8), (t("后", "after"), 8)] {
         out += &pad_left(title, columns);
     }
-    for change in Change::ALL {
+    for change in c.changes() {
         out += &pad_left(short(change, lang), 9);
     }
     out.push('\n');
     for (id, of) in changed {
-        out += &row(&id.to_string(), width, of);
+        out += &row(&id.to_string(), width, of, c);
         if examples {
             for e in &of.examples {
                 let _ = writeln!(out, "    {}", example(e, lang));
@@ -80,9 +79,9 @@ pub(super) fn scope(of: &SharedClasses) -> Bilingual {
     )
 }
 
-fn row(id: &str, width: usize, of: &ClassComparison) -> String {
+fn row(id: &str, width: usize, of: &ClassComparison, c: &Comparison) -> String {
     let mut out = format!("{id:<width$}{:>8}{:>8}", of.before, of.after);
-    for change in Change::ALL {
+    for change in c.changes() {
         let n = of.changes.get(&change).copied().unwrap_or(0);
         let _ = write!(out, "{:>9}", if n == 0 { "·".to_owned() } else { n.to_string() });
     }
@@ -115,6 +114,7 @@ pub fn name(change: Change, lang: Lang) -> &'static str {
         Change::Reclassified => ("改类", "reclassified"),
         Change::Moved => ("关键帧移动", "moved keyframe"),
         Change::Primary => ("主次变化", "changed primary"),
+        Change::Relabelled => ("标签改变", "relabelled"),
     };
     if lang == Lang::Zh { zh } else { en }
 }
@@ -124,6 +124,8 @@ fn short(change: Change, lang: Lang) -> &'static str {
         (Change::Moved, Lang::Zh) => "移动",
         (Change::Primary, Lang::Zh) => "主次",
         (Change::Reclassified, Lang::En) => "reclass",
+        (Change::Relabelled, Lang::Zh) => "标签",
+        (Change::Relabelled, Lang::En) => "label",
         (Change::Moved, Lang::En) => "moved",
         (Change::Primary, Lang::En) => "primary",
         _ => name(change, lang),

@@ -7,6 +7,7 @@ use crate::domain::task::{CreateTasks, Created, LostEpisode};
 use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
 use crate::recordings::span_of;
+use crate::service::known::Unnamed;
 use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::sample_window::{self, FUTURE_S, HISTORY_S, Window};
 use crate::service::{history, imported, projects, thumbnail, veil};
@@ -71,6 +72,7 @@ pub fn create(
     let mut chosen = 0;
     let mut last = LastDrive::default();
     let mut last_span = LastSpan::default();
+    let mut unnamed = Unnamed::of(app)?;
     while let Some(episode) = episodes.next()? {
         let episode = &episode;
         let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
@@ -96,6 +98,7 @@ pub fn create(
             *count += 1;
             continue;
         }
+        unnamed.name(app, episode)?;
         if is_known(app, &project.id, &episode.episode_id)? {
             out.known += 1;
             continue;

@@ -15,6 +15,7 @@ use crate::problem::{Answer, Problem};
 use crate::service::copies::NOT_GOLD;
 use crate::service::create::{self, LastDrive};
 use crate::service::disagreement::{STANDS, TO_CHOOSE};
+use crate::service::known::KnownEpisodes;
 use crate::service::projects;
 use crate::service::tasks::{self, TaskRow};
 use crate::store::{Store, Tx};
@@ -247,8 +248,14 @@ pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answ
     }
     // Sorted by drive, so that each is read and derived once.
     incoming.sort_by(|(_, a), (_, b)| a.episode.drive_id.cmp(&b.episode.drive_id));
-    let (mut last, mut rows) = (LastDrive::default(), Vec::new());
-    for (number, one) in incoming {
+    let (mut last, mut rows, mut known) = (LastDrive::default(), Vec::new(), KnownEpisodes::default());
+    for (number, mut one) in incoming {
+        if one.is_made
+            && let Some(label) = &one.draft
+            && let Some(episode) = known.of(app, &one.episode, label)?
+        {
+            one.episode = episode;
+        }
         match prepare(app, &project, one, &mut last) {
             Ok(row) => rows.push((number, row)),
             Err(p) => drop(lost.insert(number, p.text)),
@@ -265,7 +272,7 @@ pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answ
 }
 
 fn prepare(app: &App, project: &Project, incoming: Incoming, last: &mut LastDrive) -> Answer<TaskRow> {
-    let Incoming { episode, draft, priority, overlap: (overlap_index, overlap_count) } = incoming;
+    let Incoming { episode, draft, priority, overlap: (overlap_index, overlap_count), .. } = incoming;
     let row = create::prepare(app, project, &episode, draft, last)?;
     Ok(TaskRow { priority, overlap_index, overlap_count, ..row })
 }

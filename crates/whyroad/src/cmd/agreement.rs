@@ -60,7 +60,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     let of = agreement(&judged.items, args.seed);
     let report = json!({
-        "agreement": of, "unmatched_labels": judged.unmatched, "unreadable_lines": judged.unreadable,
+        "agreement": of, "unmatched_labels": judged.unmatched, "tasks_not_submitted": judged.waiting,
+        "unreadable_lines": judged.unreadable,
     });
     args.print.put(&report, || text(&of, &judged, lang))?;
     Ok(match (judged.items.len(), judged.unreadable) {
@@ -136,15 +137,20 @@ fn text(of: &Agreement, judged: &Judged, lang: Lang) -> String {
     };
     let (unmatched, unreadable) = (judged.unmatched, judged.unreadable);
     let zh = lang == Lang::Zh;
+    let waiting = match (judged.waiting, zh) {
+        (0, _) => String::new(),
+        (n, true) => format!("；{n} 个任务尚未提交"),
+        (n, false) => format!("; {n} tasks not submitted yet"),
+    };
     let _ = if zh {
         writeln!(
             out,
-            "{episodes} 个事件有两份以上标注{raters}；{unmatched} 份标注没有对应；{unreadable} 行无法读取\n"
+            "{episodes} 个事件有两份以上标注{raters}；{unmatched} 份标注没有对应{waiting}；{unreadable} 行无法读取\n"
         )
     } else {
         writeln!(
             out,
-            "{episodes} episodes with two or more labels{raters}; {unmatched} labels without a counterpart; {unreadable} lines not readable\n"
+            "{episodes} episodes with two or more labels{raters}; {unmatched} labels without a counterpart{waiting}; {unreadable} lines not readable\n"
         )
     };
     let head = if zh {
@@ -157,7 +163,7 @@ fn text(of: &Agreement, judged: &Judged, lang: Lang) -> String {
         let _ = writeln!(
             out,
             "{:<18} {:<20} {:<22} {}",
-            p.part,
+            part(p.part, lang),
             shown(&p.same, 2),
             shown(&p.kappa, 2),
             shown(&p.alpha, 2)
@@ -188,6 +194,18 @@ fn text(of: &Agreement, judged: &Judged, lang: Lang) -> String {
         });
     }
     out
+}
+
+/// The name of a part of a label.
+fn part(name: &str, lang: Lang) -> &str {
+    match (lang, name) {
+        (Lang::Zh, "class") => "场景",
+        (Lang::Zh, "l2") => "L2",
+        (Lang::Zh, "longitudinal") => "纵向决策",
+        (Lang::Zh, "lateral") => "横向决策",
+        (Lang::Zh, "lateral_direction") => "横向方向",
+        _ => name,
+    }
 }
 
 fn judge_text(of: &PeopleAgreement, lang: Lang) -> String {

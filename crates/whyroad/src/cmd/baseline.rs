@@ -144,13 +144,18 @@ fn evaluate(global: &Global, a: &Evaluate) -> anyhow::Result<ExitCode> {
         DataFormat::Text => {
             for method in Method::ALL {
                 if let Some(score) = c.methods.get(&method) {
-                    output::put(&format!("# {}\n{}\n", method.name(), text(score, global.lang)));
+                    let title = method.title();
+                    output::put(&format!("# {}\n{}\n", title.get(global.lang), text(score, global.lang)));
                 }
             }
             for target in Target::ALL {
                 let error = c.reliability.get(&target).and_then(|r| r.error);
                 let error = error.map_or("-".to_owned(), |e| format!("{:.1} %", e * 100.0));
-                output::put(&format!("ECE {}: {error}\n", target.name()));
+                let title = target.title();
+                output::put(&match global.lang {
+                    Lang::Zh => format!("期望校准误差 ECE（{}）：{error}\n", title.zh),
+                    Lang::En => format!("ECE {}: {error}\n", title.en),
+                });
             }
         }
     }

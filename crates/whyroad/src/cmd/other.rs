@@ -199,7 +199,7 @@ fn propose(
         };
         lines += &format!("{}\n", serde_json::to_string(&proposed)?);
     }
-    let made = import_lines(global, &args.store, &args.lake, project, &lines)?;
+    let made = import_lines(global, &args.store, (&args.lake, None), project, &lines)?;
     for lost in &made.lost {
         say!("{}", lost.text.get(global.lang));
     }

@@ -122,6 +122,9 @@ struct Import {
     /// Lake that has the drives
     #[arg(long, value_name = "DIR")]
     lake: PathBuf,
+    /// Folder that `whyroad mine` wrote: labels of its episodes become drafts of these
+    #[arg(long, value_name = "DIR")]
+    from: Option<PathBuf>,
     #[command(flatten)]
     print: Print,
     #[command(flatten)]
@@ -286,21 +289,22 @@ fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
     Ok(output::FINE)
 }
 
-/// Tasks from lines of tasks, episodes or labels; labels become drafts.
+/// Tasks from lines of tasks, episodes or labels; labels become drafts, of episodes of `mined` where they are about one.
 pub(crate) fn import_lines(
     global: &Global,
     store: &store_args::StoreArgs,
-    lake: &Path,
+    (lake, mined): (&Path, Option<&PathBuf>),
     project: &str,
     lines: &str,
 ) -> anyhow::Result<Imported> {
-    let (app, project) = service(global, store, lake, &[], project)?;
+    let (app, project) =
+        service(global, store, lake, mined.map(std::slice::from_ref).unwrap_or_default(), project)?;
     transfer::import(&app, &project, lines, None).map_err(|p| error(&p, global.lang))
 }
 
 fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
     let text = std::fs::read_to_string(&a.file).with_context(|| cannot_read(a.file.display()))?;
-    let made = import_lines(global, &a.store, &a.lake, &a.project, &text)?;
+    let made = import_lines(global, &a.store, (&a.lake, a.from.as_ref()), &a.project, &text)?;
     for lost in &made.lost {
         say!("{}:{}: {}", a.file.display(), lost.line, lost.text.get(global.lang));
     }

@@ -3,7 +3,7 @@
 use crate::encodings::compressed::without_ending;
 use crate::source::file_label;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// `...fcd....xml`, `...net.xml.gz` and the like.
 pub(super) fn is_named(path: &Path, word: &str, ending: &str) -> bool {
@@ -12,21 +12,36 @@ pub(super) fn is_named(path: &Path, word: &str, ending: &str) -> bool {
     stem.is_some_and(|s| s.split(['.', '_', '-']).any(|part| part == word))
 }
 
+/// The folder of a log and the one above, spelled as `own` is, so that a file beside the log has its parent. The parent
+/// of a bare name is "", and that of `..` is not the folder above: these are asked of the system.
+fn folders(own: &Path) -> Vec<PathBuf> {
+    let is_name = matches!(own.components().next_back(), Some(Component::Normal(_)));
+    let above = match own.parent().filter(|p| is_name && !p.as_os_str().is_empty()) {
+        Some(above) => Some(above.to_owned()),
+        None => real(own).canonicalize().ok().and_then(|p| Some(p.parent()?.to_owned())),
+    };
+    std::iter::once(own.to_owned()).chain(above).collect()
+}
+
 /// Files beside `fcd`, and in the folder above, that are named `word`.
 pub(super) fn beside(fcd: &Path, words: &[&str]) -> Vec<PathBuf> {
-    let near = fcd.parent().into_iter().chain(fcd.parent().and_then(Path::parent));
     let mut out = Vec::new();
-    for dir in near {
-        let Ok(entries) = fs::read_dir(dir) else { continue };
+    for dir in fcd.parent().map(folders).unwrap_or_default() {
+        let Ok(entries) = fs::read_dir(real(&dir)) else { continue };
         let mut here: Vec<PathBuf> = entries
             .flatten()
-            .map(|e| e.path())
+            .map(|e| dir.join(e.file_name()))
             .filter(|p| p.is_file() && words.iter().any(|w| is_named(p, w, ".xml")))
             .collect();
         here.sort();
         out.extend(here);
     }
     out
+}
+
+/// A folder as the system opens it: the parent of a bare name is "".
+fn real(dir: &Path) -> &Path {
+    if dir.as_os_str().is_empty() { Path::new(".") } else { dir }
 }
 
 /// The name of a run: the file's without its endings, or the folder's when the file is just called `fcd`.
@@ -101,6 +116,23 @@ mod tests {
             Companion::File(path) => Some(file_label(&path)),
             Companion::Several(_) => None,
         }
+    }
+
+    /// sumo.md: types beside the log or in the folder above. A relative name without a folder has the parent "".
+    #[test]
+    fn the_folder_above_a_bare_name_is_the_working_folder() {
+        let here = Path::new("src");
+        let log = |path: &str| here.join(path).join("fcd.xml");
+        // Tests run in the folder of the crate: above `src`, and above `src/formats` given with dots, is a Cargo.toml.
+        let found = |fcd: &Path| -> Vec<PathBuf> {
+            let Some(own) = fcd.parent() else { return vec![] };
+            folders(own).into_iter().map(|dir| real(&dir).canonicalize().unwrap()).collect()
+        };
+        let root = Path::new(".").canonicalize().unwrap();
+        assert_eq!(found(&log("")), [root.join("src"), root.clone()]);
+        assert_eq!(found(Path::new("fcd.xml")), [root.clone(), root.parent().unwrap().to_owned()]);
+        assert_eq!(found(&log("..")), [root.clone(), root.parent().unwrap().to_owned()]);
+        assert_eq!(found(&root.join("src/fcd.xml")), [root.join("src"), root]);
     }
 
     #[test]

@@ -21,6 +21,21 @@ impl Checker<'_> {
         let span = a.span.to(b.span);
         let (l, r) = (self.program.node(left).kind.clone(), self.program.node(right).kind.clone());
         match (l, r) {
+            // Nothing is measured, so that there is no value to show.
+            (ValueKind::Number(x), ValueKind::Number(y))
+                if x == y && self.quantity(a).is_some() && self.quantity(b).is_some() =>
+            {
+                Err(Fault::new(
+                    "rule.type",
+                    span,
+                    "这里比较的是两个固定值：结果永远相同".to_owned(),
+                    "this compares two fixed values: its result is always the same".to_owned(),
+                )
+                .hint(
+                    "比较信号与固定值；区间写成 5 m/s < ego.speed < 10 m/s，信号在中间",
+                    "compare a signal with a fixed value; a range has the signal in the middle: 5 m/s < ego.speed < 10 m/s",
+                ))
+            }
             (ValueKind::Number(x), ValueKind::Number(y)) if x == y => {
                 let scale = self.scale(left).or_else(|| self.scale(right)).unwrap_or(1.0);
                 Ok(self.flag(Op::Compare { op, left, right, scale }))

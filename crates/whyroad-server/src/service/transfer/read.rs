@@ -1,8 +1,10 @@
 //! One line of an import: an episode as `whyroad mine` writes it, a task as the export writes it, or a label.
 
 use crate::secret;
-use serde_json::Value;
+use crate::service::copies;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use whyroad_label::episode_of::{self, MADE};
 use whyroad_label::merge::{self, MAX_DRAFT};
 use whyroad_model::label_fields::name;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
@@ -13,6 +15,8 @@ use whyroad_model::{Bilingual, ClipId, ScenarioId};
 pub(super) struct Incoming {
     /// Its episode.
     pub episode: EpisodeRecord,
+    /// The episode was made from the label: whether it is a known one is still to be seen.
+    pub is_made: bool,
     /// Its initial draft; `None` for the rule's draft.
     pub draft: Option<Value>,
     /// Higher values come first.
@@ -35,7 +39,7 @@ pub(super) fn read_line(line: &str) -> Result<Incoming, Bilingual> {
     if value.get("episode_id").is_some() {
         let episode = serde_json::from_value(value)
             .map_err(|e| Bilingual::new(format!("不是事件：{e}"), format!("not an episode: {e}")))?;
-        return Ok(Incoming { episode, draft: None, priority: 0, overlap: (0, 1) });
+        return Ok(Incoming { episode, is_made: false, draft: None, priority: 0, overlap: (0, 1) });
     }
     if value.get(name::CLIP_ID).is_some() {
         return of_label(&value);
@@ -44,20 +48,22 @@ pub(super) fn read_line(line: &str) -> Result<Incoming, Bilingual> {
 }
 
 fn of_task(task: &Value) -> Result<Incoming, Bilingual> {
-    let episode = serde_json::from_value(task["episode"].clone())
+    let episode = episode_of::of_task(&task["episode"])
         .map_err(|e| Bilingual::new(format!("任务的事件：{e}"), format!("its episode: {e}")))?;
     let number = |name: &str, default: i64| task[name].as_i64().unwrap_or(default);
     let draft = task["draft"].as_object().map(|d| Value::Object(d.clone()));
     draft.as_ref().map_or(Ok(()), merge::bounded).map_err(|e| e.text())?;
     let count = number("overlap_count", 1).clamp(1, 10);
     let index = number("overlap_index", 0).clamp(0, count - 1);
-    Ok(Incoming { episode, draft, priority: number("priority", 0), overlap: (index, count) })
+    let is_made = episode_of::is_made(&episode.episode_id)
+        && copies::mined_of(&episode.episode_id) == episode.episode_id;
+    Ok(Incoming { episode, is_made, draft, priority: number("priority", 0), overlap: (index, count) })
 }
 
-/// A label has no episode: one is created from its content, under an id that is the same each time.
+/// A label has no episode: one is made from its content. Its id is the same for every label of the same moment, class
+/// and objects, whatever the language of its text. Its score is not known ([`episode_of::score`]).
 fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
     merge::bounded(value).map_err(|e| e.text())?;
-    let text = value.to_string();
     let label: CocLabel = serde_json::from_value(value.clone())
         .map_err(|e| Bilingual::new(format!("不是标注：{e}"), format!("not a label: {e}")))?;
     let Some(drive) = ClipId(label.clip_id.clone()).drive() else {
@@ -66,13 +72,16 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
             format!("the drive cannot be determined from clip '{}'", label.clip_id),
         ));
     };
+    let scenario_id = ScenarioId {
+        l1: label.scenario.l1.clone(),
+        l2: Some(label.scenario.l2.clone()),
+        l3: label.scenario.l3.clone(),
+    };
+    let objects = episode_of::linked(value).into_iter().collect::<Vec<_>>();
+    let same = json!([drive, scenario_id, label.keyframe.timestamp.0, objects]).to_string();
     let episode = EpisodeRecord {
-        episode_id: format!("label-{}", &secret::hash(&text)[..20]),
-        scenario_id: ScenarioId {
-            l1: label.scenario.l1.clone(),
-            l2: Some(label.scenario.l2.clone()),
-            l3: label.scenario.l3.clone(),
-        },
+        episode_id: format!("{MADE}{}", &secret::hash(&same)[..20]),
+        scenario_id,
         drive_id: drive,
         clip_id: ClipId(label.clip_id.clone()),
         target_id: None,
@@ -80,6 +89,7 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
         time_range: label.time_range.clone(),
         keyframe: label.keyframe.clone(),
         second_keyframe: label.second_keyframe.clone(),
+        // A number is required; nobody reads it.
         score: 1.0,
         is_primary: true,
         primary_episode_id: None,
@@ -91,13 +101,12 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
         signals: vec![],
         rule_version: None,
     };
-    Ok(Incoming { episode, draft: Some(value.clone()), priority: 0, overlap: (0, 1) })
+    Ok(Incoming { episode, is_made: true, draft: Some(value.clone()), priority: 0, overlap: (0, 1) })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     fn label() -> Value {
         json!({
@@ -118,6 +127,22 @@ mod tests {
         assert_eq!(read.episode.keyframe.frame_idx, 10);
         assert_eq!(read.draft, Some(label()));
         assert_eq!(read, read_line(&label().to_string()).unwrap());
+    }
+
+    /// `whyroad draft --lang zh` and `--lang en` write drafts of the same episodes.
+    #[test]
+    fn labels_of_one_moment_class_and_object_are_of_one_episode() {
+        let id = |object: &str, trace: &str, class: &str| {
+            let mut label = label();
+            label["coc_trace"] = json!(trace);
+            label["scenario"]["l3"] = json!(class);
+            label["critical_components"] = json!([{"description": trace, "linked_objects": [object]}]);
+            read_line(&label.to_string()).unwrap().episode.episode_id
+        };
+        let zh = id("car7", "前车切入", "normal");
+        assert_eq!(zh, id("car7", "A car cuts in", "normal"));
+        assert_ne!(zh, id("car8", "前车切入", "normal"));
+        assert_ne!(zh, id("car7", "前车切入", "urgent"));
     }
 
     #[test]

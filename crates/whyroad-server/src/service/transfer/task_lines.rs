@@ -10,6 +10,7 @@ use crate::values;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::io::Write;
+use whyroad_label::episode_of;
 
 /// Number of history entries that are read together.
 const ENTRIES_AT_ONCE: i64 = 100;
@@ -72,8 +73,10 @@ fn begin(tx: &mut dyn Tx, id: &str, names: &Names, text: &mut String) -> Answer<
             "resolved": r.flag("resolved")?,
         }))
     });
+    let mut episode = serde_json::to_value(&t.episode).map_err(Problem::store)?;
+    episode["score"] = episode_of::score(&t.episode).into();
     let task = json!({
-        "id": t.id, "episode": t.episode, "overlap_index": t.overlap_index, "overlap_count": t.overlap_count,
+        "id": t.id, "episode": episode, "overlap_index": t.overlap_index, "overlap_count": t.overlap_count,
         "priority": t.priority, "state": t.at.state, "author": name(t.at.author()),
         "checker": name(t.at.checker.as_deref()), "auditor": name(t.at.auditor.as_deref()),
         "adjudication": t.adjudication, "initial": t.initial, "draft": t.draft, "version": t.version,

@@ -186,6 +186,7 @@ fn many_labels_of_a_drive_read_it_once_and_derive_nothing() {
     let line = |i: usize| {
         let mut label = label(&format!("trace {i}"));
         label["clip_id"] = json!(format!("{}_000", ["d", "e"][i % 2]));
+        label["keyframe"]["timestamp"] = json!(format!("2026-01-01T00:00:02.{i:03}Z"));
         format!("{label}\n")
     };
     let text: String = (0..40).map(line).collect();
@@ -211,7 +212,62 @@ fn many_episodes_of_a_drive_derive_it_once_beside_their_own_history() {
     assert_eq!(recordings.derived.load(Ordering::SeqCst), 11);
 }
 
+/// docs/how-to/manage-tasks.md: there is never a second task for an episode, and a label is a draft of its episode.
+#[test]
+fn an_imported_label_is_of_the_episode_that_it_is_about() {
+    let (app, _recordings, _dir) = fixtures::counted();
+    let with = |trace: &str, object: &str| {
+        let mut label = label(trace);
+        label["critical_components"] =
+            json!([{"description": trace, "id": "c1", "linked_objects": [object]}]);
+        label
+    };
+    let mut episode = fixtures::episode("mined-1");
+    episode["scenario_id"] = json!("reactive_agent.cutin.normal");
+    episode["keyframe"]["timestamp"] = json!("2026-01-01T00:00:02.000Z");
+    episode["target_id"] = json!("car7");
+    episode["score"] = json!(0.57);
+    let ids = |project: &str| {
+        let all = app.store.read(|tx| tasks_of(tx, project, None)).unwrap();
+        let mut ids: Vec<(String, String)> = all
+            .into_iter()
+            .map(|t| (t.episode.episode_id, t.draft["coc_trace"].as_str().unwrap_or_default().to_owned()))
+            .collect();
+        ids.sort();
+        ids
+    };
+    let pair = |id: &str, trace: &str| (id.to_owned(), trace.to_owned());
+    // Labels first: the draft in the other language is of the same episode, that of another object is not.
+    let text =
+        format!("{}\n{}\n{}\n", with("前车切入", "car7"), with("a car cuts in", "car7"), with("x", "car8"));
+    let made = import(&app, "p", &text, None).unwrap();
+    assert_eq!((made.tasks, made.known), (2, 1));
+    // Then the mined episode: the label about its target gets it, and there is no second task.
+    let request = serde_json::from_value(json!({ "episodes": [episode.clone()] })).unwrap();
+    let created = create::create(&app, "p", &request, None, create::Drafting::Later).unwrap();
+    assert_eq!((created.tasks.len(), created.known), (0, 1));
+    let all = ids("p");
+    assert!(all.contains(&pair("mined-1", "前车切入")), "{all:?}");
+    assert!(all.iter().any(|(id, trace)| id.starts_with("label-") && trace == "x"), "{all:?}");
+    let whole = ExportFormat::from_words(Some("tasks"), None, None).unwrap();
+    for line in export(&app.store, "p", &whole).unwrap().lines() {
+        let line: Value = serde_json::from_str(line).unwrap();
+        let episode = &line["task"]["episode"];
+        let expected = if episode["episode_id"] == "mined-1" { json!(0.57) } else { Value::Null };
+        assert_eq!(episode["score"], expected, "{episode}");
+    }
+    // In another project, whose tasks come from the episode first.
+    let insert = "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('q', 'q', '', '{}', '{}', 0)";
+    app.store.write(move |tx| tx.run(insert, &[])).unwrap();
+    let made = import(&app, "q", &format!("{}\n", with("a car cuts in", "car7")), None).unwrap();
+    assert_eq!((made.tasks, made.known), (1, 0));
+    assert_eq!(ids("q"), [pair("mined-1", "a car cuts in")]);
+    let created = create::create(&app, "q", &request, None, create::Drafting::Later).unwrap();
+    assert_eq!((created.tasks.len(), created.known), (0, 1));
+}
+
 fixtures::on_postgresql! {
+    an_imported_label_is_of_the_episode_that_it_is_about,
     accepted_labels_go_out_in_either_format,
     of_several_labels_of_an_episode_only_the_chosen_one_goes_out,
     tasks_go_out_with_their_history,

@@ -6,6 +6,7 @@ use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, anyhow};
 use std::collections::BTreeMap;
 use std::path::Path;
+use whyroad_dataset::diff::content_hash;
 use whyroad_dataset::{Release, Sample};
 use whyroad_engine::mine::{MineOptions, mine_each};
 use whyroad_framework::{Framework, Taxonomy};
@@ -65,6 +66,8 @@ pub(super) struct Side {
     pub episodes: Vec<EpisodeRecord>,
     /// Classes that were asked for; `None`: all.
     pub classes: Option<Vec<ScenarioId>>,
+    /// Hashes of the labels by the id of the sample, of a release.
+    pub labels: Option<BTreeMap<String, String>>,
     /// The taxonomy, of a framework.
     pub taxonomy: Option<Taxonomy>,
     /// Some input could not be read.
@@ -74,7 +77,8 @@ pub(super) struct Side {
 impl Side {
     /// For the comparison.
     pub(super) fn searched(&self) -> Searched<'_> {
-        Searched { drives: &self.drives, classes: self.classes.as_deref(), episodes: &self.episodes }
+        let Self { drives, episodes, classes, labels, .. } = self;
+        Searched { drives, classes: classes.as_deref(), episodes, labels: labels.as_ref() }
     }
 
     pub(super) fn read(
@@ -135,7 +139,7 @@ fn mined(dir: &Path, lang: Lang, wanted: impl Fn(&EpisodeRecord) -> bool) -> any
             None
         }
     };
-    Ok(Side { drives: coverage.drives, episodes, classes, taxonomy: None, lost: false })
+    Ok(Side { drives: coverage.drives, episodes, classes, labels: None, taxonomy: None, lost: false })
 }
 
 /// The class of a `mining_query` message.
@@ -185,7 +189,8 @@ fn run_rules(
     for d in &unread {
         tell!("{}", output::render_text(d, global.lang));
     }
-    Ok(Side { drives, episodes, classes: None, taxonomy: Some(framework.taxonomy), lost: !unread.is_empty() })
+    let taxonomy = Some(framework.taxonomy);
+    Ok(Side { drives, episodes, classes: None, labels: None, taxonomy, lost: !unread.is_empty() })
 }
 
 /// Columns of a release needed for moments.
@@ -194,10 +199,13 @@ const COLUMNS: &[&str] = &["sample_id", "scenario_id", "secondary_scenarios", "l
 fn release(dir: &Path, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Result<Side> {
     let cannot = || cannot_read(dir.display());
     let release = Release::open(dir).with_context(cannot)?;
-    let mut out = Side { drives: vec![], episodes: vec![], classes: None, taxonomy: None, lost: false };
+    let mut out =
+        Side { drives: vec![], episodes: vec![], classes: None, labels: None, taxonomy: None, lost: false };
+    let labels = out.labels.insert(BTreeMap::new());
     for batch in release.batches(None, Some(COLUMNS)) {
         let samples = whyroad_dataset::sample::schema::from_batch(&batch.with_context(cannot)?);
         for sample in samples.map_err(|e| anyhow!("{}: {e}", dir.display()))? {
+            labels.insert(sample.sample_id.clone(), content_hash(&sample.label_json).to_string());
             out.drives.push(DriveId::from(sample.lineage.drive_id.as_str()));
             out.episodes.extend(moments(&sample)?.into_iter().filter(|e| wanted(e)));
         }
@@ -291,7 +299,7 @@ mod tests {
         let (mut plain, mined) = (sample(None), sample(Some("car7")));
         name_targets(&mut plain, &mined);
         let drives = [DriveId::from("d")];
-        let side = |episodes| Searched { drives: &drives, classes: None, episodes };
+        let side = |episodes| Searched { drives: &drives, classes: None, episodes, labels: None };
         let found = whyroad_report::comparison::compare(side(&plain), side(&mined), None);
         assert_eq!(found.unchanged, 1);
         let other = {

@@ -74,7 +74,10 @@ fn blurring(media: Media, program: Option<&Path>, cache: &Path, lang: Lang) -> a
 }
 
 pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
-    let (framework, _) = framework_folder::load(global)?;
+    let (framework, faults) = framework_folder::load(global)?;
+    if framework_folder::is_incomplete(global, &faults) {
+        return Ok(output::FINDINGS);
+    }
     let text = std::fs::read_to_string(&a.spec).with_context(|| cannot_read(a.spec.display()))?;
     let mut spec = match spec::read(&text, &a.spec.display().to_string(), &framework) {
         Ok(spec) => spec,
@@ -115,6 +118,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
         licences: &licences,
         lake: &lake,
         media,
+        spec_dir: a.spec.parent().unwrap_or(Path::new("")),
         out: &a.out,
         queries: &|class, n| queries.query(class, n),
         restart: a.restart,
@@ -138,6 +142,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
                 matches!(
                     d.code,
                     "dataset.labels.line"
+                        | "dataset.labels.invalid"
                         | "dataset.labels.drive"
                         | "dataset.drive.unreadable"
                         | "dataset.image.blur"

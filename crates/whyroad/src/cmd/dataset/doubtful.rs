@@ -145,7 +145,7 @@ fn send_back(
     let lines: String = new.map(|(d, _)| format!("{}\n", d.label)).collect();
     let mut failed = 0;
     if !lines.is_empty() {
-        let made = import_lines(global, &a.store, lake, project, &lines)?;
+        let made = import_lines(global, &a.store, (lake, None), project, &lines)?;
         for lost in &made.lost {
             say!("{}", lost.text.get(global.lang));
         }

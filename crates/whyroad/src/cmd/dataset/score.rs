@@ -145,7 +145,11 @@ pub(crate) fn text(s: &Score, lang: Lang) -> String {
         let _ = writeln!(out, "  {} {name}", figure(e.as_ref(), scale, unit));
     }
     for (target, of) in &s.classes {
-        let _ = writeln!(out, "  {} macro F1 {}", figure(of.macro_f1.as_ref(), 100.0, "%"), target.name());
+        let (value, title) = (figure(of.macro_f1.as_ref(), 100.0, "%"), target.title());
+        let _ = match lang {
+            Lang::Zh => writeln!(out, "  {value} 宏平均 F1（{}）", title.zh),
+            Lang::En => writeln!(out, "  {value} macro F1 {}", title.en),
+        };
     }
     let groups = |title: &str, rows: Vec<(String, &Figures)>| {
         let mut out = format!("\n{title}\n");

@@ -4,6 +4,7 @@ use super::refused;
 use crate::output::DataFormat;
 use crate::output::reason::stop;
 use crate::{Global, framework_folder, output};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -159,10 +160,25 @@ fn difference(d: &Difference, lang: Lang) -> String {
         ("移除", "removed", d.removed.len()),
         ("换划分", "moved between splits", d.moved.len()),
         ("标签改变", "relabelled", d.relabelled.len()),
+        ("标签状态改变", "label state changed", d.restated.len()),
         ("行程内容改变", "changed drives", d.changed_drives.len()),
     ];
     for (name_zh, name_en, n) in counts {
         let _ = if zh { writeln!(out, "{name_zh}：{n}") } else { writeln!(out, "{name_en:<22}{n}") };
+    }
+    let mut states: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for (_, x, y) in &d.restated {
+        *states.entry((x, y)).or_default() += 1;
+    }
+    for ((x, y), n) in states {
+        let _ = writeln!(out, "  label_status: {x} -> {y}: {n}");
+    }
+    for (fact, n) in &d.facts {
+        let _ = if zh {
+            writeln!(out, "  {fact}：{n} 个样本不同")
+        } else {
+            writeln!(out, "  {fact}: differs in {n} samples")
+        };
     }
     for (class, (x, y)) in &d.by_class {
         let _ = writeln!(out, "  {class}: {x} -> {y}");

@@ -8,7 +8,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-use whyroad_dataset::verify::verify_with;
+use whyroad_dataset::verify::{UNCOMPARED, Verified, verify_with};
 use whyroad_engine::label_drives::LabelDrives;
 use whyroad_label::check::Recordings;
 use whyroad_lake::Lake;
@@ -30,7 +30,7 @@ pub(crate) struct Args {
 }
 
 pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
-    let (framework, _) = framework_folder::load(global)?;
+    let (framework, broken) = framework_folder::load(global)?;
     let recordings = match &a.lake {
         Some(dir) => {
             let lake = Lake::open(dir)
@@ -44,39 +44,70 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
         Ok(found) => found,
         Err(e) => return Ok(refused(global, &e)),
     };
-    let (samples, files, faults) = (found.samples, found.files, found.diagnostics.len());
+    let is_fault = |code: &str| code != UNCOMPARED;
+    let faults = found.diagnostics.iter().filter(|d| is_fault(d.code)).count();
+    let (samples, files, stated) = (found.samples, found.files, found.stated);
+    let (compared, uncompared) = (found.compared.map(|n| n[0]), found.compared.map(|n| n[1]));
     let (labels, drafts) = (found.labels, found.drafts);
     match a.format {
         DataFormat::Json => {
             let rows: Vec<_> = found.diagnostics.iter().map(|d| json_row(d, global.lang)).collect();
             let value = json!({
-                "samples": samples, "files": files, "labels": labels, "drafts": drafts, "diagnostics": rows,
+                "samples": samples, "samples_stated": stated, "files": files, "labels": labels, "drafts": drafts,
+                "near_duplicates_checked": found.near_duplicates, "labels_compared": compared, "labels_not_compared": uncompared, "diagnostics": rows,
             });
             output::put(&format!("{value:#}\n"));
         }
         DataFormat::Text => {
             print(global, &found.diagnostics);
-            output::put(&match global.lang {
-                Lang::Zh => {
-                    let drafts = match drafts {
-                        0 => String::new(),
-                        n => format!("；{n} 个草稿只检查了类别"),
-                    };
-                    format!(
-                        "{samples} 个样本，{files} 个文件，{labels} 个标签重新校验{drafts}；{faults} 个问题\n"
-                    )
-                }
-                Lang::En => {
-                    let drafts = match drafts {
-                        0 => String::new(),
-                        n => format!("; of {} only the class was checked", counted(n, "draft")),
-                    };
-                    format!(
-                        "{samples} samples, {files} files, {labels} labels checked again{drafts}; {faults} findings\n"
-                    )
-                }
-            });
+            output::put(&summary(&found, faults, global.lang));
         }
     }
-    Ok(if faults > 0 { output::FINDINGS } else { output::FINE })
+    let incomplete = framework_folder::is_incomplete(global, &broken);
+    Ok(match uncompared {
+        _ if faults > 0 || incomplete => output::FINDINGS,
+        Some(1..) => output::lost_input(),
+        _ => output::FINE,
+    })
+}
+
+/// The last line of the text.
+fn summary(found: &Verified, faults: usize, lang: Lang) -> String {
+    let Verified { samples, files, labels, drafts, stated, compared, near_duplicates, .. } = found;
+    let pick = |zh: String, en: String| if lang == Lang::Zh { zh } else { en };
+    let unread = match samples < stated {
+        true => pick(format!("（清单写 {stated} 个）"), format!(" read of {stated}")),
+        false => String::new(),
+    };
+    let compared = match compared {
+        Some([n, 0]) => pick(format!("，{n} 个与录制数据比对"), format!(", {n} compared with a recording")),
+        Some([n, not]) => pick(
+            format!("，{n} 个与录制数据比对，{not} 个未能比对"),
+            format!(", {n} compared with a recording, {not} not compared"),
+        ),
+        None => String::new(),
+    };
+    let drafts = match drafts {
+        0 => String::new(),
+        n => pick(
+            format!("；{n} 个草稿只检查了类别"),
+            format!("; of {} only the class was checked", counted(*n, "draft")),
+        ),
+    };
+    let near = match near_duplicates {
+        true => String::new(),
+        false => pick(
+            "；未检查近似重复（deduplicate.near: null）".to_owned(),
+            "; near-duplicates not checked (deduplicate.near: null)".to_owned(),
+        ),
+    };
+    pick(
+        format!(
+            "{samples} 个样本{unread}，{files} 个文件，{labels} 个标签重新校验{compared}{drafts}{near}；{faults} 个问题\n"
+        ),
+        format!(
+            "{samples} samples{unread}, {files} files, {labels} labels checked again{compared}{drafts}{near}; {faults} \
+             findings\n"
+        ),
+    )
 }

@@ -73,6 +73,7 @@ fn frozen(
         licences: &licences,
         lake,
         media: Media::new(lake.dir(), &[]),
+        spec_dir: out,
         out: &folder,
         queries: &|_, _| None,
         restart: true,

@@ -16,16 +16,16 @@ pub(super) struct Deleted {
     pub drives: usize,
     /// Of these, drives that were in the lake.
     pub lake_drives: usize,
-    /// Mined folders that were written again.
-    pub mined_folders: usize,
+    /// Mined folders that were written again; this and what follows is `None` where the place was not given.
+    pub mined_folders: Option<usize>,
     /// Episodes in them.
-    pub episodes: usize,
+    pub episodes: Option<usize>,
     /// Tasks in the store.
-    pub tasks: u64,
+    pub tasks: Option<u64>,
     /// Other rows in the store.
-    pub store_rows: u64,
+    pub store_rows: Option<u64>,
     /// Camera images outside the lake's own folder.
-    pub images: usize,
+    pub images: Option<usize>,
     /// Releases that hold a drive, by folder.
     pub releases: Vec<String>,
     /// Backups that hold a drive, by file.

@@ -95,7 +95,13 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     (counts.releases, counts.backups, counts.parts) = (releases, backups, parts);
 
     let images = outside_images(&lake, &args.media, &drives)?;
-    counts.images = images.len();
+    counts.images = (!args.media.is_empty()).then_some(images.len());
+    if store.is_some() {
+        (counts.tasks, counts.store_rows) = (Some(0), Some(0));
+    }
+    if !args.mined.is_empty() {
+        (counts.mined_folders, counts.episodes) = (Some(0), Some(0));
+    }
     let mut unknown = Vec::new();
     for id in &drives {
         let in_lake = lake.holds(id);
@@ -104,8 +110,8 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             None => deletion::DriveRows::default(),
         };
         counts.lake_drives += usize::from(in_lake);
-        counts.tasks += rows.tasks;
-        counts.store_rows += rows.other;
+        counts.tasks = counts.tasks.map(|n| n + rows.tasks);
+        counts.store_rows = counts.store_rows.map(|n| n + rows.other);
         if !in_lake && rows == deletion::DriveRows::default() {
             unknown.push(id);
         }
@@ -114,8 +120,8 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     for folder in &folders {
         let held = removal::held(folder, &drives)?;
         if held.drives > 0 {
-            counts.mined_folders += 1;
-            counts.episodes += held.episodes;
+            counts.mined_folders = counts.mined_folders.map(|n| n + 1);
+            counts.episodes = counts.episodes.map(|n| n + held.episodes);
             mined.extend(folder.coverage().map(|c| c.drives).unwrap_or_default());
         }
     }
@@ -277,18 +283,35 @@ fn text(c: &Deleted, not_found: &[String], dry_run: bool, lang: Lang) -> String 
         (Lang::En, true) => "would be deleted (nothing was changed):\n".to_owned(),
         (Lang::En, false) => "deleted:\n".to_owned(),
     };
-    let (drives, lake, folders, episodes) = (c.drives, c.lake_drives, c.mined_folders, c.episodes);
-    let (tasks, rows, images) = (c.tasks, c.store_rows, c.images);
-    out += &match lang {
-        Lang::Zh => format!(
-            "  {drives} 个行程，其中数据湖中 {lake} 个\n  {folders} 个挖掘结果文件夹中的 {episodes} 个事件\n  \
-             {tasks} 个任务，存储中其他 {rows} 行\n  数据湖以外的 {images} 张图片\n"
-        ),
-        Lang::En => format!(
-            "  {drives} drives, {lake} of them in the lake\n  {episodes} episodes in {folders} mined folders\n  \
-             {tasks} tasks and {rows} other rows of the store\n  {images} images outside the lake\n"
-        ),
+    let (drives, lake) = (c.drives, c.lake_drives);
+    let pick = |zh: String, en: String| if lang == Lang::Zh { zh } else { en };
+    let not_given = |zh: &str, en: &str, option: &str| {
+        pick(format!("{zh}：未检查（未给出 {option}）"), format!("{en}: not searched ({option} was not given)"))
     };
+    let lines = [
+        pick(format!("{drives} 个行程，其中数据湖中 {lake} 个"), format!("{drives} drives, {lake} of them in the lake")),
+        match (c.mined_folders, c.episodes) {
+            (Some(folders), Some(episodes)) => pick(
+                format!("{folders} 个挖掘结果文件夹中的 {episodes} 个事件"),
+                format!("{episodes} episodes in {folders} mined folders"),
+            ),
+            _ => not_given("挖掘结果", "mined folders", "--mined"),
+        },
+        match (c.tasks, c.store_rows) {
+            (Some(tasks), Some(rows)) => pick(
+                format!("{tasks} 个任务，存储中其他 {rows} 行"),
+                format!("{tasks} tasks and {rows} other rows of the store"),
+            ),
+            _ => not_given("标注服务的存储", "store of the labeling service", "--store"),
+        },
+        match c.images {
+            Some(images) => pick(format!("数据湖以外的 {images} 张图片"), format!("{images} images outside the lake")),
+            None => not_given("数据湖以外的图片", "images outside the lake", "--media"),
+        },
+    ];
+    for line in lines {
+        let _ = writeln!(out, "  {line}");
+    }
     let heads = match lang {
         Lang::Zh => [
             "仍包含这些行程的数据集（未改动）",
