@@ -73,6 +73,26 @@ pub struct Forms {
     pub no_side: Phrases,
     /// Any word for a maneuver to the side.
     pub lateral: Phrases,
+    /// Of what another component names: it has gone.
+    pub over: Phrases,
+    /// See `over`.
+    pub already: Phrases,
+    /// See `over`.
+    pub gone: Phrases,
+    /// The state before the keyframe.
+    pub as_before: Phrases,
+    /// The ego slows.
+    pub slows: Phrases,
+    /// Behind one of `slows`: a name.
+    pub slow_names: Phrases,
+    /// A clause that foresees begins with one.
+    pub if_so: Phrases,
+    /// See `if_so`.
+    pub then_so: Phrases,
+    /// A response of the ego.
+    pub responds: Phrases,
+    /// Words for a movement within the lane.
+    pub nudges: Phrases,
     /// What the ego has, is or can.
     pub stative: Phrases,
     /// A sentence that begins with one may be an order.
@@ -118,6 +138,16 @@ pub(super) struct RawForms {
     placed: Words,
     no_side: Words,
     lateral: Words,
+    over: Words,
+    already: Words,
+    gone: Words,
+    as_before: Words,
+    slows: Words,
+    slow_names: Words,
+    if_so: Words,
+    then_so: Words,
+    responds: Words,
+    nudges: Words,
     stative: Words,
     orders: Words,
     is: Words,
@@ -159,6 +189,16 @@ impl RawForms {
             placed: all(&self.placed),
             no_side: all(&self.no_side),
             lateral: all(&self.lateral),
+            over: all(&self.over),
+            already: all(&self.already),
+            gone: all(&self.gone),
+            as_before: all(&self.as_before),
+            slows: all(&self.slows),
+            slow_names: all(&self.slow_names),
+            if_so: all(&self.if_so),
+            then_so: all(&self.then_so),
+            responds: all(&self.responds),
+            nudges: all(&self.nudges),
             stative: all(&self.stative),
             orders: all(&self.orders),
             is: all(&self.is),

@@ -147,6 +147,59 @@ pub(super) fn aside_without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink)
     true
 }
 
+/// The label has no decision about the ego's speed, and the last clauses say that it slows. Returns true when they do.
+pub(super) fn slows_without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bool {
+    /// Clauses of a Chinese trace that are read.
+    const LAST: usize = 3;
+    let TextScope { label, texts, words, .. } = *scope;
+    let Some(text) = label.trace.get() else { return false };
+    if label.longitudinal != Slot::Absent || label.lateral == Slot::Broken || texts.trace.unchanged.is_some()
+    {
+        return false;
+    }
+    let forms = &words.forms;
+    let lower = text.to_ascii_lowercase();
+    let most = if is_latin(text) { DECIDING } else { LAST };
+    let found = last_clauses(&lower, most, forms).into_iter().find_map(|(at, clause)| {
+        let (a, b) = forms.slows.find(clause)?;
+        let (before, behind) = (&clause[..a], &clause[b..]);
+        let own = match is_latin(text) {
+            true => by_ego(before, forms),
+            false => {
+                let named = forms.not_others.iter().fold(before.to_owned(), |t, w| t.replace(w.as_str(), ""));
+                let of_other = named.contains(['车', '人', '它', '他', '她']);
+                let open = before.contains(['不', '没', '别', '无', '光', '用', '靠']);
+                !of_other && !open && !forms.slow_names.iter().any(|w| behind.starts_with(w.as_str()))
+            }
+        };
+        own.then_some((at + a, at + b))
+    });
+    let Some((start, end)) = found else { return false };
+    sink.report(Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(start, end), &|| {
+        let phrase = &text[start..end];
+        Words::new(
+            format!("因果描述说自车“{phrase}”，纵向决策却是“无决策变化”"),
+            format!("the trace says '{phrase}' about the ego, but the longitudinal decision is 'no change'"),
+        )
+        .hint("确有新决策时补上，否则改写因果描述", "add the decision if there was one, or rewrite the trace")
+    });
+    true
+}
+
+/// The last clause of a Chinese trace only foresees what would follow, and no clause of its sentence responds: "再照这个
+/// 速度开，就没地方停了". The trace states no decision.
+pub(super) fn foresees(text: &str, forms: &Forms) -> bool {
+    if is_latin(text) {
+        return false;
+    }
+    let (_, sentence) = last_sentence(text);
+    let all = clauses(sentence);
+    let Some(((_, last), rest)) = all.split_last() else { return false };
+    let begins = |c: &str| forms.if_so.iter().any(|w| c.trim_start().starts_with(w.as_str()));
+    let supposes = begins(last) || rest.last().is_some_and(|(_, c)| begins(c));
+    supposes && has(&forms.then_so, last) && !all.iter().any(|(_, c)| has(&forms.responds, c))
+}
+
 /// The label has a maneuver to the side, and no word of the last clauses can be about one.
 pub(super) fn says_no_side(scope: &TextScope<'_>) -> Option<TraceVerdict> {
     /// Clauses of a Chinese trace that are read.
@@ -155,21 +208,47 @@ pub(super) fn says_no_side(scope: &TextScope<'_>) -> Option<TraceVerdict> {
     let text = label.trace.get()?;
     let across = label.lateral.get().filter(|l| *l != Lateral::LaneKeeping)?;
     let lower = text.to_ascii_lowercase();
-    let lateral = &words.forms.lateral;
+    let forms = &words.forms;
+    let lateral = &forms.lateral;
     if lateral.is_empty() {
         return None;
     }
     let (start, said) = match is_latin(text) {
         true => {
             let (from, sentence) = last_sentence(&lower);
-            (from, has(lateral, sentence))
+            // "No need to touch the brakes": behind the decision.
+            let (_, before) = last_sentence(lower[..from].trim_end());
+            let denies = has(&forms.denied, sentence);
+            (from, has(lateral, sentence) || denies && has(lateral, before))
         }
         false => {
-            let last = last_clauses(&lower, LAST, &words.forms);
-            (last.first()?.0, last.iter().any(|(_, c)| has(lateral, c)))
+            let nudges = matches!(across, Lateral::InLaneNudge | Lateral::OutOfLaneNudge);
+            let list = if nudges { &forms.nudges } else { lateral };
+            let last = last_clauses(&lower, LAST, forms);
+            (last.first()?.0, last.iter().any(|(_, c)| has(list, c)))
         }
     };
     (!said).then(|| TraceVerdict::NotStated { label: across.id(), start, end: text.len() })
+}
+
+/// Bytes of the statement in the last clauses that the lane or the speed that is decided is the one of before.
+pub(in crate::check) fn as_before(scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, .. } = *scope;
+    let text = label.trace.get()?;
+    let speed = label.longitudinal.get() == Some(Longitudinal::SetSpeedTracking);
+    let lane = label.lateral.get() == Some(Lateral::LaneKeeping);
+    if !speed && !lane {
+        return None;
+    }
+    let lower = text.to_ascii_lowercase();
+    let forms = &words.forms;
+    let last = last_clauses(&lower, DECIDING, forms);
+    let all = |list: &[&str]| last.iter().any(|(_, c)| list.iter().any(|w| c.contains(w)));
+    let digits = is_latin(text) && last.iter().any(|(_, c)| c.contains(|c: char| c.is_ascii_digit()));
+    let of_speed = speed && (digits || all(&["speed", "pace", "速"]));
+    let of_lane = lane && all(&["lane", "middle", "centre", "center", "横向", "道", "居中", "方向"]);
+    let (at, (a, b)) = last.iter().find_map(|(at, c)| Some((*at, forms.as_before.find(c)?)))?;
+    (of_speed || of_lane).then_some((at + a, at + b))
 }
 
 /// The last sentence of an English trace describes something: it has a finite verb, the ego in it only has or is

@@ -239,6 +239,7 @@ pub(in crate::check) fn trace(
                     && (undecided::is_undecided(text, reading, texts, words, undecided::Strict::No)
                         || !reading.marked && last_action::describes_at_last(text, &words.forms)
                         || ego_at_last::describes(text, &words.forms)
+                        || ego_at_last::foresees(text, &words.forms)
                         || lateral.get().is_some_and(|d| says_no_side && is_about(&v, d)));
                 verdict(&v, text, names, read, sink);
             }
@@ -255,9 +256,11 @@ pub(in crate::check) fn trace(
             .iter()
             .any(|m| !m.by_other && m.force != Force::Negated && says_label(m, lexicon, label))
     };
-    if let (false, false, Some(id)) = (found, short, decision())
-        && !by_phrase()
-        && undecided::is_undecided(text, reading, texts, words, undecided::Strict::Yes)
+    let foresees = ego_at_last::foresees(text, &words.forms);
+    let decided = || longitudinal.get().map(|d| d.id()).or_else(|| lateral.get().map(|d| d.id()));
+    if let (false, false, Some(id)) = (found, short, if foresees { decided() } else { decision() })
+        && (!by_phrase() && undecided::is_undecided(text, reading, texts, words, undecided::Strict::Yes)
+            || foresees)
     {
         (found, none) = (true, true);
         let v = TraceVerdict::NotStated {
@@ -285,6 +288,7 @@ pub(in crate::check) fn trace(
     }
     found = found || last_action::without_decision(scope, sink);
     found = found || ego_at_last::aside_without_decision(scope, sink);
+    found = found || ego_at_last::slows_without_decision(scope, sink);
     let says = |m: &Mention| says_label(m, lexicon, label);
     found = found || sequel::second_action(scope, reading, class, names, &says, sink);
     // "Does not yield and turns left": the other channel is stated.
