@@ -53,6 +53,50 @@ pub struct Forms {
     pub changed: Phrases,
     /// Before a side: a movement to it.
     pub towards: Phrases,
+    /// The ego goes on as fast as it was, or faster, or past.
+    pub going: Phrases,
+    /// The ego slows.
+    pub slowing: Phrases,
+    /// Words that divide a sentence into clauses.
+    pub links: Phrases,
+    /// The ego, and what may stand between it and its verb.
+    pub of_ego: Phrases,
+    /// Before what is not done, or by somebody else.
+    pub not_of_ego: Phrases,
+    /// Movements of the ego to the side.
+    pub aside: Phrases,
+    /// Where they lead.
+    pub place: Phrases,
+    /// Between the two: where something is.
+    pub placed: Phrases,
+    /// After a side: it is none.
+    pub no_side: Phrases,
+    /// Any word for a maneuver to the side.
+    pub lateral: Phrases,
+    /// Of what another component names: it has gone.
+    pub over: Phrases,
+    /// See `over`.
+    pub already: Phrases,
+    /// See `over`.
+    pub gone: Phrases,
+    /// The state before the keyframe.
+    pub as_before: Phrases,
+    /// The ego slows.
+    pub slows: Phrases,
+    /// Behind one of `slows`: a name.
+    pub slow_names: Phrases,
+    /// A clause that foresees begins with one.
+    pub if_so: Phrases,
+    /// See `if_so`.
+    pub then_so: Phrases,
+    /// A response of the ego.
+    pub responds: Phrases,
+    /// Words for a movement within the lane.
+    pub nudges: Phrases,
+    /// What the ego has, is or can.
+    pub stative: Phrases,
+    /// A sentence that begins with one may be an order.
+    pub orders: Phrases,
     /// Finite verbs for how something is.
     pub is: Phrases,
     /// With one of these a sentence may be about the ego.
@@ -84,6 +128,28 @@ pub(super) struct RawForms {
     kept: Words,
     changed: Words,
     towards: Words,
+    going: Words,
+    slowing: Words,
+    links: Words,
+    of_ego: Words,
+    not_of_ego: Words,
+    aside: Words,
+    place: Words,
+    placed: Words,
+    no_side: Words,
+    lateral: Words,
+    over: Words,
+    already: Words,
+    gone: Words,
+    as_before: Words,
+    slows: Words,
+    slow_names: Words,
+    if_so: Words,
+    then_so: Words,
+    responds: Words,
+    nudges: Words,
+    stative: Words,
+    orders: Words,
     is: Words,
     controls: Words,
 }
@@ -113,6 +179,28 @@ impl RawForms {
             kept: all(&self.kept),
             changed: all(&self.changed),
             towards: all(&self.towards),
+            going: all(&self.going),
+            slowing: all(&self.slowing),
+            links: all(&self.links),
+            of_ego: all(&self.of_ego),
+            not_of_ego: all(&self.not_of_ego),
+            aside: all(&self.aside),
+            place: all(&self.place),
+            placed: all(&self.placed),
+            no_side: all(&self.no_side),
+            lateral: all(&self.lateral),
+            over: all(&self.over),
+            already: all(&self.already),
+            gone: all(&self.gone),
+            as_before: all(&self.as_before),
+            slows: all(&self.slows),
+            slow_names: all(&self.slow_names),
+            if_so: all(&self.if_so),
+            then_so: all(&self.then_so),
+            responds: all(&self.responds),
+            nudges: all(&self.nudges),
+            stative: all(&self.stative),
+            orders: all(&self.orders),
             is: all(&self.is),
             controls: all(&self.controls),
         }

@@ -3,6 +3,7 @@
 pub(super) mod circular;
 mod disowned;
 pub(super) mod far_reason;
+mod flipped;
 mod grounds;
 pub(super) mod links;
 pub(super) mod nobody;

@@ -2,6 +2,7 @@
 
 mod attributes;
 pub(super) mod duplicates;
+mod ego_at_last;
 mod given;
 pub(super) mod last_action;
 mod meaning;

@@ -25,15 +25,20 @@ pub(in crate::check) fn ordinary(scope: &TextScope<'_>, sink: &mut dyn Sink) -> 
             own.meets(causes.without(known.road).without(known.no_cause))
                 || own.meets(known.actor) && !is_few(text, n)
         };
-        words.forms.ordinary.find(&lower).is_some()
-            && facts.acts.is_empty()
+        facts.acts.is_empty()
             && facts.states.is_empty()
             && !facts.named.iter().any(|n| n.state.is_some() || cause(n))
             && words.forms.free.find(&lower).is_none()
             && !lower.contains('空')
     };
-    let mut parts = label.parts.iter().zip(&texts.components);
-    if !parts.all(|(c, f)| c.description.get().is_some_and(|t| is_ordinary(t, f))) {
+    // At least one says so, or names nothing of driving.
+    let says = |text: &str| words.forms.ordinary.find(&text.to_ascii_lowercase()).is_some();
+    let is_plain = |text: &str, facts: &TextFacts| says(text) || facts.words == 0 && !words.is_of_driving(text);
+    let parts = || label.parts.iter().zip(&texts.components);
+    // How a road is may be told in any words.
+    let all = !about.meets(known.condition) || parts().all(|(c, _)| c.description.get().is_some_and(says));
+    let any = all && parts().any(|(c, f)| c.description.get().is_some_and(|t| is_plain(t, f)));
+    if !any || !parts().all(|(c, f)| c.description.get().is_some_and(|t| is_ordinary(t, f))) {
         return false;
     }
     let at = if label.longitudinal.get().is_some() {

@@ -1,7 +1,7 @@
 //! Texts against what could be known (LABELING.md 3, 6 and 7): no hindsight, no circular reason, a reason for
 //! UNOBSERVED, the proximate cause, and a cause of a kind that the decision can have.
 
-use super::{disowned, grounds};
+use super::{disowned, flipped, grounds};
 use crate::check::consistency::trace::Reading;
 use crate::check::consistency::trace_rules;
 use crate::check::overlap;
@@ -376,9 +376,8 @@ pub(in crate::check) fn denied(scope: &TextScope<'_>, reading: &Reading, sink: &
     let clauses = || (stays && restricts).then(|| grounds::against(scope, reading)).flatten();
     let route = || (!stays).then(|| grounds::route_denied(scope)).flatten();
     let missing = || grounds::sign_is_missing(scope);
-    let Some((start, end)) =
-        by_itself().or_else(|| disowned::disowned(scope)).or_else(clauses).or_else(missing).or_else(route)
-    else {
+    let found = by_itself().or_else(|| disowned::disowned(scope)).or_else(clauses).or_else(missing);
+    let Some((start, end)) = found.or_else(route).or_else(|| flipped::flipped(scope)) else {
         return false;
     };
     sink.report(Finding::warning("label.trace.contradicts", pointer::COC_TRACE).part(start, end), &|| {

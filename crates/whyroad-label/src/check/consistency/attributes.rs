@@ -31,7 +31,16 @@ pub(super) fn other_length(scope: &TextScope<'_>) -> Option<(usize, usize)> {
 pub(super) fn other_number(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     const MOST_RATIO: f64 = 3.0;
     let TextScope { label, words, .. } = *scope;
-    let all = |text: &str| words.quantities.all(text, &words.subjects.counters);
+    // The same number twice is one.
+    let all = |text: &str| {
+        let mut out: Vec<Quantity> = Vec::new();
+        for q in words.quantities.all(text, &words.subjects.counters) {
+            if !out.iter().any(|o| o.value == q.value && o.is_about(&q)) {
+                out.push(q);
+            }
+        }
+        out
+    };
     let said = all(label.trace.get()?);
     let given: Vec<Quantity> = label.parts.iter().filter_map(|c| c.description.get()).flat_map(all).collect();
     let unknown = |q: &&Quantity, all: &[Quantity]| !all.iter().any(|o| o.is_about(q));

@@ -268,9 +268,23 @@ impl<'a> Given<'a> {
                 && !self
                     .parts()
                     .filter_map(|(t, f)| Some((t?, f)))
-                    .any(|(t, f)| !f.named.iter().any(|m| has_kind(t, m)) && subject::is_unread(t, f, words))
+                    .any(|(t, f)| {
+                        !f.named.iter().any(|m| has_kind(t, m))
+                            && introduces(t, words)
+                            && subject::is_unread(t, f, words)
+                    })
         })
     }
+}
+
+/// A component presents something: "a kid on a scooter", "有个骑手". "He has not looked our way" and "AEB已触发" do not.
+fn introduces(text: &str, words: &LabelWords) -> bool {
+    let lower = text.to_ascii_lowercase();
+    let mut all = lower.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty());
+    let counted = text.char_indices().any(|(at, c)| {
+        words.subjects.counters.contains(c) && text[..at].ends_with(['一', '有', '两', '几', '二', '三', '那', '这'])
+    });
+    counted || all.any(|w| ["a", "an", "two", "some", "several", "another"].contains(&w))
 }
 
 /// The color of a car that is part of its name: "蓝车".

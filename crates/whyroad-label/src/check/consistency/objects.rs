@@ -66,6 +66,18 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
         .trace
         .unobserved
         .map(|(a, b)| words.clauses.around(&texts.units, a..b, text.len(), &|d| d == Divider::Sentence));
+    // "A car's length short", "wide enough for a car of our size".
+    let measures = |n: &Named| {
+        let behind = text[n.end..].trim_start_matches("'s").trim_start();
+        let measure = ["length", "width", "of our size", "like ours", "of this size", "of its size"];
+        measure.iter().any(|w| behind.starts_with(w))
+    };
+    // "A driver may misjudge us": it need not be there.
+    let may_be = |n: &Named| {
+        let behind = &text[n.end..];
+        let clause = behind.find([',', ';', '.']).map_or(behind, |i| &behind[..i]);
+        clause.split(' ').take(6).any(|w| ["may", "might", "could"].contains(&w))
+    };
     let is_of_unobserved = |n: &Named| unobserved.is_some_and(|(a, b)| (a..b).contains(&n.start));
     let is_new = |n: &&Named| {
         is_new(n)
@@ -75,6 +87,8 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
             && !describes(n)
             && !is_beside(n)
             && !is_of_unobserved(n)
+            && !measures(n)
+            && !may_be(n)
             && !subject::is_no_noun(text, n.start, n.end, words)
             && is_presented(text, n, texts, words)
     };

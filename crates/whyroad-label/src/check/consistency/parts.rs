@@ -31,7 +31,8 @@ pub(in crate::check) fn against_decision(scope: &TextScope<'_>, sink: &mut dyn S
             .or_else(|| against_another(i, t, f, scope))
             .or_else(|| nothing_to_respond_to(t, scope))
             .or_else(|| route_refuses(t, f, scope))
-            .or_else(|| side_is_taken(i, t, f, scope))?;
+            .or_else(|| side_is_taken(i, t, f, scope))
+            .or_else(|| is_over(i, t, scope))?;
         Some((i, t, at))
     });
     let Some((index, text, (start, end))) = found else { return false };
@@ -166,6 +167,58 @@ fn place_is_free(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usi
             && shared as f64 >= SHARED.1 * place.len() as f64
             && filled(f)
     });
+    same.then_some((start, end))
+}
+
+/// Bytes of the statement that what another component names has gone: "the pickup has just left the road". Not of what
+/// the component introduces, and not where the ego starts or goes on.
+fn is_over(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    let TextScope { label, words, .. } = *scope;
+    let responds = matches!(
+        label.longitudinal.get(),
+        Some(
+            Longitudinal::YieldToAgent
+                | Longitudinal::StopForObstacle
+                | Longitudinal::StopForRegulation
+                | Longitudinal::LeadFollowing
+        )
+    ) || matches!(
+        label.lateral.get(),
+        Some(Lateral::LaneChange | Lateral::InLaneNudge | Lateral::OutOfLaneNudge | Lateral::ManeuverAbort)
+    );
+    if !responds {
+        return None;
+    }
+    let lower = text.to_ascii_lowercase();
+    let forms = &words.forms;
+    let gone = || {
+        let clause = |from: usize| lower[from..].find(['，', '；', '。']).map_or(lower.len(), |i| from + i);
+        forms.already.everywhere(&lower).find_map(|(at, w)| {
+            let from = at + w.len();
+            let (a, b) = forms.gone.find(&lower[from..clause(from)])?;
+            (lower[from..from + a].chars().count() <= 6).then_some((at, from + b))
+        })
+    };
+    let (start, end) = forms.over.find(&lower).or_else(|| gone().filter(|_| !text.is_ascii()))?;
+    let mut others = label.parts.iter().filter(|c| c.index != index).filter_map(|c| c.description.get());
+    let before = &lower[..start];
+    let same = if text.is_ascii() {
+        const NEW: [&str; 4] = ["a", "an", "another", "one"];
+        let all: Vec<&str> = before.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty()).collect();
+        let last = all.iter().rev().find(|w| w.len() > 2).map(|w| w.trim_end_matches('s'))?;
+        let has = |t: &str| {
+            let t = t.to_ascii_lowercase();
+            t.split(|c: char| !c.is_ascii_alphabetic()).any(|w| w.trim_end_matches('s') == last)
+        };
+        !all.iter().any(|w| NEW.contains(w)) && others.any(has)
+    } else {
+        let chars: Vec<char> = before.chars().filter(|c| c.is_alphanumeric()).collect();
+        let pairs: Vec<String> = chars.windows(2).map(|w| w.iter().collect()).collect();
+        // "Its front wheel has turned into our lane".
+        let of_part = before.ends_with(['轮', '头', '尾', '身']);
+        let comes = ["我", "自车", "本车"].iter().any(|w| lower[end..].starts_with(w));
+        !of_part && !comes && others.any(|t| pairs.iter().any(|p| t.contains(p.as_str())))
+    };
     same.then_some((start, end))
 }
 
@@ -365,8 +418,11 @@ fn against_another(
     let is_there = |n: &Named| facts.there().any(|m| m.group == n.group);
     // "A junction without lights": the kind of the thing.
     let is_kind = |n: &Named| text[n.end..].starts_with('的');
+    // The side to which the ego goes may be free of it.
+    let goes_there = label.direction.get().is_some() && words.subjects.speaks_of_side(text);
     let missing = |n: &&Named| {
-        n.absent && own(n).meets(bad) && !is_kind(n) && !is_there(n) && others().any(|m| m.group == n.group)
+        let elsewhere = || others().any(|m| m.group == n.group);
+        n.absent && own(n).meets(bad) && !goes_there && !is_kind(n) && !is_there(n) && elsewhere()
     };
     if let Some(n) = facts.named.iter().find(missing) {
         return Some((n.start, n.end));

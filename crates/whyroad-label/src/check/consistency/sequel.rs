@@ -84,6 +84,8 @@ fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink)
         let before = &lower[from..*at];
         // "A van that has its hazards on".
         let is_kind = text[*at + w.len()..].starts_with('的');
+        // "Sounding the horn would only scare them": what it would do.
+        let is_topic = text[*at + w.len()..].starts_with(['也', '反', '又', '怕', '会', '就', '更', '只', '没', '不', '都', '是']);
         // "In passing it also shifts a little to the left": the label's decision.
         let to = words.clauses.clause_end(&texts.units, *at + w.len(), text.len());
         let only_adds = ["顺", "捎", "on the side", "while "].iter().any(|a| w.starts_with(a));
@@ -98,7 +100,7 @@ fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink)
             stem.is_some() || label.lateral.get().is_some() && side.iter().any(|s| rest.contains(s))
         };
         let own = only_adds && decided(rest);
-        *at >= begin && !other && !is_kind && !own && !denied.iter().any(|d| before.contains(d))
+        *at >= begin && !other && !is_kind && !is_topic && !own && !denied.iter().any(|d| before.contains(d))
     };
     let Some((start, word)) = all.into_iter().find(of_ego) else { return false };
     sink.report(

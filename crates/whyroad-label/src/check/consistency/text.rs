@@ -1,6 +1,7 @@
 //! Texts against each other and against the class: a trace that is unrelated to its components, a decision that
 //! continues as before, and words that belong to another class.
 
+use crate::check::consistency::ego_at_last;
 use crate::check::consistency::trace::{Force, Mention, Reading};
 use crate::check::consistency::trace_rules;
 use crate::check::overlap;
@@ -327,7 +328,7 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let as_before = if beside { course() } else { None };
     let kept = as_before.or_else(|| keeps_lane.then(|| kept_course(scope)).flatten());
     let (Some((start, end)), Some(text)) =
-        (texts.trace.unchanged.filter(|_| stops).or(kept), label.trace.get())
+        (texts.trace.unchanged.filter(|_| stops).or(kept).or_else(|| ego_at_last::as_before(scope)), label.trace.get())
     else {
         return;
     };

@@ -1,5 +1,6 @@
 //! Rules of the trace text (LABELING.md 7): its form, and its agreement with the decisions.
 
+use crate::check::consistency::ego_at_last;
 use crate::check::consistency::last_action;
 use crate::check::consistency::sequel;
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
@@ -146,6 +147,11 @@ pub(in crate::check) fn trace(
     }
     let (longitudinal, lateral) = (label.longitudinal, label.lateral);
     let (mut none, mut found) = (false, false);
+    let no_side = ego_at_last::says_no_side(scope);
+    let says_no_side = no_side.is_some();
+    let is_about =
+        |v: &TraceVerdict, d: Lateral| matches!(v, TraceVerdict::NotStated { label, .. } if *label == d.id());
+    let going = ego_at_last::goes_on(scope);
     judge(reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
         // An unreadable decision is not a null decision: its channel is not judged.
         let unreadable = match &v {
@@ -200,6 +206,8 @@ pub(in crate::check) fn trace(
                                 v = other;
                             } else if let Some((start, end)) = keeps() {
                                 v = TraceVerdict::Against { label: decision, start, end };
+                            } else if let Some(other) = going.clone() {
+                                v = other;
                             }
                         }
                     }
@@ -229,7 +237,10 @@ pub(in crate::check) fn trace(
             if !(not_stated && seen.length < limits.too_short_below / 2) {
                 let read = not_stated
                     && (undecided::is_undecided(text, reading, texts, words, undecided::Strict::No)
-                        || !reading.marked && last_action::describes_at_last(text, &words.forms));
+                        || !reading.marked && last_action::describes_at_last(text, &words.forms)
+                        || ego_at_last::describes(text, &words.forms)
+                        || ego_at_last::foresees(text, &words.forms)
+                        || lateral.get().is_some_and(|d| says_no_side && is_about(&v, d)));
                 verdict(&v, text, names, read, sink);
             }
         }
@@ -245,9 +256,11 @@ pub(in crate::check) fn trace(
             .iter()
             .any(|m| !m.by_other && m.force != Force::Negated && says_label(m, lexicon, label))
     };
-    if let (false, false, Some(id)) = (found, short, decision())
-        && !by_phrase()
-        && undecided::is_undecided(text, reading, texts, words, undecided::Strict::Yes)
+    let foresees = ego_at_last::foresees(text, &words.forms);
+    let decided = || longitudinal.get().map(|d| d.id()).or_else(|| lateral.get().map(|d| d.id()));
+    if let (false, false, Some(id)) = (found, short, if foresees { decided() } else { decision() })
+        && (!by_phrase() && undecided::is_undecided(text, reading, texts, words, undecided::Strict::Yes)
+            || foresees)
     {
         (found, none) = (true, true);
         let v = TraceVerdict::NotStated {
@@ -265,7 +278,17 @@ pub(in crate::check) fn trace(
         found = true;
         verdict(&v, text, names, false, sink);
     }
+    if let (false, Some(v)) = (found, going) {
+        found = true;
+        verdict(&v, text, names, false, sink);
+    }
+    if let (false, Some(v)) = (found, no_side) {
+        (found, none) = (true, true);
+        verdict(&v, text, names, true, sink);
+    }
     found = found || last_action::without_decision(scope, sink);
+    found = found || ego_at_last::aside_without_decision(scope, sink);
+    found = found || ego_at_last::slows_without_decision(scope, sink);
     let says = |m: &Mention| says_label(m, lexicon, label);
     found = found || sequel::second_action(scope, reading, class, names, &says, sink);
     // "Does not yield and turns left": the other channel is stated.

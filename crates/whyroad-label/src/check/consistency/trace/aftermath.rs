@@ -111,7 +111,13 @@ pub(in crate::check::consistency) fn find(
         if clause.len() > LONGEST_CLAUSE {
             break;
         }
+        // "It was standing at the stop, but its indicator is on now": before the keyframe.
+        let until_now = || {
+            let (_, until) = words.clauses.around(&texts.units, start..end, text.len(), &|d| d == Divider::Sentence);
+            text.is_ascii() && until > end && words.aftermath.is_now(&text[end..until])
+        };
         match told(clause, start, texts, words, own_decision, in_past) {
+            Told::Event(_, _, false) if until_now() => {}
             Told::Event(from, to, sure) if !because && (sure || last.max(at_last) < end) => {
                 return Some((start + from, start + to));
             }
