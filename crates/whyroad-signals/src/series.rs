@@ -159,11 +159,11 @@ mod tests {
 
     #[test]
     fn a_run_that_the_end_cuts_off_joins_only_one_that_is_alike() {
-        let times: Vec<f64> = (0..8).map(|i| f64::from(i) * 0.1).collect();
-        let runs = [Some(1), Some(1), Some(1), Some(9), None, Some(1), Some(1), Some(3)];
+        let times: Vec<f64> = (0..9).map(|i| f64::from(i) * 0.1).collect();
+        let runs = [Some(1), Some(1), Some(1), Some(9), None, Some(1), Some(1), Some(1), Some(3)];
         let alike = |a: i32, b: i32| (a - b).abs() <= 2;
         let mut v = runs;
         absorb_short_runs(&times, &mut v, 0.3, alike);
-        assert_eq!(v, [Some(1), Some(1), Some(1), Some(9), None, Some(1), Some(1), Some(1)]);
+        assert_eq!(v, [Some(1), Some(1), Some(1), Some(9), None, Some(1), Some(1), Some(1), Some(1)]);
     }
 }

@@ -137,7 +137,7 @@ fn a_turn_whose_side_no_component_names_has_a_cause_that_was_not_observed() {
         assert!(label.driving_decision.longitudinal.is_some());
         label.causes.unwrap().lateral.unwrap()
     };
-    let unnamed = drafted("自车已到路口");
+    let unnamed = drafted("已经行至一处路口");
     assert!(unnamed.components.is_empty() && unnamed.unobserved.is_some());
     assert_eq!(drafted("自车已经行至路口，要向左转").components, ["c1"]);
 }

@@ -155,7 +155,7 @@ fn a_junction_is_not_ahead_of_who_is_in_it() {
         assert!(label.coc_trace.contains(said) && !label.coc_trace.contains(unsaid), "{}", label.coc_trace);
         let straight = draft_of("proactive.turn.straight", |s| flag(s, "ego.in_junction", inside)).label;
         assert_eq!(straight.coc_trace.contains("已经驶入路口"), inside, "{}", straight.coc_trace);
-        assert_eq!(straight.coc_trace.contains("自车已到路口"), !inside, "{}", straight.coc_trace);
+        assert_eq!(straight.coc_trace.contains("行至一处路口"), !inside, "{}", straight.coc_trace);
     }
 }
 
