@@ -44,7 +44,7 @@ const PHRASES: &[(&str, &str)] = &[
     // CSV and JSON parsers.
     (
         "CSV error: record {} (line: {}, byte: {}): found record with {} fields, but the previous record has {} fields",
-        "CSV 第 {} 条记录（第 {} 行，第 {} 字节）：有 {4} 个字段，而前一条记录有 {5} 个",
+        "CSV 第 {} 条记录（第 {} 行，第 {} 字节）：有 {3} 个字段，而前一条记录有 {4} 个",
     ),
     ("CSV parse error: record {} (line {}, field: {}, byte: {}): {}", "CSV 第 {} 条记录（第 {} 行，字段 {}，第 {} 字节）：{}"),
     ("CSV error: {}", "CSV 错误：{}"),
@@ -135,7 +135,6 @@ const PHRASES: &[(&str, &str)] = &[
     ("a crosswalk", "人行横道"),
     ("an area", "区域"),
     ("a sign", "标志"),
-    ("{} without {}", "{} 没有 {}"),
     ("a second track {}", "轨迹 {} 出现第二次"),
     ("a repeated or backward time step", "时间步重复或倒退"),
     ("object '{}' is missing", "缺少对象 '{}'"),
@@ -158,6 +157,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("right", "右"),
     ("lane '{}' has fewer than two points", "车道 '{}' 少于两个点"),
     // Places in a file, last: they fit almost anything.
+    ("{} without {}", "{} 没有 {}"),
     ("row {}, track {}: {}", "第 {} 行，轨迹 {}：{}"),
     ("row {}: {}", "第 {} 行：{}"),
     ("row {}", "第 {} 行"),
