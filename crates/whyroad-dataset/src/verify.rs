@@ -139,7 +139,7 @@ pub fn verify_with(
                     continue;
                 }
             };
-            // While the drive is at hand: one after the other, the samples of a drive are seldom together.
+            // Right after the label's check, while its drive is still kept in memory.
             let recorded = |s: &Sample| Some(recordings.as_ref()?.of_clip(&s.lineage.clip_id).is_some());
             let checked: Vec<(Option<String>, Option<bool>)> =
                 samples.par_iter().map(|s| (stale(s, &checker), recorded(s))).collect();

@@ -302,7 +302,7 @@ fn the_splits_of_an_earlier_release_are_kept() {
     let plans: Vec<_> =
         (0..12).map(|i| plan(&format!("d{i}"), f64::from(i) * 200.0, 5.0 + 2.0 * f64::from(i))).collect();
     let mut fleet = Fleet::new(&plans[..6]);
-    fleet.spec_text = format!("{shares}}}\n");
+    fleet.spec_text = format!("{shares}}}\ndeduplicate: {{near: null}}\n");
     fleet.build(&fleet.out("first")).unwrap();
     let split_of = |name: &str| -> BTreeMap<String, String> {
         let all = samples(&Release::open(fleet.out(name)).unwrap());
@@ -313,8 +313,7 @@ fn the_splits_of_an_earlier_release_are_kept() {
         all.into_iter().map(|s| (s.lineage.drive_id, s.split)).collect()
     };
     let (first, drives) = (split_of("first"), drive_of("first"));
-    // Six drives more; `near` drives 2 m beside d0, and `between` is in the session of a drive of one split and beside
-    // a drive of another.
+    // Six drives more; `near` drives 2 m beside d0.
     let mut more = Fleet::new(&plans);
     let mut near = plan("near", plans[0].street_m + 2.0, plans[0].speed_mps);
     near.session = Some("new".into());
@@ -339,27 +338,21 @@ fn the_splits_of_an_earlier_release_are_kept() {
     let card = std::fs::read_to_string(more.out("second/README.md")).unwrap();
     assert!(card.contains(&kept.manifest_sha256), "the card states which release");
 
-    // A drive 2 m beside one of training whose session is that of one of another split cannot be in either.
-    let train = drives.iter().find(|(_, s)| *s == "train").map(|(d, _)| d.clone()).unwrap();
-    let beside = plans.iter().find(|p| p.id == train).unwrap();
-    let other = drives.iter().find(|(_, s)| *s != "train").map(|(d, _)| d.clone()).unwrap();
-    let other = plans.iter().find(|p| p.id == other).unwrap();
-    let bridge = plan("bridge", (beside.street_m + other.street_m) / 2.0, 9.0);
+    // A drive half-way between two streets of different splits, 100 m from each, where 150 m are one place.
+    let split = |i: usize| &drives[&format!("d{i}")];
+    let i = (0..5).find(|&i| split(i) != split(i + 1)).unwrap();
+    let bridge = plan("bridge", plans[i].street_m + 100.0, 9.0);
     let mut joined = Fleet::new(&plans[..6]);
     joined.lake.write_drive(&crate::fleet::drive(&bridge)).unwrap();
     joined.labels += &format!("{}\n", label(&bridge, 5.0, "slow"));
     joined.spec_text = format!(
-        "split: {{train: 0.5, val: 0.25, test: 0.25, min_distance_m: 150, by: [drive, place], keep: {}}}\n\
-         deduplicate: {{near: null}}\n",
+        "{shares}, min_distance_m: 150, by: [drive, place], keep: {}}}\ndeduplicate: {{near: null}}\n",
         fleet.out("first").display()
     );
-    let distance = (beside.street_m - other.street_m).abs() / 2.0;
-    if distance < 140.0 {
-        let built = joined.build(&joined.out("r")).unwrap();
-        let kept = built.manifest.split.kept.unwrap();
-        assert_eq!((kept.between, built.manifest.counts.dropped["3-split"]["between_kept"]), (1, 1));
-        assert!(built.diagnostics.iter().any(|d| d.code == "dataset.split.keep"));
-    }
+    let built = joined.build(&joined.out("r")).unwrap();
+    let kept = built.manifest.split.kept.unwrap();
+    assert_eq!((kept.between, built.manifest.counts.dropped["3-split"]["between_kept"]), (1, 1));
+    assert!(built.diagnostics.iter().any(|d| d.code == "dataset.split.keep"));
     // Groups that join splits of the earlier release are an error: nothing can hold them.
     joined.spec_text = format!("split: {{by: [date], keep: {}}}\n", fleet.out("first").display());
     let refused = joined.build(&joined.out("torn")).unwrap_err();

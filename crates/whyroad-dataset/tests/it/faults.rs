@@ -195,8 +195,8 @@ fn invalid_lines_are_dropped_with_their_reason() {
 /// Unknown is not fine: a lake without the drives says nothing about the labels.
 #[test]
 fn labels_without_a_recording_are_counted_as_not_compared() {
-    struct None1;
-    impl whyroad_label::check::Recordings for None1 {
+    struct Nothing;
+    impl whyroad_label::check::Recordings for Nothing {
         fn of_clip(&self, _: &str) -> Option<std::sync::Arc<whyroad_label::check::Recorded>> {
             None
         }
@@ -204,7 +204,7 @@ fn labels_without_a_recording_are_counted_as_not_compared() {
     let fleet = Fleet::town();
     fleet.build(&fleet.out("r")).unwrap();
     let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
-    let none = std::sync::Arc::new(None1);
+    let none = std::sync::Arc::new(Nothing);
     let checked = whyroad_dataset::verify::verify_with;
     let found = checked(&fleet.out("r"), Framework::bundled(), &table, Some(none)).unwrap();
     assert_eq!((found.labels, found.compared), (16, Some([0, 16])));
