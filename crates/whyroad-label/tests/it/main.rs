@@ -6,5 +6,6 @@ mod corpus;
 mod counterfactual;
 mod facts;
 mod hindsight;
+mod last_clauses;
 mod near_causes;
 mod recording;

@@ -7,6 +7,8 @@ use std::collections::BTreeSet;
 
 /// Words before a word of a component within which a negation is about it.
 const NEAR: usize = 3;
+/// Maximum words of a clause that is read.
+const LONGEST: usize = 60;
 /// Nothing is compared by these.
 const EMPTY: [&str; 44] = [
     "a", "an", "the", "is", "are", "was", "be", "been", "being", "has", "have", "had", "to", "of", "in", "on",
@@ -60,7 +62,8 @@ pub(super) fn flipped(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let text = scope.label.trace.get()?;
     let lower = text.to_ascii_lowercase();
     let until = last_sentence(&lower).0;
-    if until == 0 || !lower[..until].is_ascii() {
+    let denies_some = ["n't ", " not ", " no "].iter().any(|w| lower[..until].contains(w));
+    if !denies_some || !lower[..until].is_ascii() {
         return None;
     }
     let (mut stated, mut denied, mut all) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
@@ -77,7 +80,8 @@ pub(super) fn flipped(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     let mut from = 0;
     for clause in lower[..until].split_inclusive([',', ';', ':', '.', '!', '?']) {
         let own = words(clause);
-        for (i, (word, ..)) in own.iter().enumerate().filter(|(_, w)| counts(w.0)) {
+        let read = if own.len() > LONGEST { 0 } else { own.len() };
+        for (i, (word, ..)) in own[..read].iter().enumerate().filter(|(_, w)| counts(w.0)) {
             let Some(negation) = negation_before(&own, i) else {
                 asserted.insert(stem(word));
                 continue;

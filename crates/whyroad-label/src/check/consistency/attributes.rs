@@ -30,12 +30,14 @@ pub(super) fn other_length(scope: &TextScope<'_>) -> Option<(usize, usize)> {
 /// one: the one replaces the other. A number that is more than three times the other one describes something else.
 pub(super) fn other_number(scope: &TextScope<'_>) -> Option<(usize, usize)> {
     const MOST_RATIO: f64 = 3.0;
+    /// Numbers among which the same is looked for.
+    const MOST: usize = 64;
     let TextScope { label, words, .. } = *scope;
     // The same number twice is one.
     let all = |text: &str| {
         let mut out: Vec<Quantity> = Vec::new();
         for q in words.quantities.all(text, &words.subjects.counters) {
-            if !out.iter().any(|o| o.value == q.value && o.is_about(&q)) {
+            if out.len() > MOST || !out.iter().any(|o| o.value == q.value && o.is_about(&q)) {
                 out.push(q);
             }
         }

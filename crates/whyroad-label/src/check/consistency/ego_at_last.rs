@@ -4,7 +4,9 @@
 
 use crate::check::consistency::last_action::{clauses, last_sentence};
 use crate::check::consistency::trace::TraceVerdict;
-use crate::check::texts::TextScope;
+use crate::check::reading::Named;
+use crate::check::texts::{TextScope, Texts};
+use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::label_words::Forms;
 use whyroad_framework::phrases::Phrases;
@@ -105,15 +107,21 @@ pub(super) fn goes_on(scope: &TextScope<'_>) -> Option<TraceVerdict> {
 }
 
 /// Bytes of a movement to the side in the last clauses.
-fn moves_aside(text: &str, forms: &Forms) -> Option<(usize, usize)> {
+fn moves_aside(text: &str, texts: &Texts, words: &LabelWords) -> Option<(usize, usize)> {
+    let forms = &words.forms;
     let lower = text.to_ascii_lowercase();
+    let acts = |n: &&Named| words.objects[n.group].own.meets(words.known.actor);
     last_clauses(&lower, DECIDING, forms).into_iter().find_map(|(at, clause)| {
         let (a, b) = forms.aside.find(clause)?;
         let before = &clause[..a];
         if !is_latin(text) {
             let of_somebody = before.contains(['让', '它', '他', '她', '等', '不', '没', '别', '能', '来'])
-                || clause[b..].contains('来');
-            return (!of_somebody).then_some((at + a, at + b));
+                || clause[b..].contains('来')
+                || texts.trace.named.iter().filter(acts).any(|n| (at..at + a).contains(&n.start));
+            // "From the left": the ego only where nobody is named before it.
+            let begins = |w: &String| !w.is_ascii() && before.ends_with(w.as_str());
+            let from = clause[a..].starts_with('从') && !before.trim().is_empty() && !forms.begins.iter().any(begins);
+            return (!of_somebody && !from).then_some((at + a, at + b));
         }
         let behind = &clause[b..];
         let (p, q) = forms.place.find(behind)?;
@@ -135,7 +143,7 @@ pub(super) fn aside_without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink)
     {
         return false;
     }
-    let Some((start, end)) = moves_aside(text, &words.forms) else { return false };
+    let Some((start, end)) = moves_aside(text, texts, words) else { return false };
     sink.report(Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(start, end), &|| {
         let phrase = &text[start..end];
         Words::new(
@@ -186,8 +194,8 @@ pub(super) fn slows_without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink)
     true
 }
 
-/// The last clause of a Chinese trace only foresees what would follow, and no clause of its sentence responds: "再照这个
-/// 速度开，就没地方停了". The trace states no decision.
+/// The last clause of a Chinese trace only foresees what would follow, and no clause of its sentence responds:
+/// "再照这个速度开，就没地方停了". The trace states no decision.
 pub(super) fn foresees(text: &str, forms: &Forms) -> bool {
     if is_latin(text) {
         return false;

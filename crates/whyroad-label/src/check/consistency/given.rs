@@ -277,7 +277,8 @@ impl<'a> Given<'a> {
     }
 }
 
-/// A component presents something: "a kid on a scooter", "有个骑手". "He has not looked our way" and "AEB已触发" do not.
+/// A component presents something: "a kid on a scooter", "有个骑手". "He has not looked our way" and "AEB已触发" do
+/// not.
 fn introduces(text: &str, words: &LabelWords) -> bool {
     let lower = text.to_ascii_lowercase();
     let mut all = lower.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty());

@@ -74,9 +74,13 @@ pub(in crate::check) fn unnamed(scope: &TextScope<'_>, until: usize, said: Said,
     };
     // "A driver may misjudge us": it need not be there.
     let may_be = |n: &Named| {
-        let behind = &text[n.end..];
-        let clause = behind.find([',', ';', '.']).map_or(behind, |i| &behind[..i]);
-        clause.split(' ').take(6).any(|w| ["may", "might", "could"].contains(&w))
+        let mut clause = true;
+        let next = text[n.end..].split(' ').take(6).take_while(|w| {
+            let inside = clause;
+            clause &= !w.ends_with([',', ';', '.', ':']);
+            inside
+        });
+        text[n.start..n.end].is_ascii() && next.into_iter().any(|w| ["may", "might", "could"].contains(&w))
     };
     let is_of_unobserved = |n: &Named| unobserved.is_some_and(|(a, b)| (a..b).contains(&n.start));
     let is_new = |n: &&Named| {

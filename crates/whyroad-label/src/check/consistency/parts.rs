@@ -173,6 +173,10 @@ fn place_is_free(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usi
 /// Bytes of the statement that what another component names has gone: "the pickup has just left the road". Not of what
 /// the component introduces, and not where the ego starts or goes on.
 fn is_over(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usize, usize)> {
+    /// Characters between the word for what is done and the one for going.
+    const NEAR: usize = 9;
+    /// Characters before both that may name the thing.
+    const NAME: usize = 24;
     let TextScope { label, words, .. } = *scope;
     let responds = matches!(
         label.longitudinal.get(),
@@ -192,11 +196,12 @@ fn is_over(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usize, us
     let lower = text.to_ascii_lowercase();
     let forms = &words.forms;
     let gone = || {
-        let clause = |from: usize| lower[from..].find(['，', '；', '。']).map_or(lower.len(), |i| from + i);
         forms.already.everywhere(&lower).find_map(|(at, w)| {
             let from = at + w.len();
-            let (a, b) = forms.gone.find(&lower[from..clause(from)])?;
-            (lower[from..from + a].chars().count() <= 6).then_some((at, from + b))
+            // Some words on, in the clause.
+            let near = lower[from..].char_indices().take_while(|(_, c)| !"，；。".contains(*c)).take(NEAR);
+            let to = near.last().map_or(from, |(i, c)| from + i + c.len_utf8());
+            forms.gone.find(&lower[from..to]).map(|(_, b)| (at, from + b))
         })
     };
     let (start, end) = forms.over.find(&lower).or_else(|| gone().filter(|_| !text.is_ascii()))?;
@@ -212,7 +217,8 @@ fn is_over(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usize, us
         };
         !all.iter().any(|w| NEW.contains(w)) && others.any(has)
     } else {
-        let chars: Vec<char> = before.chars().filter(|c| c.is_alphanumeric()).collect();
+        let mut chars: Vec<char> = before.chars().rev().filter(|c| c.is_alphanumeric()).take(NAME).collect();
+        chars.reverse();
         let pairs: Vec<String> = chars.windows(2).map(|w| w.iter().collect()).collect();
         // "Its front wheel has turned into our lane".
         let of_part = before.ends_with(['轮', '头', '尾', '身']);
