@@ -76,8 +76,8 @@ mod tests {
         cells.iter().flat_map(|(pair, n)| std::iter::repeat_n(*pair, *n)).collect()
     }
 
-    /// docs/reference/service.md, *Workflow*: a label is submitted at the end of Stage II; before, and where the task was
-    /// skipped, there is none. Such a task is no broken line.
+    /// docs/reference/service.md, *Workflow*: a label is submitted at the end of Stage II; before, and where the task
+    /// was skipped, there is none. Such a task is no broken line.
     #[test]
     fn tasks_without_a_submission_are_counted_apart() {
         let task = |state: &str| serde_json::json!({ "task": { "id": "t", "state": state, "draft": {}, "history": [] } });

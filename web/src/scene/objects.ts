@@ -12,8 +12,8 @@ const ASIDE_M = 1.8;
 const BESIDE_M = 3;
 
 /**
- * Where an object is, `along` and `left` of the ego in m, as drafts of components say it: beside the ego where the boxes
- * overlap along its way, whose half lengths add up to `reach`.
+ * Where an object is, `along` and `left` of the ego in m, as drafts of components say it: beside the ego where the
+ * boxes overlap along its way, whose half lengths add up to `reach`.
  */
 export function bearingOf(along: number, left: number, reach: number): Bearing {
   const side = left > ASIDE_M ? "left" : left < -ASIDE_M ? "right" : null;

@@ -268,8 +268,8 @@ fn caps_thin_the_training_split_but_not_below_a_floor() {
     assert!((mean - 1.0).abs() < 1e-9);
 }
 
-/// docs/reference/release.md, stage 5: a cell is leaf x decisions x place; all drives are in the place `town`, at samples
-/// of two leaves with one decision, 8 and 4 of them in training.
+/// docs/reference/release.md, stage 5: a cell is leaf x decisions x place; all drives are in the place `town`, at
+/// samples of two leaves with one decision, 8 and 4 of them in training.
 #[test]
 fn cells_are_of_the_place_and_not_of_the_grid_of_the_split() {
     let mut fleet = Fleet::town();

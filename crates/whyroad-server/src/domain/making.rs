@@ -42,7 +42,8 @@ pub struct EpisodeTask {
     pub scenario: String,
     /// Id of the episode.
     pub episode: String,
-    /// The class of the task (an L3, or an L2 of unknown variant), if it is not that of the episode; required where no class explains the episode.
+    /// The class of the task (an L3, or an L2 of unknown variant), if it is not that of the episode; required where no
+    /// class explains the episode.
     #[serde(default)]
     pub as_class: Option<String>,
     /// Higher values come first.

@@ -52,8 +52,8 @@ pub struct TaskSummary {
     /// Seconds from the start of the drive to the keyframe; in lists, where the lake has the drive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keyframe_s: Option<f64>,
-    /// Where the window of a sample around the keyframe reaches beyond the drive; in Stage I only its history, but all of it in
-    /// lists of leads.
+    /// Where the window of a sample around the keyframe reaches beyond the drive; in Stage I only its history, but all
+    /// of it in lists of leads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub short_window: Option<ShortWindow>,
     /// The class that fits instead, as its annotator says; empty for one that they do not know.

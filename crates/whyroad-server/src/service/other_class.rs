@@ -27,7 +27,8 @@ pub fn class(framework: &Framework, id: &str) -> Answer<ScenarioId> {
     })
 }
 
-/// `episode` as one of the class `id`: an L3, or an L2 whose variant is not known. What the rule of another class found in it is left out.
+/// `episode` as one of the class `id`: an L3, or an L2 whose variant is not known. What the rule of another class found
+/// in it is left out.
 pub fn episode_as(framework: &Framework, episode: &EpisodeRecord, id: &str) -> Answer<EpisodeRecord> {
     let scenario_id = class(framework, id)?;
     let Some(spec) = create::spec_of(framework, &scenario_id) else {

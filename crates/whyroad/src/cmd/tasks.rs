@@ -289,7 +289,8 @@ fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
     Ok(output::FINE)
 }
 
-/// Tasks from lines of tasks, episodes or labels; labels become drafts, of episodes of `mined` where they are about one.
+/// Tasks from lines of tasks, episodes or labels; labels become drafts, of episodes of `mined` where they are about
+/// one.
 pub(crate) fn import_lines(
     global: &Global,
     store: &store_args::StoreArgs,
