@@ -55,7 +55,8 @@ pub(crate) fn inside(map: &RoadMap, may: &[bool]) -> BTreeSet<usize> {
             let arms = linked(lanes, &index, joint, against);
             let place = if against { lanes[joint].center.first() } else { lanes[joint].center.last() };
             let Some(&place) = place else { continue };
-            let passable = |&i: &usize| lanes[i].kind.is_driven_on() && !RAMPS.iter().any(|t| lanes[i].is_tagged(t));
+            let passable =
+                |&i: &usize| lanes[i].kind.is_driven_on() && !RAMPS.iter().any(|t| lanes[i].is_tagged(t));
             if arms.len() < 2 || !arms.iter().all(passable) || rings.iter().any(|ring| is_at(ring, place)) {
                 continue;
             }
@@ -70,7 +71,8 @@ pub(crate) fn inside(map: &RoadMap, may: &[bool]) -> BTreeSet<usize> {
                     continue;
                 }
                 let own = one.lanes[..=end].iter().copied().collect::<BTreeSet<_>>();
-                let covered = |i: usize| one.lanes[..=end].iter().filter(|&&l| l == i).count() as f64 * STEP_M;
+                let covered =
+                    |i: usize| one.lanes[..=end].iter().filter(|&&l| l == i).count() as f64 * STEP_M;
                 found.extend(
                     own.into_iter().filter(|&i| may[i] && covered(i) >= OWN_SHARE * length(&lanes[i].center)),
                 );
