@@ -99,9 +99,9 @@ fn parts_at(before: Nanos, after: Nanos) -> bool {
 pub fn division(times: &[Nanos]) -> Vec<FrameRange> {
     let mut starts = Vec::new();
     for (frame, time) in times.iter().enumerate() {
-        let begins = starts.last().is_none_or(|&start| {
-            frame - start == CLIP_FRAMES || parts_at(times[frame - 1], *time)
-        });
+        let begins = starts
+            .last()
+            .is_none_or(|&start| frame - start == CLIP_FRAMES || parts_at(times[frame - 1], *time));
         if begins {
             starts.push(frame);
         }
@@ -174,7 +174,10 @@ mod tests {
         assert_eq!(around(250, 450), (150, 350));
         // At the ends; a short drive.
         assert_eq!((around(30, 450), around(449, 450), around(80, 90)), ((0, 200), (250, 450), (0, 90)));
-        assert_eq!(ClipId::holding(&drive(), 410, &times(450)), (ClipId::of(&drive(), 2), FrameRange::new(400, 450)));
+        assert_eq!(
+            ClipId::holding(&drive(), 410, &times(450)),
+            (ClipId::of(&drive(), 2), FrameRange::new(400, 450))
+        );
         assert!(!ClipId::of(&drive(), 2).is_around_keyframe());
     }
 
@@ -191,7 +194,9 @@ mod tests {
             let (id, range) = ClipId::holding(&drive(), frame, &times);
             assert_eq!(((range.start, range.end), id.frames(&drive(), &times)), (expected, Some(range)));
         }
-        for (keyframe, expected) in [(290, (100, 300)), (305, (300, 450)), (300, (300, 450)), (299, (100, 300))] {
+        for (keyframe, expected) in
+            [(290, (100, 300)), (305, (300, 450)), (300, (300, 450)), (299, (100, 300))]
+        {
             let (id, range) = ClipId::around(&drive(), keyframe, &times);
             assert_eq!(((range.start, range.end), id.frames(&drive(), &times)), (expected, Some(range)));
         }

@@ -1,8 +1,6 @@
 //! Lanes of different arms that meet or part without crossing another: slip lanes, corners of streets, mouths of
 //! accesses. One of the two bends tightly beside the place where they meet, while the other leads elsewhere.
 //!
-//! Only the lane that bends is inside: the other one goes on, has its lines, and crosses nothing.
-//!
 //! What is no junction: lanes that bend together (a lane that ends or is added in a bend), ramps (their bends are wide,
 //! or end far from the merge), and the entries and exits of roundabouts.
 
@@ -32,6 +30,8 @@ const COURSE_STEPS: usize = 2;
 const GAP: usize = 3;
 /// A lane is inside if the bend, with what is between it and the place, is at least this share of it.
 const OWN_SHARE: f64 = 0.5;
+/// Maximum length of the other lane for it to be inside as well, m.
+const OTHER_LANE_M: f64 = 40.0;
 /// Lanes that meet this near to the outline of a roundabout enter or leave it, m.
 const AT_RING_M: f64 = 6.0;
 /// Lanes with these tags belong to grade-separated roads.
@@ -55,7 +55,8 @@ pub(crate) fn inside(map: &RoadMap, may: &[bool]) -> BTreeSet<usize> {
             let arms = linked(lanes, &index, joint, against);
             let place = if against { lanes[joint].center.first() } else { lanes[joint].center.last() };
             let Some(&place) = place else { continue };
-            let passable = |&i: &usize| lanes[i].kind.is_driven_on() && !RAMPS.iter().any(|t| lanes[i].is_tagged(t));
+            let passable =
+                |&i: &usize| lanes[i].kind.is_driven_on() && !RAMPS.iter().any(|t| lanes[i].is_tagged(t));
             if arms.len() < 2 || !arms.iter().all(passable) || rings.iter().any(|ring| is_at(ring, place)) {
                 continue;
             }
@@ -66,14 +67,18 @@ pub(crate) fn inside(map: &RoadMap, may: &[bool]) -> BTreeSet<usize> {
                     let there = other.courses[end.min(other.courses.len() - 1)];
                     wrap_angle(one.courses[end] - there).abs() >= TURN_RAD
                 };
-                if !ways.iter().enumerate().any(|(b, other)| b != a && parts(other)) {
+                let others: Vec<usize> = (0..ways.len()).filter(|&b| b != a && parts(&ways[b])).collect();
+                if others.is_empty() {
                     continue;
                 }
                 let own = one.lanes[..=end].iter().copied().collect::<BTreeSet<_>>();
-                let covered = |i: usize| one.lanes[..=end].iter().filter(|&&l| l == i).count() as f64 * STEP_M;
+                let covered =
+                    |i: usize| one.lanes[..=end].iter().filter(|&&l| l == i).count() as f64 * STEP_M;
                 found.extend(
                     own.into_iter().filter(|&i| may[i] && covered(i) >= OWN_SHARE * length(&lanes[i].center)),
                 );
+                let short = |i: &usize| may[*i] && length(&lanes[*i].center) <= OTHER_LANE_M;
+                found.extend(others.into_iter().map(|b| arms[b]).filter(short));
             }
         }
     }
@@ -91,8 +96,7 @@ fn is_at(ring: &[Point3], place: Point3) -> bool {
     contains(ring, place) || ring.iter().any(|p| distance(*p, place) <= AT_RING_M)
 }
 
-/// The way from the end of `lane` (its start, if not `against`) along it, and on as long as one lane only follows, and
-/// only from there.
+/// The way from the end of `lane` (its start, if not `against`) along it, and on as long as one lane only follows.
 fn way(lanes: &[Lane], index: &BTreeMap<&str, usize>, lane: usize, against: bool) -> Way {
     let (mut points, mut on): (Vec<Point3>, Vec<usize>) = (Vec::new(), Vec::new());
     let (mut at, mut passed) = (lane, BTreeSet::new());
@@ -108,7 +112,7 @@ fn way(lanes: &[Lane], index: &BTreeMap<&str, usize>, lane: usize, against: bool
         points.extend(new);
         on.resize(points.len(), at);
         match linked(lanes, index, at, against)[..] {
-            [next] if linked(lanes, index, next, !against).len() == 1 => at = next,
+            [next] => at = next,
             _ => break,
         }
     }
@@ -193,9 +197,9 @@ mod tests {
 
     #[test]
     fn a_slip_lane_that_leads_into_a_road_of_another_arm_is_inside_a_junction() {
-        assert_eq!(slip(25.0, 0.0, false), ["b_turn"]);
-        assert_eq!(slip(25.0, 0.0, true), ["b_turn"]);
-        assert_eq!(slip(25.0, 12.0, false), ["b_run", "b_turn"]);
+        assert_eq!(slip(25.0, 0.0, false), ["a_on", "b_turn"]);
+        assert_eq!(slip(25.0, 0.0, true), ["a_on", "b_turn"]);
+        assert_eq!(slip(25.0, 12.0, false), ["a_on", "b_run", "b_turn"]);
     }
 
     #[test]
@@ -245,6 +249,6 @@ mod tests {
         declare(&mut map, &[]);
         derive_absent(&mut map);
         let inside: Vec<&str> = map.lanes.iter().filter(|l| l.in_junction).map(|l| l.id.as_str()).collect();
-        assert_eq!(inside, ["off"]);
+        assert_eq!(inside, ["off", "on"]);
     }
 }

@@ -475,7 +475,8 @@ fn tracks(
     report: &mut SourceReport,
 ) -> Vec<Track> {
     let count = &mut recording.object_rows;
-    let (world, own) = poses.rows.first().map_or(("", ""), |p| (p.frame_id.as_str(), p.child_frame_id.as_str()));
+    let (world, own) =
+        poses.rows.first().map_or(("", ""), |p| (p.frame_id.as_str(), p.child_frame_id.as_str()));
     let mut foreign: BTreeMap<String, usize> = BTreeMap::new();
     let mut objects: BTreeMap<String, (String, BTreeMap<i64, Sample>)> = BTreeMap::new();
     for row in std::mem::take(&mut recording.objects) {

@@ -1,8 +1,8 @@
 //! What is reported about a map beside a log, one function per code. Texts only.
 
 use super::MapReading;
-use crate::phrases::zh;
 use crate::assemble::layers::Declared;
+use crate::phrases::zh;
 use whyroad_model::suggest::suggestion_or_known;
 use whyroad_model::{Bilingual, Diagnostic, counted};
 
@@ -78,7 +78,10 @@ pub(super) fn of_map(file: &str, reading: &MapReading) -> Vec<Diagnostic> {
     if let Some(example) = reading.untyped.first() {
         let n = reading.untyped.len();
         let message = Bilingual::new(
-            format!("{n} 个 lanelet 没有 subtype，按机动车道处理；例如 {example_zh}", example_zh = zh(example)),
+            format!(
+                "{n} 个 lanelet 没有 subtype，按机动车道处理；例如 {example_zh}",
+                example_zh = zh(example)
+            ),
             format!("{} without a subtype are taken for road; for example {example}", counted(n, "lanelet")),
         );
         let hint = Bilingual::new(

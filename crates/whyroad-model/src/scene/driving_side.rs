@@ -79,7 +79,8 @@ impl RoadMap {
     /// By lanes for vehicles whose neighbor runs the other way: on the left of the lane in right-hand traffic. Cycle
     /// paths of both directions run on either side of a road.
     pub fn driving_side(&self) -> Option<DrivingSide> {
-        let rolls = |lane: &&Lane| matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus) && !lane.in_junction;
+        let rolls =
+            |lane: &&Lane| matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus) && !lane.in_junction;
         let against = |lane: &Lane, id: &Option<String>| {
             let other = id.as_deref().and_then(|id| self.lane(id)).filter(rolls);
             other.is_some_and(|o| direction(lane).zip(direction(o)).is_some_and(|(a, b)| dot(a, b) < -0.5))

@@ -245,8 +245,7 @@ impl Encounters {
         let stated = junctions.iter().map(|j| areas_are_stated && holds(j)).collect();
         let ways = junctions.iter().map(|&j| way(road, path, ego, j, &headings)).collect();
         let crosswalks = stretches(path, |p| road.crosswalks.iter().any(|c| c.contains(p)), 0.0);
-        let doubtful =
-            if areas_are_stated { Vec::new() } else { doubtful(road, map, path, &junctions) };
+        let doubtful = if areas_are_stated { Vec::new() } else { doubtful(road, map, path, &junctions) };
         Self { junctions, stated, doubtful, crosswalks, ways }
     }
 

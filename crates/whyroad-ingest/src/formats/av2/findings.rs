@@ -1,8 +1,8 @@
 //! What the AV2 adapter reports, one function per code. Texts only.
 
-use crate::phrases::zh;
 use super::annotations::Annotations;
 use super::map::{Dangling, MapReading};
+use crate::phrases::zh;
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, Diagnostic};
 
@@ -81,7 +81,10 @@ pub(super) fn truncated(file: &str, rows: usize, reason: &str) -> Diagnostic {
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "av2.feather.unreadable",
-        text(format!("文件无法读取：{reason_zh}", reason_zh = zh(reason)), format!("the file cannot be read: {reason}")),
+        text(
+            format!("文件无法读取：{reason_zh}", reason_zh = zh(reason)),
+            format!("the file cannot be read: {reason}"),
+        ),
     )
     .with_hint(Bilingual::new(
         "检查它是否为 AV2 的 feather 文件",
@@ -103,7 +106,10 @@ pub(super) fn of_rows(
         out.push(Diagnostic::warning(
             "av2.annotations.invalid",
             text(
-                format!("丢弃 {n} 行：位置、旋转、时间或编号无效；例如 {example_zh}", example_zh = zh(example)),
+                format!(
+                    "丢弃 {n} 行：位置、旋转、时间或编号无效；例如 {example_zh}",
+                    example_zh = zh(example)
+                ),
                 format!(
                     "{n} rows dropped: position, rotation, time or id is not valid; for example {example}"
                 ),

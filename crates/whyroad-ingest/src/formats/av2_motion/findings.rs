@@ -1,7 +1,7 @@
 //! What can be wrong with a motion forecasting scenario. Texts only; the map's findings are those of the sensor logs.
 
-use crate::phrases::zh;
 use super::scenario::{EGO, Scenario};
+use crate::phrases::zh;
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Codes of this adapter.
@@ -14,8 +14,10 @@ pub(crate) const CODES: &[&str] = &[
 ];
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
-    let message =
-        Bilingual::new(format!("场景无法读取：{reason_zh}", reason_zh = zh(reason)), format!("the scenario cannot be read: {reason}"));
+    let message = Bilingual::new(
+        format!("场景无法读取：{reason_zh}", reason_zh = zh(reason)),
+        format!("the scenario cannot be read: {reason}"),
+    );
     let hint = Bilingual::new("重新下载该场景文件夹", "download the scenario's folder again");
     Diagnostic::error("av2.motion.unreadable", message).in_file(file).with_hint(hint)
 }

@@ -23,8 +23,10 @@ pub(super) fn no_pose(source: &str) -> Diagnostic {
 }
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
-    let message =
-        Bilingual::new(format!("数组无法读取：{reason_zh}", reason_zh = zh(reason)), format!("the array cannot be read: {reason}"));
+    let message = Bilingual::new(
+        format!("数组无法读取：{reason_zh}", reason_zh = zh(reason)),
+        format!("the array cannot be read: {reason}"),
+    );
     let hint = Bilingual::new(
         "文件可能被截断；重新下载，其余部分照常处理",
         "the file may be cut short; fetch it again. The rest was processed",
@@ -44,8 +46,10 @@ pub(super) fn shape(file: &str) -> Diagnostic {
 
 pub(super) fn dbc(file: &str, reason: &str) -> Diagnostic {
     let first = reason.lines().next().unwrap_or(reason);
-    let message =
-        Bilingual::new(format!("不是可用的 DBC 文件：{first_zh}", first_zh = zh(first)), format!("not a usable DBC file: {first}"));
+    let message = Bilingual::new(
+        format!("不是可用的 DBC 文件：{first_zh}", first_zh = zh(first)),
+        format!("not a usable DBC file: {first}"),
+    );
     let hint = Bilingual::new(
         "使用该车型的 DBC（例如 opendbc 中的文件）",
         "give the DBC of the car, as opendbc has them",

@@ -25,7 +25,10 @@ fn look() -> Bilingual {
 pub(super) fn broken(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "mcap.file.broken",
-        Bilingual::new(format!("部分内容丢失：{reason_zh}", reason_zh = zh(reason)), format!("a part is lost: {reason}")),
+        Bilingual::new(
+            format!("部分内容丢失：{reason_zh}", reason_zh = zh(reason)),
+            format!("a part is lost: {reason}"),
+        ),
     )
     .with_hint(Bilingual::new(
         "用 `mcap recover` 修复该文件，或重新复制",

@@ -1,7 +1,7 @@
 //! What the PhysicalAI-AV adapter reports, one function per code. Texts only.
 
-use crate::phrases::zh;
 use super::obstacles::Obstacles;
+use crate::phrases::zh;
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Codes of this adapter; each has a page in `docs/diagnostics/`.
@@ -28,7 +28,10 @@ fn again() -> Bilingual {
 pub(super) fn tree(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "pai.tree.unreadable",
-        Bilingual::new(format!("表无法读取：{reason_zh}", reason_zh = zh(reason)), format!("the table cannot be read: {reason}")),
+        Bilingual::new(
+            format!("表无法读取：{reason_zh}", reason_zh = zh(reason)),
+            format!("the table cannot be read: {reason}"),
+        ),
     )
     .with_hint(again())
     .in_file(file)
@@ -63,7 +66,10 @@ pub(super) fn egomotion_missing(clip: &str) -> Diagnostic {
 pub(super) fn egomotion_unreadable(clip: &str, file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "pai.egomotion.unreadable",
-        Bilingual::new(format!("{file} 无法读取：{reason_zh}", reason_zh = zh(reason)), format!("{file} cannot be read: {reason}")),
+        Bilingual::new(
+            format!("{file} 无法读取：{reason_zh}", reason_zh = zh(reason)),
+            format!("{file} cannot be read: {reason}"),
+        ),
     )
     .with_hint(again())
     .in_file(clip)
@@ -94,9 +100,10 @@ pub(super) fn velocity(clip: &str) -> Diagnostic {
 
 pub(super) fn dimensions(clip: &str, reason: Option<&str>) -> Diagnostic {
     let (zh, en) = match reason {
-        Some(reason) => {
-            (format!("车辆尺寸无法读取（{reason_zh}）", reason_zh = zh(reason)), format!("vehicle dimensions cannot be read ({reason})"))
-        }
+        Some(reason) => (
+            format!("车辆尺寸无法读取（{reason_zh}）", reason_zh = zh(reason)),
+            format!("vehicle dimensions cannot be read ({reason})"),
+        ),
         None => ("没有车辆尺寸".to_owned(), "vehicle dimensions are missing".to_owned()),
     };
     Diagnostic::warning(

@@ -1,8 +1,8 @@
 //! What the ScenarioNet adapter reports, one function per code. Texts only.
 
 use super::tracks::Tracks;
-use crate::phrases::zh;
 use crate::encodings::pickle::PickleError;
+use crate::phrases::zh;
 use crate::report::RowCount;
 use whyroad_model::diagnostic::Location;
 use whyroad_model::{Bilingual, Diagnostic};

@@ -1,8 +1,8 @@
 //! What the SUMO adapter reports, one function per code. Texts only.
 
-use crate::phrases::zh;
 use super::net::Net;
 use super::on_net::OnNet;
+use crate::phrases::zh;
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, Diagnostic};
 
@@ -36,7 +36,10 @@ fn text(zh: String, en: String) -> Bilingual {
 pub(super) fn fcd_unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "sumo.fcd.unreadable",
-        text(format!("不是可读取的 FCD 文件：{reason_zh}", reason_zh = zh(reason)), format!("not a readable FCD file: {reason}")),
+        text(
+            format!("不是可读取的 FCD 文件：{reason_zh}", reason_zh = zh(reason)),
+            format!("not a readable FCD file: {reason}"),
+        ),
     )
     .with_hint(Bilingual::new(
         "用 `sumo --fcd-output fcd.xml.gz` 生成",

@@ -29,8 +29,10 @@ pub(super) fn ego_missing(dir: &str) -> Diagnostic {
 }
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
-    let message =
-        Bilingual::new(format!("文件无法读取：{reason_zh}", reason_zh = zh(reason)), format!("the file cannot be read: {reason}"));
+    let message = Bilingual::new(
+        format!("文件无法读取：{reason_zh}", reason_zh = zh(reason)),
+        format!("the file cannot be read: {reason}"),
+    );
     Diagnostic::error("table.file.unreadable", message).in_file(file)
 }
 
@@ -71,7 +73,10 @@ pub(super) fn missing_column(file: &str, any: &[&str]) -> Diagnostic {
 pub(super) fn bad_cells(file: &str, column: &str, g: &Group) -> Diagnostic {
     let (n, rows, example, expected) = (g.count, g.rows_text(), &g.example, g.expected);
     let message = Bilingual::new(
-        format!("列 '{column}' 有 {n} 个单元格不是所需的值（应为 {expected_zh}），记为未知：第 {rows} 行；例如 '{example}'", expected_zh = zh(expected)),
+        format!(
+            "列 '{column}' 有 {n} 个单元格不是所需的值（应为 {expected_zh}），记为未知：第 {rows} 行；例如 '{example}'",
+            expected_zh = zh(expected)
+        ),
         format!(
             "{n} cells of column '{column}' are not {expected} and count as unknown: rows {rows}; for example '{example}'"
         ),

@@ -1,7 +1,7 @@
 //! What the Waymo adapter reports, one function per code. Texts only.
 
-use crate::phrases::zh;
 use crate::encodings::tfrecord::RecordError;
+use crate::phrases::zh;
 use crate::report::RowCount;
 use whyroad_model::{Bilingual, Diagnostic};
 
