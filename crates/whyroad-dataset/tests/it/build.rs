@@ -334,7 +334,7 @@ fn the_splits_of_an_earlier_release_are_kept() {
     let near = all.iter().find(|s| s.lineage.drive_id == "near").unwrap();
     assert_eq!(near.split, drives["d0"]);
     let kept = built.manifest.split.kept.unwrap();
-    assert_eq!((kept.name.as_str(), kept.samples, kept.between), ("test", first.len() + 1, 0));
+    assert_eq!((kept.name.as_str(), kept.samples, kept.between), ("release", 13, 0));
     let card = std::fs::read_to_string(more.out("second/README.md")).unwrap();
     assert!(card.contains(&kept.manifest_sha256), "the card states which release");
 
