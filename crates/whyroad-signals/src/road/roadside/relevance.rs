@@ -2,6 +2,7 @@
 //! of its size.
 
 use crate::geometry::{p2, wrap};
+use crate::road::network::Road;
 use crate::road::on_road::OnRoad;
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
@@ -16,15 +17,32 @@ const AS_NEAR_M: f64 = 1.0;
 /// A limit of height or width with this margin does not affect the ego, m.
 const ROOM_M: f64 = 0.5;
 
-/// Ids of the lanes that the ego is ever in, and of those ahead of its last one.
+/// Ids of the lanes that the ego is ever in, of short ones that it passes over between two of them, and of those ahead
+/// of its last one.
 pub(super) fn route(on: &OnRoad<'_>) -> BTreeSet<String> {
     let id = |lane: usize| on.road.lanes[lane].id.clone();
-    let mut lanes: BTreeSet<String> =
-        (0..on.frames()).filter_map(|i| on.lanes.at(i)).map(|at| id(at.lane)).collect();
+    let mut driven: Vec<usize> = (0..on.frames()).filter_map(|i| on.lanes.at(i)).map(|at| at.lane).collect();
+    driven.dedup();
+    let between = driven.windows(2).flat_map(|pair| passed_over(on.road, pair[0], pair[1]));
+    let mut lanes: BTreeSet<String> = between.chain(driven.iter().copied()).map(id).collect();
     if let Some((way, _)) = (0..on.frames()).rev().find_map(|i| on.ways.at(i)) {
         lanes.extend(way.steps.iter().map(|step| id(step.lane)));
     }
     lanes
+}
+
+/// The lanes of a way of up to two lanes from `a` to `b`; none where one leads directly into the other.
+fn passed_over(road: &Road, a: usize, b: usize) -> Vec<usize> {
+    let next = |lane: usize| road.lanes[lane].successors.iter().copied();
+    let leads = |lane: usize, to: usize| road.lanes[lane].successors.contains(&to);
+    if a == b || leads(a, b) {
+        return Vec::new();
+    }
+    let one: Vec<usize> = next(a).filter(|&m| leads(m, b)).collect();
+    if !one.is_empty() {
+        return one;
+    }
+    next(a).flat_map(|m| next(m).filter(|&n| leads(n, b)).flat_map(move |n| [m, n])).collect()
 }
 
 /// Position at which the ego's path passes a sign that applies to it, m along the path.
