@@ -8,8 +8,8 @@ use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
 use crate::recordings::span_of;
 use crate::service::known::Unnamed;
-use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::sample_window::{self, FUTURE_S, HISTORY_S, Window};
+use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, imported, projects, thumbnail, veil};
 use crate::store::Tx;
 use crate::{secret, values};
@@ -144,7 +144,9 @@ pub fn create(
         }
     }
     out.tasks.extend(put(app, rows, actor)?);
-    out.left_out = [out.secondary, out.no_class, out.no_history].iter().fold(out.over_limit, |a, b| a.saturating_add(*b));
+    out.left_out = [out.secondary, out.no_class, out.no_history]
+        .iter()
+        .fold(out.over_limit, |a, b| a.saturating_add(*b));
     Ok(out)
 }
 

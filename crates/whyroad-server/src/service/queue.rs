@@ -255,5 +255,8 @@ fn candidates(
         "SELECT id, scenario_id FROM tasks WHERE project_id = $1 AND {condition}
          ORDER BY priority DESC, created, overlap_index, keyframe_ns, id LIMIT {PAGE} OFFSET {from}"
     );
-    tx.rows(&sql, &worker.values(project, now))?.iter().map(|r| Ok((r.text("id")?, r.text("scenario_id")?))).collect()
+    tx.rows(&sql, &worker.values(project, now))?
+        .iter()
+        .map(|r| Ok((r.text("id")?, r.text("scenario_id")?)))
+        .collect()
 }

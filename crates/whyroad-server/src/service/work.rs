@@ -74,5 +74,16 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
     }
     let total = by_state.values().sum();
     let mine = MyWork { returned, begun, assigned, waiting, accepted, submitted_today };
-    Ok(Work { by_state, total, to_check, to_audit, asked, disagreeing, wrong_class, to_choose, pending, mine })
+    Ok(Work {
+        by_state,
+        total,
+        to_check,
+        to_audit,
+        asked,
+        disagreeing,
+        wrong_class,
+        to_choose,
+        pending,
+        mine,
+    })
 }

@@ -108,7 +108,10 @@ pub fn only_the_chosen_label_waits_for_a_check(world: &World) {
     Work::label(&pair.ann, &pair.ids[0]);
     Work::label(&pair.bob, &pair.ids[1]);
     pair.act(&pair.ids[0], "adjudicate");
-    assert_eq!((&pair.work(&pair.chen)["to_check"], &pair.work(&pair.ann)["to_check"]), (&json!(1), &json!(0)));
+    assert_eq!(
+        (&pair.work(&pair.chen)["to_check"], &pair.work(&pair.ann)["to_check"]),
+        (&json!(1), &json!(0))
+    );
     let submitted = || pair.admin.get(&format!("/projects/{}/tasks?state=submitted", pair.project)).fine();
     assert_eq!((&submitted()["total"], &submitted()["items"][0]["id"]), (&json!(1), &json!(pair.ids[0])));
     let states = &pair.work(&pair.chen)["by_state"];

@@ -104,7 +104,11 @@ fn nothing_of_the_drive_remains_and_who_else_holds_it_is_named() {
 
     // Places that were not given are not searched: their counts are unknown, not zero (delete-drives.md).
     let alone = whyroad_in(dir.path(), &["lake", "delete", &id, "--lake", "lake", "--dry-run"]);
-    assert!(alone.out.contains("store of the labeling service: not searched (--store was not given)"), "{}", alone.out);
+    assert!(
+        alone.out.contains("store of the labeling service: not searched (--store was not given)"),
+        "{}",
+        alone.out
+    );
     assert!(!alone.out.contains("0 tasks") && !alone.out.contains("0 images"), "{}", alone.out);
 
     // A mistyped id beside it is named, and does not stop the deletion of the other.

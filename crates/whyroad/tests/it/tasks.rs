@@ -62,7 +62,8 @@ fn tasks_are_made_listed_exported_and_brought_in_again() {
     // The lake is the one beside the mined folder.
     let made = good(at, "tasks create --from DEMO/mined --project p --limit 6 --overlap 2 --priority 5");
     let reasons = made.strip_prefix("6 tasks created; 0 already present, 5 not selected (").unwrap();
-    let none = " 0 of no or an unknown class, 0 with the first frame of the drive as keyframe), 0 without a drive\n";
+    let none =
+        " 0 of no or an unknown class, 0 with the first frame of the drive as keyframe), 0 without a drive\n";
     assert!(reasons.ends_with(none), "{made}");
     let again = good(at, "tasks create --from DEMO/mined --project p --limit 6 --overlap 2");
     assert!(again.contains("3 already present"), "{again}");

@@ -147,11 +147,7 @@ mod tests {
         let at_end = Ends { start: false, end: true };
         let mut before = view(Stage::Stage1, 6, 11.0, json!(0.25));
         mark_uncertain(&mut before, at_end, &["ego.yaw_rate"]);
-        assert_eq!(
-            before.uncertain.remove("ego.accel"),
-            Some(vec![[4, 6]]),
-            "seconds before the end"
-        );
+        assert_eq!(before.uncertain.remove("ego.accel"), Some(vec![[4, 6]]), "seconds before the end");
         assert!(!before.uncertain.contains_key("ego.yaw_rate"), "the log has it");
         assert_eq!(before.uncertain["ego.forward_speed"], [[4, 6]], "from positions");
         before.uncertain.clear();

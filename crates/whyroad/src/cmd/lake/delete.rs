@@ -286,10 +286,16 @@ fn text(c: &Deleted, not_found: &[String], dry_run: bool, lang: Lang) -> String 
     let (drives, lake) = (c.drives, c.lake_drives);
     let pick = |zh: String, en: String| if lang == Lang::Zh { zh } else { en };
     let not_given = |zh: &str, en: &str, option: &str| {
-        pick(format!("{zh}：未检查（未给出 {option}）"), format!("{en}: not searched ({option} was not given)"))
+        pick(
+            format!("{zh}：未检查（未给出 {option}）"),
+            format!("{en}: not searched ({option} was not given)"),
+        )
     };
     let lines = [
-        pick(format!("{drives} 个行程，其中数据湖中 {lake} 个"), format!("{drives} drives, {lake} of them in the lake")),
+        pick(
+            format!("{drives} 个行程，其中数据湖中 {lake} 个"),
+            format!("{drives} drives, {lake} of them in the lake"),
+        ),
         match (c.mined_folders, c.episodes) {
             (Some(folders), Some(episodes)) => pick(
                 format!("{folders} 个挖掘结果文件夹中的 {episodes} 个事件"),
@@ -305,7 +311,9 @@ fn text(c: &Deleted, not_found: &[String], dry_run: bool, lang: Lang) -> String 
             _ => not_given("标注服务的存储", "store of the labeling service", "--store"),
         },
         match c.images {
-            Some(images) => pick(format!("数据湖以外的 {images} 张图片"), format!("{images} images outside the lake")),
+            Some(images) => {
+                pick(format!("数据湖以外的 {images} 张图片"), format!("{images} images outside the lake"))
+            }
             None => not_given("数据湖以外的图片", "images outside the lake", "--media"),
         },
     ];
