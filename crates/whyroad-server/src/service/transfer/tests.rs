@@ -218,12 +218,13 @@ fn an_imported_label_is_of_the_episode_that_it_is_about() {
     let (app, _recordings, _dir) = fixtures::counted();
     let with = |trace: &str, object: &str| {
         let mut label = label(trace);
+        label["scenario"]["l3"] = json!("urgent");
         label["critical_components"] =
             json!([{"description": trace, "id": "c1", "linked_objects": [object]}]);
         label
     };
     let mut episode = fixtures::episode("mined-1");
-    episode["scenario_id"] = json!("reactive_agent.cutin.normal");
+    episode["scenario_id"] = json!("reactive_agent.cutin.urgent");
     episode["keyframe"]["timestamp"] = json!("2026-01-01T00:00:02.000Z");
     episode["target_id"] = json!("car7");
     episode["score"] = json!(0.57);
