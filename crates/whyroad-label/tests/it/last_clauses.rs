@@ -24,7 +24,10 @@ fn who_gives_way_does_not_go_on() {
     }
     for (parts, trace) in [
         (ZH, "老人推着小车从左侧横穿马路，抢在他前头过太险，我踩刹车让他先过去。"),
-        (EN, "An old man is pushing a cart across the road from the left. He goes first, so we brake and let him across."),
+        (
+            EN,
+            "An old man is pushing a cart across the road from the left. He goes first, so we brake and let him across.",
+        ),
     ] {
         assert_eq!(yielding(parts, trace), [""; 0], "{trace}");
     }
@@ -35,14 +38,23 @@ fn a_movement_to_the_side_is_a_decision() {
     let code = "label.trace.unlabelled";
     for (parts, trace) in [
         (ZH, "老人推着小车从左侧横穿马路，我踩刹车让他先过，车身朝右边贴过去。"),
-        (EN, "An old man is pushing a cart across the road from the left, so we brake, let him across and hug the right edge."),
-        (EN, "An old man is pushing a cart across the road from the left, so we brake for him and give the wheel a tug to the right."),
+        (
+            EN,
+            "An old man is pushing a cart across the road from the left, so we brake, let him across and hug the right edge.",
+        ),
+        (
+            EN,
+            "An old man is pushing a cart across the road from the left, so we brake for him and give the wheel a tug to the right.",
+        ),
     ] {
         assert_eq!(yielding(parts, trace), [code], "{trace}");
     }
     for (parts, trace) in [
         (ZH, "老人推着小车从左侧横穿马路，我踩刹车，等他从左边走到右边。"),
-        (EN, "An old man is pushing a cart across the road from the left, so we brake and let him move to the right edge."),
+        (
+            EN,
+            "An old man is pushing a cart across the road from the left, so we brake and let him move to the right edge.",
+        ),
     ] {
         assert_eq!(yielding(parts, trace), [""; 0], "{trace}");
     }
@@ -54,10 +66,16 @@ fn slowing_is_a_decision() {
     let nudge = || json!({ "longitudinal": null, "lateral": "in_lane_nudge", "lateral_direction": "left" });
     let (zh, en) = (&["本车道右侧倒着一只垃圾桶"], &["a dustbin lies on the right side of our lane"]);
     let slows = ["label.trace.unlabelled"];
-    assert_eq!(codes(class, nudge(), zh, "本车道右侧倒着一只垃圾桶，我先收点油，在道内往左偏一点绕过去。"), slows);
+    assert_eq!(
+        codes(class, nudge(), zh, "本车道右侧倒着一只垃圾桶，我先收点油，在道内往左偏一点绕过去。"),
+        slows
+    );
     let trace = "A dustbin lies on the right side of our lane, so we shed some speed and shift to the left inside the lane.";
     assert_eq!(codes(class, nudge(), en, trace), slows);
-    assert_eq!(codes(class, nudge(), zh, "本车道右侧倒着一只垃圾桶，不用减速，我在道内往左偏一点。"), [""; 0]);
+    assert_eq!(
+        codes(class, nudge(), zh, "本车道右侧倒着一只垃圾桶，不用减速，我在道内往左偏一点。"),
+        [""; 0]
+    );
     let trace = "A dustbin lies on the right side of our lane. There is no need to slow, we shift to the left inside the lane.";
     assert_eq!(codes(class, nudge(), en, trace), [""; 0]);
 }

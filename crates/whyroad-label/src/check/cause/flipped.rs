@@ -11,9 +11,9 @@ const NEAR: usize = 3;
 const LONGEST: usize = 60;
 /// Nothing is compared by these.
 const EMPTY: [&str; 44] = [
-    "a", "an", "the", "is", "are", "was", "be", "been", "being", "has", "have", "had", "to", "of", "in", "on",
-    "at", "by", "for", "with", "and", "or", "but", "so", "as", "it", "its", "our", "we", "us", "i", "that",
-    "this", "there", "here", "now", "up", "down", "out", "any", "all", "yet", "still", "just",
+    "a", "an", "the", "is", "are", "was", "be", "been", "being", "has", "have", "had", "to", "of", "in",
+    "on", "at", "by", "for", "with", "and", "or", "but", "so", "as", "it", "its", "our", "we", "us", "i",
+    "that", "this", "there", "here", "now", "up", "down", "out", "any", "all", "yet", "still", "just",
 ];
 
 /// A word, its first byte and its end.
@@ -37,7 +37,8 @@ fn words(text: &str) -> Vec<Word<'_>> {
 }
 
 fn denies(word: &str) -> bool {
-    word.ends_with("n't") || ["not", "no", "never", "nor", "none", "nobody", "nothing", "without"].contains(&word)
+    word.ends_with("n't")
+        || ["not", "no", "never", "nor", "none", "nobody", "nothing", "without"].contains(&word)
 }
 
 /// The word without an ending: "pokes", "poking" and "poked" are "pok".
@@ -72,7 +73,11 @@ pub(super) fn flipped(scope: &TextScope<'_>) -> Option<(usize, usize)> {
         let own = words(&part);
         for (i, (word, ..)) in own.iter().enumerate().filter(|(_, w)| counts(w.0)) {
             let is_denied = own[i.saturating_sub(NEAR)..i].iter().any(|w| denies(w.0));
-            if is_denied { denied.insert(stem(word)) } else { stated.insert(stem(word)) };
+            if is_denied {
+                denied.insert(stem(word))
+            } else {
+                stated.insert(stem(word))
+            };
             all.insert(stem(word));
         }
     }
@@ -93,9 +98,9 @@ pub(super) fn flipped(scope: &TextScope<'_>) -> Option<(usize, usize)> {
         }
         from += clause.len();
     }
-    let hit = found.into_iter().find(|(s, ..)| {
-        !s.is_empty() && stated.contains(s) && !denied.contains(s) && !asserted.contains(s)
-    });
+    let hit = found
+        .into_iter()
+        .find(|(s, ..)| !s.is_empty() && stated.contains(s) && !denied.contains(s) && !asserted.contains(s));
     hit.map(|(_, start, end)| (start + (lower[start..end].len() - lower[start..end].trim_start().len()), end))
 }
 

@@ -33,7 +33,8 @@ pub(in crate::check) fn ordinary(scope: &TextScope<'_>, sink: &mut dyn Sink) -> 
     };
     // At least one says so, or names nothing of driving.
     let says = |text: &str| words.forms.ordinary.find(&text.to_ascii_lowercase()).is_some();
-    let is_plain = |text: &str, facts: &TextFacts| says(text) || facts.words == 0 && !words.is_of_driving(text);
+    let is_plain =
+        |text: &str, facts: &TextFacts| says(text) || facts.words == 0 && !words.is_of_driving(text);
     let parts = || label.parts.iter().zip(&texts.components);
     // How a road is may be told in any words.
     let all = !about.meets(known.condition) || parts().all(|(c, _)| c.description.get().is_some_and(says));

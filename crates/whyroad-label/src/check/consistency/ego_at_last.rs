@@ -120,7 +120,9 @@ fn moves_aside(text: &str, texts: &Texts, words: &LabelWords) -> Option<(usize, 
                 || texts.trace.named.iter().filter(acts).any(|n| (at..at + a).contains(&n.start));
             // "From the left": the ego only where nobody is named before it.
             let begins = |w: &String| !w.is_ascii() && before.ends_with(w.as_str());
-            let from = clause[a..].starts_with('从') && !before.trim().is_empty() && !forms.begins.iter().any(begins);
+            let from = clause[a..].starts_with('从')
+                && !before.trim().is_empty()
+                && !forms.begins.iter().any(begins);
             return (!of_somebody && !from).then_some((at + a, at + b));
         }
         let behind = &clause[b..];
@@ -278,7 +280,8 @@ pub(super) fn describes(text: &str, forms: &Forms) -> bool {
     });
     let acts = all.iter().enumerate().any(|(i, w)| {
         let subject = ["we", "i", "ego", "car", "vehicle", "it"].contains(w);
-        subject && all.get(i + 1).is_some_and(|next| !is_one(&forms.stative, next) && !is_one(&forms.is, next))
+        subject
+            && all.get(i + 1).is_some_and(|next| !is_one(&forms.stative, next) && !is_one(&forms.is, next))
     });
     let so = all.iter().enumerate().any(|(i, w)| *w == "so" && all.get(i + 1) != Some(&"that"));
     let controls = all.iter().any(|w| ["brake", "brakes", "braking", "braked", "unobserved"].contains(w));

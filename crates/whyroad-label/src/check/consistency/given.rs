@@ -265,14 +265,11 @@ impl<'a> Given<'a> {
             given != 0
                 && given & said == 0
                 && !all.iter().any(general)
-                && !self
-                    .parts()
-                    .filter_map(|(t, f)| Some((t?, f)))
-                    .any(|(t, f)| {
-                        !f.named.iter().any(|m| has_kind(t, m))
-                            && introduces(t, words)
-                            && subject::is_unread(t, f, words)
-                    })
+                && !self.parts().filter_map(|(t, f)| Some((t?, f))).any(|(t, f)| {
+                    !f.named.iter().any(|m| has_kind(t, m))
+                        && introduces(t, words)
+                        && subject::is_unread(t, f, words)
+                })
         })
     }
 }
@@ -283,7 +280,8 @@ fn introduces(text: &str, words: &LabelWords) -> bool {
     let lower = text.to_ascii_lowercase();
     let mut all = lower.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty());
     let counted = text.char_indices().any(|(at, c)| {
-        words.subjects.counters.contains(c) && text[..at].ends_with(['一', '有', '两', '几', '二', '三', '那', '这'])
+        words.subjects.counters.contains(c)
+            && text[..at].ends_with(['一', '有', '两', '几', '二', '三', '那', '这'])
     });
     counted || all.any(|w| ["a", "an", "two", "some", "several", "another"].contains(&w))
 }

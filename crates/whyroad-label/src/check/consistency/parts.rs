@@ -209,7 +209,8 @@ fn is_over(index: usize, text: &str, scope: &TextScope<'_>) -> Option<(usize, us
     let before = &lower[..start];
     let same = if text.is_ascii() {
         const NEW: [&str; 4] = ["a", "an", "another", "one"];
-        let all: Vec<&str> = before.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty()).collect();
+        let all: Vec<&str> =
+            before.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty()).collect();
         let last = all.iter().rev().find(|w| w.len() > 2).map(|w| w.trim_end_matches('s'))?;
         let has = |t: &str| {
             let t = t.to_ascii_lowercase();

@@ -85,7 +85,8 @@ fn beside_driving(scope: &TextScope<'_>, reading: &Reading, sink: &mut dyn Sink)
         // "A van that has its hazards on".
         let is_kind = text[*at + w.len()..].starts_with('的');
         // "Sounding the horn would only scare them": what it would do.
-        let is_topic = text[*at + w.len()..].starts_with(['也', '反', '又', '怕', '会', '就', '更', '只', '没', '不', '都', '是']);
+        let is_topic = text[*at + w.len()..]
+            .starts_with(['也', '反', '又', '怕', '会', '就', '更', '只', '没', '不', '都', '是']);
         // "In passing it also shifts a little to the left": the label's decision.
         let to = words.clauses.clause_end(&texts.units, *at + w.len(), text.len());
         let only_adds = ["顺", "捎", "on the side", "while "].iter().any(|a| w.starts_with(a));

@@ -327,9 +327,10 @@ pub(in crate::check) fn unchanged(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let keeps_lane = label.longitudinal.get().is_some() && label.lateral.get() == Some(Lateral::LaneKeeping);
     let as_before = if beside { course() } else { None };
     let kept = as_before.or_else(|| keeps_lane.then(|| kept_course(scope)).flatten());
-    let (Some((start, end)), Some(text)) =
-        (texts.trace.unchanged.filter(|_| stops).or(kept).or_else(|| ego_at_last::as_before(scope)), label.trace.get())
-    else {
+    let (Some((start, end)), Some(text)) = (
+        texts.trace.unchanged.filter(|_| stops).or(kept).or_else(|| ego_at_last::as_before(scope)),
+        label.trace.get(),
+    ) else {
         return;
     };
     sink.report(

@@ -113,7 +113,8 @@ pub(in crate::check::consistency) fn find(
         }
         // "It was standing at the stop, but its indicator is on now": before the keyframe.
         let until_now = || {
-            let (_, until) = words.clauses.around(&texts.units, start..end, text.len(), &|d| d == Divider::Sentence);
+            let (_, until) =
+                words.clauses.around(&texts.units, start..end, text.len(), &|d| d == Divider::Sentence);
             text.is_ascii() && until > end && words.aftermath.is_now(&text[end..until])
         };
         match told(clause, start, texts, words, own_decision, in_past) {
