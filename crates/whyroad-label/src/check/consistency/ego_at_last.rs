@@ -116,7 +116,7 @@ fn moves_aside(text: &str, texts: &Texts, words: &LabelWords) -> Option<(usize, 
         let before = &clause[..a];
         if !is_latin(text) {
             let of_somebody = before.contains(['让', '它', '他', '她', '等', '不', '没', '别', '能', '来'])
-                || clause[b..].contains('来')
+                || clause[b..].contains(['来', '不'])
                 || texts.trace.named.iter().filter(acts).any(|n| (at..at + a).contains(&n.start));
             // "From the left": the ego only where nobody is named before it.
             let begins = |w: &String| !w.is_ascii() && before.ends_with(w.as_str());
@@ -170,7 +170,16 @@ pub(super) fn slows_without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink)
     let forms = &words.forms;
     let lower = text.to_ascii_lowercase();
     let most = if is_latin(text) { DECIDING } else { LAST };
-    let found = last_clauses(&lower, most, forms).into_iter().find_map(|(at, clause)| {
+    // "It was slowing already": what goes on is no decision.
+    const GOES_ON: [&str; 14] = [
+        "已", "维持", "还在", "继续", "仍", "保持", "此前", "之前", "一直", "already", "still", "keep", "goes on",
+        "continu",
+    ];
+    let last = last_clauses(&lower, most, forms);
+    if last.iter().any(|(_, c)| GOES_ON.iter().any(|w| c.contains(w))) {
+        return false;
+    }
+    let found = last.into_iter().find_map(|(at, clause)| {
         let (a, b) = forms.slows.find(clause)?;
         let (before, behind) = (&clause[..a], &clause[b..]);
         let own = match is_latin(text) {
