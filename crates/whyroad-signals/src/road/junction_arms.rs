@@ -45,6 +45,22 @@ fn rolls(road: &Road, lane: usize) -> bool {
     matches!(road.lanes[lane].kind, LaneKind::Vehicle | LaneKind::Bus)
 }
 
+/// The point [`DIRECTION_M`] before the end of a lane, or after its begin. A lane can be a piece of 2 m that a stop line
+/// or a side of the road cuts off: then on the lanes beyond it, where just one follows.
+fn reached_along(road: &Road, lane: usize, backward: bool) -> P2 {
+    let (mut at, mut left) = (lane, DIRECTION_M);
+    for _ in 0..8 {
+        let beyond = if backward { &road.lanes[at].predecessors } else { &road.lanes[at].successors };
+        let length = road.lanes[at].center.length();
+        match beyond[..] {
+            [next] if length < left && !road.lanes[next].in_junction => (at, left) = (next, left - length),
+            _ => break,
+        }
+    }
+    let line = &road.lanes[at].center;
+    line.point_at(if backward { (line.length() - left).max(0.0) } else { left.min(line.length()) })
+}
+
 fn links(road: &Road, inside: &[usize]) -> (Vec<Link>, Vec<usize>) {
     let (mut found, mut seen, mut entries) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
     for &lane in inside.iter().filter(|&&l| rolls(road, l)) {
@@ -53,14 +69,13 @@ fn links(road: &Road, inside: &[usize]) -> (Vec<Link>, Vec<usize>) {
             entries.insert(l);
             let line = &road.lanes[l].center;
             let at = line.point_at(line.length());
-            let back = line.point_at((line.length() - DIRECTION_M).max(0.0));
+            let back = reached_along(road, l, true);
             if seen.insert((l, true)) {
                 found.push(Link { outside: l, at, bearing: (back - at).heading() });
             }
         }
         for &l in road.lanes[lane].successors.iter().filter(outside) {
-            let line = &road.lanes[l].center;
-            let (at, on) = (line.point_at(0.0), line.point_at(DIRECTION_M.min(line.length())));
+            let (at, on) = (road.lanes[l].center.point_at(0.0), reached_along(road, l, false));
             if seen.insert((l, false)) {
                 found.push(Link { outside: l, at, bearing: (on - at).heading() });
             }
