@@ -172,8 +172,8 @@ pub(super) fn slows_without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink)
     let most = if is_latin(text) { DECIDING } else { LAST };
     // "It was slowing already": what goes on is no decision.
     const GOES_ON: [&str; 14] = [
-        "已", "维持", "还在", "继续", "仍", "保持", "此前", "之前", "一直", "already", "still", "keep", "goes on",
-        "continu",
+        "已", "维持", "还在", "继续", "仍", "保持", "此前", "之前", "一直", "already", "still", "keep",
+        "goes on", "continu",
     ];
     let last = last_clauses(&lower, most, forms);
     if last.iter().any(|(_, c)| GOES_ON.iter().any(|w| c.contains(w))) {
