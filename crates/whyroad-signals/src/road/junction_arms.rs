@@ -45,8 +45,8 @@ fn rolls(road: &Road, lane: usize) -> bool {
     matches!(road.lanes[lane].kind, LaneKind::Vehicle | LaneKind::Bus)
 }
 
-/// The point [`DIRECTION_M`] before the end of a lane, or after its begin. A lane can be a piece of 2 m that a stop line
-/// or a side of the road cuts off: then on the lanes beyond it, where just one follows.
+/// The point [`DIRECTION_M`] before the end of a lane, or after its begin. A lane can be a piece of 2 m that a stop
+/// line or a side of the road cuts off: then on the lanes beyond it, where just one follows.
 fn reached_along(road: &Road, lane: usize, backward: bool) -> P2 {
     let (mut at, mut left) = (lane, DIRECTION_M);
     for _ in 0..8 {
