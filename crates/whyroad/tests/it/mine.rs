@@ -333,7 +333,7 @@ fn the_values_of_a_query_are_those_at_the_keyframe() {
         let id = whyroad_model::ClipId(clip["clip_id"].as_str().unwrap().to_owned());
         let drive = whyroad_model::DriveId(id.0.rsplit_once('_').unwrap().0.to_owned());
         let table = whyroad_engine::drives::signals_of(&lake, &drive).unwrap();
-        let start = id.frames(&drive, table.times.len()).unwrap().start;
+        let start = id.frames(&drive, &table.times).unwrap().start;
         let keyframe = clip["keyframe_suggestion"]["frame_idx"].as_u64().unwrap() as usize;
         let span = table.targets.iter().find(|t| clip["target_id"] == t.id.as_str()).unwrap();
         let row = span.first_row + start + keyframe - span.frames.start;
