@@ -94,7 +94,7 @@ fn a_release_is_built_checked_shown_and_compared() {
 
     let again = build.replace("--out r1", "--out r2");
     good(at, &format!("{again} --drafts"));
-    assert_eq!(good(at, "dataset diff r1 r2").out.lines().filter(|l| l.ends_with(" 0")).count(), 5);
+    assert_eq!(good(at, "dataset diff r1 r2").out.lines().filter(|l| l.ends_with(" 0")).count(), 6);
     let sums = |r: &str| std::fs::read_to_string(at.join(r).join("checksums.sha256")).unwrap();
     assert_eq!(sums("r1"), sums("r2"));
 
@@ -144,7 +144,7 @@ fn drafts_of_a_file_are_traced_back_to_their_episodes() {
     assert_eq!(lineage("r1"), lineage("r2"));
     assert!(lineage("r2").iter().all(|(_, episode, ..)| episode.is_some()));
     let differences = good(at, "dataset diff r1 r2").out;
-    assert_eq!(differences.lines().filter(|l| l.ends_with(" 0")).count(), 5, "{differences}");
+    assert_eq!(differences.lines().filter(|l| l.ends_with(" 0")).count(), 6, "{differences}");
 
     spec(at, &[("# min_score: 0.5 ", "min_score: 0.0   ")]);
     let alone = run(at, &format!("{build} --labels drafts.jsonl --out r3"));
