@@ -16,8 +16,9 @@ pub(super) fn changes(a: &Framework, b: &Framework, moves: &Moves) -> Vec<Change
         match a.rule(moves.before(id)) {
             None => out.push(change(id, Step::Minor).texts("mining", none(), present())),
             Some(old) => {
-                let differences = blocks(&old.rule, &rule.rule);
-                out.extend(differences.into_iter().map(|(f, x, y)| change(id, Step::Patch).texts(f, x, y)));
+                let differences =
+                    blocks(&old.rule, &rule.rule).into_iter().filter(|(_, x, y)| moves.applied(x) != *y);
+                out.extend(differences.map(|(f, x, y)| change(id, Step::Patch).texts(f, x, y)));
             }
         }
     }

@@ -3,9 +3,8 @@
 //! turns there, or its road bends, the lanes do not tell.
 
 use crate::geometry::{P2, Polygon, p2, unwrap, wrap};
-use crate::road::junction::TURN_RADIUS_M;
 use crate::road::network::Road;
-use crate::road::own_turns::{TURN_RAD, follows_a_lane};
+use crate::road::own_turns::{TURN_RAD, TURN_RADIUS_M, follows_a_lane};
 use crate::road::path::DrivenPath;
 use crate::road::stretch::{STEP_M, Stretch};
 use std::f64::consts::PI;

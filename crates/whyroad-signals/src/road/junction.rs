@@ -6,7 +6,7 @@ use crate::geometry::{unwrap, wrap};
 use crate::road::cut_traversal::rest_by_lanes;
 use crate::road::doubtful::doubtful;
 use crate::road::network::Road;
-use crate::road::own_turns::{TURN_RAD, own_turns, steers_round, unseen_part};
+use crate::road::own_turns::{TURN_RAD, TURN_RADIUS_M, own_turns, steers_round, unseen_part};
 use crate::road::path::DrivenPath;
 use crate::road::stretch::{STEP_M, Stretch};
 use crate::table::TableBuilder;
@@ -23,8 +23,6 @@ pub const HORIZON_M: f64 = 150.0;
 pub const TURN_MARGIN_M: f64 = 3.0;
 /// A turn farther from the area does not belong to the junction, m.
 const TURN_REACH_M: f64 = 15.0;
-/// Maximum radius of a continuing turn, m.
-pub const TURN_RADIUS_M: f64 = 40.0;
 /// Minimum angle at which a turn has begun: 10 deg.
 const BEGUN_RAD: f64 = PI / 18.0;
 /// Maximum path length of a U-turn, m: half a circle of 13 m radius.

@@ -10,6 +10,8 @@ use std::f64::consts::PI;
 
 /// Minimum angle of a turn: 45 deg (RefAV).
 pub const TURN_RAD: f64 = PI / 4.0;
+/// Maximum radius of a continuing turn, m.
+pub const TURN_RADIUS_M: f64 = 40.0;
 /// Who has turned by this much within [`RADIUS_M`] where the recording ends goes on to turn: 15 deg. Of 268 recorded
 /// and simulated ways through junctions of which this could be said at some moment, 242 were turns to that side.
 const STEERED_RAD: f64 = PI / 12.0;
