@@ -142,7 +142,7 @@ fn main() -> Result<(), Failure> {
         licences: &table,
         lake: &fleet,
         media: Media::default(),
-        spec_dir: work,
+        spec_dir: &work,
         out: &out,
         queries: &|_, _| None,
         restart: false,

@@ -45,7 +45,7 @@ fn every_fault_of_a_block_is_told_where_it_stands() {
         (6, 5, "the parameter has no reason"),
         (7, 5, "the parameter has no value"),
         (7, 12, "unknown field 'valeu'"),
-        (9, 9, "signal or parameter 'b' not found"),
+        (9, 9, "'b' is defined below the definition that uses it"),
         (10, 9, "units do not match: a length (m) and a number without a unit"),
         (11, 5, "c is text, not a list"),
         (12, 10, "signal or parameter 'target.distnace' not found"),

@@ -64,8 +64,7 @@ fn read(app: &App, drive: &DriveId) -> Answer<BTreeMap<Moment, Vec<EpisodeRecord
     let filter = EpisodeFilter { drive: Some(drive.clone()), ..EpisodeFilter::default() };
     for name in app.recordings.mined() {
         let mut next = None;
-        loop {
-            let Some(page) = app.recordings.episodes(&name, &filter, next, PAGE) else { break };
+        while let Some(page) = app.recordings.episodes(&name, &filter, next, PAGE) {
             let page = page.map_err(Problem::mined_unreadable)?;
             out.extend(page.episodes.into_iter().map(|e| (e.episode_id.clone(), e)));
             next = page.next;
@@ -81,8 +80,11 @@ fn read(app: &App, drive: &DriveId) -> Answer<BTreeMap<Moment, Vec<EpisodeRecord
     Ok(by_moment)
 }
 
+/// Ids of tasks, each with the objects that its label links.
+type Linked = Vec<(String, BTreeSet<String>)>;
+
 /// Tasks of imported labels whose episode is not known yet, by drive, class and keyframe.
-pub struct Unnamed(HashMap<(String, String, i64), Vec<(String, BTreeSet<String>)>>);
+pub struct Unnamed(HashMap<(String, String, i64), Linked>);
 
 impl Unnamed {
     /// Those of all projects.
@@ -106,7 +108,7 @@ impl Unnamed {
         let Some(here) = self.0.get_mut(&key) else { return Ok(()) };
         let (about, rest) = std::mem::take(here).into_iter().partition(|(_, objects)| fits(objects, episode));
         *here = rest;
-        let about: Vec<(String, BTreeSet<String>)> = about;
+        let about: Linked = about;
         let (episode, now) = (episode.clone(), app.now());
         app.store.write(move |tx| {
             for (id, _) in &about {

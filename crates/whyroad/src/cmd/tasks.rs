@@ -324,7 +324,6 @@ mod tests {
     use whyroad_server::service::sample_window::{FUTURE_S, HISTORY_S};
 
     #[test]
-    #[expect(clippy::float_cmp, reason = "the same literals")]
     fn the_window_of_tasks_is_that_of_the_default_spec() {
         let cut = Spec::default().sample;
         assert_eq!((HISTORY_S, FUTURE_S), (cut.history_s, cut.future_s));
