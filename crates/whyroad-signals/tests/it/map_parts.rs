@@ -79,25 +79,6 @@ fn arms_and_exits_of_stars() {
     }
 }
 
-/// As in INTERACTION's map of DR_USA_Intersection_MA: the lane in from the west ends in a piece of 2 m that leads aside
-/// by 27 deg; the direction of its road, over 10 m, is the road's.
-#[test]
-fn a_short_last_piece_of_a_lane_makes_no_arm_of_its_own() {
-    let mut m = star(&[0.0, 90.0, 180.0, 270.0]);
-    let end = 15.0 + 2.0;
-    let aside = 2.0 * (27.0_f64).to_radians().tan();
-    let at = m.lanes.iter().position(|l| l.id == "in2").unwrap();
-    let mut piece = lane("in2", &[(-end, -2.0 + aside), (-15.0, -2.0)], 3.5);
-    piece.successors = m.lanes[at].successors.clone();
-    piece.predecessors = vec!["before".into()];
-    let mut before = lane("before", &[(-150.0, -2.0 + aside), (-end, -2.0 + aside)], 3.5);
-    before.successors = vec!["in2".into()];
-    m.lanes[at] = piece;
-    m.lanes.push(before);
-    let t = Table::of(&through(m));
-    assert_eq!((t.ego("map.junction_arms", 100), t.ego_flag("map.junction_irregular", 100)), (4.0, False));
-}
-
 #[test]
 fn a_junction_that_the_map_states_and_one_that_only_its_lanes_show() {
     // At 10 m/s from x = -100: the area from -15 m on is 83 m ahead of the front at frame 0; at frame 140 (x = 40) it
@@ -482,7 +463,6 @@ fn a_sign_of_a_lane_that_the_ego_passes_over() {
         lane("a", &[(0.0, 0.0), (50.5, 0.0)], 3.5),
         lane("piece", &[(50.5, 1.0), (51.0, -2.0)], 3.5),
         lane("c", &[(51.0, 0.0), (150.0, 0.0)], 3.5),
-        lane("beside", &[(50.5, 12.0), (51.0, 9.0)], 3.5),
     ]);
     for (from, to) in [(0, 1), (1, 2)] {
         let (left, right) = (m.lanes[from].id.clone(), m.lanes[to].id.clone());
@@ -497,7 +477,7 @@ fn a_sign_of_a_lane_that_the_ego_passes_over() {
         value: None,
         facing: None,
     };
-    m.signs = vec![sign("1", 51.0, "piece"), sign("2", 40.0, "beside")];
+    m.signs = vec![sign("1", 51.0, "piece")];
     let mut d = drive(120, |t| (10.0 * t, 0.0, 0.0));
     d.map = Some(m);
     // Frame 20: front at 22.
