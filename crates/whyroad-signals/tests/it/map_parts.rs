@@ -455,14 +455,14 @@ fn a_road_through_the_middle_of_a_roundabout() {
     assert_eq!(Table::of(&d).ego_flag("map.in_roundabout", 100), True);
 }
 
-/// A map of three lanes along x, of which the middle one is half a meter long and lies crosswise, as where a stop line
-/// cuts a wide lane off: nobody who drives along x is ever placed on it (75 deg and more).
+/// A map of three lanes along x, of which the middle one is 0.6 m long, as where a stop line cuts a lane off: who drives
+/// at 10 m/s is at 50 m and then at 51 m, and in no frame on it.
 #[test]
 fn a_sign_of_a_lane_that_the_ego_passes_over() {
     let mut m = map(vec![
-        lane("a", &[(0.0, 0.0), (50.5, 0.0)], 3.5),
-        lane("piece", &[(50.5, 1.0), (51.0, -2.0)], 3.5),
-        lane("c", &[(51.0, 0.0), (150.0, 0.0)], 3.5),
+        lane("a", &[(0.0, 0.0), (50.2, 0.0)], 3.5),
+        lane("piece", &[(50.2, 0.0), (50.8, 0.0)], 3.5),
+        lane("c", &[(50.8, 0.0), (150.0, 0.0)], 3.5),
     ]);
     for (from, to) in [(0, 1), (1, 2)] {
         let (left, right) = (m.lanes[from].id.clone(), m.lanes[to].id.clone());
