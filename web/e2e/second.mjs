@@ -73,7 +73,7 @@ async function units(day) {
   const task = page.url();
   const speed = async () => {
     const row = page.locator(".strip").filter({ has: page.getByText("速度", { exact: true }) });
-    const [, number, unit] = /^([\d.]+)\s*(.+)$/.exec(await row.locator(".value").innerText());
+    const [, number, unit] = /^(?:≈\s*)?([\d.]+)\s*(.+)$/.exec(await row.locator(".value").innerText());
     return { number: Number(number), unit };
   };
   const before = await speed();
