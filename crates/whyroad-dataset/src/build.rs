@@ -12,7 +12,7 @@ use crate::labels::{self, LabelStream, Labels, Names};
 use crate::licence::LicenceTable;
 use crate::select::{Selected, select};
 use crate::spec::{GroupKey, Spec};
-use crate::split::{self, Keep, split};
+use crate::split::{self, Facts, Keep, split};
 use crate::{DatasetError, Media, balance};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -146,7 +146,8 @@ pub fn build(
     );
     // What the split did explains an empty one; the manifest and the card describe the release.
     let assigned = split_report.clone();
-    split_report.count(split::counted(&state.labels.items, &state.selected.drives, &spec.split.by));
+    let facts = Facts { drives: &state.labels.drives, cells: &state.cells, meta: &state.selected.drives };
+    split_report.count(split::counted(&state.labels.items, facts, &spec.split.by));
     split_report.distances = split::distances(&state.labels.items);
     report_groups(&mut state, &split_report, &assigned);
     report_kept(&mut state, &split_report);

@@ -131,7 +131,7 @@ fn write(
             };
             kept += 1;
             count(counts, &carried);
-            if let Some(split) = SplitName::ALL.into_iter().find(|s| s.name() == carried.split) {
+            if let Some(split) = SplitName::of_name(&carried.split) {
                 let unknown = by.iter().copied().filter(|key| value_of_sample(&carried, *key).is_none());
                 in_split.push((split, carried.groups.component, unknown.collect()));
             }

@@ -9,7 +9,7 @@ mod road;
 
 pub use images::{Blurring, Media};
 
-use crate::item::{Cut, Dropped, Stage, hex};
+use crate::item::{Cut, DAY_NS, Dropped, Stage, hex};
 use crate::labels::LabelRecord;
 use crate::pose::Pose;
 use crate::sample::{ContextValue, Groups, Light, Lineage, MapElement, Sample};
@@ -131,7 +131,7 @@ impl<'a> Cutter<'a> {
                 sample.trace_zh.as_deref().or(sample.trace_en.as_deref()).unwrap_or(""),
             ),
             position,
-            day: (drive.times[frame].0.div_euclid(86_400_000_000_000)) as i32,
+            day: drive.times[frame].0.div_euclid(DAY_NS) as i32,
             longitudinal,
             lateral,
             images: u16::try_from(sample.images.len()).unwrap_or(u16::MAX),

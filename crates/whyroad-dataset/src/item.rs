@@ -195,7 +195,15 @@ impl SplitName {
             Self::Test => "test",
         }
     }
+
+    /// The split with this name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|split| split.name() == name)
+    }
 }
+
+/// A day, ns.
+pub(crate) const DAY_NS: i64 = 86_400_000_000_000;
 
 /// The data of a cut sample for the later stages.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 
 use crate::item::Position;
 use crate::pose::Pose;
+use crate::sample::Sample;
 use crate::spec::{Polygon, Split};
 use std::collections::HashMap;
 use whyroad_model::scene::{DriveMeta, FrameOfReference};
@@ -27,6 +28,17 @@ pub(crate) fn position(meta: &DriveMeta, pose: &Pose) -> Option<Position> {
     }
     let place = meta.place.as_ref()?;
     Some(Position { frame: format!("map:{place}"), p: [pose.x, pose.y, 0.0], plane: [pose.x, pose.y] })
+}
+
+/// The position that a sample of a release states.
+pub(crate) fn of_sample(sample: &Sample) -> Option<Position> {
+    let g = &sample.groups;
+    let (frame, &[x, y, z]) = (g.position_frame.clone()?, g.position.as_deref()?) else { return None };
+    let plane = match g.longitude_latitude.as_deref() {
+        Some(&[longitude, latitude]) if frame == GEO => [longitude, latitude],
+        _ => [x, y],
+    };
+    Some(Position { frame, p: [x, y, z], plane })
 }
 
 /// Name of the polygon or grid cell that a position is in.

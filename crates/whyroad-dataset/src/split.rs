@@ -7,11 +7,11 @@ mod keep;
 
 pub use distance::Distance;
 pub(crate) use distance::distances;
+pub(crate) use keep::Keep;
 pub use keep::KeptSplits;
-pub(crate) use keep::{Facts, Keep};
 
 use crate::DatasetError;
-use crate::item::{Item, SplitName, id_text};
+use crate::item::{DAY_NS, Item, SplitName, id_text};
 use crate::labels::Names;
 use crate::place;
 use crate::sample::Sample;
@@ -19,6 +19,7 @@ use crate::spec::{GroupKey, Split};
 use components::Components;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use whyroad_model::Nanos;
 use whyroad_model::scene::DriveMeta;
 
 /// The split of the release; part of the manifest.
@@ -67,28 +68,47 @@ impl SplitReport {
     }
 }
 
+/// What the values of group keys of items come from.
+#[derive(Clone, Copy)]
+pub(crate) struct Facts<'a> {
+    /// Drives by index.
+    pub drives: &'a Names,
+    /// Place cells by index.
+    pub cells: &'a Names,
+    /// Facts about the drives, by index.
+    pub meta: &'a BTreeMap<u32, DriveMeta>,
+}
+
+impl Facts<'_> {
+    /// The value of a key, as a finished sample states it; `None` where it is unknown.
+    fn value(&self, item: &Item, key: GroupKey) -> Option<String> {
+        let meta = self.meta.get(&item.drive);
+        match key {
+            GroupKey::Drive => Some(self.drives.get(item.drive).to_owned()),
+            GroupKey::Session => meta?.session.clone(),
+            GroupKey::Vehicle => meta?.vehicle.clone(),
+            GroupKey::Place => {
+                Some(item.place_cell).filter(|c| *c != u32::MAX).map(|c| self.cells.get(c).to_owned())
+            }
+            GroupKey::Date if meta.is_some_and(|m| !m.is_dated()) => None,
+            GroupKey::Date => {
+                let start = Nanos(i64::from(item.cut.as_ref()?.day) * DAY_NS);
+                start.to_string().get(..10).map(str::to_owned)
+            }
+        }
+    }
+}
+
 /// Every kept item, for the report.
 pub(crate) fn counted<'a>(
     items: &'a [Item],
-    drives: &'a BTreeMap<u32, DriveMeta>,
+    facts: Facts<'a>,
     by: &'a [GroupKey],
 ) -> impl Iterator<Item = Counted> + 'a {
     items.iter().filter(|i| i.kept()).filter_map(move |item| {
-        let unknown = by.iter().filter(|key| value(item, drives.get(&item.drive), **key).is_none());
+        let unknown = by.iter().filter(|key| facts.value(item, **key).is_none());
         Some((item.split?, item.component, unknown.copied().collect()))
     })
-}
-
-/// The value of a key; `None` where it is unknown.
-fn value(item: &Item, meta: Option<&DriveMeta>, key: GroupKey) -> Option<String> {
-    match key {
-        GroupKey::Drive => Some(item.drive.to_string()),
-        GroupKey::Session => meta.and_then(|m| m.session.clone()),
-        GroupKey::Vehicle => meta.and_then(|m| m.vehicle.clone()),
-        GroupKey::Place => Some(item.place_cell).filter(|c| *c != u32::MAX).map(|c| c.to_string()),
-        GroupKey::Date if meta.is_some_and(|m| !m.is_dated()) => None,
-        GroupKey::Date => item.cut.as_ref().map(|c| c.day.to_string()),
-    }
 }
 
 /// The same of a finished sample.
@@ -110,7 +130,7 @@ pub(crate) fn value_of_sample(sample: &Sample, key: GroupKey) -> Option<String> 
 /// When the groups of the spec join splits of the earlier release.
 pub(crate) fn split(
     items: &mut [Item],
-    (names, drives): (&Names, &BTreeMap<u32, DriveMeta>),
+    (drives, meta): (&Names, &BTreeMap<u32, DriveMeta>),
     spec: &Split,
     seed: u64,
     cells: &mut Names,
@@ -121,15 +141,16 @@ pub(crate) fn split(
             item.place_cell = cells.put(&place::cell(position, spec));
         }
     }
+    let facts = Facts { drives, cells, meta };
     let mut between = 0;
     let (kept, groups, held) = loop {
         let kept: Vec<usize> = (0..items.len()).filter(|i| items[*i].kept()).collect();
-        let groups = grouped(items, &kept, drives, spec);
+        let groups = grouped(items, &kept, facts, spec);
         let Some((dir, keep)) = keep else {
             let free = vec![None; groups.len()];
             break (kept, groups, free);
         };
-        let ties = keep.ties(items, &kept, &spec.by, &Facts { drives: names, cells, meta: drives });
+        let ties = keep.ties(items, &kept, &spec.by, facts);
         let of_group = |members: &Vec<usize>| -> BTreeSet<SplitName> {
             members.iter().flat_map(|&k| ties[k].iter().copied()).collect()
         };
@@ -168,24 +189,18 @@ pub(crate) fn split(
         kept: keep.map(|(_, keep)| KeptSplits { samples, between, ..keep.about.clone() }),
         ..SplitReport::default()
     };
-    report.count(counted(items, drives, &spec.by));
+    report.count(counted(items, facts, &spec.by));
     Ok(report)
 }
 
 /// The connected components of `kept`.
-fn grouped(
-    items: &[Item],
-    kept: &[usize],
-    drives: &BTreeMap<u32, DriveMeta>,
-    spec: &Split,
-) -> Vec<Vec<usize>> {
+fn grouped(items: &[Item], kept: &[usize], facts: Facts<'_>, spec: &Split) -> Vec<Vec<usize>> {
     let mut components = Components::new(kept.len());
     let mut first: HashMap<(GroupKey, String), usize> = HashMap::new();
     for (k, &i) in kept.iter().enumerate() {
         let item = &items[i];
-        let meta = drives.get(&item.drive);
         for key in spec.by.iter().chain([&GroupKey::Drive]) {
-            if let Some(value) = value(item, meta, *key) {
+            if let Some(value) = facts.value(item, *key) {
                 let other = *first.entry((*key, value)).or_insert(k);
                 components.join(k, other);
             }

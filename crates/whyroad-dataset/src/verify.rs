@@ -9,7 +9,7 @@ use crate::freeze::{CHECKSUMS, MANIFEST};
 use crate::item::{Position, SplitName};
 use crate::labels::DRAFT;
 use crate::licence::LicenceTable;
-use crate::place::Grid;
+use crate::place::{self, Grid};
 use crate::release::read_text;
 use crate::spec::GroupKey;
 use crate::split::value_of_sample;
@@ -103,7 +103,7 @@ pub fn verify_with(
     files(&release, &mut out)?;
     out.stated = release.manifest.counts.samples;
     out.near_duplicates = release.manifest.spec.deduplicate.near.is_some();
-    // What is missing is told already; the rest is checked.
+    // What is missing is reported already; the rest is checked.
     let missing: BTreeSet<String> = out
         .diagnostics
         .iter()
@@ -288,14 +288,8 @@ fn stale(sample: &Sample, checker: &Checker<'_>) -> Option<String> {
 }
 
 fn keep(sample: &Sample, split: SplitName) -> Seen {
-    let g = &sample.groups;
-    let position = match (&g.position_frame, g.position.as_deref()) {
-        (Some(frame), Some(&[x, y, z])) => {
-            Some(Position { frame: frame.clone(), p: [x, y, z], plane: [0.0; 2] })
-        }
-        _ => None,
-    };
     let named = sample.objects.iter().filter(|o| o.named).map(|o| o.id.clone()).collect();
+    let position = place::of_sample(sample);
     Seen { id: sample.sample_id.clone(), split, position, descriptor: descriptor::of(sample, &named) }
 }
 

@@ -2,16 +2,14 @@
 //! with a sample of it. A sample that shares them with two splits can be in neither, and is left out.
 
 use crate::item::{Dropped, Item, Position, SplitName, Stage, id_text};
-use crate::labels::Names;
 use crate::place::{self, Grid};
 use crate::spec::{GroupKey, Split};
-use crate::split::value_of_sample;
+use crate::split::{Facts, value_of_sample};
 use crate::{DatasetError, Release, Sample};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
-use whyroad_model::scene::DriveMeta;
-use whyroad_model::{Bilingual, Nanos};
+use whyroad_model::Bilingual;
 
 /// Columns of the earlier release that are read.
 const COLUMNS: &[&str] = &["sample_id", "split", "lineage", "groups"];
@@ -62,9 +60,7 @@ impl Keep {
         for batch in release.batches(None, Some(COLUMNS)) {
             let samples = crate::sample::schema::from_batch(&batch?);
             for sample in samples.map_err(|e| DatasetError::broken(dir, e))? {
-                let Some(split) = SplitName::ALL.into_iter().find(|s| s.name() == sample.split) else {
-                    continue;
-                };
+                let Some(split) = SplitName::of_name(&sample.split) else { continue };
                 out.put(sample, split, spec);
             }
         }
@@ -72,7 +68,7 @@ impl Keep {
     }
 
     fn put(&mut self, sample: Sample, split: SplitName, spec: &Split) {
-        let position = position(&sample);
+        let position = place::of_sample(&sample);
         for key in spec.by.iter().chain([&GroupKey::Drive]) {
             // Cells are named after the grid: those of this spec count, not those that the earlier one had.
             let value = match key {
@@ -94,7 +90,7 @@ impl Keep {
         items: &[Item],
         kept: &[usize],
         by: &[GroupKey],
-        facts: &Facts<'_>,
+        facts: Facts<'_>,
     ) -> Vec<BTreeSet<SplitName>> {
         let points: Vec<Option<&Position>> = self.positions.iter().map(|(p, _)| Some(p)).collect();
         let grid = self.min_distance_m.map(|edge| Grid::new(points, edge));
@@ -125,42 +121,6 @@ impl Keep {
     pub fn has(&self, item: &Item) -> bool {
         self.by_id.contains_key(&id_text(item.id))
     }
-}
-
-/// Values of group keys as samples state them.
-pub(crate) struct Facts<'a> {
-    pub drives: &'a Names,
-    pub cells: &'a Names,
-    pub meta: &'a std::collections::BTreeMap<u32, DriveMeta>,
-}
-
-impl Facts<'_> {
-    fn value(&self, item: &Item, key: GroupKey) -> Option<String> {
-        let meta = self.meta.get(&item.drive);
-        match key {
-            GroupKey::Drive => Some(self.drives.get(item.drive).to_owned()),
-            GroupKey::Session => meta?.session.clone(),
-            GroupKey::Vehicle => meta?.vehicle.clone(),
-            GroupKey::Place => {
-                (item.place_cell != u32::MAX).then(|| self.cells.get(item.place_cell).to_owned())
-            }
-            GroupKey::Date => {
-                let day = Nanos(item.keyframe_ns).to_string().get(..10).map(str::to_owned);
-                day.filter(|_| meta.is_some_and(DriveMeta::is_dated))
-            }
-        }
-    }
-}
-
-/// Where a sample of a release is.
-fn position(sample: &Sample) -> Option<Position> {
-    let g = &sample.groups;
-    let (frame, &[x, y, z]) = (g.position_frame.clone()?, g.position.as_deref()?) else { return None };
-    let plane = match g.longitude_latitude.as_deref() {
-        Some(&[longitude, latitude]) if frame == place::GEO => [longitude, latitude],
-        _ => [x, y],
-    };
-    Some(Position { frame, p: [x, y, z], plane })
 }
 
 /// Leaves out a sample that would join two splits of the earlier release.

@@ -51,7 +51,7 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
             "en" => TraceLanguage::English,
             _ => TraceLanguage::Both,
         },
-        split: SplitName::ALL.into_iter().find(|s| Some(s.name()) == a.split.as_deref()),
+        split: a.split.as_deref().and_then(SplitName::of_name),
         // Only this format has videos.
         ffmpeg: (to == ExportFormat::Alpamayo).then(ffmpeg).flatten(),
     };
