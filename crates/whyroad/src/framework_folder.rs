@@ -38,10 +38,9 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
     }
 }
 
-/// Says that labels cannot be checked completely against a framework with errors, where `found` has any: what its
-/// unreadable files require is not known.
-pub(crate) fn is_incomplete(global: &Global, found: &[Diagnostic]) -> bool {
-    let broken = found.iter().any(|d| d.severity == Severity::Error);
+/// [`is_faulty`], and says so: labels cannot be checked completely, since what the unreadable files require is not known.
+pub(crate) fn is_incomplete(global: &Global) -> bool {
+    let broken = is_faulty();
     if broken {
         say!(
             "{}",

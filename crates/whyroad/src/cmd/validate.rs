@@ -79,7 +79,7 @@ struct Foreign {
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
-    let (framework, faults) = framework_folder::load(global)?;
+    let (framework, _) = framework_folder::load(global)?;
     if let (true, Some(lake)) = (args.quality, &args.lake) {
         return quality::run(global, &framework, &args, lake);
     }
@@ -103,7 +103,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     let t = run.totals;
     say!("{}", summary(t, global.lang));
-    let incomplete = framework_folder::is_incomplete(global, &faults);
+    let incomplete = framework_folder::is_incomplete(global);
     let findings = incomplete || t.errors > 0 || (denied && t.warnings > 0);
     Ok(if findings { output::FINDINGS } else { output::FINE })
 }

@@ -74,8 +74,8 @@ fn blurring(media: Media, program: Option<&Path>, cache: &Path, lang: Lang) -> a
 }
 
 pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
-    let (framework, faults) = framework_folder::load(global)?;
-    if framework_folder::is_incomplete(global, &faults) {
+    let (framework, _) = framework_folder::load(global)?;
+    if framework_folder::is_incomplete(global) {
         return Ok(output::FINDINGS);
     }
     let text = std::fs::read_to_string(&a.spec).with_context(|| cannot_read(a.spec.display()))?;

@@ -30,7 +30,7 @@ pub(crate) struct Args {
 }
 
 pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
-    let (framework, broken) = framework_folder::load(global)?;
+    let (framework, _) = framework_folder::load(global)?;
     let recordings = match &a.lake {
         Some(dir) => {
             let lake = Lake::open(dir)
@@ -44,8 +44,7 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
         Ok(found) => found,
         Err(e) => return Ok(refused(global, &e)),
     };
-    let is_fault = |code: &str| code != UNCOMPARED;
-    let faults = found.diagnostics.iter().filter(|d| is_fault(d.code)).count();
+    let faults = found.diagnostics.iter().filter(|d| d.code != UNCOMPARED).count();
     let (samples, files, stated) = (found.samples, found.files, found.stated);
     let (compared, uncompared) = (found.compared.map(|n| n[0]), found.compared.map(|n| n[1]));
     let (labels, drafts) = (found.labels, found.drafts);
@@ -63,7 +62,7 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
             output::put(&summary(&found, faults, global.lang));
         }
     }
-    let incomplete = framework_folder::is_incomplete(global, &broken);
+    let incomplete = framework_folder::is_incomplete(global);
     Ok(match uncompared {
         _ if faults > 0 || incomplete => output::FINDINGS,
         Some(1..) => output::lost_input(),
