@@ -18,6 +18,8 @@ pub(super) const TO_CHOOSE: &str =
     "tasks.complete = 1 AND tasks.adjudication IS NULL AND tasks.state NOT IN ('skipped', 'rejected')";
 /// SQL condition for labels that may be checked and exported: of an overlap group only the chosen one.
 pub(super) const STANDS: &str = "(overlap_count = 1 OR adjudication = 'chosen')";
+/// SQL condition for labels of which the lead has not chosen another one.
+pub(super) const NOT_SUPERSEDED: &str = "(adjudication IS NULL OR adjudication <> 'superseded')";
 
 /// Number of groups compared in one transaction.
 const AT_ONCE: i64 = 100;

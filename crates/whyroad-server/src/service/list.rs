@@ -270,7 +270,7 @@ fn states(query: &mut Query, words: Option<&str>) -> Answer<()> {
     let values: Vec<Cell> = states.iter().map(|s| s.word().into()).collect();
     query.and(&format!("state IN ({holes})"), &values);
     // A label of which the lead chose another one waits for nothing.
-    query.and("(adjudication IS NULL OR adjudication <> 'superseded')", &[]);
+    query.and(disagreement::NOT_SUPERSEDED, &[]);
     Ok(())
 }
 

@@ -17,8 +17,10 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
     let mut by_state = std::collections::BTreeMap::new();
     if staff {
         let rows = tx.rows(
-            "SELECT state, count(*) AS n FROM tasks
-             WHERE project_id = $1 AND (adjudication IS NULL OR adjudication <> 'superseded') GROUP BY state",
+            &format!(
+                "SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 AND {} GROUP BY state",
+                disagreement::NOT_SUPERSEDED
+            ),
             values![project],
         )?;
         for r in rows {
@@ -55,16 +57,7 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
     } else {
         0
     };
-    let waiting_for = |tx: &mut dyn Tx, role: Role, kind: WorkKind| {
-        if !roles.contains(&role) {
-            return Ok(0);
-        }
-        let project = projects::get(tx, project)?;
-        let Some(user) = people::find(tx, user)? else { return Ok(0) };
-        queue::takeable(tx, &project, &user, roles, kind, now)
-    };
-    let to_check = waiting_for(tx, Role::Checker, WorkKind::Check)?;
-    let to_audit = waiting_for(tx, Role::Auditor, WorkKind::Audit)?;
+    let [to_check, to_audit] = takeable(tx, project, user, roles, now)?;
     let pending = if staff { drafting::pending(tx, project)? } else { 0 };
     let (mut disagreeing, mut to_choose, mut wrong_class) = (0, 0, 0);
     if roles.contains(&Role::Lead) {
@@ -86,4 +79,21 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
         pending,
         mine,
     })
+}
+
+/// Tasks that the queue has for `user` to check and to audit; 0 without the role.
+fn takeable(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) -> Answer<[i64; 2]> {
+    let kinds = [(Role::Checker, WorkKind::Check), (Role::Auditor, WorkKind::Audit)];
+    let mut out = [0; 2];
+    if !kinds.iter().any(|(role, _)| roles.contains(role)) {
+        return Ok(out);
+    }
+    let project = projects::get(tx, project)?;
+    let Some(user) = people::find(tx, user)? else { return Ok(out) };
+    for (n, (role, kind)) in out.iter_mut().zip(kinds) {
+        if roles.contains(&role) {
+            *n = queue::takeable(tx, &project, &user, roles, kind, now)?;
+        }
+    }
+    Ok(out)
 }
