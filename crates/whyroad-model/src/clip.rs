@@ -2,11 +2,11 @@
 //! division of a drive into stretches of [`CLIP_FRAMES`], `<drive>_k<first frame>` one that was cut around a keyframe.
 //! No clip goes on over a gap of the recording: what lies on both sides of it are two situations.
 
-use crate::scene::CLIP_FRAMES;
+use crate::scene::{CLIP_FRAMES, FRAME_RATE_HZ};
 use crate::{ClipId, DriveId, FrameRange, Nanos};
 
 /// A longer time between two frames ends a clip, s: a logger that paused. Shorter ones are messages that were lost.
-pub const CLIP_GAP_S: f64 = 5.0;
+const CLIP_GAP_S: f64 = 5.0;
 
 /// How clips are cut from drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -93,6 +93,17 @@ impl ClipId {
 
 fn parts_at(before: Nanos, after: Nanos) -> bool {
     after.seconds_since(before) > CLIP_GAP_S
+}
+
+/// Time at which the frame before `end` is over: when the next one begins, or a nominal period later at the end of the
+/// drive and before a gap.
+pub fn end_time(times: &[Nanos], end: usize) -> Nanos {
+    let last = end.checked_sub(1).and_then(|i| times.get(i)).or(times.last()).copied();
+    let goes_on = |t: &Nanos| last.is_none_or(|last| !parts_at(last, *t));
+    match times.get(end).copied().filter(goes_on) {
+        Some(t) => t,
+        None => last.map_or(Nanos::default(), |t| t.plus_secs(1.0 / FRAME_RATE_HZ)),
+    }
 }
 
 /// The clips of the division of a drive with frames at these times, in order.

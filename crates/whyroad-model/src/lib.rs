@@ -34,7 +34,7 @@ pub mod vocabulary;
 pub mod yaml;
 
 pub use catalog::SignalId;
-pub use clip::{CLIP_GAP_S, ClipCut, clip_of_frames, division};
+pub use clip::{ClipCut, clip_of_frames, division, end_time};
 pub use column::{Column, Tri};
 pub use component_category::ComponentCategory;
 pub use diagnostic::{Diagnostic, Location, Severity};

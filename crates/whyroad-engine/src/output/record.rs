@@ -4,11 +4,10 @@
 
 use serde::{Deserialize, Serialize};
 use whyroad_mining::episode::{Episode, Rank};
-use whyroad_mining::interpret::STEP;
 use whyroad_model::messages::{
     EpisodeRecord, Keyframe, KeyframeSuggestion, KeyframeType, MatchedCondition, ScenarioPreLabel, TimeRange,
 };
-use whyroad_model::{CLIP_GAP_S, ClipCut, ClipId, DriveId, FrameRange, Lang, Nanos};
+use whyroad_model::{ClipCut, ClipId, DriveId, FrameRange, Lang, Nanos, end_time};
 
 /// An episode with all its messages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -135,16 +134,6 @@ fn ids(episodes: &[Episode], clips: &[(ClipId, FrameRange)]) -> Vec<String> {
 /// Frame of the drive as an index in the clip, clamped; the clip's length is its end.
 fn frame_in(clip: FrameRange, frame: usize) -> u32 {
     u32::try_from(frame.clamp(clip.start, clip.end) - clip.start).unwrap_or(u32::MAX)
-}
-
-/// Time at which the frame before `end` is over; before a gap, a nominal period after it.
-fn end_time(times: &[Nanos], end: usize) -> Nanos {
-    let last = end.checked_sub(1).and_then(|i| times.get(i)).or(times.last()).copied();
-    let goes_on = |t: &Nanos| last.is_none_or(|last| t.seconds_since(last) <= CLIP_GAP_S);
-    match times.get(end).copied().filter(goes_on) {
-        Some(t) => t,
-        None => last.map_or(Nanos::default(), |t| t + STEP),
-    }
 }
 
 /// Scores have four decimals, so that a result does not differ by the last bit of a sum.

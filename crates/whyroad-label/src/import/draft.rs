@@ -6,9 +6,8 @@ use whyroad_model::messages::{
     CocLabel, CriticalComponent, DrivingDecision, Keyframe, KeyframeType, Provenance, ProvenanceSource,
     ScenarioLabel, TimeRange,
 };
-use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::time::frame_at;
-use whyroad_model::{CLIP_GAP_S, ClipId, Diagnostic, DriveId, FrameRange, Nanos};
+use whyroad_model::{ClipId, Diagnostic, DriveId, FrameRange, Nanos, end_time};
 
 /// Frames of history and future in the range of a label where the source has no range: 2 s and 6 s (LABELING.md 4, 6).
 const HISTORY_FRAMES: usize = 20;
@@ -46,9 +45,7 @@ pub fn draft(reasoning: &Reasoning, place: &Place<'_>) -> Result<CocLabel, Box<D
     let start = frame.saturating_sub(HISTORY_FRAMES).max(first);
     let until = reasoning.until_us.and_then(absolute).map(|t| frame_at(times, t));
     let end = until.unwrap_or(frame + FUTURE_FRAMES).clamp(frame + 1, last);
-    // At the end of the drive and before a gap, one past the last frame is one nominal period after it.
-    let next = times.get(end).copied().filter(|t| t.seconds_since(times[end - 1]) <= CLIP_GAP_S);
-    let end_time = next.unwrap_or_else(|| times[end - 1].plus_secs(1.0 / FRAME_RATE_HZ));
+    let end_time = end_time(times, end);
     let in_clip = |frame: usize| u32::try_from(frame - first).unwrap_or(u32::MAX);
     let component = |(i, words): (usize, &String)| CriticalComponent {
         category: None,
