@@ -2,16 +2,15 @@
 //! goes on where it has to slow, it moves aside where the label has no lateral decision, or no word is about a side
 //! although the label has a maneuver to one. Used only where nothing else was found.
 
-use crate::check::consistency::last_action::{clauses, last_sentence};
+use crate::check::consistency::last_action::{LATERAL, LONGITUDINAL, clauses, last_sentence, report};
 use crate::check::consistency::trace::TraceVerdict;
 use crate::check::reading::Named;
 use crate::check::texts::{TextScope, Texts};
 use whyroad_framework::LabelWords;
-use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::check::{Sink, Slot};
 use whyroad_framework::label_words::Forms;
 use whyroad_framework::phrases::Phrases;
 use whyroad_model::decision::{Lateral, Longitudinal};
-use whyroad_model::label_fields::pointer;
 
 /// Clauses at the end of a trace that state the decision.
 const DECIDING: usize = 2;
@@ -69,6 +68,12 @@ fn by_ego(before: &str, forms: &Forms) -> bool {
     !has(&forms.not_of_ego, before) && (nobody || all.any(ego))
 }
 
+/// The part of a Chinese clause before a verb names somebody else, or points to them.
+fn names_another(before: &str, forms: &Forms) -> bool {
+    let rest = forms.not_others.iter().fold(before.to_owned(), |t, w| t.replace(w.as_str(), ""));
+    rest.contains(['车', '人', '它', '他', '她'])
+}
+
 /// The ego goes on where its decision is to slow, to stop, to give way or to follow, and nothing in its last clauses is
 /// about slowing.
 pub(super) fn goes_on(scope: &TextScope<'_>) -> Option<TraceVerdict> {
@@ -96,10 +101,7 @@ pub(super) fn goes_on(scope: &TextScope<'_>) -> Option<TraceVerdict> {
         let before = &clause[..a];
         let own = match is_latin(text) {
             true => by_ego(before, forms),
-            false => {
-                let named = forms.not_others.iter().fold(before.to_owned(), |t, w| t.replace(w.as_str(), ""));
-                !before.contains(['不', '别', '没', '它', '他', '她']) && !named.contains(['车', '人'])
-            }
+            false => !before.contains(['不', '别', '没']) && !names_another(before, forms),
         };
         own.then_some((at + a, at + b))
     });
@@ -146,14 +148,7 @@ pub(super) fn aside_without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink)
         return false;
     }
     let Some((start, end)) = moves_aside(text, texts, words) else { return false };
-    sink.report(Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(start, end), &|| {
-        let phrase = &text[start..end];
-        Words::new(
-            format!("因果描述说自车“{phrase}”，横向决策却是“无决策变化”"),
-            format!("the trace says '{phrase}' about the ego, but the lateral decision is 'no change'"),
-        )
-        .hint("确有新决策时补上，否则改写因果描述", "add the decision if there was one, or rewrite the trace")
-    });
+    report(text, (start, end), LATERAL, sink);
     true
 }
 
@@ -185,23 +180,16 @@ pub(super) fn slows_without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink)
         let own = match is_latin(text) {
             true => by_ego(before, forms),
             false => {
-                let named = forms.not_others.iter().fold(before.to_owned(), |t, w| t.replace(w.as_str(), ""));
-                let of_other = named.contains(['车', '人', '它', '他', '她']);
                 let open = before.contains(['不', '没', '别', '无', '光', '用', '靠']);
-                !of_other && !open && !forms.slow_names.iter().any(|w| behind.starts_with(w.as_str()))
+                !names_another(before, forms)
+                    && !open
+                    && !forms.slow_names.iter().any(|w| behind.starts_with(w.as_str()))
             }
         };
         own.then_some((at + a, at + b))
     });
     let Some((start, end)) = found else { return false };
-    sink.report(Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(start, end), &|| {
-        let phrase = &text[start..end];
-        Words::new(
-            format!("因果描述说自车“{phrase}”，纵向决策却是“无决策变化”"),
-            format!("the trace says '{phrase}' about the ego, but the longitudinal decision is 'no change'"),
-        )
-        .hint("确有新决策时补上，否则改写因果描述", "add the decision if there was one, or rewrite the trace")
-    });
+    report(text, (start, end), LONGITUDINAL, sink);
     true
 }
 

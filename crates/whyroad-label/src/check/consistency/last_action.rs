@@ -62,15 +62,24 @@ pub(super) fn without_decision(scope: &TextScope<'_>, sink: &mut dyn Sink) -> bo
         Some((from + at + a, from + at + b))
     });
     let Some((start, end)) = found.min() else { return false };
+    report(text, (start, end), LATERAL, sink);
+    true
+}
+
+/// Names of the channel of a decision.
+pub(super) const LATERAL: [&str; 2] = ["横向", "lateral"];
+pub(super) const LONGITUDINAL: [&str; 2] = ["纵向", "longitudinal"];
+
+/// Reports bytes of the trace that say what the ego does, where the label has no decision of that channel.
+pub(super) fn report(text: &str, (start, end): (usize, usize), [zh, en]: [&str; 2], sink: &mut dyn Sink) {
     sink.report(Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(start, end), &|| {
         let phrase = &text[start..end];
         Words::new(
-            format!("因果描述说自车“{phrase}”，横向决策却是“无决策变化”"),
-            format!("the trace says '{phrase}' about the ego, but the lateral decision is 'no change'"),
+            format!("因果描述说自车“{phrase}”，{zh}决策却是“无决策变化”"),
+            format!("the trace says '{phrase}' about the ego, but the {en} decision is 'no change'"),
         )
         .hint("确有新决策时补上，否则改写因果描述", "add the decision if there was one, or rewrite the trace")
     });
-    true
 }
 
 /// Bytes of a movement of the ego out of its lane in a clause that is about the ego.

@@ -152,6 +152,7 @@ pub(in crate::check) fn trace(
     let is_about =
         |v: &TraceVerdict, d: Lateral| matches!(v, TraceVerdict::NotStated { label, .. } if *label == d.id());
     let going = ego_at_last::goes_on(scope);
+    let foresees = ego_at_last::foresees(text, &words.forms);
     judge(reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
         // An unreadable decision is not a null decision: its channel is not judged.
         let unreadable = match &v {
@@ -239,7 +240,7 @@ pub(in crate::check) fn trace(
                     && (undecided::is_undecided(text, reading, texts, words, undecided::Strict::No)
                         || !reading.marked && last_action::describes_at_last(text, &words.forms)
                         || ego_at_last::describes(text, &words.forms)
-                        || ego_at_last::foresees(text, &words.forms)
+                        || foresees
                         || lateral.get().is_some_and(|d| says_no_side && is_about(&v, d)));
                 verdict(&v, text, names, read, sink);
             }
@@ -256,7 +257,6 @@ pub(in crate::check) fn trace(
             .iter()
             .any(|m| !m.by_other && m.force != Force::Negated && says_label(m, lexicon, label))
     };
-    let foresees = ego_at_last::foresees(text, &words.forms);
     let decided = || longitudinal.get().map(|d| d.id()).or_else(|| lateral.get().map(|d| d.id()));
     if let (false, false, Some(id)) = (found, short, if foresees { decided() } else { decision() })
         && (!by_phrase() && undecided::is_undecided(text, reading, texts, words, undecided::Strict::Yes)
