@@ -13,6 +13,7 @@ pub(crate) mod junctions;
 pub(crate) mod key_frames;
 pub(crate) mod lane_lights;
 pub(crate) mod layers;
+pub(crate) mod licences;
 pub(crate) mod neighbors;
 pub(crate) mod plausibility;
 pub(crate) mod projection;

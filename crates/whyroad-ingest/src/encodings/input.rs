@@ -1,6 +1,6 @@
 //! Where readers take their bytes from: a file or a folder, on disk or in memory (which fuzz targets and tests have).
 
-use crate::encodings::text::utf8_or_error;
+use crate::encodings::text::utf8_input;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -42,13 +42,7 @@ impl<'a> Input<'a> {
 
     /// All of it as UTF-8.
     pub fn text(&self) -> io::Result<Cow<'a, str>> {
-        match self.bytes()? {
-            Cow::Borrowed(bytes) => utf8_or_error(bytes).map(Cow::Borrowed),
-            Cow::Owned(bytes) => {
-                utf8_or_error(&bytes)?;
-                String::from_utf8(bytes).map(Cow::Owned).map_err(io::Error::other)
-            }
-        }
+        utf8_input(self.bytes()?)
     }
 }
 

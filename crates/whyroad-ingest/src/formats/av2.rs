@@ -15,6 +15,7 @@ mod pose;
 
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
 use crate::assemble::frames::{Frames, resample_track};
+use crate::assemble::licences;
 use crate::assemble::plausibility::forget_impossible;
 use crate::assemble::se3::{self, Se3};
 use crate::encodings::feather;
@@ -221,7 +222,7 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
         source: "av2".into(),
         place: map_ref.as_deref().and_then(city).map(str::to_owned),
         map_ref,
-        licence: Some("CC-BY-NC-SA-4.0".into()),
+        licence: Some(licences::ARGOVERSE_2.into()),
         frame_of_reference: if with_pose { FrameOfReference::World } else { FrameOfReference::Ego },
         content_hash: hash.finish(),
         video: video.into_iter().collect(),

@@ -14,6 +14,7 @@ use super::av2::map_file::read_map;
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
 use crate::assemble::frames::Sampled;
 use crate::assemble::geometry::{center_line, distance};
+use crate::assemble::licences;
 use crate::assemble::resample::MAX_GAP_S;
 use crate::encodings::columns::{read_parquet, read_parquet_bytes};
 use crate::file_reader::FileReader;
@@ -144,7 +145,7 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
             source: "av2".into(),
             place: scenario.city.as_deref().map(city),
             map_ref: map_file.map(|file| scenario.map_ref.unwrap_or(file)),
-            licence: Some("CC-BY-NC-SA-4.0".into()),
+            licence: Some(licences::ARGOVERSE_2.into()),
             frame_of_reference: FrameOfReference::World,
             content_hash: hash.finish(),
             video: Vec::new(),

@@ -14,6 +14,7 @@ mod tables;
 
 use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source};
 use crate::assemble::frames::{Sample, Sampled, every_tenth};
+use crate::assemble::licences;
 use crate::assemble::resample::MAX_GAP_S as MAX_POSE_GAP_S;
 use crate::assemble::se3::{self, Se3};
 use crate::encodings::input::Folder;
@@ -216,7 +217,7 @@ fn drive(set: &Set<'_>, t: &SceneTables, options: &Options, report: &mut SourceR
             vehicle: Some(t.log.vehicle.clone()).filter(|v| !v.is_empty()),
             place: Some(t.log.location.clone()).filter(|l| !l.is_empty()),
             map_ref: map.as_ref().map(|_| t.log.location.clone()),
-            licence: options.licence().or_else(|| Some("CC-BY-NC-SA-4.0".into())),
+            licence: options.licence().or_else(|| Some(licences::NUSCENES.into())),
             content_hash: hash.finish(),
             video: cameras.into_iter().map(str::to_owned).collect(),
             can,

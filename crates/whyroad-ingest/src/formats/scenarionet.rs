@@ -14,6 +14,7 @@ mod tracks;
 use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, SkipReason, Source, whole};
 use crate::assemble::frames::{Frames, median};
 use crate::assemble::lane_lights;
+use crate::assemble::licences;
 use crate::encodings::pickle::{self, Value};
 use crate::options::{LICENCE, Options, START};
 use crate::report::SourceReport;
@@ -216,7 +217,9 @@ fn of_pickle(bytes: &[u8], path: &Path, options: &Options, report: &mut SourceRe
             source: text("dataset").unwrap_or_else(|| "scenarionet".into()),
             place: text("map"),
             map_ref: map.as_ref().and_then(|_| root.get("id")).and_then(|v| v.id()),
-            licence: options.licence().or_else(|| licence_of(&text("dataset")?).map(str::to_owned)),
+            licence: options
+                .licence()
+                .or_else(|| licences::of_data_set(&text("dataset")?).map(str::to_owned)),
             frame_of_reference: FrameOfReference::World,
             content_hash: hash.finish(),
             missing,
@@ -230,20 +233,6 @@ fn of_pickle(bytes: &[u8], path: &Path, options: &Options, report: &mut SourceRe
         context: None,
         media: None,
     })
-}
-
-/// The license of the public data set that a scenario was converted from (`schema/licences.yaml`, `data_sets`); `None`
-/// where it is not known.
-fn licence_of(data_set: &str) -> Option<&'static str> {
-    let name = data_set.to_lowercase();
-    let known = [
-        ("nuscenes", "CC-BY-NC-SA-4.0"),
-        ("nuplan", "CC-BY-NC-SA-4.0"),
-        ("argoverse", "CC-BY-NC-SA-4.0"),
-        ("av2", "CC-BY-NC-SA-4.0"),
-        ("waymo", "LicenseRef-Waymo-Open-Dataset"),
-    ];
-    known.iter().find(|(begins, _)| name.starts_with(begins)).map(|(_, licence)| *licence)
 }
 
 /// Tracks and times of a scenario; or where something is missing, and what.

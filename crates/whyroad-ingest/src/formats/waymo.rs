@@ -13,6 +13,7 @@ use crate::assemble::feature_map;
 use crate::assemble::finish::finish;
 use crate::assemble::frames::{Frames, Sampled, median};
 use crate::assemble::lane_lights;
+use crate::assemble::licences;
 use crate::encodings::tfrecord;
 use crate::file_reader::FileReader;
 use crate::options::{LICENCE, Options, START};
@@ -140,7 +141,7 @@ fn of_record(
             format: "waymo-motion".into(),
             source: "waymo".into(),
             map_ref: map.as_ref().map(|_| name),
-            licence: options.licence().or_else(|| Some("LicenseRef-Waymo-Open-Dataset".into())),
+            licence: options.licence().or_else(|| Some(licences::WAYMO.into())),
             content_hash: hash.finish(),
             missing,
             ..DriveMeta::default()
