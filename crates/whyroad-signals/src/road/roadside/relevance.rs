@@ -31,11 +31,11 @@ pub(super) fn route(on: &OnRoad<'_>) -> BTreeSet<String> {
     lanes
 }
 
-/// The lanes of a way of up to two lanes from `a` to `b`; none where one leads directly into the other.
+/// The lanes of a way of up to two lanes from `a` to another lane `b`; none where one leads directly into the other.
 fn passed_over(road: &Road, a: usize, b: usize) -> Vec<usize> {
     let next = |lane: usize| road.lanes[lane].successors.iter().copied();
     let leads = |lane: usize, to: usize| road.lanes[lane].successors.contains(&to);
-    if a == b || leads(a, b) {
+    if leads(a, b) {
         return Vec::new();
     }
     let one: Vec<usize> = next(a).filter(|&m| leads(m, b)).collect();
