@@ -455,8 +455,8 @@ fn a_road_through_the_middle_of_a_roundabout() {
     assert_eq!(Table::of(&d).ego_flag("map.in_roundabout", 100), True);
 }
 
-/// A map of three lanes along x, of which the middle one is 0.6 m long, as where a stop line cuts a lane off: who drives
-/// at 10 m/s is at 50 m and then at 51 m, and in no frame on it.
+/// A map of three lanes along x, of which the middle one is 0.6 m long, as where a stop line cuts a lane off: who
+/// drives at 10 m/s is at 50 m and then at 51 m, and in no frame on it.
 #[test]
 fn a_sign_of_a_lane_that_the_ego_passes_over() {
     let mut m = map(vec![
