@@ -165,6 +165,10 @@ const PHRASES: &[(&str, &str)] = &[
     ("left", "左"),
     ("right", "右"),
     ("lane '{}' has fewer than two points", "车道 '{}' 少于两个点"),
+    ("expected degrees, as in {}", "应为度数，例如 {}"),
+    ("expected meters, as in {}", "应为以米为单位的两个数，例如 {}"),
+    ("expected wgs84 or gcj02", "应为 wgs84 或 gcj02"),
+    ("expected utm or local", "应为 utm 或 local"),
     // Places in a file, last: they fit almost anything.
     ("{} without {}", "{} 没有 {}"),
     ("row {}, track {}: {}", "第 {} 行，轨迹 {}：{}"),

@@ -38,7 +38,8 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
     }
 }
 
-/// [`is_faulty`], and says so: labels cannot be checked completely, since what the unreadable files require is not known.
+/// [`is_faulty`], and says so: labels cannot be checked completely, since what the unreadable files require is not
+/// known.
 pub(crate) fn is_incomplete(global: &Global) -> bool {
     let broken = is_faulty();
     if broken {

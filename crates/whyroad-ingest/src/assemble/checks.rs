@@ -19,6 +19,7 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.accel.impossible",
     "ingest.pose.impossible",
     "ingest.map.off",
+    "ingest.map.shifted",
     "ingest.position.far",
     "ingest.limit.connector",
     "ingest.date.implausible",
@@ -67,6 +68,7 @@ pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
         out.extend(limits_on_connectors(map));
     }
     out.extend(off_the_map(drive));
+    out.extend(shifted::check(drive));
     out.extend(date(drive));
     out
 }
@@ -389,5 +391,6 @@ mod agreement;
 mod headings;
 mod own_box;
 mod poses;
+mod shifted;
 #[cfg(test)]
 mod tests;

@@ -114,7 +114,10 @@ fn argument(option: &OptionSpec) -> Arg {
     if option.value != OptionType::Flag {
         let spec = option.clone();
         let parse = move |text: &str| spec.parse(text).map_err(Reason::from);
-        arg = arg.value_name(option.value_name).value_parser(ValueParser::new(parse));
+        arg = arg
+            .value_name(option.value_name)
+            .allow_hyphen_values(option.signed)
+            .value_parser(ValueParser::new(parse));
     }
     match option.requires {
         Some(other) => arg.requires(other),
