@@ -1,7 +1,7 @@
 //! A map that lies beside the road that is driven: the ways of the vehicles against the center lines of the lanes.
 //!
-//! The map is searched for the shift with which the vehicles drive in its lanes. A shift by whole lanes is not seen, and
-//! neither is one along a road that runs one way only.
+//! The map is searched for the shift with which the vehicles drive in its lanes. A shift by whole lanes is not seen,
+//! and neither is one along a road that runs one way only.
 
 use super::warning;
 use crate::assemble::geometry::Bounds;

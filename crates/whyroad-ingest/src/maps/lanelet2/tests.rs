@@ -220,8 +220,8 @@ fn boards_are_found_by_their_kind_and_apply_to_all_lanes_that_name_them() {
     assert_eq!(stops, [&both[..]]);
 }
 
-/// Lanelet2, RegulatoryElementTagging, All Way Stop: the lines are in the order of the lanelets; without lines, lanelets
-/// end at the junction. Lanes eastwards at y = 2 and 6 that end at x = 10; the boards stand beside either.
+/// Lanelet2, RegulatoryElementTagging, All Way Stop: the lines are in the order of the lanelets; without lines, they
+/// stop where they end. Lanes eastwards at y = 2 and 6 that end at x = 10; the boards stand beside either.
 #[test]
 fn each_lanelet_of_an_all_way_stop_has_its_own_line_and_board() {
     let element = |lines: &[(&'static str, i64, &'static str)]| {
