@@ -26,6 +26,7 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.speed.contradicts",
     "ingest.heading.contradicts",
     "ingest.heading.impossible",
+    "ingest.heading.backwards",
 ];
 
 /// A vehicle that is wider than long by more than this factor has its sizes swapped or a bad box.
@@ -56,6 +57,7 @@ pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     out.extend(far_positions(drive));
     out.extend(headings::jumps(drive));
+    out.extend(headings::backwards(drive));
     out.extend(poses::steps_back(drive));
     out.extend(own_box::drop(drive));
     out.extend(impossible_sizes(drive));
