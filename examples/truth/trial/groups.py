@@ -1,4 +1,4 @@
-"""The groups of runs: networks, drivers, steps, traffic. docs/reference/accuracy.md says who looked at which."""
+"""The groups of runs: networks, drivers, steps, traffic. docs/explanation/accuracy-simulated.md says who looked at which."""
 
 from functools import partial
 
