@@ -22,6 +22,10 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.map.shifted",
     "ingest.position.far",
     "ingest.limit.connector",
+    "ingest.limit.impossible",
+    "ingest.lights.unused",
+    "ingest.position.degrees",
+    "ingest.map.against",
     "ingest.date.implausible",
     "ingest.speed.contradicts",
     "ingest.heading.contradicts",
@@ -56,6 +60,7 @@ const PLAUSIBLE: std::ops::Range<i64> = 946_684_800_000_000_000..4_102_444_800_0
 pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     out.extend(far_positions(drive));
+    out.extend(degrees::positions(drive));
     out.extend(headings::jumps(drive));
     out.extend(headings::backwards(drive));
     out.extend(poses::steps_back(drive));
@@ -67,10 +72,12 @@ pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     out.extend(agreement::check(drive));
     if let Some(map) = &mut drive.map {
         out.extend(headings_as_heights(map));
+        out.extend(limits::in_another_unit(map));
         out.extend(limits_on_connectors(map));
     }
     out.extend(off_the_map(drive));
     out.extend(shifted::check(drive));
+    out.extend(lights::unused(drive));
     out.extend(date(drive));
     out
 }
@@ -390,7 +397,10 @@ fn date(drive: &mut Drive) -> Option<Diagnostic> {
 }
 
 mod agreement;
+mod degrees;
 mod headings;
+mod lights;
+mod limits;
 mod own_box;
 mod poses;
 mod shifted;

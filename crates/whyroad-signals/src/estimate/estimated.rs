@@ -164,7 +164,11 @@ fn none_of(drive: &Drive) -> Estimated<'_> {
     }
 }
 
-fn estimated_from<'d>(drive: &'d Drive, seconds: &[f64], wanted: impl Fn(&Measured) -> bool) -> Estimated<'d> {
+fn estimated_from<'d>(
+    drive: &'d Drive,
+    seconds: &[f64],
+    wanted: impl Fn(&Measured) -> bool,
+) -> Estimated<'d> {
     let of = |t: &Track| Measured::new(&t.frames, &t.motion, &t.known_at, &drive.times, seconds, MAX_AWAY_S);
     let mut measured: Vec<Measured> = drive.tracks.iter().map(of).collect();
     let mut only_measured = without_gaps(&measured);

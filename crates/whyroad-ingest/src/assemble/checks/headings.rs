@@ -1,10 +1,10 @@
-//! Headings that cannot be. Sources that average angles linearly step over pi: the place goes on, the heading jumps for a
-//! few rows and comes back. Detectors take the rear of a vehicle for its front: it drives fast, and backwards.
+//! Headings that cannot be. Sources that average angles linearly step over pi: the place goes on, the heading jumps for
+//! a few rows and comes back. Detectors take the rear of a vehicle for its front: it drives fast, and backwards.
 
 use super::warning;
 use crate::assemble::angles::wrap_angle;
-use whyroad_model::scene::{Drive, Motion};
 use std::f64::consts::PI;
+use whyroad_model::scene::{Drive, Motion};
 use whyroad_model::{Bilingual, Diagnostic, ObjectClass};
 
 /// A step of the heading above this within [`STEP_S`] is impossible, rad: over 3 rad/s, three times what a car on dry
@@ -17,7 +17,7 @@ const COURSE_RAD: f64 = 0.8;
 /// Later than this after the last possible heading, the new one is taken, s.
 const ACCEPTED_S: f64 = 1.0;
 
-/// Nobody reverses as fast, m/s, over this time, s, with the heading within this angle of the opposite way, rad (30 deg).
+/// Nobody reverses as fast, m/s, over this time, s, with the heading at least this far from the way, rad (150 deg).
 const NO_REVERSE_MPS: f64 = 9.0;
 const REVERSE_SPAN_S: f64 = 0.5;
 const OPPOSITE_RAD: f64 = PI - PI / 6.0;

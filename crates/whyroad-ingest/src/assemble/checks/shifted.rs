@@ -1,13 +1,14 @@
-//! A map that lies beside the road that is driven: the ways of the vehicles against the center lines of the lanes.
+//! A map that does not fit the road that is driven: the ways of the vehicles against the center lines of the lanes.
 //!
-//! The map is searched for the shift with which the vehicles drive in its lanes. A shift by whole lanes is not seen,
-//! and neither is one along a road that runs one way only.
+//! Where most of them drive in lanes that run the other way, the map is that of the other side of the road, and is not
+//! used. Else the map is searched for the shift with which the vehicles drive in its lanes. A shift by whole lanes is not
+//! seen, and neither is one along a road that runs one way only.
 
 use super::warning;
 use crate::assemble::geometry::Bounds;
 use whyroad_model::road_map::{LaneKind, Point3};
 use whyroad_model::scene::{Drive, Motion};
-use whyroad_model::{Bilingual, Diagnostic, ObjectClass, RoadMap};
+use whyroad_model::{Bilingual, Diagnostic, Need, ObjectClass, RoadMap};
 
 /// A direction of motion is taken over this time, s, of those who move at this speed, m/s.
 const SPAN_S: f64 = 0.5;
@@ -37,15 +38,64 @@ const APART_M: f64 = 0.75;
 const SHARE: f64 = 0.65;
 const LEAST_SHIFT_M: f64 = 0.75;
 
-/// Reports a map whose lanes fit the ways of the vehicles better when it is moved.
-pub(super) fn check(drive: &Drive) -> Option<Diagnostic> {
+/// At least this share of the positions are in lanes that run the other way only: within this of a center line, m, with
+/// this cosine of the angle (160 deg).
+const AGAINST_SHARE: f64 = 0.8;
+const IN_LANE_M: f64 = 2.0;
+const OTHER_WAY: f64 = -0.939_7;
+
+/// Removes a map whose lanes run against the traffic, and reports one that fits better when it is moved.
+pub(super) fn check(drive: &mut Drive) -> Option<Diagnostic> {
     let map = drive.map.as_ref()?;
-    let passages = passages(drive, map)?;
-    let none = mean_distance(&passages, [0.0; 2]);
+    let moments = moments(drive)?;
+    if let Some((against, of)) = against(&moments, map) {
+        (drive.map, drive.lights, drive.meta.map_ref) = (None, None, None);
+        for need in [Need::Map, Need::TrafficLights] {
+            drive.meta.lacks(need);
+        }
+        return Some(runs_against(against, of));
+    }
+    shifted(&passages(&moments, map)?)
+}
+
+/// How many positions are in lanes that run the other way only, and of how many; `None` where they are not most.
+fn against(moments: &[Vec<Moment>], map: &RoadMap) -> Option<(usize, usize)> {
+    let lanes = lanes(map);
+    let (mut against, mut of) = (0, 0);
+    for moment in moments.iter().flatten() {
+        let mut ways = [false; 2];
+        moment.each_near(&lanes, IN_LANE_M, &mut |start, unit, length| {
+            let along = unit[0] * moment.unit[0] + unit[1] * moment.unit[1];
+            let is_in = distance_to(moment.at, start, unit, length) <= IN_LANE_M;
+            ways[0] |= is_in && along > OTHER_WAY;
+            ways[1] |= is_in && along <= OTHER_WAY;
+        });
+        against += usize::from(ways == [false, true]);
+        of += usize::from(ways != [false; 2]);
+    }
+    (of >= LEAST && against as f64 >= AGAINST_SHARE * of as f64).then_some((against, of))
+}
+
+fn runs_against(against: usize, of: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("地图的车道与行驶方向相反：{of} 个位置中有 {against} 个只在反向车道内；不使用此地图"),
+        format!(
+            "the lanes of the map run against the traffic: {against} of {of} positions lie in lanes of the other direction \
+             only; the map is not used"
+        ),
+    );
+    Diagnostic::error("ingest.map.against", message).with_hint(Bilingual::new(
+        "检查车道线的点序、左侧或右侧通行（OpenDRIVE 的 rule），以及坐标轴是否镜像",
+        "check the order of the points of lanes, the side of traffic (`rule` in OpenDRIVE), and whether an axis is mirrored",
+    ))
+}
+
+fn shifted(passages: &[Passage]) -> Option<Diagnostic> {
+    let none = mean_distance(passages, [0.0; 2]);
     if none < APART_M {
         return None;
     }
-    let (shift, left) = best_shift(&passages);
+    let (shift, left) = best_shift(passages);
     let far = shift[0].hypot(shift[1]);
     if left > SHARE * none || far < LEAST_SHIFT_M {
         return None;
@@ -80,13 +130,18 @@ struct Passage {
 impl Passage {
     /// Distance of the moved position from the nearest lane, m; infinite without one.
     fn distance(&self, [dx, dy]: [f64; 2]) -> f64 {
-        let distances = self.pieces.iter().map(|(start, unit, length)| {
-            let (x, y) = (self.at[0] + dx - start[0], self.at[1] + dy - start[1]);
-            let along = (x * unit[0] + y * unit[1]).clamp(0.0, *length);
-            (x - along * unit[0]).hypot(y - along * unit[1])
-        });
+        let at = [self.at[0] + dx, self.at[1] + dy];
+        let distances =
+            self.pieces.iter().map(|(start, unit, length)| distance_to(at, *start, *unit, *length));
         distances.fold(f64::INFINITY, f64::min)
     }
+}
+
+/// Distance from a piece of a line that begins at `start`, m.
+fn distance_to(at: [f64; 2], start: [f64; 2], unit: [f64; 2], length: f64) -> f64 {
+    let (x, y) = (at[0] - start[0], at[1] - start[1]);
+    let along = (x * unit[0] + y * unit[1]).clamp(0.0, length);
+    (x - along * unit[0]).hypot(y - along * unit[1])
 }
 
 fn mean_distance(passages: &[Passage], shift: [f64; 2]) -> f64 {
@@ -113,8 +168,8 @@ fn around([x, y]: [f64; 2], step: f64, steps: i32) -> impl Iterator<Item = [f64;
         .flat_map(move |i| (-steps..=steps).map(move |j| [x + f64::from(i) * step, y + f64::from(j) * step]))
 }
 
-/// Positions of vehicles that drive in or beside lanes; `None` where there are too few.
-fn passages(drive: &Drive, map: &RoadMap) -> Option<Vec<Passage>> {
+/// Where the vehicles drive, of each; `None` where there is too little.
+fn moments(drive: &Drive) -> Option<Vec<Vec<Moment>>> {
     let start = *drive.times.first()?;
     let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
     let ego = drive.ego.iter().map(|e| driven(&e.motion, &seconds));
@@ -124,24 +179,27 @@ fn passages(drive: &Drive, map: &RoadMap) -> Option<Vec<Passage>> {
         driven(&t.motion, &times)
     });
     let vehicles: Vec<Vec<Moment>> = ego.chain(others).filter(|v| !v.is_empty()).collect();
-    if vehicles.len() < LEAST_VEHICLES || vehicles.iter().map(Vec::len).sum::<usize>() < LEAST {
-        return None;
-    }
-    let lanes: Vec<(&[Point3], Bounds)> = map
-        .lanes
-        .iter()
-        .filter(|l| matches!(l.kind, LaneKind::Vehicle | LaneKind::Bus))
-        .map(|l| (l.center.as_slice(), Bounds::of(&l.center)))
-        .collect();
+    (vehicles.iter().map(Vec::len).sum::<usize>() >= LEAST).then_some(vehicles)
+}
+
+/// Lanes that vehicles drive in.
+fn lanes(map: &RoadMap) -> Vec<(&[Point3], Bounds)> {
+    let driven = map.lanes.iter().filter(|l| matches!(l.kind, LaneKind::Vehicle | LaneKind::Bus));
+    driven.map(|l| (l.center.as_slice(), Bounds::of(&l.center))).collect()
+}
+
+/// The positions of vehicles in or beside lanes; `None` where there are too few.
+fn passages(vehicles: &[Vec<Moment>], map: &RoadMap) -> Option<Vec<Passage>> {
+    let lanes = lanes(map);
     let all: usize = vehicles.iter().map(Vec::len).sum();
     let stride = all.div_ceil(MOST);
     let mut of_vehicles = 0;
     let (mut out, mut count) = (Vec::new(), 0_usize);
-    for vehicle in &vehicles {
+    for vehicle in vehicles {
         let before = out.len();
         for moment in vehicle {
             count += 1;
-            if count % stride == 0 {
+            if count.is_multiple_of(stride) {
                 out.extend(moment.passage(&lanes));
             }
         }
@@ -163,24 +221,34 @@ struct Moment {
 }
 
 impl Moment {
-    /// With the lanes that can be meant; `None` where none is near.
-    fn passage(&self, lanes: &[(&[Point3], Bounds)]) -> Option<Passage> {
+    /// Calls `each` with start, direction and length of the pieces of lanes within `reach`, m, and some beyond.
+    fn each_near(
+        &self,
+        lanes: &[(&[Point3], Bounds)],
+        reach: f64,
+        each: &mut dyn FnMut([f64; 2], [f64; 2], f64),
+    ) {
         let [x, y] = self.at;
         let here = Bounds::of(&[Point3 { x, y, z: 0.0 }]);
-        let mut pieces = Vec::new();
-        for (line, bounds) in lanes {
-            if bounds.are_apart(&here, REACH_M + FARTHEST_M) {
-                continue;
-            }
+        for (line, _) in lanes.iter().filter(|(_, bounds)| !bounds.are_apart(&here, reach)) {
             for w in line.windows(2) {
                 let (dx, dy) = (w[1].x - w[0].x, w[1].y - w[0].y);
                 let length = dx.hypot(dy);
-                let unit = [dx / length, dy / length];
-                if length > 1e-3 && unit[0] * self.unit[0] + unit[1] * self.unit[1] >= SAME_WAY {
-                    pieces.push(([w[0].x, w[0].y], unit, length));
+                if length > 1e-3 {
+                    each([w[0].x, w[0].y], [dx / length, dy / length], length);
                 }
             }
         }
+    }
+
+    /// With the lanes that can be meant; `None` where none is near.
+    fn passage(&self, lanes: &[(&[Point3], Bounds)]) -> Option<Passage> {
+        let mut pieces = Vec::new();
+        self.each_near(lanes, REACH_M + FARTHEST_M, &mut |start, unit, length| {
+            if unit[0] * self.unit[0] + unit[1] * self.unit[1] >= SAME_WAY {
+                pieces.push((start, unit, length));
+            }
+        });
         let passage = Passage { at: self.at, pieces };
         (passage.distance([0.0; 2]) <= REACH_M).then_some(passage)
     }
