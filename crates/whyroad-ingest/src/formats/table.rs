@@ -88,7 +88,8 @@ const TABLES: &[&str] = &["ego", "objects", "lanes", "areas", "signs", "lights",
 const ENDINGS: &[&str] =
     &["csv", "parquet", "tsv", "txt", "gz", "zst", "xz", "zip", "xlsx", "json", "feather"];
 
-/// Files of the folder that are not read and look like a table: another spelling, compressed, a link that leads nowhere.
+/// Files of the folder that are not read and look like a table: another spelling, compressed, a link that leads
+/// nowhere.
 fn unread(dir: Folder<'_>) -> Vec<Diagnostic> {
     let is_read = |name: &str| TABLES.iter().any(|stem| sheet_file(dir, stem).as_deref() == Some(name));
     let mut out = Vec::new();

@@ -1,8 +1,8 @@
 //! A map that does not fit the road that is driven: the ways of the vehicles against the center lines of the lanes.
 //!
 //! Where most of them drive in lanes that run the other way, the map is that of the other side of the road, and is not
-//! used. Else the map is searched for the shift with which the vehicles drive in its lanes. A shift by whole lanes is not
-//! seen, and neither is one along a road that runs one way only.
+//! used. Else the map is searched for the shift with which the vehicles drive in its lanes. A shift by whole lanes is
+//! not seen, and neither is one along a road that runs one way only.
 
 use super::warning;
 use crate::assemble::geometry::Bounds;
