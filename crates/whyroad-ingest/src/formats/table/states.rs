@@ -50,8 +50,8 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
     Some(out).filter(|states| !states.is_empty())
 }
 
-/// Weather, surface and the like; `None` without the table, and without a row that can be used. A value that is missing or not allowed for its kind ends
-/// the previous state: from there on the state is `unknown`.
+/// Weather, surface and the like; `None` without the table, and without a row that can be used. A value that is missing
+/// or not allowed for its kind ends the previous state: from there on the state is `unknown`.
 pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
     let columns = ["timestamp_ns", "time", "time_s", "kind", "value", "source", "confidence"];
     let sheet = reader.sheet("context", &columns, &[TIME, &["kind"], &["value"]])?;
