@@ -26,7 +26,9 @@ pub use encodings::can;
 pub use formats::{
     av2, av2_motion, comma2k19, mcap, nuscenes, openlabel, pai, rosbag, scenarionet, sumo, table, waymo,
 };
-pub use maps::{MAP, MAP_COMPLETE, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS as MAP_OPTIONS};
+pub use maps::{
+    MAP, MAP_COMPLETE, MAP_DATUM, MAP_OFFSET, MAP_ORIGIN, MAP_PROJECTION, OPTIONS as MAP_OPTIONS,
+};
 pub use options::{DEFAULT_START, LICENCE, OptionSpec, OptionType, OptionValue, Options, START};
 pub use report::{RowCount, SourceReport};
 pub use run::{batches, find_sources, ingest, ingest_each, read, read_files};

@@ -11,7 +11,7 @@ mod signs;
 
 pub(crate) use cache::MapBeside;
 pub(crate) use findings::CODES;
-pub use options::{MAP, MAP_COMPLETE, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS};
+pub use options::{MAP, MAP_COMPLETE, MAP_DATUM, MAP_OFFSET, MAP_ORIGIN, MAP_PROJECTION, OPTIONS};
 
 use crate::assemble::finish::finish;
 use crate::assemble::layers::Declared;
@@ -98,8 +98,9 @@ fn load(file: &Path, options: &Options) -> Loaded {
 fn load_input(file: &Path, input: &Input<'_>, options: &Options) -> Loaded {
     let label = file.display().to_string();
     let mut out = Loaded::default();
-    let placement = match Placement::of(options) {
-        Ok(placement) => placement,
+    let placement = Placement::of(options).and_then(|p| Ok((p, options::offset(options)?)));
+    let (placement, offset) = match placement {
+        Ok(both) => both,
         Err(problem) => {
             out.diagnostics.push(findings::placement(&label, &problem));
             return out;
@@ -128,12 +129,29 @@ fn load_input(file: &Path, input: &Input<'_>, options: &Options) -> Loaded {
         declared.apply(&mut reading.map);
         hash.add("complete", format!("{declared:?}").as_bytes());
     }
+    if offset != [0.0; 2] {
+        shift(&mut reading.map, offset);
+        hash.add("offset", format!("{offset:?}").as_bytes());
+    }
     hash.add("map", &input.bytes().unwrap_or_default());
     let stem = file_label(file);
     let name = reading.name.unwrap_or_else(|| stem.split('.').next().unwrap_or(&stem).to_owned());
     let tables = std::iter::once(reading.count).chain(reading.features).collect();
     out.map = Some(MapBeside { map: reading.map, name, label, hash: hash.finish(), tables });
     out
+}
+
+/// Moves everything on a map.
+fn shift(map: &mut RoadMap, [dx, dy]: [f64; 2]) {
+    let RoadMap { lanes, crosswalks, junctions, drivable_areas, stop_lines, signs, facilities, .. } = map;
+    let areas = crosswalks.iter_mut().chain(junctions).chain(drivable_areas).map(|a| &mut a.boundary);
+    let of_lanes = lanes.iter_mut().flat_map(|l| [&mut l.left, &mut l.right, &mut l.center]);
+    let lines = stop_lines.iter_mut().map(|s| &mut s.line);
+    let lines = of_lanes.chain(areas).chain(lines).chain(facilities.iter_mut().map(|f| &mut f.boundary));
+    for p in lines.flatten().chain(signs.iter_mut().map(|s| &mut s.position)) {
+        p.x += dx;
+        p.y += dy;
+    }
 }
 
 /// For [`crate::readers`].

@@ -59,6 +59,8 @@ pub struct OptionSpec {
     pub help: &'static str,
     /// True when the option may be given several times.
     pub repeatable: bool,
+    /// True when the value can begin with a minus sign.
+    pub signed: bool,
     /// Names of options of the same adapter that exclude this one.
     pub conflicts: &'static [&'static str],
     /// Option of the same adapter that must be given too.
@@ -73,12 +75,27 @@ impl OptionSpec {
         value_name: &'static str,
         help: &'static str,
     ) -> Self {
-        Self { name, value, value_name, help, repeatable: false, conflicts: &[], requires: None }
+        Self {
+            name,
+            value,
+            value_name,
+            help,
+            repeatable: false,
+            signed: false,
+            conflicts: &[],
+            requires: None,
+        }
     }
 
     /// The same option, allowed several times.
     pub const fn repeatable(mut self) -> Self {
         self.repeatable = true;
+        self
+    }
+
+    /// The same option, with values that can begin with a minus sign.
+    pub const fn signed(mut self) -> Self {
+        self.signed = true;
         self
     }
 

@@ -12,6 +12,7 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.time.span",
     "ingest.time.step",
     "ingest.objects.unused",
+    "ingest.drive.renamed",
 ];
 
 /// Hash of everything that a drive is made from: adapter and its revision, options, names and contents of files.
@@ -102,12 +103,30 @@ pub(crate) fn file_label(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A drive id from a name: what is not safe in a folder name becomes `-`.
+/// A drive id from a name: what is not safe in a folder name becomes `-`. A name that loses letters or digits so (of
+/// other scripts) keeps its identity by the first eight digits of its hash.
 pub(crate) fn drive_id(name: &str) -> DriveId {
-    let safe = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' };
-    let id: String = name.chars().map(safe).take(128).collect();
+    let is_safe = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    let id: String = name.chars().map(|c| if is_safe(c) { c } else { '-' }).take(MOST_ID).collect();
+    if name.chars().any(|c| !is_safe(c) && c.is_alphanumeric()) {
+        let kept = id.trim_matches(['-', '.']);
+        let kept = if kept.is_empty() { "drive" } else { &kept[..kept.len().min(MOST_ID - 9)] };
+        return DriveId::from(format!("{kept}-{}", &blake3::hash(name.as_bytes()).to_hex()[..8]).as_str());
+    }
     let id = id.trim_start_matches('.');
     DriveId::from(if id.is_empty() { "drive" } else { id })
+}
+
+/// Characters of a drive id.
+const MOST_ID: usize = 128;
+
+/// A note where a drive cannot have the name that its log states.
+pub(crate) fn renamed(file: &str, name: &str, id: &DriveId) -> Option<Diagnostic> {
+    let message = Bilingual::new(
+        format!("行程编号只能含字母、数字与 - _ .：'{name}' 存为 '{id}'"),
+        format!("ids of drives have letters, digits and - _ . only: '{name}' is stored as '{id}'"),
+    );
+    (id.0 != name).then(|| Diagnostic::note("ingest.drive.renamed", message).in_file(file))
 }
 
 /// Impossible speeds by track; no diagnostic if there are none.

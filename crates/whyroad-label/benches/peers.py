@@ -1,5 +1,5 @@
 """Times JSON Schema validators on the documents that the bench `validate` writes, for the ratios of
-docs/reference/performance.md. Not part of the build: ajv and jsonschema are other people's programs.
+docs/reference/performance-labels.md. Not part of the build: ajv and jsonschema are other people's programs.
 
     WHYROAD_BENCH_DOCUMENTS=/tmp/docs cargo bench -p whyroad-label --bench validate
     npm install --prefix /tmp/docs ajv ajv-formats && pip install jsonschema

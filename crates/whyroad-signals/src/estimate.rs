@@ -18,6 +18,7 @@
 )]
 
 mod bicycle;
+mod course;
 mod derived;
 mod deviation;
 mod estimated;

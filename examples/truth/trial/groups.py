@@ -1,4 +1,4 @@
-"""The groups of runs: networks, drivers, steps, traffic. docs/reference/accuracy.md says who looked at which."""
+"""The groups of runs: networks, drivers, steps, traffic. Who saw which: docs/explanation/accuracy-simulated.md."""
 
 from functools import partial
 

@@ -3,9 +3,9 @@
 varied, held or held2 to held19.
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). `develop` may be looked at while rules are changed; `held` has
-other networks, drivers and steps, and is evaluated once (docs/reference/accuracy.md says when). Nothing generated is
-committed: `manifest.txt` has the SHA-256 of each file, and `make.py check OUT_DIR` compares. Each run: fcd, net, tls,
-egos.txt, truth.jsonl.
+other networks, drivers and steps, and is evaluated once (docs/explanation/accuracy-simulated.md says when). Nothing
+generated is committed: `manifest.txt` has the SHA-256 of each file, and `make.py check OUT_DIR` compares. Each run:
+fcd, net, tls, egos.txt, truth.jsonl.
 """
 
 import gzip

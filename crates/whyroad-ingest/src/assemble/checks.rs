@@ -19,12 +19,18 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.accel.impossible",
     "ingest.pose.impossible",
     "ingest.map.off",
+    "ingest.map.shifted",
     "ingest.position.far",
     "ingest.limit.connector",
+    "ingest.limit.impossible",
+    "ingest.lights.unused",
+    "ingest.position.degrees",
+    "ingest.map.against",
     "ingest.date.implausible",
     "ingest.speed.contradicts",
     "ingest.heading.contradicts",
     "ingest.heading.impossible",
+    "ingest.heading.backwards",
 ];
 
 /// A vehicle that is wider than long by more than this factor has its sizes swapped or a bad box.
@@ -54,7 +60,9 @@ const PLAUSIBLE: std::ops::Range<i64> = 946_684_800_000_000_000..4_102_444_800_0
 pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     out.extend(far_positions(drive));
+    out.extend(degrees::positions(drive));
     out.extend(headings::jumps(drive));
+    out.extend(headings::backwards(drive));
     out.extend(poses::steps_back(drive));
     out.extend(own_box::drop(drive));
     out.extend(impossible_sizes(drive));
@@ -64,9 +72,12 @@ pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     out.extend(agreement::check(drive));
     if let Some(map) = &mut drive.map {
         out.extend(headings_as_heights(map));
+        out.extend(limits::in_another_unit(map));
         out.extend(limits_on_connectors(map));
     }
     out.extend(off_the_map(drive));
+    out.extend(shifted::check(drive));
+    out.extend(lights::unused(drive));
     out.extend(date(drive));
     out
 }
@@ -386,8 +397,12 @@ fn date(drive: &mut Drive) -> Option<Diagnostic> {
 }
 
 mod agreement;
+mod degrees;
 mod headings;
+mod lights;
+mod limits;
 mod own_box;
 mod poses;
+mod shifted;
 #[cfg(test)]
 mod tests;

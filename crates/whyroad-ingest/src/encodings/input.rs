@@ -83,6 +83,20 @@ impl<'a> Folder<'a> {
         }
     }
 
+    /// Names of what lies in the folder, sorted; links that lead nowhere included.
+    pub fn names(self) -> Vec<String> {
+        let mut names: Vec<String> = match self {
+            Folder::Disk(dir) => std::fs::read_dir(dir)
+                .map(|entries| {
+                    entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect()
+                })
+                .unwrap_or_default(),
+            Folder::Memory(files) => files.keys().cloned().collect(),
+        };
+        names.sort();
+        names
+    }
+
     /// True when the folder has a file of this name.
     pub fn has(self, name: &str) -> bool {
         self.file(name).is_some()

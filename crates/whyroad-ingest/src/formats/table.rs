@@ -24,7 +24,7 @@ use crate::encodings::input::Folder;
 use crate::options::{LICENCE, Options, START};
 use crate::report::SourceReport;
 use crate::source::{
-    ContentHash, drive_id, file_label, find_folders, implausible_span, implausible_step, resampled,
+    ContentHash, drive_id, file_label, find_folders, implausible_span, implausible_step, renamed, resampled,
 };
 pub(crate) use findings::CODES;
 use meta::Meta;
@@ -33,10 +33,10 @@ use sheet::sheet_file;
 use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::scene::{DriveMeta, FrameOfReference};
-use whyroad_model::{Drive, Nanos, Need};
+use whyroad_model::{Diagnostic, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 6;
+const REVISION: u32 = 7;
 
 /// Our own table layout.
 pub struct Table;
@@ -80,6 +80,34 @@ fn is_drive(dir: &Path) -> bool {
     meta::drive_file(dir).is_some()
         && (sheet_file(dir, "ego").is_some() || sheet_file(dir, "objects").is_some())
         && !dir.has("clips.parquet")
+}
+
+/// The tables of a drive.
+const TABLES: &[&str] = &["ego", "objects", "lanes", "areas", "signs", "lights", "context"];
+/// Endings of what programs write tables into.
+const ENDINGS: &[&str] =
+    &["csv", "parquet", "tsv", "txt", "gz", "zst", "xz", "zip", "xlsx", "json", "feather"];
+
+/// Files of the folder that are not read and look like a table: another spelling, compressed, a link that leads
+/// nowhere.
+fn unread(dir: Folder<'_>) -> Vec<Diagnostic> {
+    let is_read = |name: &str| TABLES.iter().any(|stem| sheet_file(dir, stem).as_deref() == Some(name));
+    let mut out = Vec::new();
+    for name in dir.names() {
+        let lower = name.to_lowercase();
+        let Some((stem, ending)) = lower.split_once('.') else { continue };
+        if is_read(&name) || !ending.split('.').all(|e| ENDINGS.contains(&e)) || lower.starts_with("drive.") {
+            continue;
+        }
+        let near = |table: &&&str| strsim::damerau_levenshtein(stem, table) <= 1;
+        let Some(table) = TABLES.iter().find(near) else { continue };
+        // The other form of a table that is read is no loss.
+        let is_other_form = sheet_file(dir, table).is_some() && stem == *table;
+        if !is_other_form {
+            out.push(findings::unread(&dir.label(&name), table));
+        }
+    }
+    out
 }
 
 /// Reads one drive folder. `None` when there is nothing that could be kept; the report says why.
@@ -136,6 +164,7 @@ fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut Sourc
     missing.extend(lacking);
     let map = road::read(&meta.map_complete_for, &mut reader);
     let lights = states::lights(&mut reader);
+    reader.report.diagnostics.extend(unread(dir));
     let context = states::context(&mut reader);
     if !ego.length_m.is_finite() || !ego.width_m.is_finite() {
         missing.push(Need::EgoSize);
@@ -170,12 +199,15 @@ fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut Sourc
     missing.extend((!dated).then_some(Need::Date));
 
     let times = clock.frames.iter().map(|&t| Nanos(clock.origin).plus_secs(t)).collect();
+    let stated = meta.drive_id.as_deref().unwrap_or(name);
+    let drive_id = options.drive_id.clone().unwrap_or_else(|| {
+        let id = drive_id(stated);
+        reader.report.diagnostics.extend(renamed(&dir.own_label(), stated, &id));
+        id
+    });
     Some(Drive {
         meta: DriveMeta {
-            drive_id: options
-                .drive_id
-                .clone()
-                .unwrap_or_else(|| drive_id(meta.drive_id.as_deref().unwrap_or(name))),
+            drive_id,
             format: "table".into(),
             source: meta.source,
             place: meta.place,

@@ -51,8 +51,9 @@ pub(super) fn placement(file: &str, reason: &str) -> Diagnostic {
     );
     Diagnostic::error("map.placement", message)
         .with_hint(Bilingual::new(
-            "用 `--map-origin LAT,LON` 给出日志坐标系原点的纬度与经度",
-            "give latitude and longitude of the origin of the log's frame with `--map-origin LAT,LON`",
+            "用 `--map-origin LAT,LON` 给出日志坐标系原点的纬度与经度；`--map-offset X,Y` 是地图的平移量（米）",
+            "give latitude and longitude of the origin of the log's frame with `--map-origin LAT,LON`; `--map-offset X,Y` is \
+             a shift of the map in meters",
         ))
         .in_file(file)
 }

@@ -20,6 +20,7 @@ pub const MAP_ORIGIN: OptionSpec = OptionSpec::new(
     "LAT,LON",
     "Lanelet2 map in degrees: latitude and longitude of the origin of the log's frame",
 )
+.signed()
 .requires("map");
 /// How degrees become meters.
 pub const MAP_PROJECTION: OptionSpec = OptionSpec::new(
@@ -37,6 +38,15 @@ pub const MAP_DATUM: OptionSpec = OptionSpec::new(
     "datum of the map's degrees and of --map-origin: wgs84 (default) or gcj02",
 )
 .requires("map");
+/// Shift of a map that is known to lie beside the road.
+pub const MAP_OFFSET: OptionSpec = OptionSpec::new(
+    "map-offset",
+    OptionType::Text,
+    "X,Y",
+    "moves the map by this in the log's frame, m, as in -1.25,0.5",
+)
+.signed()
+.requires("map");
 /// What the map has in full.
 pub const MAP_COMPLETE: OptionSpec = OptionSpec::new(
     "map-complete",
@@ -48,7 +58,7 @@ pub const MAP_COMPLETE: OptionSpec = OptionSpec::new(
 .requires("map");
 
 /// All of them; every format has them.
-pub const OPTIONS: &[OptionSpec] = &[MAP, MAP_ORIGIN, MAP_PROJECTION, MAP_DATUM, MAP_COMPLETE];
+pub const OPTIONS: &[OptionSpec] = &[MAP, MAP_ORIGIN, MAP_PROJECTION, MAP_DATUM, MAP_OFFSET, MAP_COMPLETE];
 
 /// What the user declares the map to have in full, and words that are not known.
 pub(super) fn declared(options: &Options) -> (Declared, Vec<String>) {
@@ -64,6 +74,21 @@ pub(super) fn declared(options: &Options) -> (Declared, Vec<String>) {
         }
     }
     (out, unknown)
+}
+
+/// Two numbers, separated by a comma or spaces.
+fn pair(text: &str) -> Option<[f64; 2]> {
+    let mut parts = text.split([',', ' ']).filter(|p| !p.is_empty()).map(|p| p.parse::<f64>().ok());
+    let (first, second) = (parts.next().flatten()?, parts.next().flatten()?);
+    parts.next().is_none().then_some([first, second])
+}
+
+/// By how much the user moves the map, m; `Err` says why the value cannot be used.
+pub(super) fn offset(options: &Options) -> Result<[f64; 2], String> {
+    let Some(text) = options.texts(&MAP_OFFSET).pop() else { return Ok([0.0; 2]) };
+    pair(&text)
+        .filter(|offset| offset.iter().all(|v| v.is_finite()))
+        .ok_or_else(|| format!("--map-offset {text}: expected meters, as in -1.25,0.5"))
 }
 
 /// Where a map in degrees lies in the log's frame.
@@ -91,13 +116,8 @@ impl Placement {
         let projection = match text(&MAP_ORIGIN) {
             None => None,
             Some(text) => {
-                let mut parts =
-                    text.split([',', ' ']).filter(|p| !p.is_empty()).map(|p| p.parse::<f64>().ok());
-                let (lat, lon) = (parts.next().flatten(), parts.next().flatten());
-                let origin = lat
-                    .zip(lon)
-                    .filter(|(a, o)| a.abs() <= 84.0 && o.abs() <= 180.0 && parts.next().is_none());
-                let (lat, lon) = origin
+                let [lat, lon] = pair(&text)
+                    .filter(|[lat, lon]| lat.abs() <= 84.0 && lon.abs() <= 180.0)
                     .ok_or_else(|| format!("--map-origin {text}: expected degrees, as in 48.99,8.40"))?;
                 let (lat, lon) = datum.to_wgs84(lat, lon);
                 Some(Projection::new(kind, lat, lon))

@@ -5,7 +5,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use whyroad_ingest::{AdapterRef, MAP, MAP_ORIGIN, MAP_PROJECTION, Options, Source, SourceReport, sumo};
+use whyroad_ingest::{
+    AdapterRef, MAP, MAP_OFFSET, MAP_ORIGIN, MAP_PROJECTION, Options, Source, SourceReport, sumo,
+};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::road_map::{Lane, LaneKind, LayerState, MapLayer, Point3};
 use whyroad_model::{Drive, Need, RoadMap};
@@ -173,19 +175,55 @@ fn the_map_stays_with_the_drive_and_another_map_replaces_it() {
     assert!(!drive.meta.missing.contains(&Need::Map));
 }
 
+/// The town with all reference lines moved by this, m.
+fn town_moved(dx: f64, dy: f64) -> String {
+    let text = fs::read_to_string(fixture("town.xodr")).unwrap();
+    let moved = |text: &str, attribute: &str, by: f64| {
+        let mut parts = text.split(attribute);
+        let mut out = parts.next().unwrap().to_owned();
+        for part in parts {
+            let (value, rest) = part.split_once('"').unwrap();
+            out += &format!("{attribute}{}\"{rest}", value.parse::<f64>().unwrap() + by);
+        }
+        out
+    };
+    moved(&moved(&text, " x=\"", dx), " y=\"", dy)
+}
+
+/// A map 1.5 m beside the road: the ego is on it, and lanes and lane changes would be wrong. SUMO's cars drive in the
+/// middle of lanes.
+#[test]
+fn a_shifted_map_is_reported_with_the_shift_and_can_be_moved_back() {
+    let dir = tempfile::tempdir().unwrap();
+    let moved = dir.path().join("moved.xodr");
+    fs::write(&moved, town_moved(1.0, -1.2)).unwrap();
+    let with = Options::default().with(&MAP, moved);
+    let (_, report) = read(&with);
+    let said = report.diagnostics.iter().find(|d| d.code == "ingest.map.shifted").expect("a shift");
+    let hint = said.hint.as_ref().unwrap();
+    let stated = hint.en.split("--map-offset ").nth(1).unwrap().split('`').next().unwrap();
+    let (x, y) = stated.split_once(',').unwrap();
+    // The steps of the search are 0.25 m.
+    let near = |text: &str, want: f64| (text.parse::<f64>().unwrap() - want).abs() <= 0.25;
+    assert!(near(x, -1.0) && near(y, 1.2), "{stated}");
+    let (back, report) = read(&with.with(&MAP_OFFSET, "-1.0,1.2"));
+    assert!(codes(&report).is_empty(), "{:?}", report.diagnostics);
+    let (right, report) = read(&Options::default().with(&MAP, fixture("town.xodr")));
+    assert!(codes(&report).is_empty(), "{:?}", report.diagnostics);
+    let (back, right) = (back.map.unwrap(), right.map.unwrap());
+    let points = |m: &RoadMap| -> Vec<Point3> { m.lanes.iter().flat_map(|l| l.center.clone()).collect() };
+    for (p, q) in points(&back).iter().zip(points(&right)) {
+        assert!((p.x - q.x).hypot(p.y - q.y) < 1e-6, "{p:?} {q:?}");
+    }
+    let wrong = Options::default().with(&MAP, fixture("town.xodr")).with(&MAP_OFFSET, "1.0");
+    assert_eq!(codes(&read(&wrong).1), ["map.placement"]);
+}
+
 #[test]
 fn a_map_in_another_frame_is_reported_and_not_used() {
     let dir = tempfile::tempdir().unwrap();
     let moved = dir.path().join("moved.xodr");
-    // All reference lines 50 km to the east.
-    let text = fs::read_to_string(fixture("town.xodr")).unwrap();
-    let mut parts = text.split(" x=\"");
-    let mut shifted = parts.next().unwrap().to_owned();
-    for part in parts {
-        let (x, rest) = part.split_once('"').unwrap();
-        shifted += &format!(" x=\"{}\"{rest}", x.parse::<f64>().unwrap() + 50_000.0);
-    }
-    fs::write(&moved, shifted).unwrap();
+    fs::write(&moved, town_moved(50_000.0, 0.0)).unwrap();
     let (drive, report) = read(&Options::default().with(&MAP, moved));
     assert!(codes(&report).contains(&"ingest.map.off"), "{:?}", report.diagnostics);
     let said = report.diagnostics.iter().find(|d| d.code == "ingest.map.off").unwrap();

@@ -257,7 +257,17 @@ fn what_nobody_can_guess_is_asked_for() {
         ),
         (("drive.yaml", "2026-01-15T10:30:00.000Z", "yesterday"), "table.meta.invalid", "start_time"),
         (("drive.yaml", "ego:\n", "ego: [\n"), "table.meta.invalid", "it cannot be read"),
-        (("ego.csv", "0,0,0,0,8,false,D,off,7.9\n", "0,0\n"), "table.file.unreadable", "CSV error"),
+        (
+            ("drive.yaml", "reference_to_centre_m: 1.5", "reference_to_centre_m: 14"),
+            "table.meta.invalid",
+            "not on the car",
+        ),
+        (
+            ("drive.yaml", "reference_to_centre_m: 1.5", "reference_to_centre_m: 1,5"),
+            "table.meta.invalid",
+            "'1,5'",
+        ),
+        (("ego.csv", "time_s,", "time_s;"), "table.file.unreadable", "separated by semicolons"),
     ] {
         let (drive, report) = changed(|dir| edit(dir, change.0, change.1, change.2));
         assert!(drive.is_none(), "{change:?}");
@@ -279,6 +289,67 @@ fn what_nobody_can_guess_is_asked_for() {
                 .iter()
                 .all(|m| missing.iter().any(|x| x.id() == *m))
     );
+}
+
+/// What a table says that cannot be is reported, and counts as unknown: never as none, zero or infinite.
+#[test]
+fn what_contradicts_itself_is_reported() {
+    // A row that was cut off costs itself.
+    let (drive, report) = changed(|dir| {
+        let text = fs::read_to_string(dir.join("objects.csv")).unwrap();
+        fs::write(dir.join("objects.csv"), &text[..text.trim_end().rfind(',').unwrap() - 20]).unwrap();
+    });
+    assert!(drive.is_some_and(|d| d.tracks.len() == 2) && codes(&report) == ["table.row.dropped"]);
+    // A header is no answer.
+    let header = |dir: &Path, file: &str| {
+        let text = fs::read_to_string(dir.join(file)).unwrap();
+        fs::write(dir.join(file), text.lines().next().unwrap()).unwrap();
+    };
+    let (drive, report) = changed(|dir| header(dir, "lights.csv"));
+    assert!(drive.is_some_and(|d| d.lights.is_none() && d.meta.missing.contains(&Need::TrafficLights)));
+    assert_eq!(codes(&report), ["table.file.empty"]);
+    let (drive, report) = changed(|dir| header(dir, "ego.csv"));
+    assert!(drive.is_none() && codes(&report) == ["table.file.empty"]);
+    // Another name, or another form, of a table.
+    for name in ["object.csv", "objects.csv.gz", "Objects.CSV", "objects.tsv"] {
+        let (drive, report) = changed(|dir| fs::rename(dir.join("objects.csv"), dir.join(name)).unwrap());
+        assert!(drive.is_some_and(|d| d.meta.missing.contains(&Need::Objects)), "{name}");
+        assert_eq!(codes(&report), ["table.file.unread"], "{name}");
+    }
+    let (_, report) = changed(|dir| fs::write(dir.join("notes.csv"), "a\n").unwrap());
+    assert!(codes(&report).is_empty(), "{:?}", report.diagnostics);
+    // Seconds since 1970.
+    let (drive, report) =
+        changed(|dir| edit(dir, "drive.yaml", "2026-01-15T10:30:00.000Z", "1990-01-15T10:30:00.000Z"));
+    assert!(drive.is_some() && codes(&report).is_empty());
+    let (drive, report) = changed(|dir| {
+        let text = fs::read_to_string(dir.join("ego.csv")).unwrap();
+        let late = text.lines().enumerate().map(|(i, line)| match line.split_once(',') {
+            Some((time, rest)) if i > 0 => format!("{},{rest}\n", 1.77e9 + time.parse::<f64>().unwrap()),
+            _ => format!("{line}\n"),
+        });
+        fs::write(dir.join("ego.csv"), late.collect::<String>()).unwrap();
+    });
+    assert!(drive.is_none() && codes(&report) == ["table.time.epoch"]);
+    // A size that is none.
+    let (drive, report) = changed(|dir| edit(dir, "objects.csv", ",4.5,", ",-4.5,"));
+    assert!(drive.is_some_and(|d| d.track(&"car-1".into()).unwrap().length_m[0].is_nan()));
+    assert_eq!(codes(&report), ["table.cell.invalid"]);
+}
+
+/// Rows of objects at times without a frame are not in the lake, and not counted as if they were.
+#[test]
+fn objects_behind_the_last_pose_are_counted_apart() {
+    let (drive, report) = changed(|dir| {
+        // The ego's log ends after 2 s, at 20 rows per second.
+        let text = fs::read_to_string(dir.join("ego.csv")).unwrap();
+        let first: Vec<&str> = text.lines().take(42).collect();
+        fs::write(dir.join("ego.csv"), first.join("\n")).unwrap();
+    });
+    let drive = drive.unwrap();
+    let stored: usize = drive.tracks.iter().map(|t| t.frames.len()).sum();
+    let count = report.tables.iter().find(|t| t.table == "objects").unwrap();
+    assert!(count.adds_up() && count.kept_total() == stored, "{count:?}, {stored} in the drive");
 }
 
 /// The example's tables count seconds; only its drive file says when they begin.

@@ -258,8 +258,8 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
     }
 }
 
-/// Labels that were unseen when their first figures were taken: see docs/reference/label-checks.md for those. Here they
-/// must not get worse.
+/// Labels that were unseen when their first figures were taken (docs/explanation/label-checks-history.md has those).
+/// Here they must not get worse.
 #[test]
 fn labels_that_were_unseen_stay_found() {
     let [

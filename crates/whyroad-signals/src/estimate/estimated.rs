@@ -2,6 +2,7 @@
 //! unless its measurements are exact and complete.
 
 use super::bicycle::{Bicycle, REAR_TO_CENTER};
+use super::course;
 use super::deviation;
 use super::join::{Candidate, MAX_AWAY_S, joins};
 use super::jumps::between_jumps;
@@ -105,7 +106,7 @@ impl Estimated<'_> {
 }
 
 /// True for objects that move along their heading.
-fn on_wheels(class: ObjectClass) -> bool {
+pub(super) fn on_wheels(class: ObjectClass) -> bool {
     class.is_vehicle()
         || matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::Motorcyclist)
 }
@@ -135,31 +136,50 @@ fn keep<T>(all: &mut Vec<T>, stay: &[bool]) {
 }
 
 /// The states of a drive, for its ego and the tracks that are `wanted`; the noise is estimated from all tracks.
+/// Headings that the log lacks are those of the way driven.
 fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<'_> {
-    let none = Estimated {
+    if drive.meta.frame_of_reference == FrameOfReference::Ego {
+        return none_of(drive);
+    }
+    let start = drive.times.first().copied().unwrap_or_default();
+    let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
+    match course::with_headings(drive, &seconds) {
+        None => estimated_from(drive, &seconds, wanted),
+        Some(completed) => {
+            let out = estimated_from(&completed, &seconds, wanted);
+            Estimated { drive: Cow::Owned(out.drive.into_owned()), ..out }
+        }
+    }
+}
+
+/// Nothing is estimated.
+fn none_of(drive: &Drive) -> Estimated<'_> {
+    Estimated {
         drive: Cow::Borrowed(drive),
         ego: None,
         tracks: vec![None; drive.tracks.len()],
         bridged: vec![Vec::new(); drive.tracks.len()],
         joined: Joined::new(),
         noise: DriveNoise::default(),
-    };
-    if drive.meta.frame_of_reference == FrameOfReference::Ego {
-        return none;
     }
-    let start = drive.times.first().copied().unwrap_or_default();
-    let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
-    let of = |t: &Track| Measured::new(&t.frames, &t.motion, &t.known_at, &drive.times, &seconds, MAX_AWAY_S);
+}
+
+fn estimated_from<'d>(
+    drive: &'d Drive,
+    seconds: &[f64],
+    wanted: impl Fn(&Measured) -> bool,
+) -> Estimated<'d> {
+    let of = |t: &Track| Measured::new(&t.frames, &t.motion, &t.known_at, &drive.times, seconds, MAX_AWAY_S);
     let mut measured: Vec<Measured> = drive.tracks.iter().map(of).collect();
     let mut only_measured = without_gaps(&measured);
     let of_ego = drive.ego.as_ref().map(|e| {
         let frames: Vec<u32> = (0..e.motion.len() as u32).collect();
-        Measured::new(&frames, &e.motion, &e.known_at, &drive.times, &seconds, MAX_AWAY_S)
+        Measured::new(&frames, &e.motion, &e.known_at, &drive.times, seconds, MAX_AWAY_S)
     });
     let noise = noise_of(drive, &only_measured, of_ego.as_ref());
     let kind = |class: ObjectClass| if on_wheels(class) { noise.vehicles } else { noise.others };
 
-    let mut out = Estimated { noise, ..none };
+    let mut out = Estimated { noise, ..none_of(drive) };
     let mut tracks: Cow<'_, [Track]> = Cow::Borrowed(&drive.tracks);
     let next = next_of(&drive.tracks, &only_measured, kind);
     let exact = |m: &Measured, of: &Motion, noise: &LogNoise| {

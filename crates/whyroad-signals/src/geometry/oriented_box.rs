@@ -35,6 +35,11 @@ impl OrientedBox {
         Self { center, heading: 0.0, length: 0.0, width: 0.0, direction: P2 { x: 1.0, y: 0.0 }, radius: 0.0 }
     }
 
+    /// True when size and heading are known.
+    pub fn is_known(&self) -> bool {
+        self.length.is_finite() && self.width.is_finite() && self.heading.is_finite()
+    }
+
     /// True for equal bits, so that all results computed from either are equal.
     pub fn has_bits_of(&self, other: &OrientedBox) -> bool {
         let bits = |b: &OrientedBox| [b.heading, b.length, b.width].map(f64::to_bits);

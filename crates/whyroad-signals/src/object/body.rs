@@ -67,6 +67,11 @@ impl Body {
         OrientedBox::new(self.position[i], self.heading[i], self.length[i], self.width[i])
     }
 
+    /// True when size and heading are known.
+    pub fn has_box(&self, i: usize) -> bool {
+        [self.length[i], self.width[i], self.heading[i]].iter().all(|v| v.is_finite())
+    }
+
     /// A point of the world in the object's axes, x forward, y left.
     pub fn sees(&self, i: usize, p: P2) -> P2 {
         self.in_axes(i, p - self.position[i])

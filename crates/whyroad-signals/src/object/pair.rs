@@ -29,8 +29,7 @@ struct Meeting<'a> {
 
 impl Meeting<'_> {
     fn is_sized(&self) -> bool {
-        let sized = |b: &Body, i: usize| b.length[i].is_finite() && b.width[i].is_finite();
-        sized(self.a, self.i) && sized(self.b, self.k)
+        self.a.has_box(self.i) && self.b.has_box(self.k)
     }
 
     /// The second one's center in the first one's axes.

@@ -83,7 +83,7 @@ impl<'a> Obstacles<'a> {
         let mut by_frame: Vec<Vec<Tracked>> = counts.into_iter().map(Vec::with_capacity).collect();
         for (k, target) in scene.targets.iter().enumerate() {
             for (row, (&frame, place)) in target.track.frames.iter().zip(&target.places).enumerate() {
-                let known = place.as_ref().filter(|p| p.is_sized() && p.footprint.heading.is_finite());
+                let known = place.as_ref().filter(|p| p.is_sized());
                 let low = target.track.height_m[row] < LEAST_HEIGHT_M;
                 by_frame[frame as usize].push(Tracked {
                     target: k,

@@ -230,8 +230,10 @@ fn against(road: &Road, target: &Target<'_>, row: usize, p: &Placement) -> bool 
 }
 
 fn wrong_way(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Tri> {
+    // Of whom neither motion nor heading is known, no way is.
+    let is_told = |p: &Option<Placement>| p.as_ref().is_some_and(|p| !(p.course() + p.speed()).is_nan());
     let mut flags: Vec<Tri> =
-        target.places.iter().map(|p| if p.is_some() { Tri::False } else { Tri::Unknown }).collect();
+        target.places.iter().map(|p| if is_told(p) { Tri::False } else { Tri::Unknown }).collect();
     if !drives(target.track.class) {
         return flags;
     }
@@ -239,6 +241,7 @@ fn wrong_way(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Tri> {
     let time = |r: usize| times[target.track.frames[r] as usize];
     for r in 0..=flags.len() {
         let goes_on = r < flags.len()
+            && is_told(&target.places[r])
             && target.places[r].as_ref().is_some_and(|p| against(road, target, r, p))
             && run.last().is_none_or(|&l| time(r) - time(l) <= GAP_S);
         if goes_on {

@@ -93,7 +93,7 @@ pub struct Placement {
     pub same_level: bool,
     /// Direction of the path at the ego's position, rad.
     pub heading_at_ego: f64,
-    /// Shortest distance between the boxes of the ego and the target, m; NaN where the target's size is unknown.
+    /// Shortest distance between the boxes of the ego and the target, m; NaN where the target's box is unknown.
     pub distance: f64,
     /// Gap and closing speed, by [`crate::target::approach::place`].
     pub approach: Approach,
@@ -127,9 +127,9 @@ impl Going {
 }
 
 impl Placement {
-    /// True when the box's size is known.
+    /// True when the box is known: its size and its heading.
     pub fn is_sized(&self) -> bool {
-        self.footprint.length.is_finite() && self.footprint.width.is_finite()
+        self.footprint.is_known()
     }
 
     /// In the ego's lane, and not stationary at its side with room for the ego to pass within the lane: lanes with room
@@ -384,10 +384,9 @@ impl<'a> Surroundings<'a> {
         }
     }
 
-    /// Distance of the ego's box and another one, m; NaN where the size of the other one is unknown.
+    /// Distance of the ego's box and another one, m; NaN where the other one is unknown.
     fn distance_of(&self, frame: usize, footprint: &OrientedBox) -> f64 {
-        let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
-        if sizes_known { self.ego.footprint(frame).distance(footprint) } else { f64::NAN }
+        if footprint.is_known() { self.ego.footprint(frame).distance(footprint) } else { f64::NAN }
     }
 
     /// `before` is the result for the row before, and then for this one.
@@ -402,8 +401,7 @@ impl<'a> Surroundings<'a> {
             return Some(Placement { frame, ..*place });
         }
         let footprint = footprint(track, row);
-        let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
-        let sized = sizes_known && footprint.heading.is_finite();
+        let sized = footprint.is_known();
         let velocity = p2(m.vx[row], m.vy[row]);
         let found = OnLines::new(self.path, own, (footprint, sized), velocity, before.on.as_ref());
         if !before.on.as_ref().is_some_and(|before| before.is_where(&found)) {

@@ -29,9 +29,11 @@ pub struct Neighbors {
     pub follower: Vec<Option<(usize, usize)>>,
 }
 
+/// Whoever stands in the way and whose heading is not known is taken to stand along it.
 fn leads_or_follows(p: &Placement) -> bool {
     let (at, _, _) = p.way();
-    p.blocks_way() && wrap(p.footprint.heading - at.heading).abs() <= SAME_WAY_RAD
+    let turned = wrap(p.footprint.heading - at.heading).abs();
+    p.blocks_way() && (turned <= SAME_WAY_RAD || (turned.is_nan() && p.speed() < MOVING_MPS))
 }
 
 /// The nearest vehicles ahead and behind in the ego's lane, frame by frame. If equal, the target with the first id is

@@ -1,6 +1,6 @@
 //! Visible shares on the recorded AV2 logs compared with lidar hits: points in each annotated box. The lidar is on the
 //! roof and sees over cars, the eye in our model does not, so the two agree statistically, not for each object. Prints
-//! the figures of docs/reference/accuracy.md. Skipped if the data is not present.
+//! the figures of docs/reference/accuracy-signals.md. Skipped if the data is not present.
 use crate::scene::Table;
 use std::path::PathBuf;
 use whyroad_ingest::{Options, find_sources, read};

@@ -1,5 +1,6 @@
 //! `ego`: the recording vehicle's pose and bus, at its own rate, brought to frames.
 
+use super::findings;
 use super::meta::EgoBox;
 use super::problems::Problems;
 use super::reader::{Clock, Reader};
@@ -36,6 +37,9 @@ pub(super) const COLUMNS: &[&str] = &[
     "route_command",
 ];
 pub(super) const REQUIRED: &[&[&str]] = &[TIME, &["x_m"], &["y_m"], &["heading_rad", "heading_deg"]];
+
+/// No drive begins this long after its start, s: 2001-09-09 as seconds since 1970.
+const SINCE_1970_S: f64 = 1e9;
 
 /// Time between frames, s.
 const FRAME_S: f64 = 0.1;
@@ -150,6 +154,14 @@ pub(super) fn rows(sheet: Sheet, reader: &mut Reader) -> Option<EgoRows> {
     reader.report.tables.push(count);
     reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));
     if kept.is_empty() {
+        if sheet.rows == 0 {
+            reader.report.diagnostics.push(findings::no_row(&sheet.label));
+        }
+        return None;
+    }
+    let seconds = kept[0].0.saturating_sub(reader.start.0) as f64 / 1e9;
+    if !sheet.states_dates() && seconds > SINCE_1970_S {
+        reader.report.diagnostics.push(findings::since_1970(&sheet.label, seconds));
         return None;
     }
     let pose = |i: usize| Pose { position: [x[i], y[i], z[i]], heading: headings[i], velocity: velocity[i] };

@@ -8,6 +8,9 @@ use whyroad_model::{Bilingual, Diagnostic};
 /// Codes of this adapter.
 pub(crate) const CODES: &[&str] = &[
     "table.ego.missing",
+    "table.file.empty",
+    "table.file.unread",
+    "table.time.epoch",
     "table.file.unreadable",
     "table.column.unknown",
     "table.column.missing",
@@ -26,6 +29,48 @@ pub(super) fn ego_missing(dir: &str) -> Diagnostic {
         "docs/reference/table-format.md describes it",
     );
     Diagnostic::error("table.ego.missing", message).in_file(dir).with_hint(hint)
+}
+
+/// A table without a row that can be used says nothing, and not that there is nothing.
+pub(super) fn no_row(file: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        "表中没有可用的行：其内容为未知",
+        "the table has no row that can be used: what it is about is unknown",
+    );
+    let hint = Bilingual::new(
+        "补上数据；没有数据时删去该文件",
+        "add the rows, or take the file away where there are none",
+    );
+    Diagnostic::error("table.file.empty", message).in_file(file).with_hint(hint)
+}
+
+/// A file beside the tables that looks like one of them.
+pub(super) fn unread(file: &str, meant: &str) -> Diagnostic {
+    let message = Bilingual::new("该文件未读取", "this file is not read");
+    let hint = Bilingual::new(
+        format!("是否指 '{meant}.csv' 或 '{meant}.parquet'？表的文件名区分大小写，不可压缩"),
+        format!(
+            "is '{meant}.csv' or '{meant}.parquet' meant? Names of tables are in lower case, and tables are not \
+             compressed"
+        ),
+    );
+    Diagnostic::error("table.file.unread", message).in_file(file).with_hint(hint)
+}
+
+/// Seconds since 1970 where seconds since the start of the drive belong.
+pub(super) fn since_1970(file: &str, seconds: f64) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("time_s 从 {seconds:.1} 开始：像是 1970 年以来的秒数，而该列是行程开始以来的秒数"),
+        format!(
+            "time_s begins at {seconds:.1}: these seem to be seconds since 1970; the column is for seconds since the start \
+             of the drive"
+        ),
+    );
+    let hint = Bilingual::new(
+        "改用列 'timestamp_ns'（1970 年以来的纳秒）或 'time'（ISO 8601）",
+        "use the column 'timestamp_ns' (nanoseconds since 1970) or 'time' (ISO 8601)",
+    );
+    Diagnostic::error("table.time.epoch", message).in_file(file).with_hint(hint)
 }
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {

@@ -12,6 +12,12 @@ const KEYS: &[&str] =
     &["drive_id", "source", "place", "map_ref", "licence", "start_time", "ego", "map_complete_for"];
 const EGO_KEYS: &[&str] = &["length_m", "width_m", "height_m", "reference_to_centre_m"];
 
+/// Longest size of a vehicle, and greatest distance of its reference point from its middle, m.
+const MOST_SIZE_M: f64 = 60.0;
+const MOST_OFFSET_M: f64 = 30.0;
+/// Antennas and sensors at the ends of a car, m.
+const BEYOND_END_M: f64 = 1.0;
+
 /// The file's content.
 pub(super) struct Meta {
     pub drive_id: Option<String>,
@@ -95,7 +101,20 @@ impl Meta {
             let text = ego?.get(key)?.text()?;
             text.parse().ok().filter(|v: &f64| v.is_finite())
         };
-        let size = |key: &str| number(key).filter(|v| *v > 0.0).unwrap_or(f64::NAN);
+        for key in EGO_KEYS {
+            let Some(text) = ego.and_then(|ego| ego.get(key)).and_then(Node::text) else { continue };
+            let most = if *key == "reference_to_centre_m" { MOST_OFFSET_M } else { MOST_SIZE_M };
+            let least = if *key == "reference_to_centre_m" { -MOST_OFFSET_M } else { f64::MIN_POSITIVE };
+            if !text.parse().is_ok_and(|v: f64| (least..=most).contains(&v)) {
+                return fail(
+                    out,
+                    &label,
+                    &format!("'ego.{key}' 的值 '{text}' 不可能：应为以米为单位的数"),
+                    &format!("'ego.{key}' cannot be '{text}': a number in meters is expected"),
+                );
+            }
+        }
+        let size = |key: &str| number(key).unwrap_or(f64::NAN);
         let Some(reference_to_centre_m) = number("reference_to_centre_m") else {
             return fail(
                 out,
@@ -104,6 +123,17 @@ impl Meta {
                 "'ego.reference_to_centre_m' is missing: from the point of the pose forward to the middle of the car (0 when that is the point)",
             );
         };
+        let half_length = 0.5 * size("length_m");
+        if reference_to_centre_m.abs() > half_length + BEYOND_END_M {
+            return fail(
+                out,
+                &label,
+                &format!("'ego.reference_to_centre_m' 为 {reference_to_centre_m} m，参考点落在车外"),
+                &format!(
+                    "'ego.reference_to_centre_m' is {reference_to_centre_m} m: that point is not on the car"
+                ),
+            );
+        }
         let map_complete_for = complete_for(root.get("map_complete_for"), &label, out);
         Some(Self {
             map_complete_for,

@@ -10,7 +10,7 @@ use crate::assemble::resample::{latest, linear};
 use crate::report::RowCount;
 use crate::source::impossible_speeds;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::scene::{Track, TurnSignal};
+use whyroad_model::scene::{FRAME_RATE_HZ, Track, TurnSignal};
 use whyroad_model::{Need, ObjectClass, TrackId};
 
 pub(super) const COLUMNS: &[&str] = &[
@@ -49,9 +49,8 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
     let times = sheet.times(reader.start, p);
     let ids = sheet.texts("track_id");
     let classes = sheet.texts("class");
-    let [x, y, z, length, width, height, points] =
-        ["x_m", "y_m", "z_m", "length_m", "width_m", "height_m", "interior_points"]
-            .map(|n| sheet.numbers(n, p));
+    let [x, y, z, points] = ["x_m", "y_m", "z_m", "interior_points"].map(|n| sheet.numbers(n, p));
+    let [length, width, height] = ["length_m", "width_m", "height_m"].map(|n| sheet.sizes(n, p));
     let headings = sheet.headings(p);
     let velocity = velocities(&sheet, p);
     let signals: Vec<Option<TurnSignal>> = sheet.words("turn_signal", "one of off, left, right, hazard", p);
@@ -77,7 +76,15 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         .zip(all_times.iter().skip(1))
         .map(|(a, b)| b.saturating_sub(*a) as f64 / 1e9)
         .collect();
-    let max_gap_s = gap_for(median(&steps));
+    let step_s = median(&steps);
+    let max_gap_s = gap_for(step_s);
+    // Rows farther from every frame than half a step are in no frame.
+    let half_step_s = 0.5 * step_s.max(1.0 / FRAME_RATE_HZ) + 1e-3;
+    let in_a_frame = |time: f64| {
+        let next = clock.frames.partition_point(|f| *f < time);
+        let near = |i: usize| clock.frames.get(i).is_some_and(|f| (f - time).abs() <= half_step_s);
+        near(next) || next.checked_sub(1).is_some_and(near)
+    };
 
     let mut unknown_classes: BTreeMap<&str, usize> = BTreeMap::new();
     let mut impossible = BTreeMap::new();
@@ -126,7 +133,9 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
             count.set_aside("ego_away", kept.len());
             continue;
         }
-        count.keep("track", kept.len());
+        let away = samples.times.iter().filter(|time| !in_a_frame(**time)).count();
+        count.keep("track", kept.len() - away);
+        count.set_aside("ego_away", away);
         let own: Vec<f64> = track.frames.iter().map(|&f| clock.frames[f as usize]).collect();
         let of_rows: Vec<Option<TurnSignal>> = kept.iter().map(|&i| signals[i]).collect();
         let last = latest(&samples.times, &own, max_gap_s);

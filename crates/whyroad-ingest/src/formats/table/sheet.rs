@@ -82,6 +82,16 @@ impl Sheet {
         self.parsed(name, "a number", problems, number).into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()
     }
 
+    /// A column of sizes; what is not above zero is unknown.
+    pub fn sizes(&self, name: &str, problems: &mut Problems) -> Vec<f64> {
+        let size =
+            |text: &str| text.parse::<f64>().ok().filter(|v| v.is_nan() || (*v > 0.0 && v.is_finite()));
+        self.parsed(name, "a number above 0", problems, size)
+            .into_iter()
+            .map(|v| v.unwrap_or(f64::NAN))
+            .collect()
+    }
+
     /// A column of truth values.
     pub fn flags(&self, name: &str, problems: &mut Problems) -> Vec<Option<bool>> {
         self.parsed(name, "true or false", problems, |text| match text.to_ascii_lowercase().as_str() {
@@ -132,16 +142,32 @@ impl Sheet {
 }
 
 fn read_csv(content: &[u8]) -> Result<Vec<Column>, String> {
-    utf8(content)?;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(content);
+    if content.is_empty() {
+        return Err("it is empty".to_owned());
+    }
+    if content.starts_with(b"PAR1") {
+        return Err("it is a Parquet file; give it the ending .parquet".to_owned());
+    }
+    let text = utf8(content)?;
+    let first = text.lines().next().unwrap_or_default();
+    if let Some(sign) = [(';', "semicolons"), ('\t', "tabs"), ('|', "bars")]
+        .into_iter()
+        .find_map(|(c, sign)| (!first.contains(',') && first.contains(c)).then_some(sign))
+    {
+        return Err(format!("its columns are separated by {sign}; save it with commas and decimal points"));
+    }
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(content);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
     // Spreadsheets begin UTF-8 files with a byte order mark.
     let name = |n: &str| n.trim_start_matches('\u{feff}').to_owned();
     let mut columns: Vec<_> = header.iter().map(|n| (name(n), Vec::new())).collect();
     for record in reader.records() {
         let record = record.map_err(|e| e.to_string())?;
-        for ((_, cells), text) in columns.iter_mut().zip(record.iter()) {
-            cells.push((!text.is_empty()).then(|| text.to_owned()));
+        // A row that breaks off or has too much, as in a file that was cut off, says nothing.
+        let is_whole = record.len() == header.len();
+        for (i, (_, cells)) in columns.iter_mut().enumerate() {
+            let text = record.get(i).filter(|text| is_whole && !text.is_empty());
+            cells.push(text.map(str::to_owned));
         }
     }
     Ok(columns)

@@ -1,5 +1,6 @@
 //! `lights` and `context`: states that are valid from a time until the next row of the same kind.
 
+use super::findings;
 use super::problems::Problems;
 use super::reader::Reader;
 use super::sheet::TIME;
@@ -12,7 +13,10 @@ use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, UNKNOWN, context_v
 const COLORS: &str = "one of red, yellow, green, green_yield, green_round, green_arrow, flashing_green, red_yellow, \
     flashing_yellow, off, unknown";
 
-/// Light states; `None` without the table.
+/// The highest posted limit is 160 km/h (Abu Dhabi), m/s.
+const HIGHEST_LIMIT_MPS: f64 = 45.0;
+
+/// Light states; `None` without the table, and without a row that can be used.
 pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
     let columns = ["timestamp_ns", "time", "time_s", "lane_id", "to_lane_id", "colour", "countdown_s"];
     let sheet = reader.sheet("lights", &columns, &[TIME, &["lane_id"], &["colour"]])?;
@@ -40,11 +44,14 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
     out.sort_by(|a, b| (&a.lane_id, &a.to_lane_id, a.time).cmp(&(&b.lane_id, &b.to_lane_id, b.time)));
     reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));
     reader.report.tables.push(count);
-    Some(out)
+    if out.is_empty() {
+        reader.report.diagnostics.push(findings::no_row(&sheet.label));
+    }
+    Some(out).filter(|states| !states.is_empty())
 }
 
-/// Weather, surface and the like; `None` without the table. A value that is missing or not allowed for its kind ends
-/// the previous state: from there on the state is `unknown`.
+/// Weather, surface and the like; `None` without the table, and without a row that can be used. A value that is missing
+/// or not allowed for its kind ends the previous state: from there on the state is `unknown`.
 pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
     let columns = ["timestamp_ns", "time", "time_s", "kind", "value", "source", "confidence"];
     let sheet = reader.sheet("context", &columns, &[TIME, &["kind"], &["value"]])?;
@@ -71,11 +78,14 @@ pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
         let value = stated.and_then(|text| match context_values(&kind)? {
             ContextValues::Words(list) => words.check("value", text, list),
             ContextValues::Number(_) => {
-                let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);
-                if !is_number {
-                    problems.cell("value", "a number", row, text);
+                let number = text.parse::<f64>().ok();
+                // Distances and speeds; no limit is above 160 km/h.
+                let most = if kind == "nav_speed_limit" { HIGHEST_LIMIT_MPS } else { f64::MAX };
+                let fits = number.is_some_and(|v| (0.0..=most).contains(&v));
+                if !fits {
+                    problems.cell("value", "a number from 0 in m or m/s", row, text);
                 }
-                is_number.then(|| text.to_owned())
+                fits.then(|| text.to_owned())
             }
         });
         count.keep("state", 1);
@@ -88,5 +98,8 @@ pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
     reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));
     reader.report.diagnostics.extend(words.diagnostics(&sheet.label));
     reader.report.tables.push(count);
-    Some(out)
+    if out.is_empty() {
+        reader.report.diagnostics.push(findings::no_row(&sheet.label));
+    }
+    Some(out).filter(|states| !states.is_empty())
 }

@@ -3,6 +3,7 @@
 use super::document::{Document, MemberKind, Relation, Way};
 use super::ground::Ground;
 use super::lanelets::Lanelets;
+use crate::assemble::geometry::distance;
 use crate::maps::{MapReading, signs};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use whyroad_model::RoadMap;
@@ -103,16 +104,20 @@ impl Elements<'_> {
             _ => concerned.clone(),
         };
         let no_line = lines.is_empty();
-        for way in lines {
-            self.stops.entry(way).or_default().extend(stopping.iter().cloned());
+        if no_line && matches!(subtype, "traffic_light" | "all_way_stop") {
+            self.end_lines(&stopping, out);
+        }
+        let yields: Vec<i64> = element.members(MemberKind::Relation, "yield").collect();
+        // Lanelet2's rule: the lines of an all-way stop are as many as its lanelets and in their order.
+        let in_order = subtype == "all_way_stop" && lines.len() == yields.len();
+        for (k, way) in lines.into_iter().enumerate() {
+            let of_line = if in_order { self.lanes.get(&yields[k]) } else { Some(&stopping) };
+            self.stops.entry(way).or_default().extend(of_line.into_iter().flatten().cloned());
         }
         match subtype {
             "traffic_light" => {
                 for way in refers {
                     self.light(way, ground, out);
-                }
-                if no_line {
-                    self.end_lines(&stopping, out);
                 }
             }
             "speed_limit" => {
@@ -140,6 +145,12 @@ impl Elements<'_> {
                         value: None,
                         facing: None,
                     }));
+                }
+            }
+            // A board at each arm.
+            "all_way_stop" if refers.len() > 1 => {
+                for (way, lanes) in self.nearest_boards(&refers, &stopping, ground, out) {
+                    self.sign(way, &lanes, Some("stop"), ground, out);
                 }
             }
             "right_of_way" | "all_way_stop" | "traffic_sign" => {
@@ -188,6 +199,30 @@ impl Elements<'_> {
                 stop_lines.push(StopLine { id, line: vec![a, b], lane_ids });
             }
         }
+    }
+
+    /// The boards of an all-way stop, each with the lanes that end nearest to it.
+    fn nearest_boards(
+        &self,
+        boards: &[i64],
+        lanes: &[String],
+        ground: &mut Ground,
+        out: &MapReading,
+    ) -> Vec<(i64, Vec<String>)> {
+        let mut place = |way: &i64| ground.line(&self.document.ways.get(way)?.nodes)?.first().copied();
+        let places: Vec<Option<Point3>> = boards.iter().map(&mut place).collect();
+        let mut of_boards: Vec<(i64, Vec<String>)> = boards.iter().map(|way| (*way, Vec::new())).collect();
+        for id in lanes {
+            let end = lane_of(&out.map.lanes, id).and_then(|l| l.center.last().copied());
+            let far = |k: &usize| match (places[*k], end) {
+                (Some(board), Some(end)) => distance(board, end),
+                _ => f64::INFINITY,
+            };
+            if let Some(nearest) = (0..boards.len()).min_by(|a, b| far(a).total_cmp(&far(b))) {
+                of_boards[nearest].1.push(id.clone());
+            }
+        }
+        of_boards
     }
 
     fn light(&mut self, way: i64, ground: &mut Ground, out: &mut MapReading) {

@@ -220,6 +220,47 @@ fn boards_are_found_by_their_kind_and_apply_to_all_lanes_that_name_them() {
     assert_eq!(stops, [&both[..]]);
 }
 
+/// Lanelet2, RegulatoryElementTagging, All Way Stop: the lines are in the order of the lanelets; without lines, they
+/// stop where they end. Lanes eastwards at y = 2 and 6 that end at x = 10; the boards stand beside either.
+#[test]
+fn each_lanelet_of_an_all_way_stop_has_its_own_line_and_board() {
+    let element = |lines: &[(&'static str, i64, &'static str)]| {
+        let members = [("relation", 51, "yield"), ("relation", 50, "yield")];
+        let boards = [("way", 31, "refers"), ("way", 32, "refers")];
+        let members = [&members[..], &boards[..], lines].concat();
+        relation(70, &members, &[("type", "regulatory_element"), ("subtype", "all_way_stop")])
+    };
+    let board = |id: i64, node: i64| way(id, &[node], &[("type", "traffic_sign"), ("subtype", "usR1-1")]);
+    let lines = [
+        way(40, &[110, 111], &[("type", "stop_line")]),
+        way(41, &[111, 112], &[("type", "stop_line")]),
+        board(31, 112),
+        board(32, 110),
+    ]
+    .concat();
+    let content = |more: String| street() + &lines + &more;
+    let r =
+        reading(&content(element(&[("way", 40, "ref_line"), ("way", 41, "ref_line")])), &Options::default());
+    let stops: Vec<(&str, &[String])> =
+        r.map.stop_lines.iter().map(|s| (s.id.as_str(), s.lane_ids.as_slice())).collect();
+    let (lower, upper) = (["51".to_owned()], ["50".to_owned()]);
+    assert!(
+        stops.contains(&("stop_40", &lower[..])) && stops.contains(&("stop_41", &upper[..])),
+        "{stops:?}"
+    );
+    let boards: Vec<(&str, &[String])> = r
+        .map
+        .signs
+        .iter()
+        .filter(|s| s.kind == "stop")
+        .map(|s| (s.id.as_str(), s.lane_ids.as_slice()))
+        .collect();
+    assert_eq!(boards, [("sign_31", &upper[..]), ("sign_32", &lower[..])]);
+    let r = reading(&content(element(&[])), &Options::default());
+    let ends: Vec<&str> = r.map.stop_lines.iter().map(|s| s.id.as_str()).collect();
+    assert!(ends.contains(&"stop_50") && ends.contains(&"stop_51"), "{ends:?}");
+}
+
 #[test]
 fn a_lanelet_for_both_directions_is_driven_both_ways() {
     let content = street().replace(r#"<tag k="speed_limit" v="50 km/h"/>"#, r#"<tag k="one_way" v="no"/>"#);

@@ -67,6 +67,7 @@ fn with_common(command: Command) -> Command {
             Arg::new("drive-id")
                 .long("drive-id")
                 .value_name("ID")
+                .value_parser(ValueParser::new(drive_id))
                 .global(true)
                 .help("Id of the drive; only with a single source"),
         )
@@ -97,6 +98,18 @@ fn paths() -> Arg {
         .help("Log folders, files, or folders of them")
 }
 
+/// The text, if it can be the id of a drive.
+fn drive_id(text: &str) -> Result<String, Reason> {
+    let is_safe = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    let fits = (1..=128).contains(&text.len()) && text.chars().all(is_safe) && !text.starts_with('.');
+    fits.then(|| text.to_owned()).ok_or_else(|| {
+        Reason::from(Bilingual::new(
+            "行程编号由 1 至 128 个 ASCII 字母、数字与 - _ . 组成，且不以 . 开头",
+            "an id of a drive has 1 to 128 ASCII letters, digits, - _ and ., and does not begin with a full stop",
+        ))
+    })
+}
+
 /// The command-line argument of a declared option.
 fn argument(option: &OptionSpec) -> Arg {
     let action = match (option.value, option.repeatable) {
@@ -114,7 +127,10 @@ fn argument(option: &OptionSpec) -> Arg {
     if option.value != OptionType::Flag {
         let spec = option.clone();
         let parse = move |text: &str| spec.parse(text).map_err(Reason::from);
-        arg = arg.value_name(option.value_name).value_parser(ValueParser::new(parse));
+        arg = arg
+            .value_name(option.value_name)
+            .allow_hyphen_values(option.signed)
+            .value_parser(ValueParser::new(parse));
     }
     match option.requires {
         Some(other) => arg.requires(other),
