@@ -121,6 +121,10 @@ fn load_input(file: &Path, input: &Input<'_>, options: &Options) -> Loaded {
         }
     };
     out.diagnostics.extend(findings::of_map(&label, &reading));
+    if reading.map.lanes.is_empty() {
+        out.diagnostics.push(findings::unreadable(&label, "it has no lanes"));
+        return out;
+    }
     let (declared, unknown) = options::declared(options);
     out.diagnostics.extend(unknown.iter().map(|word| findings::unknown_part(&label, word)));
     let mut hash = ContentHash::new("map", REVISION);

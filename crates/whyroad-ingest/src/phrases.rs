@@ -166,6 +166,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("right", "右"),
     ("lane '{}' has fewer than two points", "车道 '{}' 少于两个点"),
     ("it is empty", "文件是空的"),
+    ("it has no lanes", "其中没有车道"),
     ("it is a Parquet file; give it the ending .parquet", "这是 Parquet 文件；请以 .parquet 为扩展名"),
     (
         "its columns are separated by {}; save it with commas and decimal points",

@@ -28,6 +28,8 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.map.against",
     "ingest.date.implausible",
     "ingest.speed.contradicts",
+    "ingest.vertical_accel.gravity",
+    "ingest.yaw_rate.contradicts",
     "ingest.heading.contradicts",
     "ingest.heading.impossible",
     "ingest.heading.backwards",

@@ -86,7 +86,7 @@ impl<'a> Folder<'a> {
     /// Names of what lies in the folder, sorted; links that lead nowhere included.
     pub fn names(self) -> Vec<String> {
         let mut names: Vec<String> = match self {
-            Folder::Disk(dir) => std::fs::read_dir(dir)
+            Folder::Disk(dir) => fs::read_dir(dir)
                 .map(|entries| {
                     entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect()
                 })

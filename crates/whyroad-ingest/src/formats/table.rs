@@ -69,17 +69,22 @@ impl Adapter for Table {
     }
 }
 
-/// Drive folders at or below `path`, sorted: with a drive file, an ego table, and not of a lake (which has
-/// `clips.parquet`).
+/// Drive folders at or below `path`, sorted: with a drive file and a table, or with the tables of ego and objects, and
+/// not of a lake (which has `clips.parquet`).
 pub fn find_drives(path: &Path) -> io::Result<Vec<PathBuf>> {
     find_folders(path, is_drive)
 }
 
 fn is_drive(dir: &Path) -> bool {
     let dir = Folder::Disk(dir);
-    meta::drive_file(dir).is_some()
-        && (sheet_file(dir, "ego").is_some() || sheet_file(dir, "objects").is_some())
-        && !dir.has("clips.parquet")
+    let has = |stem| sheet_file(dir, stem).is_some();
+    // Both tables without a drive file are a drive whose file is missing, which is reported.
+    let is_meant = if meta::drive_file(dir).is_some() {
+        has("ego") || has("objects")
+    } else {
+        has("ego") && has("objects")
+    };
+    is_meant && !dir.has("clips.parquet")
 }
 
 /// The tables of a drive.

@@ -7,9 +7,9 @@ use crate::table::TableBuilder;
 use crate::target::placement::{MOVING_MPS, Placement, Target};
 use crate::target::rows::Rows;
 use std::f64::consts::PI;
-use whyroad_model::Tri;
 use whyroad_model::catalog::{id, value::TargetRelation};
 use whyroad_model::scene::Drive;
+use whyroad_model::{ObjectClass, Tri};
 
 /// Maximum angle between a lead or follower and the lane: 60 deg (RefAV following: cos > 0.5).
 const SAME_WAY_RAD: f64 = PI / 3.0;
@@ -27,6 +27,9 @@ pub struct Neighbors {
     pub lead: Vec<Option<(usize, usize)>>,
     /// The follower.
     pub follower: Vec<Option<(usize, usize)>>,
+    /// By frame: an object of unknown class in the ego's lane that is nearer than the lead, and the lead if it is a
+    /// vehicle.
+    pub maybe_lead: Vec<Option<usize>>,
 }
 
 /// Whoever stands in the way and whose heading is not known is taken to stand along it.
@@ -39,7 +42,8 @@ fn leads_or_follows(p: &Placement) -> bool {
 /// The nearest vehicles ahead and behind in the ego's lane, frame by frame. If equal, the target with the first id is
 /// used, so that the order of candidates changes nothing.
 pub fn neighbors(targets: &[Target<'_>], frames: usize) -> Neighbors {
-    let mut found = Neighbors { lead: vec![None; frames], follower: vec![None; frames] };
+    let mut found =
+        Neighbors { lead: vec![None; frames], follower: vec![None; frames], maybe_lead: vec![None; frames] };
     let (mut nearest, mut farthest) = (vec![f64::INFINITY; frames], vec![f64::NEG_INFINITY; frames]);
     for (k, target) in targets.iter().enumerate().filter(|(_, t)| t.track.class.is_vehicle()) {
         for (row, place) in target.places.iter().enumerate() {
@@ -52,6 +56,14 @@ pub fn neighbors(targets: &[Target<'_>], frames: usize) -> Neighbors {
             if p.ahead <= 0.0 && p.far > farthest[i] {
                 farthest[i] = p.far;
                 found.follower[i] = Some((k, row));
+            }
+        }
+    }
+    for (k, target) in targets.iter().enumerate().filter(|(_, t)| t.track.class == ObjectClass::Unknown) {
+        for p in target.places.iter().flatten().filter(|p| leads_or_follows(p)) {
+            if p.ahead > 0.0 && p.near < nearest[p.frame] {
+                nearest[p.frame] = p.near;
+                found.maybe_lead[p.frame] = Some(k);
             }
         }
     }
@@ -100,7 +112,9 @@ pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbors, table: &mu
     rows.each_placed(targets, |row, (k, _), p| {
         let (is_lead, is_follower) = (is(&near.lead, k, p), is(&near.follower, k, p));
         in_way.0[row] = Tri::from(p.in_way);
-        leads.0[row] = Tri::from(is_lead);
+        // Whether it leads depends on its class, or on that of another one.
+        let is_open = near.maybe_lead[p.frame].is_some_and(|j| j == k || is_lead);
+        leads.0[row] = if is_open { Tri::Unknown } else { Tri::from(is_lead) };
         follows.0[row] = Tri::from(is_follower);
         relations.0[row] = Some(relation(p, is_lead, is_follower));
     });
@@ -118,7 +132,10 @@ pub fn write_lead(ego: &EgoMotion, near: &Neighbors, table: &mut TableBuilder<'_
         id::LEAD_EXISTS,
         frames
             .clone()
-            .map(|i| if known(i) { Tri::from(near.lead[i].is_some()) } else { Tri::Unknown })
+            .map(|i| match near.lead[i] {
+                None if !known(i) || near.maybe_lead[i].is_some() => Tri::Unknown,
+                lead => Tri::from(lead.is_some()),
+            })
             .collect(),
     );
     let copies = [
@@ -130,6 +147,7 @@ pub fn write_lead(ego: &EgoMotion, near: &Neighbors, table: &mut TableBuilder<'_
     ];
     for (id, source, without) in copies {
         let value = |i: usize| match near.lead[i] {
+            _ if near.maybe_lead[i].is_some() => f64::NAN,
             Some((k, _)) => table.target_number(source, k, i),
             None if known(i) => without,
             None => f64::NAN,

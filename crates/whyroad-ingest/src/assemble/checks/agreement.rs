@@ -20,6 +20,12 @@ const RATIO: std::ops::RangeInclusive<f64> = 0.67..=1.5;
 /// driving backwards counts as driving forwards.
 const APART_RAD: f64 = PI / 6.0;
 
+/// A median difference of stated yaw rate and turn of the heading above this is another unit, rad/s: a car on dry
+/// asphalt reaches it at walking pace only.
+const YAW_APART_RADPS: f64 = 0.5;
+const GRAVITY_MPS2: f64 = 9.81;
+const GRAVITY_WITHIN_MPS2: f64 = 2.0;
+
 /// What the rows of a moving object say.
 #[derive(Default)]
 struct Comparison {
@@ -139,6 +145,8 @@ pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
         let verdict = Verdict::of(&of, ("自车", "the ego"));
         verdict.forget(&mut ego.motion);
         out.extend(verdict.diagnostics);
+        out.extend(turning(&mut ego.motion, &seconds));
+        out.extend(with_gravity(&mut ego.bus.vertical_accel, first));
         if let Some(ratio) = wrong_median(&of.of_bus, is_other_unit) {
             ego.bus.speed_mps = Vec::new();
             out.push(speeds(("车辆总线", "the vehicle bus"), ratio));
@@ -154,6 +162,51 @@ pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     drive.tracks.iter_mut().for_each(|t| verdict.forget(&mut t.motion));
     out.extend(verdict.diagnostics);
     out
+}
+
+/// Sets stated yaw rates that the headings contradict to unknown.
+fn turning(m: &mut Motion, seconds: &[f64]) -> Option<Diagnostic> {
+    let apart = |i: usize| {
+        let shown = wrap_angle(m.heading[i + 1] - m.heading[i]) / (seconds[i + 1] - seconds[i]);
+        (m.yaw_rate[i] - shown).abs()
+    };
+    let rows = m.yaw_rate.len().min(seconds.len()).saturating_sub(1);
+    let differences: Vec<f64> = (0..rows).map(apart).filter(|d| d.is_finite()).collect();
+    let apart = wrong_median(&differences, |d| d > YAW_APART_RADPS)?;
+    m.yaw_rate.fill(f64::NAN);
+    let d = warning(
+        "ingest.yaw_rate.contradicts",
+        format!(
+            "自车的横摆角速度与航向矛盾：行程开始时相差 {apart:.1} rad/s（中位数）；横摆角速度记为未知，改由航向估计"
+        ),
+        format!(
+            "the yaw rates of the ego contradict its headings: at the start of the drive they are {apart:.1} rad/s apart \
+             (median); they are set to unknown and estimated from the headings"
+        ),
+    );
+    Some(d.with_hint(Bilingual::new(
+        "检查横摆角速度的单位（rad/s）：由度每秒换算时乘以 pi/180",
+        "check the unit of yaw rates (rad/s): multiply those in degrees per second by pi/180",
+    )))
+}
+
+/// Sets vertical accelerations that contain gravity to unknown: at rest they are 9.81 m/s2.
+fn with_gravity(vertical: &mut Vec<f64>, first: usize) -> Option<Diagnostic> {
+    let start = &vertical[..vertical.len().min(first)];
+    let middle = wrong_median(start, |m| (m.abs() - GRAVITY_MPS2).abs() < GRAVITY_WITHIN_MPS2)?;
+    *vertical = Vec::new();
+    let d = warning(
+        "ingest.vertical_accel.gravity",
+        format!("垂直加速度含重力（行程开始时的中位数为 {middle:.1} m/s2）；记为未知"),
+        format!(
+            "vertical accelerations contain gravity (their median at the start of the drive is {middle:.1} m/s2); they are \
+             set to unknown"
+        ),
+    );
+    Some(d.with_hint(Bilingual::new(
+        "在来源中减去 9.81 m/s2，使静止时为 0",
+        "subtract 9.81 m/s2 at the source, so that they are 0 at rest",
+    )))
 }
 
 fn speeds((zh, en): Who, ratio: f64) -> Diagnostic {

@@ -18,7 +18,7 @@ const COURSE_RAD: f64 = 0.8;
 const ACCEPTED_S: f64 = 1.0;
 
 /// Nobody reverses as fast, m/s, over this time, s, with the heading at least this far from the way, rad (150 deg).
-const NO_REVERSE_MPS: f64 = 9.0;
+const NO_REVERSE_MPS: f64 = 6.0;
 const REVERSE_SPAN_S: f64 = 0.5;
 const OPPOSITE_RAD: f64 = PI - PI / 6.0;
 /// A heading that steps by more than this has front and rear swapped, rad.

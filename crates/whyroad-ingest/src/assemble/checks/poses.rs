@@ -1,5 +1,6 @@
-//! Poses of the ego to which it cannot have moved: a step backwards while it drives forwards. Converters that repeat or
-//! extrapolate the end of a log make them (three scenes of nuScenes in ScenarioNet pickles).
+//! Poses of the ego to which it cannot have moved: a step backwards while it drives forwards, or a leap ahead. Converters
+//! that repeat or extrapolate the end of a log make the former (three scenes of nuScenes in ScenarioNet pickles),
+//! localization the latter; without this, all poses behind a leap would be steps back from it.
 
 use super::{MAX_ACCEL_MPS2, warning};
 use whyroad_model::Diagnostic;
@@ -12,6 +13,8 @@ const STEP_M: f64 = 0.1;
 /// most this time: poses that stay displaced are a correction of the localization, s.
 const DISPLACED_S: f64 = 1.0;
 const BRAKING_MPS2: f64 = 9.81;
+/// A leap ahead, beyond what it can reach by speeding up at 1 g, m.
+const LEAP_M: f64 = 1.0;
 /// Error of a pose, m.
 const POSE_M: f64 = 0.05;
 
@@ -44,10 +47,10 @@ pub(super) fn steps_back(drive: &mut Drive) -> Option<Diagnostic> {
     let n = rows.len();
     Some(warning(
         "ingest.pose.impossible",
-        format!("行程开始后 {at:.1} s，自车在前进中向后跳；{n} 行位姿不可能，记为未知"),
+        format!("行程开始后 {at:.1} s，自车在前进中跳到不可能到达之处；{n} 行位姿不可能，记为未知"),
         format!(
-            "{at:.1} s after its start the ego jumps backwards while it drives forwards; {n} poses are impossible and \
-             are set to unknown"
+            "{at:.1} s after its start the ego jumps to where it cannot have driven; {n} poses are impossible and are set \
+             to unknown"
         ),
     ))
 }
@@ -76,12 +79,20 @@ fn spoiled(rows: &[usize], seconds: &[f64], m: &Motion) -> Vec<usize> {
     (0..n).filter(is_beside).filter(has_spoiled).collect()
 }
 
+/// Where a pose is, of where the ego can be.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Displaced {
+    Not,
+    Behind,
+    Ahead,
+}
+
 /// The rows, each decided from earlier ones only.
 fn impossible(seconds: &[f64], m: &Motion) -> Vec<usize> {
     let mut out = Vec::new();
     // The last possible row, and the speed along the heading there.
     let mut last: Option<(usize, Option<f64>)> = None;
-    let mut displaced = false;
+    let mut displaced = Displaced::Not;
     for i in (0..m.len().min(seconds.len())).filter(|&i| m.x[i].is_finite() && m.y[i].is_finite()) {
         let Some((from, speed)) = last else {
             last = Some((i, None));
@@ -90,16 +101,22 @@ fn impossible(seconds: &[f64], m: &Motion) -> Vec<usize> {
         let dt = seconds[i] - seconds[from];
         let (sin, cos) = m.heading[from].sin_cos();
         let along = (m.x[i] - m.x[from]) * cos + (m.y[i] - m.y[from]) * sin;
-        displaced = dt > 0.0
-            && dt <= DISPLACED_S
-            && speed.filter(|v| *v >= DRIVES_MPS).is_some_and(|v| {
-                if displaced {
-                    along - v * dt < -(POSE_M + 0.5 * BRAKING_MPS2 * dt * dt)
-                } else {
-                    along <= -STEP_M && (v - along / dt) / dt > MAX_ACCEL_MPS2
-                }
-            });
-        if displaced {
+        let reach = 0.5 * BRAKING_MPS2 * dt * dt;
+        let drives = speed.filter(|v| *v >= DRIVES_MPS && dt > 0.0 && dt <= DISPLACED_S);
+        displaced = drives.map_or(Displaced::Not, |v| {
+            let off = along - v * dt;
+            let is_behind = match displaced {
+                Displaced::Behind => off < -(POSE_M + reach),
+                _ => along <= -STEP_M && -off / (dt * dt) > MAX_ACCEL_MPS2,
+            };
+            let is_ahead = off > reach + if displaced == Displaced::Ahead { POSE_M } else { LEAP_M };
+            match (is_behind, is_ahead) {
+                (true, _) => Displaced::Behind,
+                (_, true) => Displaced::Ahead,
+                _ => Displaced::Not,
+            }
+        });
+        if displaced != Displaced::Not {
             out.push(i);
         } else {
             // Over a gap the mean speed is not that of its end.

@@ -2,7 +2,7 @@
 
 use super::*;
 use whyroad_model::ObjectClass;
-use whyroad_model::scene::{DriveMeta, Ego, Track};
+use whyroad_model::scene::{DriveMeta, Ego, LightColor, LightState, Track};
 
 /// Eastwards at 10 m/s for 5 s, a car 20 m ahead; velocities stated.
 fn drive() -> Drive {
@@ -130,6 +130,110 @@ fn one_bad_pose_and_a_lasting_correction() {
     let lasting = unknown(&|i| if i >= 20 { -3.0 } else { 0.0 });
     // Braking at 9.81 m/s2 explains 2.95 m after 0.78 s.
     assert_eq!(lasting, (20..27).collect::<Vec<_>>());
+    // Ahead of where it can be: the poses behind it are no steps back from it.
+    assert_eq!(unknown(&|i| if i == 20 { 2.5 } else { 0.0 }), [20]);
+    assert_eq!(unknown(&|i| if i >= 20 { 3.0 } else { 0.0 }), (20..27).collect::<Vec<_>>());
+}
+
+/// A detector that takes the rear for the front: at 10 m/s nobody reverses. At 3 m/s somebody may.
+#[test]
+fn a_heading_against_fast_motion_is_unknown() {
+    let turned = |speed: f64| {
+        let mut d = drive();
+        let m = &mut d.tracks[0].motion;
+        (0..50).for_each(|i| m.x[i] = 20.0 + speed * i as f64 / 10.0);
+        m.vx.fill(speed);
+        m.heading.fill(3.1);
+        let found = check(&mut d);
+        let unknown = d.tracks[0].motion.heading.iter().filter(|h| h.is_nan()).count();
+        (found.iter().any(|d| d.code == "ingest.heading.backwards"), unknown)
+    };
+    // Over half a second.
+    assert_eq!((turned(10.0), turned(3.0)), ((true, 45), (false, 0)));
+}
+
+#[test]
+fn degrees_gravity_and_other_units_are_reported_and_not_used() {
+    // 10 m/s eastwards at 48 degrees north are 0.000135 degrees per second.
+    let mut d = drive();
+    for m in d.ego.iter_mut().map(|e| &mut e.motion).chain(d.tracks.iter_mut().map(|t| &mut t.motion)) {
+        m.x.iter_mut().for_each(|x| *x = 11.5 + *x * 1.35e-5);
+        m.y.fill(48.1);
+    }
+    assert_eq!(codes(&mut d), ["ingest.position.degrees"]);
+    assert!(d.ego.unwrap().motion.x[7].is_nan() && d.tracks[0].motion.x[7].is_nan());
+    // Who stands is no degree.
+    let mut d = drive();
+    let m = &mut d.ego.as_mut().unwrap().motion;
+    m.x.fill(11.5);
+    m.vx.fill(0.0);
+    assert!(codes(&mut d).is_empty());
+
+    let mut d = drive();
+    let ego = d.ego.as_mut().unwrap();
+    (ego.motion.yaw_rate, ego.bus.vertical_accel) = (vec![2.0; 50], vec![9.7; 50]);
+    assert_eq!(codes(&mut d), ["ingest.yaw_rate.contradicts", "ingest.vertical_accel.gravity"]);
+    let ego = d.ego.unwrap();
+    assert!(ego.motion.yaw_rate[3].is_nan() && ego.bus.vertical_accel.is_empty());
+}
+
+#[test]
+fn limits_in_another_unit_are_unknown() {
+    let limited = |limits: &[f64]| {
+        let mut d = drive();
+        let lanes = limits.iter().enumerate().map(|(i, v)| Lane {
+            speed_limit_mps: Some(*v),
+            ..lane(&i.to_string(), &[(-50.0, 0.0, 0.0), (300.0, 0.0, 0.0)])
+        });
+        d.map = Some(RoadMap { lanes: lanes.collect(), ..RoadMap::default() });
+        let found = codes(&mut d);
+        (found, d.map.unwrap().lanes.iter().filter(|l| l.speed_limit_mps.is_some()).count())
+    };
+    // 160 km/h, the highest limit there is.
+    assert_eq!(limited(&[13.9, 44.4]), (vec![], 2));
+    assert_eq!(limited(&[50.0, 30.0, 120.0]), (vec!["ingest.limit.impossible"], 0));
+    // One wrong value among many is no unit.
+    let mut many = vec![13.9; 20];
+    many.push(60.0);
+    assert_eq!(limited(&many), (vec!["ingest.limit.impossible"], 20));
+}
+
+#[test]
+fn lights_of_no_lane_or_no_time_are_unknown() {
+    let lit = |lane_id: &str, seconds: f64| {
+        let mut d = drive();
+        let lanes = vec![lane("l", &[(-50.0, 0.0, 0.0), (300.0, 0.0, 0.0)])];
+        d.map = Some(RoadMap { lanes, ..RoadMap::default() });
+        d.lights = Some(vec![LightState {
+            lane_id: lane_id.into(),
+            to_lane_id: None,
+            time: d.times[0].plus_secs(seconds),
+            color: LightColor::Red,
+            countdown_s: None,
+        }]);
+        let found = codes(&mut d);
+        (found, d.lights.is_some(), d.meta.missing.contains(&Need::TrafficLights))
+    };
+    assert_eq!(lit("l", 1.0), (vec![], true, false));
+    for (lane_id, seconds) in [("other", 1.0), ("l", 1e9)] {
+        assert_eq!(lit(lane_id, seconds), (vec!["ingest.lights.unused"], false, true));
+    }
+}
+
+/// The ego and the car ahead drive eastwards; the only lane runs westwards.
+#[test]
+fn a_map_that_runs_against_the_traffic_is_not_used() {
+    let on = |from: f64, to: f64| {
+        let mut d = drive();
+        // Four more cars, so that there is enough to go by.
+        let car = d.tracks[0].clone();
+        d.tracks = (0..4).map(|i| Track { id: i.to_string().as_str().into(), ..car.clone() }).collect();
+        let lanes = vec![lane("l", &[(from, 0.0, 0.0), (to, 0.0, 0.0)])];
+        d.map = Some(RoadMap { lanes, ..RoadMap::default() });
+        (codes(&mut d), d.map.is_some())
+    };
+    assert_eq!(on(-50.0, 300.0), (vec![], true));
+    assert_eq!(on(300.0, -50.0), (vec!["ingest.map.against"], false));
 }
 
 /// An emergency stop at 1 g, then backwards at 0.5 m/s2.

@@ -111,9 +111,11 @@ pub(super) fn rows(sheet: Sheet, reader: &mut Reader) -> Option<EgoRows> {
     let [x, y, z] = ["x_m", "y_m", "z_m"].map(|n| sheet.numbers(n, p));
     let headings = sheet.headings(p);
     let velocity = velocities(&sheet, p);
-    let [accel, yaw_rate, speed, steering, throttle] =
-        ["accel_mps2", "yaw_rate_radps", "bus_speed_mps", "steering_rad", "throttle"]
-            .map(|n| sheet.numbers(n, p));
+    let [accel, yaw_rate, speed, steering] =
+        ["accel_mps2", "yaw_rate_radps", "bus_speed_mps", "steering_rad"].map(|n| sheet.numbers(n, p));
+    let share = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_nan() || (0.0..=1.0).contains(v));
+    let throttle = sheet.parsed("throttle", "a number from 0 to 1", p, share);
+    let throttle: Vec<f64> = throttle.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
     let vertical_accel = sheet.numbers("vertical_accel_mps2", p);
     let [brake, aeb, cruise, wipers] = ["brake", "aeb", "cruise", "wipers"].map(|n| sheet.flags(n, p));
     let gear = sheet.parsed("gear", "one of P, R, N, D", p, |t| match t {

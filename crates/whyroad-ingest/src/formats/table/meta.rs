@@ -5,8 +5,9 @@ use super::reader::Reader;
 use super::words::UnknownWords;
 use crate::assemble::layers::Declared;
 use crate::encodings::input::Folder;
+use crate::phrases::zh;
 use whyroad_model::yaml::{self, Node, Value};
-use whyroad_model::{Diagnostic, Nanos};
+use whyroad_model::{Bilingual, Diagnostic, Nanos};
 
 const KEYS: &[&str] =
     &["drive_id", "source", "place", "map_ref", "licence", "start_time", "ego", "map_complete_for"];
@@ -63,17 +64,22 @@ impl Meta {
             return None;
         };
         let label = reader.dir.label(name);
-        let parsed = file.text().map_err(|e| e.to_string()).and_then(|text| {
+        let text = file.text().map_err(|e| Bilingual::new(zh(&e.to_string()), e.to_string()));
+        let parsed = text.and_then(|text| {
             reader.hash.add("drive", text.as_bytes());
             // YAML reads JSON too.
-            yaml::parse(&text).map_err(|e| format!("{}:{}: {}", e.mark.line, e.mark.column, e.message().en))
+            yaml::parse(&text).map_err(|e| {
+                let (message, at) = (e.message(), format!("{}:{}", e.mark.line, e.mark.column));
+                Bilingual::new(format!("{at}：{}", message.zh), format!("{at}: {}", message.en))
+            })
         });
         let out = &mut reader.report.diagnostics;
         let root = match parsed {
             Ok(root) if matches!(root.value, Value::Map(_)) => root,
             Ok(_) => return fail(out, &label, "不是键值表", "the file is not a table of keys"),
             Err(e) => {
-                return fail(out, &label, &format!("无法读取：{e}"), &format!("it cannot be read: {e}"));
+                let (zh, en) = (format!("无法读取：{}", e.zh), format!("it cannot be read: {}", e.en));
+                return fail(out, &label, &zh, &en);
             }
         };
         unknown_keys(&root, KEYS, &label, out);
@@ -84,7 +90,9 @@ impl Meta {
         let text = |key: &str| root.get(key).and_then(Node::text).map(str::to_owned);
         let start_time = match root.get("start_time").and_then(Node::text).map(Nanos::parse_iso) {
             Some(Err(e)) => {
-                return fail(out, &label, &format!("start_time：{e}"), &format!("start_time: {e}"));
+                let e = e.text();
+                let (zh, en) = (format!("start_time：{}", e.zh), format!("start_time: {}", e.en));
+                return fail(out, &label, &zh, &en);
             }
             Some(Ok(t)) => Some(t),
             None => None,
