@@ -126,7 +126,9 @@ const WIDEST_M: f64 = 8.0;
 fn impossible_sizes(drive: &mut Drive) -> Option<Diagnostic> {
     let mut rows = 0;
     let mut check = |length: &mut f64, width: &mut f64| {
-        if length.max(*width) > LONGEST_M || length.min(*width) > WIDEST_M {
+        // `min` passes over an unknown side.
+        let is_wide = *length > WIDEST_M && *width > WIDEST_M;
+        if length.max(*width) > LONGEST_M || is_wide {
             (*length, *width) = (f64::NAN, f64::NAN);
             rows += 1;
         }

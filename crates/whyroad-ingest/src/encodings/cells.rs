@@ -51,9 +51,23 @@ pub(crate) fn integers(array: &dyn Array) -> Result<Vec<Option<i64>>, String> {
     })
 }
 
-/// Cells as texts: numbers in their shortest form, times in ISO 8601 as they are (no offset from UTC is added). `left`
-/// is what the column may still take of shared texts, bytes; it begins with [`FREE_TEXT`].
+/// Cells as texts: numbers in their shortest form, times in ISO 8601, with `Z` where the column states a time zone (the
+/// cells are then in UTC). `left` is what the column may still take of shared texts, bytes; it begins with
+/// [`FREE_TEXT`].
 pub(crate) fn texts(array: &dyn Array, left: &mut usize) -> Result<Vec<Option<String>>, String> {
+    texts_with(array, left, |v, kind| kind.text(v))
+}
+
+/// The same with times as nanoseconds since 1970.
+pub(crate) fn nanosecond_texts(array: &dyn Array, left: &mut usize) -> Result<Vec<Option<String>>, String> {
+    texts_with(array, left, |v, kind| kind.nanoseconds(v).map(|n| n.to_string()))
+}
+
+fn texts_with(
+    array: &dyn Array,
+    left: &mut usize,
+    time: impl Fn(i64, TimeKind) -> Option<String>,
+) -> Result<Vec<Option<String>>, String> {
     if matches!(array.data_type(), DataType::Dictionary(_, _) | DataType::Utf8View) {
         let length = |cell: Cell<'_>| if let Cell::Text(text) = cell { Some(text.len()) } else { None };
         let lengths = simple(array, "a text", &length)?.into_iter().flatten();
@@ -71,7 +85,7 @@ pub(crate) fn texts(array: &dyn Array, left: &mut usize) -> Result<Vec<Option<St
         Cell::Single(v) => Some(format!("{v:?}")),
         Cell::Decimal(v, scale) => Some(decimal_text(v, scale)),
         Cell::Bool(v) => Some(v.to_string()),
-        Cell::Time(v, unit) => unit.text(v),
+        Cell::Time(v, kind) => time(v, kind),
         Cell::Text(text) => Some(text.to_owned()),
     })
 }
@@ -94,29 +108,34 @@ enum Cell<'a> {
 enum TimeKind {
     /// Days since 1970-01-01.
     Day,
-    /// Units since 1970-01-01T00:00.
-    Moment(TimeUnit),
+    /// Units since 1970-01-01T00:00; true where the column states a time zone, so that they count from UTC.
+    Moment(TimeUnit, bool),
     /// Units, without a start date.
     Length,
 }
 
 impl TimeKind {
-    /// ISO 8601; `None` for lengths, and before 1677 or after 2262.
-    fn text(self, v: i64) -> Option<String> {
+    /// Since 1970; `None` for lengths, and before 1677 or after 2262.
+    fn nanoseconds(self, v: i64) -> Option<i64> {
         let nanos = match self {
             TimeKind::Day => i128::from(v) * 86_400_000_000_000,
-            TimeKind::Moment(TimeUnit::Second) => i128::from(v) * 1_000_000_000,
-            TimeKind::Moment(TimeUnit::Millisecond) => i128::from(v) * 1_000_000,
-            TimeKind::Moment(TimeUnit::Microsecond) => i128::from(v) * 1_000,
-            TimeKind::Moment(TimeUnit::Nanosecond) => i128::from(v),
+            TimeKind::Moment(TimeUnit::Second, _) => i128::from(v) * 1_000_000_000,
+            TimeKind::Moment(TimeUnit::Millisecond, _) => i128::from(v) * 1_000_000,
+            TimeKind::Moment(TimeUnit::Microsecond, _) => i128::from(v) * 1_000,
+            TimeKind::Moment(TimeUnit::Nanosecond, _) => i128::from(v),
             TimeKind::Length => return None,
         };
-        let text = Nanos(i64::try_from(nanos).ok()?).to_string();
+        i64::try_from(nanos).ok()
+    }
+
+    /// ISO 8601; `None` as above.
+    fn text(self, v: i64) -> Option<String> {
+        let text = Nanos(self.nanoseconds(v)?).to_string();
         let (date, _) = text.split_once('T')?;
-        Some(if matches!(self, TimeKind::Day) {
-            date.to_owned()
-        } else {
-            text.trim_end_matches('Z').to_owned()
+        Some(match self {
+            TimeKind::Day => date.to_owned(),
+            TimeKind::Moment(_, true) => text,
+            _ => text.trim_end_matches('Z').to_owned(),
         })
     }
 }
@@ -171,12 +190,20 @@ fn simple<T: Clone>(
         DataType::Float64 => primitive!(Float64Type, v => Cell::Float(v)),
         DataType::Decimal128(_, scale) => primitive!(Decimal128Type, v => Cell::Decimal(v, *scale)),
         DataType::Date32 => primitive!(Date32Type, v => Cell::Time(v.into(), Day)),
-        DataType::Date64 => primitive!(Date64Type, v => Cell::Time(v, Moment(TimeUnit::Millisecond))),
-        DataType::Timestamp(unit, _) => match unit {
-            TimeUnit::Second => primitive!(TimestampSecondType, v => Cell::Time(v, Moment(*unit))),
-            TimeUnit::Millisecond => primitive!(TimestampMillisecondType, v => Cell::Time(v, Moment(*unit))),
-            TimeUnit::Microsecond => primitive!(TimestampMicrosecondType, v => Cell::Time(v, Moment(*unit))),
-            TimeUnit::Nanosecond => primitive!(TimestampNanosecondType, v => Cell::Time(v, Moment(*unit))),
+        DataType::Date64 => primitive!(Date64Type, v => Cell::Time(v, Moment(TimeUnit::Millisecond, false))),
+        DataType::Timestamp(unit, zone) => match unit {
+            TimeUnit::Second => {
+                primitive!(TimestampSecondType, v => Cell::Time(v, Moment(*unit, zone.is_some())))
+            }
+            TimeUnit::Millisecond => {
+                primitive!(TimestampMillisecondType, v => Cell::Time(v, Moment(*unit, zone.is_some())))
+            }
+            TimeUnit::Microsecond => {
+                primitive!(TimestampMicrosecondType, v => Cell::Time(v, Moment(*unit, zone.is_some())))
+            }
+            TimeUnit::Nanosecond => {
+                primitive!(TimestampNanosecondType, v => Cell::Time(v, Moment(*unit, zone.is_some())))
+            }
         },
         DataType::Duration(unit) => match unit {
             TimeUnit::Second => primitive!(DurationSecondType, v => Cell::Time(v, Length)),

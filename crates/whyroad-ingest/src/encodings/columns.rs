@@ -122,6 +122,15 @@ impl Columns {
         })
     }
 
+    /// The same with times as nanoseconds since 1970.
+    pub fn nanosecond_texts(&self, name: &str) -> Result<Vec<Option<String>>, String> {
+        let mut left = cells::FREE_TEXT;
+        self.cells(name, |column, out| {
+            out.extend(cells::nanosecond_texts(column, &mut left)?);
+            Ok(())
+        })
+    }
+
     /// A column of texts of which there are few, each held once.
     pub fn words(&self, name: &str) -> Result<Words, String> {
         let (mut texts, mut numbers) = (Vec::<String>::new(), HashMap::<Box<str>, usize>::new());

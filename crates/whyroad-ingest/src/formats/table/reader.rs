@@ -45,12 +45,30 @@ impl Clock {
             frames.seconds = every_tenth(&seconds);
         }
         let max_gap_s = gap_for(frames.native_step_s);
+        if !frames.resampled() {
+            frames.seconds = without_short_gaps(&frames.seconds);
+        }
         (Self { frames: frames.seconds.clone(), max_gap_s, ..clock }, frames)
     }
 
     pub fn seconds(&self, time: i64) -> f64 {
         time.saturating_sub(self.origin) as f64 / 1e9
     }
+}
+
+/// The times with a frame where one row is lost: it is filled as at any other rate.
+fn without_short_gaps(seconds: &[f64]) -> Vec<f64> {
+    let mut out: Vec<f64> = Vec::with_capacity(seconds.len());
+    for &t in seconds {
+        if let Some(&last) = out.last()
+            && t - last <= MAX_GAP_S
+        {
+            let steps = ((t - last) * FRAME_RATE_HZ).round().max(1.0);
+            out.extend((1..steps as usize).map(|k| last + (t - last) * k as f64 / steps));
+        }
+        out.push(t);
+    }
+    out
 }
 
 pub(super) fn gap_for(step_s: f64) -> f64 {

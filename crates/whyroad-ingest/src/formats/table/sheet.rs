@@ -95,8 +95,8 @@ impl Sheet {
     /// A column of truth values.
     pub fn flags(&self, name: &str, problems: &mut Problems) -> Vec<Option<bool>> {
         self.parsed(name, "true or false", problems, |text| match text.to_ascii_lowercase().as_str() {
-            "true" | "1" => Some(true),
-            "false" | "0" => Some(false),
+            "true" | "1" | "1.0" => Some(true),
+            "false" | "0" | "0.0" => Some(false),
             _ => None,
         })
     }
@@ -174,7 +174,12 @@ fn read_csv(content: &[u8]) -> Result<Vec<Column>, String> {
 }
 
 fn texts_of(table: &Columns) -> Result<Vec<Column>, String> {
-    table.names().into_iter().map(|name| table.texts(&name).map(|cells| (name, cells))).collect()
+    let texts = |name: String| {
+        // Programs write times into a column of times.
+        let cells = if name == "timestamp_ns" { table.nanosecond_texts(&name) } else { table.texts(&name) };
+        cells.map(|cells| (name, cells))
+    };
+    table.names().into_iter().map(texts).collect()
 }
 
 /// A list of ids or words.
