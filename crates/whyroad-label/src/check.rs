@@ -39,9 +39,10 @@ use std::sync::Arc;
 use view::View;
 use whyroad_framework::Framework;
 use whyroad_framework::check::{
-    ClassIndex, Document, MessageKind, Origin, Sink, Verdict, check_document, not_utf8,
+    ClassIndex, Document, Finding, MessageKind, Origin, Sink, Verdict, Words, check_document, not_utf8,
 };
 use whyroad_model::Diagnostic;
+use whyroad_model::label_fields::pointer;
 
 /// Checks documents against one framework and, where given, one list of clips.
 #[derive(Debug)]
@@ -52,6 +53,8 @@ pub struct Checker<'f> {
     recordings: Option<Arc<dyn Recordings>>,
     /// Only what Stage I shows may be compared: the components with the history.
     stage_one: bool,
+    /// A label whose drive is not available is reported.
+    misses_drives: bool,
 }
 
 impl<'f> Checker<'f> {
@@ -63,6 +66,7 @@ impl<'f> Checker<'f> {
             clips: None,
             recordings: None,
             stage_one: false,
+            misses_drives: false,
         }
     }
 
@@ -77,6 +81,13 @@ impl<'f> Checker<'f> {
     #[must_use]
     pub fn with_recordings(mut self, recordings: Arc<dyn Recordings>) -> Self {
         self.recordings = Some(recordings);
+        self
+    }
+
+    /// The same, reporting labels that cannot be compared because their drive is not available.
+    #[must_use]
+    pub fn reporting_missing_drives(mut self) -> Self {
+        self.misses_drives = true;
         self
     }
 
@@ -104,6 +115,16 @@ impl<'f> Checker<'f> {
             drafted,
         };
         rulebook.check(label, sink);
+        if let (true, None, Some((_, id))) = (self.misses_drives, &recorded, of_clip) {
+            sink.report(Finding::warning("label.clip.unrecorded", pointer::CLIP_ID), &|| {
+                Words::new(
+                    format!("数据湖中没有片段 '{id}' 的行程：未与录制核对"),
+                    format!(
+                        "the lake has no drive of clip '{id}': the label was not compared with a recording"
+                    ),
+                )
+            });
+        }
         if let Some(recorded) = &recorded {
             motion::check(label, recorded, &until_keyframe, self.framework, &self.classes, sink);
         } else if self.stage_one

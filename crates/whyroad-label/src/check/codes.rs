@@ -53,6 +53,7 @@ pub const CODES: &[&str] = &[
     "label.frame.timestamp_mismatch",
     "label.frame.outside_clip",
     "label.clip.unknown",
+    "label.clip.unrecorded",
     "label.trace.empty",
     "label.trace.too_short",
     "label.trace.too_long",

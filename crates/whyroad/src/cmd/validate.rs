@@ -117,7 +117,10 @@ fn check_all(
     let mut checker = Checker::new(framework);
     if let Some(dir) = &args.lake {
         match Lake::open(dir) {
-            Ok(lake) => checker = checker.with_recordings(Arc::new(LabelDrives::new(lake, framework))),
+            Ok(lake) => {
+                let drives = Arc::new(LabelDrives::new(lake, framework));
+                checker = checker.with_recordings(drives).reporting_missing_drives();
+            }
             Err(e) => return run.push(e.diagnostic()),
         }
     }
