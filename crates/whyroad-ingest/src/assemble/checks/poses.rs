@@ -1,6 +1,6 @@
-//! Poses of the ego to which it cannot have moved: a step backwards while it drives forwards, or a leap ahead. Converters
-//! that repeat or extrapolate the end of a log make the former (three scenes of nuScenes in ScenarioNet pickles),
-//! localization the latter; without this, all poses behind a leap would be steps back from it.
+//! Poses of the ego to which it cannot have moved: a step backwards while it drives forwards, or a leap ahead.
+//! Converters that repeat or extrapolate the end of a log make the former (three scenes of nuScenes in ScenarioNet
+//! pickles), localization the latter; without this, all poses behind a leap would be steps back from it.
 
 use super::{MAX_ACCEL_MPS2, warning};
 use whyroad_model::Diagnostic;
