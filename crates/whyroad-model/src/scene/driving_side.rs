@@ -13,17 +13,19 @@ pub enum DrivingSide {
     Left,
 }
 
+/// Places with left-hand traffic within a country with right-hand traffic, in lower case.
+const LEFT_WITHIN: &[&str] = &["hong kong", "hong-kong", "macau", "macao", "香港", "澳门", "澳門"];
 /// Places with left-hand traffic, in lower case, as logs write them.
-const LEFT: [&str; 20] = [
+const LEFT: &[&str] = &[
     "singapore",
     "japan",
     "tokyo",
-    "hong kong",
-    "hong-kong",
-    "macau",
     "united kingdom",
+    "uk",
     "great britain",
     "england",
+    "scotland",
+    "wales",
     "london",
     "ireland",
     "australia",
@@ -35,16 +37,44 @@ const LEFT: [&str; 20] = [
     "south africa",
     "kenya",
     "cyprus",
+    "新加坡",
+    "日本",
+    "东京",
+    "英国",
+    "伦敦",
+    "澳大利亚",
+    "新西兰",
+    "泰国",
+    "马来西亚",
+    "印度",
 ];
-/// Places with right-hand traffic, of the public sets and of our users.
-const RIGHT: [&str; 18] = [
+/// Places with right-hand traffic: of the public sets and of our users, and countries.
+const RIGHT: &[&str] = &[
     "china",
     "beijing",
     "shanghai",
     "shenzhen",
     "guangzhou",
+    "hangzhou",
+    "wuhan",
+    "chongqing",
+    "chengdu",
+    "suzhou",
+    "tianjin",
+    "中国",
+    "北京",
+    "上海",
+    "深圳",
+    "广州",
+    "杭州",
+    "武汉",
+    "重庆",
+    "成都",
+    "苏州",
+    "天津",
     "united states",
     "usa",
+    "us",
     "boston",
     "pittsburgh",
     "miami",
@@ -55,7 +85,26 @@ const RIGHT: [&str; 18] = [
     "las vegas",
     "las-vegas",
     "san francisco",
+    "美国",
+    "canada",
+    "ontario",
     "germany",
+    "berlin",
+    "munich",
+    "karlsruhe",
+    "德国",
+    "france",
+    "paris",
+    "法国",
+    "netherlands",
+    "italy",
+    "spain",
+    "sweden",
+    "poland",
+    "austria",
+    "switzerland",
+    "korea",
+    "韩国",
 ];
 /// Lanes whose neighbor runs against them decide, when at least this share of them agrees; this many where the map
 /// does not state neighbors, so that they are derived from the geometry.
@@ -65,14 +114,36 @@ const DERIVED: usize = 3;
 impl Drive {
     /// On which side traffic drives; `None` when neither the place nor the map says.
     pub fn driving_side(&self) -> Option<DrivingSide> {
-        let place = self.meta.place.as_deref().unwrap_or_default().to_lowercase();
-        let is = |names: &[&str]| names.iter().any(|n| place.contains(n));
-        match (is(&LEFT), is(&RIGHT)) {
-            (true, false) => Some(DrivingSide::Left),
-            (false, true) => Some(DrivingSide::Right),
-            _ => self.map.as_ref()?.driving_side(),
-        }
+        let place = self.meta.place.as_deref().unwrap_or_default();
+        of_place(place).or_else(|| self.map.as_ref()?.driving_side())
     }
+}
+
+/// By a place as logs write it: `singapore-onenorth`, `London, Ontario`, `中国香港`. Of parts between commas the last one,
+/// the country or region, decides.
+fn of_place(place: &str) -> Option<DrivingSide> {
+    let place = place.to_lowercase();
+    let region = place.rsplit([',', '，']).next()?;
+    if LEFT_WITHIN.iter().any(|name| names_place(&place, name)) {
+        return Some(DrivingSide::Left);
+    }
+    let is = |names: &[&str]| names.iter().any(|name| names_place(region, name));
+    match (is(LEFT), is(RIGHT)) {
+        (true, false) => Some(DrivingSide::Left),
+        (false, true) => Some(DrivingSide::Right),
+        _ => None,
+    }
+}
+
+/// True when `text` has `name` as a word of its own: not as a part of another one, and not as in `New London`. Chinese
+/// has no spaces between words.
+fn names_place(text: &str, name: &str) -> bool {
+    text.match_indices(name).any(|(at, _)| {
+        let (before, after) = (&text[..at], &text[at + name.len()..]);
+        let joins = |c: Option<char>| c.is_some_and(char::is_alphabetic);
+        !name.is_ascii()
+            || !(joins(before.chars().next_back()) || joins(after.chars().next()) || before.ends_with("new "))
+    })
 }
 
 impl RoadMap {
@@ -112,6 +183,22 @@ fn dot(a: (f64, f64), b: (f64, f64)) -> f64 {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_place_decides_by_its_region_and_by_whole_words() {
+        for left in
+            ["singapore-onenorth", "Tokyo", "香港", "中国香港", "Hong Kong, China", "London, UK", "伦敦"]
+        {
+            assert_eq!(of_place(left), Some(DrivingSide::Left), "{left}");
+        }
+        for right in ["boston-seaport", "us-nv-las-vegas-strip", "London, Ontario", "上海", "Munich, Germany"]
+        {
+            assert_eq!(of_place(right), Some(DrivingSide::Right), "{right}");
+        }
+        for unknown in ["", "New London", "nowhere", "Indianapolis", "London, Kentucky"] {
+            assert_eq!(of_place(unknown), None, "{unknown}");
+        }
+    }
+
     /// Two-way streets; the oncoming neighbor is on the given side.
     fn map(oncoming_left: bool) -> RoadMap {
         let lane = |id: String, towards: f64, other: String| {
@@ -140,9 +227,9 @@ mod tests {
         // One road is enough where the map states which lanes are beside each other, not where that is derived.
         let mut one_road = map(false);
         one_road.lanes.truncate(2);
-        assert_eq!(drive(Some("Berlin"), one_road.clone()), Some(DrivingSide::Left));
+        assert_eq!(drive(Some("Springfield"), one_road.clone()), Some(DrivingSide::Left));
         one_road.layers.insert(MapLayer::Neighbors, LayerState::Derived);
-        assert_eq!(drive(Some("Berlin"), one_road), None);
+        assert_eq!(drive(Some("Springfield"), one_road), None);
         // A cycle path of both directions to the right of the road.
         let mut beside = map(false);
         beside.lanes.iter_mut().filter(|l| l.id.ends_with('b')).for_each(|l| l.kind = LaneKind::Bike);

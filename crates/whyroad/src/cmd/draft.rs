@@ -234,6 +234,7 @@ fn by_rule(
     let one = |episode: &EpisodeRecord| -> Made {
         let recorded = drives.of_clip(episode.clip_id.as_str());
         let recorded = recorded.ok_or_else(|| Left::Lost(vec![no_drive(episode)]))?;
+        is_of_drive(episode, &recorded.drive)?;
         let checked = |seed| -> Made {
             let made = draft_with_seed(framework, &recorded.drive, &recorded.signals, episode, texts, seed);
             if let Some(doubt) = made.doubt {
@@ -285,6 +286,7 @@ fn by_model(
             let Some((measured, recorded)) = measured.zip(recorded) else {
                 return Err(Left::Lost(vec![no_drive(episode)]));
             };
+            is_of_drive(episode, &recorded.drive)?;
             match drafter.draft(&measured, &recorded, episode) {
                 Ok(made) => Ok((made.label, made.findings)),
                 Err(why) => {
@@ -322,6 +324,30 @@ fn no_drive(episode: &EpisodeRecord) -> Diagnostic {
         format!("episode {id}: the lake has no drive {drive}, or it cannot be read"),
     );
     Diagnostic::error("draft.drive", message)
+}
+
+/// An error where the drive does not have what the episode is about: it was replaced after it was mined.
+fn is_of_drive(episode: &EpisodeRecord, drive: &Drive) -> Result<(), Left> {
+    let at = episode.keyframe.timestamp;
+    let is_within =
+        drive.times.first().is_some_and(|t| *t <= at) && drive.times.last().is_some_and(|t| at <= *t);
+    let (id, of) = (&episode.episode_id, &episode.drive_id);
+    let message = match &episode.target_id {
+        _ if !is_within => Bilingual::new(
+            format!("事件 {id}：关键帧 {at} 不在行程 {of} 内"),
+            format!("episode {id}: its keyframe, {at}, is not in drive {of}"),
+        ),
+        Some(target) if drive.track(target).is_none() => Bilingual::new(
+            format!("事件 {id}：行程 {of} 中没有目标 {target}"),
+            format!("episode {id}: drive {of} has no object {target}"),
+        ),
+        _ => return Ok(()),
+    };
+    let hint = Bilingual::new(
+        "行程在挖掘之后被替换：重新运行 `whyroad mine`",
+        "the drive was replaced after it was mined: run `whyroad mine` again",
+    );
+    Err(Left::Lost(vec![Diagnostic::error("draft.drive", message).with_hint(hint)]))
 }
 
 /// Camera images of a lake.
