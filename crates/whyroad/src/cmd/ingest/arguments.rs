@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use whyroad_ingest::{
     AdapterRef, LICENCE, MAP_OPTIONS, OptionSpec, OptionType, OptionValue, Options, START, formats,
 };
-use whyroad_model::DriveId;
+use whyroad_model::{Bilingual, DriveId};
 
 /// The user's request.
 pub(crate) struct Args {
