@@ -33,7 +33,7 @@ use whyroad_signals::catalog::{Catalog, SignalDef, SignalKind, TargetRestriction
 
 /// Turns expressions into nodes of one program.
 pub struct Checker<'a> {
-    catalog: &'a Catalog,
+    pub(crate) catalog: &'a Catalog,
     /// Named numbers of the rule.
     pub parameters: BTreeMap<String, Quantity>,
     /// Named conditions or numbers of the rule that others may use.
@@ -198,7 +198,7 @@ impl<'a> Checker<'a> {
                 Ok(self.flag(Op::Not(id)))
             }
             ExprKind::And(all) => {
-                let all = all.iter().map(|e| self.condition(e)).collect::<Result<_, _>>()?;
+                let all: Vec<NodeId> = all.iter().map(|e| self.condition(e)).collect::<Result<_, _>>()?;
                 Ok(self.flag(Op::And(all)))
             }
             ExprKind::Or(all) => {

@@ -87,6 +87,7 @@ pub fn compile(
         scenario,
         origin,
         found,
+        lacks_signals: false,
         broken: block.broken.iter().cloned().collect(),
     };
     let roles = c.roles(block.target, &block.roles);
@@ -119,7 +120,8 @@ pub fn compile(
     }
     let of_target = when.iter().chain(&require).any(|id| c.checker.is_of_target(*id));
     let subject = subject.or(c.checker.subject);
-    if of_target && subject.is_none() {
+    // A kind of target that cannot be read is reported there.
+    if of_target && subject.is_none() && block.target.is_none() && block.roles.is_empty() {
         let fault = Fault::new(
             "rule.target",
             Span::default(),
@@ -141,7 +143,7 @@ pub fn compile(
     };
     let response = response
         .map(|condition| ResponseCondition { condition, of_target: c.checker.is_of_target(condition) });
-    if !c.found.is_empty() {
+    if c.lacks_signals || !c.found.is_empty() {
         return Err(c.found);
     }
     Ok(Rule {
@@ -169,6 +171,8 @@ pub(super) struct Compiler<'a> {
     scenario: &'a ScenarioId,
     origin: &'a Origin<'a>,
     found: Vec<Diagnostic>,
+    /// It uses a signal whose entry in the catalog has an error, which is reported there.
+    lacks_signals: bool,
     /// Parameters and definitions that have been reported: their absence elsewhere is not reported again.
     broken: BTreeSet<String>,
 }
@@ -178,10 +182,19 @@ impl Compiler<'_> {
     pub(super) fn report(&mut self, node: &Node, fault: Fault) {
         let text = node.text().unwrap_or_default();
         let marked = text.get(fault.span.start..fault.span.end).unwrap_or_default();
-        if fault.code == "rule.signal.unknown" && self.broken.contains(marked) {
-            return;
+        if !self.is_reported(&fault, marked) {
+            self.found.push(self.origin.file.diagnose(node, fault));
         }
-        self.found.push(self.origin.file.diagnose(node, fault));
+    }
+
+    /// True where the name that is not found is one that has been reported as faulty where it is written.
+    fn is_reported(&mut self, fault: &Fault, name: &str) -> bool {
+        if fault.code != "rule.signal.unknown" {
+            return false;
+        }
+        let lacks = self.checker.catalog.lacks(name);
+        self.lacks_signals |= lacks;
+        lacks || self.broken.contains(name)
     }
 
     /// Reports a fault of a key.
@@ -355,7 +368,7 @@ impl Compiler<'_> {
             Ok(moment) => moment,
             Err(fault) => {
                 let marked = text.get(fault.span.start..fault.span.end).unwrap_or_default();
-                if fault.code != "rule.signal.unknown" || !self.broken.contains(marked) {
+                if !self.is_reported(&fault, marked) {
                     self.found.push(self.origin.diagnose_moment(self.scenario, text, fault));
                 }
                 return None;
