@@ -11,6 +11,7 @@ mod every;
 mod memo;
 mod moments;
 mod names;
+mod never;
 mod pairs;
 mod structure;
 mod wording;
@@ -199,6 +200,7 @@ impl<'a> Checker<'a> {
             }
             ExprKind::And(all) => {
                 let all: Vec<NodeId> = all.iter().map(|e| self.condition(e)).collect::<Result<_, _>>()?;
+                self.possible_together(&all, expr.span)?;
                 Ok(self.flag(Op::And(all)))
             }
             ExprKind::Or(all) => {
@@ -212,6 +214,7 @@ impl<'a> Checker<'a> {
                     all.push(self.compare(*op, left, right)?);
                     left = right;
                 }
+                self.possible_together(&all, expr.span)?;
                 Ok(if all.len() == 1 { all[0] } else { self.flag(Op::And(all)) })
             }
             ExprKind::In(of, members) => self.membership(of, members),

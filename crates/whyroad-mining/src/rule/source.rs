@@ -101,6 +101,14 @@ pub fn compile(
         block.when.iter().filter_map(|n| c.condition(n, PartPlace::When, &mut described)).collect();
     let require: Vec<NodeId> =
         block.require.iter().filter_map(|n| c.condition(n, PartPlace::Require, &mut described)).collect();
+    for (written, all) in [(&block.when, &when), (&block.require, &require)] {
+        if let Some(last) = written.last().filter(|_| all.len() > 1) {
+            let span = Span { start: 0, end: last.text().unwrap_or_default().len() };
+            if let Err(fault) = c.checker.possible_together(all, span) {
+                c.report(last, fault);
+            }
+        }
+    }
     let response: Vec<NodeId> = block.response.iter().filter_map(|n| c.response(n)).collect();
     let mut time = |node: Option<&Node>| node.and_then(|n| c.time(n));
     let min_duration = time(block.min_duration).unwrap_or_default();
