@@ -6,7 +6,7 @@ use crate::output::reason::stop;
 use crate::{Global, output};
 use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
-use whyroad_dataset::export::{ExportFormat, ExportOptions, Exported, TraceLanguage, export};
+use whyroad_dataset::export::{ExportFormat, ExportOptions, Exported, TraceLanguage, export, reason_text};
 use whyroad_dataset::{Release, SplitName};
 use whyroad_model::Lang;
 
@@ -84,12 +84,14 @@ fn text(e: &Exported, lang: Lang) -> String {
     };
     for (reason, samples) in &e.left_out {
         out += &match lang {
-            Lang::Zh => format!("未导出 {} 个：{reason}（export.json 列出编号）\n", samples.len()),
+            Lang::Zh => {
+                format!("未导出 {} 个：{}（export.json 列出编号）\n", samples.len(), reason_text(reason).zh)
+            }
             Lang::En => format!("{} left out: {reason} (ids in export.json)\n", samples.len()),
         };
     }
     for note in &e.notes {
-        out += &format!("{note}\n");
+        out += &format!("{}\n", note.get(lang));
     }
     out
 }
