@@ -89,9 +89,9 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
 }
 
 /// Classes of the calibration table that the taxonomy does not have: renamed or retired ones.
-fn calibrated_but_unknown(framework: &Framework, text: Option<&String>) -> impl Iterator<Item = Diagnostic> {
+fn calibrated_but_unknown(framework: &Framework, text: Option<&String>) -> Vec<Diagnostic> {
     let unknown = framework.calibration.classes.iter().filter(|c| !framework.taxonomy.contains(&c.id));
-    unknown.map(|class| {
+    let each = unknown.map(|class| {
         let id = &class.id;
         let message = Bilingual::new(
             format!("分类体系中没有类别 '{id}'，其校准不起作用"),
@@ -104,7 +104,8 @@ fn calibrated_but_unknown(framework: &Framework, text: Option<&String>) -> impl 
         let d = Diagnostic::warning("calibration.class", message).with_hint(hint).in_file(CALIBRATION_FILE);
         let at = text.and_then(|text| Calibration::place(CALIBRATION_FILE, text, id));
         at.into_iter().fold(d, Diagnostic::at)
-    })
+    });
+    each.collect()
 }
 
 pub(crate) fn print(found: &[Diagnostic], format: FindingFormat, lang: Lang) {
