@@ -257,7 +257,7 @@ fn conditions_that_exclude_each_other_are_refused() {
     for possible in [
         "ego.speed < 0 m/s or ego.speed > 1 m/s",
         "ego.speed >= 36 km/h and ego.speed <= 10 m/s",
-        "ego.speed < 1 m/s within 3 s and ego.speed > 2 m/s",
+        "(ego.speed < 1 m/s within 3 s) and ego.speed > 2 m/s",
         "ego.lane_change == left and ego.lane_change in { left, right }",
         "ego.speed != 1 m/s and ego.speed == 2 m/s",
         "min(ego.speed, 3 s) < 1 m/s and ego.speed > 2 m/s",

@@ -347,8 +347,24 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
 
 #[cfg(test)]
 mod tests {
+    use super::{state_name, words};
     use whyroad_dataset::spec::Spec;
+    use whyroad_model::Lang;
+    use whyroad_server::domain::workflow::State;
     use whyroad_server::service::sample_window::{FUTURE_S, HISTORY_S};
+
+    /// Every state has a Chinese name; in a list of counts the word that `--state` takes is beside it.
+    #[test]
+    fn states_have_chinese_names() {
+        for state in State::ALL {
+            let name = state_name(state.word(), Lang::Zh);
+            assert!(!name.is_ascii(), "{name}");
+            assert_eq!(state_name(state.word(), Lang::En), state.word());
+        }
+        let counts = [("open".to_owned(), 3), ("submitted".to_owned(), 2)].into();
+        assert_eq!(words(&counts, Lang::Zh), "待标注（open）3，待质检（submitted）2");
+        assert_eq!(words(&counts, Lang::En), "open 3, submitted 2");
+    }
 
     #[test]
     fn the_window_of_tasks_is_that_of_the_default_spec() {

@@ -95,3 +95,23 @@ fn text(e: &Exported, lang: Lang) -> String {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whyroad_model::Bilingual;
+
+    #[test]
+    fn notes_and_reasons_are_in_the_language_of_the_reader() {
+        let exported = Exported {
+            left_out: [("another rate than the samples before".to_owned(), vec!["s1".to_owned()])].into(),
+            notes: vec![Bilingual::new("未来不足 6.4 s", "less than 6.4 s of future")],
+            ..Exported::default()
+        };
+        let zh = text(&exported, Lang::Zh);
+        assert!(zh.contains("频率与前面的样本不同") && zh.contains("未来不足 6.4 s"), "{zh}");
+        assert!(!zh.contains("rate") && !zh.contains("future"), "{zh}");
+        let en = text(&exported, Lang::En);
+        assert!(en.contains("another rate") && en.contains("less than 6.4 s of future"), "{en}");
+    }
+}
