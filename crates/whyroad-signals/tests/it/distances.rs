@@ -140,8 +140,8 @@ fn a_truck_beside_the_ego_where_it_will_turn_does_not_overlap() {
     }
 }
 
-/// In a lane of 9 m, the ego at its center passes a slower car 0.8 m to its left: 2.8 - 1 - 1. The boxes are beside each
-/// other while the centers are less than 4 m apart. The lead is the car ahead of both.
+/// In a lane of 9 m, the ego at its center passes a slower car 0.8 m to its left: 2.8 - 1 - 1. The boxes are beside
+/// each other while the centers are less than 4 m apart. The lead is the car ahead of both.
 #[test]
 fn a_car_beside_the_ego_in_a_wide_lane_is_neither_in_path_nor_the_lead() {
     let mut d = drive(20, |t| (5.0 * t, 0.0, 0.0));

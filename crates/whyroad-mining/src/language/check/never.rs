@@ -1,5 +1,5 @@
-//! Conditions that are never true together: bounds of one number that leave no value, names of one category that exclude
-//! each other, a condition and its negation. A rule with them would be searched and never found.
+//! Conditions that are never true together: bounds of one number that leave no value, names of one category that
+//! exclude each other, a condition and its negation. A rule with them would be searched and never found.
 
 use super::super::Fault;
 use super::super::program::{NodeId, Op};
